@@ -1,0 +1,1 @@
+"""The `ur` command: launch files, robots and programs on ROS 1. Imports no ROS Python."""

@@ -1,0 +1,1 @@
+"""Launch files: text to tree (syntax), packages and files (world), tree to plan (plan)."""

@@ -1,0 +1,1 @@
+"""Tree + world + arguments -> Plan."""

@@ -1,0 +1,93 @@
+"""The resolved plan: what a launch file means, every item with where it came from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+from ur.source.diagnostic import Diagnostic
+from ur.source.file import Span
+
+ParamValue = bool | int | float | str | bytes | list["ParamValue"] | dict[str, "ParamValue"] | None
+
+
+@dataclass(frozen=True, slots=True)
+class Origin:
+    """Where an item stands, and the `<include>` tags that led there, outermost first."""
+
+    span: Span
+    includes: tuple[Span, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class MachineSpec:
+    """A computer: roslaunch's `<machine>`."""
+
+    name: str
+    address: str
+    user: str | None
+    env_loader: str | None
+    ssh_port: int
+    timeout: float
+    origin: Origin
+
+
+@dataclass(frozen=True, slots=True)
+class ParamSpec:
+    """A parameter with its full name. `command` is set instead of a value when a program has to print it first."""
+
+    name: str
+    value: ParamValue
+    origin: Origin
+    command: str | None = None
+    command_type: Literal["auto", "str", "int", "double", "bool", "yaml"] = "auto"
+
+
+@dataclass(frozen=True, slots=True)
+class NodeSpec:
+    """A node to start. `args` is one string, resolved; the runner splits it as roslaunch does."""
+
+    name: str  # without namespace
+    namespace: str  # with leading and trailing slash
+    package: str
+    type: str
+    args: str
+    machine: str | None
+    respawn: bool
+    respawn_delay: float
+    required: bool
+    output: Literal["log", "screen"]
+    cwd: str | None
+    launch_prefix: str | None
+    remaps: tuple[tuple[str, str], ...]
+    env: tuple[tuple[str, str], ...]
+    origin: Origin
+    terminal: bool = False  # a documentation comment `<!--terminal: ...-->` inside gives it the keyboard and screen
+
+    @property
+    def full_name(self) -> str:
+        """The name with its namespace."""
+        return self.namespace + self.name
+
+
+@dataclass(frozen=True, slots=True)
+class TestSpec:
+    """A `<test>`: a node and when to give up on it."""
+
+    node: NodeSpec
+    test_name: str
+    time_limit: float
+    retry: int
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """Everything a launch file asks for. Complete only when `diagnostics` holds no error."""
+
+    nodes: tuple[NodeSpec, ...]
+    tests: tuple[TestSpec, ...]
+    params: tuple[ParamSpec, ...]  # in the order in which roslaunch sets them; a name occurs once
+    clear_params: tuple[str, ...]  # namespaces whose parameters go before any is set
+    machines: tuple[MachineSpec, ...]
+    files: tuple[str, ...]  # every launch file read, absolute
+    diagnostics: tuple[Diagnostic, ...] = field(default=())

@@ -1,0 +1,1 @@
+"""Packages, files and environment, behind one Protocol."""

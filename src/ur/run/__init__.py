@@ -1,0 +1,1 @@
+"""Running a plan: start, supervise, stop."""

@@ -1,0 +1,59 @@
+"""One shape for everything a tool finds, whichever tool it is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from ur.source.file import Span
+
+
+class Severity(Enum):
+    """How bad it is. Errors stop a program from working; warnings are conventions."""
+
+    ERROR = "error"
+    WARNING = "warning"
+
+
+@dataclass(frozen=True, slots=True)
+class Note:
+    """A related place or fact: the first definition, a step of the include chain."""
+
+    message: str
+    span: Span | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Diagnostic:
+    """A finding: the thing first, then what was expected; where; and one action that helps.
+
+    `rule` is a kebab-case id that never changes its meaning. `span` is None when the finding is not in a text,
+    for instance when it is about the command line.
+    """
+
+    severity: Severity
+    message: str
+    rule: str
+    span: Span | None = None
+    notes: tuple[Note, ...] = ()
+    help: str | None = None
+
+
+class UserError(Exception):
+    """What the user gave cannot be used, and why. The only exception that crosses a stage because of user input."""
+
+    def __init__(self, *diagnostics: Diagnostic) -> None:
+        super().__init__(*diagnostics)
+        self.diagnostics = diagnostics
+
+    def __str__(self) -> str:
+        return "; ".join(f"{d.span}: {d.message}" if d.span else d.message for d in self.diagnostics)
+
+
+def error(
+    message: str, span: Span | None = None, *, rule: str, help: str | None = None, notes: tuple[Note, ...] = ()
+) -> Diagnostic:
+    """A Diagnostic with severity ERROR."""
+    return Diagnostic(Severity.ERROR, message, rule, span, notes, help)

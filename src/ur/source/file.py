@@ -1,0 +1,87 @@
+"""A text file and places in it."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from pathlib import Path
+from typing import NamedTuple
+
+from ur.source.diagnostic import UserError, error
+
+
+class Position(NamedTuple):
+    """A place between two characters. Line and column count from 1, columns in characters."""
+
+    line: int
+    column: int
+
+
+class SourceFile:
+    """A text and the path it came from. Equal to itself only: spans of one text share one object."""
+
+    __slots__ = ("_line_starts", "path", "text")
+
+    def __init__(self, path: str, text: str) -> None:
+        self.path = path
+        self.text = text
+        self._line_starts: list[int] | None = None
+
+    def __repr__(self) -> str:
+        return f"SourceFile({self.path!r})"
+
+    @classmethod
+    def read(cls, path: str | Path, expected: str = "a readable text file") -> SourceFile:
+        """Read a file as UTF-8. Raises UserError, which names the path, when that cannot be done."""
+        try:
+            return cls(str(path), Path(path).read_text(encoding="utf-8"))
+        except UnicodeDecodeError as problem:
+            raise UserError(
+                error(f"{path}: byte {problem.start} is not UTF-8, expected {expected}", rule="unreadable-file")
+            ) from None
+        except OSError as problem:
+            reason = (problem.strerror or str(problem)).lower()
+            raise UserError(error(f"{path}: {reason}, expected {expected}", rule="unreadable-file")) from None
+
+    def position(self, offset: int) -> Position:
+        """Line and column of a character offset (0-based; the end of the text is allowed)."""
+        starts = self._starts()
+        line = bisect_right(starts, offset)
+        return Position(line, offset - starts[line - 1] + 1)
+
+    def line(self, number: int) -> str:
+        """The text of a line (1-based) without its line break."""
+        starts = self._starts()
+        end = starts[number] if number < len(starts) else len(self.text)
+        return self.text[starts[number - 1] : end].rstrip("\r\n")
+
+    def _starts(self) -> list[int]:
+        if self._line_starts is None:
+            starts = [0]
+            index = self.text.find("\n")
+            while index != -1:
+                starts.append(index + 1)
+                index = self.text.find("\n", index + 1)
+            self._line_starts = starts
+        return self._line_starts
+
+
+class Span(NamedTuple):
+    """Characters `start` up to `end` (exclusive, 0-based offsets) of a file."""
+
+    file: SourceFile
+    start: int
+    end: int
+
+    @property
+    def position(self) -> Position:
+        """Where it starts."""
+        return self.file.position(self.start)
+
+    @property
+    def text(self) -> str:
+        """The characters themselves."""
+        return self.file.text[self.start : self.end]
+
+    def __str__(self) -> str:
+        line, column = self.position
+        return f"{self.file.path}:{line}:{column}"

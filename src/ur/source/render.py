@@ -1,0 +1,55 @@
+"""Diagnostics as text for people."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from ur.source.diagnostic import Diagnostic, Severity
+from ur.source.file import Span
+
+_STYLES = {
+    "error": "\x1b[1;31m",
+    "warning": "\x1b[1;33m",
+    "note": "\x1b[36m",
+    "help": "\x1b[32m",
+    "path": "\x1b[1m",
+    "caret": "\x1b[1;31m",
+}
+
+
+def render_human(diagnostics: Iterable[Diagnostic], *, colour: bool = False) -> str:
+    """`path:line:column: severity: message [rule]`, the source line with a caret, notes, one help line.
+
+    Ends with a newline unless there is nothing to say.
+    """
+    return "".join(line + "\n" for diagnostic in diagnostics for line in _lines(diagnostic, colour))
+
+
+def _lines(diagnostic: Diagnostic, colour: bool) -> Iterable[str]:
+    severity = diagnostic.severity.value
+    where = _paint(f"{diagnostic.span}: ", "path", colour) if diagnostic.span else ""
+    yield f"{where}{_paint(severity, severity, colour)}: {diagnostic.message} [{diagnostic.rule}]"
+    if diagnostic.span:
+        yield from _excerpt(diagnostic.span, colour, diagnostic.severity)
+    for note in diagnostic.notes:
+        place = f"{note.span}: " if note.span else ""
+        yield f"  {_paint('note', 'note', colour)}: {place}{note.message}"
+    if diagnostic.help:
+        yield f"  {_paint('help', 'help', colour)}: {diagnostic.help}"
+
+
+def _excerpt(span: Span, colour: bool, severity: Severity) -> Iterable[str]:
+    line, column = span.position
+    text = span.file.line(line)
+    if not text.strip():
+        return
+    width = max(1, min(span.end - span.start, len(text) - column + 1))
+    start = max(0, column - 100)  # a caret far to the right helps nobody
+    shown = text[start : start + 160].replace("\t", " ")
+    carets = "^" * min(width, max(1, 160 - (column - 1 - start)))
+    yield f"  {line:>4} | {shown}"
+    yield f"       | {' ' * (column - 1 - start)}{_paint(carets, severity.value, colour)}"
+
+
+def _paint(text: str, style: str, colour: bool) -> str:
+    return f"{_STYLES[style]}{text}\x1b[0m" if colour else text

@@ -1,0 +1,1 @@
+"""What every node shell shares: starting, parameters with good errors, messages to and from arrays."""

@@ -1,0 +1,98 @@
+"""Private parameters of a node, typed, with errors that name the parameter and what was expected."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from typing import Any
+
+import rospy
+
+from ur.source.diagnostic import UserError, error
+from ur.source.suggest import did_you_mean
+
+_REQUIRED: Any = object()
+
+
+class Parameters:
+    """Reads from the parameter server below `namespace` ('~' is the node itself). Raises UserError."""
+
+    def __init__(self, namespace: str = "~") -> None:
+        self._namespace = namespace
+
+    def below(self, name: str) -> Parameters:
+        """The parameters of a sub-namespace."""
+        return Parameters(f"{self._namespace}{name}/")
+
+    def has(self, name: str) -> bool:
+        """Whether the parameter is set."""
+        return bool(rospy.has_param(self._namespace + name))
+
+    def number(
+        self, name: str, default: Any = _REQUIRED, *, minimum: float = -math.inf, maximum: float = math.inf
+    ) -> float:
+        """A finite number within limits (inclusive)."""
+        value = self._get(name, default, "a number")
+        good = isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
+        if not good or not minimum <= value <= maximum:
+            limits = "" if (minimum, maximum) == (-math.inf, math.inf) else f" from {minimum:g} to {maximum:g}"
+            self.fail(name, value, f"a number{limits}")
+        return float(value)
+
+    def integer(self, name: str, default: Any = _REQUIRED, *, minimum: int | None = None) -> int:
+        """A whole number not below `minimum`."""
+        value = self._get(name, default, "a whole number")
+        if not isinstance(value, int) or isinstance(value, bool) or (minimum is not None and value < minimum):
+            at_least = "" if minimum is None else f" of at least {minimum}"
+            self.fail(name, value, f"a whole number{at_least}")
+        return int(value)
+
+    def text(self, name: str, default: Any = _REQUIRED, *, choices: Iterable[str] = ()) -> str:
+        """A string; with `choices`, one of them."""
+        value = self._get(name, default, "a text")
+        allowed = list(choices)
+        if not isinstance(value, str) or (allowed and value not in allowed):
+            self.fail(name, value, f"one of {', '.join(allowed)}" if allowed else "a text", allowed)
+        return str(value)
+
+    def boolean(self, name: str, default: Any = _REQUIRED) -> bool:
+        """True or false."""
+        value = self._get(name, default, "true or false")
+        if not isinstance(value, bool):
+            self.fail(name, value, "true or false")
+        return bool(value)
+
+    def points(self, name: str, default: Any = _REQUIRED) -> tuple[tuple[float, float], ...]:
+        """A list of [x, y] points, or the text of one (move_base's footprints may be either)."""
+        import yaml
+
+        value = self._get(name, default, "a list of [x, y] points")
+        listed = yaml.safe_load(value) if isinstance(value, str) else value
+        try:
+            return tuple((float(x), float(y)) for x, y in listed or ())
+        except (TypeError, ValueError):
+            self.fail(name, value, "a list of [x, y] points")
+            raise AssertionError from None
+
+    def fail(self, name: str, value: object, expected: str, choices: Iterable[str] = ()) -> None:
+        """Raise UserError: this parameter has this value, and what was expected."""
+        near = did_you_mean(str(value), choices)
+        raise UserError(
+            error(
+                f"parameter {rospy.resolve_name(self._namespace + name)}: {value!r}, expected {expected}",
+                rule="bad-parameter",
+                help=f"did you mean {near!r}?" if near else None,
+            )
+        )
+
+    def _get(self, name: str, default: Any, expected: str) -> Any:
+        if default is not _REQUIRED:
+            return rospy.get_param(self._namespace + name, default)
+        if not self.has(name):
+            raise UserError(
+                error(
+                    f"parameter {rospy.resolve_name(self._namespace + name)} is not set, expected {expected}",
+                    rule="missing-parameter",
+                )
+            )
+        return rospy.get_param(self._namespace + name)

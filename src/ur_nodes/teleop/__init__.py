@@ -1,0 +1,1 @@
+"""Driving by hand and by goal, from a terminal."""
