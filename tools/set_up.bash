@@ -1,0 +1,188 @@
+#!/bin/bash
+# Set this computer up: set_up.bash run|test. Debian packages, a virtual environment, the locked Python packages.
+#
+# Every step looks first and does only what is missing, so it may be interrupted anywhere and started again. The stamp
+# .venv/ready-PROFILE is written last and names this folder, since a virtual environment does not survive being moved.
+set -uo pipefail
+profile="${1:?set_up.bash run|test}"
+root="$(readlink -f "${BASH_SOURCE[0]}")"
+root="${root%/tools/*}"
+cd "$root" || exit 2
+log="$root/.cache/set_up.log"
+python=/usr/bin/python3
+
+# A name with | is the first of the alternatives that this release has.
+packages=(
+  python3 python3-venv ca-certificates
+  ros-core python3-rospy python3-roslaunch python3-tf2-ros python3-actionlib
+  python3-geometry-msgs python3-nav-msgs python3-sensor-msgs python3-move-base-msgs python3-visualization-msgs
+  python3-std-srvs "ros-robot-state-publisher|robot-state-publisher"
+)
+[[ $profile == test ]] && packages+=(git tmux xvfb liburdfdom-tools)
+
+say() { printf '%s\n' "$*" >&2; }
+
+die() {
+  say "error: $1"
+  [[ -n ${2-} ]] && say "  help: $2"
+  exit 2
+}
+
+check_system() {
+  local arch ID="" VERSION_ID="" PRETTY_NAME="an unknown system"
+  # shellcheck disable=SC1091 # the file every Linux system describes itself in
+  [[ -r /etc/os-release ]] && . /etc/os-release
+  arch="$(uname -m)"
+  case "$ID:$VERSION_ID:$arch" in
+    debian:1[23]:x86_64 | debian:1[23]:aarch64) ;;
+    ubuntu:2[2-9].*:x86_64 | ubuntu:2[2-9].*:aarch64 | ubuntu:[3-9]?.*:x86_64 | ubuntu:[3-9]?.*:aarch64) ;;
+    *) die "$PRETTY_NAME on $arch is not supported; expected Debian 12 or 13, or Ubuntu 22.04 or later, on x86-64 or arm64" ;;
+  esac
+}
+
+# run_step TITLE COMMAND...: output goes to the log; a terminal shows the time and the last line.
+run_step() {
+  local title="$1" start=$SECONDS from width line status
+  shift
+  printf '\n== %s: %s\n' "$title" "$*" >>"$log"
+  from=$(wc -c <"$log")
+  "$@" >>"$log" 2>&1 </dev/null &
+  child=$!
+  if [[ -t 2 ]]; then
+    while kill -0 "$child" 2>/dev/null; do
+      width=$(($(tput cols 2>/dev/null || echo 80) - 1))
+      line="$(tail -c 400 "$log" | tr '\r' '\n' | grep -v '^ *$' | tail -n 1 | tr -cd '[:print:]')"
+      printf '\r\033[K%.*s' "$width" "  $title, $((SECONDS - start)) s: $line" >&2
+      sleep 0.3
+    done
+    printf '\r\033[K' >&2
+  else
+    say "  $title ..."
+  fi
+  wait "$child"
+  status=$?
+  child=
+  if [[ $status -ne 0 ]]; then
+    say "error: $title failed (exit code $status); the last lines of $log:"
+    tail -c "+$((from + 1))" "$log" | grep -v '^ *$' | tail -n 12 | sed 's/^/  | /' >&2
+    return "$status"
+  fi
+  say "  $title: done in $((SECONDS - start)) s"
+}
+
+is_installed() { [[ "$(dpkg-query -W -f='${db:Status-Status}' "$1" 2>/dev/null)" == installed ]]; }
+
+missing_packages() {
+  local entry name
+  for entry in "${packages[@]}"; do
+    for name in ${entry//|/ }; do is_installed "$name" && continue 2; done
+    printf '%s\n' "$entry"
+  done
+}
+
+# The first of the alternatives that apt knows, else the first.
+choose_name() {
+  local name
+  for name in ${1//|/ }; do
+    [[ -n "$(apt-cache policy "$name" 2>/dev/null)" ]] && printf '%s\n' "$name" && return
+  done
+  printf '%s\n' "${1%%|*}"
+}
+
+become_root=()
+ask_for_root() {
+  [[ $EUID -eq 0 ]] && return
+  command -v sudo >/dev/null || die "Debian packages are missing and sudo is not installed: ${missing[*]}" \
+    "as root, run: apt-get install ${missing[*]%%|*}"
+  say "  this needs root: sudo may ask for your password"
+  if ! sudo -n true 2>/dev/null; then
+    [[ -t 0 ]] || die "sudo wants a password and there is no terminal to ask on" \
+      "run this in a terminal, or install as root: apt-get install ${missing[*]%%|*}"
+    sudo -v || die "sudo was refused" "ask an administrator to run: apt-get install ${missing[*]%%|*}"
+  fi
+  become_root=(sudo)
+}
+
+apt_get() {
+  run_step "$1" "${become_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -q -o DPkg::Lock::Timeout=300 "${@:2}"
+}
+
+install_packages() {
+  local names=() entry
+  mapfile -t missing < <(missing_packages)
+  [[ ${#missing[@]} -eq 0 ]] && return
+  say "  ${#missing[@]} Debian packages are missing: ${missing[*]%%|*}"
+  ask_for_root
+  # An interrupted installation leaves dpkg half-configured, and apt refuses everything until that is mended.
+  [[ -n "$(dpkg --audit 2>/dev/null)" ]] &&
+    run_step "mending an interrupted installation" "${become_root[@]}" env DEBIAN_FRONTEND=noninteractive dpkg --configure -a
+  apt_get "package lists" update ||
+    die "the package lists could not be fetched" "check the network and the sources in /etc/apt, then run this again"
+  for entry in "${missing[@]}"; do names+=("$(choose_name "$entry")"); done
+  apt_get "${#names[@]} Debian packages and what they need" install -y --no-install-recommends "${names[@]}" ||
+    die "Debian packages could not be installed" \
+      "see above; on Ubuntu the component 'universe' must be enabled (sudo add-apt-repository universe); then run this again"
+}
+
+# RViz is large, and useless without a screen; a computer that gets one later gets RViz then.
+offer_rviz() {
+  [[ -n "${DISPLAY-}${WAYLAND_DISPLAY-}" ]] || return 0
+  is_installed rviz && return
+  missing=(rviz)
+  say "  there is a display and no RViz: installing it"
+  ask_for_root
+  apt_get "RViz" install -y --no-install-recommends rviz ||
+    say "warning: RViz could not be installed; everything else works without it"
+}
+
+make_environment() {
+  local wanted found
+  wanted="$($python -c 'import sys; print(sys.version_info[:2])')"
+  found="$(.venv/bin/python -c 'import sys; print(sys.version_info[:2])' 2>/dev/null)"
+  if [[ $wanted != "$found" ]] || ! .venv/bin/python -m pip --version >/dev/null 2>&1; then
+    run_step "virtual environment" "$python" -m venv --clear --system-site-packages .venv ||
+      die "the virtual environment .venv could not be made" "look at $log, then run this again"
+  fi
+}
+
+install_python() {
+  local locks=(-r requirements/run.lock)
+  [[ $profile == test ]] && locks+=(-r requirements/dev.lock)
+  # PYTHONPATH of a shell that sourced another ROS would make pip think that its packages are ours.
+  run_step "Python packages" env -u PYTHONPATH .venv/bin/python -m pip install --progress-bar off \
+    --disable-pip-version-check --require-hashes --only-binary :all: "${locks[@]}" ||
+    die "the Python packages could not be installed" "check the network and pip's settings (pip config list), then run this again"
+  run_step "this project" env -u PYTHONPATH .venv/bin/python -m pip install --disable-pip-version-check \
+    --no-deps --no-build-isolation --no-index --editable . ||
+    die "the project could not be installed into .venv" "look at $log, then run this again"
+}
+
+child=
+interrupted() {
+  if [[ -n $child ]]; then
+    kill "$child" 2>/dev/null || sudo -n kill "$child" 2>/dev/null
+    wait "$child"
+  fi
+  say ""
+  say "interrupted: nothing is broken, the next start continues"
+  exit 130
+}
+trap interrupted INT TERM HUP
+
+check_system
+mkdir -p .cache 2>/dev/null
+if [[ ! -w $root || ! -w .cache || ( -e .venv && ! -w .venv ) ]]; then
+  die "$root is not writable for $(id -un), expected a copy of your own" "git clone it into your home folder"
+fi
+exec 9>.cache/set_up.lock
+flock -n 9 || { say "another set-up of this folder is running: waiting for it" && flock 9; }
+begin=$SECONDS
+: >"$log"
+say "setting up this computer ($profile); details in $log"
+install_packages
+offer_rviz
+make_environment
+install_python
+printf '%s\n' "$root" >.venv/ready-run
+[[ $profile == test ]] && printf '%s\n' "$root" >.venv/ready-test
+say "set up in $((SECONDS - begin)) s"
