@@ -1,0 +1,26 @@
+# The handful of commands of this project; each works without `just`, too.
+
+# linters and types
+check:
+    .venv/bin/ruff check .
+    .venv/bin/ruff format --check .
+    .venv/bin/mypy
+    shellcheck ur test .ci/run tests/fresh/run tools/*.bash ubiquity_launches/lib/node
+
+# everything that a change is tested with; `just test --fast` leaves out what starts ROS
+test *ARGS:
+    ./test {{ARGS}}
+
+# everything, the empty computer included (root)
+test-all:
+    .ci/run
+
+# what is generated: worlds, URDFs, screenshots, locks are not (see CONTRIBUTING)
+docs:
+    .venv/bin/python tools/make_worlds.py
+    .venv/bin/python tools/make_urdf.py
+    .venv/bin/python tools/make_screenshot.py
+
+# print the figures of a bench: just bench navigation
+bench NAME *ARGS:
+    bench/{{NAME}} {{ARGS}}

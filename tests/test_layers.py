@@ -1,0 +1,80 @@
+"""Imports point down: the table of docs/architecture.md, kept."""
+
+from __future__ import annotations
+
+import ast
+from pathlib import Path
+
+import pytest
+
+SRC = Path(__file__).parents[1] / "src"
+
+# A module may import from the layers named here and from its own.
+MAY_IMPORT: dict[str, tuple[str, ...]] = {
+    "ur.source": (),
+    "ur.launchfile.syntax": ("ur.source",),
+    "ur.launchfile.world": ("ur.source",),
+    "ur.launchfile.plan": ("ur.source", "ur.launchfile.syntax", "ur.launchfile.world"),
+    "ur.launchfile": ("ur.source",),
+    "ur.robot": ("ur.source",),
+    "ur.check": ("ur.source", "ur.launchfile", "ur.robot"),
+    "ur.run": ("ur.source", "ur.launchfile", "ur.robot"),
+    "ur.cli": ("ur",),
+    "ur": ("ur",),
+    "ur_nodes.rosio": ("ur.source",),
+    "ur_nodes.simulator": ("ur.source", "ur.robot.base", "ur_nodes.rosio"),
+    "ur_nodes.navigation": ("ur.source", "ur.robot.base", "ur_nodes.rosio"),
+    "ur_nodes.teleop": ("ur.source", "ur.robot.base", "ur_nodes.rosio", "ur_nodes.navigation"),
+    "ur_nodes": (),
+}
+ROS = {
+    "actionlib", "actionlib_msgs", "genpy", "geometry_msgs", "map_msgs", "move_base_msgs", "nav_msgs", "rosgraph",
+    "rosgraph_msgs", "roslaunch", "roslib", "rospy", "sensor_msgs", "std_msgs", "std_srvs", "tf2_msgs", "tf2_py",
+    "tf2_ros", "visualization_msgs",
+}  # fmt: skip
+
+MODULES = {
+    ".".join(path.relative_to(SRC).with_suffix("").parts).removesuffix(".__init__"): path
+    for path in sorted(SRC.rglob("*.py"))
+}
+
+
+def layer_of(module: str) -> str:
+    return max((name for name in MAY_IMPORT if module == name or module.startswith(name + ".")), key=len)
+
+
+def imports_of(path: Path) -> set[str]:
+    found: set[str] = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{path}: a relative import, expected an absolute one"
+            found.add(node.module or "")
+            found |= {f"{node.module}.{alias.name}" for alias in node.names if f"{node.module}.{alias.name}" in MODULES}
+    return found
+
+
+@pytest.mark.parametrize("module", MODULES)
+def test_module_imports_only_from_layers_below(module: str) -> None:
+    own = layer_of(module)
+    allowed = (own, *MAY_IMPORT[own])
+    for name in imports_of(MODULES[module]):
+        if name.split(".")[0] in ("ur", "ur_nodes") and name not in ("ur", "ur_nodes"):
+            below = any(name == layer or name.startswith(layer + ".") for layer in allowed)
+            parent = any(layer.startswith(name + ".") for layer in allowed)
+            assert below or parent, f"{module} imports {name}, expected only {', '.join(allowed)}"
+
+
+@pytest.mark.parametrize("module", MODULES)
+def test_only_node_shells_import_ros(module: str) -> None:
+    used = {name.split(".")[0] for name in imports_of(MODULES[module])} & ROS
+    if module.startswith("ur_nodes.rosio") or module.endswith("_node"):
+        return
+    if module.endswith("_message"):
+        used -= {name for name in used if name.endswith("_msgs")}
+    assert not used, f"{module} imports {', '.join(used)}, expected ROS only in *_node.py, *_message.py and rosio"
+
+
+def test_every_module_belongs_to_a_named_layer() -> None:
+    assert {layer_of(module) for module in MODULES} <= set(MAY_IMPORT)
