@@ -1,0 +1,164 @@
+"""A ROS client that tests talk to: one JSON request per line on standard input, one answer per line on standard output.
+
+rospy can be started only once in a process, so each test session's client is a process of its own.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+import time
+from collections.abc import Callable
+from typing import Any
+
+import actionlib
+import rospy
+import tf2_ros
+from actionlib_msgs.msg import GoalStatus
+from geometry_msgs.msg import Twist
+from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
+from nav_msgs.msg import Odometry
+from nav_msgs.srv import GetPlan, SetMap, SetMapRequest
+from sensor_msgs.msg import LaserScan
+from std_srvs.srv import Empty
+
+from ur_nodes.rosio.geometry import Pose2, pose_message, pose_of_message, pose_of_transform
+
+_STATES = {value: name for name, value in vars(GoalStatus).items() if name.isupper()}
+
+
+class Client:
+    """What a person with RViz and a few terminals could do."""
+
+    def __init__(self) -> None:
+        self.truth: Odometry | None = None
+        self.odom: Odometry | None = None
+        self.scans = 0
+        self.buffer = tf2_ros.Buffer()
+        self.listener = tf2_ros.TransformListener(self.buffer)
+        self.cmd_vel = rospy.Publisher("cmd_vel", Twist, queue_size=1)
+        self.action = actionlib.SimpleActionClient("move_base", MoveBaseAction)
+        rospy.Subscriber("base_pose_ground_truth", Odometry, self._set_truth)
+        rospy.Subscriber("odom", Odometry, self._set_odom)
+        rospy.Subscriber("scan", LaserScan, self._count_scan)
+
+    def do_ready(self, seconds: float) -> dict[str, Any]:
+        """Wait until the robot is localised and takes goals."""
+        wait_until(lambda: self.truth and self.odom and self.scans, seconds, "odom, scan and base_pose_ground_truth")
+        wait_until(lambda: self.action.wait_for_server(rospy.Duration(0.1)), seconds, "the action server move_base")
+        wait_until(lambda: self.buffer.can_transform("map", "base_footprint", rospy.Time()), seconds, "map to base tf")
+        return {}
+
+    def do_goal(self, x: float, y: float, degrees: float = 0.0, seconds: float = 0.0) -> dict[str, Any]:
+        """Send a goal; with `seconds`, wait that long for its end."""
+        goal = MoveBaseGoal()
+        goal.target_pose.header.frame_id = "map"
+        goal.target_pose.header.stamp = rospy.Time.now()
+        goal.target_pose.pose = pose_message(Pose2(x, y, math.radians(degrees)))
+        self.action.send_goal(goal)
+        return self.do_result(seconds) if seconds else {}
+
+    def do_result(self, seconds: float) -> dict[str, Any]:
+        """Wait for the end of the goal."""
+        ended = self.action.wait_for_result(rospy.Duration(seconds))
+        state = _STATES[self.action.get_state()] if ended else "RUNNING"
+        return {"state": state, "text": self.action.get_goal_status_text(), **self.do_where()}
+
+    def do_cancel(self) -> dict[str, Any]:
+        """Cancel the goal."""
+        self.action.cancel_goal()
+        return {}
+
+    def do_where(self) -> dict[str, Any]:
+        """The true pose, the believed one, the speed and whether the goal runs."""
+        assert self.truth
+        true = pose_of_message(self.truth.pose.pose)
+        believed = pose_of_transform(self.buffer.lookup_transform("map", "base_footprint", rospy.Time()).transform)
+        twist = self.truth.twist.twist
+        return {"true": true, "believed": believed, "speed": math.hypot(twist.linear.x, twist.angular.z)}
+
+    def do_drive(self, forward: float, turn: float, seconds: float) -> dict[str, Any]:
+        """Publish cmd_vel at 20 Hz for a while, then nothing."""
+        command = Twist()
+        command.linear.x, command.angular.z = forward, turn
+        rate = rospy.Rate(20)
+        for _ in range(round(seconds * 20)):
+            self.cmd_vel.publish(command)
+            rate.sleep()
+        return self.do_where()
+
+    def do_still(self, seconds: float) -> dict[str, Any]:
+        """Wait until the robot stands."""
+        wait_until(lambda: self.do_where()["speed"] < 0.01, seconds, "the robot to stand still")
+        return self.do_where()
+
+    def do_moving(self, seconds: float) -> dict[str, Any]:
+        """Wait until the robot moves."""
+        wait_until(lambda: self.do_where()["speed"] > 0.1, seconds, "the robot to move")
+        return self.do_where()
+
+    def do_place(self, x: float, y: float, degrees: float) -> dict[str, Any]:
+        """Put the robot somewhere else, telling nobody."""
+        request = SetMapRequest()
+        request.initial_pose.pose.pose = pose_message(Pose2(x, y, math.radians(degrees)))
+        rospy.wait_for_service("simulator/place", 10)
+        return {"success": rospy.ServiceProxy("simulator/place", SetMap)(request).success}
+
+    def do_globalise(self) -> dict[str, Any]:
+        """Tell the localiser that it could be anywhere."""
+        rospy.wait_for_service("global_localization", 10)
+        rospy.ServiceProxy("global_localization", Empty)()
+        return {}
+
+    def do_plan(self, x: float, y: float) -> dict[str, Any]:
+        """How many poses a path from here has; none when there is none."""
+        rospy.wait_for_service("move_base/make_plan", 10)
+        request = GetPlan._request_class()
+        believed = Pose2(*self.do_where()["believed"])
+        for stamped, pose in ((request.start, believed), (request.goal, Pose2(x, y, 0.0))):
+            stamped.header.frame_id = "map"
+            stamped.pose = pose_message(pose)
+        plan = rospy.ServiceProxy("move_base/make_plan", GetPlan)(request).plan
+        return {"poses": len(plan.poses), "frame": plan.header.frame_id}
+
+    def do_scans(self) -> dict[str, Any]:
+        """How many scans came so far."""
+        return {"scans": self.scans}
+
+    def _set_truth(self, message: Odometry) -> None:
+        self.truth = message
+
+    def _set_odom(self, message: Odometry) -> None:
+        self.odom = message
+
+    def _count_scan(self, _message: LaserScan) -> None:
+        self.scans += 1
+
+
+def wait_until(condition: Callable[[], object], seconds: float, what: str) -> None:
+    """Poll until the condition holds; TimeoutError names what was waited for."""
+    deadline = time.monotonic() + seconds
+    while not condition():
+        if time.monotonic() > deadline or rospy.is_shutdown():
+            raise TimeoutError(f"waited {seconds:g} s for {what}")
+        time.sleep(0.02)
+
+
+def main() -> None:
+    """Answer requests until standard input ends."""
+    rospy.init_node("test_client", anonymous=True, disable_signals=True)
+    client = Client()
+    for line in sys.stdin:
+        request = json.loads(line)
+        try:
+            answer = getattr(client, "do_" + request.pop("do"))(**request)
+        except Exception as problem:  # the test that asked is told, whatever it was
+            answer = {"error": f"{type(problem).__name__}: {problem}"}
+        sys.stdout.write(json.dumps(answer) + "\n")
+        sys.stdout.flush()
+    rospy.signal_shutdown("done")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,119 @@
+"""A whole robot for a test: `ur launch` with a master of its own, and a client process to talk to it."""
+
+from __future__ import annotations
+
+import json
+import os
+import select
+import signal
+import socket
+import subprocess
+from collections.abc import Iterator
+from pathlib import Path
+from typing import IO, Any
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+PYTHON = ROOT / ".venv" / "bin" / "python"
+
+
+def free_port() -> int:
+    with socket.socket() as probe:
+        probe.bind(("localhost", 0))
+        return int(probe.getsockname()[1])
+
+
+def make_environment(folder: Path) -> dict[str, str]:
+    """An environment with a master address, home and logs of its own, and no display."""
+    kept = {name: value for name, value in os.environ.items() if not name.startswith(("ROS", "DISPLAY", "WAYLAND"))}
+    home = folder / "home"
+    home.mkdir(parents=True, exist_ok=True)
+    return kept | {
+        "HOME": str(home),
+        "ROS_HOME": str(home / ".ros"),
+        "ROS_MASTER_URI": f"http://localhost:{free_port()}",
+        "ROS_HOSTNAME": "localhost",
+        "ROS_PACKAGE_PATH": f"{ROOT / 'ubiquity_launches'}:/usr/share",
+        "XDG_CONFIG_HOME": str(home / ".config"),
+        "XDG_DATA_HOME": str(home / ".local"),
+    }
+
+
+def list_family(pid: int) -> list[int]:
+    """A process and all below it."""
+    import psutil
+
+    try:
+        parent = psutil.Process(pid)
+        return [pid, *(child.pid for child in parent.children(recursive=True))]
+    except psutil.NoSuchProcess:
+        return []
+
+
+def end(process: subprocess.Popen[Any], seconds: float = 20.0) -> None:
+    """Interrupt as Ctrl-C would, and insist if that does not help. Fails when something is left."""
+    import psutil
+
+    family = list_family(process.pid)
+    if process.poll() is None:
+        process.send_signal(signal.SIGINT)
+        try:
+            process.wait(seconds)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait(5)
+    left = [pid for pid in family if psutil.pid_exists(pid)]
+    for pid in left:
+        os.kill(pid, signal.SIGKILL)
+    assert not left, f"still running after the end: {left}"
+
+
+class Robot:
+    """The client's requests as calls: robot.ask("goal", x=1.0, y=2.0, seconds=30)."""
+
+    def __init__(self, launch: subprocess.Popen[str], env: dict[str, str], log: Path) -> None:
+        self.launch = launch
+        self.env = env
+        self.log = log
+        command = [str(PYTHON), str(Path(__file__).with_name("client_node.py"))]
+        self.client = subprocess.Popen(
+            command, env=env, text=True, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL
+        )
+
+    def ask(self, do: str, **arguments: Any) -> dict[str, Any]:
+        stdin, stdout = self._pipes()
+        stdin.write(json.dumps({"do": do, **arguments}) + "\n")
+        stdin.flush()
+        limit = float(arguments.get("seconds", 0.0)) * 3 + 30
+        ready, _, _ = select.select([stdout], [], [], limit)
+        assert ready, f"{do}: no answer within {limit:g} s; launch log: {self.log.read_text()[-2000:]}"
+        answer: dict[str, Any] = json.loads(stdout.readline())
+        assert "error" not in answer, f"{do}: {answer['error']}; launch log: {self.log.read_text()[-2000:]}"
+        return answer
+
+    def _pipes(self) -> tuple[IO[str], IO[str]]:
+        assert self.client.stdin
+        assert self.client.stdout
+        return self.client.stdin, self.client.stdout
+
+
+@pytest.fixture(scope="module")
+def robot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Robot]:
+    """A simulated stage robot in the maze that navigates, one for all tests of a module."""
+    folder = tmp_path_factory.mktemp("robot")
+    env = make_environment(folder)
+    log = folder / "launch.log"
+    command = [str(ROOT / "ur"), "launch", str(Path(__file__).with_name("robot.launch")), "robot_base:=stage"]
+    with log.open("w") as output:
+        launch = subprocess.Popen(
+            command, env=env, text=True, stdin=subprocess.DEVNULL, stdout=output, stderr=subprocess.STDOUT, cwd=folder
+        )
+    robot = Robot(launch, env, log)
+    try:
+        robot.ask("ready", seconds=40)
+        yield robot
+    finally:
+        robot.client.kill()
+        robot.client.wait()
+        end(launch)

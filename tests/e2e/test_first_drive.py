@@ -1,0 +1,110 @@
+"""The main job, whole: real master, real nodes, the simulated robot. One robot serves all tests, so each starts where it likes."""
+
+from __future__ import annotations
+
+import math
+import os
+import signal
+from typing import Any
+
+import psutil
+import pytest
+
+from tests.e2e.conftest import Robot, list_family
+
+pytestmark = [pytest.mark.ros, pytest.mark.timeout(300)]
+
+START = {"x": 0.0, "y": 0.0, "degrees": 0.0}
+
+
+def distance(first: list[float], second: tuple[float, float] | list[float]) -> float:
+    return math.hypot(first[0] - second[0], first[1] - second[1])
+
+
+def put_at_start(robot: Robot) -> None:
+    """The robot stands at the start and believes it."""
+    robot.ask("cancel")
+    robot.ask("still", seconds=5)
+    assert robot.ask("place", **START)["success"]
+    robot.ask("believe", **START, seconds=10)
+
+
+def find_node(robot: Robot, name: str) -> psutil.Process:
+    for pid in list_family(robot.launch.pid):
+        process = psutil.Process(pid)
+        if f"__name:={name}" in process.cmdline():
+            return process
+    raise AssertionError(f"no process of the node {name}")
+
+
+def test_robot_drives_as_told_and_stops_when_the_commands_stop(robot: Robot) -> None:
+    put_at_start(robot)
+    before = robot.ask("where")["true"]
+    robot.ask("drive", forward=0.3, turn=0.0, seconds=1.0)
+    after = robot.ask("still", seconds=3)["true"]
+    assert 0.15 < distance(before, after) < 0.5
+
+
+def test_robot_reaches_a_goal(robot: Robot) -> None:
+    put_at_start(robot)
+    result = robot.ask("goal", x=1.5, y=0.0, degrees=90.0, seconds=60)
+    assert result["state"] == "SUCCEEDED", result["text"]
+    x, y, yaw = result["true"]
+    assert math.hypot(x - 1.5, y) < 0.15
+    assert abs(math.degrees(yaw) - 90.0) < 8.0
+
+
+def test_cancelled_goal_stops_the_robot(robot: Robot) -> None:
+    put_at_start(robot)
+    robot.ask("goal", **GOALS["far"])
+    robot.ask("moving", seconds=10)
+    robot.ask("cancel")
+    assert robot.ask("result", seconds=5)["state"] == "PREEMPTED"
+    robot.ask("still", seconds=3)
+
+
+def test_new_goal_replaces_the_old_one(robot: Robot) -> None:
+    put_at_start(robot)
+    robot.ask("goal", **GOALS["far"])
+    robot.ask("moving", seconds=10)
+    result = robot.ask("goal", x=0.8, y=0.0, degrees=0.0, seconds=60)
+    assert result["state"] == "SUCCEEDED", result["text"]
+    assert distance(result["true"], (0.8, 0.0)) < 0.15
+
+
+def test_goal_in_a_wall_is_refused_with_the_reason(robot: Robot) -> None:
+    result = robot.ask("goal", x=-3.0, y=-20.0, seconds=60)
+    assert result["state"] == "ABORTED"
+    assert "map" in result["text"], result["text"]
+
+
+def test_plans_are_made_without_driving(robot: Robot) -> None:
+    put_at_start(robot)
+    plan = robot.ask("plan", x=1.5, y=0.0)
+    assert plan["poses"] > 5
+    assert plan["frame"] == "map"
+
+
+def test_kidnapped_robot_finds_itself_again(robot: Robot) -> None:
+    put_at_start(robot)
+    assert robot.ask("place", **GOALS["far"])["success"]
+    robot.ask("globalise")
+    for _ in range(12):
+        where = robot.ask("drive", forward=0.0, turn=0.8, seconds=4.0)
+        if distance(where["true"], where["believed"]) < 0.2:
+            break
+    assert distance(where["true"], where["believed"]) < 0.2, where
+
+
+@pytest.mark.parametrize("name", ["amcl", "move_base"])
+def test_killed_node_is_restarted_and_the_robot_goes_on(robot: Robot, name: str) -> None:
+    put_at_start(robot)
+    victim = find_node(robot, name)
+    os.kill(victim.pid, signal.SIGKILL)
+    robot.ask("restarted", node=name, seconds=20)
+    put_at_start(robot)
+    result: dict[str, Any] = robot.ask("goal", x=1.0, y=0.0, degrees=0.0, seconds=60)
+    assert result["state"] == "SUCCEEDED", result["text"]
+
+
+GOALS = {"far": {"x": 8.0, "y": 0.0, "degrees": 0.0}}
