@@ -113,9 +113,10 @@ install_packages() {
   [[ ${#missing[@]} -eq 0 ]] && return
   say "  ${#missing[@]} Debian packages are missing: ${missing[*]%%|*}"
   ask_for_root
-  # An interrupted installation leaves dpkg half-configured, and apt refuses everything until that is mended.
-  [[ -n "$(dpkg --audit 2>/dev/null)" ]] &&
+  # An interrupted installation leaves packages half-configured or a journal behind; apt refuses everything until then.
+  if [[ -n "$(dpkg --audit 2>/dev/null)" ]] || compgen -G "/var/lib/dpkg/updates/[0-9]*" >/dev/null; then
     run_step "mending an interrupted installation" "${become_root[@]}" env DEBIAN_FRONTEND=noninteractive dpkg --configure -a
+  fi
   apt_get "package lists" update ||
     die "the package lists could not be fetched" "check the network and the sources in /etc/apt, then run this again"
   for entry in "${missing[@]}"; do names+=("$(choose_name "$entry")"); done
