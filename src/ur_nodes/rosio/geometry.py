@@ -3,34 +3,22 @@
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import Any
 
 from geometry_msgs.msg import Point, Pose, Quaternion, Transform, Vector3
 
+from ur_nodes.rosio.pose import Pose2, wrap_angle
 
-class Pose2(NamedTuple):
-    """A planar pose: m, m, rad."""
-
-    x: float
-    y: float
-    yaw: float
-
-    def compose(self, other: Pose2) -> Pose2:
-        """The pose `other`, given in this pose's frame, in this pose's parent frame."""
-        c, s = math.cos(self.yaw), math.sin(self.yaw)
-        return Pose2(
-            self.x + c * other.x - s * other.y, self.y + s * other.x + c * other.y, wrap_angle(self.yaw + other.yaw)
-        )
-
-    def inverse(self) -> Pose2:
-        """The parent frame's pose in this pose's frame."""
-        c, s = math.cos(self.yaw), math.sin(self.yaw)
-        return Pose2(-c * self.x - s * self.y, s * self.x - c * self.y, -self.yaw)
-
-
-def wrap_angle(angle: float) -> float:
-    """The same direction in (-pi, pi]."""
-    return math.pi - (math.pi - angle) % (2.0 * math.pi)
+__all__ = [
+    "Pose2",
+    "pose_message",
+    "pose_of_message",
+    "pose_of_transform",
+    "quaternion_of_yaw",
+    "transform_message",
+    "wrap_angle",
+    "yaw_of_quaternion",
+]
 
 
 def quaternion_of_yaw(yaw: float) -> Quaternion:
