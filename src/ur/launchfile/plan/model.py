@@ -8,6 +8,7 @@ from typing import Literal
 from ur.source.diagnostic import Diagnostic
 from ur.source.file import Span
 
+ParamType = Literal["auto", "str", "int", "double", "bool", "yaml"]
 ParamValue = bool | int | float | str | bytes | list["ParamValue"] | dict[str, "ParamValue"] | None
 
 
@@ -40,7 +41,20 @@ class ParamSpec:
     value: ParamValue
     origin: Origin
     command: str | None = None
-    command_type: Literal["auto", "str", "int", "double", "bool", "yaml"] = "auto"
+    command_type: ParamType = "auto"
+
+
+@dataclass(frozen=True, slots=True)
+class ParamCommand:
+    """A `<rosparam command="dump">` or `"delete">`: what is done on the parameter server before anything is set.
+
+    `file` is where a dump goes. `name` is the full name of the parameter or namespace.
+    """
+
+    command: Literal["dump", "delete"]
+    name: str
+    file: str | None
+    origin: Origin
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,3 +105,4 @@ class Plan:
     machines: tuple[MachineSpec, ...]
     files: tuple[str, ...]  # every launch file read, absolute
     diagnostics: tuple[Diagnostic, ...] = field(default=())
+    commands: tuple[ParamCommand, ...] = field(default=())  # in document order

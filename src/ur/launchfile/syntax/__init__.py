@@ -1,1 +1,17 @@
 """Launch text to a tree with positions; pure; never raises on user input."""
+
+from ur.launchfile.syntax.parse import parse_launch_file
+from ur.launchfile.syntax.substitution import Substitution, SubstitutionProblem, Word, is_eval, parse_substitutions
+from ur.launchfile.syntax.tree import Comment, Element, LaunchFile
+
+__all__ = [
+    "Comment",
+    "Element",
+    "LaunchFile",
+    "Substitution",
+    "SubstitutionProblem",
+    "Word",
+    "is_eval",
+    "parse_launch_file",
+    "parse_substitutions",
+]

@@ -1,0 +1,142 @@
+"""A plan in the making: what has been collected, and what was found wrong."""
+
+from __future__ import annotations
+
+from ur.launchfile.plan.model import (
+    MachineSpec,
+    NodeSpec,
+    Origin,
+    ParamCommand,
+    ParamSpec,
+    Plan,
+    TestSpec,
+)
+from ur.launchfile.plan.names import parents_of
+from ur.launchfile.plan.problems import Refused, refuse
+from ur.launchfile.plan.scope import Scope
+from ur.launchfile.syntax import Element, LaunchFile, parse_launch_file
+from ur.launchfile.world.protocol import World
+from ur.source.diagnostic import Diagnostic, Note, Severity
+from ur.source.file import Span
+
+MAX_DIAGNOSTICS = 100
+MAX_INCLUDES = 20_000
+MAX_PARAMS = 500_000
+CORE_NODE = "/rosout"  # roslaunch reads roscore.xml first, so this name is taken
+
+
+class TooMuch(Exception):  # noqa: N818 - ends resolving; reported already
+    """There is so much of something that going on makes no sense."""
+
+
+class Draft:
+    """Collects the parts of a Plan while files are resolved. One draft is one roslaunch."""
+
+    def __init__(self, world: World) -> None:
+        self.world = world
+        self.nodes: list[NodeSpec] = []
+        self.tests: list[TestSpec] = []
+        self.params: dict[str, ParamSpec] = {}
+        self.clear_params: list[str] = []
+        self.machines: dict[str, MachineSpec] = {}
+        self.machine_secrets: dict[str, tuple[str | None, bool]] = {}  # password and assignable: compared, never kept
+        self.files: dict[str, None] = {}
+        self.commands: list[ParamCommand] = []
+        self.diagnostics: list[Diagnostic] = []
+        self.node_places: dict[str, tuple[Element, tuple[Span, ...]]] = {}
+        self.machine_uses: list[tuple[str, Element, Scope]] = []
+        self.reads_angles = False  # roslaunch knows deg() and rad() once it has seen its first <rosparam>
+        self.includes = 0
+        self._parsed: dict[str, LaunchFile] = {}
+
+    def origin(self, span: Span, scope: Scope) -> Origin:
+        """Where an item comes from."""
+        return Origin(span, scope.chain)
+
+    def warn(
+        self,
+        message: str,
+        span: Span | None,
+        scope: Scope | None,
+        rule: str,
+        help: str | None = None,
+        notes: tuple[Note, ...] = (),
+    ) -> None:
+        """Report something that roslaunch accepts, though it cannot be what was meant."""
+        chain = scope.chain if scope else ()
+        self.add_diagnostic(Diagnostic(Severity.WARNING, message, rule, span, notes, help), chain)
+
+    def refuse(self, refused: Refused, scope: Scope | None) -> None:
+        """Report what made a tag impossible to resolve."""
+        if refused.diagnostic is not None:
+            self.add_diagnostic(refused.diagnostic, scope.chain if scope else ())
+
+    def add_diagnostic(self, found: Diagnostic, chain: tuple[Span, ...]) -> None:
+        """Report a finding in a file that was included through `chain`. Raises TooMuch after the hundredth."""
+        if chain:
+            steps = tuple(Note("included from here", span) for span in reversed(chain[-20:]))
+            found = Diagnostic(found.severity, found.message, found.rule, found.span, found.notes + steps, found.help)
+        if found not in self.diagnostics:
+            self.diagnostics.append(found)
+        if len(self.diagnostics) >= MAX_DIAGNOSTICS:
+            raise TooMuch
+
+    def parse(self, path: str) -> LaunchFile:
+        """A launch file, read and parsed once. Raises OSError."""
+        known = self._parsed.get(path)
+        if known is None:
+            known = self._parsed[path] = parse_launch_file(path, self.world.read_bytes(path))
+        return known
+
+    def add_param(self, param: ParamSpec, scope: Scope) -> None:
+        """Set a parameter; the last one wins and keeps the place of the first."""
+        for parent in parents_of(param.name):
+            if parent in self.params:
+                self.warn(
+                    f"parameter {param.name} is set inside {parent}, which is a value, expected one of the two",
+                    param.origin.span,
+                    scope,
+                    "param-conflict",
+                    notes=(Note(f"{parent} is set here", self.params[parent].origin.span),),
+                )
+        self.params[param.name] = param
+        if len(self.params) > MAX_PARAMS:
+            raise refuse(f"more than {MAX_PARAMS:,} parameters", param.origin.span, "too-many-params")
+
+    def add_node(self, node: NodeSpec, element: Element, scope: Scope) -> None:
+        """Add a node. Raises Refused when its name is taken."""
+        if node.name:
+            name = node.full_name
+            span = element.value_span("name")
+            if name in self.node_places:
+                first, chain = self.node_places[name]
+                steps = tuple(Note("which is included from here", step) for step in reversed(chain[-5:]))
+                raise refuse(
+                    f"a second node is named {name}, expected names to differ",
+                    span,
+                    "duplicate-node",
+                    'rename one of them, put one into a <group ns=...>, or use name="$(anon ...)"',
+                    (Note(f"the first {name} is here", first.value_span("name")), *steps),
+                )
+            if name == CORE_NODE:
+                raise refuse(
+                    f"a node is named {name}, expected another name: the ROS core starts one with this name",
+                    span,
+                    "duplicate-node",
+                    "rename it, or put it into a <group ns=...>",
+                )
+            self.node_places[name] = (element, scope.chain)
+        self.nodes.append(node)
+
+    def finish(self) -> Plan:
+        """What has been collected."""
+        return Plan(
+            nodes=tuple(self.nodes),
+            tests=tuple(self.tests),
+            params=tuple(self.params.values()),
+            clear_params=tuple(self.clear_params),
+            machines=tuple(self.machines.values()),
+            files=tuple(self.files),
+            diagnostics=tuple(self.diagnostics),
+            commands=tuple(self.commands),
+        )

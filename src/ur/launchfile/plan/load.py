@@ -1,0 +1,111 @@
+"""Launch files and arguments to a Plan: the whole way."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ur.launchfile.plan.arguments import warn_missing
+from ur.launchfile.plan.body import check_launch_tag, resolve_body
+from ur.launchfile.plan.draft import Draft, TooMuch
+from ur.launchfile.plan.model import Plan
+from ur.launchfile.plan.names import initial_namespace, read_assignments
+from ur.launchfile.plan.problems import Refused, refuse
+from ur.launchfile.plan.scope import Scope
+from ur.launchfile.world.protocol import World
+from ur.source.diagnostic import error
+from ur.source.file import SourceFile, Span
+from ur.source.suggest import did_you_mean
+
+
+def load_plan(files: Sequence[str], arguments: Sequence[str], world: World) -> Plan:
+    """What launch files mean, all of them together, with `NAME:=VALUE` arguments.
+
+    Means exactly what roslaunch means by them. Never raises because of what a file or an argument says: the plan's
+    diagnostics hold an error for everything that roslaunch would refuse, and warnings for what it silently accepts.
+    Nothing is executed; see `run_commands` for the parameters that programs print.
+    """
+    draft = Draft(world)
+    try:
+        values, ignored = read_assignments(arguments)
+        declared: set[str] = set()
+        for path in files:
+            _load_file(path, values, arguments, draft, declared)
+        _check_arguments(values, ignored, declared, arguments, draft)
+        _check_machines(draft)
+    except TooMuch:
+        pass
+    except RecursionError:
+        draft.diagnostics.append(error("nested too deep", rule="nested-too-deep", help="nest groups and includes less"))
+    return draft.finish()
+
+
+def _load_file(path: str, values: dict[str, str], arguments: Sequence[str], draft: Draft, declared: set[str]) -> None:
+    try:
+        parsed = draft.parse(path)
+        namespace = initial_namespace(arguments, draft.world.environment)
+    except OSError as problem:
+        reason = (problem.strerror or str(problem)).lower()
+        folder, slash, name = path.rpartition("/")
+        near = did_you_mean(name, draft.world.list_folder(folder or "."))
+        help_ = f"did you mean {folder}{slash}{near}?" if near else "give the path of a launch file"
+        draft.add_diagnostic(error(f"{path}: {reason}, expected a launch file", rule="missing-file", help=help_), ())
+        return
+    except ValueError as problem:
+        draft.add_diagnostic(error(f"starting namespace: {problem}", rule="bad-name"), ())
+        return
+    draft.files[draft.world.absolute(path)] = None
+    for found in parsed.diagnostics:
+        draft.add_diagnostic(found, ())
+    if parsed.launch is None or parsed.diagnostics:
+        return
+    scope = Scope(namespace, path, dict(values))
+    try:
+        check_launch_tag(parsed.launch, draft, None)
+    except Refused as refused:
+        draft.refuse(refused, None)
+    resolve_body(parsed.launch, draft, scope, None)
+    warn_missing(draft, scope)
+    declared.update(scope.declared)
+
+
+def _check_arguments(
+    values: dict[str, str], ignored: list[str], declared: set[str], arguments: Sequence[str], draft: Draft
+) -> None:
+    if any(found.rule in ("bad-xml", "launch-element", "missing-file") for found in draft.diagnostics) and not declared:
+        return
+    line = SourceFile("<command line>", " ".join(arguments))
+    for name in values:
+        if name in declared or name.startswith("__"):
+            continue
+        near = did_you_mean(name, declared - set(values))
+        known = ", ".join(sorted(declared)) or "none"
+        draft.warn(
+            f"argument '{name}' is given, but the launch file does not declare it",
+            _place(line, name + ":="),
+            None,
+            "unknown-argument",
+            f"did you mean {near}:=...?" if near else f"declared: {known}",
+        )
+    for argument in ignored:
+        draft.warn(
+            f"'{argument}' is passed over, expected NAME:=VALUE with a legal name and a value",
+            _place(line, argument),
+            None,
+            "bad-argument",
+        )
+
+
+def _place(line: SourceFile, text: str) -> Span:
+    start = max(line.text.find(text), 0)
+    return Span(line, start, start + len(text.removesuffix(":=")))
+
+
+def _check_machines(draft: Draft) -> None:
+    for name, element, scope in draft.machine_uses:
+        if name not in draft.machines:
+            near = did_you_mean(name, draft.machines)
+            help_ = f"did you mean {near}?" if near else f'define it: <machine name="{name}" address="..."/>'
+            draft.refuse(
+                refuse(f"machine '{name}' is not defined", element.value_span("machine"), "unknown-machine", help_),
+                scope,
+            )

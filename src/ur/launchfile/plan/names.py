@@ -1,0 +1,80 @@
+"""ROS names, as rosgraph joins and judges them. Source of the rules: `rosgraph.names` as Debian ships it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+
+_LEGAL = re.compile(r"[~/A-Za-z][\w/]*\Z")
+_ASSIGNMENT = re.compile(r"[~/A-Za-z_][\w/]*:=.*\Z")
+
+
+def is_private(name: str) -> bool:
+    """Whether a name starts with `~`."""
+    return name[:1] == "~"
+
+
+def make_namespace(name: str) -> str:
+    """A name as a namespace: from the root, with a slash at the end. Raises ValueError for `~names`."""
+    if is_private(name):
+        raise ValueError(f"'{name}' is a private name, expected one that can be a namespace")
+    if not name.startswith("/"):
+        name = "/" + name
+    return name if name.endswith("/") else name + "/"
+
+
+def join_names(namespace: str, name: str) -> str:
+    """A name in a namespace; global and private names stay as they are."""
+    if name[:1] in ("~", "/") and name:
+        return name
+    if namespace == "~":
+        return "~" + name
+    if not namespace:
+        return name
+    return namespace + name if namespace.endswith("/") else f"{namespace}/{name}"
+
+
+def canonical_name(name: str) -> str:
+    """A name without doubled and trailing slashes."""
+    if not name or name == "/":
+        return name
+    return ("/" if name[0] == "/" else "") + "/".join(part for part in name.split("/") if part)
+
+
+def is_legal_name(name: str) -> bool:
+    """Whether a name may be used in a ROS graph; the empty one may."""
+    return not name or (_LEGAL.match(name) is not None and "//" not in name)
+
+
+def parents_of(name: str) -> list[str]:
+    """The namespaces above a name, the root first."""
+    if not name:
+        return ["/"]
+    parts = [part for part in name.split("/") if part]
+    return ["/", *("/" + "/".join(parts[:count]) for count in range(1, len(parts)))]
+
+
+def read_assignments(arguments: Sequence[str]) -> tuple[dict[str, str], list[str]]:
+    """`NAME:=VALUE` arguments as roslaunch reads them, and those that it passes over without a word.
+
+    Passed over: illegal names, empty values, a second `:=`. `_name:=value` belongs to nodes and is passed over too.
+    """
+    values: dict[str, str] = {}
+    ignored: list[str] = []
+    for argument in arguments:
+        if ":=" not in argument:
+            continue
+        parts = [part.strip() for part in argument.split(":=")]
+        if not _ASSIGNMENT.match(argument) or len(parts) != 2 or not all(parts):
+            ignored.append(argument)
+        elif not (len(parts[0]) > 1 and parts[0][0] == "_" and parts[0][1] != "_"):
+            values[parts[0]] = parts[1]
+    return values, ignored
+
+
+def initial_namespace(arguments: Sequence[str], environment: Mapping[str, str]) -> str:
+    """The namespace everything starts in: `__ns:=...`, else ROS_NAMESPACE, else the root. Raises ValueError."""
+    for argument in arguments:
+        if argument.startswith("__ns:="):
+            return make_namespace(argument[len("__ns:=") :])
+    return make_namespace(environment.get("ROS_NAMESPACE", "/"))

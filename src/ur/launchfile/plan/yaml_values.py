@@ -1,0 +1,136 @@
+"""YAML as roslaunch reads it: PyYAML's safe loader with ROS's angles, and the place of every key."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable
+from functools import cache
+from typing import Any
+
+from ur.launchfile.plan.expression import ExpressionProblem, evaluate_expression
+from ur.launchfile.plan.model import ParamValue
+
+MAX_VALUES = 1_000_000
+_MAX_MERGED = 100_000
+
+
+class YamlProblem(Exception):  # noqa: N818 - carries a finding to where its place is known
+    """A text is no YAML that roslaunch could load. `offset` is where, in characters."""
+
+    def __init__(self, message: str, offset: int = 0, help: str | None = None) -> None:
+        super().__init__(message)
+        self.offset = offset
+        self.help = help
+
+
+class Document:
+    """A value, and where the keys of its mappings stand."""
+
+    __slots__ = ("_node", "value")
+
+    def __init__(self, value: ParamValue, node: Any) -> None:
+        self.value = value
+        self._node = node
+
+    def place_of(self, path: tuple[str, ...]) -> tuple[int, int]:
+        """Start and end, in characters, of the key that a path of keys leads to, or of the nearest that has a place."""
+        node = self._node
+        place = (0, 0)
+        for key in path:
+            found = [pair for pair in getattr(node, "value", ()) if getattr(pair[0], "value", None) == key]
+            if not found:
+                break
+            name, node = found[-1]
+            place = (name.start_mark.index, name.end_mark.index)
+        return place
+
+
+def read_yaml(text: str, reads_angles: bool) -> Document:
+    """The value of a text; an empty mapping for none. `reads_angles`: `deg(...)` and `rad(...)` are numbers.
+
+    Raises YamlProblem, also for values that aliases make larger than anything a robot is told.
+    """
+    import yaml  # takes 10 ms, and most launch files hold no YAML
+
+    loader = _loader_class(reads_angles)(text.removeprefix("\ufeff"))
+    try:
+        node = loader.get_single_node()
+        value = loader.construct_document(node) if node is not None else None
+    except yaml.MarkedYAMLError as problem:
+        mark = problem.problem_mark or problem.context_mark
+        message = " ".join(part for part in (problem.context, problem.problem) if part)
+        help_ = "indent with spaces" if "\\t" in message else None
+        raise YamlProblem(message, mark.index if mark else 0, help_) from None
+    except yaml.YAMLError as problem:
+        raise YamlProblem(str(problem).splitlines()[0], getattr(problem, "position", 0) or 0) from None
+    except RecursionError:
+        raise YamlProblem("nested too deep") from None
+    except (ValueError, TypeError, OverflowError, LookupError, AttributeError) as problem:
+        raise YamlProblem(f"a value cannot be read: {problem}") from None
+    finally:
+        loader.dispose()
+    _check_size(value)
+    return Document(value, node)
+
+
+@cache
+def _loader_class(reads_angles: bool) -> Callable[[str], Any]:
+    import yaml
+
+    class Loader(yaml.SafeLoader):
+        def flatten_mapping(self, node: yaml.MappingNode) -> None:
+            super().flatten_mapping(node)
+            if len(node.value) > _MAX_MERGED:
+                raise yaml.constructor.ConstructorError(None, None, "merged mappings grow too large", node.start_mark)
+
+    if reads_angles:
+        for tag, pattern, letter, convert in (
+            ("!degrees", r"^deg\([^\)]*\)$", "deg(", _read_degrees),
+            ("!radians", r"^rad\([^\)]*\)$", "rad(", _read_radians),
+        ):
+            Loader.add_constructor(tag, convert)
+            Loader.add_implicit_resolver(tag, re.compile(pattern), letter)
+    return Loader
+
+
+def _read_degrees(loader: Any, node: Any) -> float:
+    text = loader.construct_scalar(node)
+    inner = text.strip()[4:-1] if text.startswith("deg(") else text
+    return float(inner) * math.pi / 180.0
+
+
+def _read_radians(loader: Any, node: Any) -> float:
+    # roslaunch evaluates the text as Python, where only `pi` is meant to be known.
+    text = loader.construct_scalar(node).strip()
+    inner = text[4:-1] if text.startswith("rad(") else text
+    import yaml
+
+    try:
+        return float(evaluate_expression(inner, {}, {"pi": math.pi}.__getitem__))
+    except ExpressionProblem as problem:
+        raise yaml.constructor.ConstructorError(None, None, f"not an angle: {problem}", node.start_mark) from None
+
+
+def _check_size(value: Any) -> None:
+    # Aliases let a small text mean a huge value, or one that holds itself.
+    sizes: dict[int, int] = {}
+
+    def size_of(item: Any, depth: int) -> int:
+        if not isinstance(item, (dict, list)):
+            return 1
+        known = sizes.get(id(item))
+        if known is not None:
+            if known < 0:
+                raise YamlProblem("a value holds itself", 0, "remove the alias (*name) inside of what it names")
+            return known
+        if depth > 200:
+            raise YamlProblem("nested more than 200 deep")
+        sizes[id(item)] = -1
+        inner = item.values() if isinstance(item, dict) else item
+        total = sizes[id(item)] = 1 + sum(size_of(part, depth + 1) for part in inner)
+        if total > MAX_VALUES:
+            raise YamlProblem(f"more than {MAX_VALUES:,} values", 0, "aliases multiply: write less of them")
+        return total
+
+    size_of(value, 0)

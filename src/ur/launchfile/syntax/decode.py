@@ -1,0 +1,50 @@
+"""Bytes to text, and expat's byte offsets to character offsets."""
+
+from __future__ import annotations
+
+import codecs
+import re
+
+_DECLARATION = re.compile(rb"""^<\?xml[^>]*?encoding\s*=\s*["']([A-Za-z0-9._-]+)["']""")
+_MARKS = ((codecs.BOM_UTF8, "utf-8"), (codecs.BOM_UTF16_LE, "utf-16-le"), (codecs.BOM_UTF16_BE, "utf-16-be"))
+
+
+def decode_text(data: bytes) -> tuple[str, str]:
+    """The text of an XML file and the name of its encoding: byte order mark, declaration, else UTF-8.
+
+    Bytes that are not of the encoding become U+FFFD; the XML parser reports them.
+    """
+    if data.isascii():
+        return data.decode("ascii"), "ascii"
+    for mark, encoding in _MARKS:
+        if data.startswith(mark):
+            return data.decode(encoding, "replace"), encoding
+    declared = _DECLARATION.match(data)
+    encoding = declared.group(1).decode("ascii").lower() if declared else "utf-8"
+    try:
+        return data.decode(encoding, "replace"), encoding
+    except (LookupError, ValueError):
+        return data.decode("utf-8", "replace"), "utf-8"
+
+
+class Offsets:
+    """Turns byte offsets into character offsets. Cheap as long as the offsets asked for grow."""
+
+    __slots__ = ("_byte", "_character", "_data", "_encoding", "_same")
+
+    def __init__(self, data: bytes, encoding: str) -> None:
+        self._data = data
+        self._encoding = encoding
+        self._same = encoding == "ascii"
+        self._byte = 0
+        self._character = 0
+
+    def characters(self, byte: int) -> int:
+        """How many characters stand before a byte."""
+        if self._same:
+            return byte
+        if byte < self._byte:
+            self._byte = self._character = 0
+        self._character += len(self._data[self._byte : byte].decode(self._encoding, "replace"))
+        self._byte = byte
+        return self._character

@@ -1,0 +1,232 @@
+"""Text to syntax tree, with the standard library's expat. Never raises on what a file holds."""
+
+from __future__ import annotations
+
+import re
+from xml.parsers import expat
+
+from ur.launchfile.syntax.decode import Offsets, decode_text
+from ur.launchfile.syntax.tree import Comment, Element, LaunchFile
+from ur.source.diagnostic import Diagnostic, Note, error
+from ur.source.file import SourceFile, Span
+
+MAX_BYTES = 8 * 1024 * 1024
+MAX_ATTRIBUTE = 1024 * 1024
+MAX_DEPTH = 900
+MAX_ELEMENTS = 200_000
+
+_MISMATCHED_TAG = 7
+_NO_ELEMENT = 3
+_DUPLICATE_ATTRIBUTE = 8
+_LONE_AMPERSAND = re.compile(r"&(?!#?\w+;)")
+
+
+class _StopParsing(Exception):  # noqa: N818 - not an error: ends expat's loop
+    pass
+
+
+def parse_launch_file(path: str, data: bytes) -> LaunchFile:
+    """The tree of a launch file. What is wrong with it is in its `diagnostics`, and the tree ends there."""
+    if len(data) > MAX_BYTES:
+        source = SourceFile(path, "")
+        message = f"{path} has {len(data):,} bytes, expected a launch file of at most {MAX_BYTES:,}"
+        return LaunchFile(source, None, None, (), (error(message, rule="file-too-large"),))
+    text, encoding = decode_text(data)
+    builder = _Builder(SourceFile(path, text), Offsets(data, encoding))
+    builder.run(data)
+    launches = builder.launches
+    if not builder.diagnostics and len(launches) != 1:
+        builder.diagnostics.append(_not_one_launch(builder.source, builder.root, launches))
+    return LaunchFile(
+        builder.source,
+        builder.root,
+        launches[0] if len(launches) == 1 else None,
+        tuple(builder.outer_comments),
+        tuple(builder.diagnostics),
+    )
+
+
+class _Builder:
+    def __init__(self, source: SourceFile, offsets: Offsets) -> None:
+        self.source = source
+        self.offsets = offsets
+        self.root: Element | None = None
+        self.launches: list[Element] = []
+        self.outer_comments: list[Comment] = []
+        self.diagnostics: list[Diagnostic] = []
+        self.stack: list[Element] = []
+        self.count = 0
+        self.namespaces: list[tuple[str | None, str]] = []
+        self.in_doctype = False
+        # Names are looked up with their prefix resolved, as roslaunch's parser does: an unbound prefix is an error.
+        self.parser = parser = expat.ParserCreate(namespace_separator=" ")
+        parser.namespace_prefixes = True
+        parser.buffer_text = True
+        parser.ordered_attributes = True
+        parser.specified_attributes = True
+        parser.StartElementHandler = self.start_element
+        parser.EndElementHandler = self.end_element
+        parser.CommentHandler = self.comment
+        parser.EntityDeclHandler = self.entity_declaration
+        parser.StartNamespaceDeclHandler = self.namespace_declaration
+        parser.StartDoctypeDeclHandler = self.start_doctype
+        parser.EndDoctypeDeclHandler = self.end_doctype
+        parser.ExternalEntityRefHandler = self.external_entity
+
+    def run(self, data: bytes) -> None:
+        try:
+            self.parser.Parse(data, True)
+        except _StopParsing:
+            pass
+        except expat.ExpatError as problem:
+            self.diagnostics.append(self.explain(problem))
+        except (LookupError, ValueError, UnicodeError) as problem:  # an encoding that Python does not know
+            self.diagnostics.append(
+                error(f"not well-formed XML: {problem}, expected UTF-8", Span(self.source, 0, 1), rule="bad-xml")
+            )
+        for element in self.stack:
+            element.end = max(element.end, len(self.source.text))
+
+    def here(self) -> int:
+        return self.offsets.characters(self.parser.CurrentByteIndex)
+
+    def start_element(self, name: str, pairs: list[str]) -> None:
+        start = self.here()
+        values = pairs[1::2]
+        attributes = dict(zip(pairs[0::2], values, strict=True))
+        if " " in name:
+            name = _qualified(name)
+        if self.namespaces:
+            declared = {f"xmlns:{prefix}" if prefix else "xmlns": uri for prefix, uri in self.namespaces}
+            attributes = {**declared, **attributes}
+            self.namespaces = []
+        if any(" " in key for key in attributes):
+            attributes = {_qualified(key) if " " in key else key: value for key, value in attributes.items()}
+        element = Element(self.source, name, attributes, start)
+        stack = self.stack
+        if stack:
+            stack[-1].children.append(element)
+        elif self.root is None:
+            self.root = element
+        if name == "launch":
+            self.launches.append(element)
+        stack.append(element)
+        self.count += 1
+        if name.lower() == "rosparam":
+            self.parser.CharacterDataHandler = self.text
+        if len(stack) > MAX_DEPTH:
+            self.stop(f"<{name}> is nested {len(stack)} deep, expected at most {MAX_DEPTH}", element, "nested-too-deep")
+        if self.count > MAX_ELEMENTS:
+            self.stop(f"more than {MAX_ELEMENTS:,} elements in one file", element, "file-too-large")
+        for value in values:
+            if len(value) > MAX_ATTRIBUTE:
+                key = next(key for key, long in attributes.items() if long is value)
+                self.stop(
+                    f"attribute '{key}' of <{name}> has {len(value):,} characters, expected at most {MAX_ATTRIBUTE:,}",
+                    element,
+                    "attribute-too-long",
+                )
+
+    def end_element(self, _name: str) -> None:
+        element = self.stack.pop()
+        element.end = self.here()
+        if element.name.lower() == "rosparam":
+            self.parser.CharacterDataHandler = None
+
+    def text(self, data: str) -> None:
+        element = self.stack[-1]
+        if element.name.lower() == "rosparam":
+            element.text += data
+
+    def comment(self, data: str) -> None:
+        if self.in_doctype:
+            return
+        start = self.here()
+        end = self.source.text.find("-->", start + 4)
+        comment = Comment(Span(self.source, start, end + 3 if end != -1 else start + 4), data)
+        (self.stack[-1].children if self.stack else self.outer_comments).append(comment)
+
+    def entity_declaration(self, name: str, *_details: object) -> None:
+        start = self.here()
+        span = Span(self.source, start, start + len("<!ENTITY"))
+        message = f"entity '{name}' is declared, expected none: they can make a small file huge"
+        help_ = f"write the text itself where it says &{name};, or use an <arg>"
+        self.diagnostics.append(error(message, span, rule="entity-declaration", help=help_))
+        raise _StopParsing
+
+    def namespace_declaration(self, prefix: str | None, uri: str | None) -> None:
+        self.namespaces.append((prefix, uri or ""))
+
+    def start_doctype(self, *_details: object) -> None:
+        self.in_doctype = True
+
+    def end_doctype(self) -> None:
+        self.in_doctype = False
+
+    def external_entity(self, *_details: object) -> int:
+        return 1  # as roslaunch's parser: passed over, never read
+
+    def stop(self, message: str, element: Element, rule: str) -> None:
+        self.diagnostics.append(error(message, element.span, rule=rule))
+        raise _StopParsing
+
+    def explain(self, problem: expat.ExpatError) -> Diagnostic:
+        byte = self.parser.ErrorByteIndex
+        offset = min(self.offsets.characters(byte), len(self.source.text))
+        text = self.source.text
+        span = Span(self.source, offset, min(offset + 1, len(text)))
+        notes: tuple[Note, ...] = ()
+        help_: str | None = None
+        reason = expat.errors.messages[problem.code] if problem.code in expat.errors.messages else str(problem)
+        if problem.code == _MISMATCHED_TAG and self.stack:
+            start = text.rfind("</", 0, offset + 2)
+            start = start if start != -1 else offset
+            end = text.find(">", start)
+            closing = text[start : end + 1] if end != -1 else text[start : start + 20]
+            span = Span(self.source, start, start + len(closing))
+            opened = self.stack[-1]
+            reason = f"{closing.strip()} does not close <{opened.name}>, expected </{opened.name}>"
+            notes = (Note(f"<{opened.name}> was opened here", opened.span),)
+            help_ = f"close it with </{opened.name}>, or write <{opened.name} .../>"
+        elif problem.code == _NO_ELEMENT:
+            if self.stack:
+                opened = self.stack[-1]
+                reason = f"the file ends inside <{opened.name}>, expected </{opened.name}>"
+                notes = (Note(f"<{opened.name}> was opened here", opened.span),)
+                help_ = f"add </{opened.name}> at the end"
+            else:
+                reason = "the file holds no element, expected <launch>"
+                help_ = "a launch file starts with <launch> and ends with </launch>"
+        elif _LONE_AMPERSAND.match(text, offset):
+            reason, help_ = "'&' begins a reference such as &lt;, expected &amp;", "write &amp; instead of &"
+        elif text.startswith("<", offset) and reason.startswith("not well-formed"):
+            help_ = "inside a value write &lt; instead of <; else check that the quotes before it are closed"
+        elif reason.startswith("not well-formed"):
+            help_ = "check the quotes, the '=' and the '>' around this place"
+        elif problem.code == _DUPLICATE_ATTRIBUTE:
+            help_ = "keep one of the two"
+        return error(f"not well-formed XML: {reason}", span, rule="bad-xml", notes=notes, help=help_)
+
+
+def _qualified(name: str) -> str:
+    parts = name.split(" ")
+    return f"{parts[2]}:{parts[1]}" if len(parts) > 2 else parts[1]
+
+
+def _not_one_launch(source: SourceFile, root: Element | None, launches: list[Element]) -> Diagnostic:
+    if len(launches) > 1:
+        return error(
+            "a second <launch> in one file, expected one",
+            launches[1].span,
+            rule="launch-element",
+            notes=(Note("the first <launch> is here", launches[0].span),),
+            help="put its content into the first one, or into a file of its own and <include> that",
+        )
+    span = root.span if root else Span(source, 0, 1)
+    found = f"<{root.name}>" if root else "nothing"
+    return error(
+        f"{found} is the root element, expected <launch>",
+        span,
+        rule="launch-element",
+        help="a launch file starts with <launch> and ends with </launch>",
+    )

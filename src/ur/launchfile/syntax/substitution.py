@@ -1,0 +1,111 @@
+"""The small language inside attribute values: `$(find pkg)`, `$(arg name)`, `$(eval expression)` and the others."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+COMMANDS = ("find", "env", "optenv", "dirname", "anon", "arg")
+_EVAL = "$(eval "
+
+
+class SubstitutionProblem(Exception):  # noqa: N818 - carries a finding to where its place is known
+    """Something is wrong with a piece of `$(...)`. `start` and `end` are offsets in the value it stands in."""
+
+    def __init__(
+        self, message: str, start: int, end: int, rule: str = "bad-substitution", help: str | None = None
+    ) -> None:
+        super().__init__(message)
+        self.message = message
+        self.start = start
+        self.end = end
+        self.rule = rule
+        self.help = help
+
+
+@dataclass(frozen=True, slots=True)
+class Word:
+    """A word inside `$(...)` and where it stands in the value."""
+
+    text: str
+    start: int
+    end: int
+
+
+@dataclass(frozen=True, slots=True)
+class Substitution:
+    """One `$(command word ...)`. `content` is everything between the parentheses; offsets include `$(` and `)`.
+
+    `command` is not checked here: see COMMANDS. For `$(eval ...)`, which takes the whole value, `content` is the
+    expression and `words` is empty.
+    """
+
+    command: str
+    content: str
+    words: tuple[Word, ...]
+    start: int
+    end: int
+
+
+def is_eval(text: str) -> bool:
+    """Whether a value is one `$(eval ...)`: roslaunch looks at both ends and takes all between for the expression."""
+    return text.startswith(_EVAL) and text.endswith(")")
+
+
+@lru_cache(maxsize=4096)
+def parse_substitutions(text: str) -> tuple[Substitution, ...]:
+    """Every `$(...)` in a value, in order, found as roslaunch finds them. Raises SubstitutionProblem.
+
+    `$$(` counts as `$(`; `$()` and an unclosed `$(` are plain text; nothing nests.
+    """
+    if is_eval(text):
+        return (Substitution("eval", text[len(_EVAL) : -1], (), 0, len(text)),)
+    found: list[Substitution] = []
+    dollar = text.find("$")
+    while dollar != -1:
+        after = dollar + 1
+        while text[after : after + 1] == "$":
+            after += 1
+        if text[after : after + 1] != "(":
+            dollar = text.find("$", after)
+            continue
+        close = _content_end(text, after + 1)
+        if close == -1:
+            break
+        if close > after + 1:
+            found.append(_substitution(text, after - 1, close))
+        dollar = text.find("$", close)
+    return tuple(found)
+
+
+def _content_end(text: str, start: int) -> int:
+    # The offset of the closing parenthesis, -1 when there is none.
+    for offset in range(start, len(text)):
+        character = text[offset]
+        if character == ")":
+            return offset
+        if character == "$":
+            raise SubstitutionProblem(
+                "'$' inside $(...), expected plain text: substitutions do not nest",
+                offset,
+                offset + 1,
+                help="compute the inner part in an <arg value=...> of its own, or use $(eval ...)",
+            )
+        if character == "(":
+            help_ = "$(eval ...) has to be the whole value, with nothing before or after it"
+            raise SubstitutionProblem(
+                "'(' inside $(...), expected ')'", offset, offset + 1, help=help_ if _EVAL in text else None
+            )
+    return -1
+
+
+def _substitution(text: str, start: int, close: int) -> Substitution:
+    content = text[start + 2 : close]
+    words: list[Word] = []
+    offset = start + 2
+    for part in content.split(" "):
+        if part:
+            words.append(Word(part, offset, offset + len(part)))
+        offset += len(part) + 1
+    command = words[0].text if words else ""
+    return Substitution(command, content, tuple(words[1:]), start, close + 1)

@@ -1,0 +1,176 @@
+"""The syntax tree of a launch file: elements, attributes and comments, each with its exact place.
+
+Offsets are characters in the text of the file. Places inside a tag are found when somebody asks: almost nobody does,
+except to report an error.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from ur.source.diagnostic import Diagnostic
+from ur.source.file import SourceFile, Span
+
+_ATTRIBUTE = re.compile(r"""\s+([^\s=>/"']+)\s*=\s*(?:"([^"]*)"|'([^']*)')""")
+_REFERENCE = re.compile(r"&[^;]*;|\r\n")
+_TEXT_PART = re.compile(r"<!--.*?-->|<!\[CDATA\[(.*?)\]\]>|<\?.*?\?>|<[^>]*>|[^<]+", re.DOTALL)
+
+
+@dataclass(frozen=True, slots=True)
+class Comment:
+    """A comment. `text` is what stands between the dashes, as it is written."""
+
+    span: Span
+    text: str
+
+
+class Element:
+    """A tag with its attributes and what stands inside. Not to be changed once the file is parsed.
+
+    `attributes` holds the values as XML means them (references replaced, line breaks turned into spaces), in the order
+    in which they are written. `text` is the character data directly inside, collected for `<rosparam>` only.
+    """
+
+    __slots__ = ("_places", "attributes", "children", "end", "name", "source", "start", "text")
+
+    def __init__(self, source: SourceFile, name: str, attributes: dict[str, str], start: int) -> None:
+        self.source = source
+        self.name = name
+        self.attributes = attributes
+        self.start = start
+        self.end = start  # where the end tag starts; for an empty element where the element starts
+        self.children: list[Element | Comment] = []
+        self.text = ""
+        self._places: dict[str, tuple[int, int, int, int]] | None = None
+
+    def __repr__(self) -> str:
+        return f"<{self.name}> at {self.span}"
+
+    @property
+    def span(self) -> Span:
+        """The `<name` with which it opens."""
+        return Span(self.source, self.start, self.start + 1 + len(self.name))
+
+    @property
+    def tag_span(self) -> Span:
+        """The whole start tag."""
+        return Span(self.source, self.start, self._tag_end())
+
+    @property
+    def elements(self) -> Iterator[Element]:
+        """The elements directly inside."""
+        return (child for child in self.children if type(child) is Element)
+
+    @property
+    def comments(self) -> Iterator[Comment]:
+        """The comments directly inside."""
+        return (child for child in self.children if type(child) is Comment)
+
+    def name_span(self, attribute: str) -> Span:
+        """The name of an attribute; the element when the attribute is not there."""
+        place = self._find_places().get(attribute)
+        return Span(self.source, place[0], place[1]) if place else self.span
+
+    def value_span(self, attribute: str) -> Span:
+        """The value of an attribute without its quotes; the element when the attribute is not there."""
+        place = self._find_places().get(attribute)
+        return Span(self.source, place[2], place[3]) if place else self.span
+
+    def piece_span(self, attribute: str, start: int, end: int) -> Span:
+        """Characters `start` to `end` of an attribute's value, where they are written.
+
+        The value differs from what is written by the references (`&lt;`) in it.
+        """
+        whole = self.value_span(attribute)
+        raw = whole.text
+        if not ("&" in raw or "\r" in raw):
+            return Span(self.source, min(whole.start + start, whole.end), min(whole.start + end, whole.end))
+        place = written_offsets(raw)
+        return Span(self.source, whole.start + place(start), whole.start + place(end))
+
+    def text_offset(self, offset: int) -> int:
+        """Where a character of `text` is written in the file."""
+        position = self._tag_end()
+        passed = 0
+        depth = 0
+        for part in _TEXT_PART.finditer(self.source.text, position, max(position, self.end)):
+            raw = part.group()
+            data: str | None = None
+            start = part.start()
+            if raw.startswith("<![CDATA["):
+                data, start = part.group(1), part.start(1)
+            elif raw.startswith("</"):
+                depth -= 1
+            elif raw.startswith("<") and raw[1] not in "!?":
+                depth += not raw.endswith("/>")
+            elif not raw.startswith("<"):
+                data = raw
+            if data is None or depth:
+                continue
+            place = written_offsets(data)
+            length = len(_REFERENCE.sub("x", data)) if part.group(1) is None else len(data)
+            if offset <= passed + length:
+                return start + (place(offset - passed) if part.group(1) is None else offset - passed)
+            passed += length
+        return position
+
+    def _tag_end(self) -> int:
+        text = self.source.text
+        position = self.start + 1 + len(self.name)
+        while True:
+            match = _ATTRIBUTE.match(text, position)
+            if match is None:
+                close = text.find(">", position)
+                return close + 1 if close != -1 else len(text)
+            position = match.end()
+
+    def _find_places(self) -> dict[str, tuple[int, int, int, int]]:
+        if self._places is None:
+            self._places = {}
+            position = self.start + 1 + len(self.name)
+            while True:
+                match = _ATTRIBUTE.match(self.source.text, position)
+                if match is None:
+                    break
+                group = 2 if match.group(2) is not None else 3
+                self._places[match.group(1)] = (*match.span(1), *match.span(group))
+                position = match.end()
+        return self._places
+
+
+class written_offsets:  # noqa: N801 - used like a function: written_offsets(raw)(offset)
+    """Maps offsets in a value, as XML means it, to offsets in the raw text it is written as."""
+
+    __slots__ = ("_steps",)
+
+    def __init__(self, raw: str) -> None:
+        shrunk = 0
+        self._steps: list[tuple[int, int]] = []  # (first offset after a reference, characters saved so far)
+        for match in _REFERENCE.finditer(raw):
+            shrunk += match.end() - match.start() - 1
+            self._steps.append((match.end() - shrunk, shrunk))
+
+    def __call__(self, offset: int) -> int:
+        """The raw offset of a character of the value."""
+        moved = 0
+        for after, shrunk in self._steps:
+            if offset < after:
+                break
+            moved = shrunk
+        return offset + moved
+
+
+@dataclass(frozen=True, slots=True)
+class LaunchFile:
+    """A parsed file. `launch` is the one `<launch>` element; None when there is none, or more than one.
+
+    With an error in `diagnostics` the tree holds what stood before it.
+    """
+
+    source: SourceFile
+    root: Element | None
+    launch: Element | None
+    comments: tuple[Comment, ...]  # those outside of the root element
+    diagnostics: tuple[Diagnostic, ...]

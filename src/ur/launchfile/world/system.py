@@ -1,0 +1,138 @@
+"""The computer we run on."""
+
+# Paths are texts here: pathlib would change what roslaunch prints, and costs too much in hot loops.
+# ruff: noqa: PTH100, PTH110, PTH113, PTH116, PTH118, PTH119, PTH120, PTH123, PTH208
+
+from __future__ import annotations
+
+import os
+import random
+import stat
+import sys
+from collections.abc import Callable, Iterable, Mapping
+
+from ur.launchfile.world.packages import find_packages, package_paths
+from ur.launchfile.world.protocol import PackageNotFound
+from ur.launchfile.world.workspaces import Workspaces
+
+MAX_READ = 256 * 1024 * 1024
+_OWNER_MAY_RUN = stat.S_IRUSR | stat.S_IXUSR
+
+
+class SystemWorld:
+    """The real packages, files and environment.
+
+    Packages are looked up once, when the first is asked for; a new world sees what has changed since.
+    """
+
+    def __init__(
+        self, environment: Mapping[str, str] | None = None, choose: Callable[[int], int] | None = None
+    ) -> None:
+        """Take a copy of `environment` (default: of this process). `choose(n)` picks a number below n for `$(anon)`."""
+        self.environment: Mapping[str, str] = dict(os.environ if environment is None else environment)
+        self._choose = choose or random.SystemRandom().randrange
+        self._packages: dict[str, str] | None = None
+        self._workspaces: Workspaces | None = None
+
+    def find_package(self, name: str) -> str:
+        """See World."""
+        if self._packages is None:
+            self._packages = find_packages(package_paths(self.environment))
+        try:
+            return self._packages[name]
+        except KeyError:
+            raise PackageNotFound(name) from None
+
+    def package_names(self) -> Iterable[str]:
+        """See World."""
+        if self._packages is None:
+            self._packages = find_packages(package_paths(self.environment))
+        return self._packages.keys()
+
+    def find_in_package(self, package: str, path: str) -> str | None:
+        """See World: roslaunch looks for an executable first, then for an installed file."""
+        places = self._catkin().find(("lib", "libexec"), package)
+        if places:
+            candidate = os.path.join(places[0], os.path.basename(path))
+            if os.path.isfile(candidate) and os.access(candidate, os.X_OK):
+                return candidate
+        candidate = os.path.join(self.find_package(package), path)
+        if os.path.isfile(candidate) and os.access(candidate, os.X_OK):
+            return candidate
+        shared = self._catkin().find(("share",), package, path)
+        return shared[0] if shared else None
+
+    def find_files(self, package: str, name: str) -> tuple[str, ...]:
+        """See World."""
+        return self._search(package, name, lambda _path: True)
+
+    def find_executables(self, package: str, name: str) -> tuple[str, ...]:
+        """See World."""
+        return self._search(package, name, _may_run)
+
+    def is_file(self, path: str) -> bool:
+        """See World."""
+        try:
+            return os.path.isfile(path)
+        except ValueError:
+            return False
+
+    def read_bytes(self, path: str) -> bytes:
+        """See World. Only regular files: a pipe could keep us waiting for ever."""
+        try:
+            with open(path, "rb", opener=_open_without_waiting) as file:
+                status = os.fstat(file.fileno())
+                if not stat.S_ISREG(status.st_mode):
+                    raise OSError(0, "Not a regular file", path)
+                if status.st_size > MAX_READ:
+                    raise OSError(0, f"Larger than {MAX_READ:,} bytes", path)
+                return file.read()
+        except ValueError as problem:  # a NUL character in the path
+            raise OSError(0, str(problem), path) from None
+
+    def list_folder(self, path: str) -> tuple[str, ...]:
+        """See World."""
+        try:
+            return tuple(sorted(os.listdir(path or ".")))
+        except (OSError, ValueError):
+            return ()
+
+    def absolute(self, path: str) -> str:
+        """See World."""
+        return os.path.abspath(path)
+
+    def make_anonymous(self, prefix: str) -> str:
+        """See World. Made as rosgraph does: host, process, number; what a ROS name may not hold becomes `_`."""
+        name = f"{prefix}_{os.uname().nodename}_{os.getpid()}_{self._choose(sys.maxsize)}"
+        return name.replace(".", "_").replace("-", "_").replace(":", "_")
+
+    def _catkin(self) -> Workspaces:
+        if self._workspaces is None:
+            self._workspaces = Workspaces(self.environment)
+        return self._workspaces
+
+    def _search(self, package: str, name: str, accept: Callable[[str], bool]) -> tuple[str, ...]:
+        # Source of the order: roslib.packages.find_resource.
+        folder = self.find_package(package)
+        matches: dict[str, None] = {}
+        for place in [*self._catkin().find(("lib", "libexec", "share"), package), folder]:
+            for directory, folders, files in os.walk(place, followlinks=True):
+                if name in files:
+                    path = os.path.abspath(os.path.join(directory, name))
+                    if accept(path):
+                        matches[path] = None
+                # As in rospkg: every second hidden folder in a row stays, because this list is made first.
+                for hidden in [entry for entry in folders if entry.startswith(".")]:
+                    folders.remove(hidden)
+        return tuple(matches)
+
+
+def _may_run(path: str) -> bool:
+    try:
+        return os.stat(path).st_mode & _OWNER_MAY_RUN == _OWNER_MAY_RUN
+    except OSError:
+        return False
+
+
+def _open_without_waiting(path: str, flags: int) -> int:
+    return os.open(path, flags | os.O_NONBLOCK)
