@@ -191,8 +191,8 @@ def _change_speeds(state: DriveState, speed_factor: float, turn_factor: float) -
     over = [
         text
         for text, is_over in (
-            (f"forward speed is at its limit", speed > limits.speed_limit + 1e-9),
-            (f"turning speed is at its limit", turn > limits.turn_limit + 1e-9),
+            ("forward speed is at its limit", speed > limits.speed_limit + 1e-9),
+            ("turning speed is at its limit", turn > limits.turn_limit + 1e-9),
         )
         if is_over
     ]

@@ -33,7 +33,9 @@ def run_in_foreground(name: str, body: Callable[[threading.Event], int]) -> int:
     ended = threading.Event()
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, _setter(ended))
-    start_quietly(name)
+    logging.lastResort = None  # Python's own last word goes to standard error, where the screen is
+    rospy.init_node(name, disable_signals=True)
+    silence_terminal()
     rospy.on_shutdown(ended.set)
     try:
         return body(ended)
@@ -42,13 +44,6 @@ def run_in_foreground(name: str, body: Callable[[threading.Event], int]) -> int:
         return 2
     finally:
         rospy.signal_shutdown("the program ended")
-
-
-def start_quietly(name: str) -> None:
-    """rospy.init_node without signal handlers and without a word on the terminal."""
-    logging.lastResort = None  # Python's own last word goes to standard error, where the screen is
-    rospy.init_node(name, disable_signals=True)
-    silence_terminal()
 
 
 def _setter(ended: threading.Event) -> Callable[[int, FrameType | None], None]:

@@ -1,0 +1,180 @@
+"""Map, path, scan, goal and robot as pixels, and pixels as terminal cells. Pure: arrays in, arrays out."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ur_nodes.teleop.navigator import MapGrid, Place, Snapshot
+from ur_nodes.teleop.palette import Colour, Palette
+from ur_nodes.teleop.viewport import Viewport
+
+Pixels = NDArray[np.uint8]
+"""(rows, columns, 3), red, green, blue."""
+
+ROBOT_LENGTH = 0.45
+"""m from end to end of the arrow when it is large enough to be drawn to scale."""
+
+_OCCUPIED = 50
+_ARROWS = "→↗↑↖←↙↓↘"
+_SMALL = 5.0  # px: below this length the robot is one arrow character
+
+
+@dataclass(frozen=True, slots=True)
+class Glyph:
+    """A character over the pixels of one terminal cell."""
+
+    column: int
+    row: int
+    text: str
+    colour: Colour
+
+
+@dataclass(frozen=True, eq=False)
+class GridIndex:
+    """A grid with running sums, so that the share of walls in any box of cells costs four look-ups."""
+
+    grid: MapGrid
+    walls: NDArray[np.int32]  # (height + 1, width + 1): occupied cells below and left
+    known: NDArray[np.int32]
+
+
+def index_grid(grid: MapGrid) -> GridIndex:
+    """Prepare a grid for drawing; once per map."""
+    return GridIndex(grid, _running_sum(grid.cells >= _OCCUPIED), _running_sum(grid.cells >= 0))
+
+
+def draw_map(index: GridIndex | None, view: Viewport, palette: Palette) -> Pixels:
+    """The bare map, (view.height, view.width, 3). A pixel over many cells shows the share of walls, thin ones too."""
+    picture = np.empty((view.height, view.width, 3), dtype=np.uint8)
+    picture[:] = palette.unknown
+    if index is None or not picture.size:
+        return picture
+    grid = index.grid
+    xs, ys = np.meshgrid(
+        view.x + (np.arange(view.width) + 0.5 - view.width / 2) * view.scale - grid.origin.x,
+        view.y - (np.arange(view.height) + 0.5 - view.height / 2) * view.scale - grid.origin.y,
+    )
+    c, s = math.cos(grid.origin.yaw), math.sin(grid.origin.yaw)
+    columns = (c * xs + s * ys) / grid.resolution
+    rows = (c * ys - s * xs) / grid.resolution
+    half = view.scale / grid.resolution / 2
+    height, width = grid.cells.shape
+    left, right = _span(columns, half, width)
+    bottom, top = _span(rows, half, height)
+    area = np.maximum((right - left) * (top - bottom), 1)
+    walls = _box_sum(index.walls, left, right, bottom, top) / area
+    known = _box_sum(index.known, left, right, bottom, top) / area
+    side = max(1.0, 2 * half)
+    shade = np.clip(walls * side / 1.6, 0.0, 1.0)[..., None]  # a wall thinner than a pixel shall still be seen
+    ground = np.where((known >= 0.5)[..., None], palette.free, palette.unknown)
+    blend: NDArray[np.float64] = ground + (np.array(palette.wall) - ground) * shade
+    picture[:] = blend.round()
+    return picture
+
+
+def draw_overlay(picture: Pixels, snapshot: Snapshot, view: Viewport, palette: Palette) -> Pixels:
+    """A copy of the picture with path, scan and (where it is large enough) the robot."""
+    out: Pixels = picture.copy()
+    if snapshot.path is not None and len(snapshot.path) > 1:
+        _dot(out, _along(snapshot.path, view.scale * 0.7), view, palette.path)
+    if snapshot.scan is not None and len(snapshot.scan):
+        _dot(out, snapshot.scan, view, palette.scan)
+    if snapshot.pose is not None and ROBOT_LENGTH / view.scale >= _SMALL:
+        _fill_arrow(out, snapshot.pose, view, palette.robot)
+    return out
+
+
+def place_glyphs(
+    snapshot: Snapshot, places: Mapping[str, Place], preview: Place | None, view: Viewport, palette: Palette
+) -> list[Glyph]:
+    """Characters to be laid over the pixels; later ones cover earlier ones."""
+    glyphs = []
+    for name, place in places.items():
+        glyphs += _label(view, place, "•" + name, palette.label)
+    shown = preview or (None if snapshot.goal.over else snapshot.goal.place)
+    if shown is not None:
+        glyphs += _mark(view, shown, "◎", palette.goal)
+        ahead = Place(
+            shown.x + 2.2 * view.scale * math.cos(shown.yaw), shown.y + 2.2 * view.scale * math.sin(shown.yaw), 0
+        )
+        glyphs += _mark(view, ahead, _arrow_of(shown.yaw), palette.goal)
+    if snapshot.pose is not None and ROBOT_LENGTH / view.scale < _SMALL:
+        glyphs += _mark(view, snapshot.pose, _arrow_of(snapshot.pose.yaw), palette.robot)
+    return glyphs
+
+
+def _running_sum(mask: NDArray[np.bool_]) -> NDArray[np.int32]:
+    total = np.zeros((mask.shape[0] + 1, mask.shape[1] + 1), dtype=np.int32)
+    total[1:, 1:] = mask.cumsum(axis=0, dtype=np.int32).cumsum(axis=1, dtype=np.int32)
+    return total
+
+
+def _span(centre: NDArray[np.float64], half: float, size: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """First and last + 1 cell of each pixel, at least one, clipped to the grid (empty outside)."""
+    first = np.floor(centre - half + 1e-9).astype(np.intp) if half > 0.5 else np.floor(centre).astype(np.intp)
+    last = np.maximum(np.floor(centre + half - 1e-9).astype(np.intp), first) if half > 0.5 else first
+    return np.clip(first, 0, size), np.clip(last + 1, 0, size)
+
+
+def _box_sum(
+    total: NDArray[np.int32],
+    left: NDArray[np.intp],
+    right: NDArray[np.intp],
+    bottom: NDArray[np.intp],
+    top: NDArray[np.intp],
+) -> NDArray[np.int32]:
+    return total[top, right] - total[bottom, right] - total[top, left] + total[bottom, left]
+
+
+def _along(path: NDArray[np.float64], step: float) -> NDArray[np.float64]:
+    """Points on a line at most `step` apart."""
+    lengths = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(path, axis=0).T))))
+    at = np.arange(0.0, lengths[-1] + step, step)
+    return np.stack((np.interp(at, lengths, path[:, 0]), np.interp(at, lengths, path[:, 1])), axis=1)
+
+
+def _dot(out: Pixels, points: NDArray[np.float64], view: Viewport, colour: Colour) -> None:
+    columns, rows = view.to_pixel(0.0, 0.0)
+    px = np.floor(points[:, 0] / view.scale + columns)
+    py = np.floor(rows - points[:, 1] / view.scale)
+    inside = (px >= 0) & (px < view.width) & (py >= 0) & (py < view.height)
+    out[py[inside].astype(np.intp), px[inside].astype(np.intp)] = colour
+
+
+def _fill_arrow(out: Pixels, pose: Place, view: Viewport, colour: Colour) -> None:
+    """A dart that points along the yaw, its middle on the pose."""
+    length = ROBOT_LENGTH / view.scale
+    column, row = view.to_pixel(pose.x, pose.y)
+    ys, xs = np.mgrid[0 : view.height, 0 : view.width]
+    dx, dy = xs + 0.5 - column, row - (ys + 0.5)
+    c, s = math.cos(pose.yaw), math.sin(pose.yaw)
+    along, aside = (c * dx + s * dy) / length, np.abs(c * dy - s * dx) / length
+    body = (aside <= (0.5 - along) * 0.4) & (along >= -0.5) & ~(along < -0.5 + (0.4 - aside) * 0.5)
+    out[body] = colour
+
+
+def _arrow_of(yaw: float) -> str:
+    return _ARROWS[round(yaw / (math.pi / 4)) % 8]
+
+
+def _cell(view: Viewport, place: Place) -> tuple[int, int] | None:
+    column, row = view.to_pixel(place.x, place.y)
+    cell = math.floor(column), math.floor(row / 2)
+    return cell if 0 <= cell[0] < view.width and 0 <= cell[1] < view.height // 2 else None
+
+
+def _mark(view: Viewport, place: Place, text: str, colour: Colour) -> list[Glyph]:
+    cell = _cell(view, place)
+    return [Glyph(*cell, text, colour)] if cell else []
+
+
+def _label(view: Viewport, place: Place, text: str, colour: Colour) -> list[Glyph]:
+    cell = _cell(view, place)
+    if cell is None:
+        return []
+    return [Glyph(cell[0] + i, cell[1], char, colour) for i, char in enumerate(text[: view.width - cell[0]])]
