@@ -45,7 +45,7 @@ def fill(grid: Grid, rect: Rect, value: int) -> None:
 
 def draw_maze(seed: int = 7, columns: int = 14, rows: int = 10, size: tuple[int, int] = (400, 300)) -> Drawing:
     """A maze of passages 1.2 to 1.5 m wide: a random tree, then loops, some passages narrowed to doors."""
-    random = Random(seed)
+    random = Random(seed)  # noqa: S311 - it must repeat, not surprise
     widths = split_length(random, size[0] - WALL * (columns + 1), columns)
     heights = split_length(random, size[1] - WALL * (rows + 1), rows)
     x_of = [MARGIN + WALL + sum(widths[:i]) + WALL * i for i in range(columns)]
@@ -114,9 +114,7 @@ def remove_posts(grid: Grid) -> None:
                 post[:] = FREE
 
 
-def longest_run(
-    grid: Grid, x_of: list[int], y_of: list[int], widths: list[int], heights: list[int]
-) -> tuple[int, int]:
+def longest_run(grid: Grid, x_of: list[int], y_of: list[int], widths: list[int], heights: list[int]) -> tuple[int, int]:
     """The cell of the maze's left half from which the free way along +x is longest."""
 
     def length(i: int, j: int) -> int:
@@ -195,13 +193,13 @@ def world_text(drawing: Drawing, origin: list[float]) -> str:
     for name, (x, y, width, height), bottom, top in drawing.boxes:
         centre = [origin[0] + CELL * (x + width / 2), origin[1] + CELL * (y + height / 2), (bottom + top) / 2]
         pose = ", ".join(f"{round(v, 3):g}" for v in centre)
-        lines.append(f"  - name: {name}\n    pose: [{pose}, 0.0]\n    size: [{width * CELL:g}, {height * CELL:g}, 0.04]")
+        size = f"{width * CELL:g}, {height * CELL:g}, 0.04"
+        lines.append(f"  - name: {name}\n    pose: [{pose}, 0.0]\n    size: [{size}]")
     lines.append("obstacles: # wait outside the walls until somebody places them (service ~place)")
     for number in (1, 2, 3):
-        x, y = origin[0] - 2.0, origin[1] + 2.0 * number
-        lines.append(
-            f"  - name: obstacle_{number}\n    pose: [{x:g}, {y:g}, 0.0]\n    size: [0.3, 0.3, 0.6]\n    mass: 20.0"
-        )
+        left, low = origin[0] - 2.0, origin[1] + 2.0 * number
+        lines.append(f"  - name: obstacle_{number}\n    pose: [{left:g}, {low:g}, 0.0]")
+        lines.append("    size: [0.3, 0.3, 0.6]\n    mass: 20.0")
     return "\n".join(lines) + "\n"
 
 

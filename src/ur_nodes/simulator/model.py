@@ -1,0 +1,170 @@
+"""World and robots as a MuJoCo model (MJCF text).
+
+Groups of shapes: lidars see 0 walls and boxes, 1 obstacles, 2 robots; not 3 wheels and casters, 4 the floor.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from xml.sax.saxutils import quoteattr
+
+from ur.robot.base import Base, Caster
+from ur_nodes.simulator.rectangles import merge_cells
+from ur_nodes.simulator.world import Box, World
+
+TIME_STEP = 0.005
+GRAVITY = 9.81
+LIDAR_GROUPS = (1, 1, 1, 0, 0, 0)
+
+# Two shapes collide when one's type meets the other's affinity.
+_WALL, _BODY, _OBSTACLE, _ROLLING = 1, 2, 4, 8
+_SCRAPE = 0.3  # friction of a chassis along a wall
+_LIDAR_HEAD = 0.03  # a lidar's housing ends this far above its beams
+
+
+def build_model(world: World, base: Base, robots: int, start: tuple[float, float, float]) -> str:
+    """MJCF of a world with a number of robots of one base; the first at `start`, the others behind it, out of reach.
+
+    Names: bodies `robot_<n>` (origin on the ground between the wheels) and `obstacle/<name>`; shapes `chassis_<n>`;
+    joints `left_<n>` and `right_<n>`; actuators of the same names take wheel speeds in rad/s; sites `lidar_<n>`.
+    """
+    top = _body_top(base)
+    corners = " ".join(f"{x:g} {y:g} {z:g}" for z in (base.ground_clearance, top) for x, y in base.footprint)
+    parts = [
+        '<mujoco model="world"><compiler angle="radian" autolimits="true"/>',
+        f'<option timestep="{TIME_STEP}" gravity="0 0 -{GRAVITY}" integrator="implicitfast" cone="elliptic">',
+        '<flag sleep="enable"/></option>',
+        f'<asset><mesh name="chassis" vertex="{corners}"/></asset><worldbody>',
+        f'<geom name="floor" type="plane" size="100 100 1" group="4" contype="0" conaffinity="{_OBSTACLE | _ROLLING}"'
+        f' condim="3" priority="1" friction="{world.floor_friction:g} 0.005 0.0001"/>',
+        *_walls(world),
+        *(_box_geom(box, f"box/{box.name}") for box in world.boxes),
+        *(_obstacle(box) for box in world.obstacles),
+        *(_robot(base, number, *start_pose(base, number, start)) for number in range(robots)),
+        "</worldbody><actuator>",
+        *_motors(base, robots, world.floor_friction),
+        "</actuator></mujoco>",
+    ]
+    return "".join(parts)
+
+
+def start_pose(base: Base, number: int, start: tuple[float, float, float]) -> tuple[float, float, float]:
+    """Where robot `number` begins: in a row, along the way the first one faces."""
+    pitch = 0.3 + max(x for x, _ in base.footprint) - min(x for x, _ in base.footprint)
+    x, y, yaw = start
+    return x + math.cos(yaw) * pitch * number, y + math.sin(yaw) * pitch * number, yaw
+
+
+def _body_top(base: Base) -> float:
+    """Height up to which a robot is solid: its body, and the lidar on it."""
+    return max(base.height, base.lidar.pose[2] + _LIDAR_HEAD if base.lidar else 0.0)
+
+
+def _walls(world: World) -> Iterable[str]:
+    plan = world.floor_plan
+    ox, oy, yaw = plan.origin
+    c, s = math.cos(yaw), math.sin(yaw)
+    for number, cells in enumerate(merge_cells(plan.occupied)):
+        x = (cells.column + cells.width / 2.0) * plan.resolution
+        y = (cells.row + cells.height / 2.0) * plan.resolution
+        pose = (ox + c * x - s * y, oy + s * x + c * y, world.wall_height / 2.0, yaw)
+        size = (cells.width * plan.resolution, cells.height * plan.resolution, world.wall_height)
+        yield _box_geom(Box(str(number), pose, size), f"wall/{number}")
+
+
+def _box_geom(box: Box, name: str) -> str:
+    x, y, z, yaw = box.pose
+    return (
+        f'<geom name={quoteattr(name)} type="box" pos="{x!r} {y!r} {z!r}" euler="0 0 {yaw!r}" size="{_half(box)}"'
+        f' contype="{_WALL}" conaffinity="0" friction="{_SCRAPE} 0.005 0.0001" group="0"/>'
+    )
+
+
+def _obstacle(box: Box) -> str:
+    x, y, z, yaw = box.pose
+    name = quoteattr(f"obstacle/{box.name}")
+    return (
+        f'<body name={name} pos="{x!r} {y!r} {z!r}" euler="0 0 {yaw!r}"><freejoint name={name}/>'
+        f'<geom name={name} type="box" size="{_half(box)}" mass="{box.mass!r}" contype="{_OBSTACLE}"'
+        f' conaffinity="{_WALL | _BODY | _OBSTACLE}" friction="{_SCRAPE} 0.005 0.0001" group="1"/></body>'
+    )
+
+
+def _half(box: Box) -> str:
+    return " ".join(repr(length / 2.0) for length in box.size)
+
+
+def _robot(base: Base, number: int, x: float, y: float, yaw: float) -> str:
+    mass = max(0.1 * base.mass, base.mass - 2.0 * base.wheels.mass)
+    xs, ys = [p[0] for p in base.footprint], [p[1] for p in base.footprint]
+    length, width = max(xs) - min(xs), max(ys) - min(ys)
+    centre_x, centre_y = _centroid(base.footprint)
+    centre_z = base.ground_clearance + 0.4 * (base.height - base.ground_clearance)
+    inertia = " ".join(
+        f"{mass / 12.0 * (a * a + b * b)!r}" for a, b in ((width, base.height), (length, base.height), (length, width))
+    )
+    lidar = base.lidar.pose if base.lidar else (0.0,) * 6
+    return (
+        f'<body name="robot_{number}" pos="{x!r} {y!r} 0" euler="0 0 {yaw!r}"><freejoint name="robot_{number}"/>'
+        f'<inertial pos="{centre_x!r} {centre_y!r} {centre_z!r}" mass="{mass!r}" diaginertia="{inertia}"/>'
+        f'<geom name="chassis_{number}" type="mesh" mesh="chassis" contype="{_BODY}"'
+        f' conaffinity="{_WALL | _BODY | _OBSTACLE}" friction="{_SCRAPE} 0.005 0.0001" group="2"/>'
+        f'<site name="lidar_{number}" pos="{" ".join(map(repr, lidar[:3]))}" euler="{" ".join(map(repr, lidar[3:]))}"/>'
+        + "".join(_caster(caster) for caster in base.casters)
+        + _wheel(base, f"left_{number}", base.wheels.separation / 2.0)
+        + _wheel(base, f"right_{number}", -base.wheels.separation / 2.0)
+        + "</body>"
+    )
+
+
+def _caster(caster: Caster) -> str:
+    """A ball without friction (condim 1; its priority is above the floor's)."""
+    return (
+        f'<geom type="sphere" pos="{caster.x!r} {caster.y!r} {caster.radius!r}" size="{caster.radius!r}"'
+        f' condim="1" priority="2" contype="{_ROLLING}" conaffinity="0" group="3"/>'
+    )
+
+
+def _wheel(base: Base, name: str, y: float) -> str:
+    """A wheel that touches the floor in one point: an ellipsoid as wide as the wheel."""
+    wheels = base.wheels
+    axial = wheels.mass * wheels.radius**2 / 2.0
+    radial = wheels.mass * (3.0 * wheels.radius**2 + wheels.width**2) / 12.0
+    return (
+        f'<body pos="0 {y!r} {wheels.radius!r}"><joint name="{name}" axis="0 1 0" armature="{_rotor_inertia(base)!r}"/>'
+        f'<inertial pos="0 0 0" mass="{wheels.mass!r}" diaginertia="{radial!r} {axial!r} {radial!r}"/>'
+        f'<geom type="ellipsoid" size="{wheels.radius!r} {wheels.width / 2.0!r} {wheels.radius!r}"'
+        f' contype="{_ROLLING}" conaffinity="0" group="3"/></body>'
+    )
+
+
+def _motors(base: Base, robots: int, friction: float) -> Iterable[str]:
+    """Speed servos, strong enough to make a blocked wheel spin.
+
+    They are as stiff as can be: MuJoCo solves for contact forces as if motors were explicit in time, so that a motor
+    that is stiffer than the wheel's own inertia over a time step would throw the robot forward.
+    """
+    radius = base.wheels.radius
+    gain = (_rotor_inertia(base) + base.wheels.mass * radius**2 / 2.0) / TIME_STEP
+    torque = 1.2 * friction * base.mass * GRAVITY / 2.0 * radius
+    for number in range(robots):
+        for side in ("left", "right"):
+            name = f"{side}_{number}"
+            yield f'<velocity name="{name}" joint="{name}" kv="{gain!r}" forcerange="{-torque!r} {torque!r}"/>'
+
+
+def _rotor_inertia(base: Base) -> float:
+    """Of a geared motor, seen from the wheel: a share of what it moves, kg m^2."""
+    return 0.3 * base.mass / 2.0 * base.wheels.radius**2
+
+
+def _centroid(polygon: Sequence[tuple[float, float]]) -> tuple[float, float]:
+    """Centre of area of a simple polygon (the shoelace formula)."""
+    area = cx = cy = 0.0
+    for (x0, y0), (x1, y1) in zip(polygon, [*polygon[1:], polygon[0]], strict=True):
+        cross = x0 * y1 - x1 * y0
+        area += cross / 2.0
+        cx += (x0 + x1) * cross / 6.0
+        cy += (y0 + y1) * cross / 6.0
+    return (cx / area, cy / area) if area else (0.0, 0.0)

@@ -1,0 +1,35 @@
+"""Simulated time against real time."""
+
+from __future__ import annotations
+
+
+class Pacer:
+    """When simulated moments are due in real time: `speed` simulated seconds a second; 0 is as fast as possible.
+
+    Moments are reckoned from one anchor, so that errors do not add up. After a stall longer than `patience` (s) the
+    anchor moves: what was missed is not made up for in a rush.
+    """
+
+    def __init__(self, speed: float, time: float, now: float, patience: float = 0.25) -> None:
+        self._speed = speed
+        self._patience = patience
+        self.restart(time, now)
+
+    def restart(self, time: float, now: float) -> None:
+        """Simulated `time` is now (s of a steady clock)."""
+        self._time = time
+        self._now = now
+
+    def wait(self, time: float, now: float) -> float:
+        """How long (s) to wait at `now` before simulated `time` is due; 0 when it is due already."""
+        if self._speed <= 0.0:
+            return 0.0
+        left = self.due(time) - now
+        if left < -self._patience:
+            self.restart(time, now)
+            return 0.0
+        return max(0.0, left)
+
+    def due(self, time: float) -> float:
+        """When a simulated time is due (s of the steady clock)."""
+        return self._now + (time - self._time) / self._speed if self._speed > 0.0 else self._now

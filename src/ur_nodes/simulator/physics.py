@@ -1,0 +1,115 @@
+"""The MuJoCo side: state of bodies and wheels, stepping, placing, contacts."""
+
+from __future__ import annotations
+
+import math
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from ur.robot.base import Lidar
+from ur_nodes.simulator.lidar import RayCaster
+
+Pose = tuple[float, float, float]
+_STATE = mujoco.mjtState.mjSTATE_INTEGRATION
+
+
+class Physics:
+    """A model of `ur_nodes.simulator.model` with `robots` robots, and its state. Poses are x, y, yaw: m, rad."""
+
+    def __init__(self, text: str, robots: int, lidar: Lidar | None) -> None:
+        self._model = mujoco.MjModel.from_xml_string(text)
+        self._data = mujoco.MjData(self._model)
+        self._robots = robots
+        self._joints = [self._freejoint(f"robot_{n}") for n in range(robots)]
+        self._wheels = [
+            [int(self._model.joint(f"{side}_{n}").qposadr[0]) for side in ("left", "right")] for n in range(robots)
+        ]
+        self._motors = [
+            slice(first, first + 2) for first in (self._model.actuator(f"left_{n}").id for n in range(robots))
+        ]
+        self._owner = np.full(self._model.ngeom, -1)
+        for n in range(robots):
+            self._owner[self._model.geom(f"chassis_{n}").id] = n
+        self._lidars = [RayCaster(self._model, lidar, n) for n in range(robots)] if lidar else []
+        self.reset()
+
+    def reset(self) -> None:
+        """Back to the beginning, at rest."""
+        mujoco.mj_resetData(self._model, self._data)
+        mujoco.mj_forward(self._model, self._data)
+
+    def step(self, count: int) -> None:
+        """Go on by a number of time steps."""
+        mujoco.mj_step(self._model, self._data, count)
+
+    def set_wheel_speeds(self, robot: int, left: float, right: float) -> None:
+        """What the motors aim at from now on, rad/s."""
+        self._data.ctrl[self._motors[robot]] = (left, right)
+
+    def wheel_angles(self, robot: int) -> tuple[float, float]:
+        """How far the left and right wheel have turned, rad, forward is positive."""
+        left, right = self._wheels[robot]
+        return float(self._data.qpos[left]), float(self._data.qpos[right])
+
+    def pose(self, robot: int) -> Pose:
+        """Where a robot's base_footprint is in the map."""
+        q = self._joints[robot][0]
+        x, y, _, a, b, c, d = self._data.qpos[q : q + 7].tolist()
+        return x, y, math.atan2(2.0 * (a * d + b * c), 1.0 - 2.0 * (c * c + d * d))
+
+    def velocity(self, robot: int) -> tuple[float, float, float]:
+        """Forward, to the left (m/s) and yaw rate (rad/s), in the robot's own frame."""
+        v = self._joints[robot][1]
+        vx, vy, _, _, _, turn = self._data.qvel[v : v + 6].tolist()
+        yaw = self.pose(robot)[2]
+        c, s = math.cos(yaw), math.sin(yaw)
+        return c * vx + s * vy, c * vy - s * vx, turn
+
+    def cast(self, robot: int, noise: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+        """The ranges of a robot's lidar now; see RayCaster.cast."""
+        return self._lidars[robot].cast(self._data, noise)
+
+    def touching(self) -> frozenset[int]:
+        """The robots whose chassis touches something: a wall, a box, an obstacle, another robot."""
+        if not self._data.ncon:
+            return frozenset()
+        owners = self._owner[self._data.contact.geom]
+        return frozenset(owners[owners >= 0].tolist())
+
+    def place_robot(self, robot: int, pose: Pose) -> str | None:
+        """Move a robot, at rest. Returns what is in the way, in which case nothing has changed."""
+        return self._place(f"robot_{robot}", f"chassis_{robot}", pose)
+
+    def place_obstacle(self, name: str, pose: Pose) -> str | None:
+        """Move an obstacle, at rest. Returns what is in the way, in which case nothing has changed."""
+        return self._place(f"obstacle/{name}", f"obstacle/{name}", pose)
+
+    def _place(self, body: str, geom: str, pose: Pose) -> str | None:
+        q, v = self._freejoint(body)
+        before = np.empty(mujoco.mj_stateSize(self._model, _STATE))
+        mujoco.mj_getState(self._model, self._data, before, _STATE)
+        x, y, yaw = pose
+        self._data.qpos[q : q + 7] = (x, y, self._model.qpos0[q + 2], math.cos(yaw / 2), 0.0, 0.0, math.sin(yaw / 2))
+        self._data.qvel[v : v + 6] = 0.0
+        mujoco.mj_forward(self._model, self._data)
+        in_the_way = self._neighbour(self._model.geom(geom).id)
+        if in_the_way is not None:
+            mujoco.mj_setState(self._model, self._data, before, _STATE)
+            mujoco.mj_forward(self._model, self._data)
+        return in_the_way
+
+    def _neighbour(self, geom: int) -> str | None:
+        """What a shape penetrates, the floor aside."""
+        floor = self._model.geom("floor").id
+        for pair in self._data.contact.geom.tolist():
+            if geom in pair and floor not in pair:
+                name = str(self._model.geom(pair[0] if pair[1] == geom else pair[1]).name)
+                kind, _, rest = name.partition("/")
+                return "a wall" if kind == "wall" else rest if rest else name.replace("chassis", "robot")
+        return None
+
+    def _freejoint(self, name: str) -> tuple[int, int]:
+        joint = self._model.joint(name)
+        return int(joint.qposadr[0]), int(joint.dofadr[0])

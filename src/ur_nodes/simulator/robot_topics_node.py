@@ -1,0 +1,146 @@
+"""The topics of one simulated robot: what stage_ros publishes and subscribes."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import rospy
+from geometry_msgs.msg import TransformStamped, Twist
+from nav_msgs.msg import Odometry
+from sensor_msgs.msg import JointState, LaserScan
+from std_msgs.msg import Int32
+from tf2_msgs.msg import TFMessage
+
+from ur_nodes.simulator.settings import Frames
+from ur_nodes.simulator.simulation import Simulation
+
+_QUEUE = 10
+
+
+class RobotTopics:
+    """Publishers and the subscriber of one robot. Messages are made once and filled in again each time.
+
+    Nothing is made or sent that nobody listens to, tf and what is latched aside.
+    """
+
+    def __init__(self, simulation: Simulation, robot: int, prefix: str, frames: Frames, tf: rospy.Publisher) -> None:
+        """`prefix` is put before topics and frames: '' for a single robot, else 'robot_<n>/'."""
+        self._simulation = simulation
+        self._robot = robot
+        self._tf = tf
+        self.command: tuple[float, float] | None = None
+        lidar = simulation.base.lidar
+        self._odom = _publisher(f"{prefix}odom", Odometry)
+        self._truth = _publisher(f"{prefix}base_pose_ground_truth", Odometry)
+        self._joints = _publisher(f"{prefix}joint_states", JointState)
+        self._scan = _publisher(prefix + lidar.topic, LaserScan) if lidar else None
+        self._collisions = rospy.Publisher(f"~{prefix}collisions", Int32, queue_size=1, latch=True)
+        self._told_collisions = -1
+        odom, base = prefix + frames.odom, prefix + frames.base
+        self._odom_message = _odometry_message(odom, base)
+        self._truth_message = _odometry_message(frames.map, base)
+        self._joint_message = JointState(name=[f"{prefix}left_wheel_joint", f"{prefix}right_wheel_joint"])
+        self._transform = TransformStamped(child_frame_id=base)
+        self._transform.header.frame_id = odom
+        self._tf_message = TFMessage([self._transform])
+        if lidar:
+            self._scan_message = LaserScan(
+                angle_min=lidar.angle_min,
+                angle_max=lidar.angle_max,
+                angle_increment=(lidar.angle_max - lidar.angle_min) / (lidar.samples - 1),
+                scan_time=1.0 / lidar.rate,
+                range_min=lidar.range_min,
+                range_max=lidar.range_max,
+            )
+            self._scan_message.header.frame_id = prefix + lidar.frame
+        rospy.Subscriber(f"{prefix}cmd_vel", Twist, self._on_command, queue_size=1, tcp_nodelay=True)
+
+    def _on_command(self, message: Twist) -> None:
+        self.command = (message.linear.x, message.angular.z)
+
+    def pass_command_on(self) -> None:
+        """Give the newest command to the simulation; called between ticks."""
+        command, self.command = self.command, None
+        if command is not None:
+            self._simulation.command(self._robot, *command)
+
+    def publish_transform(self, stamp: rospy.Time) -> None:
+        """Tf odom -> base_footprint, which is where the encoders say the robot is."""
+        x, y, yaw = self._simulation.odometry(self._robot).pose
+        transform = self._transform.transform
+        transform.translation.x, transform.translation.y = x, y
+        transform.rotation.z, transform.rotation.w = math.sin(yaw / 2.0), math.cos(yaw / 2.0)
+        self._transform.header.stamp = stamp
+        self._tf.publish(self._tf_message)
+
+    def publish_odometry(self, stamp: rospy.Time) -> None:
+        """What the encoders say, and beside it the truth."""
+        if self._odom.get_num_connections():
+            odometry = self._simulation.odometry(self._robot)
+            _fill_pose(self._odom_message, stamp, odometry.pose)
+            self._odom_message.pose.covariance = _covariance(odometry.covariance)
+            twist = self._odom_message.twist.twist
+            twist.linear.x, twist.angular.z = odometry.velocity
+            self._odom.publish(self._odom_message)
+        if self._truth.get_num_connections():
+            _fill_pose(self._truth_message, stamp, self._simulation.pose(self._robot))
+            twist = self._truth_message.twist.twist
+            twist.linear.x, twist.linear.y, twist.angular.z = self._simulation.velocity(self._robot)
+            self._truth.publish(self._truth_message)
+
+    def publish_scan(self, stamp: rospy.Time) -> None:
+        """What the lidar sees, taken in an instant."""
+        if self._scan is not None and self._scan.get_num_connections():
+            self._scan_message.header.stamp = stamp
+            self._scan_message.ranges = self._simulation.scan(self._robot).tolist()
+            self._scan.publish(self._scan_message)
+
+    def publish_joints(self, stamp: rospy.Time) -> None:
+        """The angles of the wheels."""
+        if self._joints.get_num_connections():
+            self._joint_message.header.stamp = stamp
+            self._joint_message.position = self._simulation.wheel_angles(self._robot)
+            self._joints.publish(self._joint_message)
+
+    def publish_collisions(self) -> None:
+        """How often the robot has run into something; latched, sent when it changes."""
+        count = self._simulation.collisions[self._robot]
+        if count != self._told_collisions:
+            self._told_collisions = count
+            self._collisions.publish(count)
+
+
+def _publisher(topic: str, kind: Any) -> rospy.Publisher:
+    return rospy.Publisher(topic, kind, queue_size=_QUEUE, tcp_nodelay=True)
+
+
+def _odometry_message(frame: str, child: str) -> Odometry:
+    message = Odometry(child_frame_id=child)
+    message.header.frame_id = frame
+    message.pose.covariance = _covariance((1e-9, 0.0, 0.0, 1e-9, 0.0, 1e-9))
+    # Encoders: the speed to about 1 %, no motion sideways, up or over.
+    message.twist.covariance = _covariance((1e-4, 0.0, 0.0, 1e-6, 0.0, 1e-3))
+    return message
+
+
+def _fill_pose(message: Odometry, stamp: rospy.Time, pose: tuple[float, float, float]) -> None:
+    x, y, yaw = pose
+    message.header.stamp = stamp
+    place = message.pose.pose
+    place.position.x, place.position.y = x, y
+    place.orientation.z, place.orientation.w = math.sin(yaw / 2.0), math.cos(yaw / 2.0)
+
+
+def _covariance(planar: tuple[float, ...]) -> list[float]:
+    """Row-major 6 x 6 from xx, xy, xw, yy, yw, ww; height, roll and pitch are known: the floor is flat."""
+    xx, xy, xw, yy, yw, ww = planar
+    known, zero = 1e-9, 0.0
+    return [
+        *(xx, xy, zero, zero, zero, xw),
+        *(xy, yy, zero, zero, zero, yw),
+        *(zero, zero, known, zero, zero, zero),
+        *(zero, zero, zero, known, zero, zero),
+        *(zero, zero, zero, zero, known, zero),
+        *(xw, yw, zero, zero, zero, ww),
+    ]

@@ -1,0 +1,26 @@
+"""How the simulator node is set up."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Frames:
+    """Names of frames, without a robot's prefix."""
+
+    map: str
+    odom: str
+    base: str
+
+
+@dataclass(frozen=True, slots=True)
+class Settings:
+    """`speed` is simulated seconds per second, 0 as fast as possible; `step_period` what one ~step advances by, s."""
+
+    speed: float
+    publish_clock: bool
+    clock_rate: float
+    joint_rate: float
+    step_period: float
+    frames: Frames

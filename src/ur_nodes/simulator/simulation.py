@@ -1,0 +1,198 @@
+"""The whole simulation in lock step: robots, their controllers, encoders and lidars, on one schedule of time steps."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from ur.robot.base import Base
+from ur.source.diagnostic import UserError, error
+from ur.source.suggest import did_you_mean
+from ur_nodes.simulator.drive import Drive
+from ur_nodes.simulator.model import TIME_STEP, build_model
+from ur_nodes.simulator.odometry import EncoderOdometry
+from ur_nodes.simulator.physics import Physics, Pose
+from ur_nodes.simulator.world import World
+
+CONTROL_RATE = 50.0  # Hz
+COLLISION_PAUSE = 0.5  # s
+
+
+@dataclass(frozen=True, slots=True)
+class Tick:
+    """What is due at a time (s since the start): new odometry, a scan."""
+
+    time: float
+    odometry: bool
+    scan: bool
+
+
+class Simulation:
+    """Robots of one base in a world. The same seed and the same calls give the same results to the last bit."""
+
+    def __init__(self, world: World, base: Base, *, robots: int = 1, seed: int = 0, start: Pose | None = None) -> None:
+        """Raises UserError when a robot would begin in a wall."""
+        self.base = base
+        self.robots = robots
+        self._world = world
+        self._seed = seed
+        self._physics = Physics(build_model(world, base, robots, start or world.start), robots, base.lidar)
+        self._steps_before = 0
+        self._step: int = 0
+        self._noise: list[npt.NDArray[np.float64]] = []
+        self._begin()
+        for robot in range(robots):
+            self.place(f"robot_{robot}", self._physics.pose(robot))
+
+    @property
+    def time(self) -> float:
+        """Simulated time since the start, s. It never goes back."""
+        return (self._steps_before + self._step) * TIME_STEP
+
+    @property
+    def next_time(self) -> float:
+        """The time that the next `advance` goes on to, s."""
+        return (self._steps_before + self._next_step()) * TIME_STEP
+
+    @property
+    def collisions(self) -> tuple[int, ...]:
+        """How often each robot has begun to touch something since the start or the last reset."""
+        return tuple(self._collisions)
+
+    def command(self, robot: int, linear: float, angular: float) -> None:
+        """A velocity command that arrives now: m/s, rad/s. It takes effect with the next control period."""
+        self._drives[robot].command(linear, angular, self.time)
+
+    def advance(self) -> Tick:
+        """Go on to the next moment at which something is due: a control period, odometry or a scan."""
+        due = self._next_step()
+        self._physics.step(due - self._step)
+        self._step = due
+        self._count_collisions()
+        reading = self._reading.take(due)
+        scan = self._scan is not None and self._scan.take(due)
+        if reading or scan:
+            for robot, odometry in enumerate(self._odometry):
+                odometry.update(*self._physics.wheel_angles(robot), self.time)
+        if scan:
+            self._noise = [random.standard_normal(self._noise[0].size) for random in self._random]
+        if self._control.take(due):
+            self._update_drives()
+        return Tick(self.time, reading, scan)
+
+    def odometry(self, robot: int) -> EncoderOdometry:
+        """What a robot's encoders say: as of the last tick with odometry or a scan."""
+        return self._odometry[robot]
+
+    def scan(self, robot: int) -> npt.NDArray[np.float64]:
+        """The ranges that a robot's lidar sees (m); see RayCaster.cast. For bases that have a lidar."""
+        return self._physics.cast(robot, self._noise[robot])
+
+    def pose(self, robot: int) -> Pose:
+        """Where a robot really is, in the map."""
+        return self._physics.pose(robot)
+
+    def velocity(self, robot: int) -> tuple[float, float, float]:
+        """How it really moves: forward, to the left (m/s), yaw rate (rad/s)."""
+        return self._physics.velocity(robot)
+
+    def wheel_angles(self, robot: int) -> tuple[float, float]:
+        """How far the left and the right wheel have turned, rad."""
+        return self._physics.wheel_angles(robot)
+
+    def reset(self) -> None:
+        """Everything back to where it was at the start, noise included; time goes on."""
+        self._steps_before += self._step
+        self._physics.reset()
+        self._begin()
+
+    def place(self, name: str, pose: Pose) -> None:
+        """Put a robot (`robot` or `robot_<n>`) or an obstacle somewhere, at rest. Odometry does not notice.
+
+        Raises UserError, and moves nothing, when the name is not known or something is in the way.
+        """
+        names = [f"robot_{n}" for n in range(self.robots)] + [box.name for box in self._world.obstacles]
+        name = "robot_0" if name in ("", "robot") else name
+        if name not in names:
+            near = did_you_mean(name, names)
+            raise UserError(
+                error(
+                    f"{name!r} cannot be placed, expected one of {', '.join(names)}",
+                    rule="unknown-name",
+                    help=f"did you mean {near!r}?" if near else None,
+                )
+            )
+        if not all(math.isfinite(value) for value in pose):
+            raise UserError(error(f"{name}: a pose of {pose}, expected finite numbers", rule="bad-pose"))
+        if name.startswith("robot_"):
+            robot = int(name[6:])
+            blocked = self._outside(pose) or self._physics.place_robot(robot, pose)
+            if not blocked:
+                self._drives[robot] = Drive(self.base, 1.0 / CONTROL_RATE)
+                self._physics.set_wheel_speeds(robot, 0.0, 0.0)
+        else:
+            blocked = self._physics.place_obstacle(name, pose)
+        if blocked:
+            x, y, _ = pose
+            raise UserError(
+                error(f"{name} cannot be at x {x:g}, y {y:g}: {blocked}, expected free floor", rule="not-free")
+            )
+
+    def _next_step(self) -> int:
+        scan = self._scan.step if self._scan else self._reading.step
+        return min(self._control.step, self._reading.step, scan)
+
+    def _outside(self, pose: Pose) -> str | None:
+        plan = self._world.floor_plan
+        return None if plan.contains(pose[0], pose[1]) else "outside the floor plan"
+
+    def _begin(self) -> None:
+        base = self.base
+        self._step = 0
+        self._control: Schedule = Schedule(CONTROL_RATE)
+        self._reading: Schedule = Schedule(base.odometry.rate)
+        self._scan: Schedule | None = Schedule(base.lidar.rate) if base.lidar else None
+        self._drives = [Drive(base, 1.0 / CONTROL_RATE) for _ in range(self.robots)]
+        seeds = np.random.SeedSequence(self._seed).spawn(2 * self.robots)
+        randoms = [np.random.Generator(np.random.PCG64(seed)) for seed in seeds]
+        self._odometry: list[EncoderOdometry] = [EncoderOdometry(base, random) for random in randoms[::2]]
+        self._random: list[np.random.Generator] = randoms[1::2]
+        self._noise = [np.zeros(base.lidar.samples if base.lidar else 0) for _ in range(self.robots)]
+        self._touched = [-math.inf] * self.robots
+        self._collisions = [0] * self.robots
+        for robot, odometry in enumerate(self._odometry):
+            odometry.update(*self._physics.wheel_angles(robot), self.time)
+
+    def _update_drives(self) -> None:
+        for robot, drive in enumerate(self._drives):
+            self._physics.set_wheel_speeds(robot, *drive.update(self.time))
+
+    def _count_collisions(self) -> None:
+        """Contacts flicker: one that comes back soon is the same collision."""
+        for robot in self._physics.touching():
+            if self.time - self._touched[robot] > COLLISION_PAUSE:
+                self._collisions[robot] += 1
+            self._touched[robot] = self.time
+
+
+class Schedule:
+    """Something that happens at a rate (Hz), each time at the first time step that is not too early."""
+
+    def __init__(self, rate: float) -> None:
+        self._steps = 1.0 / (rate * TIME_STEP)
+        self._number = 1
+        self.step = self._step_of(1)
+
+    def take(self, step: int) -> bool:
+        """Whether it is due at a step; if so the next one is set."""
+        if step < self.step:
+            return False
+        self._number += 1
+        self.step = max(step + 1, self._step_of(self._number))
+        return True
+
+    def _step_of(self, number: int) -> int:
+        return math.ceil(number * self._steps - 1e-6)

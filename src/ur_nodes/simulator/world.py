@@ -1,0 +1,76 @@
+"""A world of the simulator: a file `n_simulator/worlds/<world>.yaml`, read and checked."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from ur.source.section import Section, read_section
+from ur_nodes.simulator.floor_plan import FloorPlan, read_floor_plan
+
+
+@dataclass(frozen=True, slots=True)
+class Box:
+    """A box. `pose` is x, y, z (m) of its centre and yaw (rad); `size` are its full edge lengths.
+
+    With a `mass` (kg) it is an obstacle that can be pushed and placed; without, it stands fast.
+    """
+
+    name: str
+    pose: tuple[float, float, float, float]
+    size: tuple[float, float, float]
+    mass: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class World:
+    """What robots drive in, in the map frame: m, rad. `start` (x, y, yaw) is where they begin."""
+
+    floor_plan: FloorPlan
+    wall_height: float
+    floor_friction: float
+    boxes: tuple[Box, ...]
+    obstacles: tuple[Box, ...]
+    start: tuple[float, float, float]
+
+
+def read_world(path: str | Path) -> World:
+    """Read a world file and the floor plan it names. Raises UserError with file, line and column."""
+    top = read_section(path, "a world file")
+    plan = Path(path).parent / top.text("floor_plan")
+    if not plan.is_file():
+        top.fail(
+            "floor_plan",
+            f"floor_plan: {plan} does not exist, expected a map file relative to {Path(path).name}",
+        )
+    start = top.numbers("start", 3, (0.0, 0.0, 0.0))
+    seen: set[str] = set()
+    world = World(
+        floor_plan=read_floor_plan(plan),
+        wall_height=top.number("wall_height", 1.0, minimum=0.05, maximum=100.0),
+        floor_friction=top.number("floor_friction", 0.9, minimum=0.05, maximum=5.0),
+        boxes=tuple(_box(part, movable=False, seen=seen) for part in top.sections("boxes")),
+        obstacles=tuple(_box(part, movable=True, seen=seen) for part in top.sections("obstacles")),
+        start=(start[0], start[1], start[2]),
+    )
+    top.finish()
+    return world
+
+
+def _box(part: Section, *, movable: bool, seen: set[str]) -> Box:
+    name = part.text("name")
+    if name in seen:
+        part.fail("name", f"name: {name!r} is given twice in {part.name}, expected each box once")
+    seen.add(name)
+    size = part.numbers("size", 3)
+    if min(size) <= 0.0:
+        part.fail("size", f"size: {list(size)} in {part.name}, expected three lengths above 0")
+    if movable:  # an obstacle stands on the floor
+        x, y, yaw = part.numbers("pose", 3)
+        pose = (x, y, size[2] / 2.0, yaw)
+        mass = part.number("mass", minimum=0.01)
+    else:
+        x, y, z, yaw = part.numbers("pose", 4)
+        pose, mass = (x, y, z, yaw), None
+    part.finish()
+    return Box(name, pose, (size[0], size[1], size[2]), mass)
