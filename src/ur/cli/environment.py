@@ -1,0 +1,75 @@
+"""The environment that a selection means: what `ur env` prints and every verb applies to itself."""
+
+from __future__ import annotations
+
+import os
+import shlex
+import socket
+from collections.abc import Mapping
+from pathlib import Path
+
+from ur.robot.selection import Selection, load_selection, parse_selection, selection_path
+from ur.source.diagnostic import UserError
+
+REPOSITORY = Path(__file__).resolve().parents[3]
+PACKAGE = REPOSITORY / "ubiquity_launches"
+MARK = "UR_SELECTION"  # tells what `ur env` has set from what a person has set
+
+
+def current_selection(environment: Mapping[str, str]) -> Selection:
+    """The stored selection. Raises UserError when its file makes no sense."""
+    return load_selection(selection_path(environment))
+
+
+def environment_changes(
+    selection: Selection, environment: Mapping[str, str], *, package: Path = PACKAGE, hostname: str | None = None
+) -> dict[str, str]:
+    """The variables to set so that `environment` follows the selection. Setting them twice changes nothing.
+
+    A ROS_MASTER_URI or ROS_HOSTNAME that a person has set stays; one that stems from an earlier selection goes.
+    """
+    host = hostname or socket.gethostname().split(".")[0]
+    wanted = {
+        "ROS_PACKAGE_PATH": _in_front(str(package), environment.get("ROS_PACKAGE_PATH", ""), "/usr/share"),
+        "PATH": _in_front(str(package / "bin"), environment.get("PATH", os.defpath)),
+        MARK: str(selection),
+    }
+    before = _network(_marked(environment), host)
+    for name, value in _network(selection, host).items():
+        present = environment.get(name)
+        if not present or present == before.get(name):
+            wanted[name] = value
+    if environment.get("ROS_IP") and not environment.get("ROS_HOSTNAME"):
+        wanted.pop("ROS_HOSTNAME", None)  # it would override the address that a person has set
+    return wanted
+
+
+def apply_selection(selection: Selection) -> None:
+    """Make this process, and what it starts, follow the selection."""
+    os.environ.update(environment_changes(selection, os.environ))
+
+
+def render_exports(changes: Mapping[str, str]) -> str:
+    """Lines for a POSIX shell."""
+    return "".join(f"export {name}={shlex.quote(value)}\n" for name, value in changes.items())
+
+
+def _network(selection: Selection | None, hostname: str) -> dict[str, str]:
+    if selection is None:
+        return {}
+    own = "localhost" if selection.simulated else f"{hostname}.local"
+    return {"ROS_MASTER_URI": selection.master_uri, "ROS_HOSTNAME": own}
+
+
+def _marked(environment: Mapping[str, str]) -> Selection | None:
+    try:
+        return parse_selection(environment[MARK])
+    except (KeyError, UserError):
+        return None
+
+
+def _in_front(first: str, paths: str, last: str | None = None) -> str:
+    rest = [path for path in paths.split(os.pathsep) if path and path != first]
+    if last is not None and last not in rest:
+        rest.append(last)
+    return os.pathsep.join([first, *rest])

@@ -1,0 +1,58 @@
+"""Help pages. Only imported to show one: rich is expensive."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import click
+from rich_click import RichCommand, RichContext, RichGroup
+
+from ur.cli.main import EPILOG, HELP, VERBS, load_verb
+from ur.source.diagnostic import UserError, error
+from ur.source.suggest import did_you_mean
+
+
+def show_help(words: list[str]) -> None:
+    """Print the page of `ur`, or of one verb. Raises UserError for a verb that is not there."""
+    if not words:
+        _print(_overview(), "ur")
+        return
+    if words[0] not in VERBS:
+        near = did_you_mean(words[0], VERBS)
+        raise UserError(
+            error(
+                f"{words[0]!r} is not a verb of ur, expected one of {', '.join(VERBS)}",
+                rule="unknown-verb",
+                help=f"did you mean 'ur {near}'?" if near else None,
+            )
+        )
+    verb = load_verb(words[0])
+    page = RichCommand(
+        name=verb.name,
+        callback=verb.callback,
+        params=list(verb.params),
+        help=verb.help,
+        epilog=verb.epilog,
+        options_metavar="[OPTIONS]" if any(isinstance(each, click.Option) for each in verb.params) else "",
+    )
+    _print(page, f"ur {verb.name}")
+
+
+class _InOrder(RichGroup):
+    def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002 - click's signature
+        return list(self.commands)
+
+
+def _overview() -> RichGroup:
+    group = _InOrder(
+        name="ur", help=HELP, epilog=EPILOG, options_metavar="[--version]", subcommand_metavar="VERB [ARGS]"
+    )
+    for name, (_, summary) in VERBS.items():
+        group.add_command(RichCommand(name=name, help=summary, short_help=summary))
+    group.params.append(click.Option(["--version"], is_flag=True, help="Print the version."))
+    return group
+
+
+def _print(page: Any, name: str) -> None:
+    context = RichContext(page, info_name=name)
+    click.echo(page.get_help(context))

@@ -1,0 +1,142 @@
+"""The `ur` command: finds the verb, runs it, and turns whatever goes wrong into one clear line."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Sequence
+from importlib import import_module
+
+import click
+
+from ur.source.diagnostic import UserError
+from ur.source.render import render_human
+from ur.source.suggest import did_you_mean
+
+HELP = "Finds, selects and drives small ROS robots, simulated or real, and starts launch files."
+EPILOG = "First drive: ur run keyboard_navigate"
+
+# The summary stands here so that `ur --help` imports no verb; a test compares it with the verb's own.
+VERBS = {
+    "run": ("ur.cli.run", "Run a program on the selected robot."),
+    "list": ("ur.cli.list_programs", "List the programs that `ur run` knows."),
+    "launch": ("ur.cli.launch", "Start a launch file, in place of roslaunch."),
+    "use": ("ur.cli.use", "Select a robot, or show which one is selected."),
+    "env": ("ur.cli.env", "Print what makes a shell follow the selection."),
+}
+
+
+class VerbGroup(click.Group):
+    """The verbs, each imported when it is used."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002 - click's signature
+        """The names, most important first."""
+        return list(VERBS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:  # noqa: ARG002 - click's signature
+        """Import a verb."""
+        return load_verb(cmd_name) if cmd_name in VERBS else None
+
+
+def load_verb(name: str) -> click.Command:
+    """The command behind a verb's name: `command` of its module."""
+    verb = import_module(VERBS[name][0]).command
+    assert isinstance(verb, click.Command)
+    return verb
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run `ur` with its arguments (default: of this process) and return the exit code. Raises nothing."""
+    words = list(sys.argv[1:] if arguments is None else arguments)
+    try:
+        return _dispatch(words)
+    except click.UsageError as problem:
+        return _explain(problem)
+    except click.ClickException as problem:
+        _say(f"error: {problem.format_message()}")
+        return 2
+    except UserError as problem:
+        sys.stderr.write(render_human(problem.diagnostics, colour=sys.stderr.isatty()))
+        return 2
+    except (KeyboardInterrupt, click.Abort):
+        return 130
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # Python flushes standard output once more when it ends
+        return 141
+    except Exception as problem:
+        return _report_defect(problem, words)
+
+
+def _dispatch(words: list[str]) -> int:
+    if not words or words[0] in ("--help", "-h", "help"):
+        from ur.cli.help import show_help
+
+        show_help(words[1:] if words and words[0] == "help" else [])
+        return 0
+    if words[0] in VERBS and _wants_help(words):
+        from ur.cli.help import show_help
+
+        show_help([words[0]])
+        return 0
+    group = VerbGroup("ur", params=[_version_option()], help=HELP)
+    result = group.main(words, prog_name="ur", standalone_mode=False)
+    return result if isinstance(result, int) else 0
+
+
+def _wants_help(words: list[str]) -> bool:
+    # `ur run PROGRAM --help` is about the program.
+    end = 2 if words[0] == "run" else len(words)
+    return any(word in ("--help", "-h") for word in words[1:end])
+
+
+def _version_option() -> click.Option:
+    def show(ctx: click.Context, _param: click.Parameter, value: bool) -> None:
+        if value:
+            from importlib.metadata import version
+
+            click.echo(f"ur {version('ubiquity-launches')}")
+            ctx.exit(0)
+
+    return click.Option(
+        ["--version"], is_flag=True, expose_value=False, is_eager=True, callback=show, help="Print the version."
+    )
+
+
+def _explain(problem: click.UsageError) -> int:
+    """One line for a wrong command line, one more that helps."""
+    verb = problem.ctx.command.name if problem.ctx is not None and problem.ctx.parent is not None else None
+    where = f"ur {verb}" if verb else "ur"
+    message = problem.format_message().rstrip(".")
+    help_line = f"'{where} --help' shows what there is"
+    if isinstance(problem, click.NoSuchOption):
+        message = f"{problem.option_name} is not an option of '{where}'"
+        names = [name for param in problem.ctx.command.params for name in param.opts] if problem.ctx else []
+        near = did_you_mean(problem.option_name, names)
+        help_line = f"did you mean {near!r}?" if near else help_line
+    elif verb is None and message.startswith("No such command"):
+        word = message.split("'")[1]
+        near = did_you_mean(word, VERBS)
+        message = f"{word!r} is not a verb of ur, expected one of {', '.join(VERBS)}"
+        help_line = f"did you mean 'ur {near}'?" if near else help_line
+    else:
+        message = f"{where}: {message[:1].lower()}{message[1:]}"
+    _say(f"error: {message}\n  help: {help_line}")
+    return 2
+
+
+def _report_defect(problem: Exception, words: list[str]) -> int:
+    from ur.cli.defects import write_defect
+
+    path = write_defect(problem, words, os.environ)
+    _say(
+        f"error: 'ur {' '.join(words)}' failed for a reason that is a defect of ur: {type(problem).__name__}: {problem}"
+    )
+    _say(f"  help: please report it together with {path}" if path else "  help: please report it")
+    return 2
+
+
+def _say(text: str) -> None:
+    try:
+        sys.stderr.write(text + "\n")
+    except OSError:
+        return

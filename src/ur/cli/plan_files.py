@@ -1,0 +1,92 @@
+"""From the words of a command line to a plan, its findings shown."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Sequence
+
+from ur.launchfile.address import resolve_addresses
+from ur.launchfile.plan.load import load_plan
+from ur.launchfile.plan.model import Plan
+from ur.launchfile.syntax.parse import parse_launch_file
+from ur.launchfile.world.protocol import World
+from ur.launchfile.world.system import SystemWorld
+from ur.robot.selection import Selection
+from ur.source.diagnostic import Diagnostic, Severity, UserError, error
+from ur.source.suggest import did_you_mean
+
+
+def load_words(words: Sequence[str], selection: Selection) -> tuple[Plan | None, World]:
+    """The plan behind `[PACKAGE] FILE [ARG:=VALUE]...`; None when it has errors, which are then on standard error.
+
+    Arguments about the robot that the file declares and nobody gave come from the selection.
+    Raises UserError: no such file, or a word that is neither a file nor an argument.
+    """
+    world = SystemWorld(os.environ)
+    files = resolve_addresses(words, world)
+    given = [word for word in words if ":=" in word]
+    declared = declared_arguments(files, world)
+    refuse_stray_words(files, declared, world)
+    arguments = [*given, *selected_arguments(selection, declared, given)]
+    plan = load_plan(files, arguments, world)
+    findings = plan.diagnostics
+    if any(node.terminal for node in plan.nodes):
+        findings = tuple(map(_harden, findings))
+    if findings:
+        from ur.source.render import render_human
+
+        sys.stderr.write(render_human(findings, colour=sys.stderr.isatty()))
+        sys.stderr.flush()
+    return (None if any(each.severity is Severity.ERROR for each in findings) else plan), world
+
+
+def declared_arguments(files: Sequence[str], world: World) -> tuple[str, ...]:
+    """The arguments that launch files declare and that can be given, in order. Empty for what cannot be read."""
+    names: dict[str, None] = {}
+    for path in files:
+        try:
+            parsed = parse_launch_file(path, world.read_bytes(path))
+        except OSError:
+            continue
+        for element in parsed.launch.elements if parsed.launch is not None else ():
+            if element.name == "arg" and "value" not in element.attributes:
+                names[element.attributes.get("name", "")] = None
+    return tuple(names)
+
+
+def refuse_stray_words(files: Sequence[str], declared: Sequence[str], world: World) -> None:
+    """Raise UserError for a word after the launch file that is neither another file nor NAME:=VALUE."""
+    for word in files[1:]:
+        if word == "-" or world.is_file(word):
+            continue
+        bare = word.lstrip("-").partition("=")[0]
+        near = did_you_mean(bare.replace("-", "_"), declared)
+        known = ", ".join(declared) or "(none)"
+        raise UserError(
+            error(
+                f"{word!r} is no argument, expected NAME:=VALUE with NAME one of {known}",
+                rule="bad-argument",
+                help=f"did you mean {near}:=...?" if near else None,
+            )
+        )
+
+
+def selected_arguments(selection: Selection, declared: Sequence[str], given: Sequence[str]) -> list[str]:
+    """What the selection says about arguments that are declared and not given."""
+    taken = {word.partition(":=")[0] for word in given}
+    values = {
+        "robot_base": selection.base,
+        # A variant belongs to its base: with another base given by hand it means nothing.
+        "robot_variant": "" if "robot_base" in taken else selection.variant,
+        "robot_machine": "localhost" if selection.simulated else "",
+        "viewer_machine": "localhost",
+    }
+    return [f"{name}:={value}" for name, value in values.items() if value and name in declared and name not in taken]
+
+
+def _harden(finding: Diagnostic) -> Diagnostic:
+    # A program takes the screen: a mere warning about a misspelt argument would never be read.
+    if finding.rule not in ("unknown-argument", "bad-argument"):
+        return finding
+    return Diagnostic(Severity.ERROR, finding.message, finding.rule, finding.span, finding.notes, finding.help)

@@ -1,0 +1,38 @@
+"""`ur use`: which robot is meant."""
+
+from __future__ import annotations
+
+import os
+import sys
+
+import click
+
+from ur.cli.environment import PACKAGE, current_selection
+from ur.robot.selection import Selection, parse_selection, selection_path, store_selection
+
+
+@click.command("use")
+@click.argument("selection", required=False, metavar="[sim|ROBOT][:BASE[:VARIANT]]")
+def command(selection: str | None) -> int:
+    """Select a robot, or show which one is selected.
+
+    `ur use sim` selects the simulated robot, `ur use sim:magni` the simulated Magni, `ur use sim:magni:lidar` the one
+    with a lidar; `ur use ROBOT` the robot whose computer answers to ROBOT.local. Without an argument it prints the
+    selection.
+    """
+    if selection is None:
+        sys.stdout.write(f"{current_selection(os.environ)}\n")
+        return 0
+    chosen = parse_selection(selection)
+    check_base(chosen)
+    store_selection(selection_path(os.environ), chosen)
+    sys.stdout.write(f"{chosen}\n")
+    return 0
+
+
+def check_base(chosen: Selection) -> None:
+    """Raise UserError when the base or its variant is not one that we have."""
+    if chosen.base:
+        from ur.robot.base import load_base  # YAML is only needed here
+
+        load_base(PACKAGE, chosen.base, chosen.variant)

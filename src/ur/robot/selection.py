@@ -1,0 +1,103 @@
+"""Which robot is meant: what `ur use` stores and every command follows.
+
+Written `sim[:BASE[:VARIANT]]` for a simulated robot on this computer, `ROBOT[:BASE[:VARIANT]]` for a robot whose
+computer answers to `ROBOT.local`.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from ur.source.diagnostic import UserError, error
+
+SIMULATION = "sim"
+DEFAULT_BASE = "stage"
+_HOST = re.compile(r"[A-Za-z0-9]([A-Za-z0-9-]{0,61}[A-Za-z0-9])?")  # RFC 1123, one label
+_PART = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]*")
+_FORM = "sim[:BASE[:VARIANT]] or ROBOT[:BASE[:VARIANT]]"
+
+
+@dataclass(frozen=True, slots=True)
+class Selection:
+    """A robot. `base` is empty when the robot itself knows best; `variant` is empty for the plain base."""
+
+    robot: str = SIMULATION
+    base: str = DEFAULT_BASE
+    variant: str = ""
+
+    @property
+    def simulated(self) -> bool:
+        """Whether the robot is a simulated one, on this computer."""
+        return self.robot == SIMULATION
+
+    @property
+    def master_uri(self) -> str:
+        """Where the robot's ROS master is."""
+        return "http://localhost:11311" if self.simulated else f"http://{self.robot}.local:11311"
+
+    def __str__(self) -> str:
+        return ":".join([self.robot, self.base, self.variant]).rstrip(":")
+
+
+def parse_selection(text: str) -> Selection:
+    """Read what a person typed. Raises UserError: too many parts, or a part that is no name."""
+    robot, *parts = text.strip().split(":")
+    robot = robot.removesuffix(".local")
+    if not _HOST.fullmatch(robot):
+        raise _bad(text, f"{robot!r} is not the name of a computer")
+    if len(parts) > 2:
+        raise _bad(text, "too many parts")
+    for part in parts:
+        if part and not _PART.fullmatch(part):
+            raise _bad(text, f"{part!r} is not a name")
+    base, variant = [*parts, "", ""][:2]
+    if variant and not base:
+        raise _bad(text, "a variant needs its base")
+    return Selection(robot, base or (DEFAULT_BASE if robot == SIMULATION else ""), variant)
+
+
+def selection_path(environment: Mapping[str, str]) -> Path:
+    """The file that holds the selection, below the user's configuration folder (XDG base directory specification)."""
+    folder = environment.get("XDG_CONFIG_HOME", "")
+    if not folder.startswith("/"):  # the specification: anything but an absolute path is to be ignored
+        folder = str(Path(environment.get("HOME") or Path.home()) / ".config")
+    return Path(folder) / "ubiquity_launches" / "selection"
+
+
+def load_selection(path: Path) -> Selection:
+    """The stored selection; the default one when nothing is stored. Raises UserError when the file makes no sense."""
+    try:
+        text = path.read_text(encoding="utf-8")
+    except FileNotFoundError:
+        return Selection()
+    except (OSError, UnicodeDecodeError) as problem:
+        raise UserError(error(f"{path}: cannot be read: {problem}", rule="bad-selection", help=_HELP)) from None
+    try:
+        return parse_selection(text)
+    except UserError as problem:
+        message = problem.diagnostics[0].message
+        raise UserError(error(f"{path}: {message}", rule="bad-selection", help=_HELP)) from None
+
+
+_HELP = "'ur use sim' selects the simulated robot again"
+
+
+def store_selection(path: Path, selection: Selection) -> None:
+    """Write the file in one step: a reader sees the old or the new selection. Raises UserError."""
+    temporary = path.with_name(f"{path.name}.{os.getpid()}")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        temporary.write_text(f"{selection}\n", encoding="utf-8")
+        temporary.replace(path)
+    except OSError as problem:
+        temporary.unlink(missing_ok=True)
+        reason = (problem.strerror or str(problem)).lower()
+        raise UserError(error(f"{path}: cannot be written: {reason}", rule="bad-selection")) from None
+
+
+def _bad(text: str, reason: str) -> UserError:
+    return UserError(error(f"selection {text.strip()!r}: {reason}, expected {_FORM}", rule="bad-selection"))

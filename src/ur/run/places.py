@@ -1,0 +1,86 @@
+"""Where runs keep their files, and whether an address is this computer: as roslaunch and rospkg decide it."""
+
+from __future__ import annotations
+
+import socket
+from collections.abc import Mapping
+from pathlib import Path
+
+from ur.source.diagnostic import UserError, error
+
+
+def ros_home(environment: Mapping[str, str]) -> str:
+    """The folder in which nodes start: ROS_HOME, else ~/.ros."""
+    return environment.get("ROS_HOME") or str(Path(environment.get("HOME") or Path.home()) / ".ros")
+
+
+def log_root(environment: Mapping[str, str]) -> str:
+    """The folder that holds one folder per run: ROS_LOG_DIR, else `log` in ROS_HOME."""
+    return environment.get("ROS_LOG_DIR") or ros_home(environment) + "/log"
+
+
+def make_run_folder(environment: Mapping[str, str], run_id: str) -> str:
+    """Make the log folder of a run, and `latest` beside it. Raises UserError."""
+    root = Path(log_root(environment))
+    folder = root / run_id
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as problem:
+        reason = (problem.strerror or str(problem)).lower()
+        raise UserError(
+            error(
+                f"log folder {folder} cannot be made: {reason}",
+                rule="bad-log-folder",
+                help="ROS_LOG_DIR chooses another place",
+            )
+        ) from None
+    latest = root / "latest"
+    try:
+        if latest.is_symlink():
+            latest.unlink()
+        if not latest.exists():
+            latest.symlink_to(folder)
+    except OSError:
+        return str(folder)  # a convenience only
+    return str(folder)
+
+
+def make_home(environment: Mapping[str, str]) -> str:
+    """Make the folder in which nodes start. Raises UserError."""
+    home = Path(ros_home(environment))
+    try:
+        home.mkdir(parents=True, exist_ok=True)
+    except OSError as problem:
+        reason = (problem.strerror or str(problem)).lower()
+        raise UserError(
+            error(f"folder {home} cannot be made: {reason}", rule="bad-home", help="ROS_HOME chooses another place")
+        ) from None
+    return str(home)
+
+
+def new_run_id() -> str:
+    """An id that no other run has."""
+    try:
+        return Path("/proc/sys/kernel/random/uuid").read_text(encoding="ascii").strip()
+    except OSError:
+        import uuid
+
+        return str(uuid.uuid4())
+
+
+def is_local_address(address: str) -> bool:
+    """Whether a host name or address is this computer. False when the name is not known."""
+    if address in ("", "localhost", "127.0.0.1", "::1"):
+        return True
+    try:
+        found = socket.getaddrinfo(address, 0, type=socket.SOCK_DGRAM)
+    except OSError:
+        return False
+    for family, kind, protocol, _, where in found:
+        try:
+            with socket.socket(family, kind, protocol) as probe:
+                probe.bind(where)  # only an address of ours can be bound
+                return True
+        except OSError:  # noqa: PERF203 - a name may have several addresses
+            continue
+    return False

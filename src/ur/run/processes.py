@@ -1,0 +1,149 @@
+"""The supervisor's end of the process host: start it, tell it what to do, hear what happened."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import signal
+import socket
+import sys
+import time
+from collections.abc import Mapping
+from pathlib import Path
+
+from ur.run import host
+from ur.run.model import Event, Exited, ExitStatus, NothingLeft, Started, StartFailed
+from ur.source.diagnostic import UserError, error
+
+
+class Suspended:
+    """A unit was stopped by its terminal (Ctrl-Z) or by a signal, and can go on."""
+
+    __slots__ = ("name",)
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+
+
+class HostLost(Exception):  # noqa: N818 - an event, named as events are
+    """The process host is gone; its processes with it."""
+
+
+class ProcessHost:
+    """Owns the processes of a run (see `ur.run.host`). Made by `start_host`."""
+
+    def __init__(self, link: socket.socket, pid: int) -> None:
+        self._link = link
+        self.pid = pid
+
+    def fileno(self) -> int:
+        """Readable when there is something to receive."""
+        return self._link.fileno()
+
+    def set_environment(self, environment: Mapping[str, str]) -> None:
+        """The environment that processes start from."""
+        self._send(("environment", dict(environment)))
+
+    def start_process(
+        self,
+        name: str,
+        argv: list[str],
+        cwd: str,
+        changes: Mapping[str, str | None],
+        stdio: tuple[int, int, int],
+        place: str = host.SESSION,
+    ) -> None:
+        """Start a program; `place` is SESSION, GROUP or FOREGROUND of `ur.run.host`.
+
+        `changes` are laid over the environment, None removes a variable. `stdio` are open files; they may be closed
+        after this call. Answers with Started, or StartFailed.
+        """
+        self._send(("start", name, argv, cwd, dict(changes), place), stdio)
+
+    def signal_process(self, name: str, signum: int) -> None:
+        """Signal the process group of a unit, if it still runs."""
+        self._send(("signal", name, int(signum)))
+
+    def sweep(self, signum: int) -> None:
+        """Signal everything that is left; answers NothingLeft once nothing is."""
+        self._send(("sweep", int(signum)))
+
+    def receive(self) -> Event | Suspended:
+        """What happened next; blocks until something does. Raises HostLost."""
+        try:
+            (kind, *rest), _ = host.receive(self._link)
+        except (EOFError, OSError):
+            raise HostLost from None
+        if kind == "started":
+            return Started(rest[0], rest[1])
+        if kind == "exited":
+            return Exited(rest[0], ExitStatus(rest[1], rest[2]))
+        if kind == "failed":
+            return StartFailed(rest[0], _explain_failure(rest[1], rest[2]))
+        return Suspended(rest[0]) if kind == "stopped" else NothingLeft()
+
+    def close(self) -> None:
+        """Let the host end, together with everything that still runs, and wait for it."""
+        self._link.close()
+        try:
+            os.waitpid(self.pid, 0)
+        except ChildProcessError:
+            return
+
+    def _send(self, message: tuple[object, ...], descriptors: tuple[int, ...] = ()) -> None:
+        try:
+            host.send(self._link, message, descriptors)
+        except OSError:
+            raise HostLost from None
+
+
+def start_host() -> ProcessHost:
+    """Start the process host, and make this process the one that inherits orphans should the host be killed."""
+    libc = ctypes.CDLL(None, use_errno=True)
+    libc.prctl(host.PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0)
+    ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_STREAM)
+    python = os.path.realpath(sys.executable)
+    null = os.open(os.devnull, os.O_RDWR | os.O_CLOEXEC)
+    descriptor = theirs.fileno()
+    os.set_inheritable(descriptor, True)
+    try:
+        pid = os.posix_spawn(
+            python,
+            [python, "-I", "-S", str(Path(host.__file__)), str(descriptor)],
+            {"LC_ALL": "C.UTF-8"},
+            file_actions=[(os.POSIX_SPAWN_DUP2, null, number) for number in range(3)],
+            setpgroup=0,
+        )
+    except OSError as problem:
+        raise UserError(
+            error(f"cannot start {python}: {(problem.strerror or '').lower()}", rule="no-process-host")
+        ) from None
+    finally:
+        os.close(null)
+        theirs.close()
+    return ProcessHost(ours, pid)
+
+
+def kill_orphans(limit: float = 2.0) -> None:
+    """After the host was killed: kill what it left to this process."""
+    end = time.monotonic() + limit
+    while time.monotonic() < end:
+        for pid in host.list_descendants(os.getpid()):
+            try:
+                os.kill(pid, signal.SIGKILL)
+            except OSError:  # noqa: PERF203 - one that has just ended must not save the others
+                continue
+        try:
+            while os.waitpid(-1, os.WNOHANG)[0]:
+                pass
+        except ChildProcessError:
+            return
+        time.sleep(0.01)
+
+
+def _explain_failure(number: int, what: str) -> str:
+    if number == 8:  # ENOEXEC
+        return f"{what}: not a program, expected a script to begin with '#!' or a binary for this computer"
+    if not what:
+        return f"no process could be made: {os.strerror(number).lower()}"
+    return f"{what}: {os.strerror(number).lower()}"

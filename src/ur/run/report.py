@@ -1,0 +1,38 @@
+"""What a run says to people, as text. Pure."""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Sequence
+
+from ur.run.model import ExitStatus, TellDeath
+
+
+def describe_status(status: ExitStatus) -> str:
+    """How a process ended: `exit code 3`, `signal SIGSEGV (segmentation fault)`."""
+    if status.signal is not None:
+        try:
+            known = signal.Signals(status.signal)
+        except ValueError:
+            return f"signal {status.signal}"
+        meaning = signal.strsignal(known)
+        return f"signal {known.name}" + (f" ({meaning.lower()})" if meaning else "")
+    return "not started" if status.code is None else f"exit code {status.code}"
+
+
+def describe_death(death: TellDeath, lines: Sequence[str], log: str | None) -> list[str]:
+    """The lines that report the end of a unit: what happened, its last lines, its log file."""
+    follow = ""
+    if death.restart_in is not None:
+        follow = f", starts again in {death.restart_in:.3g} s" if death.restart_in > 0 else ", starts again"
+    elif death.ends_run:
+        follow = ", which ends the run"
+    if death.status.clean:
+        return [f"{death.name} has finished{follow}"]
+    if death.reason is not None:
+        return [f"error: {death.name} could not be started: {death.reason}{follow}"]
+    told = [f"error: {death.name} died: {describe_status(death.status)}{follow}"]
+    told += [f"  | {line}" for line in lines]
+    if log is not None:
+        told.append(f"  log: {log}" if lines else f"  log: {log} (it printed nothing)")
+    return told

@@ -1,0 +1,59 @@
+"""Lending the terminal to one node, and taking it back as it was."""
+
+from __future__ import annotations
+
+import os
+import signal
+import termios
+from typing import Any
+
+from ur.run.host import restore_terminal, take_foreground
+
+
+class Terminal:
+    """The terminal behind a descriptor, as it is now. Make it with `find_terminal`."""
+
+    def __init__(self, descriptor: int) -> None:
+        self.descriptor = descriptor
+        self._attributes: list[Any] = termios.tcgetattr(descriptor)
+        self._lent = False
+
+    def in_foreground(self) -> bool:
+        """Whether our process group may read from it."""
+        try:
+            return os.tcgetpgrp(self.descriptor) == os.getpgrp()
+        except OSError:
+            return False
+
+    def mark_lent(self) -> None:
+        """Another process group is, or is about to be, the foreground group."""
+        self._lent = True
+
+    def lend(self, group: int) -> None:
+        """Make a process group the foreground group."""
+        self.mark_lent()
+        take_foreground(self.descriptor, group)
+
+    def take_back(self, *, reset: bool) -> None:
+        """Become the foreground group again, modes as they were; `reset` also clears what a killed program left."""
+        if self._lent:
+            take_foreground(self.descriptor, os.getpgrp())
+            self._lent = False
+        restore_terminal(self.descriptor, self._attributes, reset=reset)
+
+    def wait_suspended(self) -> None:
+        """Stop ourselves as the node was stopped (Ctrl-Z), until the shell brings the job back."""
+        os.kill(os.getpid(), signal.SIGSTOP)
+
+
+def find_terminal() -> Terminal | None:
+    """The terminal on standard input; None when that is something else."""
+    try:
+        return Terminal(0) if os.isatty(0) else None
+    except (OSError, termios.error):
+        return None
+
+
+def ignore_background_write() -> None:
+    """Changing the foreground group from the background is what we do; it must not stop us."""
+    signal.signal(signal.SIGTTOU, signal.SIG_IGN)
