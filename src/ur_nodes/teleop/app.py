@@ -35,7 +35,7 @@ class Panel(ModalScreen[None]):
 
     DEFAULT_CSS = """
     Panel { align: center middle; background: $background 50%; }
-    Panel Static { width: auto; height: auto; max-width: 96%; max-height: 96%; padding: 1 3; border: round $primary;
+    Panel Static { width: auto; height: auto; max-width: 96%; max-height: 100%; padding: 0 2; border: round $primary;
                    background: $surface; }
     """
 
@@ -48,6 +48,7 @@ class Panel(ModalScreen[None]):
         """The box."""
         box = Static(self._text)
         box.border_title = self._title
+        box.border_subtitle = "any key closes this"
         yield box
 
     def on_key(self, event: events.Key) -> None:
@@ -213,6 +214,10 @@ class NavigateApp(App[None]):
     def _goal_picked(self, message: MapView.GoalPicked) -> None:
         self._send(message.place)
 
+    @on(MapView.ViewChanged)
+    def _view_changed(self) -> None:
+        self._draw_head()
+
     @on(CommandLine.MapKey)
     async def _map_key(self, message: CommandLine.MapKey) -> None:
         await self.run_action(_ACTIONS[message.key])
@@ -295,22 +300,18 @@ class NavigateApp(App[None]):
     def action_zoom(self, factor: float) -> None:
         """Zoom the map."""
         self.map.zoom(factor)
-        self._draw_head()
 
     def action_pan(self, columns: float, rows: float) -> None:
         """Move the map by parts of the screen."""
         self.map.pan(columns, rows)
-        self._draw_head()
 
     def action_fit(self) -> None:
         """Show the whole map."""
         self.map.fit()
-        self._draw_head()
 
     def action_follow(self) -> None:
         """Follow the robot, or do not."""
         self.map.toggle_follow()
-        self._draw_head()
 
     def action_light(self) -> None:
         """Change between dark and light."""

@@ -53,7 +53,7 @@ def _pack(pixels: Pixels) -> NDArray[np.uint64]:
 def _run(value: int, length: int, glyph: Glyph | None) -> Run:
     upper, lower = _unpack(value >> 24), _unpack(value & 0xFFFFFF)
     if glyph is not None:
-        behind = ((upper[0] + lower[0]) // 2, (upper[1] + lower[1]) // 2, (upper[2] + lower[2]) // 2)
+        behind = glyph.behind or ((upper[0] + lower[0]) // 2, (upper[1] + lower[1]) // 2, (upper[2] + lower[2]) // 2)
         return glyph.text, glyph.colour, behind
     if upper == lower:
         return " " * length, upper, lower

@@ -32,6 +32,7 @@ class Glyph:
     row: int
     text: str
     colour: Colour
+    behind: Colour | None = None  # None: what the pixels show
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,13 +99,9 @@ def place_glyphs(
         glyphs += _label(view, place, "•" + name, palette.label)
     shown = preview or (None if snapshot.goal.over else snapshot.goal.place)
     if shown is not None:
-        glyphs += _mark(view, shown, "◎", palette.goal)
-        ahead = Place(
-            shown.x + 2.2 * view.scale * math.cos(shown.yaw), shown.y + 2.2 * view.scale * math.sin(shown.yaw), 0
-        )
-        glyphs += _mark(view, ahead, _arrow_of(shown.yaw), palette.goal)
+        glyphs += _mark(view, shown, _arrow_of(shown.yaw), palette.ink, palette.goal)
     if snapshot.pose is not None and ROBOT_LENGTH / view.scale < _SMALL:
-        glyphs += _mark(view, snapshot.pose, _arrow_of(snapshot.pose.yaw), palette.robot)
+        glyphs += _mark(view, snapshot.pose, _arrow_of(snapshot.pose.yaw), palette.ink, palette.robot)
     return glyphs
 
 
@@ -115,10 +112,10 @@ def _running_sum(mask: NDArray[np.bool_]) -> NDArray[np.int32]:
 
 
 def _span(centre: NDArray[np.float64], half: float, size: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """First and last + 1 cell of each pixel, at least one, clipped to the grid (empty outside)."""
-    first = np.floor(centre - half + 1e-9).astype(np.intp) if half > 0.5 else np.floor(centre).astype(np.intp)
-    last = np.maximum(np.floor(centre + half - 1e-9).astype(np.intp), first) if half > 0.5 else first
-    return np.clip(first, 0, size), np.clip(last + 1, 0, size)
+    """First and last + 1 cell of each pixel, at least one, clipped to the grid (empty outside). They tile the grid."""
+    first = np.floor(centre - half + 0.5).astype(np.intp) if half > 0.5 else np.floor(centre).astype(np.intp)
+    end = np.maximum(np.floor(centre + half + 0.5).astype(np.intp), first + 1) if half > 0.5 else first + 1
+    return np.clip(first, 0, size), np.clip(end, 0, size)
 
 
 def _box_sum(
@@ -168,9 +165,9 @@ def _cell(view: Viewport, place: Place) -> tuple[int, int] | None:
     return cell if 0 <= cell[0] < view.width and 0 <= cell[1] < view.height // 2 else None
 
 
-def _mark(view: Viewport, place: Place, text: str, colour: Colour) -> list[Glyph]:
+def _mark(view: Viewport, place: Place, text: str, colour: Colour, behind: Colour) -> list[Glyph]:
     cell = _cell(view, place)
-    return [Glyph(*cell, text, colour)] if cell else []
+    return [Glyph(*cell, text, colour, behind)] if cell else []
 
 
 def _label(view: Viewport, place: Place, text: str, colour: Colour) -> list[Glyph]:

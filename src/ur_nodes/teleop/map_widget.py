@@ -37,6 +37,9 @@ class MapView(Widget, can_focus=True):
             super().__init__()
             self.place = place
 
+    class ViewChanged(Message):
+        """Scale, place or following changed."""
+
     def __init__(self, palette: Palette, *, id: str | None = None) -> None:
         super().__init__(id=id)
         self.palette = palette
@@ -94,6 +97,7 @@ class MapView(Widget, can_focus=True):
             scale = min(self.view.scale, _FOLLOW_SCALE)
             self.view = Viewport(pose.x, pose.y, scale, self.view.width, self.view.height)
         self.redraw()
+        self.post_message(self.ViewChanged())
         return self.following
 
     def redraw(self) -> None:
@@ -103,6 +107,7 @@ class MapView(Widget, can_focus=True):
         key = (self.view, self.palette, self._index)
         if self._base is None or self._base[:3] != key:
             self._base = (*key, draw_map(self._index, self.view, self.palette))
+            self.post_message(self.ViewChanged())
         picture = draw_overlay(self._base[3], self._snapshot, self.view, self.palette)
         glyphs = place_glyphs(self._snapshot, self._places, self._preview(), self.view, self.palette)
         lines = cells_of_pixels(picture, glyphs)

@@ -20,6 +20,7 @@ class Palette:
     goal: Colour
     robot: Colour
     label: Colour
+    ink: Colour  # on goal and robot
 
 
 DARK = Palette(
@@ -27,20 +28,22 @@ DARK = Palette(
     unknown=(18, 18, 18),
     free=(38, 38, 38),
     wall=(188, 188, 188),
-    scan=(255, 95, 95),
-    path=(95, 175, 255),
-    goal=(135, 255, 135),
+    scan=(215, 95, 95),
+    path=(0, 95, 175),
+    goal=(95, 215, 95),
     robot=(255, 215, 0),
     label=(215, 175, 255),
+    ink=(18, 18, 18),
 )
 LIGHT = Palette(
     name="light",
     unknown=(208, 208, 208),
     free=(255, 255, 255),
     wall=(48, 48, 48),
-    scan=(215, 0, 0),
-    path=(0, 95, 215),
+    scan=(215, 95, 95),
+    path=(135, 175, 255),
     goal=(0, 135, 0),
     robot=(215, 95, 0),
     label=(135, 0, 175),
+    ink=(255, 255, 255),
 )

@@ -20,8 +20,7 @@ _SHOWN = {
 _GAP = "  │  "
 
 MAP_KEYS = (
-    ("+ -", "zoom, or the wheel"),
-    ("0", "the whole map"),
+    ("+ - 0", "zoom in, out (or the wheel), the whole map"),
     ("f", "follow the robot"),
     ("arrows, h j k l", "move the map, or drag with the right button"),
     ("t", "dark or light"),
@@ -60,7 +59,7 @@ def help_text() -> Text:
     text.append("\nmouse, and keys while the map or an empty line has the focus\n", "bold")
     for keys, meaning in MAP_KEYS:
         text.append(f"  {keys:<16}", "cyan").append(f"{meaning}\n")
-    text.append("\nany key closes this", "dim")
+    text.rstrip()
     return text
 
 

@@ -1,0 +1,128 @@
+"""Make docs/images/keyboard_navigate.svg: the real terminal program over a robot that stands still in the maze.
+
+Usage: tools/make_screenshot.py [OUTPUT] [COLUMNSxROWS] [dark|light]. The same input gives the same file.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import math
+import re
+import sys
+import tempfile
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import distance_transform_edt, uniform_filter1d
+from skimage.graph import route_through_array
+
+from ur_nodes.navigation.map_file import load_map
+from ur_nodes.teleop.app import NavigateApp
+from ur_nodes.teleop.navigator import GoalReport, GoalState, MapGrid, Place, Snapshot
+from ur_nodes.teleop.waypoints import WaypointStore
+
+ROOT = Path(__file__).resolve().parents[1]
+MAP = ROOT / "ubiquity_launches/n_map_server/maps/maze.yaml"
+START = Place(0.0, 0.0, 0.0)
+ROBOT_AT = 0.62  # of the way
+GOAL = Place(12.0, -6.0, math.pi / 2)
+PLACES = {"dock": START, "kitchen": Place(16.5, -12.0, 0.0), "desk": Place(6.3, -9.0, 0.0)}
+
+
+class StillNavigator:
+    """A Navigator whose robot is on its way and never arrives."""
+
+    def __init__(self, snapshot: Snapshot) -> None:
+        self._snapshot = snapshot
+
+    def snapshot(self) -> Snapshot:
+        """Always the same."""
+        return self._snapshot
+
+    def go(self, _place: Place) -> int:
+        """Nothing."""
+        return 1
+
+    def stop(self) -> None:
+        """Nothing."""
+
+    def set_pose(self, _place: Place) -> None:
+        """Nothing."""
+
+    def relocalise(self) -> None:
+        """Nothing."""
+
+
+def find_path(grid: MapGrid, start: Place, goal: Place) -> NDArray[np.float64]:
+    """A way (n, 2) that keeps off the walls."""
+    room = distance_transform_edt(grid.cells == 0) * grid.resolution
+    cost = np.where(room < 0.25, 1e6, 1.0 + 3.0 * np.exp(-3.0 * (room - 0.25)))
+    cells = [
+        (round((p.y - grid.origin.y) / grid.resolution), round((p.x - grid.origin.x) / grid.resolution))
+        for p in (start, goal)
+    ]
+    route, _ = route_through_array(cost, cells[0], cells[1], geometric=True)
+    rows_columns = uniform_filter1d(np.array(route, dtype=float), 9, axis=0, mode="nearest")
+    path: NDArray[np.float64] = rows_columns[:, ::-1] * grid.resolution + (grid.origin.x, grid.origin.y)
+    return path
+
+
+def cast_scan(grid: MapGrid, pose: Place, reach: float = 8.0) -> NDArray[np.float64]:
+    """Where 360 beams from a pose end, (n, 2); beams that reach nothing are left out."""
+    angles = pose.yaw + np.radians(np.arange(360.0))
+    ranges = np.arange(0.1, reach, grid.resolution / 2)
+    xs = pose.x + np.cos(angles)[:, None] * ranges
+    ys = pose.y + np.sin(angles)[:, None] * ranges
+    columns = ((xs - grid.origin.x) / grid.resolution).astype(int).clip(0, grid.cells.shape[1] - 1)
+    rows = ((ys - grid.origin.y) / grid.resolution).astype(int).clip(0, grid.cells.shape[0] - 1)
+    hit = grid.cells[rows, columns] > 50
+    first = hit.argmax(axis=1)
+    seen = np.flatnonzero(hit.any(axis=1))
+    return np.stack((xs[seen, first[seen]], ys[seen, first[seen]]), axis=1)
+
+
+def make_snapshot() -> Snapshot:
+    """The robot some way along its path."""
+    loaded = load_map(MAP)
+    grid = MapGrid(loaded.values, loaded.resolution, loaded.origin)
+    path = find_path(grid, START, GOAL)
+    at = int(len(path) * ROBOT_AT)
+    ahead = path[at + 6] - path[at]
+    pose = Place(float(path[at, 0]), float(path[at, 1]), math.atan2(ahead[1], ahead[0]))
+    return Snapshot(
+        grid=grid,
+        pose=pose,
+        scan=cast_scan(grid, pose),
+        path=path[at:],
+        goal=GoalReport(1, GOAL, GoalState.DRIVING),
+        speed=0.5,
+        spread=0.04,
+    )
+
+
+async def take_screenshot(size: tuple[int, int], light: bool) -> str:
+    """The screen as SVG."""
+    with tempfile.TemporaryDirectory() as folder:
+        store = WaypointStore(Path(folder) / "maze.yaml")
+        for name, place in PLACES.items():
+            store.remember(name, place)
+        app = NavigateApp(StillNavigator(make_snapshot()), lambda _: store, title="maze", light=light)
+        async with app.run_test(size=size) as pilot:
+            await pilot.pause(0.5)
+            picture = app.export_screenshot(title="keyboard_navigate", simplify=True)
+    return re.sub(r"terminal-\d+", "terminal", picture)
+
+
+def main() -> None:
+    """Write the picture."""
+    target = Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT / "docs/images/keyboard_navigate.svg"
+    columns, rows = sys.argv[2].split("x") if len(sys.argv) > 2 else ("96", "32")
+    light = len(sys.argv) > 3 and sys.argv[3] == "light"
+    target.parent.mkdir(parents=True, exist_ok=True)
+    target.write_text(asyncio.run(take_screenshot((int(columns), int(rows)), light)), encoding="utf-8")
+    print(f"{target}: {target.stat().st_size // 1024} kB")
+
+
+if __name__ == "__main__":
+    main()
