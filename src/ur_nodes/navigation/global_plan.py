@@ -1,0 +1,157 @@
+"""The way to a goal on the inflated grid: cheapest cells first, then pulled straight and smoothed."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+from skimage.graph import MCP_Geometric
+
+from ur_nodes.navigation.costmap import INSCRIBED, LETHAL, UNKNOWN, Costmap
+from ur_nodes.navigation.path_geometry import Points, arc_lengths, resample
+from ur_nodes.navigation.path_smooth import Bending, pull_straight, smooth
+
+
+@dataclass(frozen=True, slots=True)
+class PlanSettings:
+    """How to plan. A cell of cost c (0 to 252) costs neutral + factor c per metre, as navfn has it.
+
+    `allow_unknown`: the way may lead through unknown cells. `tolerance`: how far from the goal the way may end when
+    the goal itself cannot be reached (m). `escape`: how far from the robot a free cell may be when the robot stands
+    too near to an obstacle (m). `spacing`: distance of the points of a way (m).
+    """
+
+    neutral: float = 50.0
+    factor: float = 0.8
+    allow_unknown: bool = False
+    tolerance: float = 0.0
+    escape: float = 0.4
+    spacing: float = 0.05
+    bending: Bending = field(default_factory=Bending)
+
+
+class NoPathError(Exception):
+    """There is no way, and why: a sentence part for people that names the place."""
+
+
+def plan_path(
+    costmap: Costmap, start: tuple[float, float], goal: tuple[float, float], settings: PlanSettings
+) -> Points:
+    """A smooth way (n, 2) in m, evenly spaced, from `start` to `goal` (both in the costmap's frame).
+
+    No point of it has a cost of 253 or more, except where the start itself has. Deterministic.
+    Raises NoPathError: a place outside the map, in an obstacle, too near to one, or not connected.
+    """
+    weights = traversal_weights(costmap, settings)
+    start_cell = _start_cell(costmap, weights, start, settings)
+    goal_cell, target = _goal_cell(costmap, weights, goal, settings)
+    search = MCP_Geometric(np.where(np.isfinite(weights), weights, -1.0))
+    totals, _ = search.find_costs([start_cell], [goal_cell])
+    if not np.isfinite(totals[goal_cell]):
+        raise NoPathError(
+            f"no path: nothing wide enough for the robot leads from {_place(start)} to the goal {_place(goal)}"
+        )
+    cells = np.array(search.traceback(goal_cell))
+    points: Points = costmap.points_of_cells(cells)
+    points[-1] = target
+    escape = np.array([start]) if weights[_cell(costmap, start)] == math.inf else np.empty((0, 2))
+    if not len(escape):
+        points[0] = start
+    points = _without_doubles(points)
+    straight = pull_straight(points, costmap, weights)
+    smoothed = smooth(straight, costmap, weights, settings.bending)
+    return resample(np.vstack((escape, smoothed)), settings.spacing)
+
+
+def traversal_weights(costmap: Costmap, settings: PlanSettings) -> NDArray[np.float64]:
+    """What a metre costs in each cell (height, width), 1 where the costmap says 0; inf where the robot must not go."""
+    costs = costmap.costs
+    weights = 1.0 + settings.factor * costs / settings.neutral
+    weights[costs >= INSCRIBED] = math.inf
+    if settings.allow_unknown:
+        weights[costs == UNKNOWN] = 1.0 + settings.factor * (INSCRIBED - 1) / settings.neutral
+    return weights
+
+
+def path_is_free(costmap: Costmap, points: Points) -> bool:
+    """Whether the robot's circle fits everywhere on a way: no cost of 253 or 254."""
+    costs = costmap.costs_at(points)
+    return not bool(((costs == INSCRIBED) | (costs == LETHAL)).any())
+
+
+def path_length(points: Points) -> float:
+    """In m."""
+    return float(arc_lengths(points)[-1])
+
+
+def _start_cell(
+    costmap: Costmap, weights: NDArray[np.float64], start: tuple[float, float], settings: PlanSettings
+) -> tuple[int, int]:
+    cell = _cell(costmap, start)
+    if not _inside(costmap, cell):
+        raise NoPathError(f"the robot at {_place(start)} is outside the map")
+    if math.isfinite(weights[cell]):
+        return cell
+    near = _nearest_free(costmap, weights, start, settings.escape)
+    if near is None:
+        what = _obstacle(costmap, cell)
+        raise NoPathError(f"the robot at {_place(start)} is {what}, and no free place is within {settings.escape:g} m")
+    return near
+
+
+def _goal_cell(
+    costmap: Costmap, weights: NDArray[np.float64], goal: tuple[float, float], settings: PlanSettings
+) -> tuple[tuple[int, int], tuple[float, float]]:
+    cell = _cell(costmap, goal)
+    if not _inside(costmap, cell):
+        raise NoPathError(f"the goal {_place(goal)} is outside the map")
+    if math.isfinite(weights[cell]):
+        return cell, goal
+    near = _nearest_free(costmap, weights, goal, settings.tolerance) if settings.tolerance > 0.0 else None
+    if near is None:
+        raise NoPathError(f"the goal {_place(goal)} is {_obstacle(costmap, cell)}")
+    x, y = costmap.points_of_cells(np.array(near))
+    return near, (float(x), float(y))
+
+
+def _obstacle(costmap: Costmap, cell: tuple[int, int]) -> str:
+    cost = int(costmap.costs[cell])
+    if cost == LETHAL:
+        return "in a wall or an obstacle"
+    return "in unknown space" if cost == UNKNOWN else "so near to a wall or an obstacle that the robot does not fit"
+
+
+def _nearest_free(
+    costmap: Costmap, weights: NDArray[np.float64], place: tuple[float, float], reach: float
+) -> tuple[int, int] | None:
+    row, column = _cell(costmap, place)
+    steps = math.ceil(reach / costmap.resolution)
+    rows = slice(max(0, row - steps), row + steps + 1)
+    columns = slice(max(0, column - steps), column + steps + 1)
+    free = np.argwhere(np.isfinite(weights[rows, columns])) + (rows.start, columns.start)
+    if not len(free):
+        return None
+    distances = np.hypot(*(costmap.points_of_cells(free) - place).T)
+    best = int(np.argmin(distances))
+    return (int(free[best, 0]), int(free[best, 1])) if float(distances[best]) <= reach else None
+
+
+def _cell(costmap: Costmap, place: tuple[float, float]) -> tuple[int, int]:
+    row, column = np.floor(costmap.fractions_of_points(np.array(place)))
+    return int(row), int(column)
+
+
+def _inside(costmap: Costmap, cell: tuple[int, int]) -> bool:
+    height, width = costmap.costs.shape
+    return bool(0 <= cell[0] < height and 0 <= cell[1] < width)
+
+
+def _place(place: tuple[float, float]) -> str:
+    return f"({place[0]:.2f}, {place[1]:.2f})"
+
+
+def _without_doubles(points: Points) -> Points:
+    keep = np.hypot(*np.diff(points, axis=0, prepend=points[:1] - 1.0).T) > 1e-9
+    return points[keep] if keep.sum() > 1 else points[[0, -1]]

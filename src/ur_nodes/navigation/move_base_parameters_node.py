@@ -1,0 +1,158 @@
+"""The parameters of `move_base`, under upstream's names, read once and checked."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ur.source.diagnostic import UserError, error
+from ur_nodes.navigation.costmap import Inflation
+from ur_nodes.navigation.footprint import Footprint, footprint_of_outline, footprint_of_radius
+from ur_nodes.navigation.global_plan import PlanSettings
+from ur_nodes.navigation.layers import Ranges
+from ur_nodes.navigation.navigator import NavigatorSettings
+from ur_nodes.navigation.speed_profile import Limits
+from ur_nodes.rosio.parameters import Parameters
+
+
+@dataclass(frozen=True, slots=True)
+class ScanSource:
+    """One laser that obstacles come from; `silence` (s) is how long it may say nothing before the robot stops."""
+
+    topic: str
+    reach: Ranges
+    inf_is_valid: bool
+    silence: float
+
+
+@dataclass(frozen=True, slots=True)
+class CostmapSettings:
+    """One costmap: its frame, how often it is published (Hz, 0: when it changes is enough), inflation, scan."""
+
+    frame: str
+    publish_frequency: float
+    inflation: Inflation
+    scan: ScanSource
+
+
+@dataclass(frozen=True, slots=True)
+class MoveBaseSettings:
+    """Everything `move_base` reads from the parameter server."""
+
+    base_frame: str
+    tolerance: float
+    footprint: Footprint
+    world: CostmapSettings
+    local: CostmapSettings
+    local_side: float
+    local_resolution: float
+    lethal: int
+    track_unknown: bool
+    map_topic: str
+    reset_distance: float
+    navigator: NavigatorSettings
+    planner: PlanSettings
+    limits: Limits
+
+
+def read_settings() -> MoveBaseSettings:
+    """Read them all from below the node's name. Raises UserError, which names the parameter."""
+    top = Parameters()
+    world, local = top.below("global_costmap"), top.below("local_costmap")
+    resolution = local.number("resolution", 0.05, minimum=0.005, maximum=1.0)
+    footprint = _footprint(local if local.has("footprint") or local.has("robot_radius") else world, resolution)
+    static = world.below("static_layer")
+    return MoveBaseSettings(
+        base_frame=world.text("robot_base_frame", "base_footprint"),
+        tolerance=local.number("transform_tolerance", 0.5, minimum=0.05),
+        footprint=footprint,
+        world=_costmap(world, "map", footprint),
+        local=_costmap(local, "odom", footprint),
+        local_side=max(local.number("width", 4.0, minimum=1.0), local.number("height", 4.0, minimum=1.0)),
+        local_resolution=resolution,
+        lethal=static.integer("lethal_cost_threshold", 65, minimum=1),
+        track_unknown=static.boolean("track_unknown_space", world.boolean("track_unknown_space", True)),
+        map_topic=static.text("map_topic", "map"),
+        reset_distance=top.number("conservative_reset_dist", 3.0, minimum=0.0),
+        navigator=_navigator(top),
+        planner=_planner(top),
+        limits=_limits(top.below("DWAPlannerROS")),
+    )
+
+
+def _footprint(part: Parameters, resolution: float) -> Footprint:
+    padding = part.number("footprint_padding", 0.01, minimum=0.0)
+    points = part.points("footprint", ())
+    if not points:
+        return footprint_of_radius(part.number("robot_radius", 0.25, minimum=0.02), resolution, padding)
+    try:
+        return footprint_of_outline(points, resolution, padding)
+    except ValueError as problem:
+        raise UserError(
+            error(
+                f"parameter footprint: {problem}, expected at least three corners, in order, round the base's origin",
+                rule="bad-parameter",
+            )
+        ) from None
+
+
+def _costmap(part: Parameters, frame: str, footprint: Footprint) -> CostmapSettings:
+    slopes = part.below("inflation_layer")
+    inflation = Inflation(
+        footprint.inscribed,
+        slopes.number("inflation_radius", part.number("inflation_radius", 0.55, minimum=0.0), minimum=0.0),
+        slopes.number("cost_scaling_factor", part.number("cost_scaling_factor", 10.0, minimum=0.1), minimum=0.1),
+    )
+    obstacles = part.below("obstacle_layer")
+    names = obstacles.text("observation_sources", "scan").split()
+    if len(names) != 1:
+        obstacles.fail("observation_sources", " ".join(names), "one name: this node looks at one laser")
+    source = obstacles.below(names[0])
+    source.text("data_type", "LaserScan", choices=["LaserScan"])
+    reach = Ranges(
+        source.number("obstacle_range", obstacles.number("obstacle_range", 2.5, minimum=0.1), minimum=0.1),
+        source.number("raytrace_range", obstacles.number("raytrace_range", 3.0, minimum=0.1), minimum=0.1),
+    )
+    scan = ScanSource(
+        topic=source.text("topic", names[0]),
+        reach=reach,
+        inf_is_valid=source.boolean("inf_is_valid", False),
+        silence=source.number("expected_update_rate", 0.0, minimum=0.0) or 1.0,
+    )
+    return CostmapSettings(
+        part.text("global_frame", frame), part.number("publish_frequency", 1.0, minimum=0.0), inflation, scan
+    )
+
+
+def _navigator(top: Parameters) -> NavigatorSettings:
+    dwa = top.below("DWAPlannerROS")
+    planner_frequency = top.number("planner_frequency", 0.0, minimum=0.0)
+    return NavigatorSettings(
+        period=1.0 / top.number("controller_frequency", 10.0, minimum=4.0, maximum=100.0),
+        xy_tolerance=dwa.number("xy_goal_tolerance", 0.1, minimum=0.02),
+        yaw_tolerance=dwa.number("yaw_goal_tolerance", 0.05, minimum=0.01),
+        planner_period=1.0 / planner_frequency if planner_frequency > 0.0 else 0.0,
+        planner_patience=top.number("planner_patience", 5.0, minimum=0.1),
+        controller_patience=top.number("controller_patience", 5.0, minimum=0.1),
+        recovery_enabled=top.boolean("recovery_behavior_enabled", True),
+        progress_timeout=top.number("oscillation_timeout", 10.0, minimum=0.0) or 10.0,
+        progress_distance=top.number("oscillation_distance", 0.5, minimum=0.05),
+    )
+
+
+def _planner(top: Parameters) -> PlanSettings:
+    navfn, weights = top.below("NavfnROS"), top.below("GlobalPlanner")
+    return PlanSettings(
+        neutral=weights.number("neutral_cost", 50.0, minimum=1.0),
+        factor=weights.number("cost_factor", 0.55, minimum=0.0),
+        allow_unknown=navfn.boolean("allow_unknown", True),
+        tolerance=navfn.number("default_tolerance", 0.0, minimum=0.0),
+    )
+
+
+def _limits(dwa: Parameters) -> Limits:
+    return Limits(
+        speed=dwa.number("max_vel_x", 0.5, minimum=0.01),
+        turn=dwa.number("max_vel_theta", 1.0, minimum=0.01),
+        acceleration=dwa.number("acc_lim_x", 1.0, minimum=0.01),
+        turn_acceleration=dwa.number("acc_lim_theta", 3.0, minimum=0.01),
+    )

@@ -1,0 +1,89 @@
+"""What `move_base` shows of itself: costmaps, ways, footprints. Nothing is made that nobody looks at."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import rospy
+from geometry_msgs.msg import Point32, PolygonStamped, PoseStamped
+from nav_msgs.msg import OccupancyGrid, Path
+from numpy.typing import NDArray
+
+from ur_nodes.navigation.costmap import Costmap, occupancy_of_costs
+from ur_nodes.navigation.footprint import Footprint
+from ur_nodes.navigation.grid import Grid
+from ur_nodes.navigation.grid_message import grid_message
+from ur_nodes.navigation.path_geometry import headings
+from ur_nodes.rosio.geometry import Pose2, pose_message
+
+
+class MoveBaseView:
+    """Publishers under the names of upstream's navfn and dwa_local_planner."""
+
+    def __init__(self, world_frame: str, local_frame: str) -> None:
+        self._world_frame = world_frame
+        self._local_frame = local_frame
+        self._costmaps = {
+            False: _publisher("~global_costmap/costmap", OccupancyGrid, latch=True),
+            True: _publisher("~local_costmap/costmap", OccupancyGrid),
+        }
+        self._footprints = {
+            False: _publisher("~global_costmap/footprint", PolygonStamped),
+            True: _publisher("~local_costmap/footprint", PolygonStamped),
+        }
+        self._plan = _publisher("~NavfnROS/plan", Path)
+        self._followed = _publisher("~DWAPlannerROS/global_plan", Path)
+        self._foreseen = _publisher("~DWAPlannerROS/local_plan", Path)
+        self._goal = _publisher("~current_goal", PoseStamped, latch=True)
+
+    def show_goal(self, goal: Pose2) -> None:
+        """The goal that is pursued from now on, in the map."""
+        message = PoseStamped(pose=pose_message(goal))
+        message.header.frame_id, message.header.stamp = self._world_frame, rospy.Time.now()
+        self._goal.publish(message)
+
+    def show_plan(self, points: NDArray[Any]) -> None:
+        """A new way (n, 2) in the map."""
+        self._plan.publish(path_message(points, self._world_frame))
+
+    def show_drive(self, path: NDArray[Any] | None, ahead: NDArray[Any] | None) -> None:
+        """The rest of the way (n, 2) in the map, and what the robot will do next (t, 3) in the odometry frame."""
+        if path is not None and len(path) and self._followed.get_num_connections():
+            self._followed.publish(path_message(path, self._world_frame))
+        if ahead is not None and self._foreseen.get_num_connections():
+            self._foreseen.publish(path_message(ahead, self._local_frame))
+
+    def wants_costmap(self, *, local: bool) -> bool:
+        """Whether somebody looks at a costmap."""
+        return bool(self._costmaps[local].get_num_connections())
+
+    def show_costmap(self, costmap: Costmap, *, local: bool) -> None:
+        """One of the two costmaps."""
+        frame = self._local_frame if local else self._world_frame
+        grid = Grid(occupancy_of_costs(costmap.costs), costmap.resolution, costmap.origin)
+        self._costmaps[local].publish(grid_message(grid, frame, rospy.Time.now()))
+
+    def show_footprint(self, footprint: Footprint, pose: Pose2, *, local: bool) -> None:
+        """Where the robot's outline is."""
+        frame = self._local_frame if local else self._world_frame
+        if not self._footprints[local].get_num_connections():
+            return
+        message = PolygonStamped()
+        message.header.frame_id, message.header.stamp = frame, rospy.Time.now()
+        message.polygon.points = [Point32(float(x), float(y), 0.0) for x, y in footprint.placed(*pose)]
+        self._footprints[local].publish(message)
+
+
+def path_message(points: NDArray[Any], frame: str) -> Path:
+    """A nav_msgs/Path of points (n, 2), heading along the way, or poses (n, 3)."""
+    message = Path()
+    message.header.frame_id, message.header.stamp = frame, rospy.Time.now()
+    yaws = points[:, 2] if points.shape[1] == 3 else headings(points)
+    for (x, y), yaw in zip(points[:, :2].tolist(), yaws.tolist(), strict=True):
+        stamped = PoseStamped(header=message.header, pose=pose_message(Pose2(x, y, yaw)))
+        message.poses.append(stamped)
+    return message
+
+
+def _publisher(name: str, kind: Any, *, latch: bool = False) -> Any:
+    return rospy.Publisher(name, kind, queue_size=1, latch=latch)

@@ -1,0 +1,341 @@
+"""From a goal to its end: plan, drive, turn, recover, give up. Knows no ROS and no clock; time comes in with inputs."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from enum import Enum
+
+import numpy as np
+
+from ur_nodes.navigation.costmap import Costmap
+from ur_nodes.navigation.footprint import Footprint
+from ur_nodes.navigation.local_plan import FollowSettings, Motion, Way, follow_way, make_way, sweep_is_free
+from ur_nodes.navigation.path_geometry import Points, nearest_index
+from ur_nodes.navigation.recovery import Behaviour, Recovery, move_to_recover
+from ur_nodes.navigation.speed_profile import Limits, approach, turn_rate
+from ur_nodes.rosio.pose import Pose2, wrap_angle
+
+
+class Phase(Enum):
+    """What the navigator is doing."""
+
+    IDLE = "idle"
+    PLANNING = "planning"
+    DRIVING = "driving"
+    TURNING = "turning"
+    RECOVERING = "recovering"
+
+
+class Ending(Enum):
+    """How a goal ended by itself."""
+
+    REACHED = "reached"
+    FAILED = "failed"
+
+
+@dataclass(frozen=True, slots=True)
+class NavigatorSettings:
+    """Tolerances in m and rad; patience and periods in s, with the meaning of move_base's parameters.
+
+    `planner_period` 0 plans anew only when something calls for it; `progress_timeout` is how long the robot may be
+    told to move without moving; `progress_distance` forgets past recoveries.
+    """
+
+    period: float = 0.1
+    xy_tolerance: float = 0.1
+    yaw_tolerance: float = 0.05
+    planner_period: float = 0.0
+    planner_patience: float = 5.0
+    controller_patience: float = 5.0
+    trouble_patience: float = 5.0
+    recovery_enabled: bool = True
+    progress_timeout: float = 10.0
+    progress_distance: float = 0.5
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PlanAnswer:
+    """What planning found: `path` (n, 2) in the map, or None and why not; `hopeless` when trying again cannot help."""
+
+    path: Points | None
+    reason: str = ""
+    hopeless: bool = False
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Inputs:
+    """The world at one control step.
+
+    `motion` is in the odometry frame, `odom` the pose of the map in that frame, `local` the costmap round the robot in
+    that frame. `trouble` says why the robot must not move, '' when it may. `path_blocked`: the map with all obstacles
+    shows something on the way that is being followed.
+    """
+
+    now: float
+    motion: Motion | None
+    odom: Pose2
+    local: Costmap | None
+    answer: PlanAnswer | None = None
+    trouble: str = ""
+    path_blocked: bool = False
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Outputs:
+    """What to do next.
+
+    A command (m/s, rad/s) or silence; whether to plan (from the robot's place to the goal); what to clear; an ending
+    with a text. `ahead` (t, 3) in the odometry frame is what the local planner foresees; `say` is for the log.
+    """
+
+    command: tuple[float, float] | None = None
+    plan: bool = False
+    clear: Behaviour | None = None
+    ending: Ending | None = None
+    text: str = ""
+    ahead: Points | None = None
+    say: str = ""
+
+
+@dataclass(slots=True)
+class _Run:
+    """What is remembered while one goal is pursued."""
+
+    goal: Pose2
+    phase: Phase
+    phase_since: float
+    path: Points | None = None
+    way: Way | None = None
+    way_odom: Pose2 | None = None
+    index: int = 0
+    asked: float | None = None
+    last_asked: float = -math.inf
+    stuck_since: float | None = None
+    trouble_since: float | None = None
+    moved_at: float = 0.0
+    moved_from: Pose2 | None = None
+    recovery: Recovery = field(default_factory=Recovery)
+    reason: str = ""
+    sent: tuple[float, float] = (0.0, 0.0)
+
+
+class Navigator:
+    """Pursues one goal at a time. Call `step` once per control period; deterministic."""
+
+    def __init__(
+        self, settings: NavigatorSettings, limits: Limits, follow: FollowSettings, footprint: Footprint
+    ) -> None:
+        self._settings = settings
+        self._limits = limits
+        self._follow = follow
+        self._footprint = footprint
+        self._run: _Run | None = None
+
+    @property
+    def phase(self) -> Phase:
+        """What it is doing."""
+        return self._run.phase if self._run else Phase.IDLE
+
+    @property
+    def path(self) -> Points | None:
+        """The way (n, 2) in the map that is being followed, from the robot's place on, if there is one."""
+        run = self._run
+        return run.path[run.index :] if run and run.path is not None else None
+
+    @property
+    def recovering(self) -> Behaviour | None:
+        """The recovery behaviour that is running."""
+        return self._run.recovery.behaviour if self._run and self._run.phase is Phase.RECOVERING else None
+
+    def start(self, goal: Pose2, now: float) -> None:
+        """Pursue a goal (a pose in the map); what was pursued before is dropped, the motion goes over smoothly."""
+        sent = self._run.sent if self._run else (0.0, 0.0)
+        self._run = _Run(goal, Phase.PLANNING, now, sent=sent, moved_at=now)
+
+    def stop(self) -> None:
+        """Pursue nothing any more. The caller stops the robot."""
+        self._run = None
+
+    def step(self, inputs: Inputs) -> Outputs:
+        """One control period. After an ending the navigator is idle and the caller stops the robot."""
+        run = self._run
+        if run is None:
+            return Outputs()
+        stopped = self._check_trouble(run, inputs)
+        if stopped is not None:
+            return stopped
+        assert inputs.motion is not None
+        assert inputs.local is not None
+        run.recovery = run.recovery.forgotten(inputs.motion.pose, self._settings.progress_distance)
+        if inputs.answer is not None:
+            ended = self._take_answer(run, inputs.answer, inputs)
+            if ended is not None:
+                return ended
+        step = {
+            Phase.PLANNING: self._plan,
+            Phase.DRIVING: self._drive,
+            Phase.TURNING: self._turn,
+            Phase.RECOVERING: self._recover,
+        }[run.phase]
+        out = step(run, inputs.motion, inputs.local, inputs)
+        run.sent = out.command or (0.0, 0.0)
+        if out.plan:
+            run.asked = run.last_asked = inputs.now
+        return out
+
+    def _check_trouble(self, run: _Run, inputs: Inputs) -> Outputs | None:
+        trouble = inputs.trouble or ("" if inputs.motion and inputs.local else "no pose of the robot")
+        if not trouble:
+            run.trouble_since = None
+            return None
+        first = run.trouble_since is None
+        if run.trouble_since is None:
+            run.trouble_since = inputs.now
+        run.sent = (0.0, 0.0)
+        run.moved_at = inputs.now
+        if inputs.now - run.trouble_since > self._settings.trouble_patience:
+            return self._end(Ending.FAILED, trouble)
+        return Outputs(command=(0.0, 0.0), say=f"stopped: {trouble}" if first else "")
+
+    def _take_answer(self, run: _Run, answer: PlanAnswer, inputs: Inputs) -> Outputs | None:
+        run.asked = None
+        if answer.path is not None:
+            run.path, run.way, run.index, run.reason = answer.path, None, 0, ""
+            if run.phase in (Phase.PLANNING, Phase.TURNING):
+                self._enter(run, Phase.DRIVING, inputs.now)
+            return None
+        run.reason = answer.reason
+        if answer.hopeless:
+            return self._end(Ending.FAILED, answer.reason)
+        return None
+
+    def _plan(self, run: _Run, _motion: Motion, _local: Costmap, inputs: Inputs) -> Outputs:
+        if inputs.now - run.phase_since > self._settings.planner_patience:
+            return self._get_stuck(run, inputs, run.reason or "planning took too long")
+        return Outputs(command=self._braked(run), plan=self._may_ask(run, inputs.now, 0.5))
+
+    def _drive(self, run: _Run, motion: Motion, local: Costmap, inputs: Inputs) -> Outputs:
+        way = self._way_in_odom(run, inputs.odom)
+        pose = motion.pose
+        run.index = nearest_index(way.points, pose.x, pose.y, run.index, min(run.index + 40, way.end + 1))
+        end_x, end_y = way.points[way.end]
+        away = math.hypot(end_x - pose.x, end_y - pose.y)
+        if run.index >= way.end or away < 0.015:
+            if away <= self._settings.xy_tolerance:
+                self._enter(run, Phase.TURNING, inputs.now)
+                return self._turn(run, motion, local, inputs)
+            return Outputs(command=self._braked(run), plan=self._may_ask(run, inputs.now, 0.5))
+        held = Motion(pose, *run.sent)
+        step = follow_way(
+            way, run.index, held, local, self._footprint, self._limits, self._follow, self._settings.period
+        )
+        if self._is_stuck(run, step.blocked, inputs, pose):
+            return self._get_stuck(run, inputs, run.reason or _blocked_at(pose, inputs.odom))
+        astray = math.hypot(*(way.points[run.index] - (pose.x, pose.y))) > 0.4
+        wanted = (step.hindered or step.blocked or astray or inputs.path_blocked) and self._may_ask(
+            run, inputs.now, 0.5 if step.blocked else 1.0
+        )
+        periodic = self._settings.planner_period > 0.0 and self._may_ask(run, inputs.now, self._settings.planner_period)
+        return Outputs(command=(step.speed, step.turn), plan=wanted or periodic, ahead=step.ahead)
+
+    def _turn(self, run: _Run, motion: Motion, local: Costmap, inputs: Inputs) -> Outputs:
+        if run.path is not None:  # it may end beside a goal that cannot be reached
+            x, y = run.path[-1].tolist()
+            end = inputs.odom.compose(Pose2(x, y, run.goal.yaw))
+        else:
+            end = inputs.odom.compose(run.goal)
+        error = wrap_angle(end.yaw - motion.pose.yaw)
+        away = math.hypot(end.x - motion.pose.x, end.y - motion.pose.y)
+        speed = approach(run.sent[0], 0.0, self._limits.acceleration * self._settings.period)
+        if abs(speed) < 0.02:
+            speed = 0.0
+        if speed == 0.0 and away > self._settings.xy_tolerance:
+            self._enter(run, Phase.PLANNING, inputs.now)
+            return Outputs(command=self._braked(run), plan=self._may_ask(run, inputs.now, 0.5))
+        if abs(error) < 0.5 * self._settings.yaw_tolerance and speed == 0.0 and abs(run.sent[1]) < 0.3:
+            return self._end(Ending.REACHED, "goal reached")
+        rate = turn_rate(error - run.sent[1] * self._settings.period * 0.5, self._limits)
+        turn = approach(run.sent[1], rate, self._limits.turn_acceleration * self._settings.period)
+        free = abs(turn) < 0.02 or sweep_is_free(Motion(motion.pose, 0.0, turn), 0.3, local, self._footprint)
+        if self._is_stuck(run, not free, inputs, motion.pose):
+            return self._get_stuck(run, inputs, "no room to turn at the goal")
+        return Outputs(command=(speed, turn) if free else self._braked(run))
+
+    def _recover(self, run: _Run, motion: Motion, local: Costmap, inputs: Inputs) -> Outputs:
+        behaviour = run.recovery.behaviour
+        assert behaviour is not None
+        if behaviour in (Behaviour.CLEAR_FAR, Behaviour.CLEAR_ALL):
+            self._after_recovery(run, motion.pose, inputs.now)
+            return Outputs(command=(0.0, 0.0), clear=behaviour, plan=True)
+        held = Motion(motion.pose, *run.sent)
+        move = move_to_recover(run.recovery, held, local, self._footprint, self._limits, self._settings.period)
+        run.recovery = move.recovery
+        if move.finished or inputs.now - run.phase_since > 20.0:
+            self._after_recovery(run, motion.pose, inputs.now)
+            return Outputs(command=(0.0, 0.0), plan=True)
+        return Outputs(command=(move.speed, move.turn))
+
+    def _after_recovery(self, run: _Run, pose: Pose2, now: float) -> None:
+        run.recovery = Recovery(run.recovery.tried + 1, began=pose)
+        self._enter(run, Phase.PLANNING, now)
+
+    def _get_stuck(self, run: _Run, inputs: Inputs, reason: str) -> Outputs:
+        behaviour = run.recovery.behaviour if self._settings.recovery_enabled else None
+        if behaviour is None:
+            tried = " (after clearing, turning and backing off)" if self._settings.recovery_enabled else ""
+            return self._end(Ending.FAILED, f"{reason}{tried}")
+        run.reason = reason
+        run.recovery = Recovery(run.recovery.tried)
+        self._enter(run, Phase.RECOVERING, inputs.now)
+        return Outputs(command=(0.0, 0.0), say=f"{reason}; recovering: {behaviour.value}")
+
+    def _is_stuck(self, run: _Run, blocked: bool, inputs: Inputs, pose: Pose2) -> bool:
+        """Nowhere to go for the controller's patience, or told to move and not moving."""
+        if not blocked:
+            run.stuck_since = None
+        elif run.stuck_since is None:
+            run.stuck_since = inputs.now
+        began = run.moved_from
+        if (
+            began is None
+            or math.hypot(pose.x - began.x, pose.y - began.y) > 0.05
+            or (abs(wrap_angle(pose.yaw - began.yaw)) > 0.2)
+        ):
+            run.moved_from, run.moved_at = pose, inputs.now
+        if run.stuck_since is not None and inputs.now - run.stuck_since > self._settings.controller_patience:
+            return True
+        return inputs.now - run.moved_at > self._settings.progress_timeout
+
+    def _may_ask(self, run: _Run, now: float, least: float) -> bool:
+        """Whether to ask for a plan: none is being made (or that took very long), the last is `least` s old."""
+        waiting = run.asked is not None and now - run.asked < 10.0
+        return not waiting and now - run.last_asked >= least
+
+    def _way_in_odom(self, run: _Run, odom: Pose2) -> Way:
+        if run.way is None or run.way_odom != odom:
+            assert run.path is not None
+            c, s = math.cos(odom.yaw), math.sin(odom.yaw)
+            points = run.path @ np.array(((c, s), (-s, c))) + (odom.x, odom.y)
+            run.way, run.way_odom = make_way(points, self._limits), odom
+        return run.way
+
+    def _braked(self, run: _Run) -> tuple[float, float]:
+        period = self._settings.period
+        return (
+            approach(run.sent[0], 0.0, self._limits.acceleration * period),
+            approach(run.sent[1], 0.0, self._limits.turn_acceleration * period),
+        )
+
+    def _enter(self, run: _Run, phase: Phase, now: float) -> None:
+        run.phase, run.phase_since, run.stuck_since = phase, now, None
+        run.moved_from, run.moved_at = None, now
+
+    def _end(self, ending: Ending, text: str) -> Outputs:
+        self._run = None
+        return Outputs(command=(0.0, 0.0), ending=ending, text=text)
+
+
+def _blocked_at(pose: Pose2, odom: Pose2) -> str:
+    place = odom.inverse().compose(pose)
+    return f"an obstacle blocks the way near ({place.x:.2f}, {place.y:.2f})"

@@ -1,0 +1,63 @@
+"""Planning beside the control loop: one request at a time, the newest counts."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import rospy
+
+from ur_nodes.navigation.costmap import Costmap
+from ur_nodes.navigation.global_plan import NoPathError, PlanSettings, plan_path
+from ur_nodes.navigation.navigator import PlanAnswer
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PlanRequest:
+    """From where to where (m, in the map), on which costs; `static` are those of the map alone. `key` names it."""
+
+    key: int
+    start: tuple[float, float]
+    goal: tuple[float, float]
+    costmap: Costmap
+    static: Costmap
+
+
+def answer_request(request: PlanRequest, settings: PlanSettings) -> PlanAnswer:
+    """Plan; when there is no way, say whether that is because of the map (hopeless) or of obstacles (may change)."""
+    try:
+        return PlanAnswer(plan_path(request.costmap, request.start, request.goal, settings))
+    except NoPathError as problem:
+        reason = str(problem)
+    try:
+        plan_path(request.static, request.start, request.goal, settings)
+    except NoPathError as problem:
+        return PlanAnswer(None, str(problem), hopeless="goal" in str(problem))
+    return PlanAnswer(None, f"{reason}, because of obstacles that the map does not show")
+
+
+class PlanWorker:
+    """A thread that answers requests. `done(key, answer)` is called from it."""
+
+    def __init__(self, settings: PlanSettings, done: Callable[[int, PlanAnswer], None]) -> None:
+        self._settings = settings
+        self._done = done
+        self._request: PlanRequest | None = None
+        self._changed = threading.Condition()
+        threading.Thread(target=self._work, name="planner", daemon=True).start()
+
+    def ask(self, request: PlanRequest) -> None:
+        """Answer this one next; one that waits is dropped."""
+        with self._changed:
+            self._request = request
+            self._changed.notify()
+
+    def _work(self) -> None:
+        while not rospy.is_shutdown():
+            with self._changed:
+                if self._request is None:
+                    self._changed.wait(0.5)
+                request, self._request = self._request, None
+            if request is not None:
+                self._done(request.key, answer_request(request, self._settings))

@@ -1,0 +1,51 @@
+"""How fast a robot may go along a way, and how it turns on the spot, within its limits."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ur_nodes.navigation.path_geometry import Points, curvatures
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """What the robot may do: m/s, rad/s, m/s^2, rad/s^2. `backward` is the greatest speed backwards, as a positive."""
+
+    speed: float
+    turn: float
+    acceleration: float
+    turn_acceleration: float
+    backward: float = 0.1
+
+
+def speed_profile(points: Points, limits: Limits) -> NDArray[np.float64]:
+    """The greatest speed (n) in m/s at each point of an evenly spaced way (n, 2) that ends at rest.
+
+    Bounded by the speed limit, by turn / curvature, and by braking in time with 0.85 of the acceleration for what
+    comes later. Speeding up is left to the controller.
+    """
+    if len(points) < 2:
+        return np.zeros(len(points))
+    spacing = float(np.hypot(*(points[1] - points[0])))
+    bend = np.abs(curvatures(points, 3))
+    speeds = np.minimum(limits.speed, 0.95 * limits.turn / np.maximum(bend, 1e-6))
+    speeds[-1] = 0.0
+    # v[i]^2 <= v[i+1]^2 + 2 a ds, for all later points at once: a running minimum of v^2 + 2 a s from the end.
+    climb = 2.0 * 0.85 * limits.acceleration * spacing * np.arange(len(points))
+    squares = np.minimum.accumulate((speeds**2 + climb)[::-1])[::-1] - climb
+    fastest: NDArray[np.float64] = np.sqrt(np.maximum(squares, 0.0))
+    return fastest
+
+
+def turn_rate(error: float, limits: Limits) -> float:
+    """The rate in rad/s at which to turn on the spot by `error` rad, braking with 0.7 of the acceleration."""
+    return math.copysign(min(limits.turn, math.sqrt(2.0 * 0.7 * limits.turn_acceleration * abs(error))), error)
+
+
+def approach(value: float, target: float, step: float) -> float:
+    """`target`, or as near to it as a change of at most `step` gets."""
+    return min(value + step, max(value - step, target))

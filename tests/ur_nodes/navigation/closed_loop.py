@@ -1,0 +1,187 @@
+"""A kinematic robot in a grid world that closes the loop round the navigator: no ROS, no clock."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ur_nodes.navigation.costmap import LETHAL, Costmap, Inflation
+from ur_nodes.navigation.footprint import Footprint, footprint_of_outline
+from ur_nodes.navigation.global_plan import NoPathError, PlanSettings, path_is_free, plan_path
+from ur_nodes.navigation.grid import Grid
+from ur_nodes.navigation.layers import Ranges, beams_of_scan
+from ur_nodes.navigation.local_plan import FollowSettings, Motion
+from ur_nodes.navigation.map_costmap import MapCostmap
+from ur_nodes.navigation.navigator import Ending, Inputs, Navigator, NavigatorSettings, PlanAnswer
+from ur_nodes.navigation.recovery import Behaviour
+from ur_nodes.navigation.rolling_costmap import RollingCostmap
+from ur_nodes.navigation.speed_profile import Limits
+from ur_nodes.rosio.pose import Pose2
+
+STAGE = (
+    (0.20, 0.15),
+    (0.16, 0.19),
+    (-0.16, 0.19),
+    (-0.20, 0.15),
+    (-0.20, -0.15),
+    (-0.16, -0.19),
+    (0.16, -0.19),
+    (0.20, -0.15),
+)
+MAGNI = ((0.13, 0.205), (-0.28, 0.205), (-0.28, -0.205), (0.13, -0.205))
+ORIGIN = Pose2(0.0, 0.0, 0.0)
+ODOM = Pose2(0.7, -0.4, 0.3)  # where the map is in the odometry frame
+LIMITS = Limits(0.5, 1.0, 1.0, 3.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Drive:
+    """How a drive went."""
+
+    ending: Ending | None
+    text: str
+    seconds: float
+    length: float
+    pose: Pose2
+    touched: bool
+    sayings: tuple[str, ...]
+    speeds: NDArray[np.float64]
+    trace: NDArray[np.float64]
+    plans: int
+
+
+@dataclass
+class ClosedLoop:
+    """The robot of `outline` starts at `pose` in a world; `hidden` are cells (bool) that the map does not show."""
+
+    grid: Grid
+    pose: Pose2 = ORIGIN
+    outline: tuple[tuple[float, float], ...] = STAGE
+    limits: Limits = LIMITS
+    settings: NavigatorSettings = field(default_factory=NavigatorSettings)
+    plan_settings: PlanSettings = field(default_factory=PlanSettings)
+    follow: FollowSettings = field(default_factory=FollowSettings)
+    scaling: float = 20.0
+    error: float = 0.0
+    seed: int = 1
+    odom: Pose2 = ODOM
+
+    def __post_init__(self) -> None:
+        self.footprint: Footprint = footprint_of_outline(self.outline, self.grid.resolution, 0.01)
+        self.bare = footprint_of_outline(self.outline, self.grid.resolution / 2)
+        inflation = Inflation(self.footprint.inscribed, 0.55, self.scaling)
+        self.global_costs = MapCostmap(self.grid, Ranges(2.5, 3.0), inflation, lethal=65, track_unknown=True)
+        self.local_costs = RollingCostmap(4.0, self.grid.resolution, Ranges(2.5, 3.0), inflation)
+        self.world = self.grid.values >= 65
+        self.navigator = Navigator(self.settings, self.limits, self.follow, self.footprint)
+        self.now = 0.0
+        self.command = (0.0, 0.0)
+        self.random = np.random.default_rng(self.seed)
+
+    def add_obstacle(self, x: float, y: float, size: float) -> None:
+        """A square box that the map does not know."""
+        rows, columns = np.indices(self.world.shape)
+        centres = self.grid.points_of_cells(np.stack((rows, columns), axis=-1))
+        self.world |= (abs(centres[..., 0] - x) < size / 2) & (abs(centres[..., 1] - y) < size / 2)
+
+    def drive(self, goal: Pose2, seconds: float = 200.0, obstacles: Iterable[tuple[float, float, float]] = ()) -> Drive:
+        """Pursue a goal until it ends or time is up."""
+        for obstacle in obstacles:
+            self.add_obstacle(*obstacle)
+        self.navigator.start(goal, self.now)
+        began, length, touched, plans, sayings = self.now, 0.0, False, 0, []
+        speeds, trace = [], []
+        answer: PlanAnswer | None = None
+        while self.now - began < seconds:
+            before = self.pose
+            self._scan()
+            motion = Motion(self.odom.compose(self.pose), *self.command)
+            path = self.navigator.path
+            blocked = path is not None and not path_is_free(self.global_costs.costmap, path)
+            out = self.navigator.step(
+                Inputs(self.now, motion, self._odom_of_map(), self.local_costs.occupied(), answer, "", blocked)
+            )
+            answer = None
+            if out.say:
+                sayings.append(out.say)
+            if out.clear:
+                keep = self.pose if out.clear is Behaviour.CLEAR_FAR else None
+                self.global_costs.clear(keep, 3.0)
+                self.local_costs.clear(self.odom.compose(self.pose) if keep else None, 3.0)
+            if out.plan:
+                plans += 1
+                answer = self._plan(goal)
+            self.command = out.command or (0.0, 0.0)
+            self._move(0.1)
+            self.now += 0.1
+            speeds.append(self.command)
+            trace.append(self.pose)
+            length += math.hypot(self.pose.x - before.x, self.pose.y - before.y)
+            touched = touched or self._touches()
+            if out.ending is not None:
+                break
+        return Drive(
+            out.ending,
+            out.text,
+            self.now - began,
+            length,
+            self.pose,
+            touched,
+            tuple(sayings),
+            np.array(speeds),
+            np.array(trace),
+            plans,
+        )
+
+    def _odom_of_map(self) -> Pose2:
+        if self.error == 0.0:
+            return self.odom
+        return self.odom.compose(Pose2(*self.random.normal(0.0, (self.error, self.error, self.error / 4)).tolist()))
+
+    def _plan(self, goal: Pose2) -> PlanAnswer:
+        start = (self.pose.x, self.pose.y)
+        try:
+            return PlanAnswer(plan_path(self.global_costs.costmap, start, (goal.x, goal.y), self.plan_settings))
+        except NoPathError as problem:
+            try:
+                plan_path(self.global_costs.static, start, (goal.x, goal.y), self.plan_settings)
+            except NoPathError as worse:
+                return PlanAnswer(None, str(worse), hopeless=True)
+            return PlanAnswer(None, str(problem))
+
+    def _scan(self) -> None:
+        angles = np.arange(360) * math.tau / 360 - math.pi
+        steps = np.arange(0.02, 5.0, 0.02)
+        x, y, yaw = self.pose
+        points = (x, y) + steps[None, :, None] * np.stack((np.cos(angles + yaw), np.sin(angles + yaw)), -1)[:, None]
+        cells = self.grid.cells_of_points(points)
+        inside = self.grid.contains(cells)
+        hit = np.where(inside, self.world[np.where(inside, cells[..., 0], 0), np.where(inside, cells[..., 1], 0)], True)
+        first = hit.argmax(axis=1)
+        ranges = np.where(hit.any(axis=1), steps[first] + self.random.normal(0.0, 0.01, 360), math.inf)
+        beams = beams_of_scan(ranges, -math.pi, math.tau / 360, 0.12, 5.0, inf_is_valid=True)
+        self.global_costs.update(self.pose, beams)
+        here = self.odom.compose(self.pose)
+        self.local_costs.update(here, here, beams)
+
+    def _move(self, dt: float) -> None:
+        v, w = self.command
+        for _ in range(4):
+            middle = self.pose.yaw + w * dt / 8
+            self.pose = Pose2(
+                self.pose.x + v * dt / 4 * math.cos(middle),
+                self.pose.y + v * dt / 4 * math.sin(middle),
+                self.pose.yaw + w * dt / 4,
+            )
+
+    def _touches(self) -> bool:
+        costs = Costmap(
+            np.where(self.world, np.uint8(LETHAL), np.uint8(0)).astype(np.uint8), self.grid.resolution, self.grid.origin
+        )
+        c, s = math.cos(self.pose.yaw), math.sin(self.pose.yaw)
+        points = self.bare.samples @ np.array(((c, s), (-s, c))) + (self.pose.x, self.pose.y)
+        return bool((costs.costs_at(points) == LETHAL).any())
