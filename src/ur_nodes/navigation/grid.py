@@ -43,14 +43,15 @@ class Grid:
         cells: NDArray[np.intp] = np.floor(self.fractions_of_points(points)).astype(np.intp)
         return cells
 
-    def fractions_of_points(self, points: NDArray[np.floating]) -> NDArray[np.floating]:
+    def fractions_of_points(self, points: NDArray[np.floating]) -> NDArray[np.float64]:
         """As cells_of_points, with fractions: the centre of cell (r, c) is (r + 0.5, c + 0.5)."""
         dx = points[..., 0] - self.origin.x
         dy = points[..., 1] - self.origin.y
         if self.origin.yaw:
             c, s = math.cos(self.origin.yaw), math.sin(self.origin.yaw)
             dx, dy = c * dx + s * dy, c * dy - s * dx
-        return np.stack((dy, dx), axis=-1) / self.resolution
+        fractions: NDArray[np.float64] = np.stack((dy, dx), axis=-1).astype(np.float64) / self.resolution
+        return fractions
 
     def points_of_cells(self, cells: NDArray[np.integer] | NDArray[np.floating]) -> NDArray[np.float64]:
         """The centres (..., 2) as (x, y) in m of cells (..., 2) as (row, column)."""

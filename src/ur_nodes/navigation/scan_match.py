@@ -1,0 +1,97 @@
+"""Refine a pose until the ends of the beams lie on the walls of the map: Gauss-Newton on the distance field."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ur_nodes.navigation.likelihood import LikelihoodField
+from ur_nodes.rosio.pose import Pose2, wrap_angle
+
+
+@dataclass(frozen=True, slots=True)
+class MatchSettings:
+    """`sigma` (m): spread of a beam's end about the wall, larger than the lidar's noise because neighbours err alike.
+
+    Ends farther than about `outlier` (m) from any wall count less and less: they hit what the map does not have.
+    """
+
+    sigma: float = 0.05
+    outlier: float = 0.1
+    iterations: int = 6
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Match:
+    """A refined pose, its covariance (3, 3), and the share (0..1) of the beams that lie on walls there."""
+
+    pose: Pose2
+    covariance: NDArray[np.float64]
+    agreement: float
+
+
+def match_scan(
+    field: LikelihoodField,
+    prior: Pose2,
+    covariance: NDArray[np.float64],
+    points: NDArray[np.float64],
+    settings: MatchSettings,
+) -> Match:
+    """The most likely pose given a Gaussian prior and beams that end at points (m, 2) in the robot's frame.
+
+    Residuals are signed distances to walls, read with bilinear interpolation; weights are Geman-McClure's. Along
+    directions that the scan says nothing about (a long corridor) the prior decides.
+    """
+    information = np.linalg.inv(covariance + np.diag((1e-8, 1e-8, 1e-8)))
+    pose = np.array(prior, dtype=np.float64)
+    hessian, agreement = information, 0.0
+    for _ in range(settings.iterations):
+        residuals, slopes = _linearise(field, pose, points)
+        trust = np.square(1.0 / (1.0 + np.square(residuals / settings.outlier)))
+        agreement = float(trust.mean()) if len(trust) else 0.0
+        trust /= settings.sigma * settings.sigma
+        offset = pose - np.asarray(prior)
+        offset[2] = wrap_angle(offset[2])
+        hessian = information + (slopes * trust[:, None]).T @ slopes
+        step = np.linalg.solve(hessian, information @ offset + slopes.T @ (trust * residuals))
+        pose -= step
+        if abs(step[0]) + abs(step[1]) < 5e-4 and abs(step[2]) < 5e-4:
+            break
+    return Match(Pose2(float(pose[0]), float(pose[1]), wrap_angle(float(pose[2]))), np.linalg.inv(hessian), agreement)
+
+
+def _linearise(
+    field: LikelihoodField, pose: NDArray[np.float64], points: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Signed distances (n) to walls of the beams' ends, and how they change (n, 3) with the pose's x, y and yaw."""
+    grid = field.grid
+    c, s = math.cos(pose[2]), math.sin(pose[2])
+    turned = points @ np.array(((c, s), (-s, c)))
+    cells = grid.fractions_of_points(turned + pose[:2]) + 0.5  # 0.5: the border, less half a cell to its centre
+    values, down, right = _interpolate(field.distances, cells)
+    down, right = down / grid.resolution, right / grid.resolution
+    if grid.origin.yaw:
+        co, so = math.cos(grid.origin.yaw), math.sin(grid.origin.yaw)
+        down, right = so * right + co * down, co * right - so * down
+    by_yaw = down * turned[:, 0] - right * turned[:, 1]
+    return values, np.column_stack((right, down, by_yaw))
+
+
+def _interpolate(
+    table: NDArray[np.float32], cells: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Values (n) between the entries of a table, and their slopes per row and per column; edges continue outside."""
+    height, width = table.shape
+    row = np.clip(cells[:, 0], 0.0, height - 1.001)
+    column = np.clip(cells[:, 1], 0.0, width - 1.001)
+    top, left = row.astype(np.intp), column.astype(np.intp)
+    fr, fc = row - top, column - left
+    index = top * width + left
+    flat = table.ravel()
+    a, b = flat.take(index).astype(np.float64), flat.take(index + 1)
+    d, e = flat.take(index + width), flat.take(index + width + 1)
+    upper, lower = a + fc * (b - a), d + fc * (e - d)
+    return upper + fr * (lower - upper), lower - upper, (1.0 - fr) * (b - a) + fr * (e - d)
