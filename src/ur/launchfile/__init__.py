@@ -1,6 +1,8 @@
 """Launch files: text to tree (syntax), packages and files (world), tree to plan (plan)."""
 
 from ur.launchfile.address import resolve_addresses
+from ur.launchfile.dump import dump_plan
+from ur.launchfile.plan.commands import CommandResult, CommandRunner, run_command, run_commands
 from ur.launchfile.plan.load import load_plan
 from ur.launchfile.plan.model import (
     MachineSpec,
@@ -15,6 +17,8 @@ from ur.launchfile.plan.model import (
 from ur.launchfile.world import MemoryWorld, SystemWorld, World
 
 __all__ = [
+    "CommandResult",
+    "CommandRunner",
     "MachineSpec",
     "MemoryWorld",
     "NodeSpec",
@@ -26,6 +30,9 @@ __all__ = [
     "SystemWorld",
     "TestSpec",
     "World",
+    "dump_plan",
     "load_plan",
     "resolve_addresses",
+    "run_command",
+    "run_commands",
 ]

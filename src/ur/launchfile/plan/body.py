@@ -31,13 +31,13 @@ def resolve_body(element: Element, draft: Draft, scope: Scope, machine: _Machine
     What is refused is reported to the draft, and the next tag is looked at.
     """
     for child in element.elements:
-        try:  # noqa: PERF203 - the next tag is to be looked at
+        try:
             handler = _HANDLERS.get(child.name)
             if handler is None:
                 _warn_unknown(child, draft, scope)
             elif ("if" not in child.attributes and "unless" not in child.attributes) or is_wanted(child, draft, scope):
                 machine = handler(child, draft, scope, machine)
-        except Refused as refused:
+        except Refused as refused:  # noqa: PERF203 - the next tag is to be looked at
             draft.refuse(refused, scope)
             if child.name == "arg" and "name" in child.attributes:
                 scope.poisoned.add(child.attributes["name"])
@@ -46,6 +46,13 @@ def resolve_body(element: Element, draft: Draft, scope: Scope, machine: _Machine
 
 def check_launch_tag(launch: Element, draft: Draft, scope: Scope | None) -> None:
     """The attributes of `<launch>` itself: `deprecated`, and a condition that roslaunch reads and forgets."""
+    if "if" in launch.attributes and "unless" in launch.attributes:
+        raise refuse(
+            "<launch> with both 'if' and 'unless', expected none",
+            launch.name_span("unless"),
+            "bad-condition",
+            "put the condition on the <include> of this file",
+        )
     for name in ("if", "unless"):
         value = launch.attributes.get(name)
         if value is None:

@@ -42,6 +42,7 @@ class Draft:
         self.machine_secrets: dict[str, tuple[str | None, bool]] = {}  # password and assignable: compared, never kept
         self.files: dict[str, None] = {}
         self.commands: list[ParamCommand] = []
+        self.programs: list[ParamSpec] = []
         self.diagnostics: list[Diagnostic] = []
         self.node_places: dict[str, tuple[Element, tuple[Span, ...]]] = {}
         self.machine_uses: list[tuple[str, Element, Scope]] = []
@@ -139,4 +140,5 @@ class Draft:
             files=tuple(self.files),
             diagnostics=tuple(self.diagnostics),
             commands=tuple(self.commands),
+            programs=tuple(self.programs),
         )

@@ -219,6 +219,25 @@ class _Evaluator:
         self.at = node
         return function(*arguments, **keywords)
 
+    def visit_Lambda(self, node: ast.Lambda) -> Any:  # noqa: N802
+        names = [argument.arg for argument in node.args.args]
+        rest = (node.args.vararg, node.args.kwarg, *node.args.kwonlyargs, *node.args.posonlyargs, *node.args.defaults)
+        if any(rest):
+            raise self.problem("a lambda with more than plain arguments is not allowed", node)
+
+        def call(*values: Any) -> Any:
+            if len(values) != len(names):
+                raise TypeError(f"lambda takes {len(names)} values, got {len(values)}")
+            self.variables.append(dict(zip(names, values, strict=True)))
+            self.inside += 1
+            try:
+                return self.visit(node.body)
+            finally:
+                self.inside -= 1
+                self.variables.pop()
+
+        return call
+
     def visit_ListComp(self, node: ast.ListComp) -> Any:  # noqa: N802
         return [self.visit(node.elt) for _ in self._loop(node.generators, inlined=True)]
 
@@ -267,6 +286,6 @@ class _Evaluator:
 
 
 def _describe(node: ast.AST) -> str:
-    return {"Lambda": "lambda", "NamedExpr": "':='", "Starred": "'*'", "MatMult": "'@'", "Await": "await"}.get(
+    return {"NamedExpr": "':='", "Starred": "'*'", "MatMult": "'@'", "Await": "await"}.get(
         type(node).__name__, type(node).__name__
     )

@@ -14,60 +14,24 @@ MAX_BITS = 200_000
 MAX_STEP = 2_000
 _WIDTH = re.compile(r"\d{5,}|\*")
 
+
+def _words(text: str) -> frozenset[str]:
+    return frozenset(text.split())
+
+
 _METHODS: Mapping[type, frozenset[str]] = {
-    str: frozenset(
-        [
-            "capitalize",
-            "casefold",
-            "center",
-            "count",
-            "endswith",
-            "expandtabs",
-            "find",
-            "format",
-            "index",
-            "isalnum",
-            "isalpha",
-            "isascii",
-            "isdecimal",
-            "isdigit",
-            "isidentifier",
-            "islower",
-            "isnumeric",
-            "isprintable",
-            "isspace",
-            "istitle",
-            "isupper",
-            "join",
-            "ljust",
-            "lower",
-            "lstrip",
-            "partition",
-            "removeprefix",
-            "removesuffix",
-            "replace",
-            "rfind",
-            "rindex",
-            "rjust",
-            "rpartition",
-            "rsplit",
-            "rstrip",
-            "split",
-            "splitlines",
-            "startswith",
-            "strip",
-            "swapcase",
-            "title",
-            "upper",
-            "zfill",
-        ]
+    str: _words(
+        "capitalize casefold center count endswith expandtabs find format index isalnum isalpha isascii "
+        "isdecimal isdigit isidentifier islower isnumeric isprintable isspace istitle isupper join ljust "
+        "lower lstrip partition removeprefix removesuffix replace rfind rindex rjust rpartition rsplit rstrip "
+        "split splitlines startswith strip swapcase title upper zfill "
     ),
-    list: frozenset(["count", "index", "copy"]),
-    tuple: frozenset(["count", "index"]),
-    dict: frozenset(["get", "items", "keys", "values", "copy"]),
-    float: frozenset(["is_integer", "as_integer_ratio", "hex", "real", "imag", "conjugate"]),
-    int: frozenset(["bit_length", "real", "imag", "numerator", "denominator", "conjugate"]),
-    set: frozenset(["union", "intersection", "difference", "issubset", "issuperset", "isdisjoint", "copy"]),
+    list: _words("count index copy "),
+    tuple: _words("count index "),
+    dict: _words("get items keys values copy "),
+    float: _words("is_integer as_integer_ratio hex real imag conjugate "),
+    int: _words("bit_length real imag numerator denominator conjugate "),
+    set: _words("union intersection difference issubset issuperset isdisjoint copy "),
 }
 
 
@@ -276,44 +240,10 @@ BUILTINS: Mapping[str, Any] = {
     "None": None,
 }
 
-FORBIDDEN = frozenset(
-    [
-        "breakpoint",
-        "bytearray",
-        "bytes",
-        "classmethod",
-        "compile",
-        "copyright",
-        "credits",
-        "delattr",
-        "dir",
-        "eval",
-        "exec",
-        "exit",
-        "getattr",
-        "globals",
-        "hasattr",
-        "help",
-        "id",
-        "input",
-        "isinstance",
-        "issubclass",
-        "iter",
-        "license",
-        "locals",
-        "memoryview",
-        "next",
-        "object",
-        "open",
-        "print",
-        "property",
-        "quit",
-        "setattr",
-        "staticmethod",
-        "super",
-        "type",
-        "vars",
-    ]
+FORBIDDEN = _words(
+    "breakpoint bytearray bytes classmethod compile copyright credits delattr dir eval exec exit getattr "
+    "globals hasattr help id input isinstance issubclass iter license locals memoryview next object open "
+    "print property quit setattr staticmethod super type vars "
 )
 
 UNARY: Mapping[type[ast.unaryop], Callable[[Any], Any]] = {

@@ -106,3 +106,4 @@ class Plan:
     files: tuple[str, ...]  # every launch file read, absolute
     diagnostics: tuple[Diagnostic, ...] = field(default=())
     commands: tuple[ParamCommand, ...] = field(default=())  # in document order
+    programs: tuple[ParamSpec, ...] = field(default=())  # every <param command=>, overridden ones too

@@ -201,9 +201,9 @@ def _resolve_children(
     own.env = scope.env[:]
     failed = False
     for child in element.elements:
-        try:  # noqa: PERF203 - the next tag is to be looked at
+        try:
             _resolve_child(child, element, draft, scope, private, own)
-        except Refused as refused:
+        except Refused as refused:  # noqa: PERF203 - the next tag is to be looked at
             draft.refuse(refused, scope)
             failed = True
     if failed:

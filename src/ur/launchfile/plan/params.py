@@ -57,6 +57,8 @@ def resolve_param(element: Element, draft: Draft, scope: Scope, *, force_private
     private = force_private or is_private(name)
     full_name = canonical_name(name if private else join_names(scope.namespace, name))
     param = ParamSpec(full_name, value, draft.origin(element.span, scope), command, type_ or "auto")
+    if command is not None:
+        draft.programs.append(param)
     if private:
         scope.add_param(param)
     else:
@@ -180,6 +182,8 @@ def _load(
         document = read_yaml(text, reads_angles=True)
     except YamlProblem as problem:
         raise _bad_yaml(problem, source, element, same=text == written) from None
+    if document.value is None:
+        document = Document({}, None)
     if not name and not isinstance(document.value, dict):
         kind = "a list" if isinstance(document.value, list) else "a single value"
         raise refuse(
@@ -187,10 +191,6 @@ def _load(
             element.span,
             "rosparam-not-a-mapping",
             'add param="NAME", or write NAME: VALUE',
-        )
-    if full_name == "/" and not isinstance(document.value, dict):
-        raise refuse(
-            "<rosparam> sets '/' to a single value, expected names with values", element.span, "rosparam-not-a-mapping"
         )
     _Unroller(document, source, element, same=text == written, draft=draft, scope=scope).add(
         full_name, document.value, ()
@@ -235,6 +235,10 @@ class _Unroller:
 
     def add(self, name: str, value: ParamValue, path: tuple[str, ...]) -> None:
         if not isinstance(value, dict):
+            if name == "/":
+                raise refuse(
+                    "'/' is set to a single value, expected names with values", self.origin(path).span, "bad-yaml-key"
+                )
             self.draft.add_param(ParamSpec(canonical_name(name), value, self.origin(path)), self.scope)
             return
         if len(path) > 100:

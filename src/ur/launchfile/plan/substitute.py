@@ -5,7 +5,7 @@ So a value that an argument brings in may hold a `$(find)` of its own, which is 
 """
 
 # Paths are texts here: pathlib would change what roslaunch prints, and costs too much in hot loops.
-# ruff: noqa: PTH100, PTH110, PTH113, PTH116, PTH118, PTH119, PTH120, PTH123, PTH208
+# ruff: noqa: PTH118, PTH120
 
 from __future__ import annotations
 

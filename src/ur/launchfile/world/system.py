@@ -1,7 +1,7 @@
 """The computer we run on."""
 
 # Paths are texts here: pathlib would change what roslaunch prints, and costs too much in hot loops.
-# ruff: noqa: PTH100, PTH110, PTH113, PTH116, PTH118, PTH119, PTH120, PTH123, PTH208
+# ruff: noqa: PTH100, PTH113, PTH116, PTH118, PTH119, PTH208
 
 from __future__ import annotations
 

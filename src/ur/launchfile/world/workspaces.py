@@ -4,7 +4,7 @@ Source of the rules: catkin's `find_in_workspaces` and `workspace`, as Debian sh
 """
 
 # Paths are texts here: pathlib would change what roslaunch prints, and costs too much in hot loops.
-# ruff: noqa: PTH100, PTH110, PTH113, PTH116, PTH118, PTH119, PTH120, PTH123, PTH208
+# ruff: noqa: PTH110, PTH113, PTH118, PTH123
 
 from __future__ import annotations
 

@@ -1,0 +1,107 @@
+"""`<param command=...>`: running the programs whose output is a parameter, when somebody wants it."""
+
+from __future__ import annotations
+
+import shlex
+import subprocess
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+from ur.launchfile.plan.convert import convert_scalar
+from ur.launchfile.plan.model import ParamSpec, ParamValue, Plan
+from ur.launchfile.plan.yaml_values import YamlProblem, read_yaml
+from ur.source.diagnostic import Diagnostic, Note, error
+
+
+@dataclass(frozen=True, slots=True)
+class CommandResult:
+    """What a program left: its exit code and what it wrote to its standard output."""
+
+    code: int
+    output: bytes
+
+
+class CommandRunner(Protocol):
+    """Runs one program to its end."""
+
+    def __call__(self, words: Sequence[str]) -> CommandResult:
+        """The result of a command line. Raises OSError when it cannot be started."""
+        ...
+
+
+def run_command(words: Sequence[str]) -> CommandResult:
+    """Run a program on this computer; its standard error goes to ours, as in roslaunch."""
+    done = subprocess.run(list(words), stdout=subprocess.PIPE, stdin=subprocess.DEVNULL, check=False)
+    return CommandResult(done.returncode, done.stdout)
+
+
+def refuse_command(words: Sequence[str]) -> CommandResult:
+    """A runner that runs nothing."""
+    raise PermissionError(1, "programs are not run here", words[0])
+
+
+def run_commands(plan: Plan, run: CommandRunner) -> Plan:
+    """The plan with the value of every parameter that a program prints. Equal commands run once.
+
+    A program that fails, or prints what its parameter cannot hold, adds an error to the plan's diagnostics.
+    """
+    if not plan.programs:
+        return plan
+    results: dict[str, CommandResult | str] = {}
+    diagnostics = list(plan.diagnostics)
+    values: dict[tuple[str, str], ParamValue] = {}
+    for param in plan.programs:
+        command = param.command or ""
+        if command not in results:
+            results[command] = _run(command, run)
+        try:
+            values[command, param.command_type] = _read(results[command], param)
+        except ValueError as problem:
+            diagnostics.append(_explain(param, str(problem)))
+    params = tuple(
+        replace(param, value=values.get((param.command, param.command_type)), command=None)
+        if param.command is not None
+        else param
+        for param in plan.params
+    )
+    return replace(plan, params=params, diagnostics=tuple(diagnostics), programs=())
+
+
+def _run(command: str, run: CommandRunner) -> CommandResult | str:
+    # A text says why there is no result.
+    try:
+        words = shlex.split(command)
+    except ValueError as problem:
+        return f"the command cannot be split into words: {problem}"
+    if not words:
+        return "the command is empty"
+    try:
+        return run(words)
+    except (OSError, ValueError) as problem:
+        return f"{words[0]}: {(getattr(problem, 'strerror', None) or str(problem)).lower()}"
+
+
+def _read(result: CommandResult | str, param: ParamSpec) -> ParamValue:
+    if isinstance(result, str):
+        raise ValueError(result)
+    if result.code != 0:
+        raise ValueError(f"the command ended with code {result.code}, expected 0")
+    text = result.output.decode("utf-8")
+    if param.command_type != "yaml":
+        return convert_scalar(text, param.command_type)
+    try:
+        return read_yaml(text, reads_angles=True).value
+    except YamlProblem as problem:
+        raise ValueError(f"what it prints is not valid YAML: {problem}") from None
+
+
+def _explain(param: ParamSpec, reason: str) -> Diagnostic:
+    steps = tuple(Note("included from here", step) for step in reversed(param.origin.includes))
+    return error(
+        f"parameter {param.name} has no value: {reason}",
+        param.origin.span,
+        rule="param-command",
+        notes=steps,
+        help=f"run it by hand to see more: {param.command}",
+    )
