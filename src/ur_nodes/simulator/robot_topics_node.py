@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from typing import Any
 
 import rospy
@@ -12,10 +13,8 @@ from sensor_msgs.msg import JointState, LaserScan
 from std_msgs.msg import Int32
 from tf2_msgs.msg import TFMessage
 
-from ur_nodes.simulator.settings import Frames
+from ur_nodes.simulator.settings import Settings
 from ur_nodes.simulator.simulation import Simulation
-
-_QUEUE = 10
 
 
 class RobotTopics:
@@ -24,17 +23,20 @@ class RobotTopics:
     Nothing is made or sent that nobody listens to, tf and what is latched aside.
     """
 
-    def __init__(self, simulation: Simulation, robot: int, prefix: str, frames: Frames, tf: rospy.Publisher) -> None:
+    def __init__(
+        self, simulation: Simulation, robot: int, prefix: str, settings: Settings, tf: rospy.Publisher
+    ) -> None:
         """`prefix` is put before topics and frames: '' for a single robot, else 'robot_<n>/'."""
+        frames, queue = settings.frames, settings.queue_size
         self._simulation = simulation
         self._robot = robot
         self._tf = tf
         self.command: tuple[float, float] | None = None
         lidar = simulation.base.lidar
-        self._odom = _publisher(f"{prefix}odom", Odometry)
-        self._truth = _publisher(f"{prefix}base_pose_ground_truth", Odometry)
-        self._joints = _publisher(f"{prefix}joint_states", JointState)
-        self._scan = _publisher(prefix + lidar.topic, LaserScan) if lidar else None
+        self._odom = make_publisher(f"{prefix}odom", Odometry, queue)
+        self._truth = make_publisher(f"{prefix}base_pose_ground_truth", Odometry, queue)
+        self._joints = make_publisher(f"{prefix}joint_states", JointState, queue)
+        self._scan = make_publisher(prefix + lidar.topic, LaserScan, queue) if lidar else None
         self._collisions = rospy.Publisher(f"~{prefix}collisions", Int32, queue_size=1, latch=True)
         self._told_collisions = -1
         odom, base = prefix + frames.odom, prefix + frames.base
@@ -111,8 +113,11 @@ class RobotTopics:
             self._collisions.publish(count)
 
 
-def _publisher(topic: str, kind: Any) -> rospy.Publisher:
-    return rospy.Publisher(topic, kind, queue_size=_QUEUE, tcp_nodelay=True)
+def make_publisher(topic: str, kind: Any, queue: int | None) -> rospy.Publisher:
+    """A publisher that drops the oldest of more than `queue` unsent messages; None: it waits until each is sent."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", SyntaxWarning)  # rospy thinks that whoever waits forgot to give a size
+        return rospy.Publisher(topic, kind, queue_size=queue, tcp_nodelay=True)
 
 
 def _odometry_message(frame: str, child: str) -> Odometry:

@@ -24,3 +24,11 @@ class Settings:
     joint_rate: float
     step_period: float
     frames: Frames
+
+    @property
+    def queue_size(self) -> int | None:
+        """How many unsent messages a topic keeps.
+
+        At full speed none: there the simulation waits for its listeners, and nothing is lost.
+        """
+        return None if self.speed == 0.0 else 100

@@ -32,13 +32,14 @@ from ur_nodes.rosio.geometry import pose_of_message
 from ur_nodes.rosio.parameters import Parameters
 from ur_nodes.rosio.shell import run_node
 from ur_nodes.simulator.pacing import Pacer
-from ur_nodes.simulator.robot_topics_node import RobotTopics
+from ur_nodes.simulator.robot_topics_node import RobotTopics, make_publisher
 from ur_nodes.simulator.settings import Frames, Settings
 from ur_nodes.simulator.simulation import Simulation
 from ur_nodes.simulator.world import read_world
 
 _PACKAGE = Path(__file__).resolve().parents[3] / "ubiquity_launches"
-_ANSWER_WITHIN = 10.0
+_ANSWER_WITHIN = 10.0  # s
+_LONGEST_WAIT = 0.1  # s, so that the end is noticed
 
 
 class SimulatorNode:
@@ -50,34 +51,40 @@ class SimulatorNode:
         self._paused = False
         self._requests: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
         self._pacer = Pacer(settings.speed, simulation.time, time.monotonic())
-        self._clock = rospy.Publisher("/clock", Clock, queue_size=100) if settings.publish_clock else None
+        self._clock = make_publisher("/clock", Clock, settings.queue_size) if settings.publish_clock else None
         self._clock_message = Clock()
         self._next_clock = self._next_joints = 0.0
-        tf = rospy.Publisher("/tf", TFMessage, queue_size=100, tcp_nodelay=True)
+        tf = make_publisher("/tf", TFMessage, settings.queue_size)
         self._robots = [
-            RobotTopics(simulation, n, f"robot_{n}/" if simulation.robots > 1 else "", settings.frames, tf)
+            RobotTopics(simulation, n, f"robot_{n}/" if simulation.robots > 1 else "", settings, tf)
             for n in range(simulation.robots)
         ]
         rospy.Service("~pause", SetBool, self._pause)
         rospy.Service("~step", Trigger, self._step)
         rospy.Service("~reset", Empty, self._reset)
         rospy.Service("~place", SetMap, self._place)
-        threading.Thread(target=self._run, name="simulation", daemon=True).start()
+        self._ended = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="simulation", daemon=True)
+        rospy.on_shutdown(self._end)
+        self._thread.start()
+
+    def _end(self) -> None:
+        """Stop before rospy closes the topics."""
+        self._ended.set()
+        if threading.current_thread() is not self._thread:
+            self._thread.join(timeout=1.0)
 
     def _run(self) -> None:
         try:
-            while not rospy.is_shutdown():
+            while not self._ended.is_set():
                 if self._paused:
-                    self._serve(0.1)
+                    self._serve(_LONGEST_WAIT)
                     continue
                 left = self._pacer.wait(self._simulation.next_time, time.monotonic())
                 if left > 0.0 or not self._requests.empty():
-                    self._serve(left)
+                    self._serve(min(left, _LONGEST_WAIT))
                 else:
                     self._tick()
-        except rospy.ROSException:  # a topic was closed under a publisher: the node is being shut down
-            if not rospy.is_shutdown():
-                raise
         except Exception as problem:  # a thread that ends in silence would look like a stopped robot
             rospy.logfatal("the simulation failed: %r", problem)
             rospy.signal_shutdown("the simulation failed")
