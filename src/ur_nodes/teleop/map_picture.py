@@ -70,8 +70,7 @@ def draw_map(index: GridIndex | None, view: Viewport, palette: Palette) -> Pixel
     area = np.maximum((right - left) * (top - bottom), 1)
     walls = _box_sum(index.walls, left, right, bottom, top) / area
     known = _box_sum(index.known, left, right, bottom, top) / area
-    side = max(1.0, 2 * half)
-    shade = np.clip(walls * side / 1.6, 0.0, 1.0)[..., None]  # a wall thinner than a pixel shall still be seen
+    shade = np.clip(walls * max(1.0, half / 0.8), 0.0, 1.0)[..., None]  # a wall thinner than a pixel shall still be seen
     ground = np.where((known >= 0.5)[..., None], palette.free, palette.unknown)
     blend: NDArray[np.float64] = ground + (np.array(palette.wall) - ground) * shade
     picture[:] = blend.round()

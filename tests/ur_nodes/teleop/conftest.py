@@ -1,0 +1,68 @@
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ur.source.diagnostic import UserError, error
+from ur_nodes.teleop.navigator import GoalReport, GoalState, MapGrid, Place, Snapshot
+from ur_nodes.teleop.waypoints import WaypointStore
+
+
+def make_grid() -> MapGrid:
+    """10 m x 10 m, walls round it, the origin in the middle."""
+    cells = np.zeros((100, 100), np.int8)
+    cells[[0, -1], :] = cells[:, [0, -1]] = 100
+    return MapGrid(cells, 0.1, Place(-5.0, -5.0, 0.0))
+
+
+class FakeNavigator:
+    """A Navigator whose state the test sets, and that notes what was asked of it."""
+
+    def __init__(self) -> None:
+        self.seen = Snapshot(grid=make_grid(), pose=Place(0.0, 0.0, 0.0))
+        self.goals: list[Place] = []
+        self.poses: list[Place] = []
+        self.stops = 0
+        self.searches = 0
+        self.offers_search = True
+
+    def snapshot(self) -> Snapshot:
+        return self.seen
+
+    def go(self, place: Place) -> int:
+        self.goals.append(place)
+        number = self.seen.goal.number + 1
+        self.seen = replace(self.seen, goal=GoalReport(number, place, GoalState.DRIVING))
+        return number
+
+    def stop(self) -> None:
+        self.stops += 1
+        if not self.seen.goal.over:
+            self.end(GoalState.STOPPED)
+
+    def set_pose(self, place: Place) -> None:
+        self.poses.append(place)
+
+    def relocalise(self) -> None:
+        if not self.offers_search:
+            raise UserError(error("service /global_localization: unavailable, expected one", rule="no-service"))
+        self.searches += 1
+
+    def end(self, state: GoalState, text: str = "") -> None:
+        self.seen = replace(self.seen, goal=replace(self.seen.goal, state=state, text=text))
+
+    def move(self, place: Place) -> None:
+        self.seen = replace(self.seen, pose=place)
+
+
+@pytest.fixture
+def navigator() -> FakeNavigator:
+    return FakeNavigator()
+
+
+@pytest.fixture
+def store(tmp_path: Path) -> WaypointStore:
+    return WaypointStore(tmp_path / "waypoints" / "maze.yaml")

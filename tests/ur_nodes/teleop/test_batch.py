@@ -1,0 +1,137 @@
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import pytest
+
+from ur_nodes.teleop.batch import InterruptedBatchError, Limits, Surroundings, run_batch, wait_until_ready
+from ur_nodes.teleop.navigator import GoalReport, GoalState, Place
+from ur_nodes.teleop.waypoints import WaypointStore
+
+
+@dataclass
+class World:
+    """Time that passes only while the batch sleeps; `happens` is called with it."""
+
+    happens: Callable[[float], None] = lambda _: None
+    now: float = 0.0
+    interrupted_at: float = math.inf
+    out: list[str] = field(default_factory=list)
+    err: list[str] = field(default_factory=list)
+
+    def sleep(self, seconds: float) -> bool:
+        self.now += seconds
+        self.happens(self.now)
+        return self.now >= self.interrupted_at
+
+    def around(self) -> Surroundings:
+        return Surroundings(self.out.append, self.err.append, lambda: self.now, self.sleep)
+
+
+def arriving(navigator: Any) -> Callable[[float], None]:
+    def happens(_now: float) -> None:
+        if not navigator.seen.goal.over:
+            navigator.move(navigator.seen.goal.place)
+            navigator.end(GoalState.REACHED)
+
+    return happens
+
+
+def run(lines: list[str], navigator: Any, store: WaypointStore, world: World, limits: Limits | None = None) -> int:
+    return run_batch(lines, navigator, store, limits or Limits(), world.around())
+
+
+def test_goal_that_is_reached_says_how_well(navigator: Any, store: WaypointStore) -> None:
+    def happens(now: float) -> None:
+        if now > 12.29 and not navigator.seen.goal.over:
+            navigator.move(Place(2.0, 2.96, math.radians(91.2)))
+            navigator.end(GoalState.REACHED)
+
+    world = World(happens)
+    assert run(["g 2 3 90\n"], navigator, store, world) == 0
+    assert world.out == ["g 2 3 90: reached, 0.04 m and 1.2 degrees off, 12.3 s"]
+
+
+def test_goal_that_fails_gives_the_reason_and_exit_code_1(navigator: Any, store: WaypointStore) -> None:
+    world = World(lambda _: navigator.end(GoalState.FAILED, "the goal is in a wall"))
+    assert run(["g 0 5"], navigator, store, world) == 1
+    assert world.out == ["g 0 5: failed after 0.1 s: the goal is in a wall"]
+
+
+def test_goals_are_driven_one_after_another(navigator: Any, store: WaypointStore) -> None:
+    world = World(arriving(navigator))
+    assert run(["g 1 0", "", "# a comment", "g 1 1"], navigator, store, world) == 0
+    assert navigator.goals == [Place(1.0, 0.0, 0.0), Place(1.0, 1.0, math.pi / 2)]
+    assert len(world.out) == 2
+
+
+def test_malformed_line_is_reported_and_the_rest_still_done(navigator: Any, store: WaypointStore) -> None:
+    world = World(arriving(navigator))
+    assert run(["g 2 x", "m nowhere", "g 1 0 0"], navigator, store, world) == 1
+    assert world.err[0] == "error: g 2 x: 'x' is not a number, expected: g X Y [ANGLE]"
+    assert "m nowhere: 'nowhere' is not a waypoint" in world.err[1]
+    assert len(navigator.goals) == 1
+
+
+def test_waypoints_are_remembered_listed_reached_and_dropped(navigator: Any, store: WaypointStore) -> None:
+    world = World(arriving(navigator))
+    navigator.move(Place(1.0, 2.0, math.pi))
+    assert run(["l", "w here", "g 0 0 0", "m here", "l", "d here"], navigator, store, world) == 0
+    assert navigator.goals[-1] == pytest.approx(Place(1.0, 2.0, math.pi))
+    assert world.out[0] == "l: no waypoints yet"
+    assert world.out[1] == "w here: remembered 1.00 2.00 180"
+    assert "here: 1.00 2.00 180" in world.out
+    assert world.out[-1] == "d here: dropped"
+
+
+def test_other_commands(navigator: Any, store: WaypointStore) -> None:
+    world = World()
+    assert run(["i 1 2 90", "global", "s", "?", "q", "g 1 1"], navigator, store, world) == 0
+    assert navigator.poses == [Place(1.0, 2.0, math.pi / 2)]
+    assert (navigator.searches, navigator.stops) == (1, 1)
+    assert not navigator.goals
+    assert "g X Y [ANGLE]" in world.out[-1]
+
+
+def test_goal_over_the_limit_is_cancelled(navigator: Any, store: WaypointStore) -> None:
+    world = World()
+    assert run(["g 1 1"], navigator, store, world, Limits(goal=5.0)) == 1
+    assert "not reached after 5 s" in world.out[0]
+    assert navigator.stops == 1
+
+
+def test_goal_that_is_replaced_by_somebody_else_fails(navigator: Any, store: WaypointStore) -> None:
+    def happens(_: float) -> None:
+        navigator.seen = replace(navigator.seen, goal=GoalReport(7, Place(0, 0, 0), GoalState.DRIVING))
+
+    world = World(happens)
+    assert run(["g 1 1"], navigator, store, world) == 1
+    assert "another goal took its place" in world.out[0]
+
+
+def test_interruption_cancels_the_goal(navigator: Any, store: WaypointStore) -> None:
+    world = World(interrupted_at=1.0)
+    with pytest.raises(InterruptedBatchError):
+        run(["g 1 1"], navigator, store, world)
+    assert navigator.stops == 1
+
+
+def test_waiting_ends_when_everything_is_there(navigator: Any) -> None:
+    navigator.seen = replace(navigator.seen, missing=("the map (topic /map)",))
+
+    def happens(now: float) -> None:
+        if now > 3:
+            navigator.seen = replace(navigator.seen, missing=())
+
+    assert wait_until_ready(navigator, Limits(), World(happens).around()) is None
+
+
+def test_waiting_has_a_limit_and_says_what_is_missing(navigator: Any) -> None:
+    navigator.seen = replace(navigator.seen, missing=("the map (topic /map)", "navigation (action /move_base)"))
+    world = World()
+    missing = wait_until_ready(navigator, Limits(start=30.0), world.around())
+    assert missing == "the map (topic /map) and navigation (action /move_base)"
+    assert world.now == pytest.approx(30.0, abs=0.2)
