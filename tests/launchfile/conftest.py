@@ -79,7 +79,7 @@ def read_case(path: Path) -> tuple[list[str], dict[str, str]]:
         if kind == "arguments":
             arguments = re.findall(r"\S+:=(?:\$\([^)]*\)|\S*)", text)
         else:
-            environment.update(item.split("=", 1) for item in text.split(" "))
+            environment.update({name: value for name, _, value in (item.partition("=") for item in text.split(" "))})
     return arguments, environment
 
 

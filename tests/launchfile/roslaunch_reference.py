@@ -94,7 +94,9 @@ def _describe(config: Any, core: str) -> dict[str, Any]:
             for machine in config.machines.values()
             if machine.name
         },
-        "files": sorted({os.path.abspath(path) for path in config.roslaunch_files} - {core}),
+        "files": sorted(
+            {os.path.abspath(path) for path in config.roslaunch_files} - {core}  # noqa: PTH100 - as we do it
+        ),
         "commands": [list(command.args) for command in config.executables],
         "warnings": len(config.config_errors),
     }
@@ -116,7 +118,7 @@ def _describe_node(node: Any) -> dict[str, Any]:
         "cwd": node.cwd,
         "launch_prefix": node.launch_prefix,
         "remaps": sorted(list(remap) for remap in node.remap_args),
-        "env": {name: text for name, text in node.env_args},
+        "env": dict(node.env_args),
     }
 
 

@@ -3,6 +3,7 @@
 from ur.launchfile.address import resolve_addresses
 from ur.launchfile.dump import dump_plan
 from ur.launchfile.plan.commands import CommandResult, CommandRunner, run_command, run_commands
+from ur.launchfile.plan.executables import check_executables
 from ur.launchfile.plan.load import load_plan
 from ur.launchfile.plan.model import (
     MachineSpec,
@@ -30,6 +31,7 @@ __all__ = [
     "SystemWorld",
     "TestSpec",
     "World",
+    "check_executables",
     "dump_plan",
     "load_plan",
     "resolve_addresses",

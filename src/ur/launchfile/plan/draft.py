@@ -75,7 +75,9 @@ class Draft:
     def add_diagnostic(self, found: Diagnostic, chain: tuple[Span, ...]) -> None:
         """Report a finding in a file that was included through `chain`. Raises TooMuch after the hundredth."""
         if chain:
-            steps = tuple(Note("included from here", span) for span in reversed(chain[-20:]))
+            # A file that includes itself goes through the same places again and again: each is named once.
+            places = {(span.file.path, span.start): span for span in reversed(chain)}
+            steps = tuple(Note("included from here", span) for span in list(places.values())[:20])
             found = Diagnostic(found.severity, found.message, found.rule, found.span, found.notes + steps, found.help)
         if found not in self.diagnostics:
             self.diagnostics.append(found)

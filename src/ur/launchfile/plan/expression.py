@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import ast
 import sys
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any
 
 from ur.launchfile.plan import expression_functions as functions
@@ -27,11 +27,14 @@ _CONVERSIONS: Mapping[str, Callable[[Any], str]] = {"s": str, "r": repr, "a": as
 _INLINED_COMPREHENSIONS = sys.version_info >= (3, 12)  # from then on they see the names around them
 
 
-def evaluate_expression(text: str, commands: Mapping[str, Callable[..., Any]], look_up: Callable[[str], Any]) -> str:
+def evaluate_expression(
+    text: str, commands: Mapping[str, Callable[..., Any]], look_up: Callable[[str], Any], known: Iterable[str] = ()
+) -> str:
     """The value of an expression as a text. `commands` are `arg`, `env`, ...; `look_up` gives an argument's value.
 
-    `look_up` raises KeyError for an unknown name. Raises ExpressionProblem with the place in the text; what `commands`
-    and `look_up` raise as Refused or SubstitutionProblem passes through.
+    `look_up` raises KeyError for an unknown name; `known` are the names it knows, for suggestions. Raises
+    ExpressionProblem with the place in the text; what `commands` and `look_up` raise as Refused or SubstitutionProblem
+    passes through.
     """
     if "__" in text:
         start = text.find("__")
@@ -47,7 +50,7 @@ def evaluate_expression(text: str, commands: Mapping[str, Callable[..., Any]], l
         raise ExpressionProblem(f"not a Python expression: {problem.msg}", start, start + 1) from None
     except (ValueError, RecursionError, MemoryError) as problem:
         raise ExpressionProblem(f"not a Python expression: {problem or 'nested too deep'}") from None
-    evaluator = _Evaluator(stripped, shift, commands, look_up)
+    evaluator = _Evaluator(stripped, shift, commands, look_up, known)
     try:
         value = evaluator.visit(tree.body)
         functions.check_weight(value)
@@ -66,12 +69,18 @@ def evaluate_expression(text: str, commands: Mapping[str, Callable[..., Any]], l
 
 class _Evaluator:
     def __init__(
-        self, text: str, shift: int, commands: Mapping[str, Callable[..., Any]], look_up: Callable[[str], Any]
+        self,
+        text: str,
+        shift: int,
+        commands: Mapping[str, Callable[..., Any]],
+        look_up: Callable[[str], Any],
+        known: Iterable[str],
     ) -> None:
         self.text = text
         self.shift = shift
         self.commands = commands
         self.look_up = look_up
+        self.known = known
         self.work = 0
         self.variables: list[dict[str, Any]] = []  # of comprehensions, innermost last
         self.inside = 0  # how many comprehensions hide the names around them
@@ -120,8 +129,12 @@ class _Evaluator:
         if name in functions.BUILTINS:
             return functions.BUILTINS[name]
         if name in functions.FORBIDDEN:
-            raise self.problem(f"'{name}' is not allowed: resolving a launch file only computes", node)
-        known = [*self.commands, *functions.CONSTANTS, *functions.MATH, *functions.BUILTINS]
+            raise self.problem(
+                f"'{name}' is not allowed: resolving a launch file only computes",
+                node,
+                "print the value with a program of your own: <param command=...>",
+            )
+        known = [*self.known, *self.commands, *functions.CONSTANTS, *functions.MATH, *functions.BUILTINS]
         near = did_you_mean(name, known)
         raise self.problem(
             f"'{name}' is not known, expected an argument or a function",

@@ -106,6 +106,11 @@ def _check_machines(draft: Draft) -> None:
             near = did_you_mean(name, draft.machines)
             help_ = f"did you mean {near}?" if near else f'define it: <machine name="{name}" address="..."/>'
             draft.refuse(
-                refuse(f"machine '{name}' is not defined", element.value_span("machine"), "unknown-machine", help_),
+                refuse(
+                    f"machine '{name}' is not defined, expected a <machine> of this name",
+                    element.value_span("machine"),
+                    "unknown-machine",
+                    help_,
+                ),
                 scope,
             )

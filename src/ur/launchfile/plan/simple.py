@@ -36,6 +36,7 @@ def read_remap(element: Element, draft: Draft, scope: Scope) -> tuple[str, str]:
                 f"'{attribute}' of <remap> is '{name}', expected a ROS name: letters, digits, '_' and '/'",
                 element.value_span(attribute),
                 "bad-remap",
+                "begin with a letter, '/' or '~'; use '_' where you would write '-'",
             )
     return names[0], names[1]
 

@@ -219,7 +219,7 @@ def _evaluate(piece: Substitution, scope: Scope, world: World) -> str:
         return guess_value(scope.args[name])
 
     try:
-        result = evaluate_expression(piece.content, functions, look_up)
+        result = evaluate_expression(piece.content, functions, look_up, scope.args)
     except ExpressionProblem as problem:
         offset = start + len("$(eval ")
         where = (offset + problem.start, offset + problem.end) if problem.end > problem.start else (start, end)

@@ -38,7 +38,7 @@ class Document:
         node = self._node
         place = (0, 0)
         for key in path:
-            found = [pair for pair in getattr(node, "value", ()) if getattr(pair[0], "value", None) == key]
+            found = [pair for pair in getattr(node, "value", ()) if getattr(pair[0], "value", None) == str(key)]
             if not found:
                 break
             name, node = found[-1]
@@ -60,7 +60,7 @@ def read_yaml(text: str, reads_angles: bool) -> Document:
     except yaml.MarkedYAMLError as problem:
         mark = problem.problem_mark or problem.context_mark
         message = " ".join(part for part in (problem.context, problem.problem) if part)
-        help_ = "indent with spaces" if "\\t" in message else None
+        help_ = _help(message, problem.context_mark)
         raise YamlProblem(message, mark.index if mark else 0, help_) from None
     except yaml.YAMLError as problem:
         raise YamlProblem(str(problem).splitlines()[0], getattr(problem, "position", 0) or 0) from None
@@ -72,6 +72,19 @@ def read_yaml(text: str, reads_angles: bool) -> Document:
         loader.dispose()
     _check_size(value)
     return Document(value, node)
+
+
+def _help(message: str, began: Any) -> str:
+    if "\\t" in message:
+        return "indent with spaces: YAML takes no tabs"
+    for kind, bracket in (("flow sequence", "["), ("flow mapping", "{")):
+        if kind in message and began is not None:
+            return f"close the '{bracket}' that line {began.line + 1} of the YAML opens"
+    if "block" in message:
+        return "let keys of one mapping begin in the same column"
+    if "alias" in message:
+        return "define it first: &name"
+    return "put texts that hold special characters in quotes"
 
 
 @cache

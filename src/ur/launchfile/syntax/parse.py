@@ -147,7 +147,7 @@ class _Builder:
         (self.stack[-1].children if self.stack else self.outer_comments).append(comment)
 
     def entity_declaration(self, name: str, *_details: object) -> None:
-        start = self.here()
+        start = max(self.source.text.rfind("<!ENTITY", 0, self.here()), 0)
         span = Span(self.source, start, start + len("<!ENTITY"))
         message = f"entity '{name}' is declared, expected none: they can make a small file huge"
         help_ = f"write the text itself where it says &{name};, or use an <arg>"

@@ -52,6 +52,11 @@ class MemoryWorld:
         """See World."""
         return tuple(path for path in self.find_files(package, name) if path in self._executables)
 
+    def executable_names(self, package: str) -> Iterable[str]:
+        """See World."""
+        folder = self.find_package(package).rstrip("/") + "/"
+        return {posixpath.basename(path) for path in self._executables if path.startswith(folder)}
+
     def is_file(self, path: str) -> bool:
         """See World."""
         return self.absolute(path) in self._files

@@ -41,6 +41,10 @@ class World(Protocol):
         """As find_files, only those that may be executed; a node runs the first. Raises PackageNotFound."""
         ...
 
+    def executable_names(self, package: str) -> Iterable[str]:
+        """The names of everything in a package that may be executed, for suggestions. Raises PackageNotFound."""
+        ...
+
     def is_file(self, path: str) -> bool:
         """Whether a path names a file."""
         ...

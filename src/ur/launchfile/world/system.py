@@ -9,7 +9,7 @@ import os
 import random
 import stat
 import sys
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 
 from ur.launchfile.world.packages import find_packages, package_paths
 from ur.launchfile.world.protocol import PackageNotFound
@@ -70,6 +70,10 @@ class SystemWorld:
         """See World."""
         return self._search(package, name, _may_run)
 
+    def executable_names(self, package: str) -> Iterable[str]:
+        """See World."""
+        return {os.path.basename(path) for path in self._walk(package) if _may_run(path)}
+
     def is_file(self, path: str) -> bool:
         """See World."""
         try:
@@ -112,19 +116,17 @@ class SystemWorld:
         return self._workspaces
 
     def _search(self, package: str, name: str, accept: Callable[[str], bool]) -> tuple[str, ...]:
-        # Source of the order: roslib.packages.find_resource.
+        paths = dict.fromkeys(os.path.abspath(path) for path in self._walk(package) if os.path.basename(path) == name)
+        return tuple(path for path in paths if accept(path))
+
+    def _walk(self, package: str) -> Iterator[str]:
+        # Every file of a package, in the order in which roslib.packages.find_resource looks at them.
         folder = self.find_package(package)
-        matches: dict[str, None] = {}
         for place in [*self._catkin().find(("lib", "libexec", "share"), package), folder]:
             for directory, folders, files in os.walk(place, followlinks=True):
-                if name in files:
-                    path = os.path.abspath(os.path.join(directory, name))
-                    if accept(path):
-                        matches[path] = None
-                # As in rospkg: every second hidden folder in a row stays, because this list is made first.
-                for hidden in [entry for entry in folders if entry.startswith(".")]:
+                yield from (os.path.join(directory, name) for name in files)
+                for hidden in [name for name in folders if name.startswith(".")]:
                     folders.remove(hidden)
-        return tuple(matches)
 
 
 def _may_run(path: str) -> bool:

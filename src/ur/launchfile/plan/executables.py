@@ -1,0 +1,78 @@
+"""Programs that nodes name and that are not there. roslaunch finds out when it starts them; we can say so before."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+
+from ur.launchfile.plan.model import NodeSpec, Plan
+from ur.launchfile.syntax import Element
+from ur.launchfile.world.protocol import PackageNotFound, World
+from ur.source.diagnostic import Diagnostic, Note, error
+from ur.source.suggest import did_you_mean
+
+_LOCAL = frozenset({"localhost", "127.0.0.1", "::1"})
+
+
+def check_executables(plan: Plan, world: World) -> tuple[Diagnostic, ...]:
+    """An error for every node and test of this computer whose package or program does not exist.
+
+    Nodes of other computers are not looked at: their packages are there.
+    """
+    addresses = {machine.name: machine.address for machine in plan.machines}
+    found: dict[tuple[str, str], bool] = {}
+    diagnostics = []
+    for node in [*plan.nodes, *(test.node for test in plan.tests)]:
+        if node.machine is not None and addresses.get(node.machine) not in _LOCAL:
+            continue
+        key = (node.package, node.type)
+        if key not in found:
+            found[key] = _exists(node, world)
+        if not found[key]:
+            diagnostics.append(_explain(node, world))
+    return tuple(diagnostics)
+
+
+def _exists(node: NodeSpec, world: World) -> bool:
+    try:
+        return bool(world.find_executables(node.package, node.type))
+    except (PackageNotFound, OSError, ValueError):
+        return False
+
+
+def _explain(node: NodeSpec, world: World) -> Diagnostic:
+    steps = tuple(Note("included from here", step) for step in reversed(node.origin.includes))
+    start = node.origin.span
+    element = Element(start.file, start.text[1:], {}, start.start)
+    try:
+        files = world.find_files(node.package, node.type)
+    except (PackageNotFound, OSError, ValueError):
+        near = did_you_mean(node.package, _names(world.package_names))
+        return error(
+            f"package '{node.package}' of node {node.full_name} is not found, expected an installed one",
+            element.value_span("pkg"),
+            rule="unknown-package",
+            notes=steps,
+            help=f"did you mean {near}?" if near else f"install {node.package}, or source its workspace's setup.bash",
+        )
+    if files:
+        help_ = f"make it executable: chmod +x {files[0]}"
+    else:
+        names = _names(lambda: world.executable_names(node.package))
+        near = did_you_mean(node.type, names)
+        help_ = (
+            f"did you mean {near}?" if near else f"{node.package} has: {', '.join(sorted(names)[:10]) or 'no programs'}"
+        )
+    return error(
+        f"package {node.package} has no executable '{node.type}', expected one for node {node.full_name}",
+        element.value_span("type"),
+        rule="missing-executable",
+        notes=steps,
+        help=help_,
+    )
+
+
+def _names(list_names: Callable[[], Iterable[str]]) -> set[str]:
+    try:
+        return set(list_names())
+    except (PackageNotFound, OSError, ValueError):
+        return set()
