@@ -79,7 +79,11 @@ def _dispatch(words: list[str]) -> int:
         show_help([words[0]])
         return 0
     group = VerbGroup("ur", params=[_version_option()], help=HELP)
-    result = group.main(words, prog_name="ur", standalone_mode=False)
+    try:
+        with group.make_context("ur", words) as context:
+            result = group.invoke(context)
+    except click.exceptions.Exit as end:
+        return end.exit_code
     return result if isinstance(result, int) else 0
 
 

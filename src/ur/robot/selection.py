@@ -9,6 +9,7 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -94,7 +95,8 @@ def store_selection(path: Path, selection: Selection) -> None:
         temporary.write_text(f"{selection}\n", encoding="utf-8")
         temporary.replace(path)
     except OSError as problem:
-        temporary.unlink(missing_ok=True)
+        with suppress(OSError):
+            temporary.unlink()
         reason = (problem.strerror or str(problem)).lower()
         raise UserError(error(f"{path}: cannot be written: {reason}", rule="bad-selection")) from None
 

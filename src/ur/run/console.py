@@ -39,8 +39,8 @@ class Console:
         self._write(descriptor, f"{head} {line}{tail}\n")
 
     def inform(self, text: str) -> None:
-        """A message that is good to know."""
-        if not self._quiet:
+        """A message that is good to know, while it is new: dropped while the console is held."""
+        if not self._quiet and self._held is None:
             self._write(self._err, self._paint(text, _DIM))
 
     def warn(self, text: str) -> None:

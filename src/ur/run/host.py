@@ -52,9 +52,12 @@ _IGNORED = ("SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT", "SIGTSTP", "SIGTTIN", "SIG
 
 def main(descriptor: int) -> int:
     """Serve the supervisor behind a socket until it closes."""
+    os.set_inheritable(descriptor, False)  # a node that held our end would hide our death
     libc = ctypes.CDLL(None, use_errno=True)
     libc.prctl(PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0)
     libc.prctl(PR_SET_NAME, b"ur-host", 0, 0, 0)
+    # Blocked as well as ignored: a signal that reaches a new process before it is ready is kept for it, signal(7).
+    signal.pthread_sigmask(signal.SIG_BLOCK, [getattr(signal, name) for name in _IGNORED])
     for name in _IGNORED:
         signal.signal(getattr(signal, name), signal.SIG_IGN)
     host = _Host(socket.socket(fileno=descriptor), libc)
@@ -166,6 +169,7 @@ class _Host:
             signal.set_wakeup_fd(-1)
             for signal_name in (*_IGNORED, "SIGCHLD", "SIGXFSZ"):
                 signal.signal(getattr(signal, signal_name), signal.SIG_DFL)
+            signal.pthread_sigmask(signal.SIG_SETMASK, [])
             problem = cwd
             os.chdir(cwd)
             problem = argv[0]

@@ -295,10 +295,14 @@ class _Loop:
             self._console.inform(describe_death(death, (), None)[0])
             return
         outputs = self._outputs.get(death.name)
+        program = self._programs[death.name]
         lines: Iterable[str] = ()
-        if outputs is not None and not self._programs[death.name].unit.terminal:
-            lines = outputs.recent or read_last_lines(outputs.log_path)
         log = outputs.log_path if outputs else None
+        if program.unit.terminal:
+            own = f"{self._run.folder}/{program.log_name}.log"  # what it printed was on the screen
+            log = own if os.path.exists(own) else None  # noqa: PTH110 - pathlib is not worth its import here
+        elif outputs is not None:
+            lines = outputs.recent or read_last_lines(outputs.log_path)
         for line in describe_death(death, tuple(lines), log):
             self._console.warn(line)
 

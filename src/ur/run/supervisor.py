@@ -146,7 +146,8 @@ def _ended(state: State, name: str, status: ExitStatus, now: float, reason: str 
     unit = each.unit
     if unit.terminal or unit.required:
         code = status.shell_code if unit.terminal else int(not status.clean)
-        quiet = unit.terminal and status.clean
+        # A program on the terminal has said itself why it ends, unless it was killed.
+        quiet = unit.terminal and (status.code is not None or status.signal == SIGINT)
         told: list[Action] = [] if quiet else [TellDeath(name, status, reason, ends_run=True)]
         state, actions = _stop(state, "" if unit.terminal else f"{name} is required and has ended", code, now)
         return state, told + actions
@@ -158,7 +159,7 @@ def _ended(state: State, name: str, status: ExitStatus, now: float, reason: str 
     told = [TellDeath(name, status, reason)]
     nodes = [other for other in state.units if not other.unit.core]
     if state.phase is Phase.RUNNING and all(other.status is Status.ENDED for other in nodes):
-        failed = any(other.exit is not None and other.exit.code is None for other in nodes)
+        failed = any(other.exit == ExitStatus() for other in nodes)  # as roslaunch: only what never started counts
         state, actions = _stop(state, "every node has ended", int(failed), now)
         return state, told + actions
     return state, told

@@ -1,0 +1,215 @@
+"""A package of little nodes, a port of its own, and `ur launch` as a process."""
+
+from __future__ import annotations
+
+import os
+import pty
+import select
+import signal
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import psutil
+import pytest
+
+NODES = {
+    "sleeper": "#!/bin/bash\nexec sleep 600\n",
+    "stubborn": "#!/bin/bash\ntrap '' INT TERM\necho trapped >&2\nwhile :; do sleep 0.2; done\n",
+    "daemon": "#!/bin/bash\n(setsid sleep 600 >/dev/null 2>&1 &) \nexec sleep 600\n",
+    "crash": "#!/bin/bash\necho first words\necho last words >&2\nexit 3\n",
+    "segfault": "#!/bin/bash\necho about to fault\nkill -SEGV $$\n",
+    "quick": '#!/bin/bash\necho "$@"\nexit 0\n',
+    "show": '#!/bin/bash\necho "args: $*"\necho "cwd: $PWD"\necho "ns: ${ROS_NAMESPACE-none}"\n'
+    'echo "mine: ${MINE-none}"\necho "uri: $ROS_MASTER_URI"\nexec sleep 600\n',
+    "ask": '#!/bin/bash\nwhile read -r line; do echo "got $line"; done\nexit 7\n',
+    "screen": "#!/bin/bash\nstty -echo -icanon\nprintf 'ready\\n'\nread -r line\necho \"got $line\"\nexit ${1:-0}\n",
+    "raw": "#!/bin/bash\nstty raw -echo\nprintf '\\033[?1049h\\033[?25l'\nprintf 'ready\\n'\nexec sleep 600\n",
+    "talker": "#!/usr/bin/python3\nimport rospy, std_msgs.msg\nrospy.init_node('talker')\n"
+    "rospy.Publisher('chat', std_msgs.msg.String, queue_size=1)\nprint('up', flush=True)\nrospy.spin()\n",
+}
+MANIFEST = (
+    '<package format="2"><name>little_nodes</name><version>0.0.1</version><description>For tests.</description>'
+    '<maintainer email="nobody@example.invalid">Nobody</maintainer><license>BSD</license></package>'
+)
+
+
+@dataclass
+class Launched:
+    """A running `ur`, its output so far, and every process that was ever seen below it."""
+
+    process: subprocess.Popen[bytes]
+    output: int
+    keeper: int = -1  # the other end of its terminal
+    text: str = ""
+    seen: dict[int, psutil.Process] = field(default_factory=dict)
+
+    def read(self, patience: float = 0.05) -> bool:
+        self.look()
+        if self.output < 0 or not select.select([self.output], [], [], patience)[0]:
+            return False
+        try:
+            data = os.read(self.output, 65536)
+        except OSError:
+            data = b""
+        if not data:
+            os.close(self.output)
+            self.output = -1
+        self.text += data.decode("utf-8", "replace")
+        return bool(data)
+
+    def look(self) -> None:
+        try:
+            for child in psutil.Process(self.process.pid).children(recursive=True):
+                self.seen[child.pid] = child
+        except psutil.NoSuchProcess:
+            return
+
+    def until(self, *texts: str, limit: float = 20.0) -> None:
+        """Wait until every text was printed."""
+        end = time.monotonic() + limit
+        while not all(text in self.text for text in texts):
+            assert time.monotonic() < end, f"expected {texts} in:\n{self.text}"
+            assert self.read() or self.output >= 0, f"ended without {texts}:\n{self.text}"
+        self.look()
+
+    def wait(self, limit: float = 20.0) -> int:
+        """Wait for its end; return the exit code."""
+        end = time.monotonic() + limit
+        while self.process.poll() is None:
+            assert time.monotonic() < end, f"still running:\n{self.text}"
+            self.read()
+        while self.read(0):
+            pass
+        return self.process.returncode
+
+    def survivors(self) -> list[str]:
+        return [
+            " ".join(each.cmdline()) for each in self.seen.values() if each.is_running() and each.status() != "zombie"
+        ]
+
+    def wait_nothing_left(self, limit: float = 2.0) -> None:
+        """Wait until no process that it ever had runs any more."""
+        end = time.monotonic() + limit
+        while left := self.survivors():
+            assert time.monotonic() < end, left
+            time.sleep(0.01)
+
+
+@dataclass
+class World:
+    """What tests start `ur` in."""
+
+    folder: Path
+    environment: dict[str, str]
+    port: int
+    running: list[Launched] = field(default_factory=list)
+
+    def write(self, body: str, name: str = "test.launch") -> str:
+        path = self.folder / name
+        path.write_text(f"<launch>{body}</launch>", encoding="utf-8")
+        return str(path)
+
+    def ur(self, *words: str, stdin: int = subprocess.DEVNULL, terminal: bool = False) -> Launched:
+        """Start `ur`; with `terminal` on a pseudo terminal of its own, as the leader of its session."""
+        command = [sys.executable, "-m", "ur", *words]
+        if terminal:
+            controller, end = pty.openpty()
+            process = subprocess.Popen(
+                command,
+                stdin=end,
+                stdout=end,
+                stderr=end,
+                env=self.environment,
+                cwd=self.folder,
+                preexec_fn=_own_terminal,
+            )
+            launched = Launched(process, controller, end)
+        else:
+            reader, end = os.pipe()
+            process = subprocess.Popen(
+                command, stdin=stdin, stdout=end, stderr=end, env=self.environment, cwd=self.folder
+            )
+            os.close(end)
+            launched = Launched(process, reader)
+        self.running.append(launched)
+        return launched
+
+    def launch(self, body: str, *words: str, **how: bool) -> Launched:
+        return self.ur("launch", self.write(body), *words, **how)
+
+
+def _own_terminal() -> None:
+    import fcntl
+    import termios
+
+    os.setsid()
+    fcntl.ioctl(0, termios.TIOCSCTTY, 0)
+
+
+@pytest.fixture
+def world(tmp_path: Path) -> Iterator[World]:
+    package = tmp_path / "little_nodes"
+    (package / "nodes").mkdir(parents=True)
+    (package / "package.xml").write_text(MANIFEST)
+    for name, text in NODES.items():
+        (package / "nodes" / name).write_text(text)
+        (package / "nodes" / name).chmod(0o755)
+    with socket.socket() as probe:
+        probe.bind(("localhost", 0))
+        port = probe.getsockname()[1]
+    environment = {
+        name: value for name, value in os.environ.items() if not name.startswith("ROS_") and name != "DISPLAY"
+    }
+    environment |= {
+        "HOME": str(tmp_path),
+        "XDG_CONFIG_HOME": str(tmp_path / "config"),
+        "XDG_STATE_HOME": str(tmp_path / "state"),
+        "ROS_MASTER_URI": f"http://localhost:{port}",
+        "ROS_HOSTNAME": "localhost",
+        "ROS_HOME": str(tmp_path / "ros"),
+        "ROS_PACKAGE_PATH": str(package),
+    }
+    environment.pop("WAYLAND_DISPLAY", None)
+    made = World(tmp_path, environment, port)
+    yield made
+    for launched in made.running:
+        launched.look()
+        if launched.process.poll() is None:
+            launched.process.send_signal(signal.SIGTERM)
+            try:
+                launched.process.wait(6)
+            except subprocess.TimeoutExpired:
+                launched.process.kill()
+                launched.process.wait()
+        for each in launched.seen.values():
+            if each.is_running():
+                each.kill()
+        for descriptor in (launched.output, launched.keeper):
+            if descriptor >= 0:
+                os.close(descriptor)
+
+
+@pytest.fixture
+def master(world: World) -> Iterator[int]:
+    """A master of somebody else at the world's address: its port."""
+    process = subprocess.Popen(
+        ["/usr/bin/rosmaster", "--core", "-p", str(world.port)],
+        env=world.environment,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    )
+    end = time.monotonic() + 20
+    while True:
+        with socket.socket() as probe:
+            if probe.connect_ex(("localhost", world.port)) == 0:
+                break
+        assert time.monotonic() < end
+        time.sleep(0.02)
+    yield world.port
+    process.terminate()
+    process.wait(10)

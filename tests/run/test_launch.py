@@ -1,0 +1,267 @@
+"""`ur launch` with a real master: processes, signals, terminals."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import termios
+import xmlrpc.client
+from pathlib import Path
+from typing import Any
+
+import psutil
+import pytest
+
+pytestmark = pytest.mark.ros
+
+SLEEPER = '<node pkg="little_nodes" type="sleeper" name="sleeper"/>'
+
+
+def ask_master(port: int, method: str, *arguments: Any) -> Any:
+    proxy: Any = xmlrpc.client.ServerProxy(f"http://localhost:{port}")
+    code, _, value = getattr(proxy, method)("/test", *arguments)
+    return value if code == 1 else None
+
+
+def get_parameter(port: int, name: str) -> Any:
+    return ask_master(port, "getParam", name)
+
+
+def registered(port: int) -> set[str]:
+    return {node for kind in ask_master(port, "getSystemState") for _, nodes in kind for node in nodes}
+
+
+def test_launch_starts_master_and_nodes_and_leaves_nothing(world: Any) -> None:
+    run = world.launch(
+        '<param name="number" value="3"/><param name="printed" command="echo 2.5"/>'
+        '<node pkg="little_nodes" type="show" name="show" ns="deep" args="one \'two words\'" output="screen">'
+        '<remap from="a" to="b"/><env name="MINE" value="yes"/></node>'
+    )
+    run.until("args: ", "uri: ")
+    assert f"args: one two words a:=b __name:=show __log:={world.folder}/ros/log/" in run.text
+    assert f"cwd: {world.folder}/ros\n" in run.text
+    assert "ns: /deep\n" in run.text
+    assert "mine: yes\n" in run.text
+    assert f"uri: http://localhost:{world.port}\n" in run.text
+    assert get_parameter(world.port, "/number") == 3
+    assert get_parameter(world.port, "/printed") == 2.5
+    assert get_parameter(world.port, "/ur/base_name") == "stage"
+    assert get_parameter(world.port, "/rosdistro") == "Debian\n"
+    folder = Path(world.folder, "ros/log", get_parameter(world.port, "/run_id"))
+    assert (folder / "master.log").exists()
+    assert "ns: /deep" in (folder / "deep-show-2-stdout.log").read_text()
+    run.process.send_signal(signal.SIGINT)
+    assert run.wait() == 0
+    run.wait_nothing_left()
+
+
+def test_launch_uses_and_keeps_the_master_that_is_there(world: Any, master: int) -> None:
+    run = world.launch(
+        '<param name="x" value="1"/><node pkg="little_nodes" type="talker" name="talker" output="screen"/>'
+    )
+    run.until("] up")
+    assert "/talker" in registered(master)
+    [talker] = [each for each in run.seen.values() if "talker" in " ".join(each.cmdline())]
+    talker.kill()
+    assert run.wait() == 0
+    assert "error: /talker died: signal SIGKILL (killed)" in run.text
+    assert "/talker" not in registered(master)
+    assert get_parameter(master, "/x") == 1
+
+
+@pytest.mark.parametrize("signum", [signal.SIGTERM, signal.SIGHUP])
+@pytest.mark.usefixtures("master")
+def test_signals_stop_the_run_cleanly(world: Any, signum: int) -> None:
+    run = world.launch(SLEEPER)
+    run.until("[/sleeper] started")
+    run.process.send_signal(signum)
+    assert run.wait() == 0
+    run.wait_nothing_left()
+
+
+@pytest.mark.usefixtures("master")
+def test_second_interrupt_is_faster(world: Any) -> None:
+    run = world.launch('<node pkg="little_nodes" type="stubborn" name="stubborn"/>', "--sigint-timeout", "60")
+    run.until("trapped")
+    for text in ("stopping: SIGINT", "/stubborn did not stop: SIGTERM", "/stubborn did not stop: SIGKILL"):
+        run.process.send_signal(signal.SIGINT)
+        run.until(text)
+    assert run.wait() == 0
+    run.wait_nothing_left()
+
+
+@pytest.mark.parametrize("victim", ["supervisor", "host"])
+def test_nothing_survives_kill_9(world: Any, victim: str) -> None:
+    run = world.launch(
+        SLEEPER
+        + '<node pkg="little_nodes" type="stubborn" name="stubborn"/>'
+        + '<node pkg="little_nodes" type="daemon" name="daemon"/>'
+    )
+    run.until("[/daemon] started", "trapped")
+    while sum(each.name() == "sleep" for each in list(run.seen.values()) if each.is_running()) < 3:
+        run.look()
+    [host] = [each for each in psutil.Process(run.process.pid).children() if each.name() == "ur-host"]
+    (host if victim == "host" else run.process).kill()
+    run.wait_nothing_left()
+    assert run.wait() == (1 if victim == "host" else -signal.SIGKILL)
+
+
+@pytest.mark.usefixtures("master")
+def test_daemons_are_ended_with_the_run(world: Any) -> None:
+    run = world.launch('<node pkg="little_nodes" type="daemon" name="daemon"/>')
+    run.until("[/daemon] started")
+    while sum(each.name() == "sleep" for each in list(run.seen.values()) if each.is_running()) < 2:
+        run.look()
+    run.process.send_signal(signal.SIGINT)
+    assert run.wait() == 0
+    run.wait_nothing_left(0.5)
+
+
+@pytest.mark.usefixtures("master")
+def test_required_node_that_dies_ends_the_run(world: Any) -> None:
+    run = world.launch(SLEEPER + '<node pkg="little_nodes" type="crash" name="crash" required="true"/>')
+    assert run.wait() == 1
+    assert "error: /crash died: exit code 3, which ends the run\n  | last words\n" in run.text
+    assert f"  log: {world.folder}/ros/log/" in run.text
+    run.wait_nothing_left()
+
+
+@pytest.mark.usefixtures("master")
+def test_crash_report_names_signal_and_last_lines(world: Any) -> None:
+    run = world.launch('<node pkg="little_nodes" type="segfault" name="segfault" output="screen"/>')
+    run.wait()
+    assert "[/segfault] about to fault\n" in run.text
+    assert "error: /segfault died: signal SIGSEGV (segmentation fault)\n  | about to fault\n" in run.text
+
+
+@pytest.mark.usefixtures("master")
+def test_respawned_node_comes_back(world: Any) -> None:
+    run = world.launch('<node pkg="little_nodes" type="crash" name="crash" respawn="true" respawn_delay="0.05"/>')
+    run.until("starts again in 0.05 s")
+    while run.text.count("[/crash] started") < 2:
+        assert run.read(5)
+
+
+def test_missing_executables_are_found_before_anything_starts(world: Any) -> None:
+    run = world.launch(
+        SLEEPER + '<node pkg="little_nodes" type="slepper" name="a"/><node pkg="litle_nodes" type="sleeper" name="b"/>'
+    )
+    assert run.wait() == 1
+    assert "/a: package 'little_nodes' has no executable 'slepper'" in run.text
+    assert "/b: package 'litle_nodes' is not on this computer" in run.text
+    assert "did you mean 'little_nodes'?" in run.text
+    assert "started" not in run.text
+
+
+def test_errors_in_the_launch_file_end_with_1(world: Any) -> None:
+    run = world.launch('<node pkg="little_nodes"/>')
+    assert run.wait() == 1
+    assert "test.launch:1:9: error: " in run.text
+
+
+@pytest.mark.usefixtures("master")
+def test_bad_prefix_is_reported_with_its_name(world: Any) -> None:
+    run = world.launch('<node pkg="little_nodes" type="sleeper" name="a" launch-prefix="no_such_debugger --args"/>')
+    assert run.wait() == 1
+    assert "error: /a could not be started: no_such_debugger: no such file or directory" in run.text
+
+
+@pytest.mark.usefixtures("master")
+def test_viewers_are_left_out_without_a_display(world: Any) -> None:
+    run = world.launch(SLEEPER + '<node pkg="rviz" type="rviz" name="viewer"/>')
+    run.until("no display: /viewer left out", "[/sleeper] started")
+
+
+def test_master_elsewhere_that_does_not_answer_is_an_error(world: Any) -> None:
+    world.environment["ROS_MASTER_URI"] = "http://no-such-robot.invalid:11311"
+    run = world.launch(SLEEPER)
+    assert run.wait() == 1
+    assert "no ROS master answers at http://no-such-robot.invalid:11311" in run.text
+
+
+TERMINAL = '<node pkg="little_nodes" type="{}" name="front" args="{}" required="true"><!--terminal: asks--></node>'
+
+
+def test_terminal_node_reads_piped_input_and_its_exit_code_is_passed_on(world: Any) -> None:
+    reader, writer = os.pipe()
+    run = world.ur("launch", world.write(TERMINAL.format("ask", "")), stdin=reader)
+    os.close(reader)
+    os.write(writer, b"one\ntwo\n")
+    os.close(writer)
+    assert run.wait() == 7
+    assert "got one\ngot two\n" in run.text
+    assert "[/front]" not in run.text
+    run.wait_nothing_left()
+
+
+@pytest.mark.usefixtures("master")
+def test_terminal_node_owns_the_terminal_and_others_are_silent(world: Any) -> None:
+    run = world.launch(
+        TERMINAL.format("screen", "5") + '<node pkg="little_nodes" type="show" name="show" output="screen"/>',
+        terminal=True,
+    )
+    run.until("ready")
+    front = os.tcgetpgrp(run.output)
+    assert front != run.process.pid
+    assert "screen" in " ".join(psutil.Process(front).cmdline())
+    assert not termios.tcgetattr(run.output)[3] & termios.ICANON
+    os.write(run.output, b"hello\n")
+    assert run.wait() == 5
+    assert "got hello" in run.text
+    assert "[/show]" not in run.text
+    run.wait_nothing_left()
+
+
+@pytest.mark.usefixtures("master")
+def test_terminal_is_restored_after_the_node_was_killed(world: Any) -> None:
+    run = world.launch(TERMINAL.format("raw", "") + SLEEPER, terminal=True)
+    before = termios.tcgetattr(run.keeper)
+    run.until("ready")
+    assert termios.tcgetattr(run.keeper) != before
+    psutil.Process(os.tcgetpgrp(run.output)).kill()
+    assert run.wait() == 128 + signal.SIGKILL
+    assert termios.tcgetattr(run.keeper) == before
+    assert "\x1b[?1049l" in run.text.rpartition("ready")[2]
+    assert "\x1b[?25h" in run.text
+    assert "error: /front died: signal SIGKILL (killed)" in run.text
+
+
+@pytest.mark.usefixtures("master")
+def test_required_node_dying_behind_the_terminal_is_reported_afterwards(world: Any) -> None:
+    run = world.launch(
+        TERMINAL.format("raw", "")
+        + '<node pkg="little_nodes" type="crash" name="crash" required="true"'
+        + " launch-prefix=\"bash -c 'sleep 0.3; exec $0'\"/>",
+        terminal=True,
+    )
+    assert run.wait() == 1
+    assert "error: /crash died: exit code 3, which ends the run" in run.text
+    assert "  | first words" in run.text
+    run.wait_nothing_left()
+
+
+def test_program_refuses_words_that_are_no_arguments(world: Any) -> None:
+    run = world.launch(TERMINAL.format("ask", "") + '<arg name="world" default="maze"/>', "--", "--world", "office")
+    assert run.wait() == 2
+    assert "error: '--world' is no argument, expected NAME:=VALUE with NAME one of world" in run.text
+    assert "help: did you mean world:=...?" in run.text
+
+
+def test_misspelt_argument_of_a_terminal_program_is_an_error(world: Any) -> None:
+    run = world.launch(TERMINAL.format("ask", "") + '<arg name="world" default="maze"/>', "wrld:=office")
+    assert run.wait() == 1
+    assert "argument 'wrld' is given, but the launch file does not declare it" in run.text
+    assert "did you mean world:=...?" in run.text
+
+
+def test_selection_fills_arguments_that_the_file_declares(world: Any) -> None:
+    subprocess.run(
+        [sys.executable, "-m", "ur", "use", "sim:magni:lidar"], env=world.environment, check=True, capture_output=True
+    )
+    run = world.launch(
+        '<arg name="robot_base"/><arg name="robot_variant" default=""/>'
+        '<node pkg="little_nodes" type="quick" name="q" args="$(arg robot_base)/$(arg robot_variant)" output="screen"/>'
+    )
+    run.until("[/q] magni/lidar ")
