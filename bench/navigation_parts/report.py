@@ -1,0 +1,63 @@
+"""Figures for people."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from navigation_parts.driver import Drive
+from navigation_parts.stack import Usage
+from navigation_parts.worlds import Goal
+
+SPEED = 0.5
+
+
+def print_drive(number: int, goal: Goal, drive: Drive) -> None:
+    """One line for one goal."""
+    outcome = "reached" if drive.reached else f"FAILED: {drive.text}"
+    worst = max(drive.errors, default=0.0)
+    mean = sum(drive.errors) / max(1, len(drive.errors))
+    print(
+        f"  {number + 1:2} ({goal[0]:6.2f} {goal[1]:6.2f} {goal[2]:5.0f})  {outcome}  {drive.length:5.1f} m"
+        f"  path {drive.length / drive.shortest:.3f}  time {ratio(drive.seconds, drive.length):.3f}"
+        f"  final {drive.error:.3f} m {drive.turn_error:.1f} deg  localisation {mean:.3f} {worst:.3f} m",
+        flush=True,
+    )
+
+
+def print_report(
+    world: str,
+    drives: Sequence[Drive],
+    collisions: int | None,
+    before: Mapping[str, Usage],
+    after: Mapping[str, Usage],
+    seconds: float,
+) -> bool:
+    """The figures of one world; whether all goals were reached and nothing was touched."""
+    reached = sum(drive.reached for drive in drives)
+    length = sum(drive.length for drive in drives)
+    errors = [error for drive in drives for error in drive.errors]
+    print(f"{world}: reached {reached} of {len(drives)}")
+    print(f"  path          {length / sum(drive.shortest for drive in drives):.3f}")
+    print(f"  time          {ratio(sum(drive.seconds for drive in drives), length):.3f}")
+    print(f"  final error   {_mean_worst([d.error for d in drives], 'm', 3)}")
+    print(f"                {_mean_worst([d.turn_error for d in drives], 'deg', 1)}")
+    print(f"  localisation  {_mean_worst(errors, 'm', 3)}")
+    print(f"  collisions    {'not reported by this simulator' if collisions is None else collisions}")
+    total = 0.0
+    for name, usage in after.items():
+        share = 100.0 * (usage.cpu - before[name].cpu if name in before else usage.cpu) / seconds
+        total += 0.0 if name == "(master)" else share
+        print(f"  {name:22} {share:5.1f} % of a core  {usage.memory:6.1f} MB")
+    print(f"  {'all nodes':22} {total:5.1f} % of a core", flush=True)
+    return reached == len(drives) and not collisions
+
+
+def ratio(seconds: float, length: float) -> float:
+    """Time over the time that the length takes at full speed."""
+    return seconds / max(1e-9, length / SPEED)
+
+
+def _mean_worst(values: Sequence[float], unit: str, digits: int) -> str:
+    if not values:
+        return "nothing measured"
+    return f"{sum(values) / len(values):.{digits}f} {unit} mean, {max(values):.{digits}f} {unit} worst"
