@@ -1,0 +1,140 @@
+"""A laptop and robots on a network of their own: booted together, removed together."""
+
+from __future__ import annotations
+
+import secrets
+import signal
+import subprocess
+import threading
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from types import FrameType
+
+from tests.hosts.bench.ledger import Ledger, find_process, remove_all, remove_stale, this_process
+from tests.hosts.bench.machine import Machine
+from tests.hosts.bench.root import cache_folder, make_root
+
+FOLDERS = Path("/var/tmp")
+NETWORK = """\
+[Match]
+Name=host0
+[Network]
+Address={address}/24
+LinkLocalAddressing=ipv6
+MulticastDNS=no
+DHCP=no
+"""
+# Started without systemd, systemd-nspawn leaves rebooting to its caller (exit code 133); and it empties its folder in
+# /run, which it refuses where /run is on a disk.
+KEEP_RUNNING = """
+mkdir -p /run/systemd/nspawn && mount -t tmpfs tmpfs /run/systemd/nspawn || exit
+while "$@"; code=$?; [ $code -eq 133 ]; do :; done
+exit $code
+"""
+
+
+@dataclass(frozen=True, slots=True)
+class Bench:
+    """Running computers by name."""
+
+    ledger: Ledger
+    machines: Mapping[str, Machine]
+
+    def __getitem__(self, name: str) -> Machine:
+        return self.machines[name]
+
+
+@contextmanager
+def boot(names: Sequence[str] = ("laptop", "robot"), *, binds: Sequence[str] = ()) -> Iterator[Bench]:
+    """Boot computers with these host names and wait for their ssh servers; remove everything at the end.
+
+    `binds` are arguments of systemd-nspawn's --bind for every computer. What an earlier bench that was killed left
+    behind is removed first. SIGTERM and SIGHUP end this one as Ctrl-C does (in the main thread).
+    """
+    remove_stale()
+    root = make_root(cache_folder())
+    identity = secrets.token_hex(3)
+    ledger = Ledger(identity, this_process(), str(FOLDERS / f"ur-hosts.{identity}"), bridge=f"urh{identity}")
+    ledger.save()
+    with _ended_by_signals():
+        try:
+            _make_bridge(ledger.bridge)
+            machines = {
+                name: _start(ledger, root, name, f"10.77.0.{10 + index}", binds) for index, name in enumerate(names)
+            }
+            for machine in machines.values():
+                machine.wait_booted()
+            yield Bench(ledger, machines)
+        finally:
+            remove_all(ledger)
+
+
+def _make_bridge(name: str) -> None:
+    for words in (
+        ["link", "add", name, "type", "bridge", "mcast_snooping", "0"],
+        ["link", "set", name, "addrgenmode", "none"],
+        ["link", "set", name, "up"],
+    ):
+        subprocess.run(["ip", *words], check=True, capture_output=True)
+
+
+def _start(ledger: Ledger, shared: Path, name: str, address: str, binds: Sequence[str]) -> Machine:
+    folder = Path(ledger.folder, name)
+    root = folder / "root"
+    for part in ("upper", "work", "root"):
+        (folder / part).mkdir(parents=True)
+    folder.parent.chmod(0o700)
+    ledger.mounts.append(str(root))
+    ledger.save()
+    layers = f"lowerdir={shared},upperdir={folder / 'upper'},workdir={folder / 'work'}"
+    subprocess.run(["mount", "-t", "overlay", "overlay", "-o", layers, str(root)], check=True, capture_output=True)
+    (root / "etc/hostname").write_text(name + "\n")
+    (root / "etc/hosts").write_text(f"127.0.0.1\tlocalhost\n127.0.1.1\t{name}\n::1\tlocalhost ip6-localhost\n")
+    (root / "etc/systemd/network").mkdir(exist_ok=True)
+    (root / "etc/systemd/network/10-host0.network").write_text(NETWORK.format(address=address))
+    command = [
+        *("unshare", "--mount", "--propagation", "private", "--", "sh", "-c", KEEP_RUNNING, "sh"),
+        "systemd-nspawn",
+        f"--directory={root}",
+        "--boot",
+        f"--machine=ur-{ledger.name}-{name}",
+        "--register=no",
+        "--keep-unit",
+        f"--network-bridge={ledger.bridge}",
+        "--link-journal=no",
+        "--resolv-conf=off",
+        "--timezone=off",
+        "--console=pipe",
+        "--quiet",
+        "--bind=/dev/fuse",
+        *(f"--bind={bind}" for bind in binds),
+        "systemd.show_status=0",
+    ]
+    console = folder / "console"
+    with console.open("wb") as output:
+        # A session of its own: Ctrl-C ends the tests, which then end the computers.
+        process = subprocess.Popen(
+            command, stdin=subprocess.DEVNULL, stdout=output, stderr=subprocess.STDOUT, start_new_session=True
+        )
+    ledger.processes.append(find_process(process.pid))
+    ledger.save()
+    return Machine(name, address, root, ledger.bridge, console, process.pid)
+
+
+@contextmanager
+def _ended_by_signals() -> Iterator[None]:
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+
+    def end(number: int, _: FrameType | None) -> None:
+        raise KeyboardInterrupt(signal.Signals(number).name)
+
+    before = {number: signal.signal(number, end) for number in (signal.SIGTERM, signal.SIGHUP)}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)

@@ -1,0 +1,101 @@
+"""The root file system that all computers of the bench share: made once, kept in a cache, never written to again."""
+
+from __future__ import annotations
+
+import fcntl
+import hashlib
+import os
+import platform
+import shutil
+import subprocess
+import tempfile
+from pathlib import Path
+
+HERE = Path(__file__).parent
+RECIPE = ("packages.txt", "offered.txt", "customize.bash", "root.py")
+TOOLS = ("mmdebstrap", "systemd-nspawn", "nsenter", "ip", "dpkg-deb", "mount")
+
+
+def find_obstacle() -> str | None:
+    """Why computers cannot be booted here, in one line; None when they can."""
+    if os.geteuid() != 0:
+        return "booting computers needs root"
+    missing = [tool for tool in TOOLS if shutil.which(tool) is None]
+    if missing:
+        return f"{', '.join(missing)} missing: apt-get install mmdebstrap systemd-container"
+    if not _sources().is_file():
+        return "no apt sources of Debian or Ubuntu found to make a root file system from"
+    return None
+
+
+def find_root(cache: Path) -> Path | None:
+    """The cached root for today's recipe, or None when it has not been made."""
+    root = cache / _key()
+    return root if root.is_dir() else None
+
+
+def make_root(cache: Path) -> Path:
+    """The cached root for today's recipe, made now when it is not there (a minute or two, needs the package mirror).
+
+    Safe against a second process and against being killed: the unfinished has another name and is removed next time.
+    """
+    cache.mkdir(parents=True, exist_ok=True)
+    with (cache / "lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        found = find_root(cache)
+        if found:
+            return found
+        for old in cache.iterdir():
+            if old.is_dir():
+                shutil.rmtree(old)
+        unfinished = Path(tempfile.mkdtemp(prefix="unfinished.", dir=cache))
+        _bootstrap(unfinished / "root", cache / "mmdebstrap.log")
+        target = cache / _key()
+        (unfinished / "root").rename(target)
+        unfinished.rmdir()
+        return target
+
+
+def cache_folder() -> Path:
+    """Where roots are kept: outside the repository, for root on this computer."""
+    base = os.environ.get("XDG_CACHE_HOME")
+    return Path(base) / "ur-hosts" if base else Path("/var/cache/ur-hosts")
+
+
+def _bootstrap(target: Path, log: Path) -> None:
+    names = [line for line in (HERE / "packages.txt").read_text().splitlines() if line and not line.startswith("#")]
+    command = [
+        "mmdebstrap",
+        "--mode=root",
+        "--variant=minbase",
+        f"--include={','.join(names)}",
+        '--aptopt=APT::Install-Recommends "false"',
+        f'--customize-hook={HERE}/customize.bash "$1" {HERE}/offered.txt',
+        _codename(),
+        str(target),
+        "-",
+    ]
+    with _sources().open() as sources, log.open("w") as output:
+        done = subprocess.run(command, stdin=sources, stdout=output, stderr=subprocess.STDOUT, check=False)
+    if done.returncode:
+        tail = "\n".join(log.read_text().splitlines()[-15:])
+        raise RuntimeError(f"mmdebstrap failed ({done.returncode}); the end of {log}:\n{tail}")
+
+
+def _key() -> str:
+    digest = hashlib.sha256()
+    for name in RECIPE:
+        digest.update((HERE / name).read_bytes())
+    return f"{_codename()}-{platform.machine()}-{digest.hexdigest()[:12]}"
+
+
+def _codename() -> str:
+    return platform.freedesktop_os_release().get("VERSION_CODENAME", "")
+
+
+def _sources() -> Path:
+    folder = Path("/etc/apt/sources.list.d")
+    for name in ("debian.sources", "ubuntu.sources"):
+        if (folder / name).is_file():
+            return folder / name
+    return Path("/etc/apt/sources.list")

@@ -1,0 +1,29 @@
+"""Computers for tests: `bench` is a laptop and a robot, fresh for each module."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from tests.hosts.bench import Bench, boot, find_obstacle
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    here = [item for item in items if item.path.is_relative_to(Path(__file__).parent)]
+    obstacle = find_obstacle()
+    for item in here:
+        item.add_marker(pytest.mark.hosts)
+        if obstacle:
+            item.add_marker(pytest.mark.skip(reason=f"no computers to test with: {obstacle}"))
+    if "hosts" not in (config.getoption("-m") or ""):  # the long ones run when they are asked for: tests/hosts/run
+        long = [item for item in here if item.get_closest_marker("long")]
+        if long:
+            config.hook.pytest_deselected(items=long)
+            items[:] = [item for item in items if item not in long]
+
+
+@pytest.fixture(scope="module")
+def bench() -> Iterator[Bench]:
+    with boot(("laptop", "robot")) as running:
+        yield running
