@@ -78,6 +78,10 @@ class Physics:
         owners = self._owner[self._data.contact.geom]
         return frozenset(owners[owners >= 0].tolist())
 
+    def blocked(self, robot: int) -> str | None:
+        """What a robot's chassis touches now, in words."""
+        return self._neighbour(self._model.geom(f"chassis_{robot}").id)
+
     def place_robot(self, robot: int, pose: Pose) -> str | None:
         """Move a robot, at rest. Returns what is in the way, in which case nothing has changed."""
         return self._place(f"robot_{robot}", f"chassis_{robot}", pose)

@@ -45,7 +45,8 @@ class Simulation:
         self._noise: list[npt.NDArray[np.float64]] = []
         self._begin()
         for robot in range(robots):
-            self.place(f"robot_{robot}", self._physics.pose(robot))
+            pose = self._physics.pose(robot)
+            _refuse(f"robot_{robot}", pose, self._outside(pose) or self._physics.blocked(robot))
 
     @property
     def time(self) -> float:
@@ -135,11 +136,7 @@ class Simulation:
                 self._physics.set_wheel_speeds(robot, 0.0, 0.0)
         else:
             blocked = self._physics.place_obstacle(name, pose)
-        if blocked:
-            x, y, _ = pose
-            raise UserError(
-                error(f"{name} cannot be at x {x:g}, y {y:g}: {blocked}, expected free floor", rule="not-free")
-            )
+        _refuse(name, pose, blocked)
 
     def _next_step(self) -> int:
         scan = self._scan.step if self._scan else self._reading.step
@@ -176,6 +173,13 @@ class Simulation:
             if self.time - self._touched[robot] > COLLISION_PAUSE:
                 self._collisions[robot] += 1
             self._touched[robot] = self.time
+
+
+def _refuse(name: str, pose: Pose, blocked: str | None) -> None:
+    """Raise UserError if something is in the way."""
+    if blocked:
+        place = f"x {pose[0]:g}, y {pose[1]:g}"
+        raise UserError(error(f"{name} cannot be at {place}: {blocked}, expected free floor", rule="not-free"))
 
 
 class Schedule:
