@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from ur.source.diagnostic import UserError, error
+from ur.source.suggest import did_you_mean
 
 
 class Position(NamedTuple):
@@ -40,7 +41,14 @@ class SourceFile:
             ) from None
         except OSError as problem:
             reason = (problem.strerror or str(problem)).lower()
-            raise UserError(error(f"{path}: {reason}, expected {expected}", rule="unreadable-file")) from None
+            missing = isinstance(problem, FileNotFoundError)
+            raise UserError(
+                error(
+                    f"{path}: {reason}, expected {expected}",
+                    rule="unreadable-file",
+                    help=_suggest_sibling(Path(path)) if missing else None,
+                )
+            ) from None
 
     def position(self, offset: int) -> Position:
         """Line and column of a character offset (0-based; the end of the text is allowed)."""
@@ -85,3 +93,14 @@ class Span(NamedTuple):
     def __str__(self) -> str:
         line, column = self.position
         return f"{self.file.path}:{line}:{column}"
+
+
+def _suggest_sibling(path: Path) -> str | None:
+    try:
+        names = [item.name for item in path.parent.iterdir() if item.suffix == path.suffix]
+    except OSError:
+        return f"there is no folder {path.parent}"
+    near = did_you_mean(path.name, names)
+    if near:
+        return f"did you mean {path.with_name(near)}?"
+    return f"there is {', '.join(sorted(names))}" if 0 < len(names) <= 12 else None
