@@ -75,7 +75,7 @@ def test_robot_does_not_pass_walls_and_its_wheels_spin(room: World, stage: Base,
     front = max(x for x, _ in stage.footprint)
     assert simulation.pose(0)[0] + front == pytest.approx(5.0, abs=0.02)
     assert simulation.collisions == (1,)
-    assert sum(simulation.wheel_angles(0)) / 2 * stage.wheels.radius > 2.0
+    assert sum(simulation.wheel_angles(0)) / 2 * stage.wheels.radius > 1.5  # 0.8 to the wall
 
 
 def test_robot_pushes_obstacles(make_world: Callable[[str], World], stage: Base, drive: Drive) -> None:
