@@ -265,3 +265,31 @@ def test_selection_fills_arguments_that_the_file_declares(world: Any) -> None:
         '<node pkg="little_nodes" type="quick" name="q" args="$(arg robot_base)/$(arg robot_variant)" output="screen"/>'
     )
     run.until("[/q] magni/lidar ")
+
+
+@pytest.mark.usefixtures("master")
+def test_suspended_terminal_node_gives_the_terminal_back_until_it_goes_on(world: Any) -> None:
+    run = world.launch(TERMINAL.format("ask", ""), terminal=True)
+    os.write(run.output, b"one\n")
+    run.until("got one")
+    front = os.tcgetpgrp(run.output)
+    os.write(run.output, b"\x1a")
+    supervisor = psutil.Process(run.process.pid)
+    while supervisor.status() != psutil.STATUS_STOPPED:
+        run.read()
+    assert os.tcgetpgrp(run.output) == run.process.pid
+    supervisor.resume()
+    os.write(run.output, b"two\n")
+    run.until("got two")
+    assert os.tcgetpgrp(run.output) == front
+    os.write(run.output, b"\x04")
+    assert run.wait() == 7
+
+
+@pytest.mark.usefixtures("master")
+def test_failing_parameter_command_is_named(world: Any) -> None:
+    run = world.launch(SLEEPER + '<param name="x" command="bash -c \'echo sorry >&amp;2; exit 2\'"/>')
+    assert run.wait() == 1
+    assert "error: " in run.text
+    assert "/x: \"bash -c 'echo sorry >&2; exit 2'\" ended with exit code 2: sorry" in run.text
+    assert "[/sleeper] started" not in run.text

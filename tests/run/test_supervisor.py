@@ -101,7 +101,7 @@ def test_master_that_does_not_answer_ends_the_run() -> None:
     history.happens(Begin(), Started("master", 1))
     assert history.due() == Limits().master
     told = history.happens(Tick(), after=history.due())
-    assert TellStop("the master did not answer within 15 s") in told
+    assert TellStop("the master did not answer within 15 s", failed=True) in told
     assert Signal("master", SIGINT) in told
     assert Start("/a") not in told
 
@@ -117,7 +117,7 @@ def test_master_that_dies_at_start_ends_the_run_with_1() -> None:
 def test_refused_parameters_end_the_run_before_nodes_start() -> None:
     history = History(Unit("/a"))
     history.happens(Begin())
-    assert history.happens(SetupFailed("no")) == [TellStop("no"), Sweep(SIGTERM)]
+    assert history.happens(SetupFailed("no")) == [TellStop("no", failed=True), Sweep(SIGTERM)]
     assert history.happens(NothingLeft()) == [Unregister()]
     assert history.happens(Unregistered()) == [Finish(1)]
 

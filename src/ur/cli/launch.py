@@ -8,6 +8,7 @@ import sys
 import click
 
 from ur.cli.environment import apply_selection, current_selection
+from ur.robot.selection import Selection
 from ur.source.diagnostic import UserError, error
 
 
@@ -37,7 +38,9 @@ def command(
     """
     from ur.run.processes import start_host  # now, not before: help and completion need none of it
 
-    selection = current_selection(os.environ)
+    if screen and log:
+        raise UserError(error("--screen and --log exclude each other, expected one", rule="bad-options"))
+    selection = know_base(current_selection(os.environ))
     apply_selection(selection)
     host = start_host()  # its start overlaps with the reading of the launch file
     try:
@@ -49,6 +52,9 @@ def command(
         plan, world = load_words(words, selection)
         if plan is None:
             return 1
+        given = dict(word.split(":=", 1) for word in words if ":=" in word)
+        base = given.get("robot_base", selection.base)
+        variant = given.get("robot_variant", selection.variant if base == selection.base else "")
         defaults = Limits()
         options = Options(
             limits=Limits(
@@ -59,11 +65,9 @@ def command(
             force_required=required,
             wait_for_master=wait,
             port=port,
-            base=selection.base,
-            variant=selection.variant,
+            base=base,
+            variant=variant,
         )
-        if screen and log:
-            raise UserError(error("--screen and --log exclude each other, expected one", rule="bad-options"))
         try:
             return run_plan(plan, world, host, Console(), options)
         except UserError as problem:
@@ -73,3 +77,14 @@ def command(
             return 1
     finally:
         host.close()
+
+
+def know_base(selection: Selection) -> Selection:
+    """The selection, with the base of this very computer where it is the robot that is selected without one."""
+    if selection.base or selection.simulated:
+        return selection
+    from ur.cli.plan_files import is_this_computer
+    from ur.robot.robot_file import load_robot_file
+
+    found = load_robot_file() if is_this_computer(selection.robot) else None
+    return Selection(selection.robot, found.base, found.variant) if found else selection

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import socket
 import sys
 from collections.abc import Sequence
 
@@ -21,14 +22,15 @@ def load_words(words: Sequence[str], selection: Selection) -> tuple[Plan | None,
     """The plan behind `[PACKAGE] FILE [ARG:=VALUE]...`; None when it has errors, which are then on standard error.
 
     Arguments about the robot that the file declares and nobody gave come from the selection.
-    Raises UserError: no such file, or a word that is neither a file nor an argument.
+    Raises UserError: no such file, a word that is neither a file nor an argument, a robot that is another computer.
     """
     world = SystemWorld(os.environ)
     files = resolve_addresses(words, world)
     given = [word for word in words if ":=" in word]
     declared = declared_arguments(files, world)
     refuse_stray_words(files, declared, world)
-    arguments = [*given, *selected_arguments(selection, declared, given)]
+    here = selection.simulated or is_this_computer(selection.robot)
+    arguments = [*given, *selected_arguments(selection, declared, given, here=here)]
     plan = load_plan(files, arguments, world)
     findings = plan.diagnostics
     if any(node.terminal for node in plan.nodes):
@@ -72,17 +74,34 @@ def refuse_stray_words(files: Sequence[str], declared: Sequence[str], world: Wor
         )
 
 
-def selected_arguments(selection: Selection, declared: Sequence[str], given: Sequence[str]) -> list[str]:
-    """What the selection says about arguments that are declared and not given."""
+def selected_arguments(selection: Selection, declared: Sequence[str], given: Sequence[str], *, here: bool) -> list[str]:
+    """What the selection says about arguments that are declared and not given. `here`: this computer is the robot.
+
+    Raises UserError where nodes would have to run on a robot that is another computer.
+    """
     taken = {word.partition(":=")[0] for word in given}
+    if not here and "robot_machine" in declared and "robot_machine" not in taken:
+        raise UserError(
+            error(
+                f"robot {selection.robot!r} is selected, which is another computer, and nodes start on this one only",
+                rule="remote-robot",
+                help="'ur use sim' selects the simulated robot; on the robot itself this command works too",
+            )
+        )
     values = {
         "robot_base": selection.base,
         # A variant belongs to its base: with another base given by hand it means nothing.
         "robot_variant": "" if "robot_base" in taken else selection.variant,
-        "robot_machine": "localhost" if selection.simulated else "",
+        "robot_machine": "localhost",
         "viewer_machine": "localhost",
+        "simulate": "" if selection.simulated else "false",
     }
     return [f"{name}:={value}" for name, value in values.items() if value and name in declared and name not in taken]
+
+
+def is_this_computer(robot: str) -> bool:
+    """Whether a robot's name is the name of the computer we run on."""
+    return socket.gethostname().split(".")[0].lower() == robot.lower()
 
 
 def _harden(finding: Diagnostic) -> Diagnostic:

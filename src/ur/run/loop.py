@@ -171,7 +171,8 @@ class _Loop:
             return
         if isinstance(event, Started):
             self._pids[event.name] = event.pid
-            if not self._programs[event.name].unit.terminal:
+            unit = self._programs[event.name].unit
+            if not unit.terminal and not unit.core:
                 self._console.inform(f"[{event.name}] started, process {event.pid}")
         elif isinstance(event, (Exited, StartFailed)):
             self._pids.pop(event.name, None)
@@ -202,8 +203,11 @@ class _Loop:
                 self._tell_death(action)
             case TellPressure(names, signum):
                 self._console.warn(f"{', '.join(names)} did not stop: {signal.Signals(signum).name}")
-            case TellStop(cause):
-                self._console.inform(f"stopping: {cause}")
+            case TellStop(cause, failed):
+                if failed:
+                    self._console.warn(f"error: {cause}")
+                else:
+                    self._console.inform(f"stopping: {cause}")
             case Finish(exit_code):
                 self._exit_code = exit_code
 
@@ -296,14 +300,15 @@ class _Loop:
             return
         outputs = self._outputs.get(death.name)
         program = self._programs[death.name]
-        lines: Iterable[str] = ()
+        lines: Iterable[str] | None = ()
         log = outputs.log_path if outputs else None
         if program.unit.terminal:
             own = f"{self._run.folder}/{program.log_name}.log"  # what it printed was on the screen
+            lines = None
             log = own if os.path.exists(own) else None  # noqa: PTH110 - pathlib is not worth its import here
         elif outputs is not None:
             lines = outputs.recent or read_last_lines(outputs.log_path)
-        for line in describe_death(death, tuple(lines), log):
+        for line in describe_death(death, None if lines is None else tuple(lines), log):
             self._console.warn(line)
 
     def _lend_terminal(self) -> str:

@@ -262,9 +262,10 @@ class TellPressure:
 
 @dataclass(frozen=True, slots=True)
 class TellStop:
-    """Tell people why the run ends now."""
+    """Tell people why the run ends now. `failed` when it could not even begin."""
 
     cause: str
+    failed: bool = False
 
 
 @dataclass(frozen=True, slots=True)

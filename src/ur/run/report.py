@@ -20,8 +20,8 @@ def describe_status(status: ExitStatus) -> str:
     return "not started" if status.code is None else f"exit code {status.code}"
 
 
-def describe_death(death: TellDeath, lines: Sequence[str], log: str | None) -> list[str]:
-    """The lines that report the end of a unit: what happened, its last lines, its log file."""
+def describe_death(death: TellDeath, lines: Sequence[str] | None, log: str | None) -> list[str]:
+    """What reports the end of a unit: what happened, its last lines (None: they were on the screen), its log file."""
     follow = ""
     if death.restart_in is not None:
         follow = f", starts again in {death.restart_in:.3g} s" if death.restart_in > 0 else ", starts again"
@@ -32,7 +32,7 @@ def describe_death(death: TellDeath, lines: Sequence[str], log: str | None) -> l
     if death.reason is not None:
         return [f"error: {death.name} could not be started: {death.reason}{follow}"]
     told = [f"error: {death.name} died: {describe_status(death.status)}{follow}"]
-    told += [f"  | {line}" for line in lines]
+    told += [f"  | {line}" for line in lines or ()]
     if log is not None:
-        told.append(f"  log: {log}" if lines else f"  log: {log} (it printed nothing)")
+        told.append(f"  log: {log}" if lines or lines is None else f"  log: {log} (it printed nothing)")
     return told

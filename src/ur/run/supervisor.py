@@ -99,7 +99,7 @@ def _proceed(state: State, event: Event, now: float) -> _Step:
             running = replace(state, phase=Phase.RUNNING)
             return _start(running, (each for each in running.units if not each.unit.core), now)
         case SetupFailed(reason) if _before(state, Phase.STOPPING_NODES):
-            return _stop(state, reason, 1, now)
+            return _stop(state, reason, 1, now, failed=True)
         case NothingLeft() if state.phase is Phase.SWEEPING:
             return _unregister(state, now)
         case Unregistered() if state.phase is Phase.UNREGISTERING:
@@ -176,16 +176,16 @@ def _tick(state: State, now: float) -> _Step:
     if state.deadline is None or now < state.deadline:
         return state, []
     if state.phase is Phase.MASTER:
-        return _stop(state, f"the master did not answer within {state.limits.master:g} s", 1, now)
+        return _stop(state, f"the master did not answer within {state.limits.master:g} s", 1, now, failed=True)
     return _press(state, now)
 
 
-def _stop(state: State, cause: str, exit_code: int, now: float) -> _Step:
+def _stop(state: State, cause: str, exit_code: int, now: float, *, failed: bool = False) -> _Step:
     state = replace(state, phase=Phase.STOPPING_NODES, exit_code=exit_code, cause=cause, pressure=0, deadline=None)
     for each in state.units:
         if each.status is Status.WAITING:
             state = _put(state, replace(each, status=Status.ENDED, due=None))
-    told: list[Action] = [TellStop(cause)] if cause else []
+    told: list[Action] = [TellStop(cause, failed)] if cause else []
     state, actions = _advance(state, now)
     return state, told + actions
 
