@@ -75,8 +75,17 @@ def log_likelihoods(distances: NDArray[np.floating], model: BeamModel) -> NDArra
     return result
 
 
-def score_poses(field: LikelihoodField, poses: NDArray[np.float64], points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The mean log likelihood (n) per beam of poses (n, 3), when beams end at points (m, 2) in the robot's frame."""
+def score_poses(
+    field: LikelihoodField,
+    poses: NDArray[np.float64],
+    points: NDArray[np.float64],
+    table: NDArray[np.float32] | None = None,
+) -> NDArray[np.float64]:
+    """The mean log likelihood (n) per beam of poses (n, 3), when beams end at points (m, 2) in the robot's frame.
+
+    With `table`, shaped like `field.log_hits`, the mean of its entries instead.
+    """
+    entries = field.log_hits if table is None else table
     grid = field.grid
     scale = 1.0 / grid.resolution
     yaws = (poses[:, 2] - grid.origin.yaw).astype(np.float32)
@@ -86,12 +95,12 @@ def score_poses(field: LikelihoodField, poses: NDArray[np.float64], points: NDAr
     along, across = (points * scale).astype(np.float32).T
     columns = (base[:, 1:] + c * along - s * across).astype(np.int32)
     rows = (base[:, :1] + s * along + c * across).astype(np.int32)
-    height, width = field.log_hits.shape
+    height, width = entries.shape
     np.clip(columns, 0, width - 1, out=columns)
     np.clip(rows, 0, height - 1, out=rows)
     rows *= width
     rows += columns
-    scores: NDArray[np.float64] = field.log_hits.ravel().take(rows).mean(axis=1, dtype=np.float64)
+    scores: NDArray[np.float64] = entries.ravel().take(rows).mean(axis=1, dtype=np.float64)
     return scores
 
 

@@ -22,11 +22,16 @@ from ur_nodes.navigation.particle_filter import (
     resample,
     weigh,
 )
+from ur_nodes.navigation.relocalise import propose_poses
 from ur_nodes.navigation.scan_match import MatchSettings, match_scan
 from ur_nodes.rosio.pose import Pose2, wrap_angle
 
 INDEPENDENT_BEAMS = 20.0  # neighbouring beams err together: a scan is worth no more than so many
+INDEPENDENT_STEP = 0.25  # m, rad: scans taken nearer to one another err together, too
+SEARCH_UPDATES = 40  # after the robot was said to be anywhere: how long places are sought that fit the scan
+SEARCH_SHARE = 0.3  # of the particles come from there
 LEAST_SHARE = 0.3  # of the particles must keep an effective weight in one update
+LEAST_LOST = 0.1  # the averages differ as much when a person walks by
 LEAST_BEAMS = 8  # fewer say too little about a pose
 FARTHEST_MATCH = 0.4  # m, rad: a refined pose farther from its cluster has slipped to other walls
 
@@ -72,7 +77,8 @@ class Localiser:
         self._odometry: Pose2 | None = None  # at the last update; None: the next scan updates in any case
         self._forced = False
         self._updates = 0
-        self._slow = self._fast = 0.0
+        self._search = 0  # updates left in which to seek places that fit the scan
+        self._slow = self._fast = 0.0  # averages of how well scans fit
 
     @property
     def particles(self) -> Particles:
@@ -87,7 +93,8 @@ class Localiser:
         """The robot may be anywhere: start again with particles on all free cells. False if the map has none."""
         if not len(self._field.free):
             return False
-        self._restart(self._draw_anywhere(self._settings.size.maximum))
+        self._restart(draw_free_poses(self._field, self._settings.size.maximum, self._rng))
+        self._search = SEARCH_UPDATES
         return True
 
     def request_update(self) -> None:
@@ -104,24 +111,28 @@ class Localiser:
             return None
         settings = self._settings
         particles = self._moved(odometry)
+        novelty = self._novelty(odometry)
         chosen = points[_evenly(len(points), settings.max_beams)]
         if len(chosen) >= LEAST_BEAMS:
+            beams = min(INDEPENDENT_BEAMS, float(len(chosen))) * novelty
+            if self._search == SEARCH_UPDATES:
+                particles = even_particles(self._propose(chosen, len(particles)))
             scores = score_poses(self._field, particles.poses, chosen)
             self._average(float(particles.weights @ np.exp(scores)))
-            beams = min(INDEPENDENT_BEAMS, float(len(chosen)))
             particles, _ = weigh(particles, scores, beams, LEAST_SHARE)
         cluster = find_best_cluster(particles)
         estimate = self._refined(cluster, points)
-        self._particles = self._resampled(particles)
+        self._particles = self._resampled(particles, chosen)
         self._odometry = odometry
         self._forced = False
         self._updates += 1
+        self._search = max(0, self._search - 1)
         return estimate
 
     def _restart(self, poses: NDArray[np.float64]) -> None:
         self._particles = even_particles(keep_needed(poses, self._settings.size))
         self._odometry = None
-        self._updates = 0
+        self._updates = self._search = 0
         self._slow = self._fast = 0.0
 
     def _is_due(self, odometry: Pose2) -> bool:
@@ -157,17 +168,28 @@ class Localiser:
             return raw
         return Estimate(match.pose, cluster.covariance, cluster.share)
 
-    def _resampled(self, particles: Particles) -> Particles:
+    def _novelty(self, odometry: Pose2) -> float:
+        """What a scan here is worth after the last one, 0.1 to 1."""
+        last = self._odometry
+        if last is None:
+            return 1.0
+        moved = math.hypot(odometry.x - last.x, odometry.y - last.y) + abs(wrap_angle(odometry.yaw - last.yaw))
+        return min(1.0, max(0.1, moved / INDEPENDENT_STEP))
+
+    def _resampled(self, particles: Particles, points: NDArray[np.float64]) -> Particles:
         settings = self._settings
         if self._updates % settings.resample_interval:
             return particles
         if settings.selective_resampling and effective_size(particles.weights) > 0.5 * len(particles):
             return particles
-        share = max(0.0, 1.0 - self._fast / self._slow) if self._slow and len(self._field.free) else 0.0
-        return resample(particles, settings.size, self._rng, share, self._draw_anywhere)
+        share = 0.0
+        if len(self._field.free) and len(points) >= LEAST_BEAMS:
+            lost = 1.0 - self._fast / self._slow if self._slow else 0.0
+            share = max(lost - LEAST_LOST, SEARCH_SHARE if self._search else 0.0)
+        return resample(particles, settings.size, self._rng, share, lambda count: self._propose(points, count))
 
-    def _draw_anywhere(self, count: int) -> NDArray[np.float64]:
-        return draw_free_poses(self._field, count, self._rng)
+    def _propose(self, points: NDArray[np.float64], count: int) -> NDArray[np.float64]:
+        return propose_poses(self._field, points, count, INDEPENDENT_BEAMS, self._rng)
 
 
 def _evenly(count: int, wanted: int) -> NDArray[np.intp]:

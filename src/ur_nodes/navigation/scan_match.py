@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ur_nodes.navigation.likelihood import LikelihoodField
+from ur_nodes.navigation.motion_model import wrap_angles
 from ur_nodes.rosio.pose import Pose2, wrap_angle
 
 
@@ -49,44 +50,69 @@ def match_scan(
     pose = np.array(prior, dtype=np.float64)
     hessian, agreement = information, 0.0
     for _ in range(settings.iterations):
-        residuals, slopes = _linearise(field, pose, points)
-        trust = np.square(1.0 / (1.0 + np.square(residuals / settings.outlier)))
-        agreement = float(trust.mean()) if len(trust) else 0.0
-        trust /= settings.sigma * settings.sigma
         offset = pose - np.asarray(prior)
         offset[2] = wrap_angle(offset[2])
-        hessian = information + (slopes * trust[:, None]).T @ slopes
-        step = np.linalg.solve(hessian, information @ offset + slopes.T @ (trust * residuals))
+        normal, gradient, share = _normal_equations(field, pose[None], points, settings)
+        hessian, agreement = information + normal[0], float(share[0])
+        step = np.linalg.solve(hessian, information @ offset + gradient[0])
         pose -= step
         if abs(step[0]) + abs(step[1]) < 5e-4 and abs(step[2]) < 5e-4:
             break
     return Match(Pose2(float(pose[0]), float(pose[1]), wrap_angle(float(pose[2]))), np.linalg.inv(hessian), agreement)
 
 
+def match_many(
+    field: LikelihoodField, poses: NDArray[np.float64], points: NDArray[np.float64], settings: MatchSettings
+) -> NDArray[np.float64]:
+    """Poses (n, 3) moved to the nearest place each where the scan fits; steps are damped as there is no prior."""
+    damping = len(points) / settings.sigma**2 * np.diag((1e-2, 1e-2, 1e-2))
+    moved: NDArray[np.float64] = poses.copy()
+    for _ in range(settings.iterations):
+        normal, gradient, _ = _normal_equations(field, moved, points, settings)
+        moved -= np.linalg.solve(normal + damping, gradient[..., None])[..., 0]
+    moved[:, 2] = wrap_angles(moved[:, 2])
+    return moved
+
+
+def _normal_equations(
+    field: LikelihoodField, poses: NDArray[np.float64], points: NDArray[np.float64], settings: MatchSettings
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """For poses (n, 3): Gauss-Newton's matrix (n, 3, 3), gradient (n, 3), and the share (n) of beams on walls."""
+    residuals, slopes = _linearise(field, poses, points)
+    trust = np.square(1.0 / (1.0 + np.square(residuals / settings.outlier)))
+    weighted = slopes * (trust / (settings.sigma * settings.sigma))[:, None, :]
+    return (
+        weighted @ slopes.transpose(0, 2, 1),
+        (weighted @ residuals[..., None])[..., 0],
+        trust.mean(axis=1),
+    )
+
+
 def _linearise(
-    field: LikelihoodField, pose: NDArray[np.float64], points: NDArray[np.float64]
+    field: LikelihoodField, poses: NDArray[np.float64], points: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Signed distances (n) to walls of the beams' ends, and how they change (n, 3) with the pose's x, y and yaw."""
+    """Signed distances (n, m) to walls of the beams' ends, and how they change (n, 3, m) with x, y and yaw."""
     grid = field.grid
-    c, s = math.cos(pose[2]), math.sin(pose[2])
-    turned = points @ np.array(((c, s), (-s, c)))
-    cells = grid.fractions_of_points(turned + pose[:2]) + 0.5  # 0.5: the border, less half a cell to its centre
+    c, s = np.cos(poses[:, 2, None]), np.sin(poses[:, 2, None])
+    x, y = points.T
+    turned_x, turned_y = c * x - s * y, s * x + c * y
+    ends = np.stack((turned_x + poses[:, 0, None], turned_y + poses[:, 1, None]), axis=-1)
+    cells = grid.fractions_of_points(ends) + 0.5  # 0.5: the border, less half a cell to its centre
     values, down, right = _interpolate(field.distances, cells)
     down, right = down / grid.resolution, right / grid.resolution
     if grid.origin.yaw:
         co, so = math.cos(grid.origin.yaw), math.sin(grid.origin.yaw)
         down, right = so * right + co * down, co * right - so * down
-    by_yaw = down * turned[:, 0] - right * turned[:, 1]
-    return values, np.column_stack((right, down, by_yaw))
+    return values, np.stack((right, down, down * turned_x - right * turned_y), axis=1)
 
 
 def _interpolate(
     table: NDArray[np.float32], cells: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """Values (n) between the entries of a table, and their slopes per row and per column; edges continue outside."""
+    """Values (...) between the entries of a table at cells (..., 2), and their slopes per row and per column."""
     height, width = table.shape
-    row = np.clip(cells[:, 0], 0.0, height - 1.001)
-    column = np.clip(cells[:, 1], 0.0, width - 1.001)
+    row = np.clip(cells[..., 0], 0.0, height - 1.001)
+    column = np.clip(cells[..., 1], 0.0, width - 1.001)
     top, left = row.astype(np.intp), column.astype(np.intp)
     fr, fc = row - top, column - left
     index = top * width + left
