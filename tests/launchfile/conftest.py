@@ -120,3 +120,21 @@ def compare(reference: Reference) -> Callable[[Path], list[str]]:
         return [f"{path.name}: {line}" for line in differences(ours, theirs)]
 
     return compare_file
+
+
+@pytest.fixture(scope="session")
+def base_environment() -> dict[str, str]:
+    """An environment that names our corpus as a package."""
+    return BASE_ENVIRONMENT
+
+
+@pytest.fixture(scope="session")
+def load_ours() -> Callable[..., dict[str, Any]]:
+    """our_plan, for tests in other files."""
+    return our_plan
+
+
+@pytest.fixture(scope="session")
+def compare_dumps() -> Callable[..., list[str]]:
+    """differences, for tests in other files."""
+    return differences

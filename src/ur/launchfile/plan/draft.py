@@ -73,15 +73,16 @@ class Draft:
             self.add_diagnostic(refused.diagnostic, scope.chain if scope else ())
 
     def add_diagnostic(self, found: Diagnostic, chain: tuple[Span, ...]) -> None:
-        """Report a finding in a file that was included through `chain`. Raises TooMuch after the hundredth."""
+        """Report a finding in a file that was included through `chain`. Raises TooMuch after the hundredth error."""
         if chain:
             # A file that includes itself goes through the same places again and again: each is named once.
             places = {(span.file.path, span.start): span for span in reversed(chain)}
             steps = tuple(Note("included from here", span) for span in list(places.values())[:20])
             found = Diagnostic(found.severity, found.message, found.rule, found.span, found.notes + steps, found.help)
-        if found not in self.diagnostics:
+        alike = sum(known.severity is found.severity for known in self.diagnostics)
+        if alike < MAX_DIAGNOSTICS and found not in self.diagnostics:
             self.diagnostics.append(found)
-        if len(self.diagnostics) >= MAX_DIAGNOSTICS:
+        if alike + 1 >= MAX_DIAGNOSTICS and found.severity is Severity.ERROR:
             raise TooMuch
 
     def parse(self, path: str) -> LaunchFile:
