@@ -101,11 +101,11 @@ class SimulatorNode:
             robot.pass_command_on()
         tick = self._simulation.advance()
         stamp = self._stamp(tick.time)
-        if self._clock is not None and (tick.odometry or tick.scan or tick.time >= self._next_clock):
+        joints = tick.time >= self._next_joints
+        if self._clock is not None and (tick.odometry or tick.scan or joints or tick.time >= self._next_clock):
             self._next_clock = tick.time + 1.0 / self._settings.clock_rate - 1e-6
             self._clock_message.clock = stamp
             self._clock.publish(self._clock_message)
-        joints = tick.time >= self._next_joints
         if joints:
             self._next_joints = tick.time + 1.0 / self._settings.joint_rate - 1e-6
         for robot in self._robots:
