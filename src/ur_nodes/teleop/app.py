@@ -70,7 +70,6 @@ class NavigateApp(App[None]):
     #head, #status, #message { height: 1; width: 1fr; }
     #head { background: $primary; color: $text; }
     #status { background: $surface; }
-    #prompt { dock: bottom; height: 1; layout: horizontal; }
     CommandLine { height: 1; border: none; padding: 0 1; background: $background; }
     """
     BINDINGS: ClassVar[list[BindingType]] = [

@@ -17,11 +17,11 @@ Pixels = NDArray[np.uint8]
 """(rows, columns, 3), red, green, blue."""
 
 ROBOT_LENGTH = 0.45
-"""m from end to end of the arrow when it is large enough to be drawn to scale."""
+"""The diameter of the robot in m when it is large enough to be drawn to scale."""
 
 _OCCUPIED = 50
 _ARROWS = "→↗↑↖←↙↓↘"
-_SMALL = 5.0  # px: below this length the robot is one arrow character
+_SMALL = 6.0  # px: below this length the robot is one arrow character
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,7 +70,9 @@ def draw_map(index: GridIndex | None, view: Viewport, palette: Palette) -> Pixel
     area = np.maximum((right - left) * (top - bottom), 1)
     walls = _box_sum(index.walls, left, right, bottom, top) / area
     known = _box_sum(index.known, left, right, bottom, top) / area
-    shade = np.clip(walls * max(1.0, half / 0.8), 0.0, 1.0)[..., None]  # a wall thinner than a pixel shall still be seen
+    shade = np.clip(walls * max(1.0, half / 0.8), 0.0, 1.0)[
+        ..., None
+    ]  # a wall thinner than a pixel shall still be seen
     ground = np.where((known >= 0.5)[..., None], palette.free, palette.unknown)
     blend: NDArray[np.float64] = ground + (np.array(palette.wall) - ground) * shade
     picture[:] = blend.round()
@@ -85,7 +87,7 @@ def draw_overlay(picture: Pixels, snapshot: Snapshot, view: Viewport, palette: P
     if snapshot.scan is not None and len(snapshot.scan):
         _dot(out, snapshot.scan, view, palette.scan)
     if snapshot.pose is not None and ROBOT_LENGTH / view.scale >= _SMALL:
-        _fill_arrow(out, snapshot.pose, view, palette.robot)
+        _fill_robot(out, snapshot.pose, view, palette)
     return out
 
 
@@ -142,16 +144,17 @@ def _dot(out: Pixels, points: NDArray[np.float64], view: Viewport, colour: Colou
     out[py[inside].astype(np.intp), px[inside].astype(np.intp)] = colour
 
 
-def _fill_arrow(out: Pixels, pose: Place, view: Viewport, colour: Colour) -> None:
-    """A dart that points along the yaw, its middle on the pose."""
-    length = ROBOT_LENGTH / view.scale
+def _fill_robot(out: Pixels, pose: Place, view: Viewport, palette: Palette) -> None:
+    """A disc on the pose, with a stripe from its middle to the edge that it faces."""
+    size = ROBOT_LENGTH / view.scale
     column, row = view.to_pixel(pose.x, pose.y)
     ys, xs = np.mgrid[0 : view.height, 0 : view.width]
     dx, dy = xs + 0.5 - column, row - (ys + 0.5)
     c, s = math.cos(pose.yaw), math.sin(pose.yaw)
-    along, aside = (c * dx + s * dy) / length, np.abs(c * dy - s * dx) / length
-    body = (aside <= (0.5 - along) * 0.4) & (along >= -0.5) & ~(along < -0.5 + (0.4 - aside) * 0.5)
-    out[body] = colour
+    along, aside = c * dx + s * dy, np.abs(c * dy - s * dx)
+    disc = along**2 + aside**2 <= (size / 2) ** 2
+    out[disc] = palette.robot
+    out[disc & (along >= 0.0) & (aside <= max(0.6, size * 0.08))] = palette.ink
 
 
 def _arrow_of(yaw: float) -> str:

@@ -66,8 +66,10 @@ def test_robot_close_by_is_drawn_to_scale() -> None:
     snapshot = Snapshot(pose=Place(0.0, 0.0, 0.0))
     picture = draw_overlay(draw_map(None, view, DARK), snapshot, view, DARK)
     rows, columns = np.nonzero((picture == DARK.robot).all(axis=2))
-    assert columns.max() - columns.min() == pytest.approx(0.45 / 0.02, abs=3)
-    assert (rows[columns > 38]).std() < (rows[columns < 25]).std()  # the tip points along x
+    assert columns.max() - columns.min() == pytest.approx(0.45 / 0.02, abs=2)
+    assert rows.max() - rows.min() == pytest.approx(0.45 / 0.02, abs=2)
+    assert picture[30, 36].tolist() == list(DARK.ink)  # the stripe is on the side of x
+    assert picture[30, 24].tolist() == list(DARK.robot)
     assert not place_glyphs(snapshot, {}, None, view, DARK)
 
 
