@@ -3,22 +3,60 @@
 from __future__ import annotations
 
 import os
+import select
+import time
 from collections import deque
 
 _BOLD, _RED, _DIM, _PLAIN = "\x1b[1m", "\x1b[31m", "\x1b[2m", "\x1b[0m"
-MOST_HELD = 400  # lines; older ones are in the log files
+MOST_WAITING = 4000  # lines; the log files have them all
+PIECE = 4096  # bytes: what a writable pipe takes without blocking, pipe(7)
+
+
+class Sink:
+    """An open file that is written to without ever waiting for it."""
+
+    def __init__(self, descriptor: int) -> None:
+        self.descriptor = descriptor
+        self.lost = 0
+        self._lines: deque[bytes] = deque()
+        self._rest = b""
+
+    @property
+    def waiting(self) -> bool:
+        """Whether there is something to write."""
+        return bool(self._lines or self._rest)
+
+    def put(self, line: bytes, *, important: bool) -> None:
+        """Queue a line. When nobody reads, those that are not important get lost."""
+        if len(self._lines) >= MOST_WAITING and not important:
+            self.lost += 1
+            return
+        if self.lost:
+            self._lines.append(b"... %d lines are not shown here; the log files have them\n" % self.lost)
+            self.lost = 0
+        self._lines.append(line)
+
+    def flush(self) -> None:
+        """Write as much as is taken now."""
+        while self.waiting and _is_writable(self.descriptor, 0.0):
+            while self._lines and len(self._rest) < PIECE:
+                self._rest += self._lines.popleft()
+            try:
+                self._rest = self._rest[os.write(self.descriptor, self._rest[:PIECE]) :]
+            except OSError:  # nobody reads any more
+                self._lines.clear()
+                self._rest = b""
 
 
 class Console:
-    """Writes whole lines. While it is held (a node owns the screen) it keeps what it has to say for later."""
+    """Writes whole lines, never waits. While it is held (a node owns the screen) it keeps what matters for later."""
 
-    def __init__(self, out: int = 1, err: int = 2, *, quiet: bool = False) -> None:
-        """Take descriptors for node output and for messages. `quiet` drops messages that are no news."""
-        self._out = out
-        self._err = err
-        self._quiet = quiet
-        self._colours = {descriptor: _is_terminal(descriptor) for descriptor in (out, err)}
-        self._held: deque[tuple[int, str]] | None = None
+    def __init__(self, out: int = 1, err: int = 2) -> None:
+        """Take descriptors for node output and for messages."""
+        self._out = Sink(out)
+        self._err = self._out if _same_file(out, err) else Sink(err)
+        self._colours = {sink: _is_terminal(sink.descriptor) for sink in (self._out, self._err)}
+        self._held: list[tuple[Sink, bytes]] | None = None
 
     @property
     def is_terminal(self) -> bool:
@@ -33,44 +71,58 @@ class Console:
         """A line that a node printed on standard error."""
         self._show(self._err, name, line)
 
-    def _show(self, descriptor: int, name: str, line: str) -> None:
-        head = f"{_BOLD}[{name}]{_PLAIN}" if self._colours[descriptor] else f"[{name}]"
-        tail = _PLAIN if "\x1b" in line else ""
-        self._write(descriptor, f"{head} {line}{tail}\n")
-
     def inform(self, text: str) -> None:
         """A message that is good to know, while it is new: dropped while the console is held."""
-        if not self._quiet and self._held is None:
-            self._write(self._err, self._paint(text, _DIM))
+        if self._held is None:
+            self._put(self._err, self._paint(text, _DIM), important=True)
 
     def warn(self, text: str) -> None:
         """A message that matters."""
-        self._write(self._err, self._paint(text, _RED if text.startswith("error") else ""))
+        self._put(self._err, self._paint(text, _RED if text.startswith("error") else ""), important=True)
 
     def hold(self) -> None:
         """Keep everything until `release`."""
+        self.finish(0.5)
         if self._held is None:
-            self._held = deque(maxlen=MOST_HELD)
+            self._held = []
 
     def release(self) -> None:
         """Write what was kept."""
         held, self._held = self._held, None
-        for descriptor, text in held or ():
-            self._write(descriptor, text)
+        for sink, line in held or ():
+            sink.put(line, important=True)
+
+    def waiting(self) -> list[int]:
+        """The descriptors that have to become writable."""
+        return [sink.descriptor for sink in self._colours if sink.waiting]
+
+    def flush(self) -> None:
+        """Write as much as is taken now."""
+        for sink in self._colours:
+            sink.flush()
+
+    def finish(self, limit: float) -> None:
+        """Write everything, or as much as is taken within a time limit, in s."""
+        end = time.monotonic() + limit
+        for sink in self._colours:
+            sink.flush()
+            while sink.waiting and (left := end - time.monotonic()) > 0 and _is_writable(sink.descriptor, left):
+                sink.flush()
+
+    def _show(self, sink: Sink, name: str, line: str) -> None:
+        head = f"{_BOLD}[{name}]{_PLAIN}" if self._colours[sink] else f"[{name}]"
+        tail = _PLAIN if "\x1b" in line else ""
+        self._put(sink, f"{head} {line}{tail}\n", important=False)
 
     def _paint(self, text: str, style: str) -> str:
         return f"{style}{text}{_PLAIN}\n" if style and self._colours[self._err] else f"{text}\n"
 
-    def _write(self, descriptor: int, text: str) -> None:
+    def _put(self, sink: Sink, text: str, *, important: bool) -> None:
+        line = text.encode("utf-8", "replace")
         if self._held is not None:
-            self._held.append((descriptor, text))
-            return
-        data = text.encode("utf-8", "replace")
-        try:
-            while data:
-                data = data[os.write(descriptor, data) :]
-        except OSError:
-            return  # nobody reads any more; the log files have it
+            self._held.append((sink, line))
+        else:
+            sink.put(line, important=important)
 
 
 def _is_terminal(descriptor: int) -> bool:
@@ -78,3 +130,17 @@ def _is_terminal(descriptor: int) -> bool:
         return os.isatty(descriptor)
     except OSError:
         return False
+
+
+def _is_writable(descriptor: int, patience: float) -> bool:
+    poll = select.poll()
+    poll.register(descriptor, select.POLLOUT)
+    return bool(poll.poll(patience * 1000))
+
+
+def _same_file(one: int, other: int) -> bool:
+    try:
+        first, second = os.fstat(one), os.fstat(other)
+    except OSError:
+        return False
+    return (first.st_dev, first.st_ino) == (second.st_dev, second.st_ino)

@@ -77,8 +77,11 @@ def run_plan(plan: Plan, world: World, host: ProcessHost, console: Console, opti
     elif run_id == "":
         extra = {"/run_id": Path(folder).name}
     if not programs and not own_master:
-        _set_parameters(plan, master, extra, start_commands(plan.params, environment))
+        set_ = _try_parameters(plan, master, extra, start_commands(plan.params, environment))
+        if isinstance(set_, SetupFailed):
+            raise UserError(error(set_.reason, rule="setup-failed"))
         console.inform("parameters are set; there is no node to start")
+        console.finish(1.0)
         return 0
 
     host.set_environment(environment)
@@ -193,6 +196,7 @@ def _read_run_id(master: Master, options: Options, console: Console) -> str | No
                 ) from None
             if not told:
                 console.warn(f"waiting for the master at {master.uri}")
+                console.finish(1.0)
                 told = True
             time.sleep(0.1)
 

@@ -90,6 +90,7 @@ def run_loop(run: Run, host: ProcessHost, console: Console, terminal: Terminal |
         kill_orphans()
         console.release()
         console.warn("error: the process host was killed; every node has been ended with it")
+        console.finish(1.0)
         return 1
     finally:
         host.close()
@@ -123,7 +124,16 @@ class _Loop:
     def run(self) -> int:
         self._happen(Begin())
         while self._exit_code is None:
-            for descriptor, _ in self._poll.poll(self._patience()):
+            self._console.flush()
+            unwritten = self._console.waiting()
+            for descriptor in unwritten:
+                self._poll.register(descriptor, select.POLLOUT)
+            ready = self._poll.poll(self._patience())
+            for descriptor in unwritten:
+                self._poll.unregister(descriptor)
+            for descriptor, _ in ready:
+                if descriptor in unwritten:
+                    continue
                 if descriptor == self._wake:
                     _drain(self._wake)
                 elif descriptor == self._host.fileno():
@@ -145,6 +155,7 @@ class _Loop:
         if self._run.terminal_program is not None and self._run.terminal_program.unit.name in self._pids:
             self._take_terminal_back(reset=True)
         self._console.release()
+        self._console.finish(1.0)
         for outputs in self._outputs.values():
             self._close_outputs(outputs)
         os.close(self._wake)
