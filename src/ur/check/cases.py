@@ -1,0 +1,146 @@
+"""Resolving a launch file as it may be used: for every base and variant, with and without its options.
+
+The real resolver does the work. Required arguments get a marker that nothing else contains; a finding that speaks of
+a marker is about something unknown and is dropped. What the dropped ones expected ("true or false", "a number") tells
+which values to try next, so both branches of a condition are seen.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+from ur.check.model import LaunchView
+from ur.check.survey import walk_elements
+from ur.check.worlds import CachedWorld, Environment, Unknowns, has_marker
+from ur.launchfile.plan.load import load_plan
+from ur.launchfile.plan.model import Plan
+from ur.launchfile.syntax import Element
+from ur.source.diagnostic import Diagnostic
+
+_ROUNDS = 5
+_CONDITION = re.compile(r"\s*\$\(arg (\w+)\)\s*\Z")
+_BOOLEANS = {"true": "false", "1": "false", "false": "true", "0": "true"}
+_CHOICE = re.compile(r"expected (\w+) or ")
+# Values that somebody else sets together with the option: with it alone they say nothing.
+_ONLY_BY_DEFAULT = frozenset({"duplicate-node", "duplicate-machine", "param-conflict", "unknown-machine"})
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    """One way to start a file: given arguments by name. `flipped`: an option that is the other way round here."""
+
+    given: tuple[tuple[str, str], ...] = ()
+    flipped: str | None = None
+
+    @property
+    def label(self) -> str:
+        """As it would be typed: `robot_base:=magni`."""
+        return " ".join(f"{name}:={value}" for name, value in self.given)
+
+
+@dataclass(frozen=True, slots=True)
+class Resolved:
+    """A plan and the case it is for; its diagnostics hold only what is sure."""
+
+    case: Case
+    plan: Plan
+
+
+def list_cases(view: LaunchView) -> list[Case]:
+    """The cases of a launch file: each base and variant of its package, once plain and once per option flipped."""
+    bases = _base_cases(view)
+    return bases + [
+        replace(base, given=(*base.given, flip), flipped=flip[0]) for flip in _flips(view) for base in bases
+    ]
+
+
+def resolve_cases(view: LaunchView, world: CachedWorld) -> Iterator[Resolved]:
+    """The plans of a launch file, one or two per case."""
+    required = [name for name, elements in view.declared.items() if all(map(_is_required, elements))]
+    for case in list_cases(view):
+        for plan in _resolve(view.path, case, required, world):
+            yield Resolved(case, plan)
+
+
+def _base_cases(view: LaunchView) -> list[Case]:
+    if view.package is None or "robot_base" not in view.declared:
+        return [Case()]
+    cases = []
+    for base in view.package.bases:
+        variants = ("", *base.variants) if "robot_variant" in view.declared else ("",)
+        for variant in variants:
+            given = [("robot_base", base.name)] + ([("robot_variant", variant)] if variant else [])
+            cases.append(Case(tuple(given)))
+    return cases or [Case()]
+
+
+def _flips(view: LaunchView) -> list[tuple[str, str]]:
+    conditions = {
+        match.group(1)
+        for element, _ in walk_elements(view.tree.launch)
+        for match in (_CONDITION.match(element.attributes.get(name, "")) for name in ("if", "unless"))
+        if match
+    }
+    flips = []
+    for name in sorted(conditions & set(view.declared)):
+        default = view.declared[name][0].attributes.get("default", "").strip().lower()
+        if default in _BOOLEANS:
+            flips.append((name, _BOOLEANS[default]))
+    return flips
+
+
+def _is_required(element: Element) -> bool:
+    return "default" not in element.attributes and "value" not in element.attributes
+
+
+def _resolve(path: str, case: Case, required: list[str], world: CachedWorld) -> Iterator[Plan]:
+    unknowns = Unknowns()
+    open_world = world.with_environment(Environment(world.environment, unknowns))
+    given = dict(case.given)
+    plan = None
+    for _ in range(_ROUNDS):
+        words = [f"{name}:={value}" for name, value in given.items()]
+        words += [f"{name}:={unknowns.value_of(name)}" for name in required if name not in given]
+        plan = load_plan([path], words, open_world)
+        learnt = dict(pair for found in plan.diagnostics for pair in _learn(found, unknowns))
+        if not learnt:
+            break
+        unknowns.tried.update(learnt)
+    assert plan is not None
+    yield _only_sure(plan, case, unknowns)
+    if "true" in unknowns.tried.values():
+        unknowns.tried = {name: "false" if value == "true" else value for name, value in unknowns.tried.items()}
+        words = [f"{name}:={value}" for name, value in given.items()]
+        words += [f"{name}:={unknowns.value_of(name)}" for name in required if name not in given]
+        plan = load_plan([path], words, open_world)
+        yield _only_sure(plan, replace(case, flipped=case.flipped or "false"), unknowns)
+
+
+def _learn(found: Diagnostic, unknowns: Unknowns) -> Iterator[tuple[str, str]]:
+    # A value to try for each unknown that a finding speaks of.
+    for name in unknowns.names_in(found.message):
+        if found.rule == "bad-boolean":
+            yield name, "true"
+        elif found.rule in ("bad-number", "bad-param-value"):
+            yield name, "true" if "of type bool" in found.message else "1"
+        elif found.rule == "bad-choice" and (choice := _CHOICE.search(found.message)):
+            yield name, choice.group(1)
+
+
+def _only_sure(plan: Plan, case: Case, unknowns: Unknowns) -> Plan:
+    sure = tuple(found for found in plan.diagnostics if _is_sure(found, case, unknowns))
+    return replace(plan, diagnostics=sure)
+
+
+def _is_sure(found: Diagnostic, case: Case, unknowns: Unknowns) -> bool:
+    if has_marker(found.message) or any(has_marker(note.message) for note in found.notes):
+        return False
+    if found.span is None or found.span.file.path == "<command line>":
+        return False
+    if found.rule == "missing-argument" and found.message.endswith(":=VALUE"):
+        return False  # an argument of the file itself: whoever starts it gives it
+    if found.rule == "bad-eval" and "not a Python expression" not in found.message:
+        return not (unknowns.any_used or case.flipped)  # the result may depend on something unknown
+    return not (case.flipped and (found.rule in _ONLY_BY_DEFAULT or found.message.startswith("an empty path")))

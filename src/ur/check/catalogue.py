@@ -1,0 +1,57 @@
+"""Every rule, by id. A file in `rules/` is a rule; nothing has to be listed twice."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from functools import cache
+from importlib import import_module
+from pkgutil import iter_modules
+
+from ur.check import rules
+from ur.check.model import Group, Rule
+from ur.source.diagnostic import UserError, error
+from ur.source.suggest import did_you_mean
+
+
+@cache
+def load_rules() -> dict[str, Rule]:
+    """All rules, sorted by id."""
+    modules = (import_module(f"{rules.__name__}.{info.name}") for info in iter_modules(rules.__path__))
+    found = {rule.id: rule for rule in (module.RULE for module in modules) if isinstance(rule, Rule)}
+    return dict(sorted(found.items()))
+
+
+def choose_rules(select: Iterable[str], ignore: Iterable[str]) -> frozenset[str]:
+    """The ids that `--select` (none: all) and `--ignore` leave. Both take ids and group codes. Raises UserError."""
+    every = load_rules()
+    chosen = {id_ for word in select for id_ in _ids(word, every, "--select")} or set(every)
+    return frozenset(chosen - {id_ for word in ignore for id_ in _ids(word, every, "--ignore")})
+
+
+def find_rule(word: str) -> Rule:
+    """The rule with this id. Raises UserError with a suggestion."""
+    every = load_rules()
+    if word in every:
+        return every[word]
+    raise _unknown(word, every, "--explain", ())
+
+
+def _ids(word: str, every: dict[str, Rule], option: str) -> list[str]:
+    if word in every:
+        return [word]
+    groups = tuple(group.value for group in Group)
+    if word in groups:
+        return [rule.id for rule in every.values() if rule.group.value == word]
+    raise _unknown(word, every, option, groups)
+
+
+def _unknown(word: str, every: dict[str, Rule], option: str, groups: tuple[str, ...]) -> UserError:
+    near = did_you_mean(word, [*every, *groups])
+    kinds = f" or a group ({', '.join(groups)})" if groups else ""
+    return UserError(
+        error(
+            f"{option} {word}: no such rule, expected an id{kinds}",
+            rule="unknown-rule",
+            help=f"did you mean {near}?" if near else "docs/reference/rules/index.md lists them",
+        )
+    )

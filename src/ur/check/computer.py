@@ -1,0 +1,55 @@
+"""The real world for a check: what is checked comes first, and packages beside it are known, sourced or not."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
+
+from ur.launchfile.world import SystemWorld
+
+_MAX_DEPTH = 6
+_MAX_BESIDE = 500
+
+
+def make_world(paths: Sequence[str], environment: Mapping[str, str]) -> SystemWorld:
+    """This computer, with the packages of the checked paths found first and those beside them found last."""
+    checked: dict[str, None] = {}
+    beside: dict[str, None] = {}
+    for path in map(Path, paths):
+        place = path.absolute()
+        enclosing = next((each for each in (place, *place.parents) if _is_package(each)), None)
+        if enclosing is not None:
+            checked[str(enclosing)] = None
+            beside.update(dict.fromkeys(_beside(enclosing)))
+        elif place.is_dir():
+            checked.update(dict.fromkeys(_below(place)))
+    known = [environment["ROS_PACKAGE_PATH"]] if environment.get("ROS_PACKAGE_PATH") else []
+    joined = os.pathsep.join((*checked, *known, *(path for path in beside if path not in checked)))
+    return SystemWorld({**environment, "ROS_PACKAGE_PATH": joined} if joined else environment)
+
+
+def _is_package(folder: Path) -> bool:
+    return (folder / "package.xml").is_file()
+
+
+def _beside(folder: Path) -> Iterator[str]:
+    for each in _folders(folder.parent):
+        if _is_package(each):
+            yield str(each)
+
+
+def _below(folder: Path, depth: int = 0) -> Iterator[str]:
+    for each in _folders(folder):
+        if _is_package(each):
+            yield str(each)
+        elif depth < _MAX_DEPTH:
+            yield from _below(each, depth + 1)
+
+
+def _folders(folder: Path) -> Iterable[Path]:
+    try:
+        found = [entry for entry in os.scandir(folder) if entry.is_dir() and not entry.name.startswith(".")]
+    except OSError:
+        return ()
+    return [Path(entry.path) for entry in sorted(found, key=lambda entry: entry.name)[:_MAX_BESIDE]]

@@ -1,0 +1,85 @@
+"""Whether a node's program exists: installed, in the source tree, or built by the package when somebody builds it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from typing import Literal, NamedTuple
+
+from ur.launchfile.world import World
+from ur.launchfile.world.protocol import PackageNotFound
+
+_TARGET = re.compile(r"\w*add_executable\s*\(\s*([^\s)]+)", re.IGNORECASE)
+_OUTPUT = re.compile(r"OUTPUT_NAME\s+([^\s)]+)")
+_SUBFOLDER = re.compile(r"add_subdirectory\s*\(\s*([\w./-]+)", re.IGNORECASE)
+_PROJECT = re.compile(r"^\s*project\s*\(\s*([\w.-]+)", re.IGNORECASE | re.MULTILINE)
+_VARIABLE = re.compile(r"\$\{[^}]*\}")
+_MAX_DEPTH = 3
+
+
+class Verdict(NamedTuple):
+    """`path` is the file that exists without being executable; `near` are programs that a name may have meant."""
+
+    kind: Literal["found", "unknown", "missing", "not-executable", "no-package"]
+    path: str = ""
+    near: tuple[str, ...] = ()
+
+
+def find_program(package: str, name: str, world: World) -> Verdict:
+    """What is known of the program of a node. A program that the package builds when it is built counts as found."""
+    if "/" in name:
+        return Verdict("unknown")
+    try:
+        if world.find_executables(package, name):
+            return Verdict("found")
+        files = world.find_files(package, name)
+        folder = world.find_package(package)
+    except PackageNotFound:
+        return Verdict("no-package")
+    except (OSError, ValueError):
+        return Verdict("unknown")
+    if set(world.list_folder(folder)) <= {"package.xml"}:  # stands in for a package that is somewhere else
+        return Verdict("unknown")
+    texts = list(_build_files(folder, world))
+    if any(_builds(text, name) for text in texts):
+        return Verdict("found")
+    if files:
+        return Verdict("not-executable", files[0])
+    return Verdict("missing", near=tuple(_programs_near(package, folder, texts, world)))
+
+
+def _build_files(folder: str, world: World, depth: int = 0) -> Iterator[str]:
+    for name in ("CMakeLists.txt", "setup.py"):
+        try:
+            text = world.read_bytes(f"{folder}/{name}").decode("utf-8", "replace")
+        except OSError:
+            continue
+        yield text
+        if depth < _MAX_DEPTH:
+            for inner in _SUBFOLDER.findall(text):
+                yield from _build_files(f"{folder}/{inner}", world, depth + 1)
+
+
+def _builds(text: str, name: str) -> bool:
+    # Also scripts that an install rule names: building makes them executable.
+    if re.search(rf"(?<![\w.-]){re.escape(name)}(?![\w.-])", text):
+        return True
+    for target in _targets(text):
+        if re.fullmatch(".*".join(re.escape(part) for part in _VARIABLE.split(target)), name):
+            return True
+    return False
+
+
+def _targets(text: str) -> Iterator[str]:
+    project = _PROJECT.search(text)
+    for target in (*_TARGET.findall(text), *_OUTPUT.findall(text)):
+        plain = target.strip('"')
+        yield plain.replace("${PROJECT_NAME}", project.group(1)) if project else plain
+
+
+def _programs_near(package: str, folder: str, texts: list[str], world: World) -> Iterator[str]:
+    for text in texts:
+        yield from (target for target in _targets(text) if "$" not in target)
+    yield from world.executable_names(package)
+    for place in (f"{folder}/bin", f"{folder}/scripts", f"{folder}/nodes"):
+        yield from (name for name in world.list_folder(place) if world.is_file(f"{place}/{name}"))

@@ -1,0 +1,42 @@
+"""`ur check --fix`: the safe repairs that rules know for their findings."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+from ur.check.model import Edit, Rule
+from ur.source.diagnostic import Diagnostic
+
+
+@dataclass(frozen=True, slots=True)
+class Repair:
+    """A file's new text, and the findings that are gone with it."""
+
+    path: str
+    text: str
+    findings: tuple[Diagnostic, ...]
+
+
+def plan_repairs(findings: Iterable[Diagnostic], rules: Mapping[str, Rule]) -> list[Repair]:
+    """New texts for the files whose findings can be repaired. Of two edits that overlap, the first is made."""
+    edits: dict[str, list[tuple[Edit, Diagnostic]]] = {}
+    for found in findings:
+        rule = rules.get(found.rule)
+        if rule is not None and rule.fix is not None and found.span is not None:
+            for edit in rule.fix(found):
+                edits.setdefault(edit.span.file.path, []).append((edit, found))
+    return [_apply(path, group) for path, group in sorted(edits.items())]
+
+
+def _apply(path: str, edits: list[tuple[Edit, Diagnostic]]) -> Repair:
+    edits.sort(key=lambda pair: pair[0].span.start)
+    source = edits[0][0].span.file.text
+    parts, position, done = [], 0, []
+    for edit, found in edits:
+        if edit.span.start < position:
+            continue
+        parts += [source[position : edit.span.start], edit.text]
+        position = edit.span.end
+        done.append(found)
+    return Repair(path, "".join(parts) + source[position:], tuple(done))

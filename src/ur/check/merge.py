@@ -1,0 +1,78 @@
+"""Many cases, one finding: what several ways to start a file have in common is said once."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+from ur.source.diagnostic import Diagnostic, Note, Severity
+
+MAX_NOTES = 6
+
+
+@dataclass(frozen=True, slots=True)
+class Hit:
+    """A finding of one case of one file. `cases` is how many cases the file has."""
+
+    found: Diagnostic
+    root: str = ""
+    label: str = ""
+    cases: int = 1
+
+
+def merge_hits(hits: Iterable[Hit]) -> list[Diagnostic]:
+    """One finding per rule and place, sorted by place; where it is not in every case, notes say in which."""
+    groups: dict[tuple[str, str, int, int], list[Hit]] = {}
+    for hit in hits:
+        groups.setdefault(_key(hit.found), []).append(hit)
+    found = [_merge(group) for group in groups.values()]
+    return sorted(_once_per_package(found), key=_order)
+
+
+def _key(found: Diagnostic) -> tuple[str, str, int, int]:
+    if found.span is None:
+        return (found.rule, found.message, 0, 0)
+    return (found.rule, found.span.file.path, found.span.start, found.span.end)
+
+
+def _order(found: Diagnostic) -> tuple[str, int, int, str]:
+    if found.span is None:
+        return ("", 0, 0, found.rule)
+    return (found.span.file.path, found.span.start, found.span.end, found.rule)
+
+
+def _merge(group: list[Hit]) -> Diagnostic:
+    first = next((hit for hit in group if hit.found.notes), group[0])  # one that says through which includes
+    worst = min((hit.found.severity for hit in group), key=lambda severity: severity is Severity.WARNING)
+    found = replace(first.found, severity=worst)
+    same_root = [hit for hit in group if hit.root == first.root and hit.label]
+    labels = list(dict.fromkeys(hit.label for hit in same_root))
+    if not labels or (len(labels) >= first.cases and len({hit.found.message for hit in same_root}) == 1):
+        return found
+    messages: dict[str, list[str]] = {}
+    for hit in same_root:
+        messages.setdefault(hit.found.message, []).append(hit.label)
+    notes = []
+    for message, names in list(messages.items())[:MAX_NOTES]:
+        with_ = ", or ".join(dict.fromkeys(names))
+        notes.append(Note(f"with {with_}" + ("" if message == found.message else f": {message}")))
+    if len(messages) > MAX_NOTES:
+        notes.append(Note(f"and in {len(messages) - MAX_NOTES} more ways"))
+    return replace(found, notes=(*notes, *found.notes))
+
+
+def _once_per_package(found: list[Diagnostic]) -> Iterable[Diagnostic]:
+    # A package that is not there is one finding per file, however often the file speaks of it.
+    groups: dict[tuple[str, str, str], list[Diagnostic]] = {}
+    for finding in sorted(found, key=_order):
+        if finding.span is not None and finding.rule in ("unknown-package", "package-not-installed"):
+            groups.setdefault((finding.rule, finding.span.file.path, finding.message), []).append(finding)
+        else:
+            yield finding
+    for group in groups.values():
+        first, *others = group
+        if others:
+            lines = sorted({finding.span.position.line for finding in others if finding.span})
+            where = ", ".join(str(line) for line in lines[:8]) + (", ..." if len(lines) > 8 else "")
+            first = replace(first, notes=(*first.notes, Note(f"also in line {where}")))
+        yield first

@@ -1,0 +1,177 @@
+"""What a rule is, and what rules look at."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from enum import Enum
+from typing import TYPE_CHECKING
+
+from ur.source.diagnostic import Diagnostic, Note, Severity
+
+if TYPE_CHECKING:
+    from ur.launchfile.plan.model import NodeSpec, ParamSpec
+    from ur.launchfile.syntax import Element, LaunchFile
+    from ur.launchfile.world import World
+    from ur.source.file import SourceFile, Span
+
+
+class Group(Enum):
+    """What a rule is about; `--select` and `--ignore` take these codes too."""
+
+    XML = "xml"
+    ARGUMENTS = "arguments"
+    FILES = "files"
+    NAMES = "names"
+    VALUES = "values"
+    MACHINES = "machines"
+    YAML = "yaml"
+    HOUSE = "house"
+    COMMENTS = "comments"
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """What a rule found; the engine adds the rule's id and severity."""
+
+    span: Span
+    message: str
+    help: str | None = None
+    notes: tuple[Note, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Edit:
+    """A safe change of a text: these characters become `text`."""
+
+    span: Span
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Example:
+    """A package in memory. In a bad one, `«` and `»` stand around the place that the rule points at.
+
+    `files` maps paths in the package to texts; names with a leading `/` are used as they are. The package is called
+    `my_robot` unless `files` holds a `package.xml` that says otherwise. Paths in `executables` may be executed.
+    """
+
+    files: Mapping[str, str]
+    executables: tuple[str, ...] = ()
+    environment: Mapping[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class BaseNames:
+    """A base that a package claims, and its variants beside the plain one."""
+
+    name: str
+    variants: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Package:
+    """The package that checked files belong to. `house`: it follows the house layout, so its conventions apply."""
+
+    name: str
+    folder: str
+    house: bool
+    bases: tuple[BaseNames, ...]
+    depends: frozenset[str]
+
+
+@dataclass(frozen=True, slots=True)
+class LaunchView:
+    """A launch file and what its rules need to know about it."""
+
+    path: str
+    tree: LaunchFile
+    package: Package | None
+    declared: Mapping[str, tuple[Element, ...]]  # by name: its <arg> tags outside of <include>
+    used: Mapping[str, tuple[Span, ...]]  # by argument: where $(arg) or $(eval) speak of it
+    world: World
+
+
+@dataclass(frozen=True, slots=True)
+class YamlView:
+    """A YAML file."""
+
+    source: SourceFile
+    package: Package | None
+
+
+@dataclass(frozen=True, slots=True)
+class ProgramView:
+    """A program in a package's `bin` folder."""
+
+    source: SourceFile
+    package: Package
+    world: World
+    launch_files: Mapping[str, LaunchView]  # every launch file of the package by its path
+
+
+@dataclass(frozen=True, slots=True)
+class PackageView:
+    """A whole package."""
+
+    package: Package
+    launch_files: tuple[LaunchView, ...]
+    programs: tuple[ProgramView, ...]
+    included: Mapping[str, tuple[Span, ...]]  # path of a launch file to the <include> tags that name it
+
+
+@dataclass(frozen=True, slots=True)
+class NodeView:
+    """A node of a resolved launch file. `local`: it does not run on another computer, whose programs are there."""
+
+    node: NodeSpec
+    element: Element
+    local: bool
+    package: Package | None
+    world: World
+
+
+@dataclass(frozen=True, slots=True)
+class ParamView:
+    """A parameter of a resolved launch file whose value a command prints."""
+
+    param: ParamSpec
+    element: Element
+    package: Package | None
+    world: World
+
+
+@dataclass(frozen=True, slots=True)
+class Rule:
+    """One thing that can be wrong. A rule without a hook is one that reading and resolving launch files reports.
+
+    `id` never changes its meaning. `house` rules apply only to packages that follow the house layout.
+    """
+
+    id: str
+    group: Group
+    severity: Severity
+    summary: str
+    explanation: str
+    bad: tuple[Example, ...]
+    good: tuple[Example, ...]
+    house: bool = False
+    element: Callable[[Element, LaunchView], Iterable[Found]] | None = None
+    launch_file: Callable[[LaunchView], Iterable[Found]] | None = None
+    yaml_file: Callable[[YamlView], Iterable[Found]] | None = None
+    program: Callable[[ProgramView], Iterable[Found]] | None = None
+    whole_package: Callable[[PackageView], Iterable[Found]] | None = None
+    node: Callable[[NodeView], Iterable[Found]] | None = None
+    param: Callable[[ParamView], Iterable[Found]] | None = None
+    fix: Callable[[Diagnostic], tuple[Edit, ...]] | None = None
+
+
+def launch_example(
+    text: str,
+    files: Mapping[str, str] | None = None,
+    *,
+    name: str = "launch/example.launch",
+    executables: tuple[str, ...] = (),
+) -> Example:
+    """An example that is mostly one launch file."""
+    return Example({name: text.strip("\n") + "\n", **(files or {})}, executables)

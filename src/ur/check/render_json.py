@@ -1,0 +1,43 @@
+"""A report as JSON, for programs."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+from ur.check.run import Report
+from ur.source.diagnostic import Diagnostic
+from ur.source.file import Span
+
+
+def render_json(report: Report) -> str:
+    """One object: `findings`, in the order of their places, and a `summary`. Lines and columns count from 1."""
+    body = {
+        "findings": [_finding(found) for found in report.findings],
+        "summary": {
+            "files": report.files,
+            "errors": report.errors,
+            "warnings": len(report.findings) - report.errors,
+            "suppressed": report.suppressed,
+        },
+    }
+    return json.dumps(body, indent=2, ensure_ascii=False) + "\n"
+
+
+def _finding(found: Diagnostic) -> dict[str, Any]:
+    return {
+        **place_of(found.span),
+        "severity": found.severity.value,
+        "rule": found.rule,
+        "message": found.message,
+        "help": found.help,
+        "notes": [{**place_of(note.span), "message": note.message} for note in found.notes],
+    }
+
+
+def place_of(span: Span | None) -> dict[str, Any]:
+    """Path, line and column of the start, and line and column behind the end; nulls where there is no place."""
+    if span is None:
+        return {"path": None, "line": None, "column": None, "end_line": None, "end_column": None}
+    (line, column), (end_line, end_column) = span.position, span.file.position(span.end)
+    return {"path": span.file.path, "line": line, "column": column, "end_line": end_line, "end_column": end_column}

@@ -1,0 +1,32 @@
+"""An argument has both value= and default=."""
+
+from __future__ import annotations
+
+from ur.check.model import Group, Rule, launch_example
+from ur.source.diagnostic import Severity
+
+RULE = Rule(
+    id="arg-value-and-default",
+    group=Group.ARGUMENTS,
+    severity=Severity.ERROR,
+    summary="An argument has both value= and default=.",
+    explanation="""
+`value` fixes an argument, `default` lets others change it: it is one or the other.
+""",
+    bad=(
+        launch_example("""
+<launch>
+  <arg name="speed" value="0.3" «default»="0.5"/>
+  <param name="speed" value="$(arg speed)"/>
+</launch>
+"""),
+    ),
+    good=(
+        launch_example("""
+<launch>
+  <arg name="speed" default="0.5"/>
+  <param name="speed" value="$(arg speed)"/>
+</launch>
+"""),
+    ),
+)

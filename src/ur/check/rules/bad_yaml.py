@@ -1,0 +1,53 @@
+"""A text is not valid YAML."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import yaml
+
+from ur.check.model import Example, Found, Group, Rule, YamlView, launch_example
+from ur.check.yaml_nodes import compose_documents, is_plain_yaml, span_at
+from ur.source.diagnostic import Severity
+from ur.source.file import Span
+
+
+def _find_bad_yaml(view: YamlView) -> Iterable[Found]:
+    source = view.source
+    if not is_plain_yaml(source):
+        return
+    try:
+        compose_documents(source)
+    except yaml.MarkedYAMLError as problem:
+        mark = problem.problem_mark or problem.context_mark
+        message = " ".join(part for part in (problem.context, problem.problem) if part)
+        help_ = (
+            "indent with spaces" if "\\t" in message else "check the indentation, quotes and brackets above this place"
+        )
+        yield Found(span_at(source, mark), f"not valid YAML: {message}", help_)
+    except yaml.YAMLError as problem:
+        yield Found(Span(source, 0, 1), f"not valid YAML: {str(problem).splitlines()[0]}")
+
+
+RULE = Rule(
+    id="bad-yaml",
+    group=Group.YAML,
+    severity=Severity.ERROR,
+    summary="A text is not valid YAML.",
+    explanation="""
+YAML files of the package, and YAML inside `<rosparam>`. Files that are templates (`{{`, `{%`), and OpenCV's own format,
+are left alone.
+""",
+    bad=(
+        Example({"params/magni.yaml": "speed: [0.3, 0.5\nradius«:» 0.1\n"}),
+        launch_example("""
+<launch>
+  <rosparam>
+    speed: [0.3, 0.5
+  «<»/rosparam>
+</launch>
+"""),
+    ),
+    good=(Example({"params/magni.yaml": "speed: [0.3, 0.5]\nradius: 0.1\n"}),),
+    yaml_file=_find_bad_yaml,
+)

@@ -1,0 +1,150 @@
+"""A file that is named does not exist."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Iterable, Iterator
+from itertools import pairwise
+
+from ur.check.model import Found, Group, NodeView, ParamView, Rule, launch_example
+from ur.check.worlds import has_marker
+from ur.launchfile.syntax import Element
+from ur.launchfile.world import World
+from ur.source.diagnostic import Severity
+from ur.source.suggest import did_you_mean
+
+_DESCRIPTIONS = (".xacro", ".urdf", ".sdf", ".srdf")
+_CONFIGURATION = ("-d", "--display-config")
+
+
+def _find_in_arguments(view: NodeView) -> Iterable[Found]:
+    words = _split(view.node.args)
+    named: list[str] = []
+    if view.node.type == "rviz":
+        named = _after(words, _CONFIGURATION)
+    elif view.node.type == "map_server":
+        named = [word for word in words[:1] if word.endswith(".yaml")]
+    elif view.node.type in ("spawn_model", "spawn_entity"):
+        named = _after(words, ("-file",))
+    return _missing(named, view.element, "args", view.world)
+
+
+def _find_in_command(view: ParamView) -> Iterable[Found]:
+    words = _split(view.param.command or "")
+    if not words or words[0].rpartition("/")[2] not in ("xacro", "xacro.py", "cat"):
+        return ()
+    named = [word for word in words[1:] if word.endswith(_DESCRIPTIONS) and ":=" not in word and word[0] != "-"]
+    return _missing(named, view.element, "command", view.world)
+
+
+def _after(words: list[str], options: tuple[str, ...]) -> list[str]:
+    return [word for option, word in pairwise(words) if option in options]
+
+
+def _split(text: str) -> list[str]:
+    try:
+        return shlex.split(text)
+    except ValueError:
+        return []
+
+
+def _missing(paths: Iterable[str], element: Element, attribute: str, world: World) -> Iterator[Found]:
+    # A path that is written out may be one of the computer where the file is used.
+    if "$(" not in element.attributes.get(attribute, ""):
+        return
+    for path in paths:
+        if not path.startswith("/") or has_marker(path) or world.is_file(path):
+            continue
+        folder, _, name = path.rpartition("/")
+        near = did_you_mean(name, world.list_folder(folder))
+        yield Found(
+            element.value_span(attribute),
+            f"{path}: no such file or directory, expected a file",
+            f"did you mean {folder}/{near}?" if near else "check the path, or create the file",
+        )
+
+
+_PART = """
+<launch>
+  <param name="speed" value="0.3"/>
+</launch>
+"""
+
+RULE = Rule(
+    id="missing-file",
+    group=Group.FILES,
+    severity=Severity.ERROR,
+    summary="A file that is named does not exist.",
+    explanation="""
+Included launch files, parameter files, robot descriptions (`textfile`, xacro), maps and RViz configurations are looked
+for, for every base and variant of the package, and in the branches of options that are off by default. Paths that
+depend on something unknown are left alone.
+""",
+    bad=(
+        launch_example(
+            """
+<launch>
+  <include file="«$(find my_robot)/launch/prat.launch.xml»"/>
+</launch>
+""",
+            {"launch/part.launch.xml": _PART},
+        ),
+        launch_example("""
+<launch>
+  <rosparam command="load" file="«$(find my_robot)/params/none.yaml»"/>
+</launch>
+"""),
+        launch_example("""
+<launch>
+  <arg name="simulate" default="false"/>
+  <param name="robot_description" textfile="«$(find my_robot)/urdf/robot.urdf»" if="$(arg simulate)"/>
+</launch>
+"""),
+        launch_example("""
+<launch>
+  <param name="robot_description" command="«xacro $(find my_robot)/urdf/robot.xacro»"/>
+</launch>
+"""),
+        launch_example("""
+<launch>
+  <node name="rviz" pkg="rviz" type="rviz" args="«-d $(find my_robot)/rviz/view.rviz»"/>
+</launch>
+"""),
+        launch_example(
+            """
+<launch>
+  <arg name="robot_base"/>
+  <rosparam command="load" file="«$(find my_robot)/params/$(arg robot_base).yaml»"/>
+</launch>
+""",
+            {
+                "bases/loki/base.yaml": "summary: a base\n",
+                "bases/magni/base.yaml": "summary: a base\n",
+                "params/magni.yaml": "speed: 0.3\n",
+            },
+        ),
+    ),
+    good=(
+        launch_example(
+            """
+<launch>
+  <arg name="robot"/>
+  <include file="$(find my_robot)/launch/part.launch.xml"/>
+  <include file="$(find my_robot)/launch/$(arg robot).launch.xml"/>
+</launch>
+""",
+            {"launch/part.launch.xml": _PART},
+        ),
+        launch_example(
+            """
+<launch>
+  <arg name="robot_base"/>
+  <rosparam command="load" file="$(find my_robot)/params/$(arg robot_base).yaml"/>
+</launch>
+""",
+            {"bases/magni/base.yaml": "summary: a base\n", "params/magni.yaml": "speed: 0.3\n"},
+        ),
+    ),
+    node=_find_in_arguments,
+    param=_find_in_command,
+)

@@ -1,0 +1,55 @@
+"""A launch file has no Summary."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from ur.check.house import find_heading, house_folder
+from ur.check.model import Found, Group, LaunchView, Rule, launch_example
+from ur.source.diagnostic import Severity
+
+
+def _find_missing(view: LaunchView) -> Iterable[Found]:
+    launch = view.tree.launch
+    if launch is not None and house_folder(view) is not None and not find_heading(view, "Summary"):
+        yield Found(
+            launch.span,
+            "a launch file without a Summary, expected one line that says what the file does",
+            "write <!--Summary: ...--> after <launch>",
+        )
+
+
+RULE = Rule(
+    id="missing-summary",
+    group=Group.HOUSE,
+    severity=Severity.WARNING,
+    summary="A launch file has no Summary.",
+    explanation="""
+`<!--Summary: ...-->` is one line that says what the file does. Lists of launch files show it.
+""",
+    bad=(
+        launch_example(
+            """
+«<launch»>
+  <!--Overview: Once per second.-->
+  <node name="talker" pkg="demo_nodes" type="talker"/>
+</launch>
+""",
+            name="n_talker/launch/n_talker.launch",
+        ),
+    ),
+    good=(
+        launch_example(
+            """
+<launch>
+  <!--Summary: Say something.-->
+  <!--Overview: Once per second.-->
+  <node name="talker" pkg="demo_nodes" type="talker"/>
+</launch>
+""",
+            name="n_talker/launch/n_talker.launch",
+        ),
+    ),
+    house=True,
+    launch_file=_find_missing,
+)

@@ -1,0 +1,85 @@
+"""$(arg NAME) names an argument that the file does not declare."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+
+from ur.check.model import Found, Group, LaunchView, Rule, launch_example
+from ur.launchfile.syntax import Element, SubstitutionProblem, is_eval, parse_substitutions
+from ur.source.diagnostic import Severity
+from ur.source.suggest import did_you_mean
+
+_ARG_CALL = re.compile(r"""(?<![\w.])arg\(\s*(["'])([^"']*)\1\s*\)""")
+
+
+def _find_undeclared(element: Element, view: LaunchView) -> Iterable[Found]:
+    # Resolving reports those that take part; here are the others, in branches that a condition leaves out.
+    for attribute, value in element.attributes.items():
+        if "$(" not in value:
+            continue
+        for name, start, end in _arguments_in(value):
+            if name not in view.declared:
+                near = did_you_mean(name, view.declared)
+                help_ = (
+                    f"did you mean {near}?"
+                    if near
+                    else f'declare it before it is used: <arg name="{name}" default="..."/>'
+                )
+                yield Found(
+                    element.piece_span(attribute, start, end),
+                    f"argument '{name}' is not declared, expected <arg name=\"{name}\">",
+                    help_,
+                )
+
+
+def _arguments_in(value: str) -> Iterable[tuple[str, int, int]]:
+    if is_eval(value):
+        if _ARG_CALL.search(value):
+            yield from ((match.group(2), 0, len(value)) for match in _ARG_CALL.finditer(value))
+        return
+    try:
+        pieces = parse_substitutions(value)
+    except SubstitutionProblem:
+        return
+    for piece in pieces:
+        if piece.command == "arg" and len(piece.words) == 1:
+            yield piece.words[0].text, piece.start, piece.end
+
+
+RULE = Rule(
+    id="undeclared-argument",
+    group=Group.ARGUMENTS,
+    severity=Severity.ERROR,
+    summary="$(arg NAME) names an argument that the file does not declare.",
+    explanation="""
+Every file declares the arguments it uses, before it uses them; those of the including file are not inherited. roslaunch
+refuses the file as soon as the place takes part.
+""",
+    bad=(
+        launch_example("""
+<launch>
+  <arg name="speed" default="0.3"/>
+  <param name="speed" value="$(arg speed)"/>
+  <param name="limit" value="«$(arg sped)»"/>
+</launch>
+"""),
+        launch_example("""
+<launch>
+  <arg name="loud" default="false"/>
+  <group if="$(arg loud)">
+    <param name="volume" value="«$(arg volume)»" unless="$(arg loud)"/>
+  </group>
+</launch>
+"""),
+    ),
+    good=(
+        launch_example("""
+<launch>
+  <arg name="speed" default="0.3"/>
+  <param name="speed" value="$(arg speed)"/>
+</launch>
+"""),
+    ),
+    element=_find_undeclared,
+)

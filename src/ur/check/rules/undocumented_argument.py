@@ -1,0 +1,78 @@
+"""An argument is not documented."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from ur.check.house import comments_after, heading_of, house_folder
+from ur.check.model import Found, Group, LaunchView, Rule, launch_example
+from ur.launchfile.syntax import Element
+from ur.source.diagnostic import Severity
+
+
+def _find_undocumented(view: LaunchView) -> Iterable[Found]:
+    launch = view.tree.launch
+    if launch is None or house_folder(view) is None:
+        return
+    tags: dict[str, list[Element]] = {}
+    for element in launch.elements:
+        if element.name == "arg" and element.attributes.get("name"):
+            tags.setdefault(element.attributes["name"], []).append(element)
+    for name, elements in tags.items():
+        if not any(_is_documented(launch, element, name) for element in elements):
+            yield Found(
+                elements[-1].value_span("name"),
+                f"argument '{name}' is not documented, expected a comment after it",
+                f"write <!--{name}: ...--> in the next line",
+            )
+
+
+def _is_documented(launch: Element, element: Element, name: str) -> bool:
+    if element.attributes.get("doc", "").strip():
+        return True
+    return any((name, True) == (heading[0], bool(heading[1])) for heading in _headings(launch, element))
+
+
+def _headings(launch: Element, element: Element) -> list[tuple[str, str]]:
+    return [heading for heading in map(heading_of, comments_after(launch, element)) if heading]
+
+
+RULE = Rule(
+    id="undocumented-argument",
+    group=Group.HOUSE,
+    severity=Severity.WARNING,
+    summary="An argument is not documented.",
+    explanation="""
+After each `<arg>` follows `<!--name: ...-->`: what it means, in which unit, what it may be. `doc=` counts, too.
+""",
+    bad=(
+        launch_example(
+            """
+<launch>
+  <!--Summary: Say something.-->
+  <!--Overview: Once per second.-->
+  <arg name="«word»"/>
+  <node name="talker" pkg="demo_nodes" type="talker" args="$(arg word)"/>
+</launch>
+""",
+            name="n_talker/launch/n_talker.launch",
+        ),
+    ),
+    good=(
+        launch_example(
+            """
+<launch>
+  <!--Summary: Say something.-->
+  <!--Overview: Once per second.-->
+  <arg name="word"/>
+  <!--word: What is said.-->
+  <arg name="rate" default="1" doc="How often, in Hz."/>
+  <node name="talker" pkg="demo_nodes" type="talker" args="$(arg word) $(arg rate)"/>
+</launch>
+""",
+            name="n_talker/launch/n_talker.launch",
+        ),
+    ),
+    house=True,
+    launch_file=_find_undocumented,
+)

@@ -1,0 +1,79 @@
+"""A tag is not one that roslaunch knows."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from ur.check.model import Found, Group, LaunchView, Rule, launch_example
+from ur.launchfile.plan.body import TAGS
+from ur.launchfile.syntax import Element
+from ur.source.diagnostic import Severity
+from ur.source.suggest import did_you_mean
+
+_IN_NODE = ("remap", "param", "rosparam", "env")
+_INSIDE = {"launch": TAGS, "group": TAGS, "include": ("arg", "env"), "node": _IN_NODE, "test": _IN_NODE}
+
+
+def _find_unknown_tags(view: LaunchView) -> Iterable[Found]:
+    # Resolving reports those that take part; here are the others, in branches that a condition leaves out.
+    stack = [view.tree.launch] if view.tree.launch else []
+    while stack:
+        element = stack.pop()
+        known = _INSIDE.get(element.name)
+        if known is None:
+            continue
+        for child in element.elements:
+            name = child.name if known is TAGS else child.name.lower()
+            if name in known:
+                stack.append(child)
+            else:
+                yield _explain(child, element, known)
+
+
+def _explain(child: Element, parent: Element, known: tuple[str, ...]) -> Found:
+    near = did_you_mean(child.name, known)
+    return Found(
+        child.span,
+        f"unknown tag <{child.name}> inside <{parent.name}>, expected one of {', '.join(known)}",
+        f"did you mean <{near}>?" if near else "remove it: roslaunch ignores it with all that is inside",
+    )
+
+
+RULE = Rule(
+    id="unknown-tag",
+    group=Group.XML,
+    severity=Severity.ERROR,
+    summary="A tag is not one that roslaunch knows.",
+    explanation="""
+roslaunch prints a warning among many other lines, ignores the tag with everything inside it, and starts the rest.
+""",
+    bad=(
+        launch_example("""
+<launch>
+  «<gruop» ns="left">
+    <node name="talker" pkg="demo_nodes" type="talker"/>
+  </gruop>
+</launch>
+"""),
+        launch_example("""
+<launch>
+  <arg name="loud" default="false"/>
+  <group if="$(arg loud)">
+    <node name="talker" pkg="demo_nodes" type="talker">
+      «<parm» name="volume" value="11"/>
+    </node>
+  </group>
+</launch>
+"""),
+    ),
+    good=(
+        launch_example("""
+<launch>
+  <group ns="left">
+    <node name="talker" pkg="demo_nodes" type="talker"/>
+  </group>
+</launch>
+"""),
+    ),
+    launch_file=_find_unknown_tags,
+)

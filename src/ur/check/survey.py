@@ -1,0 +1,87 @@
+"""Reading launch files once, and noting what their rules ask for."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator
+
+from ur.check.model import LaunchView, Package
+from ur.launchfile.syntax import Element, SubstitutionProblem, is_eval, parse_launch_file, parse_substitutions
+from ur.launchfile.world import World
+from ur.source.file import Span
+
+_WORD = re.compile(r"[A-Za-z_]\w*")
+_OTHER_COMMANDS = frozenset({"find", "env", "optenv", "dirname", "anon"})
+_PIECE = re.compile(r"\$\([^)]*\)")
+
+
+def survey_launch_file(path: str, package: Package | None, world: World) -> LaunchView:
+    """A launch file and the arguments it declares and uses. Raises OSError."""
+    tree = parse_launch_file(path, world.read_bytes(path))
+    declared: dict[str, list[Element]] = {}
+    used: dict[str, list[Span]] = {}
+    for element, parent in walk_elements(tree.launch):
+        name = element.attributes.get("name")
+        if element.name == "arg" and name and (parent is None or parent.name != "include"):
+            declared.setdefault(name, []).append(element)
+        for argument, span in find_uses(element):
+            used.setdefault(argument, []).append(span)
+    return LaunchView(
+        path,
+        tree,
+        package,
+        {name: tuple(elements) for name, elements in declared.items()},
+        {name: tuple(spans) for name, spans in used.items()},
+        world,
+    )
+
+
+def walk_elements(top: Element | None, parent: Element | None = None) -> Iterator[tuple[Element, Element | None]]:
+    """Every element below `top` in document order, with the one it stands in."""
+    stack = [(top, parent)] if top is not None else []
+    while stack:
+        element, parent = stack.pop()
+        yield element, parent
+        stack.extend((child, element) for child in reversed(list(element.elements)))
+
+
+def find_uses(element: Element) -> Iterator[tuple[str, Span]]:
+    """The arguments that an element's attributes and text speak of, each with its place."""
+    for attribute, value in element.attributes.items():
+        if "$(" in value:
+            for name, start, end in _names_in(value):
+                yield name, element.piece_span(attribute, start, end)
+    if "$(" in element.text:
+        for name, start, end in _names_in(element.text):
+            yield name, Span(element.source, element.text_offset(start), element.text_offset(end))
+
+
+def find_includers(views: Iterable[LaunchView]) -> dict[str, tuple[Span, ...]]:
+    """By path of a launch file: the `<include>` tags of other files that may mean it, whatever their arguments are."""
+    every = list(views)
+    found: dict[str, list[Span]] = {}
+    for view in every:
+        for element, _ in walk_elements(view.tree.launch):
+            file = element.attributes.get("file", "") if element.name == "include" else ""
+            if not file:
+                continue
+            pattern = re.compile(".*".join(re.escape(part) for part in _PIECE.split(file)) + r"\Z")
+            for other in every:
+                if other is not view and pattern.search(other.path):
+                    found.setdefault(other.path, []).append(element.value_span("file"))
+    return {path: tuple(spans) for path, spans in found.items()}
+
+
+def _names_in(value: str) -> Iterator[tuple[str, int, int]]:
+    try:
+        pieces = parse_substitutions(value)
+    except SubstitutionProblem:  # reported where it is resolved; what can be read of it still counts as used
+        yield from ((match.group(), match.start(), match.end()) for match in _WORD.finditer(value))
+        return
+    for piece in pieces:
+        if is_eval(value):
+            for match in _WORD.finditer(piece.content):
+                offset = piece.start + len("$(eval ")
+                yield match.group(), offset + match.start(), offset + match.end()
+        elif piece.command not in _OTHER_COMMANDS:  # a misspelt command, reported elsewhere, was meant to use something
+            yield from ((word.text, word.start, word.end) for word in piece.words)

@@ -1,0 +1,80 @@
+"""One walk over everything; every rule is asked at each thing that it has a hook for."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+
+from ur.check.model import Found, LaunchView, NodeView, Package, PackageView, ParamView, ProgramView, Rule, YamlView
+from ur.check.survey import walk_elements
+from ur.launchfile.plan.model import Plan
+from ur.launchfile.syntax import Element
+from ur.launchfile.world import World
+from ur.source.diagnostic import Diagnostic
+
+_LOCAL = frozenset({"localhost", "127.0.0.1", "::1"})
+_Hook = tuple[Rule, Callable[..., Iterable[Found]]]
+
+
+class Visitor:
+    """Rules sorted by what they look at. `house` rules are asked only about packages that follow the house layout."""
+
+    def __init__(self, rules: Iterable[Rule]) -> None:
+        every = list(rules)
+        self._element: list[_Hook] = [(rule, rule.element) for rule in every if rule.element]
+        self._launch_file: list[_Hook] = [(rule, rule.launch_file) for rule in every if rule.launch_file]
+        self._yaml_file: list[_Hook] = [(rule, rule.yaml_file) for rule in every if rule.yaml_file]
+        self._program: list[_Hook] = [(rule, rule.program) for rule in every if rule.program]
+        self._package: list[_Hook] = [(rule, rule.whole_package) for rule in every if rule.whole_package]
+        self._node: list[_Hook] = [(rule, rule.node) for rule in every if rule.node]
+        self._param: list[_Hook] = [(rule, rule.param) for rule in every if rule.param]
+
+    def visit_launch_file(self, view: LaunchView) -> Iterable[Diagnostic]:
+        """What the rules find in a launch file's tree."""
+        if view.tree.launch is None or view.tree.diagnostics:
+            return  # half a file says nothing about the other half
+        for element, _ in walk_elements(view.tree.launch):
+            yield from _ask(self._element, view.package, element, view)
+        yield from _ask(self._launch_file, view.package, view)
+
+    def visit_plan(
+        self, plan: Plan, element_at: Callable[[str, int], Element | None], package: Package | None, world: World
+    ) -> Iterable[Diagnostic]:
+        """What the rules find in a resolved file. `element_at` gives the tag at a path and offset, None for others."""
+        addresses = {machine.name: machine.address for machine in plan.machines}
+        for node in (*plan.nodes, *(test.node for test in plan.tests)):
+            element = element_at(node.origin.span.file.path, node.origin.span.start)
+            if element is not None:
+                local = node.machine is None or addresses.get(node.machine, "localhost") in _LOCAL
+                yield from _ask(self._node, package, NodeView(node, element, local, package, world))
+        for param in plan.programs:
+            element = element_at(param.origin.span.file.path, param.origin.span.start)
+            if element is not None:
+                yield from _ask(self._param, package, ParamView(param, element, package, world))
+
+    def visit_yaml_file(self, view: YamlView) -> Iterable[Diagnostic]:
+        """What the rules find in a YAML file."""
+        return _ask(self._yaml_file, view.package, view)
+
+    def visit_program(self, view: ProgramView) -> Iterable[Diagnostic]:
+        """What the rules find in a program."""
+        return _ask(self._program, view.package, view)
+
+    def visit_package(self, view: PackageView) -> Iterable[Diagnostic]:
+        """What the rules find in a whole package."""
+        return _ask(self._package, view.package, view)
+
+
+def _ask(hooks: list[_Hook], package: Package | None, *what: object) -> Iterable[Diagnostic]:
+    for rule, hook in hooks:
+        if rule.house and (package is None or not package.house):
+            continue
+        for found in hook(*what):
+            yield Diagnostic(rule.severity, found.message, rule.id, found.span, found.notes, found.help)
+
+
+def stamp_severity(found: Diagnostic, rules: Mapping[str, Rule]) -> Diagnostic:
+    """A finding of the resolver with the severity that its rule has here."""
+    rule = rules.get(found.rule)
+    if rule is None or rule.severity is found.severity:
+        return found
+    return Diagnostic(rule.severity, found.message, found.rule, found.span, found.notes, found.help)

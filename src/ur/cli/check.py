@@ -1,0 +1,108 @@
+"""`ur check`: what is wrong with launch files, YAML files and programs."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+if TYPE_CHECKING:
+    from ur.check.run import Report
+
+
+@click.command("check")
+@click.argument("paths", nargs=-1, metavar="[PATH]...")
+@click.option("--select", multiple=True, metavar="RULE", help="Check only these rules or groups; may be repeated.")
+@click.option("--ignore", multiple=True, metavar="RULE", help="Leave out these rules or groups; may be repeated.")
+@click.option("--fix", is_flag=True, help="Repair what can be repaired safely.")
+@click.option("--strict", is_flag=True, help="End with exit code 1 for warnings, too.")
+@click.option(
+    "--format",
+    "form",
+    type=click.Choice(["human", "json", "sarif", "github"]),
+    default="human",
+    show_default=True,
+    help="How findings are printed.",
+)
+@click.option("--explain", metavar="RULE", help="Print the page of a rule and check nothing.")
+def command(
+    paths: tuple[str, ...],
+    select: tuple[str, ...],
+    ignore: tuple[str, ...],
+    fix: bool,
+    strict: bool,
+    form: str,
+    explain: str | None,
+) -> int:
+    """Check launch files, YAML files and programs.
+
+    PATH is a file, a folder or a package; without one, the current folder is checked. Required arguments need not be
+    given, and packages with bases are checked for every base and variant. Exit code: 0 when no error is found, 1 when
+    there is one (with --strict: or a warning), 2 when the check could not run.
+    """
+    from ur.check.catalogue import choose_rules, find_rule, load_rules
+    from ur.check.computer import make_world
+    from ur.check.render_text import render_rule_page
+    from ur.check.run import check_paths
+
+    if explain is not None:
+        click.echo(render_rule_page(find_rule(explain)), nl=False)
+        return 0
+    chosen = choose_rules(_words(select), _words(ignore))
+    words = list(paths or (".",))
+    report = check_paths(words, make_world(words, os.environ), chosen)
+    if fix:
+        from ur.check.fix import plan_repairs
+
+        repairs = plan_repairs(report.findings, load_rules())
+        for repair in repairs:
+            _write(repair.path, repair.text)
+        repaired = sum(len(repair.findings) for repair in repairs)
+        click.echo(f"repaired {repaired} finding{'' if repaired == 1 else 's'} in {len(repairs)} files", err=True)
+        report = check_paths(words, make_world(words, os.environ), chosen)
+    _show(report, form)
+    return 1 if report.errors or (strict and report.findings) else 0
+
+
+def _words(given: tuple[str, ...]) -> list[str]:
+    return [word for text in given for word in text.replace(",", " ").split()]
+
+
+def _show(report: Report, form: str) -> None:
+    from ur.check.catalogue import load_rules
+    from ur.check.render_text import render_text, shorten_paths
+
+    report = shorten_paths(report, str(Path.cwd()))
+    if form == "human":
+        click.echo(render_text(report, colour=sys.stdout.isatty()), nl=False)
+    elif form == "json":
+        from ur.check.render_json import render_json
+
+        click.echo(render_json(report), nl=False)
+    elif form == "sarif":
+        from importlib.metadata import version
+
+        from ur.check.render_sarif import render_sarif
+
+        click.echo(render_sarif(report, load_rules(), version("ubiquity-launches")), nl=False)
+    else:
+        from ur.check.render_github import render_github
+
+        click.echo(render_github(report), nl=False)
+
+
+def _write(path: str, text: str) -> None:
+    from ur.source.diagnostic import UserError, error
+
+    beside = Path(f"{path}.ur-new")
+    try:
+        beside.write_text(text, encoding="utf-8")
+        beside.chmod(Path(path).stat().st_mode & 0o7777)
+        beside.replace(path)
+    except OSError as problem:
+        beside.unlink(missing_ok=True)
+        reason = (problem.strerror or str(problem)).lower()
+        raise UserError(error(f"{path}: cannot be repaired: {reason}", rule="unwritable-file")) from None
