@@ -21,6 +21,7 @@ VERBS = {
     "run": ("ur.cli.run", "Run a program on the selected robot."),
     "list": ("ur.cli.list_programs", "List the programs that `ur run` knows."),
     "launch": ("ur.cli.launch", "Start a launch file, in place of roslaunch."),
+    "check": ("ur.cli.check", "Check launch files, YAML files and programs."),
     "use": ("ur.cli.use", "Select a robot, or show which one is selected."),
     "env": ("ur.cli.env", "Print what makes a shell follow the selection."),
 }
