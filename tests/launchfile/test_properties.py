@@ -183,10 +183,14 @@ LEAF = st.one_of(ARG, ARG, PARAM, PARAM, ROSPARAM, REMAP, ENV, MACHINE, NODE, NO
 GROUP = st.tuples(_attributes({}, {"ns": SPACES}), st.lists(LEAF, max_size=4).map("".join)).map(
     lambda parts: _tag("group", *parts)
 )
+
+
+def _declare(name: str) -> st.SearchStrategy[str]:
+    return WORDS.map(lambda text: _tag("arg", {"name": name, "default": text}))
+
+
 ARGS_FIRST = _mostly(st.permutations(["a", "b", "c", "d"]), st.lists(NAMES, max_size=3, unique=True)).flatmap(
-    lambda names: st.tuples(
-        *(WORDS.map(lambda text, name=name: _tag("arg", {"name": name, "default": text})) for name in names)
-    )
+    lambda names: st.tuples(*(_declare(name) for name in names))
 )
 PART = st.tuples(ARGS_FIRST.map("".join), st.lists(LEAF, max_size=4).map("".join)).map("".join)
 MAIN = st.tuples(

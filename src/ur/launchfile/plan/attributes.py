@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from functools import cache
 
 from ur.launchfile.plan.convert import read_boolean
 from ur.launchfile.plan.draft import Draft
@@ -15,8 +15,15 @@ from ur.source.file import Span
 from ur.source.suggest import did_you_mean
 
 
-def check_attributes(element: Element, known: Sequence[str], draft: Draft, scope: Scope) -> None:
+@cache
+def _known_names(known: tuple[str, ...]) -> frozenset[str]:
+    return frozenset((*known, "if", "unless"))
+
+
+def check_attributes(element: Element, known: tuple[str, ...], draft: Draft, scope: Scope) -> None:
     """Warn of attributes that roslaunch does not know: it reads over them."""
+    if element.attributes.keys() <= _known_names(known):
+        return
     for name in element.attributes:
         if name in known or name in ("if", "unless"):
             continue

@@ -31,8 +31,7 @@ def resolve_param(element: Element, draft: Draft, scope: Scope, *, force_private
     """Set the parameter of a `<param>`: in the plan, or in the scope when nodes are to get it. Raises Refused."""
     check_attributes(element, PARAM_ATTRIBUTES, draft, scope)
     type_name = element.attributes.get("type") or "auto"
-    given = {name: read_optional(element, name, draft, scope) for name in _SOURCES}
-    sources = [name for name, value in given.items() if value is not None]
+    sources = [name for name in _SOURCES if name in element.attributes]
     if len(sources) != 1:
         raise _not_one_source(element, sources)
     raw_name = element.attributes.get("name")
@@ -51,7 +50,7 @@ def resolve_param(element: Element, draft: Draft, scope: Scope, *, force_private
             "bad-param-type",
             f"did you mean {near}?" if near else None,
         )
-    text = given[source] or ""
+    text = read_optional(element, source, draft, scope) or ""
     command = text if source == "command" else None
     value = None if command is not None else _value(text, source, type_ or "auto", element, draft)
     private = force_private or is_private(name)

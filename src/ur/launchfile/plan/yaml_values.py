@@ -15,6 +15,14 @@ MAX_VALUES = 1_000_000
 _MAX_MERGED = 100_000
 
 
+# Texts that libyaml reads as PyYAML's own parser does, which roslaunch uses: no quotes, comments, anchors or tags, each
+# colon ends a key, no line is long, nothing is deep.
+_SIMPLE = re.compile(r"[A-Za-z0-9_./+()\[\]{}, :\n-]*")
+_NOT_SIMPLE = re.compile(
+    r":(?![ \n]|\Z)|^(?:---|\.\.\.)|[\[{,]\s*[-:,]|[^\n]{500}|[\[{](?:[^\]}]*[\[{]){20}", re.MULTILINE
+)
+
+
 class YamlProblem(Exception):  # noqa: N818 - carries a finding to where its place is known
     """A text is no YAML that roslaunch could load. `offset` is where, in characters."""
 
@@ -53,6 +61,9 @@ def read_yaml(text: str, reads_angles: bool) -> Document:
     """
     import yaml  # takes 10 ms, and most launch files hold no YAML
 
+    document = _read_fast(text, reads_angles)
+    if document is not None:
+        return document
     loader = _loader_class(reads_angles)(text.removeprefix("\ufeff"))
     try:
         node = loader.get_single_node()
@@ -74,6 +85,25 @@ def read_yaml(text: str, reads_angles: bool) -> Document:
     return Document(value, node)
 
 
+def _read_fast(text: str, reads_angles: bool) -> Document | None:
+    # None: let PyYAML's own parser decide, and find the words for what is wrong.
+    if _SIMPLE.fullmatch(text) is None or _NOT_SIMPLE.search(text) is not None:
+        return None
+    import yaml
+
+    if not yaml.__with_libyaml__:
+        return None
+    loader = _loader_class(reads_angles, fast=True)(text)
+    try:
+        node = loader.get_single_node()
+        value = loader.construct_document(node) if node is not None else None
+    except (yaml.YAMLError, RecursionError, ValueError, TypeError, OverflowError, LookupError, AttributeError):
+        return None
+    finally:
+        loader.dispose()
+    return Document(value, node)
+
+
 def _help(message: str, began: Any) -> str:
     if "\\t" in message:
         return "indent with spaces: YAML takes no tabs"
@@ -88,10 +118,12 @@ def _help(message: str, began: Any) -> str:
 
 
 @cache
-def _loader_class(reads_angles: bool) -> Callable[[str], Any]:
+def _loader_class(reads_angles: bool, fast: bool = False) -> Callable[[str], Any]:
     import yaml
 
-    class Loader(yaml.SafeLoader):
+    base: Any = yaml.CSafeLoader if fast else yaml.SafeLoader
+
+    class Loader(base):  # type: ignore[misc]  # which one is known when it is made
         def flatten_mapping(self, node: yaml.MappingNode) -> None:
             super().flatten_mapping(node)
             if len(node.value) > _MAX_MERGED:

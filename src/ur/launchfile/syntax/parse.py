@@ -32,7 +32,7 @@ def parse_launch_file(path: str, data: bytes) -> LaunchFile:
         message = f"{path} has {len(data):,} bytes, expected a launch file of at most {MAX_BYTES:,}"
         return LaunchFile(source, None, None, (), (error(message, rule="file-too-large"),))
     text, encoding = decode_text(data)
-    builder = _Builder(SourceFile(path, text), Offsets(data, encoding))
+    builder = _Builder(SourceFile(path, text), Offsets(data, encoding), len(data))
     builder.run(data)
     launches = builder.launches
     if not builder.diagnostics and len(launches) != 1:
@@ -47,7 +47,7 @@ def parse_launch_file(path: str, data: bytes) -> LaunchFile:
 
 
 class _Builder:
-    def __init__(self, source: SourceFile, offsets: Offsets) -> None:
+    def __init__(self, source: SourceFile, offsets: Offsets, size: int) -> None:
         self.source = source
         self.offsets = offsets
         self.root: Element | None = None
@@ -58,11 +58,12 @@ class _Builder:
         self.count = 0
         self.namespaces: list[tuple[str | None, str]] = []
         self.in_doctype = False
+        self.may_have_prefixes = "xmlns" in source.text or "xml:" in source.text
+        self.may_be_long = size > MAX_ATTRIBUTE
         # Names are looked up with their prefix resolved, as roslaunch's parser does: an unbound prefix is an error.
         self.parser = parser = expat.ParserCreate(namespace_separator=" ")
         parser.namespace_prefixes = True
         parser.buffer_text = True
-        parser.ordered_attributes = True
         parser.specified_attributes = True
         parser.StartElementHandler = self.start_element
         parser.EndElementHandler = self.end_element
@@ -90,47 +91,46 @@ class _Builder:
     def here(self) -> int:
         return self.offsets.characters(self.parser.CurrentByteIndex)
 
-    def start_element(self, name: str, pairs: list[str]) -> None:
-        start = self.here()
-        values = pairs[1::2]
-        attributes = dict(zip(pairs[0::2], values, strict=True))
-        if " " in name:
-            name = _qualified(name)
-        if self.namespaces:
-            declared = {f"xmlns:{prefix}" if prefix else "xmlns": uri for prefix, uri in self.namespaces}
-            attributes = {**declared, **attributes}
-            self.namespaces = []
-        if any(" " in key for key in attributes):
-            attributes = {_qualified(key) if " " in key else key: value for key, value in attributes.items()}
-        element = Element(self.source, name, attributes, start)
+    def start_element(self, name: str, attributes: dict[str, str]) -> None:
+        if self.may_have_prefixes:
+            name, attributes = self.resolve_prefixes(name, attributes)
+        element = Element(self.source, name, attributes, self.here())
         stack = self.stack
         if stack:
-            stack[-1].children.append(element)
+            stack[-1].add_child(element)
         elif self.root is None:
             self.root = element
-        if name == "launch":
-            self.launches.append(element)
         stack.append(element)
         self.count += 1
-        if name.lower() == "rosparam":
+        if name == "launch":
+            self.launches.append(element)
+        elif name == "rosparam" or (len(name) == 8 and name.lower() == "rosparam"):
             self.parser.CharacterDataHandler = self.text
         if len(stack) > MAX_DEPTH:
             self.stop(f"<{name}> is nested {len(stack)} deep, expected at most {MAX_DEPTH}", element, "nested-too-deep")
         if self.count > MAX_ELEMENTS:
             self.stop(f"more than {MAX_ELEMENTS:,} elements in one file", element, "file-too-large")
-        for value in values:
+        if self.may_be_long:
+            self.check_lengths(element)
+
+    def resolve_prefixes(self, name: str, attributes: dict[str, str]) -> tuple[str, dict[str, str]]:
+        # What roslaunch's parser makes of them: declarations are attributes, names keep the prefix that is written.
+        declared = {f"xmlns:{prefix}" if prefix else "xmlns": uri for prefix, uri in self.namespaces}
+        self.namespaces.clear()
+        for key, value in attributes.items():
+            declared[_qualified(key) if " " in key else key] = value
+        return (_qualified(name) if " " in name else name), declared
+
+    def check_lengths(self, element: Element) -> None:
+        for key, value in element.attributes.items():
             if len(value) > MAX_ATTRIBUTE:
-                key = next(key for key, long in attributes.items() if long is value)
-                self.stop(
-                    f"attribute '{key}' of <{name}> has {len(value):,} characters, expected at most {MAX_ATTRIBUTE:,}",
-                    element,
-                    "attribute-too-long",
-                )
+                message = f"attribute '{key}' of <{element.name}> has {len(value):,} characters"
+                self.stop(f"{message}, expected at most {MAX_ATTRIBUTE:,}", element, "attribute-too-long")
 
     def end_element(self, _name: str) -> None:
         element = self.stack.pop()
         element.end = self.here()
-        if element.name.lower() == "rosparam":
+        if self.parser.CharacterDataHandler is not None and element.name.lower() == "rosparam":
             self.parser.CharacterDataHandler = None
 
     def text(self, data: str) -> None:
@@ -144,7 +144,10 @@ class _Builder:
         start = self.here()
         end = self.source.text.find("-->", start + 4)
         comment = Comment(Span(self.source, start, end + 3 if end != -1 else start + 4), data)
-        (self.stack[-1].children if self.stack else self.outer_comments).append(comment)
+        if self.stack:
+            self.stack[-1].add_child(comment)
+        else:
+            self.outer_comments.append(comment)
 
     def entity_declaration(self, name: str, *_details: object) -> None:
         start = max(self.source.text.rfind("<!ENTITY", 0, self.here()), 0)
@@ -197,7 +200,8 @@ class _Builder:
             else:
                 reason = "the file holds no element, expected <launch>"
                 help_ = "a launch file starts with <launch> and ends with </launch>"
-        elif _LONE_AMPERSAND.match(text, offset):
+        elif lone := _find_lone_ampersand(text, offset):
+            span = Span(self.source, lone.start(), lone.end())
             reason, help_ = "'&' begins a reference such as &lt;, expected &amp;", "write &amp; instead of &"
         elif text.startswith("<", offset) and reason.startswith("not well-formed"):
             help_ = "inside a value write &lt; instead of <; else check that the quotes before it are closed"
@@ -206,6 +210,14 @@ class _Builder:
         elif problem.code == _DUPLICATE_ATTRIBUTE:
             help_ = "keep one of the two"
         return error(f"not well-formed XML: {reason}", span, rule="bad-xml", notes=notes, help=help_)
+
+
+def _find_lone_ampersand(text: str, offset: int) -> re.Match[str] | None:
+    # expat stops at the first character that cannot belong to a reference.
+    start = text.rfind("&", max(0, offset - 100), offset + 1)
+    if start == -1 or (start < offset and not re.fullmatch(r"#?\w*", text[start + 1 : offset])):
+        return None
+    return _LONE_AMPERSAND.match(text, start)
 
 
 def _qualified(name: str) -> str:

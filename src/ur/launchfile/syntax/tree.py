@@ -7,7 +7,7 @@ except to report an error.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from ur.source.diagnostic import Diagnostic
@@ -41,12 +41,19 @@ class Element:
         self.attributes = attributes
         self.start = start
         self.end = start  # where the end tag starts; for an empty element where the element starts
-        self.children: list[Element | Comment] = []
+        self.children: Sequence[Element | Comment] = ()
         self.text = ""
         self._places: dict[str, tuple[int, int, int, int]] | None = None
 
     def __repr__(self) -> str:
         return f"<{self.name}> at {self.span}"
+
+    def add_child(self, child: Element | Comment) -> None:
+        """For the parser only."""
+        if type(self.children) is list:
+            self.children.append(child)
+        else:
+            self.children = [child]  # most elements have no children: they share an empty tuple
 
     @property
     def span(self) -> Span:
