@@ -11,6 +11,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -88,9 +89,20 @@ class Launched:
         return self.process.returncode
 
     def survivors(self) -> list[str]:
-        return [
-            " ".join(each.cmdline()) for each in self.seen.values() if each.is_running() and each.status() != "zombie"
-        ]
+        """The command lines of those that still run."""
+        found = []
+        for each in self.seen.values():
+            with suppress(psutil.Error):  # it ended just now
+                if each.is_running() and each.status() != psutil.STATUS_ZOMBIE:
+                    found.append(" ".join(each.cmdline()))
+        return found
+
+    def until_running(self, command: str, count: int, limit: float = 20.0) -> None:
+        """Wait until so many processes have this command line."""
+        end = time.monotonic() + limit
+        while self.survivors().count(command) < count:
+            assert time.monotonic() < end, self.survivors()
+            self.read(0.01)
 
     def wait_nothing_left(self, limit: float = 2.0) -> None:
         """Wait until no process that it ever had runs any more."""

@@ -100,8 +100,7 @@ def test_nothing_survives_kill_9(world: Any, victim: str) -> None:
         + '<node pkg="little_nodes" type="daemon" name="daemon"/>'
     )
     run.until("[/daemon] started", "trapped")
-    while sum(each.name() == "sleep" for each in list(run.seen.values()) if each.is_running()) < 3:
-        run.look()
+    run.until_running("sleep 600", 3)
     [host] = [each for each in psutil.Process(run.process.pid).children() if each.name() == "ur-host"]
     (host if victim == "host" else run.process).kill()
     run.wait_nothing_left()
@@ -112,8 +111,7 @@ def test_nothing_survives_kill_9(world: Any, victim: str) -> None:
 def test_daemons_are_ended_with_the_run(world: Any) -> None:
     run = world.launch('<node pkg="little_nodes" type="daemon" name="daemon"/>')
     run.until("[/daemon] started")
-    while sum(each.name() == "sleep" for each in list(run.seen.values()) if each.is_running()) < 2:
-        run.look()
+    run.until_running("sleep 600", 2)
     run.process.send_signal(signal.SIGINT)
     assert run.wait() == 0
     run.wait_nothing_left(0.5)
@@ -293,3 +291,20 @@ def test_failing_parameter_command_is_named(world: Any) -> None:
     assert "error: " in run.text
     assert "/x: \"bash -c 'echo sorry >&2; exit 2'\" ended with exit code 2: sorry" in run.text
     assert "[/sleeper] started" not in run.text
+
+
+@pytest.mark.usefixtures("master")
+def test_nodes_are_chosen_and_prefixed_on_the_command_line(world: Any) -> None:
+    pid_file = world.folder / "pid"
+    run = world.launch(
+        SLEEPER
+        + '<node pkg="little_nodes" type="show" name="show" output="screen"/><node pkg="none" type="x" name="gone"/>',
+        "--except=gone",
+        "--prefix=show=env MINE=prefixed",
+        f"--pid={pid_file}",
+    )
+    run.until("mine: prefixed", "[/sleeper] started")
+    assert pid_file.read_text() == str(run.process.pid)
+    run.process.send_signal(signal.SIGINT)
+    assert run.wait() == 0
+    assert not pid_file.exists()

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -11,72 +14,230 @@ from ur.cli.environment import apply_selection, current_selection
 from ur.robot.selection import Selection
 from ur.source.diagnostic import UserError, error
 
+if TYPE_CHECKING:
+    from ur.run.launch import Options
 
-@click.command("launch")
-@click.option("--screen", is_flag=True, help="Show the output of every node.")
-@click.option("--log", is_flag=True, help="Keep the standard output of every node in log files.")
-@click.option("--required", is_flag=True, help="End the run with the first node that ends.")
-@click.option("--wait", is_flag=True, help="Wait for a master instead of starting one.")
-@click.option("-p", "--port", type=click.IntRange(1, 65535), help="Port of the master, where one is started.")
-@click.option("--sigint-timeout", type=click.FloatRange(min=0, min_open=True), help="Seconds from SIGINT to SIGTERM.")
-@click.option("--sigterm-timeout", type=click.FloatRange(min=0, min_open=True), help="Seconds from SIGTERM to SIGKILL.")
-@click.argument("words", nargs=-1, required=True, metavar="[PACKAGE] FILE [ARG:=VALUE]...")
-def command(
-    screen: bool,
-    log: bool,
-    required: bool,
-    wait: bool,
-    port: int | None,
-    sigint_timeout: float | None,
-    sigterm_timeout: float | None,
+_Query = tuple[str, str | None]
+_SECONDS = click.FloatRange(min=0, min_open=True)
+_NOTHING_TO_DO = ("-v", "--no-summary", "--skip-log-check", "--disable-title", "--local")
+_REFUSED = {
+    "--core": "ur starts a master with the first launch file; 'roscore' starts one alone",
+    "-c": "ur has no child mode; it is how roslaunch starts itself on other computers",
+    "-u": "ur has no child mode; it is how roslaunch starts itself on other computers",
+    "--run_id": "the run id is the master's, or a new one where ur starts the master",
+}
+
+
+@dataclass(slots=True)
+class _Wishes:
+    """The options of the command line, as click found them."""
+
+    screen: bool = False
+    log: bool = False
+    required: bool = False
+    wait: bool = False
+    port: int | None = None
+    numworkers: int | None = None
+    timeout: float | None = None
+    master_logger_level: str | None = None
+    pid: str | None = None
+    sigint_timeout: float | None = None
+    sigterm_timeout: float | None = None
+    only: Sequence[str] = ()
+    except_: Sequence[str] = ()
+    prefix: Sequence[str] = ()
+    queries: Sequence[_Query] = field(default=())
+
+
+def _parameters() -> list[click.Parameter]:
+    def flag(*names: str, **more: Any) -> click.Option:
+        return click.Option(names, is_flag=True, **more)
+
+    def refuse(ctx: click.Context, param: click.Parameter, value: object) -> None:
+        if value and not ctx.resilient_parsing:
+            name = param.opts[0]
+            raise UserError(error(f"{name} is not for ur launch: {_REFUSED[name]}", rule="refused-option"))
+
+    return [
+        flag("--screen", help="Show the output of every node."),
+        flag("--log", help="Keep the standard output of every node in log files."),
+        flag("--required", help="End the run with the first node that ends."),
+        click.Option(["--only"], multiple=True, metavar="NODE", help="Start only this node; may be repeated."),
+        click.Option(["--except", "except_"], multiple=True, metavar="NODE", help="Do not start this node."),
+        click.Option(
+            ["--prefix"], multiple=True, metavar="NODE=PREFIX", help="Put a program in front: 'talker=gdb --args'."
+        ),
+        flag("--wait", help="Wait for a master instead of starting one."),
+        click.Option(["-p", "--port"], type=click.IntRange(1, 65535), help="Port of the master that is started."),
+        click.Option(["-w", "--numworkers"], type=click.IntRange(1), help="Threads of the master that is started."),
+        click.Option(["-t", "--timeout"], type=_SECONDS, help="Socket timeout of the master that is started."),
+        click.Option(
+            ["--master-logger-level"],
+            type=click.Choice(["debug", "info", "warn", "error", "fatal"]),
+            help="What the master that is started logs.",
+        ),
+        click.Option(["--pid"], metavar="FILE", help="Write the process id to a file while it runs."),
+        click.Option(["--sigint-timeout"], type=_SECONDS, help="Seconds from SIGINT to SIGTERM at the end."),
+        click.Option(["--sigterm-timeout"], type=_SECONDS, help="Seconds from SIGTERM to SIGKILL at the end."),
+        flag("--nodes", help="Print the names of the nodes."),
+        flag("--files", help="Print the launch files that are read."),
+        click.Option(["--find-node"], metavar="NODE", help="Print the launch file that defines a node."),
+        click.Option(["--args"], metavar="NODE", help="Print the command line that starts a node."),
+        flag("--dump-params", help="Print the parameters as YAML."),
+        flag("--ros-args", help="Print the arguments of the launch file."),
+        *(flag(name, hidden=True, expose_value=False) for name in _NOTHING_TO_DO),
+        flag("--core", hidden=True, expose_value=False, callback=refuse),
+        *(
+            click.Option(names, hidden=True, expose_value=False, callback=refuse)
+            for names in (["-c", "--child"], ["-u", "--server_uri"], ["--run_id"])
+        ),
+        click.Argument(["words"], nargs=-1, required=True, metavar="[PACKAGE] FILE [ARG:=VALUE]..."),
+    ]
+
+
+def launch(
     words: tuple[str, ...],
+    nodes: bool,
+    files: bool,
+    find_node: str | None,
+    args: str | None,
+    dump_params: bool,
+    ros_args: bool,
+    **options: Any,
 ) -> int:
     """Start a launch file, in place of roslaunch.
 
     The file is given by path, or as a package and a file name. Starts a master where none runs, and stops everything
-    again at the end: on Ctrl-C, when a required node ends, or when all nodes have ended.
+    again at the end: on Ctrl-C, when a required node ends, or when all nodes have ended. Options mean what they mean to
+    roslaunch.
     """
-    from ur.run.processes import start_host  # now, not before: help and completion need none of it
-
-    if screen and log:
+    flags = {"nodes": nodes, "files": files, "dump-params": dump_params, "ros-args": ros_args}
+    queries: list[_Query] = [(name, None) for name, asked in flags.items() if asked]
+    queries += [(name, node) for name, node in (("find-node", find_node), ("args", args)) if node]
+    wishes = _Wishes(**options, queries=queries)
+    if wishes.screen and wishes.log:
         raise UserError(error("--screen and --log exclude each other, expected one", rule="bad-options"))
+    if len(queries) > 1:
+        names = " and ".join(f"--{name}" for name, _ in queries)
+        raise UserError(error(f"{names} exclude each other, expected one", rule="bad-options"))
     selection = know_base(current_selection(os.environ))
     apply_selection(selection)
+    return _answer(words, selection, queries[0]) if queries else _start(words, selection, wishes)
+
+
+command = click.Command("launch", callback=launch, params=_parameters(), help=launch.__doc__)
+
+
+def _answer(words: Sequence[str], selection: Selection, query: _Query) -> int:
+    from ur.cli import queries
+    from ur.cli.plan_files import load_words
+    from ur.launchfile.address import resolve_addresses
+    from ur.launchfile.world.system import SystemWorld
+
+    name, node = query
+    if name == "ros-args":
+        world = SystemWorld(os.environ)
+        queries.print_arguments(resolve_addresses(words, world), world)
+        return 0
+    plan, here = load_words(words, selection)
+    if plan is None:
+        return 1
+    match name:
+        case "nodes":
+            queries.print_nodes(plan)
+        case "files":
+            queries.print_files(plan)
+        case "dump-params":
+            queries.print_parameters(plan)
+        case "find-node":
+            queries.print_file_of(plan, node or "")
+        case _:
+            queries.print_command(plan, node or "", here)
+    return 0
+
+
+def _start(words: Sequence[str], selection: Selection, wishes: _Wishes) -> int:
+    from ur.run.processes import start_host  # now, not before: help and completion need none of it
+
     host = start_host()  # its start overlaps with the reading of the launch file
     try:
         from ur.cli.plan_files import load_words
         from ur.run.console import Console
-        from ur.run.launch import Options, run_plan
-        from ur.run.model import Limits
+        from ur.run.launch import run_plan
 
         plan, world = load_words(words, selection)
         if plan is None:
             return 1
-        given = dict(word.split(":=", 1) for word in words if ":=" in word)
-        base = given.get("robot_base", selection.base)
-        variant = given.get("robot_variant", selection.variant if base == selection.base else "")
-        defaults = Limits()
-        options = Options(
-            limits=Limits(
-                interrupt=sigint_timeout or defaults.interrupt, terminate=sigterm_timeout or defaults.terminate
-            ),
-            force_screen=screen,
-            force_log=log,
-            force_required=required,
-            wait_for_master=wait,
-            port=port,
-            base=base,
-            variant=variant,
-        )
+        if wishes.only or wishes.except_ or wishes.prefix:
+            from ur.cli.choice import choose_nodes
+
+            plan = choose_nodes(plan, wishes.only, wishes.except_, wishes.prefix)
+        console = Console()
         try:
-            return run_plan(plan, world, host, Console(), options)
+            with _pid_file(wishes.pid):
+                return run_plan(plan, world, host, console, _options(words, selection, wishes))
         except UserError as problem:
             from ur.source.render import render_human
 
+            console.finish(1.0)
             sys.stderr.write(render_human(problem.diagnostics, colour=sys.stderr.isatty()))
             return 1
     finally:
         host.close()
+
+
+def _options(words: Sequence[str], selection: Selection, wishes: _Wishes) -> Options:
+    from ur.run.launch import Options
+    from ur.run.model import Limits
+
+    given = dict(word.split(":=", 1) for word in words if ":=" in word)
+    base = given.get("robot_base", selection.base)
+    defaults = Limits()
+    master_words = []
+    if wishes.timeout is not None:
+        master_words += ["-t", str(wishes.timeout)]
+    if wishes.master_logger_level is not None:
+        master_words += ["--master-logger-level", wishes.master_logger_level]
+    return Options(
+        limits=Limits(
+            interrupt=wishes.sigint_timeout or defaults.interrupt,
+            terminate=wishes.sigterm_timeout or defaults.terminate,
+        ),
+        force_screen=wishes.screen,
+        force_log=wishes.log,
+        force_required=wishes.required,
+        wait_for_master=wishes.wait,
+        port=wishes.port,
+        workers=wishes.numworkers,
+        master_words=tuple(master_words),
+        base=base,
+        variant=given.get("robot_variant", selection.variant if base == selection.base else ""),
+    )
+
+
+class _pid_file:  # noqa: N801 - used like a function: with _pid_file(path)
+    """A file with our process id, for as long as we run."""
+
+    def __init__(self, path: str | None) -> None:
+        self._path = path
+
+    def __enter__(self) -> None:
+        if self._path:
+            from pathlib import Path
+
+            try:
+                Path(self._path).write_text(str(os.getpid()), encoding="ascii")
+            except OSError as problem:
+                reason = (problem.strerror or str(problem)).lower()
+                raise UserError(
+                    error(f"--pid {self._path}: cannot be written: {reason}", rule="bad-pid-file")
+                ) from None
+
+    def __exit__(self, *_: object) -> None:
+        if self._path:
+            from pathlib import Path
+
+            Path(self._path).unlink(missing_ok=True)
 
 
 def know_base(selection: Selection) -> Selection:

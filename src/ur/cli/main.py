@@ -23,6 +23,7 @@ VERBS = {
     "launch": ("ur.cli.launch", "Start a launch file, in place of roslaunch."),
     "check": ("ur.cli.check", "Check launch files, YAML files and programs."),
     "use": ("ur.cli.use", "Select a robot, or show which one is selected."),
+    "setup": ("ur.cli.setup", "Set this computer up: shells, keys, workspace, names."),
     "env": ("ur.cli.env", "Print what makes a shell follow the selection."),
 }
 

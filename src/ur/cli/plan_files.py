@@ -22,7 +22,8 @@ def load_words(words: Sequence[str], selection: Selection) -> tuple[Plan | None,
     """The plan behind `[PACKAGE] FILE [ARG:=VALUE]...`; None when it has errors, which are then on standard error.
 
     Arguments about the robot that the file declares and nobody gave come from the selection.
-    Raises UserError: no such file, a word that is neither a file nor an argument, a robot that is another computer.
+    Raises UserError: no such file, a word that is neither a file nor an argument, a robot that is another computer, a
+    base that is not known or lacks what the file needs.
     """
     world = SystemWorld(os.environ)
     files = resolve_addresses(words, world)
@@ -31,6 +32,11 @@ def load_words(words: Sequence[str], selection: Selection) -> tuple[Plan | None,
     refuse_stray_words(files, declared, world)
     here = selection.simulated or is_this_computer(selection.robot)
     arguments = [*given, *selected_arguments(selection, declared, given, here=here)]
+    values = dict(word.split(":=", 1) for word in arguments)
+    if "robot_base" in values and "robot_base" in declared:
+        from ur.cli.base_argument import check_base  # reads YAML, which most launch files do without
+
+        check_base(files, values, world)
     plan = load_plan(files, arguments, world)
     findings = plan.diagnostics
     if any(node.terminal for node in plan.nodes):

@@ -39,6 +39,8 @@ class Options:
     force_required: bool = False
     wait_for_master: bool = False
     port: int | None = None
+    workers: int | None = None
+    master_words: tuple[str, ...] = ()  # more options for rosmaster
     base: str = ""
     variant: str = ""
 
@@ -66,7 +68,7 @@ def run_plan(plan: Plan, world: World, host: ProcessHost, console: Console, opti
     master = _find_master(environment, options)
     run_id = _read_run_id(master, options, console)
     own_master = run_id is None
-    core = _core_programs(master, world) if own_master else ()
+    core = _core_programs(master, world, options) if own_master else ()
     environment["ROS_MASTER_URI"] = master.uri
     folder = make_run_folder(environment, run_id or (fresh := new_run_id()))
     home = make_home(environment)
@@ -201,7 +203,7 @@ def _read_run_id(master: Master, options: Options, console: Console) -> str | No
             time.sleep(0.1)
 
 
-def _core_programs(master: Master, world: World) -> tuple[Program, ...]:
+def _core_programs(master: Master, world: World, options: Options) -> tuple[Program, ...]:
     rosmaster = shutil.which("rosmaster", path=world.environment.get("PATH"))
     try:
         rosout = world.find_executables("rosout", "rosout")
@@ -217,7 +219,15 @@ def _core_programs(master: Master, world: World) -> tuple[Program, ...]:
                 )
             )
     assert rosmaster is not None
-    argv = (rosmaster, "--core", "-p", str(master.port), "-w", str(MASTER_WORKERS))
+    argv = (
+        rosmaster,
+        "--core",
+        "-p",
+        str(master.port),
+        "-w",
+        str(options.workers or MASTER_WORKERS),
+        *options.master_words,
+    )
     return (
         Program(Unit(MASTER, core=True, required=True), argv, log_name="master"),
         Program(
