@@ -308,3 +308,48 @@ def test_nodes_are_chosen_and_prefixed_on_the_command_line(world: Any) -> None:
     run.process.send_signal(signal.SIGINT)
     assert run.wait() == 0
     assert not pid_file.exists()
+
+
+@pytest.mark.usefixtures("master")
+def test_closed_terminal_ends_the_run(world: Any) -> None:
+    run = world.launch(TERMINAL.format("raw", "") + SLEEPER, terminal=True)
+    run.until("ready")
+    run.until_running("sleep 600", 2)
+    os.close(run.keeper)
+    os.close(run.output)
+    run.keeper = run.output = -1
+    assert run.wait() in (128 + signal.SIGHUP, 0)
+    run.wait_nothing_left()
+
+
+def test_master_of_ours_that_dies_ends_the_run(world: Any) -> None:
+    run = world.launch(SLEEPER)
+    run.until("[/sleeper] started")
+    [master] = [each for each in run.seen.values() if each.name() == "rosmaster"]
+    master.kill()
+    assert run.wait() == 1
+    assert "error: master died: signal SIGKILL (killed), which ends the run" in run.text
+    run.wait_nothing_left()
+
+
+def test_run_without_nodes_keeps_a_master_of_ours_until_stopped(world: Any) -> None:
+    run = world.launch('<param name="x" value="1"/>')
+    run.until("there is no node to start; the master runs until Ctrl-C")
+    while not get_parameter_or_none(world.port, "/x"):
+        run.read()
+    run.process.send_signal(signal.SIGINT)
+    assert run.wait() == 0
+    run.wait_nothing_left()
+
+
+def test_run_without_nodes_only_sets_parameters_on_a_master_that_is_there(world: Any, master: int) -> None:
+    run = world.launch('<param name="x" value="1"/>')
+    assert run.wait() == 0
+    assert get_parameter(master, "/x") == 1
+
+
+def get_parameter_or_none(port: int, name: str) -> Any:
+    try:
+        return get_parameter(port, name)
+    except OSError:  # the master is not there yet
+        return None

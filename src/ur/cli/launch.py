@@ -122,6 +122,8 @@ def launch(
         raise UserError(error(f"{names} exclude each other, expected one", rule="bad-options"))
     selection = know_base(current_selection(os.environ))
     apply_selection(selection)
+    if not selection.simulated and os.environ["ROS_MASTER_URI"] != selection.master_uri:
+        sys.stderr.write(f"ROS_MASTER_URI={os.environ['ROS_MASTER_URI']} was set by hand: {selection} is not used\n")
     return _answer(words, selection, queries[0]) if queries else _start(words, selection, wishes)
 
 
