@@ -21,7 +21,8 @@ def resolve_arg(element: Element, draft: Draft, scope: Scope) -> None:
         name = read_required(element, "name", draft, scope)
         value = read_optional(element, "value", draft, scope)
         default = read_optional(element, "default", draft, scope)
-        read_optional(element, "doc", draft, scope)
+        if "doc" in element.attributes:
+            read_optional(element, "doc", draft, scope)
         if value is not None and default is not None:
             raise refuse(
                 f"argument '{name}' with both 'value' and 'default', expected one of them",

@@ -47,10 +47,10 @@ def read_optional(element: Element, name: str, draft: Draft, scope: Scope) -> st
 
 def read_required(element: Element, name: str, draft: Draft, scope: Scope) -> str:
     """As read_optional, for an attribute that has to be there."""
-    value = read_optional(element, name, draft, scope)
+    value = element.attributes.get(name)
     if value is None:
         raise missing_attribute(element, name)
-    return value
+    return value if "$" not in value else resolve_value(value, element, name, draft, scope)
 
 
 def missing_attribute(element: Element, name: str) -> Refused:

@@ -94,8 +94,9 @@ class Draft:
 
     def add_param(self, param: ParamSpec, scope: Scope) -> None:
         """Set a parameter; the last one wins and keeps the place of the first."""
-        for parent in parents_of(param.name):
-            if parent in self.params:
+        known = self.params
+        for parent in parents_of(param.name) if known else ():
+            if parent in known:
                 self.warn(
                     f"parameter {param.name} is set inside {parent}, which is a value, expected one of the two",
                     param.origin.span,
@@ -103,8 +104,8 @@ class Draft:
                     "param-conflict",
                     notes=(Note(f"{parent} is set here", self.params[parent].origin.span),),
                 )
-        self.params[param.name] = param
-        if len(self.params) > MAX_PARAMS:
+        known[param.name] = param
+        if len(known) > MAX_PARAMS:
             raise refuse(f"more than {MAX_PARAMS:,} parameters", param.origin.span, "too-many-params")
 
     def add_node(self, node: NodeSpec, element: Element, scope: Scope) -> None:

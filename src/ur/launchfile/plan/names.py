@@ -36,7 +36,7 @@ def join_names(namespace: str, name: str) -> str:
 
 def canonical_name(name: str) -> str:
     """A name without doubled and trailing slashes."""
-    if not name or name == "/":
+    if not name or name == "/" or ("//" not in name and name[-1] != "/"):
         return name
     return ("/" if name[0] == "/" else "") + "/".join(part for part in name.split("/") if part)
 
@@ -48,10 +48,14 @@ def is_legal_name(name: str) -> bool:
 
 def parents_of(name: str) -> list[str]:
     """The namespaces above a name, the root first."""
-    if not name:
-        return ["/"]
-    parts = [part for part in name.split("/") if part]
-    return ["/", *("/" + "/".join(parts[:count]) for count in range(1, len(parts)))]
+    parents = ["/"]
+    if name[:1] != "/" or "//" in name:
+        name = "/" + "/".join(part for part in name.split("/") if part)
+    end = name.find("/", 1)
+    while end != -1 and end < len(name) - 1:
+        parents.append(name[:end])
+        end = name.find("/", end + 1)
+    return parents
 
 
 def read_assignments(arguments: Sequence[str]) -> tuple[dict[str, str], list[str]]:

@@ -45,6 +45,10 @@ def substitute(value: str, scope: Scope, world: World) -> str:
     pieces = parse_substitutions(value)
     if is_eval(value):
         return _evaluate(pieces[0], scope, world)
+    if len(pieces) == 1 and pieces[0].command == "arg" and len(pieces[0].words) == 1:
+        known = scope.args.get(pieces[0].words[0].text)  # the most frequent case by far
+        if known is not None and "$" not in known and pieces[0].end - pieces[0].start == len(value):
+            return known
     resolved = value
     finds = 0
     for piece in pieces:

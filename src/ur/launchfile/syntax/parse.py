@@ -174,7 +174,7 @@ class _Builder:
         raise _StopParsing
 
     def explain(self, problem: expat.ExpatError) -> Diagnostic:
-        byte = self.parser.ErrorByteIndex
+        byte = max(self.parser.ErrorByteIndex, 0)
         offset = min(self.offsets.characters(byte), len(self.source.text))
         text = self.source.text
         span = Span(self.source, offset, min(offset + 1, len(text)))

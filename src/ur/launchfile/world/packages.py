@@ -5,7 +5,7 @@ ROS_PACKAGE_PATH are walked, first match wins; below `/usr/share`, which Debian'
 """
 
 # Paths are texts here: pathlib would change what roslaunch prints, and costs too much in hot loops.
-# ruff: noqa: PTH100, PTH119
+# ruff: noqa: PTH100, PTH113, PTH119
 
 from __future__ import annotations
 
