@@ -10,6 +10,7 @@ geodesic, and lines may graze the corners of forbidden cells, so it errs towards
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +25,7 @@ _STEPS = [(r, c) for r in range(4) for c in range(-3, 4) if math.gcd(r, c) == 1 
 
 
 def free_cells(grid: Grid, radius: float) -> NDArray[np.bool_]:
-    """Where a disc of `radius` m fits (height, width): obstacles are farther away, centre to centre, and it is known."""
+    """Where a disc of `radius` m fits (height, width): known, and obstacles are farther away, centre to centre."""
     occupied = grid.values >= 65
     clear: NDArray[np.bool_] = (distance_transform_edt(~occupied) * grid.resolution > radius) & (grid.values >= 0)
     return clear
@@ -115,7 +116,7 @@ def _lines_are_free(
 
 def _subdivided(points: NDArray[np.float64], spacing: float) -> NDArray[np.float64]:
     pieces = [points[:1]]
-    for a, b in zip(points[:-1], points[1:], strict=True):
+    for a, b in pairwise(points):
         count = max(1, math.ceil(float(np.hypot(*(b - a))) / spacing))
         pieces.append(a + (b - a) * (np.arange(1, count + 1) / count)[:, None])
     return np.concatenate(pieces)

@@ -19,14 +19,17 @@ class PlanSettings:
     """How to plan. A cell of cost c (0 to 252) costs neutral + factor c per metre, as navfn has it.
 
     `allow_unknown`: the way may lead through unknown cells. `tolerance`: how far from the goal the way may end when
-    the goal itself cannot be reached (m). `escape`: how far from the robot a free cell may be when the robot stands
+    the goal itself cannot be reached (m). `nudge`: how far it may end from a goal where obstacles are nearer than
+    `room`, to gain room to turn (m). `escape`: how far from the robot a free cell may be when the robot stands
     too near to an obstacle (m). `spacing`: distance of the points of a way (m).
     """
 
     neutral: float = 50.0
-    factor: float = 0.8
+    factor: float = 0.3
     allow_unknown: bool = False
     tolerance: float = 0.0
+    nudge: float = 0.05
+    room: float = 0.0
     escape: float = 0.4
     spacing: float = 0.05
     bending: Bending = field(default_factory=Bending)
@@ -61,6 +64,7 @@ def plan_path(
         points[0] = start
     points = _without_doubles(points)
     straight = pull_straight(points, costmap, weights)
+    straight = pull_straight(resample(straight, 2.0 * settings.spacing), costmap, weights)
     smoothed = smooth(straight, costmap, weights, settings.bending)
     return resample(np.vstack((escape, smoothed)), settings.spacing)
 
@@ -108,12 +112,40 @@ def _goal_cell(
     if not _inside(costmap, cell):
         raise NoPathError(f"the goal {_place(goal)} is outside the map")
     if math.isfinite(weights[cell]):
-        return cell, goal
+        return _with_room(costmap, weights, cell, goal, settings)
     near = _nearest_free(costmap, weights, goal, settings.tolerance) if settings.tolerance > 0.0 else None
     if near is None:
         raise NoPathError(f"the goal {_place(goal)} is {_obstacle(costmap, cell)}")
     x, y = costmap.points_of_cells(np.array(near))
     return near, (float(x), float(y))
+
+
+def _with_room(
+    costmap: Costmap,
+    weights: NDArray[np.float64],
+    cell: tuple[int, int],
+    goal: tuple[float, float],
+    settings: PlanSettings,
+) -> tuple[tuple[int, int], tuple[float, float]]:
+    """The goal, or a place at most `nudge` from it with more room, where the goal has less than `room`."""
+    around = math.ceil((settings.room + settings.nudge) / costmap.resolution) + 1
+    rows = slice(max(0, cell[0] - around), cell[0] + around + 1)
+    columns = slice(max(0, cell[1] - around), cell[1] + around + 1)
+    walls = costmap.points_of_cells(np.argwhere(costmap.costs[rows, columns] == LETHAL) + (rows.start, columns.start))
+    if not len(walls):
+        return cell, goal
+    steps = np.linspace(-settings.nudge, settings.nudge, 9)
+    offsets = np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 2)
+    offsets = offsets[np.hypot(*offsets.T) <= settings.nudge + 1e-9]
+    places = np.array(goal) + offsets[np.argsort(np.hypot(*offsets.T), kind="stable")]
+    rooms = np.sqrt(((places[:, None] - walls) ** 2).sum(axis=2)).min(axis=1)
+    # The nearest that has enough; else the one with the most.
+    best = int(np.argmax(rooms >= settings.room)) if (rooms >= settings.room).any() else int(np.argmax(rooms))
+    x, y = places[best].tolist()
+    target = _cell(costmap, (x, y))
+    if not _inside(costmap, target) or not math.isfinite(weights[target]):
+        return cell, goal
+    return target, (x, y)
 
 
 def _obstacle(costmap: Costmap, cell: tuple[int, int]) -> str:

@@ -71,8 +71,8 @@ def trace_beams(
     bearing = beams.angles + sensor.yaw
     directions = np.stack((np.cos(bearing), np.sin(bearing)), axis=-1)
     touched: list[NDArray[np.intp]] = []
-    before: list[NDArray[np.bool_]] = []
     flat = occupied.reshape(-1)
+    before = flat.copy()
     if clear and len(bearing):
         free = np.minimum(beams.ranges - frame.resolution / 2, reach.raytrace)
         steps = np.arange(0.0, max(float(free.max()), frame.resolution), 0.7 * frame.resolution)
@@ -83,7 +83,6 @@ def trace_beams(
         index = (rows * width + columns)[good]
         index = index[flat[index]]
         touched.append(index)
-        before.append(np.ones(len(index), bool))
         flat[index] = False
     if mark:
         near = beams.hits & (beams.ranges <= reach.obstacle)
@@ -94,20 +93,16 @@ def trace_beams(
         index = (rows * width + columns)[good]
         if ignore is not None:
             index = index[~ignore.reshape(-1)[index]]
-        fresh = index[~flat[index]]
-        touched.append(fresh)
-        before.append(np.zeros(len(fresh), bool))
+        touched.append(index)
         flat[index] = True
-    return _changed(flat, width, touched, before)
+    return _changed(flat, before, width, touched)
 
 
 def _changed(
-    flat: NDArray[np.bool_], width: int, touched: list[NDArray[np.intp]], before: list[NDArray[np.bool_]]
+    flat: NDArray[np.bool_], before: NDArray[np.bool_], width: int, touched: list[NDArray[np.intp]]
 ) -> tuple[slice, slice] | None:
     index = np.concatenate(touched) if touched else np.empty(0, np.intp)
-    was = np.concatenate(before) if before else np.empty(0, bool)
-    # A cell that was cleared and marked again appears as cleared only, and is as it was.
-    index = index[flat[index] != was]
+    index = index[flat[index] != before[index]]
     if not len(index):
         return None
     rows, columns = index // width, index % width

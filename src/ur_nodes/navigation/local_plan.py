@@ -104,10 +104,10 @@ def follow_way(
     The command differs from the present motion by no more than the accelerations allow in `period`.
     """
     plain = _roll(way, index, motion, _PLAIN, limits, settings, period)
-    if not _touches(plain.poses, costmap, footprint)[:, 0].any():
+    if not _touches(plain.poses, motion.pose, costmap, footprint)[:, 0].any():
         return Step(float(plain.speeds[0, 0]), float(plain.turns[0, 0]), plain.poses[:, 0])
     others = _roll(way, index, motion, _VARIANTS, limits, settings, period)
-    touching = _touches(others.poses, costmap, footprint)
+    touching = _touches(others.poses, motion.pose, costmap, footprint)
     free = ~touching.any(axis=0)
     if not free.any():
         return _stop(motion, limits, settings, period)
@@ -118,19 +118,14 @@ def follow_way(
     return Step(float(others.speeds[0, best]), float(others.turns[0, best]), others.poses[:, best], hindered=True)
 
 
-def is_free(pose: Pose2, costmap: Costmap, footprint: Footprint) -> bool:
-    """Whether the robot standing at a pose touches nothing that the costmap knows."""
-    return not bool(_touches(np.array(pose)[None, None], costmap, footprint).any())
-
-
 def sweep_is_free(motion: Motion, seconds: float, costmap: Costmap, footprint: Footprint) -> bool:
-    """Whether holding the motion's speed and turn for a while touches nothing."""
+    """Whether holding the motion's speed and turn for a while touches nothing (more than the robot does already)."""
     times = np.linspace(0.0, seconds, max(2, math.ceil(seconds / 0.1) + 1))
     yaws = motion.pose.yaw + motion.turn * times
     steps = np.diff(times, prepend=0.0) * motion.speed
     xs = motion.pose.x + np.cumsum(steps * np.cos(yaws))
     ys = motion.pose.y + np.cumsum(steps * np.sin(yaws))
-    return not bool(_touches(np.stack((xs, ys, yaws), axis=-1)[:, None], costmap, footprint).any())
+    return not bool(_touches(np.stack((xs, ys, yaws), axis=-1)[:, None], motion.pose, costmap, footprint).any())
 
 
 # Variants of the steering law: the share of the speed limit, the offset to the left of the way (m).
@@ -188,14 +183,23 @@ def _roll(
     return _Rollout(poses, speeds, turns, indices)
 
 
-def _touches(poses: Floats, costmap: Costmap, footprint: Footprint) -> NDArray[np.bool_]:
-    """Which poses (t, k, 3) put the footprint on an obstacle. What lies beyond the costmap counts as free."""
+def _touches(poses: Floats, start: Pose2, costmap: Costmap, footprint: Footprint) -> NDArray[np.bool_]:
+    """Which poses (t, k, 3) put more of the footprint on obstacles than there is of it already at `start`.
+
+    So a robot that something has come too near to may still move away. What lies beyond the costmap counts as free.
+    """
+    deeper: NDArray[np.bool_] = _overlaps(poses, costmap, footprint) > _overlaps(np.array(start), costmap, footprint)
+    return deeper
+
+
+def _overlaps(poses: Floats, costmap: Costmap, footprint: Footprint) -> NDArray[np.intp]:
+    """How many samples of the footprint lie on obstacles at each pose (..., 3)."""
     c, s = np.cos(poses[..., 2, None]), np.sin(poses[..., 2, None])
     fx, fy = footprint.samples.T
     points = np.stack((poses[..., 0, None] + c * fx - s * fy, poses[..., 1, None] + s * fx + c * fy), axis=-1)
     costs = look_up(costmap.costs, costmap.fractions_of_points(points), 0)
-    touching: NDArray[np.bool_] = (costs == LETHAL).any(axis=-1)
-    return touching
+    counts: NDArray[np.intp] = (costs == LETHAL).sum(axis=-1)
+    return counts
 
 
 def _stop(motion: Motion, limits: Limits, settings: FollowSettings, period: float) -> Step:

@@ -74,7 +74,7 @@ def read_settings() -> MoveBaseSettings:
         map_topic=static.text("map_topic", "map"),
         reset_distance=top.number("conservative_reset_dist", 3.0, minimum=0.0),
         navigator=_navigator(top),
-        planner=_planner(top),
+        planner=_planner(top, footprint, resolution),
         limits=_limits(top.below("DWAPlannerROS")),
     )
 
@@ -139,13 +139,15 @@ def _navigator(top: Parameters) -> NavigatorSettings:
     )
 
 
-def _planner(top: Parameters) -> PlanSettings:
+def _planner(top: Parameters, footprint: Footprint, resolution: float) -> PlanSettings:
     navfn, weights = top.below("NavfnROS"), top.below("GlobalPlanner")
     return PlanSettings(
         neutral=weights.number("neutral_cost", 50.0, minimum=1.0),
-        factor=weights.number("cost_factor", 0.55, minimum=0.0),
+        factor=weights.number("cost_factor", 0.3, minimum=0.0),
         allow_unknown=navfn.boolean("allow_unknown", True),
         tolerance=navfn.number("default_tolerance", 0.0, minimum=0.0),
+        nudge=0.6 * top.below("DWAPlannerROS").number("xy_goal_tolerance", 0.1, minimum=0.02),
+        room=footprint.circumscribed + resolution,
     )
 
 

@@ -22,15 +22,17 @@ class Bending:
     rounds: int = 60
 
 
-def pull_straight(points: Points, costmap: Costmap, weights: NDArray[np.float64], reach: float = 6.0) -> Points:
+def pull_straight(points: Points, costmap: Costmap, weights: NDArray[np.float64], reach: float = 12.0) -> Points:
     """The way (n, 2) without the detours of its grid.
 
     Made of straight pieces of at most about `reach` m each that cost no more than what they replace. `weights`
     (height, width) is the cost of a metre in each cell, inf where the way must not go.
     """
-    ways = _line_costs(points[:-1], points[1:], costmap, weights)
-    total = np.concatenate(((0.0,), np.cumsum(ways)))
     along = arc_lengths(points)
+    each = _weights_at(points, costmap, weights)
+    # As the search counts: between two free cells that touch at a corner, a sampled line could find a forbidden one.
+    each[~np.isfinite(each)] = 1e3
+    total = np.concatenate(((0.0,), np.cumsum(0.5 * (each[:-1] + each[1:]) * np.diff(along))))
     kept = [0]
     while kept[-1] < len(points) - 1:
         here = kept[-1]
@@ -136,10 +138,14 @@ def _line_costs(starts: Points, ends: Points, costmap: Costmap, weights: NDArray
     count = max(2, int(np.ceil(lengths.max() / (0.5 * costmap.resolution))) + 1)
     shares = np.linspace(0.0, 1.0, count)
     points = starts[:, None] + shares[None, :, None] * (ends - starts)[:, None]
-    cells = np.floor(costmap.fractions_of_points(points)).astype(np.intp)
-    height, width = weights.shape
-    rows = np.clip(cells[..., 0], 0, height - 1)
-    columns = np.clip(cells[..., 1], 0, width - 1)
-    means = weights[rows, columns].mean(axis=1)
+    means = _weights_at(points, costmap, weights).mean(axis=1)
     costs: NDArray[np.float64] = np.where(lengths > 0.0, means * lengths, 0.0)
     return costs
+
+
+def _weights_at(points: NDArray[np.float64], costmap: Costmap, weights: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The weights (...) of the cells below points (..., 2), of the nearest cell where they are outside."""
+    cells = np.floor(costmap.fractions_of_points(points)).astype(np.intp)
+    height, width = weights.shape
+    below: NDArray[np.float64] = weights[np.clip(cells[..., 0], 0, height - 1), np.clip(cells[..., 1], 0, width - 1)]
+    return below

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from enum import Enum
 
-from ur_nodes.navigation.costmap import Costmap
+import numpy as np
+from scipy.ndimage import distance_transform_edt
+
+from ur_nodes.navigation.costmap import LETHAL, Costmap
 from ur_nodes.navigation.footprint import Footprint
 from ur_nodes.navigation.local_plan import Motion, sweep_is_free
 from ur_nodes.navigation.speed_profile import Limits, approach
@@ -85,8 +89,9 @@ def move_to_recover(
         done = recovery.done + abs(wrap_angle(motion.pose.yaw - last.yaw))
         speed, turn, over = 0.0, 0.6 * limits.turn, done >= 6.28
     else:
-        done = ((motion.pose.x - began.x) ** 2 + (motion.pose.y - began.y) ** 2) ** 0.5
-        speed, turn, over = -limits.backward, 0.0, done >= distance
+        done = math.hypot(motion.pose.x - began.x, motion.pose.y - began.y)
+        speed, turn = find_way_out(motion, costmap, footprint, limits)
+        over = done >= distance
     state = replace(recovery, began=began, done=done, last=motion.pose)
     trial = Motion(motion.pose, speed, turn)
     if over or not sweep_is_free(trial, 0.5, costmap, footprint):
@@ -97,3 +102,26 @@ def move_to_recover(
         approach(motion.turn, turn, limits.turn_acceleration * period),
         finished=False,
     )
+
+
+def find_way_out(motion: Motion, costmap: Costmap, footprint: Footprint, limits: Limits) -> tuple[float, float]:
+    """The speed and turn, slow, that lead to the most room without touching anything more; back rather than ahead."""
+    distances = distance_transform_edt(costmap.costs != LETHAL) * costmap.resolution
+    best, chosen = -math.inf, (-limits.backward, 0.0)
+    for speed in (-limits.backward, limits.backward):
+        for turn in (0.0, 0.5 * limits.turn, -0.5 * limits.turn):
+            trial = Motion(motion.pose, speed, turn)
+            if not sweep_is_free(trial, 1.0, costmap, footprint):
+                continue
+            yaw = motion.pose.yaw + turn
+            middle = motion.pose.yaw + turn / 2
+            x, y = motion.pose.x + speed * math.cos(middle), motion.pose.y + speed * math.sin(middle)
+            c, s = math.cos(yaw), math.sin(yaw)
+            points = footprint.samples @ np.array(((c, s), (-s, c))) + (x, y)
+            places = np.floor(costmap.fractions_of_points(points)).astype(np.intp)
+            inside = ((places >= 0) & (places < costmap.costs.shape)).all(axis=1)
+            rooms = distances[tuple(places[inside].T)]
+            room = min(0.3, float(rooms.min(initial=1.0))) + (0.02 if speed < 0.0 else 0.0) - 0.005 * abs(turn)
+            if room > best:
+                best, chosen = room, (speed, turn)
+    return chosen

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -65,7 +65,7 @@ class ClosedLoop:
     settings: NavigatorSettings = field(default_factory=NavigatorSettings)
     plan_settings: PlanSettings = field(default_factory=PlanSettings)
     follow: FollowSettings = field(default_factory=FollowSettings)
-    scaling: float = 20.0
+    scaling: float = 25.0
     error: float = 0.0
     seed: int = 1
     odom: Pose2 = ODOM
@@ -73,6 +73,7 @@ class ClosedLoop:
     def __post_init__(self) -> None:
         self.footprint: Footprint = footprint_of_outline(self.outline, self.grid.resolution, 0.01)
         self.bare = footprint_of_outline(self.outline, self.grid.resolution / 2)
+        self.plan_settings = replace(self.plan_settings, room=self.footprint.circumscribed + self.grid.resolution)
         inflation = Inflation(self.footprint.inscribed, 0.55, self.scaling)
         self.global_costs = MapCostmap(self.grid, Ranges(2.5, 3.0), inflation, lethal=65, track_unknown=True)
         self.local_costs = RollingCostmap(4.0, self.grid.resolution, Ranges(2.5, 3.0), inflation)

@@ -1,0 +1,228 @@
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from tests.ur_nodes.navigation.closed_loop import LIMITS, MAGNI, STAGE, ClosedLoop, Drive
+
+from ur_nodes.navigation.costmap import Costmap
+from ur_nodes.navigation.footprint import footprint_of_outline
+from ur_nodes.navigation.grid import Grid
+from ur_nodes.navigation.local_plan import FollowSettings, Motion
+from ur_nodes.navigation.navigator import Ending, Inputs, Navigator, NavigatorSettings, Outputs, Phase, PlanAnswer
+from ur_nodes.navigation.recovery import SEQUENCE, Behaviour
+from ur_nodes.navigation.speed_profile import Limits
+from ur_nodes.rosio.pose import Pose2, wrap_angle
+
+STRAIGHT = np.stack((np.arange(0.0, 3.01, 0.05), np.zeros(61)), axis=-1)
+HOME = Pose2(0.0, 0.0, 0.0)
+
+
+def rooms() -> Grid:
+    """Two rooms of 3 m x 4 m, joined by a door of 0.9 m; (0, 0) is in the middle of the left one."""
+    values = np.zeros((84, 124), np.int8)
+    values[[0, 1, -2, -1]] = 100
+    values[:, [0, 1, -2, -1]] = 100
+    values[:, 61:63] = 100
+    values[50:68, 61:63] = 0
+    return Grid(values, 0.05, Pose2(-1.6, -2.1, 0.0))
+
+
+def check(drive: Drive, goal: Pose2, limits: Limits = LIMITS) -> None:
+    assert drive.ending is Ending.REACHED, drive.text
+    assert not drive.touched
+    assert math.hypot(drive.pose.x - goal.x, drive.pose.y - goal.y) <= 0.1
+    assert abs(wrap_angle(drive.pose.yaw - goal.yaw)) <= math.radians(5.0)
+    assert drive.speeds[:, 0].max() <= limits.speed + 1e-9
+    assert abs(drive.speeds[:, 1]).max() <= limits.turn + 1e-9
+    assert abs(np.diff(drive.speeds[:-1, 0])).max() <= 0.1 * limits.acceleration + 1e-9
+    assert abs(np.diff(drive.speeds[:-1, 1])).max() <= 0.1 * limits.turn_acceleration + 1e-9
+
+
+@pytest.mark.parametrize("outline", [STAGE, MAGNI], ids=["stage", "magni"])
+@pytest.mark.parametrize("goal", [Pose2(3.0, -1.0, 1.57), Pose2(3.5, 1.2, 3.0), Pose2(-0.9, 1.3, -0.5)])
+def test_navigator_reaches_goals_through_a_door(outline: tuple[tuple[float, float], ...], goal: Pose2) -> None:
+    drive = ClosedLoop(rooms(), outline=outline).drive(goal)
+    check(drive, goal)
+    assert drive.sayings == ()
+
+
+def test_navigator_drives_fast_and_straight_in_the_open() -> None:
+    grid = Grid(np.zeros((200, 200), np.int8), 0.05, Pose2(-2.0, -5.0, 0.0))
+    drive = ClosedLoop(grid).drive(Pose2(6.0, 1.0, 0.0))
+    check(drive, Pose2(6.0, 1.0, 0.0))
+    assert drive.length < 1.01 * math.hypot(6.0, 1.0)
+    assert drive.seconds < 1.15 * drive.length / 0.5
+
+
+def test_navigator_stands_a_localisation_that_trembles() -> None:
+    drive = ClosedLoop(rooms(), error=0.02).drive(Pose2(3.0, -1.0, 1.57))
+    check(drive, Pose2(3.0, -1.0, 1.57))
+
+
+def test_navigator_drives_round_obstacles_that_the_map_does_not_show() -> None:
+    goal = Pose2(3.0, 1.0, 0.0)
+    drive = ClosedLoop(rooms()).drive(goal, obstacles=[(0.75, 0.35, 0.3), (2.4, 0.95, 0.3)])
+    check(drive, goal)
+    assert drive.plans >= 2, "the second obstacle is seen on the way"
+
+
+def test_navigator_gives_up_at_a_door_that_is_shut_after_trying_everything() -> None:
+    loop = ClosedLoop(rooms(), settings=NavigatorSettings(planner_patience=1.0, controller_patience=1.0))
+    drive = loop.drive(Pose2(3.0, 0.0, 0.0), obstacles=[(1.5, 0.85, 1.0)])
+    assert drive.ending is Ending.FAILED
+    assert not drive.touched
+    assert "nothing wide enough" in drive.text
+    assert "after clearing, turning and backing off" in drive.text
+    assert len([line for line in drive.sayings if "recovering" in line]) == len(SEQUENCE)
+
+
+@pytest.mark.parametrize(
+    ("goal", "reason"),
+    [
+        (Pose2(1.5, -1.0, 0.0), "in a wall"),
+        (Pose2(30.0, 0.0, 0.0), "outside the map"),
+        (Pose2(1.35, -1.0, 0.0), "so near"),
+    ],
+)
+def test_navigator_refuses_impossible_goals_at_once_and_says_why(goal: Pose2, reason: str) -> None:
+    drive = ClosedLoop(rooms()).drive(goal)
+    assert drive.ending is Ending.FAILED
+    assert reason in drive.text
+    assert drive.seconds < 1.0
+    assert drive.length == 0.0
+
+
+def test_navigator_leaves_a_place_where_it_cannot_turn() -> None:
+    loop = ClosedLoop(rooms(), pose=Pose2(-1.24, 0.0, 2.2), outline=MAGNI)
+    drive = loop.drive(Pose2(0.5, 0.0, 0.0))
+    assert drive.ending is Ending.REACHED, drive.text
+
+
+# Histories: one navigator, inputs written down, outputs looked at.
+
+
+class History:
+    def __init__(self, **settings: float | bool) -> None:
+        self.now = 0.0
+        self.navigator = Navigator(
+            NavigatorSettings(**settings),  # type: ignore[arg-type] # a test's shorthand for a few of its fields
+            LIMITS,
+            FollowSettings(),
+            footprint_of_outline(STAGE, 0.05),
+        )
+        self.motion: Motion | None = Motion(HOME, 0.0, 0.0)
+        self.local = Costmap(np.zeros((80, 80), np.uint8), 0.05, Pose2(-2.0, -2.0, 0.0))
+
+    def step(self, answer: PlanAnswer | None = None, trouble: str = "", *, blocked: bool = False) -> Outputs:
+        self.now += 0.1
+        return self.navigator.step(Inputs(self.now, self.motion, HOME, self.local, answer, trouble, blocked))
+
+    def start(self) -> Outputs:
+        self.navigator.start(Pose2(3.0, 0.0, 0.0), self.now)
+        return self.step()
+
+
+def test_navigator_is_silent_without_a_goal() -> None:
+    out = History().step()
+    assert (out.command, out.plan, out.ending) == (None, False, None)
+
+
+def test_navigator_asks_for_a_plan_once_and_then_drives() -> None:
+    history = History()
+    assert history.start().plan
+    assert not history.step().plan
+    out = history.step(PlanAnswer(STRAIGHT))
+    assert history.navigator.phase is Phase.DRIVING
+    assert out.command is not None
+    assert out.command[0] == pytest.approx(0.1)
+
+
+def test_navigator_asks_anew_when_the_way_is_blocked_and_not_more_than_once_a_second() -> None:
+    history = History()
+    history.start()
+    history.step(PlanAnswer(STRAIGHT))
+    history.now += 1.0
+    asked = 0
+    for _ in range(20):
+        out = history.step(PlanAnswer(STRAIGHT), blocked=True)
+        asked += out.plan
+    assert 1 <= asked <= 3
+
+
+def test_navigator_stops_in_trouble_says_why_and_goes_on_after_it() -> None:
+    history = History()
+    history.start()
+    history.step(PlanAnswer(STRAIGHT))
+    out = history.step(trouble="no scan on /scan for 1.0 s")
+    assert out.command == (0.0, 0.0)
+    assert "no scan on /scan" in out.say
+    assert history.step(trouble="no scan on /scan for 1.1 s").say == "", "once is enough"
+    out = history.step()
+    assert out.command is not None
+    assert out.command[0] > 0.0
+
+
+def test_navigator_gives_up_when_trouble_lasts() -> None:
+    history = History(trouble_patience=2.0)
+    history.start()
+    endings = [history.step(trouble="no scan on /scan for a while") for _ in range(25)]
+    last = next(out for out in endings if out.ending is not None)
+    assert last.ending is Ending.FAILED
+    assert last.text == "no scan on /scan for a while"
+    assert history.navigator.phase is Phase.IDLE
+
+
+def test_navigator_tries_each_recovery_in_order_before_it_gives_up() -> None:
+    history = History(planner_patience=0.5)
+    history.start()
+    tried: list[str] = []
+    cleared: list[Behaviour] = []
+    for _ in range(1500):
+        out = history.step(PlanAnswer(None, "no path: something stands there"))
+        if history.motion and out.command:
+            x, y, yaw = history.motion.pose
+            v, w = out.command
+            history.motion = Motion(
+                Pose2(x + 0.1 * v * math.cos(yaw), y + 0.1 * v * math.sin(yaw), yaw + 0.1 * w), v, w
+            )
+        if out.say:
+            tried.append(out.say.split("recovering: ")[1])
+        if out.clear:
+            cleared.append(out.clear)
+        if out.ending:
+            break
+    assert tried == [behaviour.value for behaviour in SEQUENCE]
+    assert cleared == [Behaviour.CLEAR_FAR, Behaviour.CLEAR_ALL]
+    assert out.ending is Ending.FAILED
+    assert out.text.startswith("no path: something stands there")
+
+
+def test_navigator_without_recovery_gives_up_at_once() -> None:
+    history = History(planner_patience=0.5, recovery_enabled=False)
+    history.start()
+    outs = [history.step(PlanAnswer(None, "no path: it is shut")) for _ in range(10)]
+    assert [out.text for out in outs if out.ending] == ["no path: it is shut"]
+
+
+def test_navigator_notices_that_the_robot_does_not_move() -> None:
+    history = History(progress_timeout=2.0)
+    history.start()
+    history.step(PlanAnswer(STRAIGHT))
+    outs = [history.step() for _ in range(30)]
+    assert any("recovering" in out.say for out in outs)
+
+
+def test_navigator_takes_a_new_goal_over_without_a_jerk() -> None:
+    history = History()
+    history.start()
+    out = history.step(PlanAnswer(STRAIGHT))
+    for _ in range(6):
+        out = history.step()
+    assert out.command is not None
+    before = out.command[0]
+    history.navigator.start(Pose2(0.0, 2.0, 0.0), history.now)
+    after = history.step().command
+    assert after is not None
+    assert 0.0 < before - after[0] <= 0.1 + 1e-9
