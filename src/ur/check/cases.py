@@ -48,32 +48,36 @@ class Resolved:
     plan: Plan
 
 
-def list_cases(view: LaunchView) -> list[Case]:
-    """The cases of a launch file: each base and variant of its package, once plain and once per option flipped."""
-    bases = _base_cases(view)
-    return bases + [
-        replace(base, given=(*base.given, flip), flipped=flip[0]) for flip in _flips(view) for base in bases
-    ]
+def list_cases(view: LaunchView, given: tuple[tuple[str, str], ...] = ()) -> list[Case]:
+    """The cases of a launch file: each base and variant of its package, once plain and once per option flipped.
+
+    What is `given` is the same in all.
+    """
+    names = {name for name, _ in given}
+    bases = [] if "robot_base" in names else _base_cases(view, names)
+    plain = [Case((*given, *each)) for each in bases or [()]]
+    flips = [flip for flip in _flips(view) if flip[0] not in names]
+    return plain + [Case((*case.given, flip), flipped=flip[0]) for flip in flips for case in plain]
 
 
-def resolve_cases(view: LaunchView, world: CachedWorld) -> Iterator[Resolved]:
+def resolve_cases(view: LaunchView, world: CachedWorld, given: tuple[tuple[str, str], ...] = ()) -> Iterator[Resolved]:
     """The plans of a launch file, one or two per case."""
     required = [name for name, elements in view.declared.items() if all(map(_is_required, elements))]
-    for case in list_cases(view):
+    for case in list_cases(view, given):
         for plan in _resolve(view.path, case, required, world):
             yield Resolved(case, plan)
 
 
-def _base_cases(view: LaunchView) -> list[Case]:
+def _base_cases(view: LaunchView, given: set[str]) -> list[tuple[tuple[str, str], ...]]:
     if view.package is None or "robot_base" not in view.declared:
-        return [Case()]
-    cases = []
+        return []
+    with_variants = "robot_variant" in view.declared and "robot_variant" not in given
+    cases: list[tuple[tuple[str, str], ...]] = []
     for base in view.package.bases:
-        variants = ("", *base.variants) if "robot_variant" in view.declared else ("",)
-        for variant in variants:
-            given = [("robot_base", base.name)] + ([("robot_variant", variant)] if variant else [])
-            cases.append(Case(tuple(given)))
-    return cases or [Case()]
+        cases.append((("robot_base", base.name),))
+        variants = base.variants if with_variants else ()
+        cases.extend((("robot_base", base.name), ("robot_variant", variant)) for variant in variants)
+    return cases
 
 
 def _flips(view: LaunchView) -> list[tuple[str, str]]:
@@ -97,7 +101,7 @@ def _is_required(element: Element) -> bool:
 
 def _resolve(path: str, case: Case, required: list[str], world: CachedWorld) -> Iterator[Plan]:
     unknowns = Unknowns()
-    open_world = world.with_environment(Environment(world.environment, unknowns))
+    open_world = world.seen_from(path.rpartition("/")[0], Environment(world.environment, unknowns))
     given = dict(case.given)
     plan = None
     for _ in range(_ROUNDS):

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 from ur.check.cases import Resolved, list_cases, resolve_cases
 from ur.check.catalogue import load_rules
@@ -16,7 +17,7 @@ from ur.check.visitor import Visitor, stamp_severity
 from ur.check.worlds import CachedWorld
 from ur.launchfile.syntax import Element
 from ur.launchfile.world import World
-from ur.source.diagnostic import Diagnostic, Severity, error
+from ur.source.diagnostic import Diagnostic, Note, Severity, error
 from ur.source.file import SourceFile, Span
 from ur.source.suggest import did_you_mean
 
@@ -35,17 +36,31 @@ class Report:
         return sum(found.severity is Severity.ERROR for found in self.findings)
 
 
-def check_paths(paths: Sequence[str], world: World, chosen: frozenset[str] | None = None) -> Report:
-    """Check files, folders and packages; `chosen` are rule ids (None: all). Raises UserError for a bad path."""
+def check_paths(
+    paths: Sequence[str],
+    world: World,
+    chosen: frozenset[str] | None = None,
+    arguments: Mapping[str, str] | None = None,
+) -> Report:
+    """Check files, folders and packages; `chosen` are rule ids (None: all). Raises UserError for a bad path.
+
+    `arguments` are given to every launch file that declares them; the others keep their defaults or are unknown.
+    """
     cached = CachedWorld(world)
     targets = collect_targets(paths, cached)
-    return _Check(targets, cached, load_rules(), chosen).run()
+    return _Check(targets, cached, load_rules(), chosen, arguments or {}).run()
 
 
 class _Check:
     def __init__(
-        self, targets: Targets, world: CachedWorld, rules: dict[str, Rule], chosen: frozenset[str] | None
+        self,
+        targets: Targets,
+        world: CachedWorld,
+        rules: dict[str, Rule],
+        chosen: frozenset[str] | None,
+        arguments: Mapping[str, str],
     ) -> None:
+        self.arguments = arguments
         self.targets = targets
         self.world = world
         self.rules = rules
@@ -67,6 +82,7 @@ class _Check:
 
     def check_everything(self) -> Iterator[Hit]:
         yield from self.read_launch_files()
+        yield from map(Hit, self.check_arguments())
         for view in self.views.values():
             yield from map(Hit, self.visitor.visit_launch_file(view))
             yield from self.check_plans(view)
@@ -91,30 +107,64 @@ class _Check:
             self.views[path] = view
             self.suppressions[path] = read_xml_suppressions(view.tree)
 
+    def check_arguments(self) -> Iterator[Diagnostic]:
+        line = SourceFile("<command line>", " ".join(f"{name}:={value}" for name, value in self.arguments.items()))
+        declared = {name for view in self.views.values() for name in view.declared}
+        for name in self.arguments:
+            if name in declared:
+                continue
+            start = line.text.index(f"{name}:=")
+            near = did_you_mean(name, declared - set(self.arguments))
+            help_ = f"did you mean {near}:=...?" if near else f"declared: {', '.join(sorted(declared)) or 'none'}"
+            message = f"argument '{name}' is given, but no checked launch file declares it"
+            yield error(message, Span(line, start, start + len(name)), rule="unknown-argument", help=help_)
+
     def check_plans(self, view: LaunchView) -> Iterator[Hit]:
-        cases = {case.label for case in list_cases(view) if case.flipped is None}
-        for resolved in resolve_cases(view, self.world):
-            label = resolved.case.label
+        given = tuple((name, value) for name, value in self.arguments.items() if name in view.declared)
+        cases = {case.label for case in list_cases(view, given) if case.flipped is None}
+        for resolved in resolve_cases(view, self.world, given):
             for found in self.findings_of(resolved, view):
-                yield Hit(found, view.path, label, len(cases))
+                yield Hit(found, view.path, resolved.case.label, len(cases))
 
     def findings_of(self, resolved: Resolved, view: LaunchView) -> Iterator[Diagnostic]:
         option = resolved.case.flipped
         for found in resolved.plan.diagnostics:
             if found.span is None:
                 continue
-            ours = found.span.file.path in self.views or found.span.file.path in self.targets.yaml_files
-            if ours or found.severity is Severity.ERROR:
+            found = self.settle(found, view)
+            if found.severity is Severity.ERROR or self.is_checked(found):
                 yield _judge(stamp_severity(found, self.rules), view.package, option)
-        for found in self.visitor.visit_plan(resolved.plan, self.element_at, view.package, self.world):
+        element_at = partial(self.element_at, view)
+        for found in self.visitor.visit_plan(resolved.plan, element_at, view.package, self.world):
             yield _judge(found, view.package, option)
 
-    def element_at(self, path: str, start: int) -> Element | None:
-        view = self.views.get(path)
-        if view is None:
+    def is_checked(self, found: Diagnostic) -> bool:
+        path = found.span.file.path if found.span else ""
+        return path in self.views or path in self.targets.yaml_files
+
+    def settle(self, found: Diagnostic, view: LaunchView) -> Diagnostic:
+        # Relative paths of included files become absolute, so that each file has one name.
+        spans = [found.span, *(note.span for note in found.notes)]
+        if all(span is None or span.file.path.startswith("/") for span in spans):
+            return found
+        notes = tuple(Note(note.message, self.settled_span(note.span, view)) for note in found.notes)
+        return replace(found, span=self.settled_span(found.span, view), notes=notes)
+
+    def settled_span(self, span: Span | None, view: LaunchView) -> Span | None:
+        if span is None or span.file.path.startswith("/"):
+            return span
+        return Span(SourceFile(self.locate(span.file.path, view), span.file.text), span.start, span.end)
+
+    def locate(self, path: str, view: LaunchView) -> str:
+        return self.world.seen_from(view.path.rpartition("/")[0], self.world.environment).locate(path)
+
+    def element_at(self, view: LaunchView, path: str, start: int) -> Element | None:
+        path = path if path.startswith("/") else self.locate(path, view)
+        seen = self.views.get(path)
+        if seen is None or seen.tree.diagnostics:
             return None
         if path not in self.elements:
-            self.elements[path] = {element.start: element for element, _ in walk_elements(view.tree.launch)}
+            self.elements[path] = {element.start: element for element, _ in walk_elements(seen.tree.launch)}
         return self.elements[path].get(start)
 
     def check_yaml_files(self) -> Iterator[Hit]:
@@ -172,7 +222,7 @@ def _unreadable(path: str, problem: OSError) -> Diagnostic:
 
 def _judge(found: Diagnostic, package: Package | None, option: str | None) -> Diagnostic:
     # A package that is not installed may be a matter of this computer, and not of the file.
-    if found.rule != "unknown-package" or (found.help or "").startswith("did you mean"):
+    if found.rule != "unknown-package":
         return found
     name = found.message.split("'")[1]
     if package is not None and name in package.depends:
@@ -186,5 +236,7 @@ def _judge(found: Diagnostic, package: Package | None, option: str | None) -> Di
         rule="package-not-installed",
         severity=Severity.WARNING,
         message=f"package '{name}' is not installed here, {why}",
-        help=f"install {name}; what the file takes from it is not checked until then",
+        help=found.help
+        if found.help and found.help.startswith("did you mean") and name not in (package.depends if package else ())
+        else f"install {name}; what the file takes from it is not checked until then",
     )

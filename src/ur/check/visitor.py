@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
 
 from ur.check.model import Found, LaunchView, NodeView, Package, PackageView, ParamView, ProgramView, Rule, YamlView
 from ur.check.survey import walk_elements
-from ur.launchfile.plan.model import Plan
+from ur.launchfile.plan.model import Origin, Plan
 from ur.launchfile.syntax import Element
 from ur.launchfile.world import World
-from ur.source.diagnostic import Diagnostic
+from ur.source.diagnostic import Diagnostic, Note
 
 _LOCAL = frozenset({"localhost", "127.0.0.1", "::1"})
 _Hook = tuple[Rule, Callable[..., Iterable[Found]]]
@@ -45,11 +46,13 @@ class Visitor:
             element = element_at(node.origin.span.file.path, node.origin.span.start)
             if element is not None:
                 local = node.machine is None or addresses.get(node.machine, "localhost") in _LOCAL
-                yield from _ask(self._node, package, NodeView(node, element, local, package, world))
+                node_view = NodeView(node, element, local, package, world)
+                yield from _with_includes(_ask(self._node, package, node_view), node.origin)
         for param in plan.programs:
             element = element_at(param.origin.span.file.path, param.origin.span.start)
             if element is not None:
-                yield from _ask(self._param, package, ParamView(param, element, package, world))
+                found = _ask(self._param, package, ParamView(param, element, package, world))
+                yield from _with_includes(found, param.origin)
 
     def visit_yaml_file(self, view: YamlView) -> Iterable[Diagnostic]:
         """What the rules find in a YAML file."""
@@ -70,6 +73,11 @@ def _ask(hooks: list[_Hook], package: Package | None, *what: object) -> Iterable
             continue
         for found in hook(*what):
             yield Diagnostic(rule.severity, found.message, rule.id, found.span, found.notes, found.help)
+
+
+def _with_includes(findings: Iterable[Diagnostic], origin: Origin) -> Iterable[Diagnostic]:
+    steps = tuple(Note("included from here", step) for step in reversed(origin.includes))
+    return (replace(found, notes=(*found.notes, *steps)) for found in findings)
 
 
 def stamp_severity(found: Diagnostic, rules: Mapping[str, Rule]) -> Diagnostic:

@@ -55,18 +55,29 @@ class Environment(dict[str, str]):
 
 
 class CachedWorld:
-    """A World that asks another one each question once."""
+    """A World that asks another one each question once.
 
-    def __init__(self, world: World, environment: Mapping[str, str] | None = None) -> None:
+    Relative paths that are not found in the working folder are looked for in `folder`.
+    """
+
+    def __init__(self, world: World, environment: Mapping[str, str] | None = None, folder: str = "") -> None:
         self._world = world
+        self._folder = folder
         self.environment: Mapping[str, str] = world.environment if environment is None else environment
         self._answers: dict[tuple[str, ...], object] = {}
 
-    def with_environment(self, environment: Mapping[str, str]) -> CachedWorld:
-        """The same world, answers included, with other variables."""
-        other = CachedWorld(self._world, environment)
+    def seen_from(self, folder: str, environment: Mapping[str, str]) -> CachedWorld:
+        """The same world, answers included, with other variables and another folder."""
+        other = CachedWorld(self._world, environment, folder)
         other._answers = self._answers
         return other
+
+    def locate(self, path: str) -> str:
+        """The absolute path that a path stands for."""
+        if not path or path.startswith("/") or not self._folder or self._is_file(path):
+            return self._world.absolute(path)
+        beside = f"{self._folder}/{path}"
+        return self._world.absolute(beside if self._is_file(beside) else path)
 
     def find_package(self, name: str) -> str:
         """See World."""
@@ -103,6 +114,9 @@ class CachedWorld:
 
     def is_file(self, path: str) -> bool:
         """See World."""
+        return self._is_file(self.locate(path) if path else path)
+
+    def _is_file(self, path: str) -> bool:
         key = ("is_file", path)
         if key not in self._answers:
             self._answers[key] = self._world.is_file(path)
@@ -110,6 +124,7 @@ class CachedWorld:
 
     def read_bytes(self, path: str) -> bytes:
         """See World."""
+        path = self.locate(path) if path else path
         key = ("read_bytes", path)
         if key not in self._answers:
             try:
@@ -123,11 +138,15 @@ class CachedWorld:
 
     def list_folder(self, path: str) -> tuple[str, ...]:
         """See World."""
-        return self._world.list_folder(path)
+        names = self._world.list_folder(path)
+        if self._folder and not path.startswith("/"):
+            beside = self._world.list_folder(self._world.absolute(f"{self._folder}/{path}"))
+            return tuple(sorted({*names, *beside}))
+        return names
 
     def absolute(self, path: str) -> str:
         """See World."""
-        return self._world.absolute(path)
+        return self.locate(path) if path else self._world.absolute(path)
 
     def make_anonymous(self, prefix: str) -> str:
         """See World. The same name each time: a check says the same each time."""

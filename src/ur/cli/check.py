@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 @click.command("check")
-@click.argument("paths", nargs=-1, metavar="[PATH]...")
+@click.argument("paths", nargs=-1, metavar="[PATH]... [NAME:=VALUE]...")
 @click.option("--select", multiple=True, metavar="RULE", help="Check only these rules or groups; may be repeated.")
 @click.option("--ignore", multiple=True, metavar="RULE", help="Leave out these rules or groups; may be repeated.")
 @click.option("--fix", is_flag=True, help="Repair what can be repaired safely.")
@@ -40,8 +40,10 @@ def command(
     """Check launch files, YAML files and programs.
 
     PATH is a file, a folder or a package; without one, the current folder is checked. Required arguments need not be
-    given, and packages with bases are checked for every base and variant. Exit code: 0 when no error is found, 1 when
-    there is one (with --strict: or a warning), 2 when the check could not run.
+    given, and packages with bases are checked for every base and variant; NAME:=VALUE checks with that value only.
+
+    Exit code: 0 when no error is found, 1 when there is one (with --strict: or a warning), 2 when the check could not
+    run.
     """
     from ur.check.catalogue import choose_rules, find_rule, load_rules
     from ur.check.computer import make_world
@@ -52,8 +54,9 @@ def command(
         click.echo(render_rule_page(find_rule(explain)), nl=False)
         return 0
     chosen = choose_rules(_words(select), _words(ignore))
-    words = list(paths or (".",))
-    report = check_paths(words, make_world(words, os.environ), chosen)
+    arguments = dict(word.split(":=", 1) for word in paths if ":=" in word)
+    words = [word for word in paths if ":=" not in word] or ["."]
+    report = check_paths(words, make_world(words, os.environ), chosen, arguments)
     if fix:
         from ur.check.fix import plan_repairs
 
@@ -62,7 +65,7 @@ def command(
             _write(repair.path, repair.text)
         repaired = sum(len(repair.findings) for repair in repairs)
         click.echo(f"repaired {repaired} finding{'' if repaired == 1 else 's'} in {len(repairs)} files", err=True)
-        report = check_paths(words, make_world(words, os.environ), chosen)
+        report = check_paths(words, make_world(words, os.environ), chosen, arguments)
     _show(report, form)
     return 1 if report.errors or (strict and report.findings) else 0
 

@@ -14,14 +14,10 @@ def _find_unused(view: LaunchView) -> Iterable[Found]:
     if _uses_all(view):
         return
     for name, elements in view.declared.items():
-        if name not in view.used:
-            near = did_you_mean(name, set(view.used) - set(view.declared))
-            help_ = (
-                f"'{near}' is used: is it meant to be {name}?"
-                if near
-                else "remove it, or use it where it was meant to be"
-            )
-            yield Found(elements[0].value_span("name"), f"argument '{name}' is declared and not used", help_)
+        # Where a name near to it is used and not declared, that one is misspelt, and reported.
+        if name not in view.used and not did_you_mean(name, set(view.used) - set(view.declared)):
+            message = f"argument '{name}' is declared and not used, expected a place that uses it"
+            yield Found(elements[0].value_span("name"), message, "remove it, or use it where it was meant to be")
 
 
 def _uses_all(view: LaunchView) -> bool:
