@@ -16,7 +16,7 @@ import actionlib
 import rospy
 import tf2_ros
 from actionlib_msgs.msg import GoalStatus
-from geometry_msgs.msg import Twist
+from geometry_msgs.msg import PoseWithCovarianceStamped, Twist
 from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
 from nav_msgs.msg import Odometry
 from nav_msgs.srv import GetPlan, SetMap, SetMapRequest
@@ -34,12 +34,15 @@ class Client:
     def __init__(self) -> None:
         self.truth: Odometry | None = None
         self.odom: Odometry | None = None
+        self.localised: Pose2 | None = None
         self.scans = 0
         self.buffer = tf2_ros.Buffer()
         self.listener = tf2_ros.TransformListener(self.buffer)
         self.cmd_vel = rospy.Publisher("cmd_vel", Twist, queue_size=1)
+        self.initial_pose = rospy.Publisher("initialpose", PoseWithCovarianceStamped, queue_size=1)
         self.action = actionlib.SimpleActionClient("move_base", MoveBaseAction)
         rospy.Subscriber("base_pose_ground_truth", Odometry, self._set_truth)
+        rospy.Subscriber("amcl_pose", PoseWithCovarianceStamped, self._set_localised)
         rospy.Subscriber("odom", Odometry, self._set_odom)
         rospy.Subscriber("scan", LaserScan, self._count_scan)
 
@@ -105,6 +108,23 @@ class Client:
         rospy.wait_for_service("simulator/place", 10)
         return {"success": rospy.ServiceProxy("simulator/place", SetMap)(request).success}
 
+    def do_believe(self, x: float, y: float, degrees: float, seconds: float) -> dict[str, Any]:
+        """Tell the localiser where the robot is, as RViz's button does, and wait until it believes it."""
+        message = PoseWithCovarianceStamped()
+        message.header.frame_id = "map"
+        message.pose.pose = pose_message(Pose2(x, y, math.radians(degrees)))
+        message.pose.covariance[0] = message.pose.covariance[7] = 0.01
+        message.pose.covariance[35] = 0.01
+
+        self.localised = None
+
+        def near() -> bool:
+            self.initial_pose.publish(message)
+            return self.localised is not None and math.hypot(self.localised.x - x, self.localised.y - y) < 0.15
+
+        wait_until(near, seconds, "amcl to believe the initial pose", pause=0.3)
+        return self.do_where()
+
     def do_globalise(self) -> dict[str, Any]:
         """Tell the localiser that it could be anywhere."""
         rospy.wait_for_service("global_localization", 10)
@@ -129,6 +149,9 @@ class Client:
     def _set_truth(self, message: Odometry) -> None:
         self.truth = message
 
+    def _set_localised(self, message: PoseWithCovarianceStamped) -> None:
+        self.localised = pose_of_message(message.pose.pose)
+
     def _set_odom(self, message: Odometry) -> None:
         self.odom = message
 
@@ -136,13 +159,13 @@ class Client:
         self.scans += 1
 
 
-def wait_until(condition: Callable[[], object], seconds: float, what: str) -> None:
+def wait_until(condition: Callable[[], object], seconds: float, what: str, pause: float = 0.02) -> None:
     """Poll until the condition holds; TimeoutError names what was waited for."""
     deadline = time.monotonic() + seconds
     while not condition():
         if time.monotonic() > deadline or rospy.is_shutdown():
             raise TimeoutError(f"waited {seconds:g} s for {what}")
-        time.sleep(0.02)
+        time.sleep(pause)
 
 
 def main() -> None:

@@ -1,0 +1,81 @@
+"""The programs as people start them: piped commands, wrong input, and nothing left behind."""
+
+from __future__ import annotations
+
+import subprocess
+from pathlib import Path
+
+import psutil
+import pytest
+from tests.e2e.conftest import ROOT, make_environment
+
+pytestmark = [pytest.mark.ros, pytest.mark.timeout(200)]
+
+
+def run_program(folder: Path, program: str, *arguments: str, keys: str) -> subprocess.CompletedProcess[str]:
+    """Run to the end with piped input; fails when a process of it is left."""
+    env = make_environment(folder)
+    command = [str(ROOT / "ur"), "run", program, *arguments]
+    done = subprocess.run(
+        command, env=env, input=keys, capture_output=True, text=True, timeout=150, cwd=folder, check=False
+    )
+    left = [p for p in psutil.process_iter(["environ"]) if mentions(p, env["ROS_MASTER_URI"])]
+    assert not left, f"still running: {left}"
+    assert "Traceback" not in done.stdout + done.stderr
+    return done
+
+
+def mentions(process: psutil.Process, address: str) -> bool:
+    return (process.info["environ"] or {}).get("ROS_MASTER_URI") == address
+
+
+def test_piped_goals_are_driven_one_after_the_other(tmp_path: Path) -> None:
+    done = run_program(tmp_path, "keyboard_navigate", keys="g 1.5 0 90\ng 0.5 0 180\n")
+    first, second = done.stdout.splitlines()
+    assert first.startswith("g 1.5 0 90: reached, ")
+    assert second.startswith("g 0.5 0 180: reached, ")
+    assert done.returncode == 0
+
+
+def test_failed_goal_and_malformed_command_make_the_exit_code_one(tmp_path: Path) -> None:
+    done = run_program(tmp_path, "keyboard_navigate", keys="g 2 x\ng 0 100\n")
+    assert "'x' is not a number" in done.stderr
+    assert "outside the map" in done.stdout
+    assert done.returncode == 1
+
+
+def test_magni_with_a_lidar_navigates_in_the_office(tmp_path: Path) -> None:
+    arguments = ("robot_base:=magni", "robot_variant:=lidar", "world:=office")
+    done = run_program(tmp_path, "keyboard_navigate", *arguments, keys="g 1 0 0\n")
+    assert done.stdout.startswith("g 1 0 0: reached, "), done.stderr
+    assert done.returncode == 0
+
+
+def test_keyboard_drive_takes_keys_from_a_pipe(tmp_path: Path) -> None:
+    assert run_program(tmp_path, "keyboard_drive", "robot_base:=magni", keys="iik").returncode == 0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "expected"),
+    [
+        (["robot_base:=magnni"], "did you mean 'magni'?"),
+        (["robot_base:=magni", "robot_variant:=lidr"], "did you mean 'lidar'?"),
+        (["robot_base:=magni"], "needs a lidar"),
+        (["robot_bse:=magni"], "argument 'robot_bse' is given"),
+        (["office"], "expected NAME:=VALUE"),
+        (["world:=mazze"], "did you mean"),
+        (["map_file:=/nowhere/map.yaml"], "there is no folder /nowhere"),
+    ],
+)
+def test_wrong_argument_ends_the_program_with_a_clear_line(tmp_path: Path, arguments: list[str], expected: str) -> None:
+    done = run_program(tmp_path, "keyboard_navigate", *arguments, keys="g 1 0\n")
+    assert expected in done.stderr
+    assert done.returncode in (1, 2)
+
+
+def test_broken_map_is_named_with_its_line(tmp_path: Path) -> None:
+    path = tmp_path / "odd.yaml"
+    path.write_text("image: odd.png\nresolution: fine\n", encoding="utf-8")
+    done = run_program(tmp_path, "keyboard_navigate", f"map_file:={path}", keys="g 1 0\n")
+    assert f"{path}:2:13: error: resolution: 'fine' in a map file, expected a number" in done.stderr
+    assert done.returncode == 1
