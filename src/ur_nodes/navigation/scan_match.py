@@ -43,7 +43,8 @@ def match_scan(
 ) -> Match:
     """The most likely pose given a Gaussian prior and beams that end at points (m, 2) in the robot's frame.
 
-    Residuals are signed distances to walls, read with bilinear interpolation; weights are Geman-McClure's. Along
+    Residuals are signed distances to walls, read with bilinear interpolation; weights are Geman-McClure's, and none
+    for ends on the far side of a wall. Along
     directions that the scan says nothing about (a long corridor) the prior decides.
     """
     information = np.linalg.inv(covariance + np.diag((1e-8, 1e-8, 1e-8)))
@@ -80,12 +81,26 @@ def _normal_equations(
     """For poses (n, 3): Gauss-Newton's matrix (n, 3, 3), gradient (n, 3), and the share (n) of beams on walls."""
     residuals, slopes = _linearise(field, poses, points)
     trust = np.square(1.0 / (1.0 + np.square(residuals / settings.outlier)))
+    trust *= _faces_robot(poses, points, slopes)
     weighted = slopes * (trust / (settings.sigma * settings.sigma))[:, None, :]
     return (
         weighted @ slopes.transpose(0, 2, 1),
         (weighted @ residuals[..., None])[..., 0],
         trust.mean(axis=1),
     )
+
+
+def _faces_robot(
+    poses: NDArray[np.float64], points: NDArray[np.float64], slopes: NDArray[np.float64]
+) -> NDArray[np.bool_]:
+    """Which beams' ends (n, m) belong to a wall's near side: going on along the beam leads into the wall.
+
+    An end on the far half of a thin wall would be drawn to the back of it, which no beam can see.
+    """
+    c, s = np.cos(poses[:, 2, None]), np.sin(poses[:, 2, None])
+    x, y = points.T
+    towards: NDArray[np.bool_] = slopes[:, 0] * (c * x - s * y) + slopes[:, 1] * (s * x + c * y) < 0.0
+    return towards
 
 
 def _linearise(

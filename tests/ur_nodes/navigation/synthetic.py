@@ -11,7 +11,7 @@ from ur_nodes.navigation.grid import Grid
 from ur_nodes.rosio.pose import Pose2
 
 LASER = Pose2(0.1, 0.0, 0.0)
-ANGLES = -math.pi + np.arange(360) * (2.0 * math.pi / 360.0)
+ANGLES: NDArray[np.float64] = np.arange(180, dtype=np.float64) * (2.0 * math.pi / 180.0) - math.pi
 RANGE_MAX = 12.0
 
 
