@@ -1,0 +1,106 @@
+"""`--ros-args`: the arguments that a launch file takes, with what its author says about them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from ur.launchfile.plan.arguments import resolve_arg
+from ur.launchfile.plan.attributes import is_wanted
+from ur.launchfile.plan.draft import Draft
+from ur.launchfile.plan.names import initial_namespace, read_assignments
+from ur.launchfile.plan.problems import Refused
+from ur.launchfile.plan.scope import Scope
+from ur.launchfile.syntax import Comment, Element
+from ur.launchfile.world.protocol import World
+from ur.source.diagnostic import UserError, error
+from ur.source.file import Span
+
+
+@dataclass(frozen=True, slots=True)
+class ArgumentSpec:
+    """An argument that may be given. `default` is None when it has to be; `doc` is empty when nobody wrote any."""
+
+    name: str
+    default: str | None
+    doc: str
+    span: Span
+
+
+def read_arguments(path: str, arguments: Sequence[str], world: World) -> tuple[ArgumentSpec, ...]:
+    """The arguments of a launch file in document order, without those of fixed value.
+
+    `arguments` decide which `if` and `unless` hold. Documentation is `doc=`, else the comment `<!--NAME: text-->` that
+    follows. Raises UserError when the file cannot be read or an argument cannot be resolved.
+    """
+    draft = Draft(world)
+    try:
+        parsed = draft.parse(path)
+        scope = Scope(initial_namespace(arguments, world.environment), path, read_assignments(arguments)[0])
+    except (OSError, ValueError) as problem:
+        raise UserError(error(f"{path}: {problem}, expected a launch file", rule="missing-file")) from None
+    if parsed.launch is None:
+        raise UserError(*parsed.diagnostics)
+    comments = _comments_after(parsed.launch)
+    found: dict[str, ArgumentSpec] = {}
+    for element in parsed.launch.elements:
+        if element.name != "arg":
+            continue
+        try:
+            if is_wanted(element, draft, scope):
+                found.update(_read_argument(element, draft, scope, comments))
+        except Refused as refused:
+            draft.refuse(refused, scope)
+            raise UserError(*draft.diagnostics) from None
+    return tuple(found.values())
+
+
+def format_arguments(arguments: Sequence[ArgumentSpec]) -> str:
+    """The text that `roslaunch --ros-args` prints; an empty default is optional here, as it is in truth."""
+    if not arguments:
+        return "No arguments.\n"
+    lines = []
+    ordered = sorted(arguments, key=lambda argument: argument.name)
+    required = [argument for argument in ordered if argument.default is None]
+    optional = [argument for argument in ordered if argument.default is not None]
+    if required:
+        lines.append("Required Arguments:")
+        lines += [f"  {argument.name}: {argument.doc or 'undocumented'}" for argument in required]
+    if optional:
+        lines.append("Optional Arguments:")
+        lines += [
+            f'  {argument.name} (default "{argument.default}"): {argument.doc or "undocumented"}'
+            for argument in optional
+        ]
+    return "\n".join(lines) + "\n"
+
+
+def _read_argument(
+    element: Element, draft: Draft, scope: Scope, comments: dict[int, Comment]
+) -> dict[str, ArgumentSpec]:
+    before = set(scope.declared)
+    resolve_arg(element, draft, scope)
+    names = set(scope.declared) - before
+    if not names or element.attributes.get("value"):
+        return {}
+    (name,) = names
+    default = element.attributes.get("default")
+    if default is not None and "$" in default:
+        shown = Scope(scope.namespace, scope.filename, {key: value for key, value in scope.args.items() if key != name})
+        resolve_arg(element, draft, shown)
+        default = shown.args[name]
+    doc = element.attributes.get("doc") or ""
+    comment = comments.get(element.start)
+    if not doc and comment is not None:
+        title, colon, text = comment.text.partition(":")
+        doc = " ".join(text.split()) if colon and title.strip() == name else ""
+    return {name: ArgumentSpec(name, default, doc, element.value_span("name"))}
+
+
+def _comments_after(launch: Element) -> dict[int, Comment]:
+    # The comment that follows an element, by the place of the element.
+    following: dict[int, Comment] = {}
+    for first, second in zip(launch.children, launch.children[1:], strict=False):
+        if isinstance(first, Element) and isinstance(second, Comment):
+            following[first.start] = second
+    return following

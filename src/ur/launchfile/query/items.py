@@ -1,0 +1,46 @@
+"""Questions about a plan."""
+
+from __future__ import annotations
+
+from ur.launchfile.plan.model import NodeSpec, Plan
+from ur.launchfile.plan.names import join_names
+from ur.source.diagnostic import UserError, error
+from ur.source.suggest import did_you_mean
+
+
+def list_nodes(plan: Plan) -> list[str]:
+    """`--nodes`: full names of nodes and tests, in document order, nodes first; nameless ones are left out."""
+    return [node.full_name for node in _all_nodes(plan) if node.name]
+
+
+def list_files(plan: Plan) -> list[str]:
+    """`--files`: every launch file read. roslaunch prints them in no order; here sorted."""
+    return sorted(plan.files)
+
+
+def find_node_file(plan: Plan, name: str) -> str:
+    """`--find-node NAME`: the launch file that holds a node. Raises UserError when there is none."""
+    full_name = join_names("/", name)
+    for node in _all_nodes(plan):
+        if node.name and node.full_name == full_name:
+            return node.origin.span.file.path
+    names = list_nodes(plan)
+    near = did_you_mean(full_name, names)
+    raise UserError(
+        error(
+            f"no node is named {full_name}, expected one of {', '.join(names) or 'none'}",
+            rule="unknown-node",
+            help=f"did you mean {near}?" if near else None,
+        )
+    )
+
+
+def dump_params(plan: Plan) -> str:
+    """`--dump-params`: every parameter as YAML, as roslaunch prints it. Commands have to be run before."""
+    import yaml
+
+    return str(yaml.safe_dump({param.name: param.value for param in plan.params})) + "\n"
+
+
+def _all_nodes(plan: Plan) -> list[NodeSpec]:
+    return [*plan.nodes, *(test.node for test in plan.tests)]
