@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import shlex
-import subprocess
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ur.launchfile.plan.convert import convert_scalar
 from ur.launchfile.plan.model import ParamSpec, ParamValue
 from ur.source.diagnostic import UserError, error
+
+if TYPE_CHECKING:
+    import subprocess
 
 
 class CommandParameters:
@@ -37,6 +39,8 @@ def start_commands(specs: Sequence[ParamSpec], environment: Mapping[str, str]) -
     for spec in specs:
         if spec.command is None:
             continue
+        import subprocess  # few plans have such parameters
+
         try:
             process = subprocess.Popen(
                 shlex.split(spec.command),
