@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 from ur.launchfile.plan.attributes import check_attributes, read_optional, read_required
 from ur.launchfile.plan.draft import Draft
+from ur.launchfile.plan.model import ArgumentStep
 from ur.launchfile.plan.problems import Refused, as_warning, refuse
 from ur.launchfile.plan.scope import Scope
 from ur.launchfile.syntax import Element
 from ur.source.diagnostic import Note, error
+from ur.source.file import Span
 from ur.source.suggest import did_you_mean
 
 ARG_ATTRIBUTES = ("name", "value", "default", "doc")
@@ -74,6 +78,23 @@ def _overridden(element: Element, name: str, scope: Scope) -> Refused:
             message, place, "fixed-arg", help_, (Note(f"'{name}' is passed by this <include>", scope.chain[-1]),)
         )
     return refuse(message, place, "fixed-arg", help_)
+
+
+def trace_arg(element: Element, draft: Draft, scope: Scope, passed_to: Span | None = None) -> None:
+    """Note what an `<arg>` that was resolved did, when somebody asks for it."""
+    if draft.trace is None:
+        return
+    name = element.attributes.get("name", "")
+    kind: Literal["value", "default", "required"] = "required"
+    if "value" in element.attributes:
+        kind = "value"
+    elif "default" in element.attributes:
+        kind = "default"
+    args = scope.args if scope.passing is None else scope.passing
+    written = element.attributes.get(kind, "")
+    origin = draft.origin(element.span, scope)
+    handed_over = name in scope.handed_over
+    draft.trace.append(ArgumentStep(name, kind, written, args.get(name), origin, handed_over, passed_to))
 
 
 def check_passed(scope: Scope) -> None:

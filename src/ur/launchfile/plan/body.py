@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from ur.launchfile.plan.arguments import check_passed, check_used, resolve_arg, warn_missing
+from ur.launchfile.plan.arguments import check_passed, check_used, resolve_arg, trace_arg, warn_missing
 from ur.launchfile.plan.attributes import as_flag, check_attributes, is_wanted, read_optional, read_required
 from ur.launchfile.plan.draft import MAX_INCLUDES, Draft, TooMuch
 from ur.launchfile.plan.model import MachineSpec
@@ -141,6 +141,7 @@ def _pass_arguments(element: Element, draft: Draft, scope: Scope, child: Scope, 
             elif kind == "arg":
                 if is_wanted(inner, draft, child):
                     resolve_arg(inner, draft, child)
+                    trace_arg(inner, draft, child, passed_to=element.span)
             else:
                 near = did_you_mean(kind, ("arg", "env"))
                 draft.warn(
@@ -194,6 +195,7 @@ def _too_deep(path: str, element: Element, draft: Draft, scope: Scope) -> Refuse
 
 def _arg(element: Element, draft: Draft, scope: Scope, machine: _Machine) -> _Machine:
     resolve_arg(element, draft, scope)
+    trace_arg(element, draft, scope)
     return machine
 
 

@@ -10,6 +10,7 @@ from ur.launchfile.plan.model import (
     ParamSpec,
     Plan,
     TestSpec,
+    TraceStep,
 )
 from ur.launchfile.plan.names import parents_of
 from ur.launchfile.plan.problems import Refused, refuse
@@ -32,8 +33,9 @@ class TooMuch(Exception):  # noqa: N818 - ends resolving; reported already
 class Draft:
     """Collects the parts of a Plan while files are resolved. One draft is one roslaunch."""
 
-    def __init__(self, world: World) -> None:
+    def __init__(self, world: World, trace: list[TraceStep] | None = None) -> None:
         self.world = world
+        self.trace = trace  # collects how values came about, when somebody asks for it
         self.nodes: list[NodeSpec] = []
         self.tests: list[TestSpec] = []
         self.params: dict[str, ParamSpec] = {}
@@ -105,6 +107,8 @@ class Draft:
                     notes=(Note(f"{parent} is set here", self.params[parent].origin.span),),
                 )
         known[param.name] = param
+        if self.trace is not None:
+            self.trace.append(param)
         if len(known) > MAX_PARAMS:
             raise refuse(f"more than {MAX_PARAMS:,} parameters", param.origin.span, "too-many-params")
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from ur.launchfile.plan.arguments import warn_missing
 from ur.launchfile.plan.body import check_launch_tag, resolve_body
 from ur.launchfile.plan.draft import Draft, TooMuch
-from ur.launchfile.plan.model import Plan
+from ur.launchfile.plan.model import Plan, TraceStep
 from ur.launchfile.plan.names import initial_namespace, read_assignments
 from ur.launchfile.plan.problems import Refused, refuse
 from ur.launchfile.plan.scope import Scope
@@ -17,14 +17,17 @@ from ur.source.file import SourceFile, Span
 from ur.source.suggest import did_you_mean
 
 
-def load_plan(files: Sequence[str], arguments: Sequence[str], world: World) -> Plan:
+def load_plan(
+    files: Sequence[str], arguments: Sequence[str], world: World, trace: list[TraceStep] | None = None
+) -> Plan:
     """What launch files mean, all of them together, with `NAME:=VALUE` arguments.
 
     Means exactly what roslaunch means by them. Never raises because of what a file or an argument says: the plan's
     diagnostics hold an error for everything that roslaunch would refuse, and warnings for what it silently accepts.
-    Nothing is executed; see `run_commands` for the parameters that programs print.
+    Nothing is executed; see `run_commands` for the parameters that programs print. A `trace` is filled with how values
+    came about, in order.
     """
-    draft = Draft(world)
+    draft = Draft(world, trace)
     try:
         values, ignored = read_assignments(arguments)
         declared: set[str] = set()

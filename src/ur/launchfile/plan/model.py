@@ -95,6 +95,35 @@ class TestSpec:
 
 
 @dataclass(frozen=True, slots=True)
+class ArgumentStep:
+    """What one `<arg>` did. `passed_to` is the `<include>` it stands in; without one it declares the argument.
+
+    `written` is the text of `value=` or `default=`; `value` what the argument is after this tag, None while it has
+    none. `handed_over`: an including file passed it.
+    """
+
+    name: str
+    kind: Literal["value", "default", "required"]
+    written: str
+    value: str | None
+    origin: Origin
+    handed_over: bool = False
+    passed_to: Span | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class RemapStep:
+    """A `<remap>` that takes part."""
+
+    source: str
+    target: str
+    origin: Origin
+
+
+TraceStep = ArgumentStep | RemapStep | ParamSpec  # a parameter each time it is set, also when a later one replaces it
+
+
+@dataclass(frozen=True, slots=True)
 class Plan:
     """Everything a launch file asks for. Complete only when `diagnostics` holds no error."""
 

@@ -9,7 +9,7 @@ import os
 
 from ur.launchfile.plan.attributes import as_number, check_attributes, read_optional, read_required
 from ur.launchfile.plan.draft import Draft
-from ur.launchfile.plan.model import MachineSpec
+from ur.launchfile.plan.model import MachineSpec, RemapStep
 from ur.launchfile.plan.names import canonical_name, is_legal_name
 from ur.launchfile.plan.problems import refuse
 from ur.launchfile.plan.scope import Scope
@@ -38,6 +38,8 @@ def read_remap(element: Element, draft: Draft, scope: Scope) -> tuple[str, str]:
                 "bad-remap",
                 "begin with a letter, '/' or '~'; use '_' where you would write '-'",
             )
+    if draft.trace is not None:
+        draft.trace.append(RemapStep(names[0], names[1], draft.origin(element.span, scope)))
     return names[0], names[1]
 
 
