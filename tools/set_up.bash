@@ -14,7 +14,7 @@ python=/usr/bin/python3
 # A name with | is the first of the alternatives that this release has.
 packages=(
   python3 python3-venv ca-certificates
-  ros-core python3-rospy python3-roslaunch python3-tf2-ros python3-actionlib
+  ros-core rosbash python3-rospy python3-roslaunch python3-tf2-ros python3-actionlib
   python3-geometry-msgs python3-nav-msgs python3-sensor-msgs python3-move-base-msgs python3-visualization-msgs
   python3-std-srvs "ros-robot-state-publisher|robot-state-publisher"
 )
