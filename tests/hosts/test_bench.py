@@ -8,11 +8,10 @@ import sys
 from pathlib import Path
 
 import pytest
-from tests.hosts.bench import Bench, wait_until
+from tests.hosts.bench import REPOSITORY, Bench, wait_until
 from tests.hosts.bench.ledger import LEDGERS, Ledger, remove_stale
 from tests.hosts.bench.root import cache_folder, make_root
 
-REPOSITORY = Path(__file__).parents[2]
 OWNER = """
 import sys, time
 from tests.hosts.bench import boot

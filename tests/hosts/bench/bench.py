@@ -16,6 +16,7 @@ from tests.hosts.bench.ledger import Ledger, find_process, remove_all, remove_st
 from tests.hosts.bench.machine import Machine
 from tests.hosts.bench.root import cache_folder, make_root
 
+REPOSITORY = Path(__file__).resolve().parents[3]
 FOLDERS = Path("/var/tmp")
 NETWORK = """\
 [Match]
@@ -47,11 +48,11 @@ class Bench:
 
 
 @contextmanager
-def boot(names: Sequence[str] = ("laptop", "robot"), *, binds: Sequence[str] = ()) -> Iterator[Bench]:
+def boot(names: Sequence[str] = ("laptop", "robot")) -> Iterator[Bench]:
     """Boot computers with these host names and wait for their ssh servers; remove everything at the end.
 
-    `binds` are arguments of systemd-nspawn's --bind for every computer. What an earlier bench that was killed left
-    behind is removed first. SIGTERM and SIGHUP end this one as Ctrl-C does (in the main thread).
+    The laptop has this repository where it is here, to read only, and its environment. What an earlier bench that
+    was killed left behind is removed first. SIGTERM and SIGHUP end this one as Ctrl-C does (in the main thread).
     """
     remove_stale()
     root = make_root(cache_folder())
@@ -61,9 +62,7 @@ def boot(names: Sequence[str] = ("laptop", "robot"), *, binds: Sequence[str] = (
     with _ended_by_signals():
         try:
             _make_bridge(ledger.bridge)
-            machines = {
-                name: _start(ledger, root, name, f"10.77.0.{10 + index}", binds) for index, name in enumerate(names)
-            }
+            machines = {name: _start(ledger, root, name, f"10.77.0.{10 + index}") for index, name in enumerate(names)}
             for machine in machines.values():
                 machine.wait_booted()
             yield Bench(ledger, machines)
@@ -80,7 +79,7 @@ def _make_bridge(name: str) -> None:
         subprocess.run(["ip", *words], check=True, capture_output=True)
 
 
-def _start(ledger: Ledger, shared: Path, name: str, address: str, binds: Sequence[str]) -> Machine:
+def _start(ledger: Ledger, shared: Path, name: str, address: str) -> Machine:
     folder = Path(ledger.folder, name)
     root = folder / "root"
     for part in ("upper", "work", "root"):
@@ -109,7 +108,7 @@ def _start(ledger: Ledger, shared: Path, name: str, address: str, binds: Sequenc
         "--console=pipe",
         "--quiet",
         "--bind=/dev/fuse",
-        *(f"--bind={bind}" for bind in binds),
+        *([f"--bind-ro={REPOSITORY}"] if name == "laptop" else []),
         "systemd.show_status=0",
     ]
     console = folder / "console"

@@ -45,4 +45,4 @@ chroot "$root" systemctl --quiet set-default multi-user.target
 
 # A container may not set the clock of this computer: chrony runs, follows its sources, and only tells the difference.
 mkdir -p "$root/etc/systemd/system/chrony.service.d"
-printf '[Unit]\nConditionCapability=\n' >"$root/etc/systemd/system/chrony.service.d/container.conf"
+printf '[Unit]\nConditionCapability=\n[Service]\nType=simple\nUser=root\nExecStart=\nExecStart=/usr/sbin/chronyd -d -x -F 0\n' >"$root/etc/systemd/system/chrony.service.d/container.conf"

@@ -1,0 +1,41 @@
+"""A change to a computer: what will be different, and the commands that make it so. Values, made by pure functions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from difflib import unified_diff
+
+from ur.robot.ssh.secret import Secret
+
+
+@dataclass(frozen=True, slots=True)
+class Command:
+    """One shell script. Run to its end, or killed anywhere, it leaves nothing half written."""
+
+    script: str
+    root: bool = False
+    stdin: str | Secret = ""
+    timeout: float = 60.0
+
+
+@dataclass(frozen=True, slots=True)
+class Change:
+    """What an item of the wanted state lacks. `difference` is for people: a unified diff or a few words."""
+
+    title: str
+    difference: str
+    commands: tuple[Command, ...]
+    undone: bool = True  # whether --undo takes it back
+
+
+def show_difference(path: str, before: str | None, after: str | None) -> str:
+    """A unified diff, as `diff -u` prints it, without a context larger than two lines."""
+    lines = unified_diff(
+        (before or "").splitlines(),
+        (after or "").splitlines(),
+        path if before is not None else "/dev/null",
+        path if after is not None else "/dev/null",
+        n=2,
+        lineterm="",
+    )
+    return "\n".join(lines)

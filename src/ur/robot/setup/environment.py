@@ -1,0 +1,41 @@
+"""The ROS environment of every shell of a user: ~/.ros_setup, read by the first line of the shells' own files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from ur.robot.setup.wanted import Wanted, WantedFile, WantedFolder, WantedLine
+from ur.robot.ssh.shell import quote
+
+SETUP_LINE = '[ ! -r "$HOME/.ros_setup" ] || . "$HOME/.ros_setup" # ubiquity_launches'
+_HEAD = """\
+# The ROS environment of this user's shells, written by `ur`: it is written again, so your own lines belong elsewhere.
+# Every shell reads it, scripts and remote commands too: it must say nothing and be quick.
+[ ! -r "$HOME/catkin_ws/devel/setup.sh" ] || . "$HOME/catkin_ws/devel/setup.sh"
+"""
+
+
+def viewer_environment(repository: Path) -> list[Wanted]:
+    """Shells that follow the selection (`ur use`); and `ur` on PATH."""
+    python = quote(str(repository / ".venv/bin/python"))
+    return _shells(_HEAD + f'[ ! -x {python} ] || eval "$({python} -m ur env 2>/dev/null)"\n')
+
+
+def robot_environment() -> list[Wanted]:
+    """Shells that use the robot's own master, under the name by which others reach it."""
+    text = _HEAD + (
+        'read -r ROS_HOSTNAME </proc/sys/kernel/hostname\nexport ROS_HOSTNAME="${ROS_HOSTNAME%%.*}.local"\n'
+        'export ROS_MASTER_URI="http://$ROS_HOSTNAME:11311"\n'
+    )
+    return _shells(text)
+
+
+def _shells(text: str) -> list[Wanted]:
+    return [
+        WantedFile("ROS environment", "~/.ros_setup", text),
+        # First of all: what comes later in Debian's .bashrc is skipped for shells that are not interactive.
+        WantedLine("bash reads it", "~/.bashrc", SETUP_LINE, first=True),
+        WantedLine("login shells read it", "~/.profile", SETUP_LINE, first=True),
+        WantedLine("zsh reads it", "~/.zshenv", SETUP_LINE, first=True),
+        WantedFolder("catkin workspace", "~/catkin_ws/src"),
+    ]

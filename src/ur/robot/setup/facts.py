@@ -1,0 +1,160 @@
+"""What is there on a computer: asked with one shell script, read from its output. Both are pure."""
+
+from __future__ import annotations
+
+import base64
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from ur.robot.ssh.shell import quote
+from ur.source.diagnostic import UserError, error
+
+_MARK = "\x1e"
+
+
+@dataclass(frozen=True, slots=True)
+class FileState:
+    """A file or folder. `text` is None when there is none, and '' for a folder; `mode` such as 0o644."""
+
+    text: str | None
+    mode: int = 0
+    owner: str = ""
+    folder: bool = False
+
+
+ABSENT = FileState(None)
+
+
+@dataclass(frozen=True, slots=True)
+class ServiceState:
+    """A systemd unit: systemctl's words for ActiveState and UnitFileState; '' when there is no such unit."""
+
+    active: str = ""
+    enabled: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Request:
+    """Which facts are wanted. A path that begins with ~/ lies in the home folder of the user."""
+
+    user: str
+    files: frozenset[str] = frozenset()
+    packages: frozenset[str] = frozenset()
+    services: frozenset[str] = frozenset()
+
+    def __or__(self, other: Request) -> Request:
+        return Request(
+            self.user, self.files | other.files, self.packages | other.packages, self.services | other.services
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Facts:
+    """What is there. `packages` holds the versions of those that are installed.
+
+    `addresses` are the computer's own, of scope global. `boot` names this boot: it changes when the computer reboots.
+    """
+
+    user: str
+    home: str
+    hostname: str
+    system: str
+    boot: str
+    groups: frozenset[str]
+    addresses: tuple[str, ...] = ()
+    files: Mapping[str, FileState] = field(default_factory=dict)
+    packages: Mapping[str, str] = field(default_factory=dict)
+    services: Mapping[str, ServiceState] = field(default_factory=dict)
+    broken_packages: bool = False
+
+    def file(self, path: str) -> FileState:
+        """The state of a file that was asked for."""
+        return self.files[path]
+
+    def resolve(self, path: str) -> str:
+        """A path with ~/ replaced."""
+        return self.home + path[1:] if path.startswith("~/") else path
+
+
+def fact_script(request: Request) -> str:
+    """The script that answers a request, to be run as root (files of others) or as the user (only own files)."""
+    user = quote(request.user)
+    parts = [
+        f"home=$(getent passwd {user} | cut -d: -f6)",
+        "mark() { printf '\\036%s\\n' \"$1\"; }",
+        'mark home; echo "$home"',
+        "mark hostname; cat /proc/sys/kernel/hostname",
+        'mark system; . /etc/os-release; echo "$ID $VERSION_CODENAME"',
+        "mark boot; cat /proc/sys/kernel/random/boot_id",
+        f"mark groups; id -nG {user}",
+        "mark addresses; ip -brief -4 address show scope global 2>/dev/null",
+        'mark broken; dpkg --audit 2>/dev/null; ls /var/lib/dpkg/updates 2>/dev/null | grep "^[0-9]"',
+        *(_file_script(path) for path in sorted(request.files)),
+    ]
+    if request.packages:
+        names = quote(*sorted(request.packages))
+        parts.append(
+            f"mark packages; dpkg-query -W -f='${{db:Status-Status}} ${{Package}} ${{Version}}\\n' {names} 2>/dev/null"
+        )
+    show = "systemctl show -p ActiveState -p UnitFileState"
+    parts += [f"mark {quote('service ' + u)}; {show} {quote(u)} 2>/dev/null" for u in sorted(request.services)]
+    return "\n".join([*parts, "mark end"])
+
+
+def _file_script(path: str) -> str:
+    place = f'"$home"/{quote(path[2:])}' if path.startswith("~/") else quote(path)
+    return (
+        f"mark {quote('file ' + path)}; f={place}; "
+        'if [ -d "$f" ]; then stat -L -c "%a %U folder" "$f"; '
+        'elif [ -e "$f" ]; then stat -L -c "%a %U file" "$f"; base64 -w0 <"$f"; echo; fi'
+    )
+
+
+def parse_facts(request: Request, output: str) -> Facts:
+    """Read what the script of this request printed. Raises UserError when it did not get to its end."""
+    sections: dict[str, str] = {}
+    for part in output.split(_MARK)[1:]:
+        name, _, text = part.partition("\n")
+        sections[name] = text
+    if "end" not in sections:
+        raise UserError(
+            error(
+                f"the answer of the computer breaks off: {output.strip()[-80:]!r}, expected facts about it",
+                rule="no-facts",
+                help="run this again; if it persists, report it",
+            )
+        )
+    return Facts(
+        user=request.user,
+        home=sections["home"].strip(),
+        hostname=sections["hostname"].strip(),
+        system=sections["system"].strip(),
+        boot=sections["boot"].strip(),
+        groups=frozenset(sections["groups"].split()),
+        addresses=tuple(re.findall(r"\b(\d+\.\d+\.\d+\.\d+)/\d+", sections["addresses"])),
+        files={name[5:]: _parse_file(text) for name, text in sections.items() if name.startswith("file ")},
+        packages=dict(_parse_packages(sections.get("packages", ""))),
+        services={name[8:]: _parse_service(text) for name, text in sections.items() if name.startswith("service ")},
+        broken_packages=bool(sections["broken"].strip()),
+    )
+
+
+def _parse_file(text: str) -> FileState:
+    lines = text.splitlines()
+    if not lines:
+        return ABSENT
+    mode, owner, kind = lines[0].split()
+    content = base64.b64decode(lines[1]).decode(errors="surrogateescape") if kind == "file" and len(lines) > 1 else ""
+    return FileState(content, int(mode, 8), owner, kind == "folder")
+
+
+def _parse_packages(text: str) -> list[tuple[str, str]]:
+    rows = (line.split() for line in text.splitlines())
+    return [(row[1], row[2]) for row in rows if len(row) == 3 and row[0] == "installed"]
+
+
+def _parse_service(text: str) -> ServiceState:
+    pairs = dict(line.split("=", 1) for line in text.splitlines() if "=" in line)
+    enabled = pairs.get("UnitFileState", "")
+    return ServiceState(pairs.get("ActiveState", "") if enabled else "", enabled)

@@ -1,0 +1,82 @@
+"""Wanted states of ssh: key pairs, and who may log in with them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ur.robot.setup.change import Change, Command
+from ur.robot.setup.facts import Facts, Request
+from ur.robot.setup.wanted import WantedLine
+from ur.robot.ssh.shell import quote
+
+KEY = "~/.ssh/id_ed25519"
+AUTHORIZED = "~/.ssh/authorized_keys"
+KNOWN_HOSTS = "~/.ssh/known_hosts"
+HOST_KEY = "/etc/ssh/ssh_host_ed25519_key.pub"
+
+
+@dataclass(frozen=True, slots=True)
+class WantedKeyPair:
+    """An ssh key pair of the user, without a pass phrase, so that programs can log in."""
+
+    title: str
+    path: str
+    comment: str
+
+    def request(self, user: str) -> Request:
+        """Both halves."""
+        return Request(user, files=frozenset({self.path, self.path + ".pub"}))
+
+    def plan(self, facts: Facts) -> Change | None:
+        """Make it in one step, when there is none; make the public half again when only that is lost."""
+        private, public = facts.file(self.path), facts.file(self.path + ".pub")
+        path = quote(facts.resolve(self.path))
+        if private.text is None:
+            script = (
+                f"set -e; mkdir -p -m 700 $(dirname {path}); d=$(mktemp -d {path}.XXXXXX); trap 'rm -rf \"$d\"' EXIT; "
+                f'ssh-keygen -q -t ed25519 -N "" -C {quote(self.comment)} -f "$d/key"; '
+                f'mv -f "$d/key.pub" {path}.pub; mv -f "$d/key" {path}'
+            )
+            return Change(self.title, f"{self.path}: new key pair ({self.comment})", (Command(script),))
+        if public.text is None:
+            script = f"ssh-keygen -y -f {path} >{path}.pub.new && mv -f {path}.pub.new {path}.pub"
+            return Change(self.title, f"{self.path}.pub: made again from the private key", (Command(script),))
+        if private.mode & 0o077:
+            change = f"{self.path}: mode {private.mode:o} -> 600"
+            return Change(self.title, change, (Command(f"chmod 600 {path}"),))
+        return None
+
+    def undo(self, facts: Facts) -> Change | None:  # noqa: ARG002 - of the protocol
+        """Keys stay: other computers may know them."""
+        return None
+
+
+@dataclass(frozen=True, slots=True)
+class WantedOwnLogin:
+    """The user may log in with the user's own key, as roslaunch does for nodes on the same computer's full name."""
+
+    title: str
+
+    def request(self, user: str) -> Request:
+        """The key and who may log in."""
+        return Request(user, files=frozenset({KEY + ".pub", AUTHORIZED}))
+
+    def plan(self, facts: Facts) -> Change | None:
+        """Add the key, also one that is only being made."""
+        public, authorized = facts.file(KEY + ".pub").text, facts.file(AUTHORIZED).text
+        if public and public.strip() in (authorized or "").split("\n"):
+            return None
+        key, place = quote(facts.resolve(KEY + ".pub")), quote(facts.resolve(AUTHORIZED))
+        script = (
+            f'set -e; umask 077; f=$(readlink -m {place}); grep -qxF "$(cat {key})" "$f" 2>/dev/null && exit 0; '
+            'new=$(mktemp "$f.XXXXXX"); trap \'rm -f "$new"\' EXIT; [ ! -e "$f" ] || sed -e \'$a\\\' "$f" >"$new"; '
+            f'cat {key} >>"$new"; mv -f "$new" "$f"'
+        )
+        return Change(self.title, f"{AUTHORIZED}: + the key of this user", (Command(script),))
+
+    def undo(self, facts: Facts) -> Change | None:
+        """Remove the key."""
+        public, authorized = facts.file(KEY + ".pub").text, facts.file(AUTHORIZED).text
+        if not public or public.strip() not in (authorized or "").split("\n"):
+            return None
+        return WantedLine(self.title, AUTHORIZED, public.strip(), mode=0o600).undo(facts)

@@ -1,0 +1,82 @@
+"""Wanted states of the system: Debian packages and the services that come with them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ur.robot.setup.change import Change, Command
+from ur.robot.setup.facts import Facts, Request
+from ur.robot.ssh.shell import quote
+
+APT_SECONDS = 3600.0
+APT_LOG = "/var/log/ubiquity-setup.log"
+
+
+@dataclass(frozen=True, slots=True)
+class WantedPackages:
+    """Debian packages. A name with | is the first of the alternatives that this release has."""
+
+    title: str
+    names: tuple[str, ...]
+
+    def request(self, user: str) -> Request:
+        """All alternatives."""
+        return Request(user, packages=frozenset(name for entry in self.names for name in entry.split("|")))
+
+    def missing(self, facts: Facts) -> list[str]:
+        """The entries of which no alternative is installed."""
+        return [entry for entry in self.names if not any(name in facts.packages for name in entry.split("|"))]
+
+    def plan(self, facts: Facts) -> Change | None:
+        """Install what is missing, after mending an installation that was interrupted."""
+        missing = self.missing(facts)
+        if not missing:
+            return None
+        difference = "new packages: " + " ".join(entry.split("|")[0] for entry in missing)
+        return Change(self.title, difference, (install_packages(missing),), undone=False)
+
+    def undo(self, facts: Facts) -> Change | None:  # noqa: ARG002 - of the protocol
+        """Packages stay: something else may need them by now."""
+        return None
+
+
+@dataclass(frozen=True, slots=True)
+class WantedService:
+    """A systemd unit that is enabled and runs."""
+
+    title: str
+    unit: str
+
+    def request(self, user: str) -> Request:
+        """The unit."""
+        return Request(user, services=frozenset({self.unit}))
+
+    def plan(self, facts: Facts) -> Change | None:
+        """Enable and start it."""
+        state = facts.services[self.unit]
+        if state.enabled in ("enabled", "static", "alias") and state.active in ("active", "activating"):
+            return None
+        difference = f"{self.unit}: {state.active or 'absent'}, {state.enabled or 'absent'} -> active, enabled"
+        return Change(self.title, difference, (Command(f"systemctl enable --now {quote(self.unit)} 2>&1", root=True),))
+
+    def undo(self, facts: Facts) -> Change | None:  # noqa: ARG002 - of the protocol
+        """Services stay: something else may need them by now."""
+        return None
+
+
+def install_packages(entries: list[str]) -> Command:
+    """Install packages, in one script that goes on by itself when the connection breaks. Its output goes to APT_LOG."""
+    choose = "".join(
+        f'for n in {entry.replace("|", " ")}; do apt-cache show $n >/dev/null 2>&1 && break; done; set -- "$@" "$n"; '
+        if "|" in entry
+        else f'set -- "$@" {quote(entry)}; '
+        for entry in entries
+    )
+    options = "-q -y --no-install-recommends -o DPkg::Lock::Timeout=600"
+    script = (
+        f"exec 3>&1 >>{APT_LOG} 2>&1 </dev/null; trap '' HUP PIPE; export DEBIAN_FRONTEND=noninteractive LC_ALL=C; "
+        f"dpkg --configure -a; apt-get -q -o DPkg::Lock::Timeout=600 update; set --; {choose}"
+        f'apt-get {options} install "$@"; code=$?; '
+        f"[ $code -eq 0 ] || grep -E '^(E|Err|W):' {APT_LOG} | tail -n 4 >&3; exit $code"
+    )
+    return Command(script, root=True, timeout=APT_SECONDS)

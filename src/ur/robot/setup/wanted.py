@@ -1,0 +1,200 @@
+"""Wanted states, one small kind each: which facts it needs, what it would change, and what takes that back.
+
+`plan` returns None when the computer is already so. `undo` returns None when there is nothing of ours to take back.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import Protocol
+
+from ur.robot.setup.change import Change, Command, show_difference
+from ur.robot.setup.facts import Facts, Request
+from ur.robot.ssh.shell import quote
+
+
+class Wanted(Protocol):
+    """A property that a computer shall have."""
+
+    @property
+    def title(self) -> str:
+        """A few words that name it."""
+
+    def request(self, user: str) -> Request:
+        """The facts that `plan` and `undo` look at."""
+
+    def plan(self, facts: Facts) -> Change | None:
+        """What is missing."""
+
+    def undo(self, facts: Facts) -> Change | None:
+        """What takes it back."""
+
+
+@dataclass(frozen=True, slots=True)
+class WantedFile:
+    """A file with exactly this text. Owned by root, unless it lies in the home folder (~/).
+
+    `then` is a script that runs, as root, in the same breath: a service that is to read the file.
+    """
+
+    title: str
+    path: str
+    text: str
+    mode: int = 0o644
+    then: str = ""
+
+    def request(self, user: str) -> Request:
+        """The file."""
+        return Request(user, files=frozenset({self.path}))
+
+    def plan(self, facts: Facts) -> Change | None:
+        """Write it when text or mode differ."""
+        state = facts.file(self.path)
+        if state.text == self.text and state.mode == self.mode:
+            return None
+        difference = show_difference(self.path, state.text, self.text)
+        difference = difference or f"{self.path}: mode {state.mode:o} -> {self.mode:o}"
+        return Change(self.title, difference, (write_file(facts, self.path, self.text, self.mode, self.then),))
+
+    def undo(self, facts: Facts) -> Change | None:
+        """Remove it when it is still ours, unchanged."""
+        state = facts.file(self.path)
+        return _remove_file(facts, self.title, self.path, state.text, self.then) if state.text == self.text else None
+
+
+@dataclass(frozen=True, slots=True)
+class WantedLine:
+    """A line that a text file of the user holds, first of all or last of all. The user's own lines stay as they are.
+
+    `old` are beginnings of lines that it replaces: what an earlier version wrote.
+    """
+
+    title: str
+    path: str
+    line: str
+    first: bool = False
+    mode: int = 0o644
+    old: tuple[str, ...] = ()
+
+    def request(self, user: str) -> Request:
+        """The file."""
+        return Request(user, files=frozenset({self.path}))
+
+    def plan(self, facts: Facts) -> Change | None:
+        """Put it where it belongs; elsewhere in the file it is taken away. A wrong mode is set right only if wider."""
+        state = facts.file(self.path)
+        rest = self._rest(state.text)
+        if self.first:
+            text = f"{self.line}\n{rest}"
+        else:
+            text = rest + ("\n" if rest and not rest.endswith("\n") else "") + f"{self.line}\n"
+        present = state.text is not None and self.line in state.text.split("\n")
+        settled = state.text == text if self.first else present
+        wide = bool(state.mode & ~self.mode & 0o077) and not self.first
+        if settled and not wide:
+            return None
+        mode = self.mode if state.text is None or wide else state.mode
+        text = text if not settled else state.text or ""
+        difference = show_difference(self.path, state.text, text) or f"{self.path}: mode {state.mode:o} -> {mode:o}"
+        return Change(self.title, difference, (write_file(facts, self.path, text, mode),))
+
+    def undo(self, facts: Facts) -> Change | None:
+        """Take the line away, and the file when nothing else is in it."""
+        state = facts.file(self.path)
+        if state.text is None or self.line not in state.text.split("\n"):
+            return None
+        rest = self._rest(state.text)
+        if not rest.strip():
+            return _remove_file(facts, self.title, self.path, state.text)
+        difference = show_difference(self.path, state.text, rest)
+        return Change(self.title, difference, (write_file(facts, self.path, rest, state.mode),))
+
+    def _rest(self, text: str | None) -> str:
+        lines = re.findall(r"[^\n]*\n|[^\n]+", text or "")  # str.splitlines would also split at a form feed
+        return "".join(line for line in lines if not self._is_ours(line.rstrip("\n")))
+
+    def _is_ours(self, line: str) -> bool:
+        return line == self.line or (bool(self.old) and line.startswith(self.old))
+
+
+@dataclass(frozen=True, slots=True)
+class WantedFolder:
+    """A folder of the user."""
+
+    title: str
+    path: str
+    mode: int = 0o755
+
+    def request(self, user: str) -> Request:
+        """The folder."""
+        return Request(user, files=frozenset({self.path}))
+
+    def plan(self, facts: Facts) -> Change | None:
+        """Make it, or take rights away that others should not have."""
+        state = facts.file(self.path)
+        if state.folder and not state.mode & ~self.mode:
+            return None
+        path = quote(facts.resolve(self.path))
+        script = f"mkdir -p -m {self.mode:o} {path} && chmod {self.mode:o} {path}"
+        difference = (
+            f"{self.path}: mode {state.mode:o} -> {self.mode:o}" if state.folder else f"{self.path}/: new folder"
+        )
+        return Change(self.title, difference, (Command(script),))
+
+    def undo(self, facts: Facts) -> Change | None:
+        """Remove it when it is empty (that is seen when it is tried)."""
+        if not facts.file(self.path).folder or self.mode != 0o755:
+            return None
+        path = quote(facts.resolve(self.path))
+        return Change(self.title, f"{self.path}/: removed if empty", (Command(f"rmdir -p {path} 2>/dev/null; true"),))
+
+
+@dataclass(frozen=True, slots=True)
+class WantedGroups:
+    """Groups that the user is in, of those that exist on the computer."""
+
+    title: str
+    names: tuple[str, ...]
+
+    def request(self, user: str) -> Request:
+        """Which groups there are."""
+        return Request(user, files=frozenset({"/etc/group"}))
+
+    def plan(self, facts: Facts) -> Change | None:
+        """Join those that are missing; it takes effect at the next login."""
+        existing = {line.split(":")[0] for line in (facts.file("/etc/group").text or "").splitlines()}
+        missing = [name for name in self.names if name in existing and name not in facts.groups]
+        if not missing:
+            return None
+        script = f"usermod --append --groups {','.join(missing)} {quote(facts.user)}"
+        difference = f"{facts.user} joins {', '.join(missing)}"
+        return Change(self.title, difference, (Command(script, root=True),), undone=False)
+
+    def undo(self, facts: Facts) -> Change | None:  # noqa: ARG002 - of the protocol
+        """Groups stay: something else may need them by now."""
+        return None
+
+
+def write_file(facts: Facts, path: str, text: str, mode: int, then: str = "") -> Command:
+    """Write a file in one step: who reads it sees the old one or the new one, whatever is killed when.
+
+    A file that is a symbolic link stays one: what it points to is written.
+    """
+    own = path.startswith("~/")
+    target = quote(facts.resolve(path))
+    script = (
+        f'set -e; f=$(readlink -m {target}); (umask 022; mkdir -p "$(dirname "$f")"); umask 077; '
+        'new=$(mktemp "$f.XXXXXX"); trap \'rm -f "$new"\' EXIT HUP INT TERM; cat >"$new"; '
+        # A transmission that was cut off must not pass for the whole.
+        f'[ "$(wc -c <"$new")" -eq {len(text.encode(errors="surrogateescape"))} ]; '
+        f'chmod {mode:o} "$new"; mv -f "$new" "$f"'
+    )
+    if then:
+        script += f"; {then}"
+    return Command(script, root=not own, stdin=text)
+
+
+def _remove_file(facts: Facts, title: str, path: str, text: str | None, then: str = "") -> Change:
+    script = f"rm -f {quote(facts.resolve(path))}" + (f"; {then}" if then else "")
+    return Change(title, show_difference(path, text, None), (Command(script, root=not path.startswith("~/")),))

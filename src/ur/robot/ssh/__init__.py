@@ -1,0 +1,1 @@
+"""Running commands on this computer and on others, over the OpenSSH client."""

@@ -1,0 +1,175 @@
+"""Wanted states: what they would change, and that doing it for real on files of this computer gives the wanted ones."""
+
+from __future__ import annotations
+
+import getpass
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from ur.robot.setup.change import Change
+from ur.robot.setup.engine import apply_change
+from ur.robot.setup.facts import ABSENT, Facts, FileState, Request, fact_script, parse_facts
+from ur.robot.setup.keys import AUTHORIZED, KEY, WantedKeyPair, WantedOwnLogin
+from ur.robot.setup.packages import WantedPackages, WantedService
+from ur.robot.setup.wanted import Wanted, WantedFile, WantedFolder, WantedGroups, WantedLine
+from ur.robot.ssh.shell import LocalShell
+
+FACTS = Facts("pat", "/home/pat", "laptop", "debian bookworm", "1", frozenset({"pat", "video"}))
+LINE = ". ~/.ros_setup # ours"
+
+
+def with_file(path: str, text: str | None, mode: int = 0o644) -> Facts:
+    state = ABSENT if text is None else FileState(text, mode, "pat")
+    return replace(FACTS, files={path: state})
+
+
+def written(change: Change | None) -> object:
+    assert change is not None
+    return change.commands[0].stdin
+
+
+@pytest.mark.parametrize(
+    ("before", "after"),
+    [
+        (None, f"{LINE}\n"),
+        ("", f"{LINE}\n"),
+        ("mine\n", f"{LINE}\nmine\n"),
+        ("mine without an end", f"{LINE}\nmine without an end"),
+        (f"mine\n{LINE}\nmore\n", f"{LINE}\nmine\nmore\n"),
+        (f"{LINE}\n{LINE}\nmine\n", f"{LINE}\nmine\n"),
+        ("a form feed \x0c stays\r\n", f"{LINE}\na form feed \x0c stays\r\n"),
+        ("Latin-1 \udce9\n", f"{LINE}\nLatin-1 \udce9\n"),
+    ],
+)
+def test_first_line_is_put_before_the_users_own(before: str | None, after: str) -> None:
+    item = WantedLine("reads it", "~/.bashrc", LINE, first=True)
+    assert written(item.plan(with_file("~/.bashrc", before))) == after
+    assert item.plan(with_file("~/.bashrc", after)) is None
+
+
+@pytest.mark.parametrize("before", [None, "mine\n", "mine without an end", "\x0c\r\n\nmine\n"])
+def test_first_line_is_taken_back_without_a_trace(before: str | None) -> None:
+    item = WantedLine("reads it", "~/.bashrc", LINE, first=True)
+    after = str(written(item.plan(with_file("~/.bashrc", before))))
+    undo = item.undo(with_file("~/.bashrc", after))
+    assert undo is not None
+    if before is None:
+        assert undo.commands[0].script.startswith("rm ")
+    else:
+        assert undo.commands[0].stdin == before
+    assert item.undo(with_file("~/.bashrc", before)) is None
+
+
+def test_known_host_replaces_the_line_that_an_earlier_key_left() -> None:
+    item = WantedLine("host key", "~/.ssh/known_hosts", "r.local,r ed new", mode=0o600, old=("r.local,",))
+    facts = with_file("~/.ssh/known_hosts", "other ed x\nr.local,r ed old\n", 0o600)
+    assert written(item.plan(facts)) == "other ed x\nr.local,r ed new\n"
+
+
+def test_line_in_a_file_that_others_may_read_takes_that_right_away() -> None:
+    item = WantedLine("who may log in", "~/.ssh/authorized_keys", "key", mode=0o600)
+    change = item.plan(with_file("~/.ssh/authorized_keys", "key\n", 0o664))
+    assert change
+    assert "664 -> 600" in change.difference
+    assert item.plan(with_file("~/.ssh/authorized_keys", "key\n", 0o600)) is None
+
+
+def test_file_that_somebody_changed_is_not_removed() -> None:
+    item = WantedFile("environment", "~/.ros_setup", "ours\n")
+    assert item.undo(with_file("~/.ros_setup", "ours\n"))
+    assert item.undo(with_file("~/.ros_setup", "ours\nand mine\n")) is None
+
+
+def test_file_outside_the_home_folder_is_written_as_root() -> None:
+    change = WantedFile("robot", "/etc/ubiquity/robot.yaml", "x\n").plan(with_file("/etc/ubiquity/robot.yaml", None))
+    assert change
+    assert change.commands[0].root
+
+
+def test_packages_count_as_there_when_an_alternative_is() -> None:
+    item = WantedPackages("packages", ("a|b", "c", "d"))
+    assert item.missing(replace(FACTS, packages={"b": "1", "d": "1"})) == ["c"]
+
+
+def test_user_joins_only_groups_that_exist() -> None:
+    change = WantedGroups("groups", ("video", "dialout", "nowhere")).plan(
+        with_file("/etc/group", "video:x:\ndialout:x:\n")
+    )
+    assert change
+    assert change.difference == "pat joins dialout"
+
+
+@pytest.mark.parametrize(
+    ("active", "enabled", "change"), [("active", "enabled", False), ("failed", "enabled", True), ("", "", True)]
+)
+def test_service_is_started_unless_it_runs(active: str, enabled: str, change: bool) -> None:
+    from ur.robot.setup.facts import ServiceState
+
+    facts = replace(FACTS, services={"x.service": ServiceState(active, enabled)})
+    assert bool(WantedService("x", "x.service").plan(facts)) is change
+
+
+def test_changes_bring_about_what_was_wanted_and_back(tmp_path: Path) -> None:
+    (tmp_path / ".bashrc").write_bytes(b"# Latin-1 \xe9\nmine")
+    items: list[Wanted] = [
+        WantedFile("environment", "~/.ros_setup", "export A='ü'\n"),
+        WantedLine("bash", "~/.bashrc", LINE, first=True),
+        WantedFolder("workspace", "~/catkin_ws/src"),
+        WantedFolder("ssh", "~/.ssh", mode=0o700),
+        WantedKeyPair("key", KEY, "pat@laptop"),
+        WantedOwnLogin("itself"),
+        WantedLine("another", AUTHORIZED, "ssh-ed25519 other", mode=0o600),
+    ]
+    shell = LocalShell()
+
+    def look() -> Facts:
+        request = Request("pat")
+        for item in items:
+            request |= item.request("pat")
+        script = (
+            fact_script(request)
+            .replace("home=$(getent", f"home={tmp_path}; : $(getent")
+            .replace("id -nG pat", f"id -nG {getpass.getuser()}")
+        )
+        return parse_facts(request, shell.run(script).out)
+
+    for item in items:
+        change = item.plan(look())
+        assert change, item
+        apply_change(shell, change)
+    assert [item.title for item in items if item.plan(look())] == []
+    assert (tmp_path / ".bashrc").read_bytes() == f"{LINE}\n".encode() + b"# Latin-1 \xe9\nmine"
+    assert (tmp_path / ".ssh/id_ed25519").stat().st_mode & 0o777 == 0o600
+    public = (tmp_path / ".ssh/id_ed25519.pub").read_text()
+    assert (tmp_path / ".ssh/authorized_keys").read_text() == f"{public}ssh-ed25519 other\n"
+    for item in reversed(items):
+        change = item.undo(look())
+        if change:
+            apply_change(shell, change)
+    assert (tmp_path / ".bashrc").read_bytes() == b"# Latin-1 \xe9\nmine"
+    assert not (tmp_path / ".ros_setup").exists()
+    assert not (tmp_path / "catkin_ws").exists()
+    assert sorted(path.name for path in (tmp_path / ".ssh").iterdir()) == ["id_ed25519", "id_ed25519.pub"]
+
+
+def test_file_that_is_a_link_stays_a_link(tmp_path: Path) -> None:
+    (tmp_path / "dotfiles").write_text("mine\n")
+    (tmp_path / ".bashrc").symlink_to("dotfiles")
+    facts = replace(with_file("~/.bashrc", "mine\n"), home=str(tmp_path))
+    change = WantedLine("bash", "~/.bashrc", LINE, first=True).plan(facts)
+    assert change
+    apply_change(LocalShell(), change)
+    assert (tmp_path / ".bashrc").is_symlink()
+    assert (tmp_path / "dotfiles").read_text() == f"{LINE}\nmine\n"
+
+
+def test_text_that_did_not_arrive_whole_is_not_written(tmp_path: Path) -> None:
+    facts = replace(with_file("~/.bashrc", "mine\n"), home=str(tmp_path))
+    (tmp_path / ".bashrc").write_text("mine\n")
+    change = WantedLine("bash", "~/.bashrc", LINE, first=True).plan(facts)
+    assert change
+    assert LocalShell().run(change.commands[0].script, stdin=LINE[:5]).code != 0
+    assert (tmp_path / ".bashrc").read_text() == "mine\n"
+    assert [path.name for path in tmp_path.iterdir()] == [".bashrc"]
