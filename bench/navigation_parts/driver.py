@@ -13,6 +13,8 @@ import actionlib
 import numpy as np
 import rospy
 from actionlib_msgs.msg import GoalStatus
+from bench.navigation_parts.geodesic import free_cells, length_of, shortest_path
+from bench.navigation_parts.worlds import Goal
 from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
 from nav_msgs.msg import Odometry
 from nav_msgs.srv import SetMap, SetMapRequest
@@ -20,8 +22,6 @@ from numpy.typing import NDArray
 from std_msgs.msg import Int32
 from tf2_msgs.msg import TFMessage
 
-from navigation_parts.geodesic import free_cells, length_of, shortest_path
-from navigation_parts.worlds import Goal
 from ur_nodes.navigation.frame_history import FrameError, FrameHistory
 from ur_nodes.navigation.grid import OCCUPIED, Grid
 from ur_nodes.rosio.geometry import Pose2, pose_message, pose_of_message, pose_of_transform, wrap_angle
@@ -123,7 +123,7 @@ class Driver:
         for place in np.arange(min(3.0, along[-1] / 2), along[-1] - 1.0, 0.25):
             x, y = (float(np.interp(place, along, way[:, k])) for k in (0, 1))
             values = self._grid.values.copy()
-            cells = self._grid.points_of_cells(np.stack(np.indices(values.shape), axis=-1))
+            cells = self._grid.points_of_cells(np.moveaxis(np.indices(values.shape), 0, -1))
             values[(abs(cells[..., 0] - x) < size / 2) & (abs(cells[..., 1] - y) < size / 2)] = OCCUPIED
             blocked = Grid(values, self._grid.resolution, self._grid.origin)
             start, end = tuple(way[0].tolist()), tuple(way[-1].tolist())

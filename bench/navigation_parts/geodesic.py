@@ -110,8 +110,8 @@ def _lines_are_free(
     steps = math.ceil(float(np.hypot(*(ends - start).T).max()) / (0.4 * grid.resolution)) + 1
     points = start + np.linspace(0.0, 1.0, steps)[:, None, None] * (ends - start)
     cells = grid.cells_of_points(points)
-    result: NDArray[np.bool_] = free[cells[..., 0], cells[..., 1]].all(axis=0)
-    return result
+    on_free: NDArray[np.bool_] = np.all(free[cells[..., 0], cells[..., 1]], axis=0)
+    return on_free
 
 
 def _subdivided(points: NDArray[np.float64], spacing: float) -> NDArray[np.float64]:

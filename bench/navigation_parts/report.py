@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from navigation_parts.driver import Drive
-from navigation_parts.stack import Usage
-from navigation_parts.worlds import Goal
+from bench.navigation_parts.driver import Drive
+from bench.navigation_parts.stack import Usage
+from bench.navigation_parts.worlds import Goal
 
 SPEED = 0.5
 

@@ -8,6 +8,7 @@ import socket
 import subprocess
 import time
 import xmlrpc.client
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -104,7 +105,8 @@ class Stack:
     def master_answers(self) -> bool:
         """Whether the master is up."""
         try:
-            return bool(xmlrpc.client.ServerProxy(f"http://localhost:{self.port}").getPid("/bench")[0] == 1)
+            answer: Any = xmlrpc.client.ServerProxy(f"http://localhost:{self.port}").getPid("/bench")
+            return bool(answer[0] == 1)
         except OSError:
             return False
 
@@ -112,13 +114,11 @@ class Stack:
         """Of each node that roslaunch started, and of the master."""
         found: dict[str, Usage] = {}
         for child in psutil.Process(self._process.pid).children(recursive=True):
-            try:
+            with suppress(psutil.NoSuchProcess):
                 name = _node_name(child.cmdline())
+                times = child.cpu_times()
                 if name:
-                    times = child.cpu_times()
                     found[name] = Usage(times.user + times.system, child.memory_info().rss / 1e6)
-            except psutil.NoSuchProcess:
-                continue
         return found
 
 

@@ -105,7 +105,7 @@ def inflate(costs: NDArray[np.uint8], resolution: float, inflation: Inflation) -
     """
     lethal = costs == LETHAL
     if not lethal.any():
-        return costs.copy()
+        return np.array(costs)
     distances = distance_transform_edt(~lethal) * resolution
     slope = inflation_costs(distances, inflation)
     unknown = costs == UNKNOWN

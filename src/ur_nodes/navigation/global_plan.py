@@ -66,13 +66,14 @@ def plan_path(
     straight = pull_straight(points, costmap, weights)
     straight = pull_straight(resample(straight, 2.0 * settings.spacing), costmap, weights)
     smoothed = smooth(straight, costmap, weights, settings.bending)
-    return resample(np.vstack((escape, smoothed)), settings.spacing)
+    whole: Points = np.vstack((escape, smoothed))
+    return resample(whole, settings.spacing)
 
 
 def traversal_weights(costmap: Costmap, settings: PlanSettings) -> NDArray[np.float64]:
     """What a metre costs in each cell (height, width), 1 where the costmap says 0; inf where the robot must not go."""
     costs = costmap.costs
-    weights = 1.0 + settings.factor * costs / settings.neutral
+    weights = 1.0 + settings.factor * costs.astype(np.float64) / settings.neutral
     weights[costs >= INSCRIBED] = math.inf
     if settings.allow_unknown:
         weights[costs == UNKNOWN] = 1.0 + settings.factor * (INSCRIBED - 1) / settings.neutral
@@ -131,7 +132,9 @@ def _with_room(
     around = math.ceil((settings.room + settings.nudge) / costmap.resolution) + 1
     rows = slice(max(0, cell[0] - around), cell[0] + around + 1)
     columns = slice(max(0, cell[1] - around), cell[1] + around + 1)
-    walls = costmap.points_of_cells(np.argwhere(costmap.costs[rows, columns] == LETHAL) + (rows.start, columns.start))
+    walls = costmap.points_of_cells(
+        np.argwhere(costmap.costs[rows, columns] == LETHAL) + np.array((rows.start, columns.start))
+    )
     if not len(walls):
         return cell, goal
     steps = np.linspace(-settings.nudge, settings.nudge, 9)
@@ -162,7 +165,7 @@ def _nearest_free(
     steps = math.ceil(reach / costmap.resolution)
     rows = slice(max(0, row - steps), row + steps + 1)
     columns = slice(max(0, column - steps), column + steps + 1)
-    free = np.argwhere(np.isfinite(weights[rows, columns])) + (rows.start, columns.start)
+    free = np.argwhere(np.isfinite(weights[rows, columns])) + np.array((rows.start, columns.start))
     if not len(free):
         return None
     distances = np.hypot(*(costmap.points_of_cells(free) - place).T)

@@ -28,7 +28,7 @@ class MapCostmap:
         self._reach = reach
         self._inflation = inflation
         self._static = costs_of_grid(grid, lethal=lethal, track_unknown=track_unknown)
-        self._occupied = np.zeros(self._static.shape, bool)
+        self._occupied: NDArray[np.bool_] = np.zeros(self._static.shape, bool)
         self._known = _near(self._static == LETHAL, known / grid.resolution)
         self._plain = Costmap(inflate(self._static, grid.resolution, inflation), grid.resolution, grid.origin)
         self._costs = self._plain.costs.copy()
@@ -69,8 +69,7 @@ class MapCostmap:
             self._occupied &= ~kept
         else:
             self._occupied[:] = False
-        shape = self._occupied.shape
-        self._refresh((slice(0, shape[0]), slice(0, shape[1])))
+        self._refresh((slice(0, self._grid.height), slice(0, self._grid.width)))
 
     def _refresh(self, box: tuple[slice, slice]) -> None:
         merged = np.where(self._occupied, np.uint8(LETHAL), self._static).astype(np.uint8)

@@ -38,6 +38,16 @@ ODOM = Pose2(0.7, -0.4, 0.3)  # where the map is in the odometry frame
 LIMITS = Limits(0.5, 1.0, 1.0, 3.0)
 
 
+def two_rooms() -> Grid:
+    """Two rooms of 3 m x 4 m, joined by a door of 0.9 m; (0, 0) is in the middle of the left one."""
+    values = np.zeros((84, 124), np.int8)
+    values[[0, 1, -2, -1]] = 100
+    values[:, [0, 1, -2, -1]] = 100
+    values[:, 61:63] = 100
+    values[50:68, 61:63] = 0
+    return Grid(values, 0.05, Pose2(-1.6, -2.1, 0.0))
+
+
 @dataclass(frozen=True, slots=True)
 class Drive:
     """How a drive went."""

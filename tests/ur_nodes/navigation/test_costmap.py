@@ -87,6 +87,6 @@ def test_occupancy_of_costs_uses_the_scale_that_viewers_know() -> None:
 @pytest.mark.parametrize("yaw", [0.0, 0.7, -2.0])
 def test_costmap_finds_a_cell_again_from_its_centre(yaw: float) -> None:
     costmap = Costmap(np.arange(12, dtype=np.uint8).reshape(3, 4), 0.1, Pose2(1.0, -2.0, yaw))
-    cells = np.stack(np.indices((3, 4)), axis=-1)
+    cells = np.moveaxis(np.indices((3, 4)), 0, -1)
     assert (costmap.costs_at(costmap.points_of_cells(cells)) == costmap.costs).all()
     assert costmap.costs_at(np.array((50.0, 50.0))) == UNKNOWN

@@ -21,7 +21,7 @@ CORNER = resample(np.array([(0.0, 0.0), (1.5, 0.0), (1.5, 1.5)]), 0.05)
 def window(*boxes: tuple[float, float, float]) -> Costmap:
     """6 m x 6 m round (1, 0) with square boxes (x, y, side)."""
     costmap = Costmap(np.zeros((120, 120), np.uint8), 0.05, Pose2(-2.0, -3.0, 0.0))
-    centres = costmap.points_of_cells(np.stack(np.indices((120, 120)), axis=-1))
+    centres = costmap.points_of_cells(np.moveaxis(np.indices((120, 120)), 0, -1))
     for x, y, side in boxes:
         costmap.costs[(abs(centres - (x, y)) < side / 2).all(axis=-1)] = LETHAL
     return costmap

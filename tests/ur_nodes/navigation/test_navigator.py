@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from tests.ur_nodes.navigation.closed_loop import LIMITS, MAGNI, STAGE, ClosedLoop, Drive
+from tests.ur_nodes.navigation.closed_loop import LIMITS, MAGNI, STAGE, ClosedLoop, Drive, two_rooms
 
 from ur_nodes.navigation.costmap import Costmap
 from ur_nodes.navigation.footprint import footprint_of_outline
@@ -17,16 +17,6 @@ from ur_nodes.rosio.pose import Pose2, wrap_angle
 
 STRAIGHT = np.stack((np.arange(0.0, 3.01, 0.05), np.zeros(61)), axis=-1)
 HOME = Pose2(0.0, 0.0, 0.0)
-
-
-def rooms() -> Grid:
-    """Two rooms of 3 m x 4 m, joined by a door of 0.9 m; (0, 0) is in the middle of the left one."""
-    values = np.zeros((84, 124), np.int8)
-    values[[0, 1, -2, -1]] = 100
-    values[:, [0, 1, -2, -1]] = 100
-    values[:, 61:63] = 100
-    values[50:68, 61:63] = 0
-    return Grid(values, 0.05, Pose2(-1.6, -2.1, 0.0))
 
 
 def check(drive: Drive, goal: Pose2, limits: Limits = LIMITS) -> None:
@@ -43,7 +33,7 @@ def check(drive: Drive, goal: Pose2, limits: Limits = LIMITS) -> None:
 @pytest.mark.parametrize("outline", [STAGE, MAGNI], ids=["stage", "magni"])
 @pytest.mark.parametrize("goal", [Pose2(3.0, -1.0, 1.57), Pose2(3.5, 1.2, 3.0), Pose2(-0.9, 1.3, -0.5)])
 def test_navigator_reaches_goals_through_a_door(outline: tuple[tuple[float, float], ...], goal: Pose2) -> None:
-    drive = ClosedLoop(rooms(), outline=outline).drive(goal)
+    drive = ClosedLoop(two_rooms(), outline=outline).drive(goal)
     check(drive, goal)
     assert drive.sayings == ()
 
@@ -57,19 +47,19 @@ def test_navigator_drives_fast_and_straight_in_the_open() -> None:
 
 
 def test_navigator_stands_a_localisation_that_trembles() -> None:
-    drive = ClosedLoop(rooms(), error=0.02).drive(Pose2(3.0, -1.0, 1.57))
+    drive = ClosedLoop(two_rooms(), error=0.02).drive(Pose2(3.0, -1.0, 1.57))
     check(drive, Pose2(3.0, -1.0, 1.57))
 
 
 def test_navigator_drives_round_obstacles_that_the_map_does_not_show() -> None:
     goal = Pose2(3.0, 1.0, 0.0)
-    drive = ClosedLoop(rooms()).drive(goal, obstacles=[(0.75, 0.35, 0.3), (2.4, 0.95, 0.3)])
+    drive = ClosedLoop(two_rooms()).drive(goal, obstacles=[(0.75, 0.35, 0.3), (2.4, 0.95, 0.3)])
     check(drive, goal)
     assert drive.plans >= 2, "the second obstacle is seen on the way"
 
 
 def test_navigator_gives_up_at_a_door_that_is_shut_after_trying_everything() -> None:
-    loop = ClosedLoop(rooms(), settings=NavigatorSettings(planner_patience=1.0, controller_patience=1.0))
+    loop = ClosedLoop(two_rooms(), settings=NavigatorSettings(planner_patience=1.0, controller_patience=1.0))
     drive = loop.drive(Pose2(3.0, 0.0, 0.0), obstacles=[(1.5, 0.85, 1.0)])
     assert drive.ending is Ending.FAILED
     assert not drive.touched
@@ -87,7 +77,7 @@ def test_navigator_gives_up_at_a_door_that_is_shut_after_trying_everything() -> 
     ],
 )
 def test_navigator_refuses_impossible_goals_at_once_and_says_why(goal: Pose2, reason: str) -> None:
-    drive = ClosedLoop(rooms()).drive(goal)
+    drive = ClosedLoop(two_rooms()).drive(goal)
     assert drive.ending is Ending.FAILED
     assert reason in drive.text
     assert drive.seconds < 1.0
@@ -95,7 +85,7 @@ def test_navigator_refuses_impossible_goals_at_once_and_says_why(goal: Pose2, re
 
 
 def test_navigator_leaves_a_place_where_it_cannot_turn() -> None:
-    loop = ClosedLoop(rooms(), pose=Pose2(-1.24, 0.0, 2.2), outline=MAGNI)
+    loop = ClosedLoop(two_rooms(), pose=Pose2(-1.24, 0.0, 2.2), outline=MAGNI)
     drive = loop.drive(Pose2(0.5, 0.0, 0.0))
     assert drive.ending is Ending.REACHED, drive.text
 
