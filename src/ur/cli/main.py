@@ -22,6 +22,7 @@ VERBS = {
     "list": ("ur.cli.list_programs", "List the programs that `ur run` knows."),
     "launch": ("ur.cli.launch", "Start a launch file, in place of roslaunch."),
     "check": ("ur.cli.check", "Check launch files, YAML files and programs."),
+    "explain": ("ur.cli.explain", "Say where a name in a launch file got its value."),
     "use": ("ur.cli.use", "Select a robot, or show which one is selected."),
     "setup": ("ur.cli.setup", "Set this computer up: shells, keys, workspace, names."),
     "env": ("ur.cli.env", "Print what makes a shell follow the selection."),

@@ -1,0 +1,219 @@
+"""`ur explain`: where a parameter, argument, remap or node got its value, layer by layer."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass
+
+from ur.launchfile.plan.load import load_plan
+from ur.launchfile.plan.model import ArgumentStep, NodeSpec, Origin, ParamSpec, Plan, RemapStep, TraceStep
+from ur.launchfile.plan.names import canonical_name, read_assignments
+from ur.launchfile.syntax import Element, SubstitutionProblem, is_eval, parse_launch_file, parse_substitutions
+from ur.launchfile.world.protocol import World
+from ur.source.diagnostic import Severity, UserError, error
+from ur.source.file import Span
+from ur.source.suggest import did_you_mean
+
+_WORD = re.compile(r"[A-Za-z_]\w*")
+_LONG = 70
+
+
+@dataclass(frozen=True, slots=True)
+class Layer:
+    """One step on the way to a value, where it stands, and the steps that it rests on."""
+
+    text: str
+    span: Span | None = None
+    below: tuple[Layer, ...] = ()
+
+
+def explain_name(name: str, files: Sequence[str], arguments: Sequence[str], world: World) -> tuple[Layer, ...]:
+    """Everything that launch files call `name`: parameters, arguments, remaps and nodes, each with its layers.
+
+    A name without its namespace is enough: `rate` finds `/talker/rate`. Raises UserError when nothing has this name.
+    """
+    trace: list[TraceStep] = []
+    plan = load_plan(files, arguments, world, trace)
+    layers = tuple(_Explainer(plan, trace, read_assignments(arguments)[0], world).explain(name))
+    if layers:
+        return layers
+    errors = [found for found in plan.diagnostics if found.severity is Severity.ERROR]
+    if errors:
+        raise UserError(*errors)
+    names = {word for step in trace for word in _names_of(step)} | {node.full_name for node in plan.nodes}
+    near = did_you_mean(name, names | {each.rpartition("/")[2] for each in names})
+    raise UserError(
+        error(
+            f"{name} is no parameter, argument, remap or node of {', '.join(files)}",
+            rule="unknown-name",
+            help=f"did you mean {near}?" if near else "`ur launch --dump json FILE` shows all names",
+        )
+    )
+
+
+def format_layers(layers: Sequence[Layer], depth: int = 0) -> str:
+    """Layers as indented lines, each with its place."""
+    lines = []
+    for layer in layers:
+        place = f"{layer.span}: " if layer.span else ""
+        lines.append(f"{'  ' * depth}{place}{layer.text}\n{format_layers(layer.below, depth + 1)}")
+    return "".join(lines)
+
+
+def _names_of(step: TraceStep) -> tuple[str, ...]:
+    return (step.source,) if isinstance(step, RemapStep) else (step.name,)
+
+
+class _Explainer:
+    def __init__(self, plan: Plan, trace: list[TraceStep], given: Collection[str], world: World) -> None:
+        self.plan = plan
+        self.given = given
+        self.world = world
+        arguments = [step for step in trace if isinstance(step, ArgumentStep)]
+        self.declared = [step for step in arguments if step.passed_to is None]
+        self.passed = [step for step in arguments if step.passed_to is not None]
+        self.remaps = [step for step in trace if isinstance(step, RemapStep)]
+        self.params = [step for step in trace if isinstance(step, ParamSpec)]
+        self.trees: dict[str, Element | None] = {}
+
+    def explain(self, name: str) -> Iterator[Layer]:
+        wanted = canonical_name(name)
+        for node in [*self.plan.nodes, *(test.node for test in self.plan.tests)]:
+            if _means(wanted, node.full_name):
+                yield self.explain_node(node)
+        for full_name in dict.fromkeys(param.name for param in self.params):
+            if _means(wanted, full_name):
+                yield self.explain_param([param for param in self.params if param.name == full_name])
+        for argument in self.declared:
+            if argument.name == name:
+                yield self.explain_argument(argument)
+        for remap in self.remaps:
+            if wanted in (remap.source, canonical_name(remap.source)):
+                yield self.explain_remap(remap)
+
+    def explain_node(self, node: NodeSpec) -> Layer:
+        text = f"node {node.full_name} runs {node.type} of package {node.package}"
+        return Layer(text, None, (self.tag_layer(node.origin), *self.includes(node.origin)))
+
+    def explain_param(self, steps: list[ParamSpec]) -> Layer:
+        *earlier, last = steps
+        value = f"what `{last.command}` prints" if last.command is not None else _short(repr(last.value))
+        below = [self.tag_layer(last.origin), *self.includes(last.origin)]
+        below += [
+            Layer(f"set to {_short(repr(step.value))} before, and replaced", step.origin.span)
+            for step in reversed(earlier)
+        ]
+        return Layer(f"parameter {last.name} = {value}", None, tuple(below))
+
+    def explain_remap(self, step: RemapStep) -> Layer:
+        pair = (step.source, step.target)
+        nodes = ", ".join(node.full_name for node in self.plan.nodes if pair in node.remaps) or "no node"
+        below = (self.tag_layer(step.origin), *self.includes(step.origin), Layer(f"in force for {nodes}"))
+        return Layer(f"remap {step.source} to {step.target}", None, below)
+
+    def explain_argument(self, step: ArgumentStep) -> Layer:
+        value = "(no value)" if step.value is None else _short(repr(step.value))
+        text = f"argument {step.name} = {value}"
+        if step.kind == "value":
+            return Layer(text, step.origin.span, (self.written("value", step),))
+        below: list[Layer] = []
+        if step.handed_over:
+            below.append(self.passed_layer(step))
+        elif not step.origin.includes and step.name in self.given:
+            below.append(Layer(f"given: {step.name}:={step.value}"))
+        elif step.kind == "default":
+            return Layer(text, step.origin.span, (self.written("default", step),))
+        if step.kind == "default":
+            below.append(Layer(f'default="{_short(step.written)}" is not used', step.origin.span))
+        return Layer(text, step.origin.span, tuple(below))
+
+    def passed_layer(self, step: ArgumentStep) -> Layer:
+        outside, include = step.origin.includes[:-1], step.origin.includes[-1]
+        for passed in self.passed:
+            if (passed.name, passed.passed_to, passed.origin.includes) == (step.name, include, outside):
+                text = f'passed by the including file: {passed.kind}="{_short(passed.written)}"'
+                return Layer(text, passed.origin.span, self.uses(passed.written, outside, include))
+        return Layer("passed on by pass_all_args", include, tuple(self.argument_in(step.name, outside, include)))
+
+    def written(self, attribute: str, step: ArgumentStep) -> Layer:
+        below = self.uses(step.written, step.origin.includes, step.origin.span, without=step.name)
+        return Layer(f'{attribute}="{_short(step.written)}"', None, below)
+
+    def tag_layer(self, origin: Origin) -> Layer:
+        element = self.element_at(origin.span)
+        if element is None:
+            return Layer(_short(origin.span.text) or "set here", origin.span)
+        tag = " ".join(element.tag_span.text.split())
+        below = [
+            layer
+            for value in element.attributes.values()
+            if "$(" in value
+            for layer in self.uses(value, origin.includes, origin.span)
+        ]
+        return Layer(_short(tag), origin.span, (*dict.fromkeys(below), *self.namespaces(element)))
+
+    def includes(self, origin: Origin) -> Iterator[Layer]:
+        for step in reversed(origin.includes):
+            element = self.element_at(step)
+            namespace = element.attributes.get("ns") if element is not None else None
+            yield Layer(f'included from here, into ns="{namespace}"' if namespace else "included from here", step)
+
+    def namespaces(self, element: Element) -> Iterator[Layer]:
+        top = self.trees.get(element.source.path)
+        while top is not None and top is not element:
+            inner = next((child for child in top.elements if child.start <= element.start <= child.end), None)
+            inner = inner or next((child for child in top.elements if child.start == element.start), None)
+            if inner is not None and inner is not element and "ns" in inner.attributes:
+                yield Layer(f'inside <{inner.name} ns="{inner.attributes["ns"]}">', inner.span)
+            top = inner
+
+    def uses(self, text: str, includes: tuple[Span, ...], near: Span, without: str = "") -> tuple[Layer, ...]:
+        names = [name for name in dict.fromkeys(_arguments_in(text)) if name != without]
+        return tuple(layer for name in names for layer in self.argument_in(name, includes, near))
+
+    def argument_in(self, name: str, includes: tuple[Span, ...], near: Span) -> Iterator[Layer]:
+        same = [
+            step
+            for step in self.declared
+            if step.name == name and step.origin.includes == includes and step.origin.span.file.path == near.file.path
+        ]
+        if same:
+            yield self.explain_argument(same[-1])
+
+    def element_at(self, span: Span) -> Element | None:
+        path = span.file.path
+        if path not in self.trees:
+            try:
+                self.trees[path] = parse_launch_file(path, self.world.read_bytes(path)).root
+            except OSError:
+                self.trees[path] = None
+        stack = [self.trees[path]]
+        while stack:
+            element = stack.pop()
+            if element is not None:
+                if element.start == span.start and element.source.text == span.file.text:
+                    return element
+                stack.extend(element.elements)
+        return None
+
+
+def _means(wanted: str, full_name: str) -> bool:
+    return full_name == wanted or full_name.endswith("/" + wanted)
+
+
+def _arguments_in(text: str) -> Iterator[str]:
+    try:
+        pieces = parse_substitutions(text)
+    except SubstitutionProblem:
+        return
+    for piece in pieces:
+        if is_eval(text):
+            yield from _WORD.findall(piece.content)
+        elif piece.command == "arg":
+            yield from (word.text for word in piece.words)
+
+
+def _short(text: str) -> str:
+    text = " ".join(text.split())
+    return text if len(text) <= _LONG else text[: _LONG - 3] + "..."
