@@ -26,7 +26,8 @@ class FollowSettings:
     """How to follow.
 
     `horizon` and `step` of the try-outs in s; `preview` (s) says how far ahead the steering point is, within bounds
-    (m); beyond a bearing of `turn_first` (rad) to it the robot only turns, from `turn_some` on it slows down.
+    (m); beyond a bearing of `turn_first` (rad) to it the robot only turns, from `turn_some` on it slows down;
+    `delay` (s) is how late a command takes effect.
     """
 
     horizon: float = 1.6
@@ -34,6 +35,7 @@ class FollowSettings:
     preview: float = 0.7
     preview_least: float = 0.22
     preview_most: float = 0.45
+    delay: float = 0.05
     turn_some: float = 0.5
     turn_first: float = 1.3
 
@@ -43,7 +45,7 @@ class Way:
     """A way to follow, in the frame of the local costmap.
 
     Points (n, 2) `spacing` m apart, speeds (n), unit normals (n, 2) to the left. Beyond index `end` it goes on
-    straight, so that steering does not end before the goal.
+    straight, so that steering does not end before the goal; `course` is the direction there.
     """
 
     points: Points
@@ -51,6 +53,7 @@ class Way:
     speeds: Floats
     spacing: float
     end: int
+    course: tuple[float, float]
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,7 +89,7 @@ def make_way(points: Points, limits: Limits, overrun: float = 0.6) -> Way:
     angles = headings(longer)
     speeds = np.concatenate((speed_profile(points, limits), np.zeros(len(extra))))
     normals = np.stack((-np.sin(angles), np.cos(angles)), axis=-1)
-    return Way(longer, normals, speeds, spacing, len(points) - 1)
+    return Way(longer, normals, speeds, spacing, len(points) - 1, (math.cos(angle), math.sin(angle)))
 
 
 def follow_way(
@@ -172,6 +175,10 @@ def _roll(
         share = np.clip((settings.turn_first - np.abs(bearing)) / (settings.turn_first - settings.turn_some), 0.0, 1.0)
         soon = np.minimum(near + np.rint(v * dt / way.spacing).astype(np.intp), way.end)
         wanted = np.minimum(np.minimum(caps, way.speeds[soon]), limits.turn / np.maximum(np.abs(bend), 1e-6)) * share
+        # The last points are too coarse to stop by: there the distance itself counts, less what a late command costs.
+        left_over = (way.points[way.end, 0] - x) * way.course[0] + (way.points[way.end, 1] - y) * way.course[1]
+        brake = np.sqrt(1.2 * limits.acceleration * np.maximum(left_over - settings.delay * v, 0.0))
+        wanted = np.where(near > way.end - 8, np.minimum(wanted, brake), wanted)
         spin = np.sign(bearing) * np.minimum(limits.turn, np.sqrt(1.4 * limits.turn_acceleration * np.abs(bearing)))
         turning = np.clip(wanted * bend * share + (1.0 - share) * spin, -limits.turn, limits.turn)
         v = np.minimum(v + limits.acceleration * dt, np.maximum(v - limits.acceleration * dt, wanted))

@@ -248,14 +248,16 @@ class Navigator:
         error = wrap_angle(end.yaw - motion.pose.yaw)
         away = math.hypot(end.x - motion.pose.x, end.y - motion.pose.y)
         speed = approach(run.sent[0], 0.0, self._limits.acceleration * self._settings.period)
-        if abs(speed) < 0.02:
-            speed = 0.0
-        if speed == 0.0 and away > self._settings.xy_tolerance:
+        resting = abs(speed) < 0.02
+        if resting and away > self._settings.xy_tolerance:
             self._enter(run, Phase.PLANNING, inputs.now)
             return Outputs(command=self._braked(run), plan=self._may_ask(run, inputs.now, 0.5))
-        if abs(error) < 0.5 * self._settings.yaw_tolerance and speed == 0.0 and abs(run.sent[1]) < 0.3:
+        if abs(error) < 0.3 * self._settings.yaw_tolerance and resting and abs(run.sent[1]) < 0.15:
             return self._end(Ending.REACHED, "goal reached")
-        rate = turn_rate(error - run.sent[1] * self._settings.period * 0.5, self._limits)
+        ahead = error - run.sent[1] * self._settings.period * 0.5
+        # Near the end no more than gets there within a period and a half, so that it does not swing.
+        most = abs(ahead) / (1.5 * self._settings.period)
+        rate = max(-most, min(most, turn_rate(ahead, self._limits)))
         turn = approach(run.sent[1], rate, self._limits.turn_acceleration * self._settings.period)
         free = abs(turn) < 0.02 or sweep_is_free(Motion(motion.pose, 0.0, turn), 0.3, local, self._footprint)
         if self._is_stuck(run, not free, inputs, motion.pose):
