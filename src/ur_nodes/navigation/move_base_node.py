@@ -37,7 +37,9 @@ class MoveBase:
         self._navigator = Navigator(
             self._settings.navigator, self._settings.limits, FollowSettings(), self._settings.footprint
         )
-        self._lock = threading.RLock()
+        self._server = ActionServer("move_base", MoveBaseAction, self._take_goal, self._take_cancel, auto_start=False)
+        # The server calls back with its lock held, and takes it when a goal ends: a second lock would be a deadlock.
+        self._lock = self._server.lock
         self._handle: Any = None
         self._goal: Pose2 | None = None
         self._key = 0
@@ -50,7 +52,6 @@ class MoveBase:
         self._shown = (0, 0)
         self._worker = PlanWorker(self._settings.planner, self._take_answer)
         self._cmd_vel = rospy.Publisher("cmd_vel", Twist, queue_size=1, tcp_nodelay=True)
-        self._server = ActionServer("move_base", MoveBaseAction, self._take_goal, self._take_cancel, auto_start=False)
         self._action_goal = rospy.Publisher("move_base/goal", MoveBaseActionGoal, queue_size=1)
         rospy.Subscriber("move_base_simple/goal", PoseStamped, self._take_simple_goal, queue_size=1)
         rospy.Service("~make_plan", GetPlan, self._make_plan)

@@ -44,10 +44,11 @@ def test_plan_path_is_straight_where_nothing_is_in_the_way(goal: tuple[float, fl
 def test_plan_path_round_a_wall_is_near_the_shortest_and_keeps_clear() -> None:
     costmap = costmap_of(with_wall(2.0))
     path = plan_path(costmap, (2.0, 1.0), (6.0, 1.0), PlanSettings())
-    # Taut string round the wall's end (3.95 to 4.05, 4.0) at the inscribed radius.
-    straight = math.sqrt(math.dist((2.0, 1.0), (3.975, 3.975)) ** 2 - 0.2**2)
-    shortest = 2 * straight + 0.05 + 0.2 * (math.pi - 2 * math.atan2(3.0, 1.975))
-    assert shortest * 0.98 < path_length(path) <= 1.06 * shortest
+    # A taut string round the wall's end at the inscribed radius: straight to that circle, along it, across, and down.
+    away = math.dist((2.0, 1.0), (3.975, 3.975))
+    turn = math.pi - math.atan2(1.975, 2.975) - math.acos(0.2 / away)
+    shortest = 2 * math.sqrt(away**2 - 0.2**2) + 2 * 0.2 * turn + 0.05
+    assert 0.995 * shortest < path_length(path) <= 1.05 * shortest
     assert (costmap.costs_at(path) < INSCRIBED).all()
 
 
