@@ -8,7 +8,7 @@ which values to try next, so both branches of a condition are seen.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
 from ur.check.model import LaunchView
@@ -23,8 +23,10 @@ _ROUNDS = 5
 _CONDITION = re.compile(r"\s*\$\(arg (\w+)\)\s*\Z")
 _BOOLEANS = {"true": "false", "1": "false", "false": "true", "0": "true"}
 _CHOICE = re.compile(r"expected (\w+) or ")
-# Values that somebody else sets together with the option: with it alone they say nothing.
-_ONLY_BY_DEFAULT = frozenset({"duplicate-node", "duplicate-machine", "param-conflict", "unknown-machine"})
+_OPPOSITES = {"true": "false", "1": "0"}
+_ABOUT_VALUES = frozenset({"bad-boolean", "bad-number", "bad-param-value", "bad-choice"})
+# Options exclude one another: with one changed alone, these say nothing.
+_ABOUT_TWO_TAGS = frozenset({"duplicate-node", "duplicate-machine", "param-conflict", "unknown-machine"})
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,34 +105,55 @@ def _resolve(path: str, case: Case, required: list[str], world: CachedWorld) -> 
     unknowns = Unknowns()
     open_world = world.seen_from(path.rpartition("/")[0], Environment(world.environment, unknowns))
     given = dict(case.given)
-    plan = None
-    for _ in range(_ROUNDS):
+
+    def load() -> Plan:
         words = [f"{name}:={value}" for name, value in given.items()]
         words += [f"{name}:={unknowns.value_of(name)}" for name in required if name not in given]
-        plan = load_plan([path], words, open_world)
-        learnt = dict(pair for found in plan.diagnostics for pair in _learn(found, unknowns))
+        return load_plan([path], words, open_world)
+
+    plan = load()
+    for _ in range(_ROUNDS):
+        learnt = _learn(plan.diagnostics, unknowns)
         if not learnt:
             break
         unknowns.tried.update(learnt)
-    assert plan is not None
-    yield _only_sure(plan, case, unknowns)
-    if "true" in unknowns.tried.values():
-        unknowns.tried = {name: "false" if value == "true" else value for name, value in unknowns.tried.items()}
-        words = [f"{name}:={value}" for name, value in given.items()]
-        words += [f"{name}:={unknowns.value_of(name)}" for name in required if name not in given]
-        plan = load_plan([path], words, open_world)
-        yield _only_sure(plan, replace(case, flipped=case.flipped or "false"), unknowns)
+        plan = load()
+    first = _only_sure(plan, case, unknowns)
+    if not set(unknowns.tried.values()) & set(_OPPOSITES):
+        yield first
+        return
+    unknowns.tried = {name: _OPPOSITES.get(value, value) for name, value in unknowns.tried.items()}
+    second = _only_sure(load(), case, unknowns)
+    # Options that are all on, or all off, may exclude one another: what speaks of two tags has to be in both plans.
+    yield _without_pairs(first, second)
+    yield _without_pairs(second, first)
 
 
-def _learn(found: Diagnostic, unknowns: Unknowns) -> Iterator[tuple[str, str]]:
-    # A value to try for each unknown that a finding speaks of.
-    for name in unknowns.names_in(found.message):
-        if found.rule == "bad-boolean":
-            yield name, "true"
-        elif found.rule in ("bad-number", "bad-param-value"):
-            yield name, "true" if "of type bool" in found.message else "1"
-        elif found.rule == "bad-choice" and (choice := _CHOICE.search(found.message)):
-            yield name, choice.group(1)
+def _without_pairs(plan: Plan, other: Plan) -> Plan:
+    places = {(found.rule, str(found.span)) for found in other.diagnostics}
+    kept = (
+        found
+        for found in plan.diagnostics
+        if found.rule not in _ABOUT_TWO_TAGS or (found.rule, str(found.span)) in places
+    )
+    return replace(plan, diagnostics=tuple(kept))
+
+
+def _learn(findings: Iterable[Diagnostic], unknowns: Unknowns) -> dict[str, str]:
+    # A value to try for each unknown that findings speak of. 1 is a number and a condition, but no flag.
+    learnt: dict[str, str] = {}
+    for found in findings:
+        for name in unknowns.names_in(found.message):
+            value: str | None = None
+            if found.rule == "bad-boolean":
+                value = "1" if found.message.startswith(("'if'", "'unless'")) else "true"
+            elif found.rule in ("bad-number", "bad-param-value"):
+                value = "1"
+            elif found.rule == "bad-choice" and (choice := _CHOICE.search(found.message)):
+                value = choice.group(1)
+            if value is not None and learnt.get(name, "1") == "1":
+                learnt[name] = value
+    return learnt
 
 
 def _only_sure(plan: Plan, case: Case, unknowns: Unknowns) -> Plan:
@@ -147,4 +170,6 @@ def _is_sure(found: Diagnostic, case: Case, unknowns: Unknowns) -> bool:
         return False  # an argument of the file itself: whoever starts it gives it
     if found.rule == "bad-eval" and "not a Python expression" not in found.message:
         return not (unknowns.any_used or case.flipped)  # the result may depend on something unknown
-    return not (case.flipped and (found.rule in _ONLY_BY_DEFAULT or found.message.startswith("an empty path")))
+    if found.rule in _ABOUT_VALUES and unknowns.tried and "$" in found.span.text:
+        return False  # the value was guessed
+    return not (case.flipped and (found.rule in _ABOUT_TWO_TAGS or found.message.startswith("an empty path")))

@@ -45,6 +45,23 @@ def walk_elements(top: Element | None, parent: Element | None = None) -> Iterato
         stack.extend((child, element) for child in reversed(list(element.elements)))
 
 
+def walk_possible(top: Element | None) -> Iterator[Element]:
+    """As walk_elements, without what a plain `if="false"` or `unless="true"` switches off for good."""
+    stack = [top] if top is not None else []
+    while stack:
+        element = stack.pop()
+        if not is_switched_off(element):
+            yield element
+            stack.extend(reversed(list(element.elements)))
+
+
+def is_switched_off(element: Element) -> bool:
+    """Whether a tag never takes part, whatever the arguments are."""
+    condition = element.attributes.get("if", "true").strip().lower()
+    exception = element.attributes.get("unless", "false").strip().lower()
+    return condition in ("false", "0") or exception in ("true", "1")
+
+
 def find_uses(element: Element) -> Iterator[tuple[str, Span]]:
     """The arguments that an element's attributes and text speak of, each with its place."""
     for attribute, value in element.attributes.items():

@@ -6,13 +6,14 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 
 from ur.check.model import Found, LaunchView, NodeView, Package, PackageView, ParamView, ProgramView, Rule, YamlView
-from ur.check.survey import walk_elements
+from ur.check.survey import walk_possible
 from ur.launchfile.plan.model import Origin, Plan
 from ur.launchfile.syntax import Element
 from ur.launchfile.world import World
 from ur.source.diagnostic import Diagnostic, Note
 
 _LOCAL = frozenset({"localhost", "127.0.0.1", "::1"})
+_AS_RESOLVED = frozenset({"bad-name"})  # some names are refused, and some only warned of
 _Hook = tuple[Rule, Callable[..., Iterable[Found]]]
 
 
@@ -33,7 +34,7 @@ class Visitor:
         """What the rules find in a launch file's tree."""
         if view.tree.launch is None or view.tree.diagnostics:
             return  # half a file says nothing about the other half
-        for element, _ in walk_elements(view.tree.launch):
+        for element in walk_possible(view.tree.launch):
             yield from _ask(self._element, view.package, element, view)
         yield from _ask(self._launch_file, view.package, view)
 
@@ -80,9 +81,13 @@ def _with_includes(findings: Iterable[Diagnostic], origin: Origin) -> Iterable[D
     return (replace(found, notes=(*found.notes, *steps)) for found in findings)
 
 
+def _is_old_master(found: Diagnostic) -> bool:
+    return found.rule == "unknown-tag" and found.message.startswith("<master>")  # many old files hold it
+
+
 def stamp_severity(found: Diagnostic, rules: Mapping[str, Rule]) -> Diagnostic:
     """A finding of the resolver with the severity that its rule has here."""
     rule = rules.get(found.rule)
-    if rule is None or rule.severity is found.severity:
+    if rule is None or rule.severity is found.severity or found.rule in _AS_RESOLVED or _is_old_master(found):
         return found
     return Diagnostic(rule.severity, found.message, found.rule, found.span, found.notes, found.help)

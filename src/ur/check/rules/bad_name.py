@@ -20,11 +20,6 @@ goes into `ns`.
   <node name="«left/talker»" pkg="demo_nodes" type="talker"/>
 </launch>
 """),
-        launch_example("""
-<launch>
-  <node name="«talker-1»" pkg="demo_nodes" type="talker"/>
-</launch>
-"""),
     ),
     good=(
         launch_example("""

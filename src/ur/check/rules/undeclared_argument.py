@@ -15,6 +15,8 @@ _ARG_CALL = re.compile(r"""(?<![\w.])arg\(\s*(["'])([^"']*)\1\s*\)""")
 
 def _find_undeclared(element: Element, view: LaunchView) -> Iterable[Found]:
     # Resolving reports those that take part; here are the others, in branches that a condition leaves out.
+    if any("$(" in name for name in view.declared):
+        return
     for attribute, value in element.attributes.items():
         if "$(" not in value:
             continue

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from ur.check.model import Found, Group, LaunchView, Rule, launch_example
+from ur.check.survey import is_switched_off
 from ur.launchfile.plan.body import TAGS
 from ur.launchfile.syntax import Element
 from ur.source.diagnostic import Severity
@@ -25,8 +26,10 @@ def _find_unknown_tags(view: LaunchView) -> Iterable[Found]:
         for child in element.elements:
             name = child.name if known is TAGS else child.name.lower()
             if name in known:
+                if is_switched_off(child):
+                    continue
                 stack.append(child)
-            else:
+            elif name != "master":  # had a meaning once: resolving warns of it
                 yield _explain(child, element, known)
 
 

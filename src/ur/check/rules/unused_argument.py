@@ -15,7 +15,7 @@ def _find_unused(view: LaunchView) -> Iterable[Found]:
         return
     for name, elements in view.declared.items():
         # Where a name near to it is used and not declared, that one is misspelt, and reported.
-        if name not in view.used and not did_you_mean(name, set(view.used) - set(view.declared)):
+        if "$(" not in name and name not in view.used and not did_you_mean(name, set(view.used) - set(view.declared)):
             message = f"argument '{name}' is declared and not used, expected a place that uses it"
             yield Found(elements[0].value_span("name"), message, "remove it, or use it where it was meant to be")
 
