@@ -12,12 +12,15 @@ MAX_NOTES = 6
 
 @dataclass(frozen=True, slots=True)
 class Hit:
-    """A finding of one case of one file. `cases` is how many cases the file has."""
+    """A finding in one case of one file. `plain` are the cases of that file in which no option is changed.
+
+    Without a `root` the finding is about a text, whatever the case.
+    """
 
     found: Diagnostic
     root: str = ""
     label: str = ""
-    cases: int = 1
+    plain: frozenset[str] = frozenset()
 
 
 def merge_hits(hits: Iterable[Hit]) -> list[Diagnostic]:
@@ -45,9 +48,9 @@ def _merge(group: list[Hit]) -> Diagnostic:
     first = max(group, key=lambda hit: len(hit.found.notes))  # the one that says through which includes
     worst = min((hit.found.severity for hit in group), key=lambda severity: severity is Severity.WARNING)
     found = replace(first.found, severity=worst)
-    same_root = [hit for hit in group if hit.root == first.root and hit.label]
-    labels = list(dict.fromkeys(hit.label for hit in same_root))
-    if not labels or (len(labels) >= first.cases and len({hit.found.message for hit in same_root}) == 1):
+    same_root = [hit for hit in group if hit.root == first.root]
+    always = first.plain <= {hit.label for hit in same_root} and len({hit.found.message for hit in same_root}) == 1
+    if always or any(not hit.root for hit in group):
         return found
     messages: dict[str, list[str]] = {}
     for hit in same_root:

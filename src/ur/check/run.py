@@ -121,10 +121,10 @@ class _Check:
 
     def check_plans(self, view: LaunchView) -> Iterator[Hit]:
         given = tuple((name, value) for name, value in self.arguments.items() if name in view.declared)
-        cases = {case.label for case in list_cases(view, given) if case.flipped is None}
+        plain = frozenset(case.label for case in list_cases(view, given) if case.flipped is None)
         for resolved in resolve_cases(view, self.world, given):
             for found in self.findings_of(resolved, view):
-                yield Hit(found, view.path, resolved.case.label, len(cases))
+                yield Hit(found, view.path, resolved.case.label, plain)
 
     def findings_of(self, resolved: Resolved, view: LaunchView) -> Iterator[Diagnostic]:
         option = resolved.case.flipped

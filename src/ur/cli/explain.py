@@ -11,10 +11,10 @@ import click
 @click.command("explain")
 @click.argument("words", nargs=-1, required=True, metavar="[PACKAGE] FILE NAME [ARG:=VALUE]...")
 def command(words: tuple[str, ...]) -> int:
-    """Say where a parameter, argument, remap or node of a launch file got its value.
+    """Say where a name in a launch file got its value.
 
-    NAME may lack its namespace: `rate` finds `/talker/rate`. Arguments are given as for `ur launch`; nothing is
-    started.
+    NAME is a parameter, an argument, a remap or a node. It may lack its namespace: `rate` finds `/talker/rate`.
+    Arguments are given as for `ur launch`; nothing is started.
     """
     from ur.launchfile.address import resolve_addresses
     from ur.launchfile.query.explain import explain_name, format_layers
