@@ -216,3 +216,14 @@ def test_navigator_takes_a_new_goal_over_without_a_jerk() -> None:
     after = history.step().command
     assert after is not None
     assert 0.0 < before - after[0] <= 0.1 + 1e-9
+
+
+def test_navigator_stops_for_what_appears_right_before_it() -> None:
+    grid = Grid(np.zeros((120, 200), np.int8), 0.05, Pose2(-2.0, -3.0, 0.0))
+    loop = ClosedLoop(grid)
+    loop.drive(Pose2(6.0, 0.0, 0.0), seconds=4.0)
+    assert loop.command[0] > 0.45, "it drives at full speed"
+    for offset in (-0.6, -0.3, 0.0, 0.3, 0.6):
+        loop.add_obstacle(loop.pose.x + 0.2 + 0.35 + 0.15, offset, 0.3)
+    drive = loop.drive(Pose2(6.0, 0.0, 0.0))
+    check(drive, Pose2(6.0, 0.0, 0.0))
