@@ -65,8 +65,17 @@ def collect_targets(paths: Sequence[str], world: World) -> Targets:
         yaml.update(file for file in files if file.endswith(_YAML_SUFFIXES))
         folders = {f"{folder}/bin" for folder in packages}
         programs.update(file for file in files if file.rpartition("/")[0] in folders and is_script(file, world))
+    programs = _without_twins(programs, world)
     whole = tuple(packages[folder] for folder in sorted(packages) if folder in visited)
     return Targets(tuple(sorted(launch)), tuple(sorted(yaml)), tuple(sorted(programs)), packages, whole)
+
+
+def _without_twins(programs: set[str], world: World) -> set[str]:
+    # A program may have a second name, a link: it is checked once, under its name with ur_.
+    by_content: dict[bytes, str] = {}
+    for path in sorted(programs, key=lambda path: (not path.rpartition("/")[2].startswith("ur_"), path)):
+        by_content.setdefault(world.read_bytes(path), path)
+    return set(by_content.values())
 
 
 def is_script(path: str, world: World) -> bool:
@@ -101,10 +110,11 @@ def _locate(word: str, world: World) -> str:
     )
 
 
-def _walk(folder: str, world: World, visited: set[str], depth: int = 0) -> Iterable[str]:
+def _walk(folder: str, world: World, visited: set[str], above: tuple[tuple[str, ...], ...] = ()) -> Iterable[str]:
     visited.add(folder)
     names = world.list_folder(folder)
-    if depth > MAX_DEPTH or "CATKIN_IGNORE" in names:
+    # A folder that lists the same as one above it is that one, reached through a link.
+    if len(above) > MAX_DEPTH or "CATKIN_IGNORE" in names or names in above:
         return
     for name in names:
         if name.startswith(".") or name in _SKIPPED:
@@ -113,7 +123,7 @@ def _walk(folder: str, world: World, visited: set[str], depth: int = 0) -> Itera
         if world.is_file(path):
             yield path
         else:
-            yield from _walk(path, world, visited, depth + 1)
+            yield from _walk(path, world, visited, (*above, names))
 
 
 def _is_launch_file(path: str, asked_for: bool, world: World) -> bool:

@@ -8,7 +8,7 @@ import yaml
 
 from ur.check.model import Example, Found, Group, Rule, YamlView, launch_example
 from ur.check.yaml_nodes import compose_documents, is_plain_yaml, span_at
-from ur.source.diagnostic import Severity
+from ur.source.diagnostic import Note, Severity
 from ur.source.file import Span
 
 
@@ -26,7 +26,10 @@ def _find_bad_yaml(view: YamlView) -> Iterable[Found]:
         help_ = (
             "indent with spaces" if "\\t" in message else "check the indentation, quotes and brackets above this place"
         )
-        yield Found(span_at(source, mark), f"not valid YAML: {message}", help_)
+        begun = problem.context_mark
+        place = span_at(source, mark)
+        notes = (Note("what is read there begins here", span_at(source, begun)),) if begun is not None else ()
+        yield Found(place, f"not valid YAML: {message}", help_, notes if notes and notes[0].span != place else ())
     except yaml.YAMLError as problem:
         yield Found(Span(source, 0, 1), f"not valid YAML: {str(problem).splitlines()[0]}")
 
