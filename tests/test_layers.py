@@ -22,9 +22,11 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "ur.cli": ("ur",),
     "ur": ("ur",),
     "ur_nodes.rosio": ("ur.source",),
-    "ur_nodes.simulator": ("ur.source", "ur.robot.base", "ur_nodes.rosio"),
+    "ur_nodes.motion": ("ur.source", "ur.robot.base", "ur_nodes.rosio"),
+    "ur_nodes.simulator": ("ur.source", "ur.robot.base", "ur_nodes.rosio", "ur_nodes.motion.ramp"),
     "ur_nodes.navigation": ("ur.source", "ur.robot.base", "ur_nodes.rosio"),
     "ur_nodes.teleop": ("ur.source", "ur.robot.base", "ur_nodes.rosio", "ur_nodes.navigation"),
+    "ur_nodes.motion.ramp": ("ur.robot.base",),
     "ur_nodes": (),
 }
 ROS = {

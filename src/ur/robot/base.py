@@ -35,12 +35,18 @@ class Caster:
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """What the base can do: m/s, rad/s, m/s^2, rad/s^2; `command_age` (s) is when an old command means stop."""
+    """What the base can do: m/s, rad/s, m/s^2, rad/s^2; `command_age` (s) is when an old command means stop.
+
+    The accelerations hold while it speeds up, the decelerations (at least as high; the same unless given) while it
+    brakes.
+    """
 
     velocity: float
     angular_velocity: float
     acceleration: float
     angular_acceleration: float
+    deceleration: float
+    angular_deceleration: float
     command_age: float
 
 
@@ -183,11 +189,15 @@ def _caster(part: Section) -> Caster:
 
 
 def _limits(part: Section) -> Limits:
+    acceleration = part.number("acceleration", minimum=0.01)
+    angular_acceleration = part.number("angular_acceleration", minimum=0.01)
     limits = Limits(
         velocity=part.number("velocity", minimum=0.01),
         angular_velocity=part.number("angular_velocity", minimum=0.01),
-        acceleration=part.number("acceleration", minimum=0.01),
-        angular_acceleration=part.number("angular_acceleration", minimum=0.01),
+        acceleration=acceleration,
+        angular_acceleration=angular_acceleration,
+        deceleration=part.number("deceleration", acceleration, minimum=acceleration),
+        angular_deceleration=part.number("angular_deceleration", angular_acceleration, minimum=angular_acceleration),
         command_age=part.number("command_age", minimum=0.02, maximum=1.0),
     )
     part.finish()

@@ -28,8 +28,12 @@ def test_drive_never_exceeds_the_limits_of_the_base(stage: Base, linear: float, 
     for v, w in run(Drive(stage, PERIOD), linear, angular, 1.5):
         assert abs(v) <= limits.velocity
         assert abs(w) <= limits.angular_velocity
-        assert abs(v - before[0]) <= limits.acceleration * PERIOD + 1e-12
-        assert abs(w - before[1]) <= limits.angular_acceleration * PERIOD + 1e-12
+        grows, turns = abs(v) > abs(before[0]), abs(w) > abs(before[1])
+        assert abs(v - before[0]) <= (limits.acceleration if grows else limits.deceleration) * PERIOD + 1e-12
+        assert (
+            abs(w - before[1])
+            <= (limits.angular_acceleration if turns else limits.angular_deceleration) * PERIOD + 1e-12
+        )
         before = (v, w)
 
 
@@ -53,7 +57,7 @@ def test_drive_ramps_down_once_the_command_is_old(stage: Base) -> None:
     drive.update(last + age - 0.001)
     assert drive.velocity[0] == 0.5
     drive.update(last + age + 0.001)
-    assert drive.velocity[0] == pytest.approx(0.5 - stage.limits.acceleration * PERIOD)
+    assert drive.velocity[0] == pytest.approx(0.5 - stage.limits.deceleration * PERIOD)
 
 
 @pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])

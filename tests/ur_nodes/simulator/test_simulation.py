@@ -21,21 +21,26 @@ def test_robot_drives_straight_as_far_as_commanded(
     base: Base = request.getfixturevalue(name)
     simulation = Simulation(room, base)
     drive(simulation, 1.0)
-    drive(simulation, 2.5, 0.4)  # what the ramp up costs the ramp down gives back
+    drive(simulation, 2.5, 0.4)
     drive(simulation, 1.5)
     x, y, yaw = simulation.pose(0)
-    assert x == pytest.approx(1.0, rel=0.02)
+    limits = base.limits
+    expected = 0.4 * 2.5 - 0.4**2 / 2 * (1 / limits.acceleration - 1 / limits.deceleration)
+    assert x == pytest.approx(expected, rel=0.02)
     assert abs(y) < 0.01
     assert abs(yaw) < 0.01
 
 
 @pytest.mark.parametrize("name", ["stage", "magni"])
 def test_robot_turns_on_the_spot(room: World, name: str, drive: Drive, request: pytest.FixtureRequest) -> None:
-    simulation = Simulation(room, request.getfixturevalue(name))
+    base: Base = request.getfixturevalue(name)
+    simulation = Simulation(room, base)
     drive(simulation, math.pi / 2 / 0.8, 0.0, 0.8)
     drive(simulation, 1.5)
     x, y, yaw = simulation.pose(0)
-    assert yaw == pytest.approx(math.pi / 2, rel=0.02)
+    limits = base.limits
+    lost = 0.8**2 / 2 * (1 / limits.angular_acceleration - 1 / limits.angular_deceleration)
+    assert yaw == pytest.approx(math.pi / 2 - lost, rel=0.02)
     assert math.hypot(x, y) < 0.02
 
 
@@ -62,7 +67,7 @@ def test_robot_stops_when_commands_cease(room: World, stage: Base, drive: Drive)
     simulation = Simulation(room, stage)
     drive(simulation, 1.0, 0.5)
     last = simulation.time
-    limit = stage.limits.command_age + 0.5 / stage.limits.acceleration
+    limit = stage.limits.command_age + 0.5 / stage.limits.deceleration
     while simulation.velocity(0)[0] > 0.01:
         simulation.advance()
         assert simulation.time - last < limit + 0.1

@@ -1,0 +1,1 @@
+"""What stands between a commander and the wheels: who may drive, how fast, and when to stop. Joysticks, too."""

@@ -1,0 +1,263 @@
+"""Who drives: one stream of velocity commands out of many, as a step function without clock or topics.
+
+A source *drives* while its newest command is not older than its `timeout` and it has asked for motion within that time;
+with `zeros_hold` zeros count as driving too. Of the sources that drive, the one with the highest priority is *active*.
+Its commands are followed within the limits of the base, and never faster than the robot can still stop from in time:
+when the newest command is `age` old, the speed is at most
+
+    slow_down * (stop_time - lag - age)
+
+where `lag` is what passes between an output and the wheels. So the robot stands `stop_time` after the last command that
+came, at any speed and whatever its timeout. While something is active or the robot moves there is an output every
+`period`, while it brakes every `brake_period`; then `zeros` zeros, then silence.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+from ur_nodes.motion.ramp import Axis, approach
+
+IDLE = "idle"
+_SLOWEST = 1e-4  # m/s, rad/s: less is rounding, not a wish to move
+_SOON = 1e-6  # s: outputs that are this near to being due are due
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """A topic that velocity commands come from. Higher priority wins; `timeout` (s) is its age limit."""
+
+    name: str
+    topic: str
+    priority: int
+    timeout: float
+    zeros_hold: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Lock:
+    """A topic that says whether sources with a lower priority are shut out. Not heard for `timeout` s: they are.
+
+    A timeout of 0 means that it does not age.
+    """
+
+    name: str
+    topic: str
+    priority: int
+    timeout: float
+
+
+@dataclass(frozen=True, slots=True)
+class MuxSettings:
+    """Sources, locks, what the base can do, and the times (s) that the module's text explains."""
+
+    sources: tuple[Source, ...]
+    forward: Axis
+    turn: Axis
+    locks: tuple[Lock, ...] = ()
+    period: float = 0.02
+    brake_period: float = 0.01
+    stop_time: float = 0.3
+    lag: float = 0.07
+    zeros: int = 3
+
+
+@dataclass(frozen=True, slots=True)
+class Velocity:
+    """m/s forward, rad/s about z."""
+
+    forward: float = 0.0
+    turn: float = 0.0
+
+    @property
+    def still(self) -> bool:
+        """Whether it is no motion at all."""
+        return abs(self.forward) < _SLOWEST and abs(self.turn) < _SLOWEST
+
+
+STILL = Velocity()
+
+
+@dataclass(frozen=True, slots=True)
+class Command:
+    """The source with this index says how to move. What is not finite means stand still."""
+
+    source: int
+    velocity: Velocity
+
+
+@dataclass(frozen=True, slots=True)
+class LockSaid:
+    """The lock with this index says whether it is locked."""
+
+    lock: int
+    locked: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Stop:
+    """Emergency stop: nothing drives until `Release`."""
+
+
+@dataclass(frozen=True, slots=True)
+class Release:
+    """The emergency is over. Sources that ask for motion at this moment stay shut out until they pause."""
+
+
+Event = Command | LockSaid | Stop | Release
+
+
+@dataclass(frozen=True, slots=True)
+class Heard:
+    """The newest command of a source, when it came, and when the source last asked for motion."""
+
+    velocity: Velocity = STILL
+    at: float = -math.inf
+    moved_at: float = -math.inf
+    barred: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class MuxState:
+    """All that is known. Times are those given to `step`; `next_at` is when to call it next, infinite when silent."""
+
+    settings: MuxSettings
+    heard: tuple[Heard, ...]
+    locks: tuple[tuple[bool, float], ...]
+    stopped: bool = False
+    active: int | None = None
+    output: Velocity = STILL
+    output_at: float = -math.inf
+    zeros_left: int = 0
+    next_at: float = math.inf
+    now: float = -math.inf
+
+    @property
+    def active_name(self) -> str:
+        """The name of the source that is being followed, or IDLE."""
+        return IDLE if self.active is None else self.settings.sources[self.active].name
+
+
+def start_mux(settings: MuxSettings, *, stopped: bool = False) -> MuxState:
+    """Silent, nothing heard."""
+    return MuxState(
+        settings,
+        tuple(Heard() for _ in settings.sources),
+        tuple((False, -math.inf) for _ in settings.locks),
+        stopped,
+    )
+
+
+def step(state: MuxState, event: Event | None, now: float) -> tuple[MuxState, Velocity | None]:
+    """The state after `event` (None: time has passed) at `now`, and the velocity to send now; None is nothing.
+
+    Call it for each event, and without one at `state.next_at`. When time goes back all commands are forgotten.
+    """
+    if now < state.now:
+        state = _forget(state, now)
+    state = _take(replace(state, now=now), event, now)
+    was_silent = math.isinf(state.next_at)
+    state = replace(state, active=_choose(state, now))
+    if was_silent and state.active is None and state.output.still:
+        return state, None
+    if not (was_silent or isinstance(event, Stop) or now >= state.next_at - _SOON):
+        return state, None
+    return _send(state, now)
+
+
+def _forget(state: MuxState, now: float) -> MuxState:
+    """What came before time was set back has no age any more."""
+    fresh = start_mux(state.settings, stopped=state.stopped)
+    if state.output.still and math.isinf(state.next_at):
+        return fresh
+    return replace(fresh, output=state.output, output_at=now, zeros_left=state.settings.zeros, next_at=now)
+
+
+def _take(state: MuxState, event: Event | None, now: float) -> MuxState:
+    if isinstance(event, Command):
+        timeout = state.settings.sources[event.source].timeout
+        heard = list(state.heard)
+        heard[event.source] = _hear(heard[event.source], event.velocity, timeout, now)
+        return replace(state, heard=tuple(heard))
+    if isinstance(event, LockSaid):
+        locks = list(state.locks)
+        locks[event.lock] = (event.locked, now)
+        return replace(state, locks=tuple(locks))
+    if isinstance(event, Stop):
+        return replace(state, stopped=True)
+    if isinstance(event, Release) and state.stopped:
+        pairs = zip(state.settings.sources, state.heard, strict=True)
+        barred = tuple(replace(heard, barred=now - heard.moved_at <= source.timeout) for source, heard in pairs)
+        return replace(state, stopped=False, heard=barred)
+    return state
+
+
+def _hear(before: Heard, velocity: Velocity, timeout: float, now: float) -> Heard:
+    if not (math.isfinite(velocity.forward) and math.isfinite(velocity.turn)):
+        velocity = STILL
+    paused = velocity.still or now - before.at > timeout
+    moved_at = before.moved_at if velocity.still else now
+    return Heard(velocity, now, moved_at, before.barred and not paused)
+
+
+def _choose(state: MuxState, now: float) -> int | None:
+    """The index of the source to follow."""
+    if state.stopped:
+        return None
+    floor = max((lock.priority for lock, said in _locks(state) if _is_locked(lock, said, now)), default=None)
+    best: int | None = None
+    for index, (source, heard) in enumerate(zip(state.settings.sources, state.heard, strict=True)):
+        if heard.barred or (floor is not None and source.priority < floor) or not _drives(source, heard, now):
+            continue
+        if best is None or (source.priority, index == state.active) > (
+            state.settings.sources[best].priority,
+            best == state.active,
+        ):
+            best = index
+    return best
+
+
+def _drives(source: Source, heard: Heard, now: float) -> bool:
+    since = heard.at if source.zeros_hold else heard.moved_at
+    return now - heard.at <= source.timeout and now - since <= source.timeout
+
+
+def _locks(state: MuxState) -> zip[tuple[Lock, tuple[bool, float]]]:
+    return zip(state.settings.locks, state.locks, strict=True)
+
+
+def _is_locked(lock: Lock, said: tuple[bool, float], now: float) -> bool:
+    return said[0] or (lock.timeout > 0.0 and now - said[1] > lock.timeout)
+
+
+def _send(state: MuxState, now: float) -> tuple[MuxState, Velocity]:
+    settings = state.settings
+    heard = Heard() if state.active is None else state.heard[state.active]
+    left = settings.stop_time - settings.lag - (now - heard.at)  # s, until the robot has to stand
+    seconds = max(0.0, min(settings.period, now - state.output_at))
+    output = Velocity(
+        _follow(state.output.forward, heard.velocity.forward, settings.forward, left - settings.brake_period, seconds),
+        _follow(state.output.turn, heard.velocity.turn, settings.turn, left - settings.brake_period, seconds),
+    )
+    rests = state.active is None and output == STILL
+    zeros_left = (state.zeros_left if state.output == STILL else settings.zeros) - 1 if rests else settings.zeros
+    state = replace(state, output=output, output_at=now, zeros_left=zeros_left)
+    return replace(state, next_at=_next_output(state, heard.velocity, left, now)), output
+
+
+def _follow(value: float, wish: float, axis: Axis, left: float, seconds: float) -> float:
+    """`value` after `seconds` on the way to `wish`, at most what can be braked away in `left` s."""
+    fastest = axis.slow_down * max(0.0, left)
+    return approach(value, max(-fastest, min(fastest, wish)), axis, seconds)
+
+
+def _next_output(state: MuxState, wish: Velocity, left: float, now: float) -> float:
+    settings, output = state.settings, state.output
+    if state.active is None and output == STILL:
+        return now + settings.period if state.zeros_left > 0 else math.inf
+    slows = abs(output.forward) > abs(wish.forward) or abs(output.turn) > abs(wish.turn)
+    brake_in = left - max(
+        abs(output.forward) / settings.forward.slow_down, abs(output.turn) / settings.turn.slow_down
+    )  # s: then the speed is too high for the age of the command
+    return now + max(settings.brake_period, min(settings.period, 0.0 if slows else brake_in))
