@@ -1,0 +1,275 @@
+"""What a run tells those who watch it, and what they may ask of it: values, and each as one line of JSON.
+
+A watcher first gets `RunStarted`, then one `NodeChanged` and one `NodeReadiness` for each node as it is now, then
+`Synchronised`; from there on whatever happens. Output lines and statistics come only after `Watch` asked for them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, fields
+from typing import Any, Literal
+
+NodeState = Literal["waiting", "starting", "running", "stopping", "ended"]
+Severity = Literal["", "debug", "info", "warning", "error", "fatal"]
+OutputSource = Literal["out", "err", "log"]
+
+
+class BadLineError(ValueError):
+    """A line that is no event or command of this protocol. The text says why."""
+
+
+@dataclass(frozen=True, slots=True)
+class RunStarted:
+    """The run: its id, the supervisor's process, the launch file's name, and where it is connected and writes to.
+
+    `started` is in s since the epoch. `terminal` names the node that owns the terminal, '' when there is none.
+    """
+
+    run: str
+    pid: int
+    title: str
+    master_uri: str
+    log_folder: str
+    started: float
+    detached: bool = False
+    terminal: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class NodeChanged:
+    """Where a node stands now.
+
+    `waiting`: not started yet, or due again in `restart_in` s. `ended`: not started again by itself; then `exit_code`
+    or `signal` say how it ended last (both None: it could not be started, or was never asked to), `reason` is for
+    people: why it could not be started, or why it is not started again. `held`: a person stopped it. `core`: the master
+    and rosout, which take no commands. `log` is the file with what it prints.
+    """
+
+    name: str
+    state: NodeState
+    pid: int | None = None
+    exit_code: int | None = None
+    signal: int | None = None
+    restarts: int = 0
+    restart_in: float | None = None
+    reason: str = ""
+    held: bool = False
+    core: bool = False
+    required: bool = False
+    log: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class NodeReadiness:
+    """Whether a node is up: it runs, is registered with the master, and what its `ready:` comment asks for is there.
+
+    `missing` says, for people, what is not there yet and why. Only looked into while somebody watches or waits.
+    """
+
+    name: str
+    ready: bool
+    missing: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class OutputLine:
+    """A line that a node printed, colours kept, made safe for a terminal. `stream` is "log" when it was read back."""
+
+    name: str
+    stream: OutputSource
+    severity: Severity
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class NodeStats:
+    """What a node's processes use, children included: `cpu` in cores (1.0 is one), `memory` (resident) in bytes."""
+
+    name: str
+    cpu: float
+    memory: int
+
+
+@dataclass(frozen=True, slots=True)
+class StatsSampled:
+    """One sample of every node that runs."""
+
+    nodes: tuple[NodeStats, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Notice:
+    """What the run itself has to say to people: crash reports, why it stops. May hold several lines."""
+
+    severity: Severity
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Synchronised:
+    """The current state has been told; what follows happens from now on."""
+
+
+@dataclass(frozen=True, slots=True)
+class RunStopping:
+    """The run ends; `cause` is for people, '' when there is nothing to say."""
+
+    cause: str
+
+
+@dataclass(frozen=True, slots=True)
+class RunEnded:
+    """Nothing is left; this is the last event. `exit_code` is that of the run."""
+
+    exit_code: int
+
+
+RunEvent = (
+    RunStarted
+    | NodeChanged
+    | NodeReadiness
+    | OutputLine
+    | StatsSampled
+    | Notice
+    | Synchronised
+    | RunStopping
+    | RunEnded
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Watch:
+    """What this watcher wants to hear beside changes: output lines, statistics, readiness. Replaces an earlier one."""
+
+    output: bool = False
+    stats: bool = False
+    readiness: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class StartNode:
+    """Start a node that has ended or waits. Nothing when it runs."""
+
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class StopNode:
+    """Stop a node and keep it stopped: SIGINT, SIGTERM, SIGKILL. The run goes on, also when the node is required."""
+
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class RestartNode:
+    """Stop a node and start it again."""
+
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class KillNode:
+    """SIGKILL a node and keep it stopped."""
+
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class StopRun:
+    """End the run, as Ctrl-C does; again is faster. `reason` is for people."""
+
+    reason: str = "asked to stop"
+
+
+RunCommand = Watch | StartNode | StopNode | RestartNode | KillNode | StopRun
+
+_EVENTS: dict[str, Any] = {
+    kind.__name__: kind
+    for kind in (
+        RunStarted,
+        NodeChanged,
+        NodeReadiness,
+        OutputLine,
+        StatsSampled,
+        Notice,
+        Synchronised,
+        RunStopping,
+        RunEnded,
+    )
+}
+_COMMANDS: dict[str, Any] = {
+    kind.__name__: kind for kind in (Watch, StartNode, StopNode, RestartNode, KillNode, StopRun)
+}
+
+
+def dump_line(item: RunEvent | RunCommand) -> bytes:
+    """An event or command as one line of JSON: its fields, and `kind` first."""
+    import json  # only for those who watch
+
+    return json.dumps({"kind": type(item).__name__, **asdict(item)}, ensure_ascii=False).encode("utf-8") + b"\n"
+
+
+def parse_event(line: bytes) -> RunEvent:
+    """The event in a line. Fields that this version does not know are left out. Raises BadLine."""
+    event: RunEvent = _parse(line, _EVENTS)
+    return event
+
+
+def parse_command(line: bytes) -> RunCommand:
+    """The command in a line. Raises BadLine."""
+    command: RunCommand = _parse(line, _COMMANDS)
+    return command
+
+
+def find_severity(text: str) -> Severity:
+    """How bad a line says it is, as rosconsole and rospy write it: `[ WARN] [1234.5]: text`, colours allowed."""
+    while text.startswith("\x1b["):
+        text = text.partition("m")[2]
+    return _SEVERITIES.get(text[1:9].partition("]")[0].strip(), "") if text.startswith("[") else ""
+
+
+_SEVERITIES: dict[str, Severity] = {
+    "DEBUG": "debug",
+    "INFO": "info",
+    "WARN": "warning",
+    "WARNING": "warning",
+    "ERROR": "error",
+    "FATAL": "fatal",
+    "CRITICAL": "fatal",
+}
+
+
+def _parse(line: bytes, kinds: dict[str, Any]) -> Any:
+    import json  # only for those who watch
+
+    try:
+        found = json.loads(line)
+        kind = kinds[found.pop("kind")]
+    except (ValueError, KeyError, AttributeError, TypeError):
+        raise BadLineError(f"{line[:80]!r}, expected one of {', '.join(kinds)} as JSON") from None
+    known = {field.name: field for field in fields(kind)}
+    values = {}
+    for name, value in found.items():
+        if name not in known:
+            continue
+        if not _fits(value, str(known[name].type)):
+            raise BadLineError(f"{kind.__name__}: {name}={value!r}, expected {known[name].type}")
+        values[name] = value
+    if kind is NodeReadiness:
+        values["missing"] = tuple(values.get("missing", ()))
+    if kind is StatsSampled:
+        values["nodes"] = tuple(NodeStats(**each) for each in values.get("nodes", ()))
+    try:
+        return kind(**values)
+    except TypeError:
+        raise BadLineError(f"{kind.__name__}: expected {', '.join(known)}, got {', '.join(found)}") from None
+
+
+def _fits(value: Any, annotation: str) -> bool:
+    if annotation == "bool":
+        return isinstance(value, bool)
+    if annotation.startswith("int"):
+        return (isinstance(value, int) and not isinstance(value, bool)) or (value is None and "None" in annotation)
+    if annotation.startswith("float"):
+        return isinstance(value, (int, float)) or (value is None and "None" in annotation)
+    return isinstance(value, list if annotation.startswith("tuple") else str)
