@@ -46,3 +46,15 @@ def test_lidar_frame_is_where_the_base_file_says() -> None:
     }
     laser = [a + b for a, b in zip(heights["base_link"], heights["laser"], strict=True)]
     assert laser == pytest.approx(base.lidar.pose[:3])
+
+
+def test_optical_frame_of_a_camera_looks_along_its_body() -> None:
+    base = load_base(PACKAGE, "magni")
+    assert base.raspicam
+    joints = {joint.find("child").get("link"): joint for joint in Xml.fromstring(write_urdf(base)).iter("joint")}  # type: ignore[union-attr]  # a URDF joint has both
+    origin = joints["raspicam_body"].find("origin")
+    assert origin is not None
+    assert [float(v) for v in origin.get("rpy", "").split()] == pytest.approx(base.raspicam.pose[3:])
+    optical = joints["raspicam"].find("origin")
+    assert optical is not None
+    assert optical.get("rpy") == "-1.570796 0 -1.570796"

@@ -6,6 +6,7 @@ times in s; poses are in `base_footprint` (REP 103 axes: x forward, y left, z up
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -67,6 +68,28 @@ class Lidar:
 
 
 @dataclass(frozen=True, slots=True)
+class Camera:
+    """A camera without distortion. `pose` is x, y, z, roll, pitch, yaw of the body: it looks along its x axis.
+
+    `frame` is the optical frame (REP 103: z forward, x right, y down); `name` is the node, and so the namespace of the
+    topics. `width` and `height` are in pixels, `field_of_view` is the horizontal angle, `rate` is in images a second.
+    """
+
+    frame: str
+    name: str
+    pose: tuple[float, ...]
+    width: int
+    height: int
+    field_of_view: float
+    rate: float
+
+    @property
+    def focal_length(self) -> float:
+        """Of the pinhole, in pixels, along both axes."""
+        return self.width / 2.0 / math.tan(self.field_of_view / 2.0)
+
+
+@dataclass(frozen=True, slots=True)
 class Odometry:
     """How encoder odometry goes wrong: standard deviations, relative to the distance a wheel rolls.
 
@@ -97,6 +120,7 @@ class Base:
     limits: Limits
     odometry: Odometry
     lidar: Lidar | None
+    raspicam: Camera | None = None
 
 
 def list_bases(package: str | Path) -> tuple[str, ...]:
@@ -151,6 +175,7 @@ def list_variants(package: str | Path, name: str) -> tuple[str, ...]:
 def _base(top: Section, name: str, variant: str) -> Base:
     sensors = top.optional_section("sensors")
     lidar = sensors.optional_section("lidar") if sensors else None
+    camera = sensors.optional_section("raspicam") if sensors else None
     base = Base(
         name=name,
         variant=variant,
@@ -164,6 +189,7 @@ def _base(top: Section, name: str, variant: str) -> Base:
         limits=_limits(top.section("limits")),
         odometry=_odometry(top.section("odometry")),
         lidar=_lidar(lidar) if lidar else None,
+        raspicam=_camera(camera) if camera else None,
     )
     if sensors:
         sensors.finish()
@@ -221,6 +247,20 @@ def _lidar(part: Section) -> Lidar:
         part.fail("angle_max", f"angle_max: {lidar.angle_max:g} in {part.name}, expected more than angle_min")
     part.finish()
     return lidar
+
+
+def _camera(part: Section) -> Camera:
+    camera = Camera(
+        frame=part.text("frame", "raspicam"),
+        name=part.text("name", "raspicam_node"),
+        pose=part.numbers("pose", 6),
+        width=part.integer("width", minimum=16),
+        height=part.integer("height", minimum=16),
+        field_of_view=part.number("field_of_view", minimum=0.1, maximum=2.6),
+        rate=part.number("rate", minimum=0.1, maximum=200.0),
+    )
+    part.finish()
+    return camera
 
 
 def _odometry(part: Section) -> Odometry:

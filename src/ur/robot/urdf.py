@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ur.robot.base import Base, Lidar
+from ur.robot.base import Base, Camera, Lidar
 
 _COLOURS = {"body": "0.16 0.45 0.70 1", "tyre": "0.12 0.12 0.13 1", "sensor": "0.95 0.60 0.10 1"}
 
@@ -31,6 +31,8 @@ def write_urdf(base: Base) -> str:
         lines += _joint(f"caster_{number}", (caster.x, caster.y, height))
     if base.lidar:
         lines += _lidar(base, base.lidar)
+    if base.raspicam:
+        lines += _camera(base, base.raspicam)
     lines.append("</robot>")
     return "\n".join(lines) + "\n"
 
@@ -69,6 +71,16 @@ def _lidar(base: Base, lidar: Lidar) -> Iterator[str]:
     x, y, z, *angles = lidar.pose
     yield from _link(lidar.frame, '<cylinder radius="0.035" length="0.04"/>', "sensor")
     yield from _joint(lidar.frame, (x, y, z - base.wheels.radius), rpy=" ".join(_n(angle) for angle in angles))
+
+
+def _camera(base: Base, camera: Camera) -> Iterator[str]:
+    """A body that looks along x, and in it the optical frame (REP 103)."""
+    x, y, z, *angles = camera.pose
+    body = f"{camera.frame}_body"
+    yield from _link(body, '<box size="0.01 0.025 0.024"/>', "sensor")
+    yield from _joint(body, (x, y, z - base.wheels.radius), rpy=" ".join(_n(angle) for angle in angles))
+    yield f'  <link name="{camera.frame}"/>'
+    yield from _joint(camera.frame, (0.0, 0.0, 0.0), parent=body, rpy="-1.570796 0 -1.570796")
 
 
 def _link(

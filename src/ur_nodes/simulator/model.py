@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from xml.sax.saxutils import quoteattr
 
 from ur.robot.base import Base, Caster
@@ -23,25 +24,40 @@ _SCRAPE = 0.3  # friction of a chassis along a wall
 _LIDAR_HEAD = 0.03  # a lidar's housing ends this far above its beams
 
 
-def build_model(world: World, base: Base, robots: int, start: tuple[float, float, float]) -> str:
+@dataclass(frozen=True, slots=True)
+class Scenery:
+    """MJCF that only a picture needs: what stands before the assets, among them, in the world, and in each robot."""
+
+    options: str = ""
+    assets: str = ""
+    shapes: str = ""
+    robot: tuple[str, ...] = ()
+
+
+def build_model(
+    world: World, base: Base, robots: int, start: tuple[float, float, float], scenery: Scenery | None = None
+) -> str:
     """MJCF of a world with a number of robots of one base; the first at `start`, the others behind it, out of reach.
 
     Names: bodies `robot_<n>` (origin on the ground between the wheels) and `obstacle/<name>`; shapes `chassis_<n>`;
     joints `left_<n>` and `right_<n>`; actuators of the same names take wheel speeds in rad/s; sites `lidar_<n>`.
+    With `scenery` the state (qpos) means the same.
     """
+    scenery = scenery or Scenery()
     top = _body_top(base)
     corners = " ".join(f"{x:g} {y:g} {z:g}" for z in (base.ground_clearance, top) for x, y in base.footprint)
     parts = [
         '<mujoco model="world"><compiler angle="radian" autolimits="true"/>',
         f'<option timestep="{TIME_STEP}" gravity="0 0 -{GRAVITY}" integrator="Euler" cone="elliptic">',
         '<flag sleep="enable"/></option>',
-        f'<asset><mesh name="chassis" vertex="{corners}"/></asset><worldbody>',
+        f'{scenery.options}<asset><mesh name="chassis" vertex="{corners}"/>{scenery.assets}</asset><worldbody>',
         f'<geom name="floor" type="plane" size="100 100 1" group="4" contype="0" conaffinity="{_OBSTACLE | _ROLLING}"'
         f' condim="3" priority="1" friction="{world.floor_friction:g} 0.005 0.0001"/>',
         *_walls(world),
         *(_box_geom(box, f"box/{box.name}") for box in world.boxes),
         *(_obstacle(box) for box in world.obstacles),
-        *(_robot(base, number, *start_pose(base, number, start)) for number in range(robots)),
+        scenery.shapes,
+        *(_robot(base, number, start_pose(base, number, start), scenery) for number in range(robots)),
         "</worldbody><actuator>",
         *_motors(base, robots, world.floor_friction),
         "</actuator></mujoco>",
@@ -95,7 +111,8 @@ def _half(box: Box) -> str:
     return " ".join(repr(length / 2.0) for length in box.size)
 
 
-def _robot(base: Base, number: int, x: float, y: float, yaw: float) -> str:
+def _robot(base: Base, number: int, pose: tuple[float, float, float], scenery: Scenery) -> str:
+    x, y, yaw = pose
     mass = max(0.1 * base.mass, base.mass - 2.0 * base.wheels.mass)
     xs, ys = [p[0] for p in base.footprint], [p[1] for p in base.footprint]
     length, width = max(xs) - min(xs), max(ys) - min(ys)
@@ -111,6 +128,7 @@ def _robot(base: Base, number: int, x: float, y: float, yaw: float) -> str:
         f'<geom name="chassis_{number}" type="mesh" mesh="chassis" contype="{_BODY}"'
         f' conaffinity="{_WALL | _BODY | _OBSTACLE}" friction="{_SCRAPE} 0.005 0.0001" group="2"/>'
         f'<site name="lidar_{number}" pos="{" ".join(map(repr, lidar[:3]))}" euler="{" ".join(map(repr, lidar[3:]))}"/>'
+        + "".join(scenery.robot[number : number + 1])
         + "".join(_caster(caster) for caster in base.casters)
         + _wheel(base, f"left_{number}", base.wheels.separation / 2.0)
         + _wheel(base, f"right_{number}", -base.wheels.separation / 2.0)

@@ -53,6 +53,10 @@ class Physics:
         left, right = self._wheels[robot]
         return float(self._data.qpos[left]), float(self._data.qpos[right])
 
+    def state(self) -> npt.NDArray[np.float64]:
+        """A copy of the positions of everything (qpos)."""
+        return np.array(self._data.qpos, np.float64)
+
     def pose(self, robot: int) -> Pose:
         """Where a robot's base_footprint is in the map."""
         q = self._joints[robot][0]

@@ -23,11 +23,12 @@ COLLISION_PAUSE = 0.5  # s
 
 @dataclass(frozen=True, slots=True)
 class Tick:
-    """What is due at a time (s since the start): new odometry, a scan."""
+    """What is due at a time (s since the start): new odometry, a scan, a picture."""
 
     time: float
     odometry: bool
     scan: bool
+    picture: bool = False
 
 
 class Simulation:
@@ -43,6 +44,8 @@ class Simulation:
         self._steps_before = 0
         self._step: int = 0
         self._noise: list[npt.NDArray[np.float64]] = []
+        self._picture: Schedule | None = None
+        self._picture_rate = 0.0
         self._begin()
         for robot in range(robots):
             pose = self._physics.pose(robot)
@@ -82,7 +85,16 @@ class Simulation:
             self._noise = [random.standard_normal(self._noise[0].size) for random in self._random]
         if self._control.take(due):
             self._update_drives()
-        return Tick(self.time, reading, scan)
+        return Tick(self.time, reading, scan, self._picture is not None and self._picture.take(due))
+
+    def take_pictures(self, rate: float) -> None:
+        """From now on say when a picture is due, `rate` times a second; 0: never."""
+        self._picture_rate = rate
+        self._picture = Schedule(rate, self._step) if rate > 0.0 else None
+
+    def state(self) -> npt.NDArray[np.float64]:
+        """A copy of where everything is (MuJoCo's qpos), for who draws it."""
+        return self._physics.state()
 
     def odometry(self, robot: int) -> EncoderOdometry:
         """What a robot's encoders say: as of the last tick with odometry or a scan."""
@@ -140,7 +152,8 @@ class Simulation:
 
     def _next_step(self) -> int:
         scan = self._scan.step if self._scan else self._reading.step
-        return min(self._control.step, self._reading.step, scan)
+        due = min(self._control.step, self._reading.step, scan)
+        return min(due, self._picture.step) if self._picture else due
 
     def _outside(self, pose: Pose) -> str | None:
         plan = self._world.floor_plan
@@ -152,6 +165,7 @@ class Simulation:
         self._control: Schedule = Schedule(CONTROL_RATE)
         self._reading: Schedule = Schedule(base.odometry.rate)
         self._scan: Schedule | None = Schedule(base.lidar.rate) if base.lidar else None
+        self.take_pictures(self._picture_rate)
         self._drives = [Drive(base, 1.0 / CONTROL_RATE) for _ in range(self.robots)]
         seeds = np.random.SeedSequence(self._seed).spawn(2 * self.robots)
         randoms = [np.random.Generator(np.random.PCG64(seed)) for seed in seeds]
@@ -185,10 +199,11 @@ def _refuse(name: str, pose: Pose, blocked: str | None) -> None:
 class Schedule:
     """Something that happens at a rate (Hz), each time at the first time step that is not too early."""
 
-    def __init__(self, rate: float) -> None:
+    def __init__(self, rate: float, after: int = 0) -> None:
+        """The first time is the one after step `after`."""
         self._steps = 1.0 / (rate * TIME_STEP)
-        self._number = 1
-        self.step = self._step_of(1)
+        self._number = math.floor(after / self._steps + 1e-6) + 1
+        self.step = max(after + 1, self._step_of(self._number))
 
     def take(self, step: int) -> bool:
         """Whether it is due at a step; if so the next one is set."""

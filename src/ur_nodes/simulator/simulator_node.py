@@ -31,11 +31,12 @@ from ur.source.diagnostic import UserError
 from ur_nodes.rosio.geometry import pose_of_message
 from ur_nodes.rosio.parameters import Parameters
 from ur_nodes.rosio.shell import run_node
+from ur_nodes.simulator.camera_node import CameraTopics, read_camera
 from ur_nodes.simulator.pacing import Pacer
 from ur_nodes.simulator.robot_topics_node import RobotTopics, make_publisher
 from ur_nodes.simulator.settings import Frames, Settings
 from ur_nodes.simulator.simulation import Simulation
-from ur_nodes.simulator.world import read_world
+from ur_nodes.simulator.world import World, read_world
 
 _PACKAGE = Path(__file__).resolve().parents[3] / "ubiquity_launches"
 _ANSWER_WITHIN = 10.0  # s
@@ -45,7 +46,9 @@ _LONGEST_WAIT = 0.1  # s, so that the end is noticed
 class SimulatorNode:
     """Runs a simulation in a thread of its own. Services are carried out there, between two ticks."""
 
-    def __init__(self, simulation: Simulation, settings: Settings) -> None:
+    def __init__(self, simulation: Simulation, settings: Settings, camera: CameraTopics | None = None) -> None:
+        self._camera = camera
+        self._watching = False
         self._simulation = simulation
         self._settings = settings
         self._paused = False
@@ -73,6 +76,8 @@ class SimulatorNode:
         self._ended.set()
         if threading.current_thread() is not self._thread:
             self._thread.join(timeout=1.0)
+        if self._camera:
+            self._camera.close()
 
     def _run(self) -> None:
         try:
@@ -99,6 +104,8 @@ class SimulatorNode:
     def _tick(self) -> None:
         for robot in self._robots:
             robot.pass_command_on()
+        if self._camera:
+            self._watch(self._camera)
         tick = self._simulation.advance()
         stamp = self._stamp(tick.time)
         joints = tick.time >= self._next_joints
@@ -118,6 +125,14 @@ class SimulatorNode:
             if joints:
                 robot.publish_joints(stamp)
             robot.publish_collisions()
+        if tick.picture and self._camera:
+            self._camera.offer(stamp, self._simulation.state())
+
+    def _watch(self, camera: CameraTopics) -> None:
+        """Have pictures become due only while somebody looks at them."""
+        if camera.wanted != self._watching:
+            self._watching = not self._watching
+            self._simulation.take_pictures(camera.camera.rate if self._watching else 0.0)
 
     def _stamp(self, simulated: float) -> rospy.Time:
         """Simulated time when there is a /clock; otherwise the wall time at which the moment was due."""
@@ -208,7 +223,17 @@ def start() -> None:
     )
     if settings.publish_clock and not simulated_clock:
         rospy.logwarn("/clock is published but /use_sim_time is not true: other nodes go by another clock")
-    SimulatorNode(simulation, settings)
+    SimulatorNode(simulation, settings, make_camera(own, world, simulation, speed))
+
+
+def make_camera(own: Parameters, world: World, simulation: Simulation, speed: float) -> CameraTopics | None:
+    """The topics of the base's camera, if it has one. Raises UserError: a parameter is not what is expected."""
+    if simulation.base.raspicam is None:
+        return None
+    camera = read_camera(own, simulation.base.raspicam)
+    prefixes = [f"robot_{n}/" if simulation.robots > 1 else "" for n in range(simulation.robots)]
+    quality = own.integer("jpeg_quality", 80, minimum=1)
+    return CameraTopics(world, simulation.base, camera, prefixes, speed == 0.0, min(quality, 95))
 
 
 if __name__ == "__main__":

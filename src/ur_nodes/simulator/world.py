@@ -8,6 +8,9 @@ from pathlib import Path
 from ur.source.section import Section, read_section
 from ur_nodes.simulator.floor_plan import FloorPlan, read_floor_plan
 
+# Name: cells along an edge without the black border, number of markers.
+DICTIONARIES = {f"{n}X{n}_{count}": (n, count) for n in (4, 5, 6, 7) for count in (50, 100, 250, 1000)}
+
 
 @dataclass(frozen=True, slots=True)
 class Box:
@@ -23,6 +26,20 @@ class Box:
 
 
 @dataclass(frozen=True, slots=True)
+class Fiducial:
+    """A square marker. `pose` is x, y, z (m), roll, pitch, yaw (rad) of its centre in the map.
+
+    Its x axis points to the right and y up as one reads it, z out of it. `size` (m) is the edge of the black square;
+    `dictionary` names one of OpenCV's: "5X5_1000".
+    """
+
+    id: int
+    pose: tuple[float, float, float, float, float, float]
+    size: float
+    dictionary: str
+
+
+@dataclass(frozen=True, slots=True)
 class World:
     """What robots drive in, in the map frame: m, rad. `start` (x, y, yaw) is where they begin."""
 
@@ -32,6 +49,7 @@ class World:
     boxes: tuple[Box, ...]
     obstacles: tuple[Box, ...]
     start: tuple[float, float, float]
+    fiducials: tuple[Fiducial, ...] = ()
 
 
 def read_world(path: str | Path) -> World:
@@ -52,6 +70,7 @@ def read_world(path: str | Path) -> World:
         boxes=tuple(_box(part, movable=False, seen=seen) for part in top.sections("boxes")),
         obstacles=tuple(_box(part, movable=True, seen=seen) for part in top.sections("obstacles")),
         start=(start[0], start[1], start[2]),
+        fiducials=_fiducials(top.optional_section("fiducials")),
     )
     top.finish()
     return world
@@ -74,3 +93,24 @@ def _box(part: Section, *, movable: bool, seen: set[str]) -> Box:
         pose, mass = (x, y, z, yaw), None
     part.finish()
     return Box(name, pose, (size[0], size[1], size[2]), mass)
+
+
+def _fiducials(part: Section | None) -> tuple[Fiducial, ...]:
+    """One dictionary for all, a size for those that do not say another, and the list `places`."""
+    if part is None:
+        return ()
+    dictionary = part.text("dictionary", "5X5_1000", choices=sorted(DICTIONARIES))
+    size = part.number("size", 0.14, minimum=0.01, maximum=10.0)
+    found: dict[int, Fiducial] = {}
+    for item in part.sections("places"):
+        number = item.integer("id", minimum=0)
+        if number in found or number >= DICTIONARIES[dictionary][1]:
+            reason = "is given twice" if number in found else f"is not in {dictionary}"
+            expected = f"another number below {DICTIONARIES[dictionary][1]}"
+            item.fail("id", f"id: {number} {reason} in {item.name}, expected {expected}")
+        x, y, z, roll, pitch, yaw = item.numbers("pose", 6)
+        own = item.number("size", size, minimum=0.01, maximum=10.0)
+        found[number] = Fiducial(number, (x, y, z, roll, pitch, yaw), own, dictionary)
+        item.finish()
+    part.finish()
+    return tuple(found.values())

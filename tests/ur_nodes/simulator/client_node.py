@@ -13,7 +13,7 @@ from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 from nav_msgs.srv import SetMap, SetMapRequest
 from rosgraph_msgs.msg import Clock
-from sensor_msgs.msg import JointState, LaserScan
+from sensor_msgs.msg import CameraInfo, CompressedImage, Image, JointState, LaserScan
 from std_msgs.msg import Int32
 from std_srvs.srv import Empty, SetBool, Trigger
 from tf2_msgs.msg import TFMessage
@@ -26,6 +26,9 @@ KINDS = {
     "tf": TFMessage,
     "clock": Clock,
     "simulator/collisions": Int32,
+    "raspicam_node/image_raw": Image,
+    "raspicam_node/image/compressed": CompressedImage,
+    "raspicam_node/camera_info": CameraInfo,
 }
 
 
@@ -113,6 +116,12 @@ def brief(message: Any) -> dict[str, Any]:
     values = {"stamp": message.header.stamp.to_sec(), "frame": message.header.frame_id}
     if isinstance(message, LaserScan):
         return values | {"ranges": [str(each) for each in message.ranges], "min": message.angle_min}
+    if isinstance(message, Image):
+        return values | {"size": [message.width, message.height, message.step, len(message.data)]}
+    if isinstance(message, CompressedImage):
+        return values | {"format": message.format, "begin": message.data[:2].hex()}
+    if isinstance(message, CameraInfo):
+        return values | {"size": [message.width, message.height], "K": list(message.K)}
     if isinstance(message, JointState):
         return values | {"names": message.name, "positions": list(message.position)}
     pose, twist = message.pose, message.twist.twist

@@ -12,6 +12,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
+import psutil
 import pytest
 
 HERE = Path(__file__).parent
@@ -210,3 +211,35 @@ def test_node_ends_when_told_to_even_at_full_speed(ros: Ros) -> None:
     node.terminate()
     _, errors = node.communicate(timeout=10)
     assert "Traceback" not in errors
+
+
+def test_camera_publishes_as_raspicam_node_while_somebody_looks(ros: Ros) -> None:
+    from tests.ur_nodes.simulator.renderer import needs_renderer
+
+    needs_renderer()
+    process = ros.simulate("_base:=magni", "_camera_width:=160", "_camera_height:=120", "_camera_rate:=5.0")
+    ros.ask("listen", topics=["odom"])
+    ros.ask("collect", topic="odom", count=1, seconds=20)
+    assert not psutil.Process(process.pid).children()  # nobody looks: nothing draws
+    topics = ["raspicam_node/image_raw", "raspicam_node/image/compressed", "raspicam_node/camera_info"]
+    ros.ask("listen", topics=topics)
+    images = ros.ask("collect", topic=topics[0], count=3, seconds=30)
+    assert images[0]["size"] == [160, 120, 480, 57600]
+    assert images[0]["frame"] == "raspicam"
+    assert images[1]["stamp"] - images[0]["stamp"] > 0.15
+    jpegs = ros.ask("past", topic=topics[1], count=3)
+    assert (jpegs[0]["format"], jpegs[0]["begin"]) == ("jpeg", "ffd8")
+    info = ros.ask("past", topic=topics[2], count=3)
+    assert info[0]["K"][2] == 79.5
+    assert {each["stamp"] for each in images} <= {each["stamp"] for each in info}
+    drawing = psutil.Process(process.pid).children()
+    assert len(drawing) == 1
+    process.kill()
+    assert not psutil.wait_procs(drawing, timeout=10.0)[1], "it draws on without a simulator"
+
+
+def test_node_refuses_a_camera_rate_that_is_none(ros: Ros) -> None:
+    process = ros.simulate("_base:=magni", "_camera_rate:=fast")
+    _, errors = process.communicate(timeout=30)
+    assert process.returncode == 2
+    assert "parameter /simulator/camera_rate: 'fast', expected a number from 0 to 200" in errors

@@ -106,3 +106,28 @@ def test_world_without_its_floor_plan_is_named(tmp_path: Path) -> None:
 def test_world_that_does_not_exist_is_named(tmp_path: Path) -> None:
     with pytest.raises(UserError, match=r"gone.yaml: no such file"):
         read_world(tmp_path / "gone.yaml")
+
+
+def test_fiducials_are_read_with_the_size_of_all_or_their_own(make_world: Callable[[str], World]) -> None:
+    world = make_world(
+        "fiducials:\n  dictionary: 4X4_50\n  size: 0.2\n  places:\n"
+        "    - {id: 1, pose: [1, 2, 2.4, 3.14, 0, 0]}\n    - {id: 2, pose: [0, 0, 1, 0, 0, 0], size: 0.1}\n"
+    )
+    assert [(f.id, f.size, f.dictionary) for f in world.fiducials] == [(1, 0.2, "4X4_50"), (2, 0.1, "4X4_50")]
+    assert world.fiducials[0].pose == (1.0, 2.0, 2.4, 3.14, 0.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("lines", "message"),
+    [
+        ("  dictionary: 5X5_100O\n  places: []\n", "dictionary: '5X5_100O'"),
+        ("  places:\n    - {id: 1000, pose: [0, 0, 0, 0, 0, 0]}\n", "id: 1000 is not in 5X5_1000"),
+        ("  places:\n" + "    - {id: 1, pose: [0, 0, 0, 0, 0, 0]}\n" * 2, "id: 1 is given twice"),
+        ("  places:\n    - {id: 1, pose: [0, 0, 0]}\n", "expected a list of 6 numbers"),
+        ("  places:\n    - {id: 1, pose: [0, 0, 0, 0, 0, 0], size: 0}\n", "size: 0"),
+        ("  place: []\n", "place is not known"),
+    ],
+)
+def test_fiducials_that_cannot_be_are_refused(make_world: Callable[[str], World], lines: str, message: str) -> None:
+    with pytest.raises(UserError, match=message):
+        make_world("fiducials:\n" + lines)

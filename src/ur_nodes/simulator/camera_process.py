@@ -1,0 +1,207 @@
+"""Pictures of the simulated world, drawn by a process of their own so that physics never waits for them.
+
+`CameraProcess` is the end that asks; run as a module, this file is the end that draws. They speak through the pipes of
+the process: it is given one JSON line (the model, the textures to draw, the size, the quality), answers one line ("ok"
+or what is wrong), and then turns requests (robot, what is wanted, the length of the state, the state) into answers (the
+lengths of pixels and JPEG, and those). It ends when its input does, so it cannot outlive whoever asks.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+import io
+import json
+import os
+import struct
+import subprocess
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, BinaryIO
+
+import numpy as np
+import numpy.typing as npt
+
+from ur.robot.base import Base, Camera
+from ur.source.diagnostic import UserError, error
+from ur_nodes.simulator.model import build_model
+from ur_nodes.simulator.scenery import build_scenery, draw_textures
+from ur_nodes.simulator.world import Fiducial, World
+
+_REQUEST = struct.Struct("<iiiq")  # robot, pixels wanted, JPEG wanted, bytes of state
+_ANSWER = struct.Struct("<qq")
+_WAYS = ("egl", "osmesa")  # how MuJoCo can draw without a screen, the quicker to start first
+_PACKAGES = {"egl": "libegl1", "osmesa": "libosmesa6"}
+
+
+@dataclass(frozen=True, slots=True)
+class Picture:
+    """One picture: RGB rows from the top (bytes) and a JPEG file; either is empty when it was not asked for."""
+
+    pixels: bytes
+    jpeg: bytes
+
+
+class CameraProcess:
+    """Draws what cameras on robots of one base see. Not for two threads at once."""
+
+    def __init__(
+        self,
+        world: World,
+        base: Base,
+        camera: Camera,
+        robots: int,
+        *,
+        quality: int = 80,
+        environment: Mapping[str, str] = os.environ,
+    ) -> None:
+        """`camera` is the base's with the size that is wanted. Raises UserError where nothing can draw."""
+        fiducials, self.warning = _drawable(world.fiducials)
+        scenery = build_scenery(camera, fiducials, robots)
+        job = {
+            "model": build_model(world, base, robots, world.start, scenery),
+            "fiducials": [dataclasses.asdict(fiducial) for fiducial in fiducials],
+            "size": [camera.width, camera.height],
+            "quality": quality,
+        }
+        chosen = environment.get("MUJOCO_GL")
+        reasons = []
+        for way in (chosen,) if chosen else _WAYS:
+            self._process = _start(way, environment)
+            answer = self._begin(json.dumps(job).encode() + b"\n")
+            if answer == "ok":
+                return
+            self.close()
+            reasons.append(f"{way}: {answer}")
+        names = " or ".join(_PACKAGES[way] for way in _WAYS)
+        raise UserError(
+            error(
+                f"the simulated camera cannot draw ({'; '.join(reasons)}), expected OpenGL without a screen",
+                rule="no-renderer",
+                help=f"install a Debian package: {names}",
+            )
+        )
+
+    @property
+    def pid(self) -> int:
+        """The process that draws."""
+        return self._process.pid
+
+    def take(self, robot: int, state: npt.NDArray[np.float64], *, pixels: bool, jpeg: bool) -> Picture:
+        """What a robot's camera sees in a state (MuJoCo's qpos). Raises UserError when the process has ended."""
+        assert self._process.stdin is not None
+        assert self._process.stdout is not None
+        try:
+            self._process.stdin.write(_REQUEST.pack(robot, pixels, jpeg, state.nbytes) + state.tobytes())
+            self._process.stdin.flush()
+            sizes = _ANSWER.unpack(_read(self._process.stdout, _ANSWER.size))
+            return Picture(*(_read(self._process.stdout, size) for size in sizes))
+        except (OSError, ValueError, EOFError):
+            message = "the simulated camera's process has ended, expected pictures"
+            raise UserError(error(message, rule="no-renderer")) from None
+
+    def close(self) -> None:
+        """End the process."""
+        for stream in (self._process.stdin, self._process.stdout):
+            with contextlib.suppress(OSError):  # what was not yet written is of no use any more
+                if stream:
+                    stream.close()
+        try:
+            self._process.wait(timeout=2.0)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            self._process.wait()
+
+    def _begin(self, job: bytes) -> str:
+        assert self._process.stdin is not None
+        assert self._process.stdout is not None
+        try:
+            self._process.stdin.write(job)
+            self._process.stdin.flush()
+            answer = self._process.stdout.readline().decode(errors="replace").strip()
+        except OSError:
+            answer = ""
+        return answer or "it ended at once"
+
+
+def _drawable(fiducials: tuple[Fiducial, ...]) -> tuple[tuple[Fiducial, ...], str]:
+    """The fiducials that can be drawn here, and what to say about those that cannot."""
+    from importlib.util import find_spec
+
+    if not fiducials or find_spec("cv2"):
+        return fiducials, ""
+    return (), (
+        f"the {len(fiducials)} fiducials of this world are left out: OpenCV is not installed,"
+        " expected requirements/vision.lock"
+    )
+
+
+def _start(way: str, environment: Mapping[str, str]) -> subprocess.Popen[bytes]:
+    # A session of its own: Ctrl-C in a terminal ends the simulator, and that ends this one.
+    return subprocess.Popen(
+        [sys.executable, "-m", __name__],
+        env={**environment, "MUJOCO_GL": way},
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        start_new_session=True,
+    )
+
+
+def _read(stream: Any, size: int) -> bytes:
+    data: bytes = stream.read(size)
+    if len(data) < size:
+        raise EOFError
+    return data
+
+
+def serve(requests: BinaryIO, answers: BinaryIO) -> int:
+    """Draw what is asked for until there is nothing more to read."""
+    os.nice(5)  # physics first
+    job = json.loads(requests.readline())
+    renderer: Any = None
+    try:
+        import mujoco
+
+        textures = draw_textures(Fiducial(**fiducial) for fiducial in job["fiducials"])
+        model = mujoco.MjModel.from_xml_string(job["model"], textures)
+        data = mujoco.MjData(model)
+        width, height = job["size"]
+        renderer = mujoco.Renderer(model, height, width)
+        renderer.render()
+    except Exception as problem:  # whatever drivers and libraries raise: it is told to whoever asked
+        answers.write((str(problem).replace("\n", " ") or type(problem).__name__).encode()[:300] + b"\n")
+        answers.flush()
+        return 1
+    answers.write(b"ok\n")
+    answers.flush()
+    try:
+        while True:
+            robot, pixels, jpeg, size = _REQUEST.unpack(_read(requests, _REQUEST.size))
+            data.qpos[:] = np.frombuffer(_read(requests, size))
+            mujoco.mj_kinematics(model, data)
+            mujoco.mj_camlight(model, data)
+            renderer.update_scene(data, f"camera_{robot}")
+            image = renderer.render()
+            raw = image.tobytes() if pixels else b""
+            packed = pack_jpeg(image, job["quality"]) if jpeg else b""
+            answers.write(_ANSWER.pack(len(raw), len(packed)) + raw + packed)
+            answers.flush()
+    except (EOFError, OSError):
+        return 0
+    finally:
+        renderer.close()
+
+
+def pack_jpeg(image: npt.NDArray[np.uint8], quality: int) -> bytes:
+    """A JPEG file of an RGB image (height, width, 3)."""
+    from PIL import Image
+
+    file = io.BytesIO()
+    Image.fromarray(image).save(file, "JPEG", quality=quality)
+    return file.getvalue()
+
+
+if __name__ == "__main__":
+    sys.exit(serve(sys.stdin.buffer, sys.stdout.buffer))

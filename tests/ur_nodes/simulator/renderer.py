@@ -1,0 +1,36 @@
+"""Whether pictures can be drawn here."""
+
+from __future__ import annotations
+
+import functools
+
+import numpy as np
+import pytest
+
+from ur.robot.base import Camera
+from ur.source.diagnostic import UserError
+from ur_nodes.simulator.camera_process import CameraProcess
+from ur_nodes.simulator.floor_plan import FloorPlan
+from ur_nodes.simulator.world import World
+
+
+@functools.cache
+def _reason() -> str:
+    from tests.ur_nodes.simulator.conftest import PACKAGE
+
+    from ur.robot.base import load_base
+
+    plan = FloorPlan(np.zeros((2, 2), np.bool_), 1.0, (-1.0, -1.0, 0.0))
+    world = World(plan, 1.0, 0.9, (), (), (0.0, 0.0, 0.0))
+    camera = Camera("raspicam", "raspicam_node", (0.0,) * 6, 16, 16, 1.0, 1.0)
+    try:
+        CameraProcess(world, load_base(PACKAGE, "magni"), camera, 1).close()
+    except UserError as problem:
+        return str(problem)
+    return ""
+
+
+def needs_renderer() -> None:
+    """Skip the test where nothing can draw, saying why."""
+    if _reason():
+        pytest.skip(_reason())
