@@ -166,11 +166,31 @@ def test_package_that_is_not_there_is_said_once_per_file() -> None:
 <launch>
   <param name="a" value="$(find far_away)/a"/>
   <param name="b" value="$(find far_away)/b"/>
-  <node name="c" pkg="far_away" type="c"/>
 </launch>
 """)
     assert rules_of(report) == ["unknown-package"]
-    assert report.findings[0].notes[-1].message == "also in line 3, 4"
+    assert report.findings[0].notes[-1].message == "also in line 3"
+
+
+def test_node_of_a_package_that_is_elsewhere_is_a_warning() -> None:
+    report = check("""
+<launch>
+  <node name="a" pkg="far_away" type="a"/>
+  <node name="b" pkg="far_away" type="b"/>
+  <node name="c" pkg="demo_ndoes" type="talker"/>
+</launch>
+""")
+    assert rules_of(report) == ["package-not-installed", "unknown-package"]
+    assert report.errors == 1
+
+
+def test_program_of_a_package_without_any_is_a_warning() -> None:
+    report = check("""
+<launch>
+  <node name="a" pkg="my_robot" type="a"/>
+</launch>
+""")
+    assert rules_of(report) == ["package-not-installed"]
 
 
 def test_house_rules_are_silent_outside_of_the_house() -> None:

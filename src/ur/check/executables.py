@@ -15,12 +15,16 @@ _SUBFOLDER = re.compile(r"add_subdirectory\s*\(\s*([\w./-]+)", re.IGNORECASE)
 _PROJECT = re.compile(r"^\s*project\s*\(\s*([\w.-]+)", re.IGNORECASE | re.MULTILINE)
 _VARIABLE = re.compile(r"\$\{[^}]*\}")
 _MAX_DEPTH = 3
+_SAME = 0.88
 
 
 class Verdict(NamedTuple):
-    """`path` is the file that exists without being executable; `near` are programs that a name may have meant."""
+    """`path` is the file that exists without being executable; `near` are programs that a name may have meant.
 
-    kind: Literal["found", "unknown", "missing", "not-executable", "no-package"]
+    `no-programs`: the package is there, and no program is in it, nor anything that says how it is built.
+    """
+
+    kind: Literal["found", "unknown", "missing", "not-executable", "no-package", "no-programs"]
     path: str = ""
     near: tuple[str, ...] = ()
 
@@ -38,14 +42,33 @@ def find_program(package: str, name: str, world: World) -> Verdict:
         return Verdict("no-package")
     except (OSError, ValueError):
         return Verdict("unknown")
-    if set(world.list_folder(folder)) <= {"package.xml"}:  # stands in for a package that is somewhere else
+    if is_stand_in(folder, world):
         return Verdict("unknown")
     texts = list(_build_files(folder, world))
     if any(_builds(text, name) for text in texts):
         return Verdict("found")
     if files:
         return Verdict("not-executable", files[0])
-    return Verdict("missing", near=tuple(_programs_near(package, folder, texts, world)))
+    near = tuple(_programs_near(package, folder, texts, world))
+    return Verdict("missing" if near or texts else "no-programs", near=near)
+
+
+def is_stand_in(folder: str, world: World) -> bool:
+    """Whether a package's folder holds nothing but its package.xml: what it stands for is somewhere else."""
+    return set(world.list_folder(folder)) == {"package.xml"}
+
+
+def is_misspelt(name: str, near: str) -> bool:
+    """Whether a name is so near to one that exists that it can hardly be another."""
+    if len(name) == len(near):
+        return sum(one != other for one, other in zip(name, near, strict=True)) <= 1 or _ratio(name, near) >= _SAME
+    return _ratio(name, near) >= _SAME
+
+
+def _ratio(name: str, near: str) -> float:
+    from difflib import SequenceMatcher  # only needed once something is wrong
+
+    return SequenceMatcher(None, name, near).ratio()
 
 
 def _build_files(folder: str, world: World, depth: int = 0) -> Iterator[str]:

@@ -6,6 +6,7 @@ import shlex
 from collections.abc import Iterable, Iterator
 from itertools import pairwise
 
+from ur.check.executables import is_stand_in
 from ur.check.model import Found, Group, NodeView, ParamView, Rule, launch_example
 from ur.check.worlds import has_marker
 from ur.launchfile.syntax import Element
@@ -53,7 +54,7 @@ def _missing(paths: Iterable[str], element: Element, attribute: str, world: Worl
     if "$(" not in element.attributes.get(attribute, ""):
         return
     for path in paths:
-        if not path.startswith("/") or has_marker(path) or world.is_file(path):
+        if not path.startswith("/") or has_marker(path) or world.is_file(path) or _is_elsewhere(path, world):
             continue
         folder, _, name = path.rpartition("/")
         near = did_you_mean(name, world.list_folder(folder))
@@ -62,6 +63,14 @@ def _missing(paths: Iterable[str], element: Element, attribute: str, world: Worl
             f"{path}: no such file or directory, expected a file",
             f"did you mean {folder}/{near}?" if near else "check the path, or create the file",
         )
+
+
+def _is_elsewhere(path: str, world: World) -> bool:
+    folder = path
+    while folder := folder.rpartition("/")[0]:
+        if world.is_file(f"{folder}/package.xml"):
+            return is_stand_in(folder, world)
+    return False
 
 
 _PART = """

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from ur.check.executables import find_program
+from ur.check.executables import find_program, is_misspelt
 from ur.check.model import Found, Group, NodeView, Rule, launch_example
 from ur.check.worlds import has_marker
 from ur.source.diagnostic import Severity
@@ -17,13 +17,9 @@ def _find_unknown_package(view: NodeView) -> Iterable[Found]:
         return
     if find_program(package, view.node.type, view.world).kind == "no-package":
         near = did_you_mean(package, view.world.package_names())
-        yield Found(
-            view.element.value_span("pkg"),
-            f"package '{package}' is not found, expected an installed one",
-            f"did you mean {near}?"
-            if near
-            else f"install {package}, or put the folder that holds it on ROS_PACKAGE_PATH (source its setup.bash)",
-        )
+        if near and is_misspelt(package, near):
+            message = f"package '{package}' is not found, expected an installed one"
+            yield Found(view.element.value_span("pkg"), message, f"did you mean {near}?")
 
 
 RULE = Rule(
@@ -33,8 +29,8 @@ RULE = Rule(
     summary="A package cannot be found.",
     explanation="""
 `$(find PACKAGE)` and `pkg` name packages that are installed or on ROS_PACKAGE_PATH; packages beside the checked one
-are found, too. A package that `package.xml` depends on, or that only an option needs which is off, is reported as
-`package-not-installed` instead, a warning.
+are found, too. A package that `package.xml` depends on, that only an option needs which is off, or that a node names
+whose name is not nearly that of another one, is reported as `package-not-installed` instead, a warning.
 """,
     bad=(
         launch_example("""
