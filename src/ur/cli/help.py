@@ -13,7 +13,7 @@ from ur.source.suggest import did_you_mean
 
 
 def show_help(words: list[str]) -> None:
-    """Print the page of `ur`, or of one verb. Raises UserError for a verb that is not there."""
+    """Print the page of `ur`, or of one verb (`robot`, `robot setup`). Raises UserError when there is none."""
     if not words:
         _print(_overview(), "ur")
         return
@@ -26,7 +26,16 @@ def show_help(words: list[str]) -> None:
                 help=f"did you mean 'ur {near}'?" if near else None,
             )
         )
-    verb = load_verb(words[0])
+    verb, path = load_verb(words[0]), f"ur {words[0]}"
+    for word in words[1:]:
+        if isinstance(verb, click.Group) and word in verb.commands:
+            verb, path = verb.commands[word], f"{path} {word}"
+    if isinstance(verb, click.Group):
+        group = _InOrder(name=verb.name, help=verb.help, options_metavar="", subcommand_metavar="VERB [ARGS]")
+        for each in verb.commands.values():
+            group.add_command(RichCommand(name=each.name, help=each.help, short_help=each.short_help))
+        _print(group, path)
+        return
     page = RichCommand(
         name=verb.name,
         callback=verb.callback,
@@ -35,7 +44,7 @@ def show_help(words: list[str]) -> None:
         epilog=verb.epilog,
         options_metavar="[OPTIONS]" if any(isinstance(each, click.Option) for each in verb.params) else "",
     )
-    _print(page, f"ur {verb.name}")
+    _print(page, path)
 
 
 class _InOrder(RichGroup):

@@ -25,6 +25,7 @@ VERBS = {
     "explain": ("ur.cli.explain", "Say where a name in a launch file got its value."),
     "use": ("ur.cli.use", "Select a robot, or show which one is selected."),
     "setup": ("ur.cli.setup", "Set this computer up: shells, keys, workspace, names."),
+    "robot": ("ur.cli.robot", "Set robots up, over the network."),
     "env": ("ur.cli.env", "Print what makes a shell follow the selection."),
 }
 
@@ -79,7 +80,7 @@ def _dispatch(words: list[str]) -> int:
     if words[0] in VERBS and _wants_help(words):
         from ur.cli.help import show_help
 
-        show_help([words[0]])
+        show_help(words)
         return 0
     group = VerbGroup("ur", params=[_version_option()], help=HELP)
     try:
@@ -112,7 +113,7 @@ def _version_option() -> click.Option:
 def _explain(problem: click.UsageError) -> int:
     """One line for a wrong command line, one more that helps."""
     verb = problem.ctx.command.name if problem.ctx is not None and problem.ctx.parent is not None else None
-    where = f"ur {verb}" if verb else "ur"
+    where = problem.ctx.command_path if verb and problem.ctx else "ur"
     message = problem.format_message().rstrip(".")
     help_line = f"'{where} --help' shows what there is"
     if isinstance(problem, click.NoSuchOption):

@@ -12,7 +12,6 @@ from ur.robot.ssh.shell import Shell
 from ur.source.diagnostic import UserError, error
 
 Make = Callable[[Facts], Sequence[Wanted]]
-ROUNDS = 4  # what is wanted may depend on what an earlier change made: a key, a host key
 
 
 def gather(shell: Shell, request: Request, *, root: bool = False) -> Facts:
@@ -63,25 +62,25 @@ def bring_about(
 ) -> tuple[Facts, int]:
     """Make a computer as wanted; the facts afterwards and how many changes it took.
 
-    `make` says what is wanted given the facts of `base`; `report` is told before each change.
-    Raises UserError when a change fails or does not last.
+    `make` says what is wanted given the facts of `base`; `report` is told before each change. The computer is looked at
+    again after each change, since one may make the next one possible. Raises UserError when a change fails or does not
+    last.
     """
-    count = 0
-    before: list[Change] = []
-    for _ in range(ROUNDS):
+    made: list[Change] = []
+    while True:
         wanted = make(gather(shell, base, root=root))
         facts = look(shell, wanted, user, base, root=root)
-        changes = plan_changes(wanted, facts)
-        if not changes:
-            return facts, count
-        if changes == before:
-            break
-        before = changes
-        for change in changes:
-            report(change)
-            apply_change(shell, change)
-            count += 1
-    left = ", ".join(change.title for change in changes)
-    raise UserError(
-        error(f"{shell.place}: {left}: changed, and still not as wanted", rule="failed-change", help="ur doctor")
-    )
+        change = next((change for item in wanted if (change := item.plan(facts))), None)
+        if change is None:
+            return facts, len(made)
+        if change in made:
+            raise UserError(
+                error(
+                    f"{shell.place}: {change.title}: changed, and still not as wanted",
+                    rule="failed-change",
+                    help="look at its log there (journalctl), then run this again",
+                )
+            )
+        report(change)
+        apply_change(shell, change)
+        made.append(change)

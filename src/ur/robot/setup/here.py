@@ -6,9 +6,9 @@ from pathlib import Path
 
 from ur.robot.setup.environment import viewer_environment
 from ur.robot.setup.facts import Facts, Request
-from ur.robot.setup.keys import HOST_KEY, KEY, KNOWN_HOSTS, WantedKeyPair, WantedOwnLogin
+from ur.robot.setup.keys import HOST_KEY, own_keys
 from ur.robot.setup.packages import WantedPackages, WantedService
-from ur.robot.setup.wanted import Wanted, WantedFile, WantedFolder, WantedGroups, WantedLine
+from ur.robot.setup.wanted import Wanted, WantedFile, WantedGroups
 
 PACKAGES = (
     *("openssh-client", "openssh-server", "avahi-daemon", "libnss-mdns", "chrony"),
@@ -45,26 +45,5 @@ def wanted_here(facts: Facts, repository: Path, *, system: bool = True) -> list[
             WantedService("time", "chrony.service"),
             WantedGroups("groups", GROUPS),
         ]
-    items += [*viewer_environment(repository), *own_keys(facts)]
+    items += [*viewer_environment(repository), *own_keys(facts.user, facts.hostname, facts.file(HOST_KEY).text)]
     return items
-
-
-def own_keys(facts: Facts) -> list[Wanted]:
-    """A user's key pair, and the way from a computer to itself by its full name, which roslaunch takes."""
-    items: list[Wanted] = [
-        WantedFolder("ssh folder", "~/.ssh", mode=0o700),
-        WantedKeyPair("ssh key", KEY, f"{facts.user}@{facts.hostname}"),
-        WantedOwnLogin("login to itself"),
-    ]
-    host_key = facts.file(HOST_KEY).text
-    if host_key:
-        items.append(known_host("its own host key", (facts.hostname,), host_key))
-    return items
-
-
-def known_host(title: str, names: tuple[str, ...], host_key: str, addresses: tuple[str, ...] = ()) -> WantedLine:
-    """A computer's public host key in ~/.ssh/known_hosts, under NAME.local, NAME and addresses."""
-    hosts = ",".join([*(f"{name}.local" for name in names), *names, *addresses])
-    kind, key = host_key.split()[:2]
-    old = tuple(f"{name}.local," for name in names)
-    return WantedLine(title, KNOWN_HOSTS, f"{hosts} {kind} {key}", mode=0o600, old=old)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from ur.robot.setup.change import Change, Command
 from ur.robot.setup.facts import Facts, Request
-from ur.robot.setup.wanted import WantedLine
+from ur.robot.setup.wanted import Wanted, WantedFolder, WantedLine
 from ur.robot.ssh.shell import quote
 
 KEY = "~/.ssh/id_ed25519"
@@ -80,3 +80,29 @@ class WantedOwnLogin:
         if not public or public.strip() not in (authorized or "").split("\n"):
             return None
         return WantedLine(self.title, AUTHORIZED, public.strip(), mode=0o600).undo(facts)
+
+
+def own_keys(user: str, name: str, host_key: str | None) -> list[Wanted]:
+    """A user's key pair, and the way from a computer to itself by its full name, which roslaunch takes.
+
+    `name` is the computer's host name, `host_key` its public host key when it has one already.
+    """
+    items: list[Wanted] = [
+        WantedFolder("ssh folder", "~/.ssh", mode=0o700),
+        WantedKeyPair("ssh key", KEY, f"{user}@{name}"),
+        WantedOwnLogin("login to itself"),
+    ]
+    if host_key:
+        items.append(known_host("its own host key", name, host_key))
+    return items
+
+
+def known_host(title: str, name: str, host_key: str) -> WantedLine:
+    """A computer's public host key in ~/.ssh/known_hosts, as NAME.local and NAME."""
+    kind, key = host_key.split()[:2]
+    return WantedLine(title, KNOWN_HOSTS, f"{name}.local,{name} {kind} {key}", mode=0o600, old=(f"{name}.local,",))
+
+
+def allowed_key(title: str, public_key: str) -> WantedLine:
+    """The owner of this key may log in."""
+    return WantedLine(title, AUTHORIZED, public_key.strip(), mode=0o600)

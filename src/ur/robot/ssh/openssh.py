@@ -16,6 +16,7 @@ from ur.robot.ssh.shell import Done, quote, run_process
 from ur.source.diagnostic import UserError, error
 
 CONNECT_SECONDS = 10
+_SUDO_REFUSED = re.compile(r"^sudo: (\d+ incorrect|no password|a password is required)", re.MULTILINE)
 _USER = re.compile(r"[a-z_][a-z0-9_-]{0,31}")
 _HOST = re.compile(r"[A-Za-z0-9]([A-Za-z0-9.:-]*[A-Za-z0-9])?")
 
@@ -51,7 +52,8 @@ class SshShell:
     def __init__(self, address: Address, options: Sequence[str], sudo_password: Secret | None = None) -> None:
         self.address = address
         self._options = options
-        self._sudo: Secret | None = sudo_password
+        self._sudo = sudo_password
+        self._candidates: Sequence[Secret] = ()
 
     @property
     def place(self) -> str:
@@ -63,13 +65,19 @@ class SshShell:
 
         Raises UserError when the connection is gone.
         """
+        done = self._run(script, root, stdin, timeout)
+        if root and done.code and _SUDO_REFUSED.search(done.err) and self.find_sudo(self._candidates):
+            done = self._run(script, root, stdin, timeout)  # it had not begun: the password is another one by now
+        return done
+
+    def _run(self, script: str, root: bool, stdin: str | Secret, timeout: float) -> Done:
         text = stdin.reveal() if isinstance(stdin, Secret) else stdin
         command = quote("sh", "-c", script)
         if root and self._sudo is not None:
-            command = f"sudo -k -S -p '' -- {command}"
+            command = f"LC_ALL=C sudo -k -S -p '' -- {command}"
             text = f"{self._sudo.reveal()}\n{text}"
         elif root:
-            command = f"sudo -n -- {command}"
+            command = f"LC_ALL=C sudo -n -- {command}"
         done = run_process(
             ["ssh", *self._options, self.place, command],
             stdin=Secret(text),
@@ -82,12 +90,13 @@ class SshShell:
 
     def find_sudo(self, candidates: Sequence[Secret]) -> bool:
         """Find which way of using sudo works: without a password, or with one of these. Whether there is one."""
-        if self.run("sudo -k -n true").code == 0:
+        self._candidates = tuple(candidates)
+        if self._run("sudo -k -n true", False, "", 30).code == 0:
             self._sudo = None
             return True
         for candidate in candidates:
             self._sudo = candidate
-            if self.run("true", root=True, stdin="\n").code == 0:
+            if self._run("true", True, "\n", 30).code == 0:
                 return True
         self._sudo = None
         return False

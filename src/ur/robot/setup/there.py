@@ -1,0 +1,156 @@
+"""What a robot's computer shall be."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+from ur.robot.robot_file import ROBOT_FILE
+from ur.robot.setup.change import Change, Command
+from ur.robot.setup.environment import robot_environment
+from ur.robot.setup.facts import Facts, Request
+from ur.robot.setup.keys import HOST_KEY, KEY, allowed_key, known_host, own_keys
+from ur.robot.setup.packages import WantedPackages, WantedService
+from ur.robot.setup.wanted import Wanted, WantedFile, WantedFolder, WantedGroups, WantedLine
+from ur.robot.ssh.secret import Secret
+
+SERVICE_TYPE = "_ubiquity-robot._tcp"
+PACKAGES = (
+    *("openssh-server", "avahi-daemon", "libnss-mdns", "chrony", "xauth", "x11-apps", "rsync", "python3"),
+    *("ros-core", "python3-rospy", "python3-roslaunch", "python3-rostopic", "python3-rosnode"),
+    "ros-robot-state-publisher|robot-state-publisher",
+)
+GROUPS = ("dialout", "video", "plugdev", "input", "gpio", "i2c")
+CLOUD = "/etc/cloud/cloud.cfg"
+
+
+@dataclass(frozen=True, slots=True)
+class Viewer:
+    """What a robot has to know of the computer in front of the user. `host_key` is None when no ssh server is there."""
+
+    user: str
+    name: str
+    public_key: str
+    host_key: str | None
+
+
+@dataclass(frozen=True, slots=True)
+class Robot:
+    """What a robot is to be called and to be."""
+
+    name: str
+    base: str
+    variant: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class WantedPassword:
+    """A password of the user. Whether it is set already cannot be read: `is_set` was found out by comparing."""
+
+    password: Secret
+    is_set: bool
+    title: str = "password"
+
+    def request(self, user: str) -> Request:
+        """No facts."""
+        return Request(user)
+
+    def plan(self, facts: Facts) -> Change | None:
+        """Set it, through standard input."""
+        if self.is_set:
+            return None
+        line = Secret(f"{facts.user}:{self.password.reveal()}\n")
+        command = Command("chpasswd", root=True, stdin=line)
+        return Change(self.title, f"new password for {facts.user}", (command,), undone=False)
+
+    def undo(self, facts: Facts) -> Change | None:  # noqa: ARG002 - of the protocol
+        """It stays."""
+        return None
+
+
+def is_robot_name(text: str) -> bool:
+    """Whether a robot may be called so: a host name of one label (RFC 1123), in lower case."""
+    return re.fullmatch(r"[a-z0-9]([a-z0-9-]{0,61}[a-z0-9])?", text) is not None
+
+
+def base_request(user: str) -> Request:
+    """The facts that `wanted_there` needs."""
+    return Request(user, files=frozenset({HOST_KEY, KEY + ".pub", CLOUD}))
+
+
+def wanted_there(facts: Facts, robot: Robot, viewer: Viewer, password: WantedPassword | None) -> list[Wanted]:
+    """The robot's wanted states, in the order of their making: the way in first, the name last.
+
+    The new name takes effect with the next boot. Until then, wherever this is interrupted, the robot answers to the old
+    one; and from the first change on to the viewer's key.
+    """
+    items: list[Wanted] = [
+        WantedFolder("ssh folder", "~/.ssh", mode=0o700),
+        allowed_key("login from the viewer", viewer.public_key),
+        WantedFile("robot file", str(ROBOT_FILE), robot_file(robot)),
+        WantedPackages("packages", PACKAGES),
+        WantedService("ssh server", "ssh.service"),
+        WantedService("names ending in .local", "avahi-daemon.service"),
+        WantedFile("announcement", "/etc/avahi/services/ubiquity.service", announcement(robot, facts.user)),
+        WantedFile(
+            "X11 over ssh", "/etc/ssh/sshd_config.d/60-ubiquity.conf", SSHD, then="systemctl try-reload-or-restart ssh"
+        ),
+        WantedFile(
+            "time from the viewer",
+            "/etc/chrony/conf.d/ubiquity.conf",
+            time_source(viewer),
+            then="systemctl try-restart chrony",
+        ),
+        WantedService("time", "chrony.service"),
+        WantedGroups("groups", GROUPS),
+        *robot_environment(),
+        *own_keys(facts.user, robot.name, facts.file(HOST_KEY).text),
+    ]
+    if viewer.host_key:
+        items.append(known_host("host key of the viewer", viewer.name, viewer.host_key))
+    if password:
+        items.append(password)
+    if facts.file(CLOUD).text is not None:
+        items.append(WantedFile("cloud-init", "/etc/cloud/cloud.cfg.d/99-ubiquity.cfg", "preserve_hostname: true\n"))
+    items += [
+        WantedLine("host name (hosts)", "/etc/hosts", f"127.0.1.1\t{robot.name}", old=("127.0.1.1",)),
+        WantedFile("host name", "/etc/hostname", f"{robot.name}\n"),
+    ]
+    return items
+
+
+def robot_file(robot: Robot) -> str:
+    """The text of robot.yaml. Names and bases are plain words, which YAML may still take for numbers or truths."""
+    lines = [
+        f'name: "{robot.name}"',
+        f'base: "{robot.base}"',
+        *([f'variant: "{robot.variant}"'] if robot.variant else []),
+    ]
+    return "# What this robot is; read by ur. Written by ur robot setup.\n" + "\n".join(lines) + "\n"
+
+
+def announcement(robot: Robot, user: str) -> str:
+    """The avahi service by which viewers find the robot."""
+    records = {"base": robot.base, "variant": robot.variant, "user": user}
+    texts = "".join(f"    <txt-record>{key}={value}</txt-record>\n" for key, value in records.items() if value)
+    return (
+        '<?xml version="1.0" standalone="no"?>\n<!DOCTYPE service-group SYSTEM "avahi-service.dtd">\n'
+        '<!-- Written by ur robot setup. -->\n<service-group>\n  <name replace-wildcards="yes">%h</name>\n'
+        f"  <service>\n    <type>{SERVICE_TYPE}</type>\n    <port>22</port>\n{texts}  </service>\n</service-group>\n"
+    )
+
+
+def time_source(viewer: Viewer) -> str:
+    """Chrony's settings: the viewer counts when there is no better source, as on a robot without internet."""
+    return (
+        "# Written by ur robot setup. The viewer's time, where no server of the internet answers.\n"
+        f"server {viewer.name}.local iburst minpoll 3 maxpoll 6\n"
+        "# A robot without a clock of its own starts years ago: step, then be smooth.\nmakestep 1 3\n"
+    )
+
+
+SSHD = """\
+# Written by ur robot setup: windows of programs on the robot open on the viewer.
+X11Forwarding yes
+X11UseLocalhost yes
+"""

@@ -1,0 +1,90 @@
+"""Looks at a robot from both ends, as a user and a ROS node would."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ur.robot.robot_file import ROBOT_FILE
+from ur.robot.setup.robot import Task
+from ur.robot.setup.there import SERVICE_TYPE, Viewer, robot_file
+from ur.robot.ssh.openssh import SshShell
+from ur.robot.ssh.shell import Shell, quote
+
+STRICT = "ssh -T -o BatchMode=yes -o StrictHostKeyChecking=yes -o ConnectTimeout=10 -o LogLevel=ERROR"
+CLOCK_SECONDS = 0.5
+
+
+@dataclass(frozen=True, slots=True)
+class Check:
+    """One point: what was looked at, from where, whether it is as it should be, and what was seen."""
+
+    title: str
+    place: str
+    good: bool
+    seen: str
+
+
+def verify(task: Task, here: Shell, there: SshShell, viewer: Viewer) -> list[Check]:
+    """All points, good or not. Raises UserError only when the connection is lost."""
+    name, user = task.robot.name, task.address.user
+    robot, laptop = f"{name}.local", f"{viewer.name}.local"
+    checks = [
+        _expect(there, "host name", "cat /proc/sys/kernel/hostname /etc/hostname", f"{name}\n{name}"),
+        _expect(there, "robot file", f"cat {ROBOT_FILE}", robot_file(task.robot).strip(), shown="as wanted"),
+        _succeed(here, f"name {robot}", f"getent ahostsv4 {quote(robot)}", first=True),
+        _succeed(there, f"name {laptop}", f"getent ahostsv4 {quote(laptop)}", first=True),
+        _expect(here, "login by key", f"{STRICT} {quote(f'{user}@{robot}')} cat /proc/sys/kernel/hostname", name),
+        _expect(there, "login to itself", f"{STRICT} {quote(f'{user}@{robot}')} cat /proc/sys/kernel/hostname", name),
+        _ros(here, f"{user}@{robot}", f"http://{robot}:11311 {robot}"),
+        _succeed(there, "ROS", "command -v roscore rostopic rosrun", first=True),
+        _succeed(there, "X11", "command -v xauth", first=True),
+        _expect(there, "time", "systemctl is-active chrony", "active"),
+        _clock(here, there),
+        _succeed(
+            there, "announcement", f"systemctl is-active avahi-daemon && grep -o {SERVICE_TYPE} /etc/avahi/services/*"
+        ),
+    ]
+    if viewer.host_key:
+        login = f"{STRICT} {quote(f'{viewer.user}@{laptop}')} cat /proc/sys/kernel/hostname"
+        checks.append(_expect(there, "login by key", login, viewer.name))
+    else:
+        checks.append(Check("login by key", there.place, False, "no ssh server on this computer; run: ur setup"))
+    return checks
+
+
+def _expect(shell: Shell, title: str, script: str, wanted: str, shown: str = "") -> Check:
+    done = shell.run(script)
+    said = done.out.strip()
+    good = done.code == 0 and said == wanted
+    seen = (shown or _one_line(said)) if good else _one_line(done.err.strip() or said or f"exit code {done.code}")
+    return Check(title, shell.place, good, seen)
+
+
+def _succeed(shell: Shell, title: str, script: str, *, first: bool = False) -> Check:
+    done = shell.run(script)
+    said = _one_line(done.out.strip().splitlines()[0].split()[0] if first and done.out.strip() else done.out)
+    return Check(
+        title, shell.place, done.code == 0, said if done.code == 0 else said or _one_line(done.err) or "nothing"
+    )
+
+
+def _ros(here: Shell, robot: str, wanted: str) -> Check:
+    # As roslaunch starts nodes: a shell that is neither interactive nor a login shell.
+    return _expect(here, "ROS environment", f"{STRICT} {quote(robot)} 'echo $ROS_MASTER_URI $ROS_HOSTNAME'", wanted)
+
+
+def _clock(here: Shell, there: Shell) -> Check:
+    before = here.run("date +%s.%N").out
+    middle = there.run("date +%s.%N").out
+    after = here.run("date +%s.%N").out
+    offset = clock_offset(float(before), float(middle), float(after))
+    return Check("clock", there.place, abs(offset) < CLOCK_SECONDS, f"{offset:+.3f} s")
+
+
+def clock_offset(before: float, middle: float, after: float) -> float:
+    """How far (s) a clock that was read between two readings of ours is ahead, surely: 0 when it lies between them."""
+    return min(middle - before, 0.0) + max(middle - after, 0.0)
+
+
+def _one_line(text: str) -> str:
+    return " ".join(text.split())[:100]
