@@ -17,7 +17,7 @@ from ur.launchfile.plan.names import canonical_name, is_private, join_names
 from ur.launchfile.plan.problems import Refused, refuse
 from ur.launchfile.plan.scope import Scope
 from ur.launchfile.plan.substitute import substitute
-from ur.launchfile.plan.yaml_values import Document, YamlProblem, read_yaml
+from ur.launchfile.plan.yaml_values import Document, YamlProblem, read_yaml, read_yaml_once
 from ur.launchfile.syntax import Element, SubstitutionProblem
 from ur.source.file import SourceFile, Span
 from ur.source.suggest import did_you_mean
@@ -178,7 +178,7 @@ def _load(
     draft.reads_angles = True
     source = SourceFile(file, text) if file is not None else None
     try:
-        document = read_yaml(text, reads_angles=True)
+        document = read_yaml_once(text, reads_angles=True)
     except YamlProblem as problem:
         raise _bad_yaml(problem, source, element, same=text == written) from None
     if document.value is None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable
-from functools import cache
+from functools import cache, lru_cache
 from typing import Any
 
 from ur.launchfile.plan.expression import ExpressionProblem, evaluate_expression
@@ -83,6 +83,12 @@ def read_yaml(text: str, reads_angles: bool) -> Document:
         loader.dispose()
     _check_size(value)
     return Document(value, node)
+
+
+@lru_cache(maxsize=64)
+def read_yaml_once(text: str, reads_angles: bool) -> Document:
+    """As read_yaml, and kept: a check loads the same parameter file for many cases. The value is not to be changed."""
+    return read_yaml(text, reads_angles)
 
 
 def _read_fast(text: str, reads_angles: bool) -> Document | None:
