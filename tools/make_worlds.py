@@ -8,6 +8,7 @@ Run it from anywhere: `tools/make_worlds.py [DIRECTORY]` writes into the launch 
 from __future__ import annotations
 
 import argparse
+import math
 from dataclasses import dataclass
 from pathlib import Path
 from random import Random
@@ -21,9 +22,23 @@ FREE, OCCUPIED, UNKNOWN = 254, 0, 205
 MARGIN = 10  # unknown cells round the outer wall
 WALL = 2
 DOOR = 18
+CEILING, ON_WALL = 2.4, 0.65  # heights of fiducials, m
+CEILING_SIZE, WALL_SIZE = 0.3, 0.2  # their edges, m
+FIDUCIAL_PITCH = 46  # cells between those on the ceiling
 
 Grid = npt.NDArray[np.uint8]
 Rect = tuple[int, int, int, int]  # x, y, width, height in cells; y goes up
+
+
+@dataclass(frozen=True, slots=True)
+class Fiducial:
+    """A marker: where in the plan (cells), its height (m), and the way it faces (rad); None: down, turned by `turn`."""
+
+    x: float
+    y: float
+    z: float
+    facing: float | None
+    turn: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,6 +50,7 @@ class Drawing:
     grid: Grid
     start: tuple[int, int]
     boxes: tuple[tuple[str, Rect, float, float], ...] = ()  # name, place, bottom and top (m)
+    fiducials: tuple[Fiducial, ...] = ()
 
 
 def fill(grid: Grid, rect: Rect, value: int) -> None:
@@ -162,7 +178,40 @@ def draw_office() -> Drawing:
     boxes = tuple(
         (name, (x + MARGIN, y + MARGIN, width, height), 0.70, 0.74) for name, (x, y, width, height) in tables.items()
     )
-    return Drawing("office", "An office: rooms, doors, furniture.", grid, (30 + MARGIN, 153 + MARGIN), boxes)
+    title = "An office: rooms, doors, furniture, fiducials."
+    return Drawing("office", title, grid, (30 + MARGIN, 153 + MARGIN), boxes, place_fiducials(grid))
+
+
+def place_fiducials(grid: Grid) -> tuple[Fiducial, ...]:
+    """Fiducials in a grid on the ceiling, and from below each one on the next wall one way, every time another way."""
+    found: list[Fiducial] = []
+    ways = ((1, 0), (0, 1), (-1, 0), (0, -1))
+    number = 0
+    for y in range(MARGIN + FIDUCIAL_PITCH // 2, grid.shape[0] - MARGIN, FIDUCIAL_PITCH):
+        for x in range(MARGIN + FIDUCIAL_PITCH // 2, grid.shape[1] - MARGIN, FIDUCIAL_PITCH):
+            if grid[y, x] != FREE:
+                continue
+            found.append(Fiducial(x + 0.5, y + 0.5, CEILING, None, number % 4 * math.pi / 2.0))
+            way = ways[(number + number // 4) % 4]
+            number += 1
+            if wall := next_wall(grid, (x, y), way):
+                found.append(wall)
+    return tuple(found)
+
+
+def next_wall(grid: Grid, start: tuple[int, int], way: tuple[int, int]) -> Fiducial | None:
+    """The fiducial on the first wall from a cell in a direction, if that wall is wide enough for its plate."""
+    (x, y), (dx, dy) = start, way
+    while grid[y, x] == FREE:
+        x, y = x + dx, y + dy
+    if grid[y, x] != OCCUPIED:
+        return None
+    for aside in range(-3, 4):
+        here = x + aside * dy, y + aside * dx
+        if grid[here[1], here[0]] != OCCUPIED or grid[here[1] - dy, here[0] - dx] != FREE:
+            return None
+    gap = 0.6  # cells from the middle of the wall's cell: just off its face
+    return Fiducial(x + 0.5 - gap * dx, y + 0.5 - gap * dy, ON_WALL, math.atan2(-dy, -dx))
 
 
 def write_world(drawing: Drawing, package: Path) -> None:
@@ -200,7 +249,22 @@ def world_text(drawing: Drawing, origin: list[float]) -> str:
         left, low = origin[0] - 2.0, origin[1] + 2.0 * number
         lines.append(f"  - name: obstacle_{number}\n    pose: [{left:g}, {low:g}, 0.0]")
         lines.append("    size: [0.3, 0.3, 0.6]\n    mass: 20.0")
-    return "\n".join(lines) + "\n"
+    return "\n".join(lines + fiducial_lines(drawing, origin)) + "\n"
+
+
+def fiducial_lines(drawing: Drawing, origin: list[float]) -> list[str]:
+    """The fiducials of a world file, numbered from 0."""
+    if not drawing.fiducials:
+        return []
+    lines = ["fiducials: # cameras see them, lidars do not", "  dictionary: 5X5_1000", f"  size: {CEILING_SIZE}"]
+    lines.append("  places:")
+    for number, each in enumerate(drawing.fiducials):
+        x, y = origin[0] + CELL * each.x, origin[1] + CELL * each.y
+        angles = (math.pi, 0.0, each.turn) if each.facing is None else (math.pi / 2.0, 0.0, each.facing + math.pi / 2.0)
+        pose = ", ".join(f"{round(value, 6) + 0.0:g}" for value in (x, y, each.z, *angles))
+        size = "" if each.facing is None else f", size: {WALL_SIZE}"
+        lines.append(f"    - {{id: {number}, pose: [{pose}]{size}}}")
+    return lines
 
 
 def main() -> None:

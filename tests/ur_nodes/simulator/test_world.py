@@ -131,3 +131,21 @@ def test_fiducials_are_read_with_the_size_of_all_or_their_own(make_world: Callab
 def test_fiducials_that_cannot_be_are_refused(make_world: Callable[[str], World], lines: str, message: str) -> None:
     with pytest.raises(UserError, match=message):
         make_world("fiducials:\n" + lines)
+
+
+def test_fiducials_of_the_office_hang_over_free_floor_and_face_away_from_walls() -> None:
+    from ur_nodes.simulator.scenery import rotation_axes
+
+    world = read_world(PACKAGE / "n_simulator" / "worlds" / "office.yaml")
+    down = [f for f in world.fiducials if rotation_axes(f.pose[3:])[2][2] < -0.99]
+    on_walls = [f for f in world.fiducials if abs(rotation_axes(f.pose[3:])[2][2]) < 0.01]
+    assert len(down) > 30
+    assert len(on_walls) > 30
+    assert len(down) + len(on_walls) == len(world.fiducials)
+    for fiducial in world.fiducials:
+        (x, y, z), normal = fiducial.pose[:3], rotation_axes(fiducial.pose[3:])[2]
+        assert not world.floor_plan.is_occupied(x, y)
+        if fiducial in on_walls:
+            assert world.floor_plan.is_occupied(x - 0.02 * normal[0], y - 0.02 * normal[1])
+            assert z + fiducial.size < world.wall_height
+            assert rotation_axes(fiducial.pose[3:])[1][2] > 0.99  # upright
