@@ -1,0 +1,102 @@
+"""Who drives the robot: the stand-in for twist_mux, with the emergency stop and the limits of the base."""
+
+from __future__ import annotations
+
+import math
+import sys
+from pathlib import Path
+
+import rospy
+from geometry_msgs.msg import Twist
+from std_msgs.msg import Bool, String
+from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
+
+from ur.robot.base import load_base
+from ur_nodes.motion.mux import Command, Event, LockSaid, MuxSettings, MuxState, Release, Stop, Velocity, start_mux
+from ur_nodes.motion.mux_runner_node import MuxRunner, make_clock
+from ur_nodes.motion.ramp import axes_of
+from ur_nodes.motion.sources import read_locks, read_sources
+from ur_nodes.rosio.parameters import Parameters
+from ur_nodes.rosio.shell import run_node
+
+_PACKAGE = Path(__file__).resolve().parents[3] / "ubiquity_launches"
+_SEEN = "~emergency_stop"  # on the parameter server, so that an emergency outlives this process
+
+
+class MuxNode:
+    """Topics and services round a MuxRunner."""
+
+    def __init__(self, settings: MuxSettings) -> None:
+        self._settings = settings
+        self._active = rospy.Publisher("~active", String, queue_size=1, latch=True)
+        self._stopped = rospy.Publisher("~stopped", Bool, queue_size=1, latch=True)
+        stopped = rospy.get_param(_SEEN, False) is True
+        if stopped:
+            rospy.logwarn("emergency stop is still on; call %s to end it", rospy.resolve_name("~release"))
+        self._runner = MuxRunner(start_mux(settings, stopped=stopped), "cmd_vel_out", make_clock(), self._tell)
+        for index, source in enumerate(settings.sources):
+            rospy.Subscriber(source.topic, Twist, self._on_command, index, queue_size=1, tcp_nodelay=True)
+        for index, lock in enumerate(settings.locks):
+            rospy.Subscriber(lock.topic, Bool, self._on_lock, index, queue_size=1, tcp_nodelay=True)
+        rospy.Service("~stop", Trigger, self._on_stop)
+        rospy.Service("~release", Trigger, self._on_release)
+
+    def _on_command(self, message: Twist, index: int) -> None:
+        velocity = Velocity(message.linear.x, message.angular.z)
+        if not (math.isfinite(velocity.forward) and math.isfinite(velocity.turn)):
+            source = self._settings.sources[index]
+            rospy.logwarn_throttle(
+                5.0, f"{source.name}: a command on {source.topic} is not finite, expected numbers; taken as stop"
+            )
+        self._runner.handle(Command(index, velocity))
+
+    def _on_lock(self, message: Bool, index: int) -> None:
+        self._runner.handle(LockSaid(index, bool(message.data)))
+
+    def _on_stop(self, _request: TriggerRequest) -> TriggerResponse:
+        return self._switch(Stop(), stopped=True)
+
+    def _on_release(self, _request: TriggerRequest) -> TriggerResponse:
+        return self._switch(Release(), stopped=False)
+
+    def _switch(self, event: Event, *, stopped: bool) -> TriggerResponse:
+        state = self._runner.handle(event)
+        rospy.set_param(_SEEN, stopped)
+        waiting = [
+            source.name
+            for source, heard in zip(self._settings.sources, state.heard, strict=True)
+            if heard.barred and not stopped
+        ]
+        hint = f"; {', '.join(waiting)} may drive after a pause" if waiting else ""
+        return TriggerResponse(success=True, message="stopped" if stopped else f"released{hint}")
+
+    def _tell(self, state: MuxState) -> None:
+        self._active.publish(state.active_name)
+        self._stopped.publish(state.stopped)
+
+
+def start() -> None:
+    """Read the parameters and run. Raises UserError."""
+    own = Parameters()
+    base = load_base(own.text("package", str(_PACKAGE)), own.text("base"), own.text("variant", ""))
+    forward, turn = axes_of(base.limits)
+    MuxNode(
+        MuxSettings(
+            read_sources(rospy.get_param("~topics", None), rospy.resolve_name("~topics")),
+            forward,
+            turn,
+            read_locks(rospy.get_param("~locks", []), rospy.resolve_name("~locks")),
+            period=1.0 / own.number("rate", 50.0, minimum=10.0, maximum=100.0),
+            stop_time=own.number("stop_time", 0.3, minimum=0.1, maximum=2.0),
+            lag=own.number("lag", 0.07, minimum=0.0, maximum=0.5),
+        )
+    )
+
+
+def main() -> int:
+    """Run until shutdown. Returns the exit code."""
+    return run_node("cmd_vel_mux", start)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

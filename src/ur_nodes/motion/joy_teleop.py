@@ -1,0 +1,103 @@
+"""Joystick to velocities: nothing moves unless the dead-man button is held."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Literal
+
+from ur_nodes.motion.joystick import JoystickState
+
+LINEAR = ("x", "y", "z")
+ANGULAR = ("roll", "pitch", "yaw")
+ZEROS = 3  # how often a stop is said before silence: one message may be lost on the way
+
+Wish = Literal["stop", "release"]
+
+
+@dataclass(frozen=True, slots=True)
+class Speeds:
+    """What full deflection means (m/s, rad/s), by the names in LINEAR and ANGULAR."""
+
+    linear: Mapping[str, float]
+    angular: Mapping[str, float]
+
+
+@dataclass(frozen=True, slots=True)
+class JoyTeleopSettings:
+    """Axes by name, speeds, and button numbers; -1 is no button. `speed_limit`, `turn_limit`: m/s, rad/s."""
+
+    axis_linear: Mapping[str, int]
+    axis_angular: Mapping[str, int]
+    normal: Speeds
+    turbo: Speeds
+    enable_button: int = 0
+    enable_turbo_button: int = -1
+    stop_button: int = -1
+    release_button: int = -1
+    speed_limit: float = float("inf")
+    turn_limit: float = float("inf")
+
+
+@dataclass(frozen=True, slots=True)
+class JoyTwist:
+    """A velocity: x, y, z in m/s; roll, pitch, yaw rates in rad/s."""
+
+    linear: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    angular: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class JoyTeleopState:
+    """What the joystick did last."""
+
+    settings: JoyTeleopSettings
+    zeros_left: int = 0
+    pressed: frozenset[int] = field(default_factory=frozenset)
+
+
+def step_joy_teleop(
+    state: JoyTeleopState, joystick: JoystickState
+) -> tuple[JoyTeleopState, JoyTwist | None, Wish | None]:
+    """The state after a report of the joystick; the velocity to send (None: nothing); a button's wish as it is pressed.
+
+    While a dead-man button is held each report gives a velocity; after it the next `ZEROS` reports give zero.
+    """
+    settings = state.settings
+    pressed = frozenset(number for number, value in enumerate(joystick.buttons) if value)
+    new = pressed - state.pressed
+    wish: Wish | None = None
+    if settings.stop_button in new:
+        wish = "stop"
+    elif settings.release_button in new:
+        wish = "release"
+    state = replace(state, pressed=pressed)
+    speeds = _held_speeds(settings, pressed)
+    if speeds is not None:
+        return replace(state, zeros_left=ZEROS), _twist(settings, speeds, joystick.axes), wish
+    if state.zeros_left:
+        return replace(state, zeros_left=state.zeros_left - 1), JoyTwist(), wish
+    return state, None, wish
+
+
+def _held_speeds(settings: JoyTeleopSettings, pressed: frozenset[int]) -> Speeds | None:
+    if settings.enable_turbo_button in pressed:
+        return settings.turbo
+    return settings.normal if settings.enable_button in pressed else None
+
+
+def _twist(settings: JoyTeleopSettings, speeds: Speeds, axes: Sequence[float]) -> JoyTwist:
+    x, y, z = (_deflection(settings.axis_linear, speeds.linear, name, axes, settings.speed_limit) for name in LINEAR)
+    roll, pitch, yaw = (
+        _deflection(settings.axis_angular, speeds.angular, name, axes, settings.turn_limit) for name in ANGULAR
+    )
+    return JoyTwist((x, y, z), (roll, pitch, yaw))
+
+
+def _deflection(
+    axis: Mapping[str, int], scale: Mapping[str, float], name: str, axes: Sequence[float], limit: float
+) -> float:
+    number = axis.get(name, -1)
+    if not 0 <= number < len(axes):
+        return 0.0
+    return max(-limit, min(limit, axes[number] * scale.get(name, 0.0)))

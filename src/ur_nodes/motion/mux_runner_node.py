@@ -1,0 +1,79 @@
+"""A mux at work: events in from any thread, velocities out on `cmd_vel`, on time."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+
+import rospy
+from geometry_msgs.msg import Twist, Vector3
+
+from ur_nodes.motion.clock import Clock
+from ur_nodes.motion.mux import STILL, Event, MuxState, Velocity, step
+
+_END_ZEROS = 3
+
+
+def make_clock() -> Clock:
+    """The clock of this node: real time, or the simulator's where that is the clock of all nodes."""
+    if rospy.get_param("/use_sim_time", False) is True:
+        return Clock(rospy.get_time, steady=False)
+    return Clock(time.monotonic, steady=True)
+
+
+class MuxRunner:
+    """Owns a state, steps it when something happens and when it is due, and publishes what comes of it.
+
+    `on_change` is called with every new state whose active source or emergency stop differs from the one before.
+    """
+
+    def __init__(self, state: MuxState, topic: str, clock: Clock, on_change: Callable[[MuxState], None]) -> None:
+        self._state = state
+        self._clock = clock
+        self._on_change = on_change
+        self._condition = threading.Condition()
+        self._ended = False
+        self._publisher = rospy.Publisher(topic, Twist, queue_size=1, tcp_nodelay=True)
+        self._thread = threading.Thread(target=self._run, name="mux", daemon=True)
+        rospy.on_shutdown(self._end)
+        on_change(state)
+        self._thread.start()
+
+    def handle(self, event: Event | None) -> MuxState:
+        """Let an event take effect now, and return the state after it."""
+        with self._condition:
+            if not self._ended:
+                self._step(event)
+                self._condition.notify()
+            return self._state
+
+    def _step(self, event: Event | None) -> None:
+        before = self._state
+        self._state, output = step(before, event, self._clock.read())
+        if output is not None:
+            self._publisher.publish(twist_of(output))
+        if (before.active, before.stopped) != (self._state.active, self._state.stopped):
+            self._on_change(self._state)
+
+    def _run(self) -> None:
+        with self._condition:
+            while not self._ended:
+                if self._clock.read() >= self._state.next_at:
+                    self._step(None)
+                self._clock.wait(self._condition, self._state.next_at)
+
+    def _end(self) -> None:
+        """Say stop, and let it leave before the connections close."""
+        with self._condition:
+            self._ended = True
+            self._condition.notify()
+        if not self._state.output.still:
+            for _ in range(_END_ZEROS):
+                self._publisher.publish(twist_of(STILL))
+                time.sleep(0.01)
+
+
+def twist_of(velocity: Velocity) -> Twist:
+    """The message."""
+    return Twist(Vector3(velocity.forward, 0.0, 0.0), Vector3(0.0, 0.0, velocity.turn))

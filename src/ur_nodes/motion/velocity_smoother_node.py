@@ -1,0 +1,49 @@
+"""Make velocity commands gentle: the stand-in for yujin's velocity smoother, a mux of one source."""
+
+from __future__ import annotations
+
+import sys
+
+import rospy
+from geometry_msgs.msg import Twist
+
+from ur_nodes.motion.mux import Command, MuxSettings, Source, Velocity, start_mux
+from ur_nodes.motion.mux_runner_node import MuxRunner, make_clock
+from ur_nodes.motion.ramp import Axis
+from ur_nodes.rosio.parameters import Parameters
+from ur_nodes.rosio.shell import run_node
+
+_TIMEOUT = 0.5  # s, as upstream at its longest
+_NEVER = 1e9  # s: here nothing has to stand within a time
+
+
+def start() -> None:
+    """Read the parameters and run. Raises UserError."""
+    own = Parameters()
+    braking = own.number("decel_factor", 1.0, minimum=0.01)
+    forward, turn = (_read_axis(own, letter, braking) for letter in ("v", "w"))
+    period = 1.0 / own.number("frequency", 20.0, minimum=1.0, maximum=200.0)
+    if own.integer("robot_feedback", 0) != 0:
+        rospy.logwarn("robot_feedback is not used here: ramps begin at the velocity that was last sent")
+    source = Source("raw_cmd_vel", "~raw_cmd_vel", 0, _TIMEOUT, zeros_hold=True)
+    settings = MuxSettings((source,), forward, turn, period=period, brake_period=period, stop_time=_NEVER, lag=0.0)
+    runner = MuxRunner(start_mux(settings), "~smooth_cmd_vel", make_clock(), lambda _state: None)
+
+    def on_command(message: Twist) -> None:
+        runner.handle(Command(0, Velocity(message.linear.x, message.angular.z)))
+
+    rospy.Subscriber(source.topic, Twist, on_command, queue_size=1, tcp_nodelay=True)
+
+
+def _read_axis(own: Parameters, letter: str, braking: float) -> Axis:
+    growth = own.number(f"accel_lim_{letter}", minimum=0.001)
+    return Axis(own.number(f"speed_lim_{letter}", minimum=0.001), growth, growth * braking)
+
+
+def main() -> int:
+    """Run until shutdown. Returns the exit code."""
+    return run_node("velocity_smoother", start)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

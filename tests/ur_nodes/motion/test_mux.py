@@ -1,0 +1,272 @@
+"""Histories of the mux, replayed: what came when, and what goes out when."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from ur_nodes.motion.mux import (
+    STILL,
+    Command,
+    Event,
+    Lock,
+    LockSaid,
+    MuxSettings,
+    MuxState,
+    Release,
+    Source,
+    Stop,
+    Velocity,
+    start_mux,
+    step,
+)
+from ur_nodes.motion.ramp import Axis
+
+JOYSTICK, KEYBOARD, NAVIGATION = range(3)
+SOURCES = (
+    Source("joystick", "joy_vel", 100, 0.15, zeros_hold=True),
+    Source("keyboard", "key_vel", 90, 0.15),
+    Source("navigation", "nav_vel", 10, 0.2),
+)
+FORWARD, TURN = Axis(0.5, 1.0, 4.0), Axis(1.0, 3.0, 10.0)
+SETTINGS = MuxSettings(SOURCES, FORWARD, TURN, locks=(Lock("pause", "pause", 50, 0.0),))
+BUDGET = SETTINGS.stop_time - SETTINGS.lag
+
+
+@dataclass
+class Run:
+    """A mux that is stepped when something comes and when it asks for it."""
+
+    state: MuxState
+    now: float = 0.0
+    sent: list[tuple[float, Velocity, str]] = field(default_factory=list)
+
+    def tell(self, event: Event | None) -> None:
+        self.state, output = step(self.state, event, self.now)
+        if output is not None:
+            self.sent.append((self.now, output, self.state.active_name))
+
+    def until(self, end: float) -> None:
+        while self.state.next_at <= end:
+            assert self.state.next_at > self.now, "it would never sleep"
+            self.now = self.state.next_at
+            self.tell(None)
+        self.now = end
+
+    def drive(self, source: int, velocity: Velocity, seconds: float, rate: float = 20.0) -> None:
+        begin = self.now
+        for n in range(round(seconds * rate)):
+            self.until(begin + n / rate)
+            self.tell(Command(source, velocity))
+        self.until(begin + seconds)
+
+    @property
+    def last(self) -> Velocity:
+        return self.sent[-1][1]
+
+
+@pytest.fixture
+def run() -> Run:
+    return Run(start_mux(SETTINGS))
+
+
+AHEAD = Velocity(0.5, 0.0)
+
+
+def test_mux_is_silent_until_somebody_wants_to_move(run: Run) -> None:
+    run.until(1.0)
+    run.tell(Command(NAVIGATION, STILL))
+    run.until(2.0)
+    assert run.sent == []
+    assert run.state.next_at == math.inf
+
+
+def test_mux_speeds_up_within_the_limits_and_sends_at_a_steady_rate(run: Run) -> None:
+    run.drive(KEYBOARD, AHEAD, 1.0)
+    times = [at for at, _, _ in run.sent]
+    assert times[0] == 0.0  # at once
+    assert all(b - a == pytest.approx(0.02) for a, b in pairwise(times))
+    assert run.sent[10][1].forward == pytest.approx(0.02 * 11)
+    assert run.last == AHEAD
+
+
+def test_mux_brakes_in_time_when_the_commander_is_lost_then_says_zero_three_times_and_falls_silent(run: Run) -> None:
+    run.drive(KEYBOARD, AHEAD, 1.0)
+    last = 0.95
+    run.until(3.0)
+    moving = [at for at, velocity, _ in run.sent if velocity != STILL]
+    assert moving[-1] - last < BUDGET
+    zeros = [at for at, velocity, _ in run.sent if velocity == STILL]
+    assert len(zeros) == 3
+    assert zeros[0] - last <= BUDGET + 1e-9
+    assert run.state.next_at == math.inf
+    assert run.sent[-1][2] == "idle"
+
+
+def test_mux_follows_zeros_of_the_active_source_with_the_harder_limit(run: Run) -> None:
+    run.drive(KEYBOARD, AHEAD, 1.0)
+    stop = run.now
+    run.tell(Command(KEYBOARD, STILL))
+    run.until(3.0)
+    assert next(at for at, velocity, _ in run.sent if velocity == STILL) - stop <= 0.5 / 4.0 + 0.02
+
+
+def test_higher_priority_takes_over_at_once_and_gives_back_when_it_falls_silent(run: Run) -> None:
+    for n in range(40):
+        run.until(n * 0.05)
+        run.tell(Command(NAVIGATION, AHEAD))
+        if 10 <= n < 20:
+            run.tell(Command(JOYSTICK, Velocity(0.0, 0.5)))
+    names = [name for _, _, name in run.sent]
+    changes = [name for n, name in enumerate(names) if n == 0 or names[n - 1] != name]
+    assert changes == ["navigation", "joystick", "navigation"]
+    joystick = [at for at, _, name in run.sent if name == "joystick"]
+    assert joystick[0] == pytest.approx(0.5, abs=0.021)
+    assert joystick[-1] == pytest.approx(0.95 + 0.15, abs=0.021)
+
+
+def test_source_that_sends_zeros_when_idle_does_not_hold_the_robot(run: Run) -> None:
+    for n in range(40):
+        run.until(n * 0.05)
+        run.tell(Command(KEYBOARD, STILL))
+        run.tell(Command(NAVIGATION, AHEAD))
+    assert {name for _, _, name in run.sent} == {"navigation"}
+    assert run.last == AHEAD
+
+
+def test_source_whose_zeros_hold_makes_the_robot_stand(run: Run) -> None:
+    run.drive(NAVIGATION, AHEAD, 1.0)
+    for n in range(20):
+        run.until(1.0 + n * 0.05)
+        run.tell(Command(NAVIGATION, AHEAD))
+        run.tell(Command(JOYSTICK, STILL))
+    assert (run.sent[-1][1], run.sent[-1][2]) == (STILL, "joystick")
+
+
+def test_emergency_stop_brakes_at_once_and_shuts_everybody_out(run: Run) -> None:
+    run.drive(KEYBOARD, AHEAD, 1.01)
+    run.tell(Stop())
+    assert run.sent[-1][0] == pytest.approx(1.01)  # not at the next period
+    assert run.last.forward < 0.5
+    run.drive(JOYSTICK, AHEAD, 1.0)
+    standing = next(at for at, velocity, _ in run.sent if velocity == STILL)
+    assert standing - 1.01 <= 0.5 / 4.0 + 0.02
+    assert all(velocity == STILL for at, velocity, _ in run.sent if at > standing)
+
+
+def test_release_does_not_set_the_robot_in_motion_until_the_source_has_paused(run: Run) -> None:
+    run.tell(Stop())
+    run.drive(NAVIGATION, AHEAD, 0.5)
+    run.tell(Release())
+    run.drive(NAVIGATION, AHEAD, 1.0)
+    assert all(velocity == STILL for _, velocity, _ in run.sent)
+    run.tell(Command(NAVIGATION, STILL))  # a pause that is said
+    run.drive(NAVIGATION, AHEAD, 1.0)
+    assert run.last == AHEAD
+    run.tell(Stop())
+    run.drive(KEYBOARD, AHEAD, 0.5)
+    run.tell(Release())
+    run.until(run.now + 0.5)  # a pause by silence
+    run.drive(KEYBOARD, AHEAD, 1.0)
+    assert run.last == AHEAD
+
+
+def test_emergency_stop_survives_a_start(run: Run) -> None:
+    run.state = start_mux(SETTINGS, stopped=True)
+    run.drive(KEYBOARD, AHEAD, 1.0)
+    assert run.sent == []
+
+
+def test_lock_shuts_out_lower_priorities_only(run: Run) -> None:
+    run.tell(LockSaid(0, True))
+    run.drive(NAVIGATION, AHEAD, 0.5)
+    assert run.sent == []
+    run.drive(KEYBOARD, AHEAD, 0.5)
+    assert run.sent[-1][2] == "keyboard"
+    run.tell(LockSaid(0, False))
+    run.until(2.0)
+    run.drive(NAVIGATION, AHEAD, 0.5)
+    assert run.sent[-1][2] == "navigation"
+
+
+def test_lock_that_has_to_be_repeated_locks_when_it_is_silent() -> None:
+    run = Run(start_mux(replace(SETTINGS, locks=(Lock("watchdog", "w", 255, 0.5),))))
+    run.drive(KEYBOARD, AHEAD, 0.5)
+    assert run.sent == []
+    run.tell(LockSaid(0, False))
+    run.drive(KEYBOARD, AHEAD, 0.4)
+    assert run.last.forward > 0.3
+    run.drive(KEYBOARD, AHEAD, 1.0)
+    assert run.last == STILL
+
+
+@pytest.mark.parametrize("bad", [Velocity(math.nan, 0.0), Velocity(0.0, math.inf), Velocity(-math.inf, math.nan)])
+def test_command_that_is_not_finite_means_stand_still(run: Run, bad: Velocity) -> None:
+    run.drive(KEYBOARD, AHEAD, 1.0)
+    run.drive(KEYBOARD, bad, 0.14)
+    assert run.last == STILL
+
+
+def test_time_that_goes_back_makes_all_commands_old(run: Run) -> None:
+    run.drive(KEYBOARD, AHEAD, 1.0)
+    run.now = 0.2
+    run.tell(None)
+    before = len(run.sent)
+    run.until(1.0)
+    forward = [velocity.forward for _, velocity, _ in run.sent[before - 1 :]]
+    assert forward == sorted(forward, reverse=True)
+    assert forward[-1] == 0.0
+    assert len(forward) < 20
+
+
+velocities = st.builds(Velocity, st.floats(-1.0, 1.0), st.floats(-2.0, 2.0)) | st.just(STILL) | st.just(AHEAD)
+events = st.one_of(
+    st.none(),
+    st.builds(Command, st.integers(0, 2), velocities),
+    st.builds(Command, st.integers(0, 2), velocities),
+    st.builds(LockSaid, st.just(0), st.booleans()),
+    st.sampled_from([Stop(), Release(), Release()]),
+)
+histories = st.lists(st.tuples(st.floats(0.0, 0.12) | st.just(0.05), events), max_size=60)
+
+
+@given(histories)
+@settings(max_examples=150, deadline=None)
+def test_output_obeys_the_limits_and_never_outlives_its_commands(history: list[tuple[float, Event | None]]) -> None:
+    run = Run(start_mux(SETTINGS))
+    newest = -math.inf
+    checked = 0
+
+    def check() -> None:
+        nonlocal checked
+        for (before_at, before, _), (at, after, _) in pairwise([(-math.inf, STILL, ""), *run.sent][checked:]):
+            check_change(before, after, min(at - before_at, SETTINGS.period))
+            # Even just before the next output the robot could still be stopped in time.
+            left = max(0.0, BUDGET - (at - newest))
+            assert abs(before.forward) <= FORWARD.slow_down * left + 1e-9
+            assert abs(before.turn) <= TURN.slow_down * left + 1e-9
+        checked = len(run.sent)
+
+    for pause, event in history:
+        run.until(run.now + pause)
+        check()
+        if isinstance(event, Command) and not event.velocity.still:
+            newest = run.now
+        run.tell(event)
+        check()
+    run.until(run.now + 0.6)
+    check()
+    assert run.state.output == STILL
+    assert run.state.next_at == math.inf
+
+
+def check_change(before: Velocity, after: Velocity, seconds: float) -> None:
+    for axis, old, new in ((FORWARD, before.forward, after.forward), (TURN, before.turn, after.turn)):
+        assert abs(new) <= axis.speed
+        assert abs(new) - abs(old) <= axis.speed_up * seconds + 1e-9
+        assert abs(new - old) <= axis.slow_down * seconds + 1e-9
