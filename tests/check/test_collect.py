@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
+
 from ur.check.collect import collect_targets
 from ur.check.computer import make_world
 from ur.launchfile.world import MemoryWorld
+from ur.source.diagnostic import UserError
 
 LAUNCH = "<launch></launch>"
 FILES = {
@@ -60,8 +63,15 @@ def test_single_file_belongs_to_its_package_which_is_not_whole() -> None:
     assert targets.whole == ()
 
 
-def test_files_named_by_hand_are_taken_whatever_their_ending() -> None:
-    assert collect_targets(["/s/a/launch/plugins.xml"], WORLD).launch_files == ("/s/a/launch/plugins.xml",)
+def test_launch_file_named_by_hand_is_taken_whatever_its_ending() -> None:
+    world = MemoryWorld({"/s/odd.txt": LAUNCH})
+    assert collect_targets(["/s/odd.txt"], world).launch_files == ("/s/odd.txt",)
+
+
+@pytest.mark.parametrize("path", ["/s/a/launch/plugins.xml", "/s/a/package.xml", "/s/a/bin/data"])
+def test_other_file_named_by_hand_is_refused(path: str) -> None:
+    with pytest.raises(UserError, match="is no launch file"):
+        collect_targets([path], WORLD)
 
 
 def test_links_that_go_round_end(tmp_path: Path) -> None:

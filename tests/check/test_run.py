@@ -284,3 +284,8 @@ def test_path_that_is_not_there_is_refused_with_a_suggestion() -> None:
         check_paths(["/w/a.lauch"], MemoryWorld({"/w/a.launch": "<launch/>"}))
     assert caught.value.diagnostics[0].help is not None
     assert "a.launch" in caught.value.diagnostics[0].help
+
+
+def test_file_that_is_too_large_is_reported() -> None:
+    report = check_paths(["/w"], MemoryWorld({"/w/a.launch": b" " * 9_000_000}))
+    assert rules_of(report) == ["file-too-large"]

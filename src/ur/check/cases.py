@@ -164,12 +164,12 @@ def _only_sure(plan: Plan, case: Case, unknowns: Unknowns) -> Plan:
 def _is_sure(found: Diagnostic, case: Case, unknowns: Unknowns) -> bool:
     if has_marker(found.message) or any(has_marker(note.message) for note in found.notes):
         return False
-    if found.span is None or found.span.file.path == "<command line>":
+    if found.span is not None and found.span.file.path == "<command line>":
         return False
     if found.rule == "missing-argument" and found.message.endswith(":=VALUE"):
         return False  # an argument of the file itself: whoever starts it gives it
     if found.rule == "bad-eval" and "not a Python expression" not in found.message:
         return not (unknowns.any_used or case.flipped)  # the result may depend on something unknown
-    if found.rule in _ABOUT_VALUES and unknowns.tried and "$" in found.span.text:
+    if found.rule in _ABOUT_VALUES and unknowns.tried and found.span is not None and "$" in found.span.text:
         return False  # the value was guessed
     return not (case.flipped and (found.rule in _ABOUT_TWO_TAGS or found.message.startswith("an empty path")))

@@ -64,10 +64,22 @@ def collect_targets(paths: Sequence[str], world: World) -> Targets:
         launch.update(file for file in files if _is_launch_file(file, file == path, world))
         yaml.update(file for file in files if file.endswith(_YAML_SUFFIXES))
         folders = {f"{folder}/bin" for folder in packages}
+        if world.is_file(path) and not _can_be_checked(path, launch, yaml, folders, world):
+            raise UserError(
+                error(
+                    f"{word} is no launch file, YAML file or program of a package, expected one of them",
+                    rule="unknown-file",
+                    help="programs stand in the folder bin of a package; launch files hold <launch>",
+                )
+            )
         programs.update(file for file in files if file.rpartition("/")[0] in folders and is_script(file, world))
     programs = _without_twins(programs, world)
     whole = tuple(packages[folder] for folder in sorted(packages) if folder in visited)
     return Targets(tuple(sorted(launch)), tuple(sorted(yaml)), tuple(sorted(programs)), packages, whole)
+
+
+def _can_be_checked(path: str, launch: set[str], yaml: set[str], folders: set[str], world: World) -> bool:
+    return path in launch or path in yaml or (path.rpartition("/")[0] in folders and is_script(path, world))
 
 
 def _without_twins(programs: set[str], world: World) -> set[str]:
@@ -137,7 +149,7 @@ def _is_launch_file(path: str, asked_for: bool, world: World) -> bool:
         return True  # reported when it is read
     if b"<launchConfiguration" in data[:500]:  # Eclipse has files of this name, too
         return False
-    return path.endswith((".launch", ".launch.xml")) or asked_for or b"<launch" in data
+    return path.endswith((".launch", ".launch.xml")) or b"<launch" in data
 
 
 def _find_enclosing(path: str, world: World, packages: dict[str, Package]) -> None:

@@ -130,7 +130,7 @@ class _Check:
         option = resolved.case.flipped
         for found in resolved.plan.diagnostics:
             if found.span is None:
-                continue
+                found = replace(found, span=Span(SourceFile(view.path, ""), 0, 0))
             found = self.settle(found, view)
             if found.severity is Severity.ERROR or self.is_checked(found):
                 yield _judge(stamp_severity(found, self.rules), view.package, option)
