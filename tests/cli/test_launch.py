@@ -36,7 +36,7 @@ def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
         (["--nodes"], "/deep/one\n/two\n"),
         (["--files"], "{file}\n"),
         (["--find-node", "deep/one"], "{file}\n"),
-        (["--args", "/deep/one"], "ROS_NAMESPACE=/deep {folder}/nodes/one a 'b c' x:=y __name:=one\n"),
+        (["--args", "/deep/one"], 'ROS_NAMESPACE="/deep" {folder}/nodes/one a b c x:=y __name:=one\n'),
         (["--dump-params"], "/number: 3\n/printed: 2.5\n\n"),
         (
             ["--ros-args"],

@@ -15,6 +15,7 @@ from ur.robot.selection import Selection
 from ur.source.diagnostic import UserError, error
 
 if TYPE_CHECKING:
+    from ur.launchfile.plan.model import Plan
     from ur.run.launch import Options
 
 _Query = tuple[str, str | None]
@@ -85,6 +86,10 @@ def _parameters() -> list[click.Parameter]:
         click.Option(["--args"], metavar="NODE", help="Print the command line that starts a node."),
         flag("--dump-params", help="Print the parameters as YAML."),
         flag("--ros-args", help="Print the arguments of the launch file."),
+        flag("--dry-run", help="Print what would be started: command, environment and machine of every node."),
+        click.Option(["--dump"], type=click.Choice(["json"]), help="Print all that the launch file means."),
+        flag("--with-origins", help="With --dump: where everything comes from."),
+        flag("--no-commands", help="With --dump: do not run the programs of <param command>; refuse them."),
         *(flag(name, hidden=True, expose_value=False) for name in _NOTHING_TO_DO),
         flag("--core", hidden=True, expose_value=False, callback=refuse),
         *(
@@ -103,6 +108,10 @@ def launch(
     args: str | None,
     dump_params: bool,
     ros_args: bool,
+    dry_run: bool,
+    dump: str | None,
+    with_origins: bool,
+    no_commands: bool,
     **options: Any,
 ) -> int:
     """Start a launch file, in place of roslaunch.
@@ -111,51 +120,50 @@ def launch(
     again at the end: on Ctrl-C, when a required node ends, or when all nodes have ended. Options mean what they mean to
     roslaunch.
     """
-    flags = {"nodes": nodes, "files": files, "dump-params": dump_params, "ros-args": ros_args}
+    flags = {"nodes": nodes, "files": files, "dump-params": dump_params, "ros-args": ros_args, "dry-run": dry_run}
     queries: list[_Query] = [(name, None) for name, asked in flags.items() if asked]
-    queries += [(name, node) for name, node in (("find-node", find_node), ("args", args)) if node]
+    queries += [(name, node) for name, node in (("find-node", find_node), ("args", args), ("dump", dump)) if node]
     wishes = _Wishes(**options, queries=queries)
     if wishes.screen and wishes.log:
         raise UserError(error("--screen and --log exclude each other, expected one", rule="bad-options"))
     if len(queries) > 1:
         names = " and ".join(f"--{name}" for name, _ in queries)
         raise UserError(error(f"{names} exclude each other, expected one", rule="bad-options"))
+    if (with_origins or no_commands) and not dump:
+        raise UserError(error("--with-origins and --no-commands belong to --dump json", rule="bad-options"))
+    shell = dict(os.environ)
+    if dump:
+        from ur.cli.dump import print_dump
+
+        return print_dump(words, shell, with_origins=with_origins, no_commands=no_commands)
     selection = know_base(current_selection(os.environ))
+    if queries and not dry_run:
+        from ur.cli.queries import answer
+
+        return answer(words, selection, queries[0], shell)
     apply_selection(selection)
     if not selection.simulated and os.environ["ROS_MASTER_URI"] != selection.master_uri:
         sys.stderr.write(f"ROS_MASTER_URI={os.environ['ROS_MASTER_URI']} was set by hand: {selection} is not used\n")
-    return _answer(words, selection, queries[0]) if queries else _start(words, selection, wishes)
+    return _dry_run(words, selection, wishes, shell) if dry_run else _start(words, selection, wishes)
 
 
 command = click.Command("launch", callback=launch, params=_parameters(), help=launch.__doc__)
 
 
-def _answer(words: Sequence[str], selection: Selection, query: _Query) -> int:
-    from ur.cli import queries
+def _dry_run(words: Sequence[str], selection: Selection, wishes: _Wishes, shell: dict[str, str]) -> int:
+    from ur.cli.dry_run import print_dry_run
     from ur.cli.plan_files import load_words
-    from ur.launchfile.address import resolve_addresses
-    from ur.launchfile.world.system import SystemWorld
 
-    name, node = query
-    if name == "ros-args":
-        world = SystemWorld(os.environ)
-        queries.print_arguments(resolve_addresses(words, world), world)
-        return 0
-    plan, here = load_words(words, selection)
-    if plan is None:
-        return 1
-    match name:
-        case "nodes":
-            queries.print_nodes(plan)
-        case "files":
-            queries.print_files(plan)
-        case "dump-params":
-            queries.print_parameters(plan)
-        case "find-node":
-            queries.print_file_of(plan, node or "")
-        case _:
-            queries.print_command(plan, node or "", here)
-    return 0
+    plan, world = load_words(words, selection)
+    return 1 if plan is None else print_dry_run(_choose(plan, wishes), world, shell, words)
+
+
+def _choose(plan: Plan, wishes: _Wishes) -> Plan:
+    if not (wishes.only or wishes.except_ or wishes.prefix):
+        return plan
+    from ur.cli.choice import choose_nodes
+
+    return choose_nodes(plan, wishes.only, wishes.except_, wishes.prefix)
 
 
 def _start(words: Sequence[str], selection: Selection, wishes: _Wishes) -> int:
@@ -170,10 +178,7 @@ def _start(words: Sequence[str], selection: Selection, wishes: _Wishes) -> int:
         plan, world = load_words(words, selection)
         if plan is None:
             return 1
-        if wishes.only or wishes.except_ or wishes.prefix:
-            from ur.cli.choice import choose_nodes
-
-            plan = choose_nodes(plan, wishes.only, wishes.except_, wishes.prefix)
+        plan = _choose(plan, wishes)
         console = Console()
         try:
             with _pid_file(wishes.pid):

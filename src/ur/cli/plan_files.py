@@ -25,7 +25,7 @@ def load_words(words: Sequence[str], selection: Selection) -> tuple[Plan | None,
     Raises UserError: no such file, a word that is neither a file nor an argument, a robot that is another computer, a
     base that is not known or lacks what the file needs.
     """
-    world = SystemWorld(os.environ)
+    world = SystemWorld(os.environ, standard_input=lambda: sys.stdin.buffer.read())
     files = resolve_addresses(words, world)
     given = [word for word in words if ":=" in word]
     declared = declared_arguments(files, world)

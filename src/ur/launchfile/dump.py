@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import datetime
 import math
+from collections.abc import Sequence
 from typing import Any
 
 from ur.launchfile.plan.commands import CommandRunner, refuse_command, run_commands
@@ -24,9 +25,7 @@ def dump_plan(plan: Plan, *, with_origins: bool = False, run: CommandRunner = re
     plan = run_commands(plan, run)
     errors = [found for found in plan.diagnostics if found.severity is Severity.ERROR]
     if errors:
-        first = errors[0]
-        message = f"{first.span}: {first.message}" if first.span else first.message
-        return {"ok": False, "error": message, "diagnostics": [_dump_diagnostic(found) for found in plan.diagnostics]}
+        return dump_refusal(plan.diagnostics)
     dumped: dict[str, Any] = {
         "ok": True,
         "nodes": sorted((_dump_node(node) for node in plan.nodes), key=lambda node: str(node["name"])),
@@ -59,6 +58,13 @@ def dump_plan(plan: Plan, *, with_origins: bool = False, run: CommandRunner = re
     if with_origins:
         dumped["origins"] = _dump_origins(plan)
     return dumped
+
+
+def dump_refusal(diagnostics: Sequence[Diagnostic]) -> dict[str, Any]:
+    """What is dumped when roslaunch would refuse: at least one of the findings is an error, the first is named."""
+    first = next(found for found in diagnostics if found.severity is Severity.ERROR)
+    message = f"{first.span}: {first.message}" if first.span else first.message
+    return {"ok": False, "error": message, "diagnostics": [_dump_diagnostic(found) for found in diagnostics]}
 
 
 def plain_value(value: ParamValue) -> Any:

@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-import os
 import subprocess
 from pathlib import Path
 
@@ -38,7 +37,10 @@ def _roslaunch(option: str, path: str) -> str:
     if not ROSLAUNCH.exists():
         pytest.skip("python3-roslaunch is not installed")
     words = [str(ROSLAUNCH), *option.split(), path]
-    return subprocess.run(words, capture_output=True, text=True, check=True, timeout=60, env=dict(os.environ)).stdout
+    # Of our own only: a virtual environment on PATH has a `rosversion` that does not find Debian's packages.
+    folder = str(Path(path).parent)
+    own = {"PATH": "/usr/bin:/bin", "HOME": folder, "ROS_HOME": folder, "ROS_LOG_DIR": folder, "LC_ALL": "C.UTF-8"}
+    return subprocess.run(words, capture_output=True, text=True, check=True, timeout=60, env=own).stdout
 
 
 def test_nodes_are_those_that_roslaunch_lists(path: str) -> None:

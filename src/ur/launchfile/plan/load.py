@@ -16,6 +16,8 @@ from ur.source.diagnostic import error
 from ur.source.file import SourceFile, Span
 from ur.source.suggest import did_you_mean
 
+STANDARD_INPUT = "-"
+
 
 def load_plan(
     files: Sequence[str], arguments: Sequence[str], world: World, trace: list[TraceStep] | None = None
@@ -31,7 +33,7 @@ def load_plan(
     try:
         values, ignored = read_assignments(arguments)
         declared: set[str] = set()
-        for path in files:
+        for path in sorted(files, key=STANDARD_INPUT.__eq__):  # roslaunch loads it after the files
             _load_file(path, values, arguments, draft, declared)
         _check_arguments(values, ignored, declared, arguments, draft)
         _check_machines(draft)
@@ -56,7 +58,8 @@ def _load_file(path: str, values: dict[str, str], arguments: Sequence[str], draf
     except ValueError as problem:
         draft.add_diagnostic(error(f"starting namespace: {problem}", rule="bad-name"), ())
         return
-    draft.files[draft.world.absolute(path)] = None
+    if path != STANDARD_INPUT:
+        draft.files[draft.world.absolute(path)] = None
     for found in parsed.diagnostics:
         draft.add_diagnostic(found, ())
     if parsed.launch is None or parsed.diagnostics:

@@ -85,7 +85,7 @@ def _retry(element: Element, draft: Draft, scope: Scope) -> int:
 def _resolve(
     element: Element, name: str, draft: Draft, scope: Scope, default_machine: MachineSpec | None, *, is_test: bool
 ) -> NodeSpec:
-    if not is_legal_name(name):
+    if not is_legal_name(name) and "$(anon " not in name:  # where such names stay as they are written
         draft.warn(
             f"'{name}' is no legal ROS name, expected a letter, then letters, digits and '_'",
             element.value_span("name" if element.attributes.get("name") else "test-name"),

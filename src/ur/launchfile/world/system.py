@@ -6,7 +6,6 @@
 from __future__ import annotations
 
 import os
-import random
 import stat
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -26,11 +25,19 @@ class SystemWorld:
     """
 
     def __init__(
-        self, environment: Mapping[str, str] | None = None, choose: Callable[[int], int] | None = None
+        self,
+        environment: Mapping[str, str] | None = None,
+        choose: Callable[[int], int] | None = None,
+        standard_input: Callable[[], bytes] | None = None,
     ) -> None:
-        """Take a copy of `environment` (default: of this process). `choose(n)` picks a number below n for `$(anon)`."""
+        """Take a copy of `environment` (default: of this process). `choose(n)` picks a number below n for `$(anon)`.
+
+        With `standard_input`, which is called once, the path `-` means what it gives.
+        """
         self.environment: Mapping[str, str] = dict(os.environ if environment is None else environment)
-        self._choose = choose or random.SystemRandom().randrange
+        self._choose = choose or _choose_freely
+        self._standard_input = standard_input
+        self._was_read: bytes | None = None
         self._packages: dict[str, str] | None = None
         self._workspaces: Workspaces | None = None
 
@@ -83,6 +90,10 @@ class SystemWorld:
 
     def read_bytes(self, path: str) -> bytes:
         """See World. Only regular files: a pipe could keep us waiting for ever."""
+        if path == "-" and self._standard_input is not None:
+            if self._was_read is None:
+                self._was_read = self._standard_input()
+            return self._was_read
         try:
             with open(path, "rb", opener=_open_without_waiting) as file:
                 status = os.fstat(file.fileno())
@@ -127,6 +138,10 @@ class SystemWorld:
                 yield from (os.path.join(directory, name) for name in files)
                 for hidden in [name for name in folders if name.startswith(".")]:
                     folders.remove(hidden)
+
+
+def _choose_freely(limit: int) -> int:
+    return int.from_bytes(os.urandom(16), "little") % limit  # importing `random` costs as much as reading ten files
 
 
 def _may_run(path: str) -> bool:

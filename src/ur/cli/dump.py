@@ -1,0 +1,36 @@
+"""`ur launch --dump json`: all that a launch file means, as roslaunch understands it."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Mapping, Sequence
+
+from ur.cli.plan_files import declared_arguments, refuse_stray_words
+from ur.cli.queries import make_world
+from ur.launchfile.address import resolve_addresses
+from ur.launchfile.dump import dump_plan, dump_refusal
+from ur.launchfile.plan.commands import refuse_command, run_command
+from ur.launchfile.plan.load import load_plan
+from ur.source.diagnostic import UserError
+
+
+def print_dump(
+    words: Sequence[str], shell: Mapping[str, str], *, with_origins: bool = False, no_commands: bool = False
+) -> int:
+    """Print the plan behind `[PACKAGE] FILE [ARG:=VALUE]...` as JSON with sorted keys; 1 if roslaunch refuses it.
+
+    Nothing is taken from the selection: the same words and the same shell mean what they mean to roslaunch.
+    `no_commands` refuses files with `<param command=...>` instead of running the programs.
+    """
+    world = make_world(shell, anonymous=True)
+    try:
+        files = resolve_addresses(words, world)
+        refuse_stray_words(files, declared_arguments(files, world), world)
+        plan = load_plan(files, [word for word in words if ":=" in word], world)
+        dumped = dump_plan(plan, with_origins=with_origins, run=refuse_command if no_commands else run_command)
+    except UserError as problem:
+        dumped = dump_refusal(problem.diagnostics)
+    sys.stdout.write(json.dumps(dumped, sort_keys=True, indent=2) + "\n")
+    sys.stdout.flush()
+    return 0 if dumped["ok"] else 1
