@@ -149,6 +149,11 @@ def test_two_robots_are_set_up_at_once() -> None:
         line = f"{UR} robot setup --from robots.yaml --passwords-from 0"
         done = laptop.run(line, user="pat", stdin=f"ros\n{PASSWORD}\n", timeout=400).check()
         assert done.out.count("ready after") == 2
+        seen = laptop.wait_for(f"{UR} robots", user="pat")
+        assert seen.out.count("magni") == 2
+        assert bench["robot"].address in seen.out
+        said = laptop.run(f"{UR} shell eve cat /etc/hostname", user="pat").check()
+        assert said.out == "eve\n"
         again = laptop.run(
             "sed -i 's/robot2.local/eve.local/; s/robot.local/bob.local/' robots.yaml;" + line,
             user="pat",
@@ -221,7 +226,7 @@ POINTS = (
         "ssh key",
     ),
     *("login to itself", "its own host key", "host key of the viewer", "password", "host name (hosts)", "host name"),
-    *("here: host key of bob", "here: login from bob", "reboot as bob.local"),
+    *("here: host key of bob", "here: login from bob", "here: memory of it", "reboot as bob.local"),
 )
 
 

@@ -25,6 +25,8 @@ VERBS = {
     "explain": ("ur.cli.explain", "Say where a name in a launch file got its value."),
     "use": ("ur.cli.use", "Select a robot, or show which one is selected."),
     "setup": ("ur.cli.setup", "Set this computer up: shells, keys, workspace, names."),
+    "robots": ("ur.cli.robots", "List the robots on the network, and those known but away."),
+    "shell": ("ur.cli.shell", "Open a shell on a robot, or run one command there."),
     "robot": ("ur.cli.robot", "Set robots up, over the network."),
     "env": ("ur.cli.env", "Print what makes a shell follow the selection."),
 }

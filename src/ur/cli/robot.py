@@ -16,6 +16,7 @@ import click
 
 from ur.cli.environment import PACKAGE
 from ur.robot.base import list_bases, load_base
+from ur.robot.record import DEFAULT_USER
 from ur.robot.setup.robot import Task, open_robot, prepare_viewer, preview, set_up
 from ur.robot.setup.there import Robot, Viewer, is_robot_name
 from ur.robot.setup.verify import Check, verify
@@ -25,8 +26,6 @@ from ur.robot.ssh.shell import LocalShell
 from ur.source.diagnostic import UserError, error
 from ur.source.render import render_human
 from ur.source.section import Section, read_section
-
-DEFAULT_USER = "ros"
 
 
 @click.group("robot", invoke_without_command=True)

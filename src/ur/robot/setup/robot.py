@@ -10,12 +10,13 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
+from ur.robot.record import Record, render_record
 from ur.robot.setup.change import Change
 from ur.robot.setup.engine import bring_about, gather, look, plan_changes
 from ur.robot.setup.facts import Facts, Request
 from ur.robot.setup.keys import HOST_KEY, KEY, allowed_key, known_host, own_keys
 from ur.robot.setup.there import Robot, Viewer, WantedPassword, base_request, wanted_there
-from ur.robot.setup.wanted import Wanted
+from ur.robot.setup.wanted import Wanted, WantedFile
 from ur.robot.ssh.openssh import Address, SshShell, connect
 from ur.robot.ssh.secret import Secret
 from ur.robot.ssh.shell import Shell, quote
@@ -191,10 +192,13 @@ def _remember(task: Task, here: Shell, viewer: Viewer, facts: Facts, report: Rep
             error(f"{task.address}: it has no ssh keys after the set-up", rule="failed-change", help="ur doctor")
         )
 
+    record = Record(task.robot.name, task.address.user, task.robot.base, task.robot.variant)
+
     def make(_: Facts) -> list[Wanted]:
         return [
             known_host(f"host key of {task.robot.name}", task.robot.name, host_key),
             allowed_key(f"login from {task.robot.name}", public_key),
+            WantedFile("memory of it", f"~/.config/ubiquity_launches/robots/{record.name}.yaml", render_record(record)),
         ]
 
     base = Request(viewer.user)

@@ -131,7 +131,7 @@ def robot_file(robot: Robot) -> str:
 
 def announcement(robot: Robot, user: str) -> str:
     """The avahi service by which viewers find the robot."""
-    records = {"base": robot.base, "variant": robot.variant, "user": user}
+    records = {"name": robot.name, "base": robot.base, "variant": robot.variant, "user": user}
     texts = "".join(f"    <txt-record>{key}={value}</txt-record>\n" for key, value in records.items() if value)
     return (
         '<?xml version="1.0" standalone="no"?>\n<!DOCTYPE service-group SYSTEM "avahi-service.dtd">\n'

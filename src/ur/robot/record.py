@@ -1,0 +1,53 @@
+"""What this computer remembers of robots that it set up: one file each, written by `ur robot setup`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from ur.robot.selection import selection_path
+from ur.source.diagnostic import UserError
+
+DEFAULT_USER = "ros"
+
+
+@dataclass(frozen=True, slots=True)
+class Record:
+    """A robot that was set up from here, and whom to log in as."""
+
+    name: str
+    user: str
+    base: str
+    variant: str = ""
+
+
+def records_folder(environment: Mapping[str, str]) -> Path:
+    """Where records are, beside the selection."""
+    return selection_path(environment).parent / "robots"
+
+
+def render_record(record: Record) -> str:
+    """The text of a record's file."""
+    rows = {"name": record.name, "user": record.user, "base": record.base, "variant": record.variant}
+    return "# Written by ur robot setup.\n" + "".join(f'{key}: "{value}"\n' for key, value in rows.items() if value)
+
+
+def load_records(folder: Path) -> list[Record]:
+    """All records, by name. One that cannot be read is left out: it is only a memory."""
+    return [record for path in sorted(folder.glob("*.yaml")) if (record := _load_record(path))]
+
+
+def _load_record(path: Path) -> Record | None:
+    from ur.source.section import read_section  # YAML is only needed where robots are listed
+
+    try:
+        top = read_section(path, "a record of a robot")
+        return Record(top.text("name"), top.text("user"), top.text("base"), top.text("variant", ""))
+    except UserError:
+        return None
+
+
+def find_user(name: str, folder: Path) -> str:
+    """Whom to log in as on a robot."""
+    return next((record.user for record in load_records(folder) if record.name == name), DEFAULT_USER)
