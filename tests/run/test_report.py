@@ -33,7 +33,15 @@ def test_death_without_a_word_says_so() -> None:
     assert describe_death(death, [], "/log/a") == [
         "error: /a died: signal SIGKILL (killed), which ends the run",
         "  log: /log/a (it printed nothing)",
+        "  try: 'dmesg | tail' says whether memory ran out; else somebody killed it",
     ]
+
+
+def test_crash_and_storm_say_what_to_try() -> None:
+    assert "gdb" in describe_death(TellDeath("/a", ExitStatus(signal=11)), [], "/log/a")[-1]
+    told = describe_death(TellDeath("/a", ExitStatus(code=2), deaths=3), ["bad speed"], "/log/a")
+    assert told[0] == "error: /a died: exit code 2, 3 times in a row soon after its start: it is not started again"
+    assert told[-1] == "  try: exit code 2 is about what it was given: correct that, then 'ur restart /a'"
 
 
 def test_clean_end_is_no_error() -> None:

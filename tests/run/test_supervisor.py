@@ -20,21 +20,27 @@ from ur.run.model import (
     Finish,
     Limits,
     MasterAnswered,
+    MasterReplaced,
     NothingLeft,
     ParametersSet,
     Phase,
+    RestartWanted,
     SetParameters,
     SetupFailed,
     Signal,
     Start,
     Started,
     StartFailed,
+    StartWanted,
     State,
     StopRequested,
+    StopWanted,
     Sweep,
     TellDeath,
     TellPressure,
+    TellRevival,
     TellStop,
+    TellWish,
     Tick,
     Unit,
     Unregister,
@@ -251,6 +257,100 @@ def test_late_news_about_unknown_or_ended_units_change_nothing() -> None:
     assert history.state == before
 
 
+def test_storm_of_deaths_ends_with_giving_up_and_a_restart_by_hand_begins_anew() -> None:
+    history = History(Unit("/a", respawn=True), Unit("/b")).running()
+    for _ in range(Limits().quick_deaths - 1):
+        history.happens(Exited("/a", FAILED), after=0.1)
+        history.happens(Tick(), after=history.due())
+        history.happens(Started("/a", 5))
+    assert history.happens(Exited("/a", FAILED)) == [TellDeath("/a", FAILED, deaths=Limits().quick_deaths)]
+    assert next_deadline(history.state) is None
+    assert history.happens(RestartWanted("/a")) == [Start("/a")]
+    history.happens(Started("/a", 6))
+    [death] = history.happens(Exited("/a", FAILED))
+    assert isinstance(death, TellDeath)
+    assert death.restart_in == 0.0
+
+
+def test_node_that_refuses_its_input_is_given_up_sooner_and_ends_the_run_with_1() -> None:
+    history = History(Unit("/a", respawn=True)).running()
+    refused = ExitStatus(code=2)
+    for _ in range(2):
+        history.happens(Exited("/a", refused))
+        history.happens(Tick(), after=history.due())
+        history.happens(Started("/a", 5))
+    told = history.happens(Exited("/a", refused))
+    assert told[:2] == [TellDeath("/a", refused, deaths=3), TellStop("every node has ended")]
+    history.happens(NothingLeft())
+    assert history.happens(Unregistered()) == [Finish(1)]
+
+
+def test_no_limit_respawns_for_ever() -> None:
+    history = History(Unit("/a", respawn=True))
+    history.state = begin_state([Unit("/a", respawn=True)], own_master=False, limits=Limits(quick_deaths=0))
+    history.running()
+    for _ in range(40):
+        history.happens(Exited("/a", FAILED))
+        assert history.happens(Tick(), after=history.due()) == [Start("/a")]
+        history.happens(Started("/a", 5))
+
+
+def test_node_stopped_by_hand_stays_stopped_and_keeps_the_run() -> None:
+    history = History(Unit("/a", respawn=True), Unit("/b", required=True)).running()
+    for name in ("/a", "/b"):
+        assert history.happens(StopWanted(name)) == [Signal(name, SIGINT)]
+        assert history.happens(Exited(name, FAILED)) == [TellWish(name)]
+    assert history.state.phase is Phase.RUNNING
+    assert next_deadline(history.state) is None
+    assert history.happens(StartWanted("/a")) == [Start("/a")]
+
+
+def test_stubborn_node_stopped_by_hand_gets_stronger_signals() -> None:
+    history = History(Unit("/a"), Unit("/b")).running()
+    history.happens(StopWanted("/a"))
+    assert history.happens(Tick(), after=history.due()) == [TellPressure(("/a",), SIGTERM), Signal("/a", SIGTERM)]
+    assert history.happens(Tick(), after=history.due()) == [TellPressure(("/a",), SIGKILL), Signal("/a", SIGKILL)]
+    history.happens(Tick(), after=history.due())
+    assert next_deadline(history.state) is None
+    assert history.happens(Exited("/a", KILLED)) == [TellWish("/a")]
+
+
+def test_restart_by_hand_waits_for_the_end_and_kill_does_not_ask() -> None:
+    history = History(Unit("/a"), Unit("/b")).running()
+    assert history.happens(RestartWanted("/a")) == [Signal("/a", SIGINT)]
+    assert history.happens(Exited("/a", CLEAN)) == [Start("/a")]
+    assert history.happens(StopWanted("/a", kill=True)) == []  # not there yet
+    assert history.happens(Started("/a", 7)) == [Signal("/a", SIGKILL)]
+
+
+def test_wishes_about_core_and_unknown_nodes_are_refused_and_a_stop_forgets_all() -> None:
+    history = History(Unit("/a"), own_master=True).running()
+    for name in ("master", "/nobody"):
+        [told] = history.happens(StopWanted(name))
+        assert isinstance(told, TellWish)
+        assert told.refused
+    history.happens(RestartWanted("/a"), StopRequested("SIGINT"))
+    assert Start("/a") not in history.happens(Exited("/a", CLEAN))
+    assert history.happens(StartWanted("/a")) == []
+
+
+def test_another_master_gets_the_parameters_and_every_node_starts_again() -> None:
+    history = History(Unit("/a"), Unit("/b"), Unit("/c", respawn=True, respawn_delay=1.0)).running()
+    history.happens(Exited("/b", FAILED), Exited("/c", FAILED))
+    assert history.happens(MasterReplaced()) == [TellRevival(), SetParameters()]
+    history.happens(Tick(), after=2.0)  # nothing starts before the parameters are there
+    assert history.happens(ParametersSet()) == [Signal("/a", SIGINT), Start("/c")]
+    assert history.happens(Exited("/a", CLEAN)) == [Start("/a")]
+
+
+def test_master_that_goes_again_while_parameters_are_set_does_not_end_the_run() -> None:
+    history = History(Unit("/a")).running()
+    history.happens(MasterReplaced())
+    assert history.happens(SetupFailed("gone")) == []
+    assert history.state.phase is Phase.RUNNING
+    assert history.happens(MasterReplaced()) == [TellRevival(), SetParameters()]
+
+
 _NAMES = st.sampled_from(["/a", "/b", "/front", "master", "/rosout"])
 _EVENTS: st.SearchStrategy[Any] = st.one_of(
     st.just(Begin()),
@@ -261,6 +361,10 @@ _EVENTS: st.SearchStrategy[Any] = st.one_of(
     st.builds(StartFailed, _NAMES, st.just("no")),
     st.builds(Exited, _NAMES, st.sampled_from([CLEAN, FAILED, KILLED])),
     st.just(StopRequested("SIGINT")),
+    st.builds(StartWanted, _NAMES),
+    st.builds(StopWanted, _NAMES, st.booleans()),
+    st.builds(RestartWanted, _NAMES),
+    st.just(MasterReplaced()),
     st.just(Tick()),
     st.just(NothingLeft()),
     st.just(Unregistered()),

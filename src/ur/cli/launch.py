@@ -16,7 +16,10 @@ from ur.source.diagnostic import UserError, error
 
 if TYPE_CHECKING:
     from ur.launchfile.plan.model import Plan
+    from ur.run.console import Console
+    from ur.run.detach import LetGo
     from ur.run.launch import Options
+    from ur.run.registry import RunEntry
 
 _Query = tuple[str, str | None]
 _SECONDS = click.FloatRange(min=0, min_open=True)
@@ -47,6 +50,10 @@ class _Wishes:
     only: Sequence[str] = ()
     except_: Sequence[str] = ()
     prefix: Sequence[str] = ()
+    detach: bool = False
+    json: bool = False
+    timeout_ready: float = 30.0
+    respawn_limit: int | None = None
     queries: Sequence[_Query] = field(default=())
 
 
@@ -68,7 +75,21 @@ def _parameters() -> list[click.Parameter]:
         click.Option(
             ["--prefix"], multiple=True, metavar="NODE=PREFIX", help="Put a program in front: 'talker=gdb --args'."
         ),
-        flag("--wait", help="Wait for a master instead of starting one."),
+        flag("--detach", help="Start it, and let it run on without this terminal: ur ps, attach, logs, stop."),
+        flag("--json", help="Print everything that happens as lines of JSON."),
+        flag("--wait", help="Wait for a master instead of starting one; with --detach: until every node is up."),
+        click.Option(
+            ["--timeout-ready"],
+            type=_SECONDS,
+            default=30.0,
+            show_default=True,
+            help="With --detach --wait: seconds that nodes get to be up.",
+        ),
+        click.Option(
+            ["--respawn-limit"],
+            type=click.IntRange(0),
+            help="Give a respawning node up after so many quick deaths (default 10); 0: never, as roslaunch.",
+        ),
         click.Option(["-p", "--port"], type=click.IntRange(1, 65535), help="Port of the master that is started."),
         click.Option(["-w", "--numworkers"], type=click.IntRange(1), help="Threads of the master that is started."),
         click.Option(["-t", "--timeout"], type=_SECONDS, help="Socket timeout of the master that is started."),
@@ -126,6 +147,9 @@ def launch(
     wishes = _Wishes(**options, queries=queries)
     if wishes.screen and wishes.log:
         raise UserError(error("--screen and --log exclude each other, expected one", rule="bad-options"))
+    if wishes.detach and wishes.json:
+        help_ = "'ur attach --json' prints the events of a run that is detached"
+        raise UserError(error("--detach and --json exclude each other", rule="bad-options", help=help_))
     if len(queries) > 1:
         names = " and ".join(f"--{name}" for name, _ in queries)
         raise UserError(error(f"{names} exclude each other, expected one", rule="bad-options"))
@@ -167,6 +191,16 @@ def _choose(plan: Plan, wishes: _Wishes) -> Plan:
 
 
 def _start(words: Sequence[str], selection: Selection, wishes: _Wishes) -> int:
+    if wishes.detach:
+        from ur.cli.detached import start_detached
+
+        return start_detached(
+            lambda let_go: _run(words, selection, wishes, let_go), wait=wishes.timeout_ready if wishes.wait else None
+        )
+    return _run(words, selection, wishes, None)
+
+
+def _run(words: Sequence[str], selection: Selection, wishes: _Wishes, let_go: LetGo | None) -> int:
     from ur.run.processes import start_host  # now, not before: help and completion need none of it
 
     host = start_host()  # its start overlaps with the reading of the launch file
@@ -182,7 +216,7 @@ def _start(words: Sequence[str], selection: Selection, wishes: _Wishes) -> int:
         console = Console()
         try:
             with _pid_file(wishes.pid):
-                return run_plan(plan, world, host, console, _options(words, selection, wishes))
+                return run_plan(plan, world, host, console, _options(words, selection, wishes, console, let_go))
         except UserError as problem:
             from ur.source.render import render_human
 
@@ -193,13 +227,22 @@ def _start(words: Sequence[str], selection: Selection, wishes: _Wishes) -> int:
         host.close()
 
 
-def _options(words: Sequence[str], selection: Selection, wishes: _Wishes) -> Options:
+def _options(
+    words: Sequence[str], selection: Selection, wishes: _Wishes, console: Console, let_go: LetGo | None
+) -> Options:
     from ur.run.launch import Options
     from ur.run.model import Limits
 
     given = dict(word.split(":=", 1) for word in words if ":=" in word)
     base = given.get("robot_base", selection.base)
     defaults = Limits()
+
+    def leave(entry: RunEntry) -> None:
+        console.finish(1.0)
+        console.calm()
+        if let_go is not None:
+            let_go(entry)
+
     master_words = []
     if wishes.timeout is not None:
         master_words += ["-t", str(wishes.timeout)]
@@ -209,16 +252,19 @@ def _options(words: Sequence[str], selection: Selection, wishes: _Wishes) -> Opt
         limits=Limits(
             interrupt=wishes.sigint_timeout or defaults.interrupt,
             terminate=wishes.sigterm_timeout or defaults.terminate,
+            quick_deaths=defaults.quick_deaths if wishes.respawn_limit is None else wishes.respawn_limit,
         ),
         force_screen=wishes.screen,
         force_log=wishes.log,
         force_required=wishes.required,
-        wait_for_master=wishes.wait,
+        wait_for_master=wishes.wait and not wishes.detach,
         port=wishes.port,
         workers=wishes.numworkers,
         master_words=tuple(master_words),
         base=base,
         variant=given.get("robot_variant", selection.variant if base == selection.base else ""),
+        events=1 if wishes.json else None,
+        call_started=None if let_go is None else leave,
     )
 
 

@@ -6,6 +6,7 @@ import os
 import select
 import time
 from collections import deque
+from collections.abc import Callable
 
 _BOLD, _RED, _DIM, _PLAIN = "\x1b[1m", "\x1b[31m", "\x1b[2m", "\x1b[0m"
 MOST_WAITING = 4000  # lines; the log files have them all
@@ -15,8 +16,10 @@ PIECE = 4096  # bytes: what a writable pipe takes without blocking, pipe(7)
 class Sink:
     """An open file that is written to without ever waiting for it."""
 
-    def __init__(self, descriptor: int) -> None:
+    def __init__(self, descriptor: int, tell_lost: Callable[[int], bytes] | None = None) -> None:
+        """Take an open file, and what makes a line that says how many lines got lost."""
         self.descriptor = descriptor
+        self._tell_lost = tell_lost or _tell_lost
         self.lost = 0
         self._lines: deque[bytes] = deque()
         self._rest = b""
@@ -26,13 +29,18 @@ class Sink:
         """Whether there is something to write."""
         return bool(self._lines or self._rest)
 
+    @property
+    def backlog(self) -> int:
+        """How many lines wait."""
+        return len(self._lines)
+
     def put(self, line: bytes, *, important: bool) -> None:
         """Queue a line. When nobody reads, those that are not important get lost."""
         if len(self._lines) >= MOST_WAITING and not important:
             self.lost += 1
             return
         if self.lost:
-            self._lines.append(b"... %d lines are not shown here; the log files have them\n" % self.lost)
+            self._lines.append(self._tell_lost(self.lost))
             self.lost = 0
         self._lines.append(line)
 
@@ -43,9 +51,18 @@ class Sink:
                 self._rest += self._lines.popleft()
             try:
                 self._rest = self._rest[os.write(self.descriptor, self._rest[:PIECE]) :]
+            except BlockingIOError:
+                return
             except OSError:  # nobody reads any more
                 self._lines.clear()
                 self._rest = b""
+
+    def finish(self, limit: float) -> None:
+        """Write everything, or as much as is taken within a time limit, in s."""
+        end = time.monotonic() + limit
+        self.flush()
+        while self.waiting and (left := end - time.monotonic()) > 0 and _is_writable(self.descriptor, left):
+            self.flush()
 
 
 class Console:
@@ -57,11 +74,16 @@ class Console:
         self._err = self._out if _same_file(out, err) else Sink(err)
         self._colours = {sink: _is_terminal(sink.descriptor) for sink in (self._out, self._err)}
         self._held: list[tuple[Sink, bytes]] | None = None
+        self.silent = False  # while somebody else shows everything
 
     @property
     def is_terminal(self) -> bool:
         """Whether node output goes to a terminal."""
         return self._colours[self._out]
+
+    def calm(self) -> None:
+        """No colours from here on, whatever the descriptors are."""
+        self._colours = dict.fromkeys(self._colours, False)
 
     def show(self, name: str, line: str) -> None:
         """A line that a node printed on standard output."""
@@ -103,11 +125,8 @@ class Console:
 
     def finish(self, limit: float) -> None:
         """Write everything, or as much as is taken within a time limit, in s."""
-        end = time.monotonic() + limit
         for sink in self._colours:
-            sink.flush()
-            while sink.waiting and (left := end - time.monotonic()) > 0 and _is_writable(sink.descriptor, left):
-                sink.flush()
+            sink.finish(limit)
 
     def _show(self, sink: Sink, name: str, line: str) -> None:
         head = f"{_BOLD}[{name}]{_PLAIN}" if self._colours[sink] else f"[{name}]"
@@ -118,11 +137,17 @@ class Console:
         return f"{style}{text}{_PLAIN}\n" if style and self._colours[self._err] else f"{text}\n"
 
     def _put(self, sink: Sink, text: str, *, important: bool) -> None:
+        if self.silent:
+            return
         line = text.encode("utf-8", "replace")
         if self._held is not None:
             self._held.append((sink, line))
         else:
             sink.put(line, important=important)
+
+
+def _tell_lost(count: int) -> bytes:
+    return b"... %d lines are not shown here; the log files have them\n" % count
 
 
 def _is_terminal(descriptor: int) -> bool:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import os
 import shutil
+import socket
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -13,12 +15,14 @@ from ur.launchfile.plan.model import NodeSpec, ParamValue, Plan
 from ur.launchfile.world import World
 from ur.run.command import Program, find_programs
 from ur.run.console import Console
-from ur.run.loop import Run, run_loop
+from ur.run.events import RunStarted
+from ur.run.loop import Run, WatchPlan, run_loop
 from ur.run.master import DEFAULT_PORT, Master, parse_master_uri
 from ur.run.model import Event, Limits, MasterAnswered, ParametersSet, SetupFailed, Unit, Unregistered
 from ur.run.parameters import CommandParameters, check_sendable, plain_values, start_commands
 from ur.run.places import is_local_address, make_home, make_run_folder, new_run_id
 from ur.run.processes import ProcessHost
+from ur.run.registry import RunEntry, make_run_name, read_birth, register_run, unregister_run
 from ur.run.terminal import find_terminal, ignore_background_write
 from ur.run.xml_rpc import Refused, Unanswered
 from ur.source.diagnostic import Diagnostic, UserError, error
@@ -43,6 +47,9 @@ class Options:
     master_words: tuple[str, ...] = ()  # more options for rosmaster
     base: str = ""
     variant: str = ""
+    viewer: socket.socket | None = None  # see ur.run.loop.WatchPlan
+    events: int | None = None
+    call_started: Callable[[RunEntry], None] | None = None  # the run is detached: called once every node was started
 
 
 def run_plan(plan: Plan, world: World, host: ProcessHost, console: Console, options: Options) -> int:
@@ -64,6 +71,8 @@ def run_plan(plan: Plan, world: World, host: ProcessHost, console: Console, opti
     check_sendable(plan.params)
     if sum(node.terminal for node in nodes) > 1:
         raise UserError(*_several_terminals(nodes))
+    if options.call_started is not None:
+        _refuse_terminals(nodes)
 
     master = _find_master(environment, options)
     run_id = _read_run_id(master, options, console)
@@ -86,8 +95,9 @@ def run_plan(plan: Plan, world: World, host: ProcessHost, console: Console, opti
         console.finish(1.0)
         return 0
 
+    here = _register(plan, master, folder, environment, console, detached=options.call_started is not None)
     host.set_environment(environment)
-    terminal = find_terminal()
+    terminal = find_terminal() if options.call_started is None else None
     ignore_background_write()
     _announce(console, master, own_master=own_master, folder=folder, nodes=len(programs))
     commands = start_commands(plan.params, environment)
@@ -101,10 +111,75 @@ def run_plan(plan: Plan, world: World, host: ProcessHost, console: Console, opti
             set_parameters=lambda: _try_parameters(plan, master, extra, commands),
             unregister=lambda: _unregister(master, [node.full_name for node in nodes]),
             limits=options.limits,
+            watch=_plan_watch(here, nodes, options),
         )
         return run_loop(run, host, console, terminal)
     finally:
         commands.stop()
+        unregister_run(here[0])
+
+
+_Registered = tuple[RunEntry, socket.socket | None]
+
+
+def _register(
+    plan: Plan, master: Master, folder: str, environment: Mapping[str, str], console: Console, *, detached: bool
+) -> _Registered:
+    pid = os.getpid()
+    title, name = make_run_name(plan.files, pid)
+    entry = RunEntry(
+        name, pid, read_birth(pid) or 0, title, master.uri, folder, time.time(), detached, socket.gethostname()
+    )
+    made = register_run(entry, environment, os.getuid())
+    if made is not None:
+        return made
+    if detached:
+        raise UserError(
+            error(
+                "no private folder for the run can be made, so nobody could reach it once it is detached",
+                rule="bad-state-folder",
+                help="XDG_STATE_HOME chooses another place",
+            )
+        )
+    console.warn("this run is not listed by 'ur ps': no private folder for it can be made (XDG_STATE_HOME)")
+    return entry, None
+
+
+def _plan_watch(here: _Registered, nodes: tuple[NodeSpec, ...], options: Options) -> WatchPlan:
+    entry, listener = here
+    call = options.call_started
+    return WatchPlan(
+        started=RunStarted(
+            run=entry.run,
+            pid=entry.pid,
+            title=entry.title,
+            master_uri=entry.master_uri,
+            log_folder=entry.log_folder,
+            started=entry.started,
+            detached=entry.detached,
+            terminal=next((node.full_name for node in nodes if node.terminal), ""),
+        ),
+        listener=listener,
+        viewer=options.viewer,
+        events=options.events,
+        unattended=call is not None,
+        call_started=None if call is None else lambda: call(entry),
+    )
+
+
+def _refuse_terminals(nodes: tuple[NodeSpec, ...]) -> None:
+    problems = [
+        error(
+            f"{node.full_name} needs the terminal, which a detached run does not have",
+            node.origin.span,
+            rule="detached-terminal",
+            help="leave --detach out, or this node: --except " + node.full_name,
+        )
+        for node in nodes
+        if node.terminal
+    ]
+    if problems:
+        raise UserError(*problems)
 
 
 def leave_out_viewers(

@@ -5,15 +5,27 @@ from __future__ import annotations
 import os
 import select
 import signal
+import socket
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from ur.run import host as places
 from ur.run.command import Program
 from ur.run.console import Console
+from ur.run.events import (
+    KillNode,
+    RestartNode,
+    RunCommand,
+    RunStarted,
+    Severity,
+    StartNode,
+    StopNode,
+    StopRun,
+    Watch,
+)
 from ur.run.model import (
     Action,
     AwaitMaster,
@@ -23,28 +35,52 @@ from ur.run.model import (
     Finish,
     Limits,
     NothingLeft,
+    Phase,
+    RestartWanted,
     SetParameters,
     SetupFailed,
     Signal,
     Start,
     Started,
     StartFailed,
+    StartWanted,
+    Status,
     StopRequested,
+    StopWanted,
     Sweep,
     TellDeath,
     TellPressure,
+    TellRevival,
     TellStop,
+    TellWish,
     Tick,
     Unregister,
     Unregistered,
 )
-from ur.run.output import KEPT_LINES, Stream, read_last_lines
+from ur.run.outputs import Outputs
 from ur.run.processes import HostLost, ProcessHost, Suspended, kill_orphans
 from ur.run.report import describe_death
 from ur.run.supervisor import begin_state, next_deadline, step
 from ur.run.terminal import Terminal
+from ur.run.watching import Watching
 
 Job = Callable[[], Event]
+
+
+@dataclass(frozen=True, slots=True)
+class WatchPlan:
+    """Who may watch the run, and how it appears to them. `call_started` is called once every node was started.
+
+    `viewer` is our end of a pair whose other end shows the run on our terminal: while it is open the console is silent.
+    `events` is an open file that gets every event, in place of the console. `unattended`: nobody sees our console.
+    """
+
+    started: RunStarted = field(default_factory=lambda: RunStarted("", 0, "", "", "", 0.0))
+    listener: socket.socket | None = None
+    viewer: socket.socket | None = None
+    events: int | None = None
+    unattended: bool = False
+    call_started: Callable[[], None] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,19 +99,12 @@ class Run:
     set_parameters: Job
     unregister: Job
     limits: Limits = field(default_factory=Limits)
+    watch: WatchPlan = field(default_factory=lambda: WatchPlan())
 
     @property
     def terminal_program(self) -> Program | None:
         """The program that owns the keyboard and the screen."""
         return next((each for each in self.programs if each.unit.terminal), None)
-
-
-@dataclass(slots=True)
-class _Outputs:
-    log_path: str
-    log: int
-    streams: list[Stream]
-    recent: deque[str]
 
 
 def run_loop(run: Run, host: ProcessHost, console: Console, terminal: Terminal | None) -> int:
@@ -107,12 +136,29 @@ class _Loop:
         self._state = begin_state(
             (program.unit for program in run.programs), own_master=run.own_master, limits=run.limits
         )
-        self._outputs: dict[str, _Outputs] = {}
-        self._streams: dict[int, Stream] = {}
         self._pids: dict[str, int] = {}
         self._posted: deque[Event] = deque()
         self._exit_code: int | None = None
+        self._call_started = run.watch.call_started
         self._poll = select.poll()
+        self._outputs = Outputs(
+            self._poll,
+            run.folder,
+            console,
+            lambda name, source, text: self._watching.tell_output(name, source, text),
+            unattended=run.watch.unattended or run.terminal_program is not None,
+        )
+        self._watching = Watching(
+            run.watch.started,
+            run.watch.listener,
+            {program.unit.name: self._outputs.find_path(program) for program in run.programs},
+            lambda anew: self._outputs.skip_back() if anew else self._outputs.read_back(),
+            self._state,
+            time.monotonic(),
+        )
+        self._watching.watchers.call_gone = self._forget_watcher
+        self._viewer: int | None = None
+        self._watched: dict[int, int] = {}
         self._wake, self._wake_end = os.pipe2(os.O_CLOEXEC | os.O_NONBLOCK)
         self._poll.register(self._wake, select.POLLIN)
         self._poll.register(host, select.POLLIN)
@@ -122,9 +168,11 @@ class _Loop:
             self._handlers[signum] = signal.signal(signum, self._on_signal)
 
     def run(self) -> int:
+        self._welcome()
         self._happen(Begin())
         while self._exit_code is None:
             self._console.flush()
+            self._follow_watchers()
             unwritten = self._console.waiting()
             for descriptor in unwritten:
                 self._poll.register(descriptor, select.POLLOUT)
@@ -138,13 +186,19 @@ class _Loop:
                     _drain(self._wake)
                 elif descriptor == self._host.fileno():
                     self._hear(self._host.receive())
+                elif descriptor in self._watched:
+                    self._attend(descriptor)
                 else:
-                    self._read(self._streams.get(descriptor))
+                    self._outputs.read(descriptor)
             while self._posted:
                 self._happen(self._posted.popleft())
+            now = time.monotonic()
             deadline = next_deadline(self._state)
-            if deadline is not None and time.monotonic() >= deadline:
+            if deadline is not None and now >= deadline:
                 self._happen(Tick())
+            due = self._watching.due
+            if due is not None and now >= due:
+                self._watching.work(now)
         return self._exit_code
 
     def close(self) -> None:
@@ -156,14 +210,15 @@ class _Loop:
             self._take_terminal_back(reset=True)
         self._console.release()
         self._console.finish(1.0)
-        for outputs in self._outputs.values():
-            self._close_outputs(outputs)
+        self._watching.end(1 if self._exit_code is None else self._exit_code)
+        self._outputs.close()
         os.close(self._wake)
         os.close(self._wake_end)
 
     def _patience(self) -> float | None:
         """Milliseconds until something is due."""
-        deadline = next_deadline(self._state)
+        times = [time for time in (next_deadline(self._state), self._watching.due) if time is not None]
+        deadline = min(times, default=None)
         return None if deadline is None else max(0.0, deadline - time.monotonic()) * 1000 + 1
 
     def _on_signal(self, signum: int, _frame: object) -> None:
@@ -172,9 +227,68 @@ class _Loop:
         self._posted.append(StopRequested(signal.Signals(signum).name, code))
 
     def _happen(self, event: Event) -> None:
-        self._state, actions = step(self._state, event, time.monotonic())
+        now = time.monotonic()
+        self._state, actions = step(self._state, event, now)
+        self._watching.note_state(self._state, now)
         for action in actions:
             self._act(action)
+        if self._call_started is not None and self._is_started():
+            self._call_started()
+            self._call_started = None
+
+    def _is_started(self) -> bool:
+        return self._state.phase is Phase.RUNNING and not any(
+            each.status is Status.STARTING for each in self._state.units
+        )
+
+    def _welcome(self) -> None:
+        """Let those watch who are there from the beginning."""
+        watch = self._run.watch
+        if watch.events is not None:
+            self._console.silent = True
+            self._watching.watchers.add_output(watch.events, Watch(output=True, stats=False, readiness=True))
+        if watch.viewer is not None:
+            self._console.silent = True
+            self._viewer = self._watching.watchers.add_socket(watch.viewer)
+        self._watching.follow_wishes(time.monotonic())
+
+    def _follow_watchers(self) -> None:
+        """Poll for what watchers may do next."""
+        self._watching.watchers.flush()
+        wanted = self._watching.watchers.descriptors()
+        if wanted == self._watched:
+            return
+        for descriptor in self._watched.keys() - wanted.keys():
+            self._poll.unregister(descriptor)
+        for descriptor, events in wanted.items():
+            self._poll.register(descriptor, events)
+        self._watched = wanted
+
+    def _forget_watcher(self, descriptor: int) -> None:
+        if self._watched.pop(descriptor, None) is not None:
+            self._poll.unregister(descriptor)
+
+    def _attend(self, descriptor: int) -> None:
+        for command in self._watching.attend(descriptor, time.monotonic()):
+            self._obey(command)
+        if self._viewer is not None and not self._watching.watchers.watching(self._viewer):
+            self._viewer = None
+            self._console.silent = False
+            if self._terminal is not None:
+                self._terminal.take_back(reset=True)
+
+    def _obey(self, command: RunCommand) -> None:
+        match command:
+            case StartNode(name):
+                self._happen(StartWanted(name))
+            case StopNode(name):
+                self._happen(StopWanted(name))
+            case KillNode(name):
+                self._happen(StopWanted(name, kill=True))
+            case RestartNode(name):
+                self._happen(RestartWanted(name))
+            case StopRun(reason):
+                self._happen(StopRequested(reason))
 
     def _hear(self, event: Event | Suspended) -> None:
         if isinstance(event, Suspended):
@@ -184,16 +298,15 @@ class _Loop:
             self._pids[event.name] = event.pid
             unit = self._programs[event.name].unit
             if not unit.terminal and not unit.core:
-                self._console.inform(f"[{event.name}] started, process {event.pid}")
+                self._inform(f"[{event.name}] started, process {event.pid}")
         elif isinstance(event, (Exited, StartFailed)):
             self._pids.pop(event.name, None)
-            self._drain_outputs(event.name)
+            self._outputs.drain(event.name)
             if self._programs[event.name].unit.terminal:
                 killed = isinstance(event, Exited) and event.status.signal is not None
                 self._take_terminal_back(reset=killed)
         elif isinstance(event, NothingLeft):
-            for name in list(self._outputs):
-                self._drain_outputs(name)
+            self._outputs.drain_all()
         self._happen(event)
 
     def _act(self, action: Action) -> None:
@@ -210,17 +323,36 @@ class _Loop:
                 self._do_aside(self._run.set_parameters)
             case Unregister():
                 self._do_aside(self._run.unregister)
+            case Finish(exit_code):
+                self._exit_code = exit_code
+            case _:
+                self._tell(action)
+
+    def _tell(self, action: Action) -> None:
+        match action:
             case TellDeath(name):
                 self._tell_death(action)
             case TellPressure(names, signum):
-                self._console.warn(f"{', '.join(names)} did not stop: {signal.Signals(signum).name}")
+                self._warn(f"{', '.join(names)} did not stop: {signal.Signals(signum).name}")
+            case TellWish(name, refused):
+                self._warn(f"{name}: {refused}") if refused else self._inform(f"{name} is stopped, as asked")
+            case TellRevival():
+                self._warn("another master answers: parameters are set again, and every node is restarted")
             case TellStop(cause, failed):
                 if failed:
-                    self._console.warn(f"error: {cause}")
+                    self._warn(f"error: {cause}")
                 else:
-                    self._console.inform(f"stopping: {cause}")
-            case Finish(exit_code):
-                self._exit_code = exit_code
+                    self._inform(f"stopping: {cause}")
+
+    def _inform(self, text: str) -> None:
+        self._console.inform(text)
+        self._watching.tell_notice("info", text)
+
+    def _warn(self, text: str) -> None:
+        for line in text.split("\n"):
+            self._console.warn(line)
+        severity: Severity = "error" if text.startswith("error: ") else "warning"
+        self._watching.tell_notice(severity, text.removeprefix("error: "))
 
     def _do_aside(self, job: Job) -> None:
         def work() -> None:
@@ -235,92 +367,30 @@ class _Loop:
 
     def _start(self, program: Program) -> None:
         unit = program.unit
-        outputs = self._outputs.get(unit.name)
-        if outputs is not None:
-            self._close_outputs(outputs)
-        log_path = f"{self._run.folder}/{program.log_name}-stdout.log"
-        log = _open_log(log_path, fresh=outputs is None)
-        outputs = _Outputs(log_path, log, [], outputs.recent if outputs else deque(maxlen=KEPT_LINES))
-        self._outputs[unit.name] = outputs
+        self._outputs.open(program)
         argv = [*program.argv, f"__log:={self._run.folder}/{program.log_name}.log"]
         stdio, given, place = (0, 1, 2), list[int](), places.SESSION
         if unit.terminal:
             place = self._lend_terminal()
         else:
-            stdio, given = self._wire(program, outputs)
+            stdio, given = self._outputs.wire(program)
         cwd = program.cwd or self._run.home
         self._host.start_process(unit.name, argv, cwd, dict(program.changes), stdio, place)
         for descriptor in given:
             os.close(descriptor)
 
-    def _wire(self, program: Program, outputs: _Outputs) -> tuple[tuple[int, int, int], list[int]]:
-        """Where a node's output goes. Returns its stdio, and which of these to close once it is started."""
-        null = os.open(os.devnull, os.O_RDONLY | os.O_CLOEXEC)
-        if program.unit.core or self._run.terminal_program is not None:
-            return (null, outputs.log, outputs.log), [null]
-        given = [null]
-        ends = []
-        wishes = (
-            (program.screen, self._console.is_terminal, self._console.show),
-            (True, False, self._console.show_error),
-        )
-        for wanted, as_terminal, show in wishes:
-            if not wanted:
-                ends.append(outputs.log)
-                continue
-            reader, writer = _open_pseudo_terminal() if as_terminal else os.pipe2(os.O_CLOEXEC)
-            stream = Stream(program.unit.name, reader, outputs.log, show)
-            outputs.streams.append(stream)
-            self._streams[reader] = stream
-            self._poll.register(reader, select.POLLIN)
-            given.append(writer)
-            ends.append(writer)
-        return (null, ends[0], ends[1]), given
-
-    def _read(self, stream: Stream | None) -> bool:
-        if stream is None:
-            return False
-        outputs = self._outputs[stream.name]
-        more = stream.read(outputs.recent)
-        if not more:
-            self._close_stream(stream)
-            outputs.streams.remove(stream)
-        return more
-
-    def _drain_outputs(self, name: str) -> None:
-        outputs = self._outputs.get(name)
-        for stream in list(outputs.streams) if outputs else ():
-            limit = 64  # a child that goes on printing must not keep us here
-            while limit and select.select([stream.descriptor], [], [], 0)[0] and self._read(stream):
-                limit -= 1
-
-    def _close_stream(self, stream: Stream) -> None:
-        self._poll.unregister(stream.descriptor)
-        self._streams.pop(stream.descriptor, None)
-        stream.close()
-
-    def _close_outputs(self, outputs: _Outputs) -> None:
-        for stream in outputs.streams:
-            self._close_stream(stream)
-        outputs.streams.clear()
-        os.close(outputs.log)
-
     def _tell_death(self, death: TellDeath) -> None:
         if death.status.clean:
-            self._console.inform(describe_death(death, (), None)[0])
+            self._inform(describe_death(death, (), None)[0])
             return
-        outputs = self._outputs.get(death.name)
         program = self._programs[death.name]
-        lines: Iterable[str] | None = ()
-        log = outputs.log_path if outputs else None
+        lines: tuple[str, ...] | None = self._outputs.find_last_lines(death.name)
+        log: str | None = self._outputs.find_path(program)
         if program.unit.terminal:
             own = f"{self._run.folder}/{program.log_name}.log"  # what it printed was on the screen
             lines = None
             log = own if os.path.exists(own) else None  # noqa: PTH110 - pathlib is not worth its import here
-        elif outputs is not None:
-            lines = outputs.recent or read_last_lines(outputs.log_path)
-        for line in describe_death(death, None if lines is None else tuple(lines), log):
-            self._console.warn(line)
+        self._warn("\n".join(describe_death(death, lines, log)))
 
     def _lend_terminal(self) -> str:
         self._console.hold()
@@ -346,26 +416,6 @@ class _Loop:
         self._host.signal_process(name, signal.SIGCONT)
 
 
-def _open_log(path: str, *, fresh: bool) -> int:
-    flags = os.O_WRONLY | os.O_CREAT | os.O_APPEND | os.O_CLOEXEC | (os.O_TRUNC if fresh else 0)
-    try:
-        return os.open(path, flags, 0o644)
-    except OSError:
-        return os.open(os.devnull, os.O_WRONLY | os.O_CLOEXEC)
-
-
-def _open_pseudo_terminal() -> tuple[int, int]:
-    # Programs print line by line to a terminal; through a pipe their output would come in late blocks.
-    import termios
-
-    reader, writer = os.openpty()
-    attributes = termios.tcgetattr(writer)
-    attributes[1] &= ~termios.OPOST  # no carriage returns
-    attributes[3] &= ~termios.ECHO
-    termios.tcsetattr(writer, termios.TCSANOW, attributes)
-    return reader, writer
-
-
 def _drain(descriptor: int) -> None:
     try:
         while os.read(descriptor, 4096):
@@ -374,4 +424,4 @@ def _drain(descriptor: int) -> None:
         return
 
 
-__all__ = ["Job", "Run", "SetupFailed", "Unregistered", "run_loop"]
+__all__ = ["Job", "Run", "WatchPlan", "SetupFailed", "Unregistered", "run_loop"]

@@ -51,6 +51,13 @@ class Status(Enum):
     ENDED = "ended"  # and will not be started again
 
 
+class Wish(Enum):
+    """What a person wants of a unit that is being stopped."""
+
+    STOP = "stop"
+    RESTART = "restart"
+
+
 class Phase(Enum):
     """Where the run stands. Phases only go forward."""
 
@@ -76,11 +83,17 @@ class Limits:
     master: float = 15.0  # from start to answer of a master of our own
     quick_death: float = 10.0  # a unit that lived shorter than this is restarted ever more slowly
     longest_backoff: float = 30.0
+    quick_deaths: int = 10  # in a row, after which a unit is not started again; 0: always again, as roslaunch does
+    bad_inputs: int = 3  # the same for units that exit with 2: what they were given does not change by itself
 
 
 @dataclass(frozen=True, slots=True)
 class UnitState:
-    """A unit and where it stands. `due` is when to start it again; times are those handed to `step`."""
+    """A unit and where it stands. `due` is when to start it again; times are those handed to `step`.
+
+    `wish` is set while a person's wish is carried out; `pressure` and `deadline` then say how far (as in State).
+    `held`: a person stopped it. `reason` is why it could not be started, or is not started again.
+    """
 
     unit: Unit
     status: Status = Status.WAITING
@@ -90,6 +103,12 @@ class UnitState:
     quick_deaths: int = 0  # in a row
     restarts: int = 0
     exit: ExitStatus | None = None
+    wish: Wish | None = None
+    pressure: int = 0
+    deadline: float | None = None
+    held: bool = False
+    reason: str = ""
+    gave_up: bool = False
 
     @property
     def alive(self) -> bool:
@@ -109,6 +128,7 @@ class State:
     pressure: int = 0
     exit_code: int = 0
     cause: str | None = None
+    reviving: bool = False  # parameters go up again, to a master that has lost them
 
     def find(self, name: str) -> UnitState | None:
         """The state of a unit, by name."""
@@ -173,6 +193,33 @@ class StopRequested:
 
 
 @dataclass(frozen=True, slots=True)
+class StartWanted:
+    """A person wants a unit to run."""
+
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class StopWanted:
+    """A person wants a unit not to run; `kill` at once. The run goes on."""
+
+    name: str
+    kill: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class RestartWanted:
+    """A person wants a unit to start anew."""
+
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class MasterReplaced:
+    """Another master answers in place of the one that was there: it knows neither parameters nor nodes."""
+
+
+@dataclass(frozen=True, slots=True)
 class Tick:
     """Time passed."""
 
@@ -196,6 +243,10 @@ Event = (
     | StartFailed
     | Exited
     | StopRequested
+    | StartWanted
+    | StopWanted
+    | RestartWanted
+    | MasterReplaced
     | Tick
     | NothingLeft
     | Unregistered
@@ -243,13 +294,30 @@ class Unregister:
 
 @dataclass(frozen=True, slots=True)
 class TellDeath:
-    """Tell people that a unit ended. `restart_in` is set when it comes again, `ends_run` when nothing goes on."""
+    """Tell people that a unit ended. `restart_in` is set when it comes again, `ends_run` when nothing goes on.
+
+    `deaths` is set when it will not be started any more because it died so often in a row.
+    """
 
     name: str
     status: ExitStatus
     reason: str | None = None
     restart_in: float | None = None
     ends_run: bool = False
+    deaths: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class TellWish:
+    """Tell people that a unit was stopped because someone wanted it, or (`refused`) why that is not done."""
+
+    name: str
+    refused: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class TellRevival:
+    """Tell people that nodes start again because another master is there."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -276,5 +344,16 @@ class Finish:
 
 
 Action = (
-    Start | Signal | AwaitMaster | SetParameters | Sweep | Unregister | TellDeath | TellPressure | TellStop | Finish
+    Start
+    | Signal
+    | AwaitMaster
+    | SetParameters
+    | Sweep
+    | Unregister
+    | TellDeath
+    | TellPressure
+    | TellWish
+    | TellRevival
+    | TellStop
+    | Finish
 )

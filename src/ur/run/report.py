@@ -25,6 +25,8 @@ def describe_death(death: TellDeath, lines: Sequence[str] | None, log: str | Non
     follow = ""
     if death.restart_in is not None:
         follow = f", starts again in {death.restart_in:.3g} s" if death.restart_in > 0 else ", starts again"
+    elif death.deaths:
+        follow = f", {death.deaths} times in a row soon after its start: it is not started again"
     elif death.ends_run:
         follow = ", which ends the run"
     if death.status.clean:
@@ -35,4 +37,19 @@ def describe_death(death: TellDeath, lines: Sequence[str] | None, log: str | Non
     told += [f"  | {line}" for line in lines or ()]
     if log is not None:
         told.append(f"  log: {log}" if lines or lines is None else f"  log: {log} (it printed nothing)")
-    return told
+    advice = advise(death)
+    return [*told, f"  try: {advice}"] if advice else told
+
+
+def advise(death: TellDeath) -> str:
+    """The first thing to try after a node died; '' where its own words say more than we know."""
+    signum, code = death.status.signal, death.status.code
+    if signum in (signal.SIGSEGV, signal.SIGABRT, signal.SIGBUS, signal.SIGFPE, signal.SIGILL):
+        return f"gdb shows where: --prefix '{death.name}=gdb -batch -ex run -ex bt --args' --screen"
+    if signum == signal.SIGKILL:
+        return "'dmesg | tail' says whether memory ran out; else somebody killed it"
+    if code == 127:
+        return "127 usually means that a program or library was not found: see the last lines"
+    if code == 2 and death.deaths:
+        return f"exit code 2 is about what it was given: correct that, then 'ur restart {death.name}'"
+    return f"'ur restart {death.name}' starts it once more" if death.deaths else ""
