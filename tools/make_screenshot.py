@@ -26,8 +26,8 @@ ROOT = Path(__file__).resolve().parents[1]
 MAP = ROOT / "ubiquity_launches/n_map_server/maps/maze.yaml"
 START = Place(0.0, 0.0, 0.0)
 ROBOT_AT = 0.62  # of the way
-GOAL = Place(12.0, -6.0, math.pi / 2)
-PLACES = {"dock": START, "kitchen": Place(16.5, -12.0, 0.0), "desk": Place(6.3, -9.0, 0.0)}
+GOAL = Place(12.1, 7.65, math.pi / 2)
+PLACES = {"dock": START, "kitchen": Place(16.6, 1.65, 0.0), "desk": Place(6.4, 4.65, 0.0)}
 
 
 class StillNavigator:

@@ -80,8 +80,8 @@ def draw_maze(seed: int = 7, columns: int = 14, rows: int = 10, size: tuple[int,
             gap, offset = (DOOR, (widths[i] - DOOR) // 2) if door else (widths[i], 0)
             fill(grid, (x_of[i] + offset, y_of[m] - WALL, gap, WALL), FREE)
     remove_posts(grid)
-    i, j = longest_run(grid, x_of, y_of, widths, heights)
-    return Drawing("maze", "A maze of narrow passages and doors.", grid, (x_of[i] + 12, y_of[j] + heights[j] // 2))
+    start = (x_of[0] + 10, y_of[0] + 10)  # the corner at the bottom left: nearly all coordinates are positive
+    return Drawing("maze", "A maze of narrow passages and doors.", grid, start)
 
 
 def split_length(random: Random, total: int, parts: int) -> list[int]:
@@ -128,18 +128,6 @@ def remove_posts(grid: Grid) -> None:
             post = around[1:-1, 1:-1]
             if (post == OCCUPIED).all() and (around == OCCUPIED).sum() == WALL * WALL:
                 post[:] = FREE
-
-
-def longest_run(grid: Grid, x_of: list[int], y_of: list[int], widths: list[int], heights: list[int]) -> tuple[int, int]:
-    """The cell of the maze's left half from which the free way along +x is longest."""
-
-    def length(i: int, j: int) -> int:
-        row = grid[y_of[j] + heights[j] // 2 - 5 : y_of[j] + heights[j] // 2 + 5, x_of[i] :]
-        blocked = (row != FREE).any(axis=0)
-        return int(np.argmax(blocked))
-
-    cells = [(i, j) for i in range(len(widths) // 2) for j in range(len(heights))]
-    return max(cells, key=lambda cell: (length(*cell), -cell[0], -cell[1]))
 
 
 def draw_office() -> Drawing:

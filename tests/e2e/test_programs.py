@@ -30,10 +30,10 @@ def mentions(process: psutil.Process, address: str) -> bool:
 
 
 def test_piped_goals_are_driven_one_after_the_other(tmp_path: Path) -> None:
-    done = run_program(tmp_path, "keyboard_navigate", keys="g 1.5 0 90\ng 0.5 0 180\n")
+    done = run_program(tmp_path, "keyboard_navigate", keys="g 2 3 90\ng 1.5 0 180\n")
     first, second = done.stdout.splitlines()
-    assert first.startswith("g 1.5 0 90: reached, ")
-    assert second.startswith("g 0.5 0 180: reached, ")
+    assert first.startswith("g 2 3 90: reached, ")
+    assert second.startswith("g 1.5 0 180: reached, ")
     assert done.returncode == 0
 
 
