@@ -23,4 +23,4 @@ docs:
 
 # print the figures of a bench: just bench navigation
 bench NAME *ARGS:
-    bench/{{NAME}} {{ARGS}}
+    .venv/bin/python bench/{{NAME}} {{ARGS}}
