@@ -27,6 +27,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "ur_nodes.navigation": ("ur.source", "ur.robot.base", "ur_nodes.rosio"),
     "ur_nodes.teleop": ("ur.source", "ur.robot.base", "ur_nodes.rosio", "ur_nodes.navigation"),
     "ur_nodes.motion.ramp": ("ur.robot.base",),
+    "ur_nodes.vision": ("ur.source", "ur_nodes.rosio"),
     "ur_nodes": (),
 }
 ROS = {

@@ -1,0 +1,144 @@
+"""Fiducials in a picture: which, where, and in what pose relative to the camera.
+
+The frame of a fiducial is at its centre: x to the right and y up as one reads it, z out of it towards the reader. That
+of the camera is the optical one (REP 103). Pixels are counted from the centre of the first one, as in OpenCV.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from ur_nodes.vision.rigid import Floats, make_rigid, skew
+
+DICTIONARIES: tuple[str, ...] = tuple(sorted(name[5:] for name in dir(cv2.aruco) if name.startswith("DICT_")))
+
+
+@dataclass(frozen=True, slots=True)
+class CameraModel:
+    """A pinhole camera: `matrix` (3, 3) in pixels, `distortion` (n,) as in OpenCV ("plumb_bob" or longer)."""
+
+    matrix: Floats
+    distortion: Floats
+
+
+@dataclass(frozen=True, slots=True)
+class Candidate:
+    """A pose of a fiducial (4, 4) in the camera's frame that explains its corners.
+
+    `error` is the rms distance in pixels between corners seen and expected. `covariance` (6, 6) is that of a small
+    motion of the fiducial in its own frame: rotation (rad), then translation (m).
+    """
+
+    pose: Floats
+    error: float
+    covariance: Floats
+
+
+@dataclass(frozen=True, slots=True)
+class Detection:
+    """A fiducial in a picture. `corners` (4, 2) in pixels, from the top left one clockwise as one reads the fiducial.
+
+    `candidates` are its possible poses, the better one first: a square seen nearly from the front or from afar looks
+    the same tilted one way or the other. None where the camera is not calibrated. `area` is in square pixels.
+    """
+
+    id: int
+    corners: Floats
+    size: float
+    candidates: tuple[Candidate, ...]
+
+    @property
+    def area(self) -> float:
+        """Of the quadrilateral, in square pixels (the shoelace formula)."""
+        x, y = self.corners[:, 0], self.corners[:, 1]
+        return float(abs(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1))) / 2.0)
+
+    @property
+    def ambiguity(self) -> float:
+        """How well the second pose explains the corners compared with the first: 0 not at all, 1 as well."""
+        if len(self.candidates) < 2:
+            return 0.0
+        first, second = self.candidates[:2]
+        return first.error / second.error if second.error > 0.0 else 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class Sizes:
+    """Edges of fiducials in m: `usual`, those with another one, and those that are to be overlooked."""
+
+    usual: float
+    special: Mapping[int, float] = field(default_factory=dict)
+    ignored: frozenset[int] = frozenset()
+
+
+class Detector:
+    """Finds fiducials of one dictionary (a name in DICTIONARIES). `pixel_noise` is how well corners are found."""
+
+    def __init__(self, dictionary: str, sizes: Sizes, *, pixel_noise: float = 0.5) -> None:
+        parameters = cv2.aruco.DetectorParameters()
+        parameters.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_SUBPIX
+        known = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, f"DICT_{dictionary}"))
+        self._detector: Any = cv2.aruco.ArucoDetector(known, parameters)
+        self._sizes = sizes
+        self._noise = pixel_noise
+
+    def detect(self, image: npt.NDArray[np.uint8], camera: CameraModel | None) -> tuple[Detection, ...]:
+        """The fiducials in a grey or colour image, by number. Without a camera they have no poses."""
+        grey = image if image.ndim == 2 else cv2.cvtColor(image, cv2.COLOR_RGB2GRAY)
+        squares, numbers, _ = self._detector.detectMarkers(grey)
+        found = []
+        for corners, number in zip(squares, [] if numbers is None else np.ravel(numbers).tolist(), strict=True):
+            if number not in self._sizes.ignored:
+                size = self._sizes.special.get(number, self._sizes.usual)
+                points = np.asarray(corners, np.float64).reshape(4, 2)
+                poses = estimate_poses(points, size, camera, self._noise) if camera else ()
+                found.append(Detection(int(number), points, size, poses))
+        return tuple(sorted(found, key=lambda each: each.id))
+
+
+def corner_points(size: float) -> Floats:
+    """The corners of a fiducial in its own frame (4, 3), in the order of Detection.corners."""
+    half = size / 2.0
+    return np.array([[-half, half, 0.0], [half, half, 0.0], [half, -half, 0.0], [-half, -half, 0.0]])
+
+
+def estimate_poses(corners: Floats, size: float, camera: CameraModel, noise: float = 0.5) -> tuple[Candidate, ...]:
+    """The possible poses of a square from its corners (4, 2), the better one first; `noise` is that of corners, pixels.
+
+    Collins and Bartoli, Infinitesimal Plane-Based Pose Estimation (2014), gives both; each is then refined.
+    """
+    points = corner_points(size)
+    matrix, distortion = camera.matrix, camera.distortion
+    count, turns, shifts, _ = cv2.solvePnPGeneric(points, corners, matrix, distortion, flags=cv2.SOLVEPNP_IPPE_SQUARE)
+    found = []
+    for turn, shift in zip(turns[:count], shifts[:count], strict=True):
+        if not (np.isfinite(turn).all() and np.isfinite(shift).all()):
+            continue
+        refined_turn, refined_shift = cv2.solvePnPRefineLM(points, corners, matrix, distortion, turn, shift)
+        pose = make_rigid(np.asarray(cv2.Rodrigues(refined_turn)[0]), np.asarray(refined_shift))
+        if pose[2, 3] > 0.0:
+            expected = cv2.projectPoints(points, refined_turn, refined_shift, matrix, distortion)[0].reshape(4, 2)
+            error = float(np.sqrt(np.mean(np.sum((expected - corners) ** 2, axis=1))))
+            found.append(Candidate(pose, error, pose_covariance(pose, size, camera, noise)))
+    return tuple(sorted(found, key=lambda each: each.error))
+
+
+def pose_covariance(pose: Floats, size: float, camera: CameraModel, noise: float) -> Floats:
+    """What noise of corners (pixels) does to a pose, to first order; see Candidate.covariance. Shape (6, 6)."""
+    fx, fy = camera.matrix[0, 0], camera.matrix[1, 1]
+    rows = []
+    for point in corner_points(size):
+        x, y, z = pose[:3, :3] @ point + pose[:3, 3]
+        projection = np.array([[fx / z, 0.0, -fx * x / z**2], [0.0, fy / z, -fy * y / z**2]])
+        motion = pose[:3, :3] @ np.hstack([-skew(point), np.eye(3)])
+        rows.append(projection @ motion)
+    jacobian = np.vstack(rows)
+    information = jacobian.T @ jacobian / noise**2
+    inverse: Floats = np.linalg.inv(information + 1e-9 * np.trace(information) * np.eye(6))
+    return inverse

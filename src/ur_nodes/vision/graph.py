@@ -1,0 +1,102 @@
+"""The factors of the map and of localisation, on gtsam. Rotation comes before translation, as in gtsam's Pose3."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import gtsam
+import numpy as np
+
+from ur_nodes.rosio.pose import Pose2
+from ur_nodes.vision.observation import Sighting
+from ur_nodes.vision.rigid import Floats, from_planar, invert, make_rigid
+
+_FREE = 1e3  # m or rad: no knowledge
+_LEVEL = (0.005, 0.005, _FREE, _FREE, _FREE, 0.005)  # how well the floor holds roll, pitch and height
+_HUBER = 1.345  # standard deviations beyond which an observation counts less; 95 % efficient for normal noise
+
+
+@dataclass(frozen=True, slots=True)
+class OdometryNoise:
+    """Standard deviations of odometry over a motion: m per m, rad per rad, rad per m, and a least of each."""
+
+    shift_per_m: float = 0.03
+    turn_per_rad: float = 0.03
+    turn_per_m: float = 0.02
+    least_shift: float = 0.003
+    least_turn: float = 0.003
+
+    def sigmas(self, motion: Pose2) -> tuple[float, float]:
+        """Of position (m) and heading (rad) after a motion."""
+        way, turn = math.hypot(motion.x, motion.y), abs(motion.yaw)
+        shift = self.least_shift + self.shift_per_m * way
+        return shift, self.least_turn + self.turn_per_rad * turn + self.turn_per_m * way
+
+
+DEFAULT_NOISE = OdometryNoise()
+
+
+def robot_key(number: int) -> int:
+    """The variable of the robot's pose at a moment."""
+    return int(gtsam.symbol("x", number))
+
+
+def fiducial_key(number: int) -> int:
+    """The variable of a fiducial's pose."""
+    return int(gtsam.symbol("f", number))
+
+
+def level_factor(number: int, guess: Floats) -> gtsam.NonlinearFactor:
+    """The robot stands on the floor: x, y and heading are free."""
+    level = gtsam.Pose3(from_planar_of(guess))
+    return gtsam.PriorFactorPose3(robot_key(number), level, gtsam.noiseModel.Diagonal.Sigmas(np.array(_LEVEL)))
+
+
+def start_factor(number: int, pose: Floats, shift: float, turn: float) -> gtsam.NonlinearFactor:
+    """The robot is known to be somewhere, to some m and rad."""
+    sigmas = np.array([0.005, 0.005, turn, shift, shift, 0.005])
+    return gtsam.PriorFactorPose3(robot_key(number), gtsam.Pose3(pose), gtsam.noiseModel.Diagonal.Sigmas(sigmas))
+
+
+def planar_factor(number: int, pose: Floats, covariance: Floats) -> gtsam.NonlinearFactor:
+    """As start_factor, with a covariance (3, 3) of x, y (in the robot's frame) and heading."""
+    whole = np.diag(np.square([0.005, 0.005, 0.0, 0.0, 0.0, 0.005]))
+    places = [3, 4, 2]
+    whole[np.ix_(places, places)] = covariance
+    return gtsam.PriorFactorPose3(robot_key(number), gtsam.Pose3(pose), gtsam.noiseModel.Gaussian.Covariance(whole))
+
+
+def odometry_factor(before: int, after: int, motion: Pose2, noise: OdometryNoise) -> gtsam.NonlinearFactor:
+    """The wheels say that the robot moved."""
+    shift, turn = noise.sigmas(motion)
+    sigmas = np.array([0.01, 0.01, turn, shift, shift, 0.01])
+    model = gtsam.noiseModel.Diagonal.Sigmas(sigmas)
+    return gtsam.BetweenFactorPose3(robot_key(before), robot_key(after), gtsam.Pose3(from_planar(motion)), model)
+
+
+def sighting_factor(number: int, fiducial: int, sighting: Sighting) -> gtsam.NonlinearFactor:
+    """The robot sees a fiducial; one that contradicts all others loses its weight."""
+    model = gtsam.noiseModel.Robust.Create(
+        gtsam.noiseModel.mEstimator.Huber.Create(_HUBER), gtsam.noiseModel.Gaussian.Covariance(sighting.covariance)
+    )
+    return gtsam.BetweenFactorPose3(robot_key(number), fiducial_key(fiducial), gtsam.Pose3(sighting.pose), model)
+
+
+def known_factor(fiducial: int, pose: Floats, covariance: Floats) -> gtsam.NonlinearFactor:
+    """A fiducial is known to be somewhere."""
+    return gtsam.PriorFactorPose3(
+        fiducial_key(fiducial), gtsam.Pose3(pose), gtsam.noiseModel.Gaussian.Covariance(covariance)
+    )
+
+
+def from_planar_of(pose: Floats) -> Floats:
+    """The level pose below a pose: same x, y and heading."""
+    heading = math.atan2(pose[1, 0], pose[0, 0])
+    c, s = math.cos(heading), math.sin(heading)
+    return make_rigid(np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]), np.array([*pose[:2, 3], 0.0]))
+
+
+def robot_from(fiducial: Floats, sighting: Sighting) -> Floats:
+    """Where the robot is (level) that sees a known fiducial so."""
+    return from_planar_of(fiducial @ invert(sighting.pose))

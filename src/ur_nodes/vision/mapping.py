@@ -1,0 +1,186 @@
+"""A map of fiducials built while driving: a factor graph of robot poses, odometry and sightings (gtsam's iSAM2)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+import gtsam
+import numpy as np
+
+from ur_nodes.rosio.pose import Pose2
+from ur_nodes.vision.fiducial_map import MapEntry
+from ur_nodes.vision.graph import (
+    DEFAULT_NOISE,
+    OdometryNoise,
+    fiducial_key,
+    known_factor,
+    level_factor,
+    odometry_factor,
+    robot_from,
+    robot_key,
+    sighting_factor,
+    start_factor,
+)
+from ur_nodes.vision.observation import Observation, Sighting, choose_sighting
+from ur_nodes.vision.rigid import Floats, from_planar, invert, to_planar
+from ur_nodes.vision.unsettled import Unsettled, View
+
+_STEP, _TURN = 0.15, 0.15  # m, rad: how far apart moments of the graph are where something is seen
+_LONG_STEP, _LONG_TURN = 0.6, 0.8  # and where nothing is
+_ORIGIN = Pose2(0.0, 0.0, 0.0)
+
+
+class Mapper:
+    """Takes odometry and observations, gives poses of robot and fiducials. The same input gives the same map."""
+
+    def __init__(
+        self,
+        known: Iterable[MapEntry] = (),
+        *,
+        start: Pose2 | None = _ORIGIN,
+        noise: OdometryNoise = DEFAULT_NOISE,
+    ) -> None:
+        """`start` is where the robot is at first; None: it is found out from a fiducial that is `known`."""
+        self._noise = noise
+        self._start = start
+        self._isam = gtsam.ISAM2()
+        self._graph = gtsam.NonlinearFactorGraph()
+        self._poses: dict[int, Floats] = {}
+        self._seen: dict[int, int] = {}
+        self._links: dict[int, set[int]] = {}
+        self._unsettled = Unsettled()
+        self._count = 0
+        self._odometry: Pose2 | None = None
+        self._robot = from_planar(start) if start else None
+        self._known = {entry.id: entry for entry in known}
+        self._pending: list[MapEntry] = list(self._known.values())
+
+    @property
+    def fiducials(self) -> dict[int, Floats]:
+        """The poses (4, 4) of the fiducials in the map, as far as they are estimated now."""
+        return {entry.id: entry.pose for entry in self._known.values()} | self._poses
+
+    @property
+    def moments(self) -> int:
+        """How many poses of the robot there are in the graph."""
+        return self._count
+
+    def robot(self, odometry: Pose2) -> Pose2 | None:
+        """Where the robot is in the map, given what odometry says now; None while it is not known."""
+        if self._robot is None:
+            return None
+        return to_planar(self._robot).compose(self._motion(odometry))
+
+    def add(self, odometry: Pose2, observations: Iterable[Observation]) -> bool:
+        """Take in what is seen at a moment. Returns whether the map changed: too near the last one nothing does."""
+        seen = tuple(observations)
+        if self._count and not self._far(self._motion(odometry), bool(seen)):
+            return False
+        guess = self._guess(odometry, seen)
+        if guess is None or not (seen or self._count):
+            return False
+        factors, values = gtsam.NonlinearFactorGraph(), gtsam.Values()
+        self._add_known(factors, values)
+        self._add_robot(factors, values, odometry, guess)
+        self._add_sightings(factors, values, guess, seen)
+        self._isam.update(factors, values)
+        self._isam.update()
+        for index in range(factors.size()):
+            self._graph.push_back(factors.at(index))
+        self._count += 1
+        self._take_estimate(self._isam.calculateEstimate())
+        self._odometry = odometry
+        return True
+
+    def refine(self) -> None:
+        """Solve the whole graph anew, without the shortcuts of the incremental solution."""
+        if self._count:
+            values = gtsam.LevenbergMarquardtOptimizer(self._graph, self._isam.calculateEstimate()).optimize()
+            self._take_estimate(values)
+
+    def entries(self) -> tuple[MapEntry, ...]:
+        """The map with covariances."""
+        if not self._count:
+            return tuple(self._known.values())
+        marginals = gtsam.Marginals(self._graph, self._isam.calculateEstimate())
+        return tuple(
+            MapEntry(
+                number,
+                pose,
+                np.asarray(marginals.marginalCovariance(fiducial_key(number))),
+                self._seen.get(number, 0),
+                tuple(sorted(self._links.get(number, ()))),
+            )
+            for number, pose in sorted(self._poses.items())
+        )
+
+    def covariance(self) -> Floats:
+        """Of the robot's pose at the last moment (6, 6): rotation, translation, in its own frame."""
+        if not self._count:
+            return np.eye(6) * 1e-6
+        return np.asarray(self._isam.marginalCovariance(robot_key(self._count - 1)))
+
+    def _motion(self, odometry: Pose2) -> Pose2:
+        """What odometry says of the time since the last moment."""
+        return self._odometry.inverse().compose(odometry) if self._odometry else Pose2(0.0, 0.0, 0.0)
+
+    def _far(self, motion: Pose2, seeing: bool) -> bool:
+        way, turn = math.hypot(motion.x, motion.y), abs(motion.yaw)
+        return way > (_STEP if seeing else _LONG_STEP) or turn > (_TURN if seeing else _LONG_TURN)
+
+    def _guess(self, odometry: Pose2, seen: tuple[Observation, ...]) -> Floats | None:
+        if self._count and self._robot is not None:
+            return self._robot @ from_planar(self._motion(odometry))
+        if self._start is not None:
+            return from_planar(self._start)
+        for observation in seen:
+            if observation.id in self._known and observation.clear:
+                return robot_from(self._known[observation.id].pose, observation.sightings[0])
+        return None
+
+    def _add_known(self, factors: gtsam.NonlinearFactorGraph, values: gtsam.Values) -> None:
+        for entry in self._pending:
+            factors.push_back(known_factor(entry.id, entry.pose, entry.covariance))
+            values.insert(fiducial_key(entry.id), gtsam.Pose3(entry.pose))
+            self._poses[entry.id] = entry.pose
+            self._seen[entry.id] = entry.observations
+            self._links[entry.id] = set(entry.links)
+        self._pending.clear()
+
+    def _add_robot(
+        self, factors: gtsam.NonlinearFactorGraph, values: gtsam.Values, odometry: Pose2, guess: Floats
+    ) -> None:
+        values.insert(robot_key(self._count), gtsam.Pose3(guess))
+        factors.push_back(level_factor(self._count, guess))
+        if self._count:
+            factors.push_back(odometry_factor(self._count - 1, self._count, self._motion(odometry), self._noise))
+        elif self._start is not None:
+            factors.push_back(start_factor(0, guess, 1e-3, 1e-3))
+
+    def _add_sightings(
+        self,
+        factors: gtsam.NonlinearFactorGraph,
+        values: gtsam.Values,
+        guess: Floats,
+        seen: tuple[Observation, ...],
+    ) -> None:
+        used: list[tuple[int, int, Sighting]] = []
+        for observation in (each for each in seen if each.sightings):
+            number, known = observation.id, self._poses.get(observation.id)
+            if known is not None:
+                if sighting := choose_sighting(observation, invert(guess) @ known):
+                    used.append((self._count, number, sighting))
+            elif (pose := self._unsettled.add(View(self._count, guess, observation))) is not None:
+                self._poses[number] = pose
+                values.insert(fiducial_key(number), gtsam.Pose3(pose))
+                used += [(moment, number, sighting) for moment, sighting in self._unsettled.take(number, pose)]
+        for moment, number, sighting in used:
+            factors.push_back(sighting_factor(moment, number, sighting))
+            self._seen[number] = self._seen.get(number, 0) + 1
+            self._links.setdefault(number, set()).update(other for _, other, _ in used if other != number)
+
+    def _take_estimate(self, values: gtsam.Values) -> None:
+        self._robot = np.asarray(values.atPose3(robot_key(self._count - 1)).matrix())
+        for number in self._poses:
+            self._poses[number] = np.asarray(values.atPose3(fiducial_key(number)).matrix())

@@ -1,0 +1,74 @@
+"""What detection hands to mapping: fiducials seen from the robot at one moment."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ur_nodes.vision.rigid import Floats, angle_between
+
+# Beside the noise of corners: calibration, size of the print, mounting of the camera, rolling of the base.
+_TURN_FLOOR = 0.01  # rad
+_SHIFT_FLOOR = 0.005  # m
+_SHIFT_SHARE = 0.01  # of the distance
+CLEAR = 20.0  # chi squared by which another pose must be worse
+_TURN_TOLERANCE = 0.1  # rad by which a known fiducial may seem turned
+
+
+@dataclass(frozen=True, slots=True)
+class Sighting:
+    """One possible pose (4, 4) of a fiducial in the robot's frame, with the covariance (6, 6) that Candidate has.
+
+    `cost` is by how much its chi squared is above that of the best one.
+    """
+
+    pose: Floats
+    covariance: Floats
+    cost: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Observation:
+    """A fiducial seen: its possible poses, the better one first."""
+
+    id: int
+    sightings: tuple[Sighting, ...]
+
+    @property
+    def clear(self) -> bool:
+        """Whether the first pose is certainly the right one."""
+        return bool(self.sightings) and all(each.cost > CLEAR for each in self.sightings[1:])
+
+
+def choose_sighting(observation: Observation, expected: Floats | None) -> Sighting | None:
+    """Which pose of a fiducial to believe: the one that is turned as expected in the robot's frame (4, 4).
+
+    Without expectation the first, if it is clear. None when no pose can be believed.
+    """
+    if expected is None:
+        return observation.sightings[0] if observation.clear else None
+    return min(observation.sightings, key=lambda each: misfit(each, expected), default=None)
+
+
+def misfit(sighting: Sighting, expected: Floats) -> float:
+    """How ill a sighting agrees with a pose (4, 4) of the fiducial in the robot's frame: its turn, and its own cost."""
+    tolerance = _TURN_TOLERANCE**2 + float(np.trace(sighting.covariance[:3, :3]))
+    return float(angle_between(sighting.pose, expected) ** 2 / tolerance + sighting.cost)
+
+
+def make_observation(
+    number: int, base_from_camera: Floats, poses: Sequence[tuple[Floats, float, Floats]], noise: float
+) -> Observation:
+    """What the robot sees, from what its camera sees: pose (4, 4), error and covariance (6, 6) of each candidate.
+
+    Errors (rms) and `noise` (that of corners) are in pixels. What detection cannot know is added to the covariances.
+    """
+    sightings = []
+    for pose, error, covariance in poses:
+        shift = _SHIFT_FLOOR + _SHIFT_SHARE * float(np.linalg.norm(pose[:3, 3]))
+        floor = np.diag([_TURN_FLOOR**2] * 3 + [shift**2] * 3)
+        cost = 4.0 * (error**2 - poses[0][1] ** 2) / noise**2  # of four corners
+        sightings.append(Sighting(base_from_camera @ pose, covariance + floor, cost))
+    return Observation(number, tuple(sightings))
