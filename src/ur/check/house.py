@@ -9,7 +9,7 @@ from ur.launchfile.syntax import Comment, Element
 
 _PLACE = re.compile(r"((?:n|m|rviz)_\w+)/launch/([^/]+)\Z")
 _HEADING = re.compile(r"\s*([A-Za-z_]\w*)\s*:(?!/)\s*(.*)\Z", re.DOTALL)
-KNOWN_HEADINGS = frozenset({"summary", "overview", "terminal", "ur"})
+KNOWN_HEADINGS = frozenset({"summary", "overview", "ready", "terminal", "ur"})
 
 
 def house_folder(view: LaunchView) -> str | None:

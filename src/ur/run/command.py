@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from ur.launchfile.plan.model import NodeSpec
+from ur.launchfile.plan.model import NodeSpec, ReadyCondition
 from ur.launchfile.world import PackageNotFound, World
 from ur.run.model import Unit
 from ur.source.diagnostic import Diagnostic, Severity, UserError, error
@@ -22,7 +22,8 @@ from ur.source.suggest import did_you_mean
 class Program:
     """A unit and how to start it. `changes` are laid over the environment of the run, None removes a variable.
 
-    `log_name` is the stem of its log files; `screen` whether its standard output is shown to people.
+    `log_name` is the stem of its log files; `screen` whether its standard output is shown to people; `ready` what else
+    has to be there before it is up.
     """
 
     unit: Unit
@@ -31,6 +32,7 @@ class Program:
     cwd: str | None = None
     log_name: str = ""
     screen: bool = False
+    ready: tuple[ReadyCondition, ...] = ()
 
 
 def find_programs(
@@ -71,6 +73,7 @@ def find_program(node: NodeSpec, world: World, number: int) -> Program:
         cwd=choose_folder(node.cwd, (*prefix, executable)[0]),
         log_name=name.replace("/", "-"),
         screen=node.output == "screen",
+        ready=node.ready,
     )
 
 

@@ -111,6 +111,7 @@ def run_plan(plan: Plan, world: World, host: ProcessHost, console: Console, opti
             set_parameters=lambda: _try_parameters(plan, master, extra, commands),
             unregister=lambda: _unregister(master, [node.full_name for node in nodes]),
             limits=options.limits,
+            master=master,
             watch=_plan_watch(here, nodes, options),
         )
         return run_loop(run, host, console, terminal)

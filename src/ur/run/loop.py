@@ -11,6 +11,7 @@ import time
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 from ur.run import host as places
 from ur.run.command import Program
@@ -26,6 +27,8 @@ from ur.run.events import (
     StopRun,
     Watch,
 )
+from ur.run.master import Master
+from ur.run.master_watch import watch_master
 from ur.run.model import (
     Action,
     AwaitMaster,
@@ -49,6 +52,7 @@ from ur.run.model import (
     StopWanted,
     Sweep,
     TellDeath,
+    TellMaster,
     TellPressure,
     TellRevival,
     TellStop,
@@ -63,6 +67,9 @@ from ur.run.report import describe_death
 from ur.run.supervisor import begin_state, next_deadline, step
 from ur.run.terminal import Terminal
 from ur.run.watching import Watching
+
+if TYPE_CHECKING:
+    from ur.run.readiness import ReadinessProbe
 
 Job = Callable[[], Event]
 
@@ -99,6 +106,7 @@ class Run:
     set_parameters: Job
     unregister: Job
     limits: Limits = field(default_factory=Limits)
+    master: Master | None = None  # asked which nodes are up, while somebody wants to know
     watch: WatchPlan = field(default_factory=lambda: WatchPlan())
 
     @property
@@ -158,6 +166,9 @@ class _Loop:
         )
         self._watching.watchers.call_gone = self._forget_watcher
         self._viewer: int | None = None
+        self._probe: ReadinessProbe | None = None
+        self._watch_over: threading.Event | None = None
+        self._looked: deque[tuple[str, int, tuple[str, ...]]] = deque()
         self._watched: dict[int, int] = {}
         self._wake, self._wake_end = os.pipe2(os.O_CLOEXEC | os.O_NONBLOCK)
         self._poll.register(self._wake, select.POLLIN)
@@ -180,18 +191,14 @@ class _Loop:
             for descriptor in unwritten:
                 self._poll.unregister(descriptor)
             for descriptor, _ in ready:
-                if descriptor in unwritten:
-                    continue
-                if descriptor == self._wake:
-                    _drain(self._wake)
-                elif descriptor == self._host.fileno():
-                    self._hear(self._host.receive())
-                elif descriptor in self._watched:
-                    self._attend(descriptor)
-                else:
-                    self._outputs.read(descriptor)
+                if descriptor not in unwritten:
+                    self._serve(descriptor)
             while self._posted:
                 self._happen(self._posted.popleft())
+            while self._looked:
+                name, pid, missing = self._looked.popleft()
+                if self._pids.get(name) == pid:
+                    self._watching.note_readiness(name, missing)
             now = time.monotonic()
             deadline = next_deadline(self._state)
             if deadline is not None and now >= deadline:
@@ -200,6 +207,16 @@ class _Loop:
             if due is not None and now >= due:
                 self._watching.work(now)
         return self._exit_code
+
+    def _serve(self, descriptor: int) -> None:
+        if descriptor == self._wake:
+            _drain(self._wake)
+        elif descriptor == self._host.fileno():
+            self._hear(self._host.receive())
+        elif descriptor in self._watched:
+            self._attend(descriptor)
+        else:
+            self._outputs.read(descriptor)
 
     def close(self) -> None:
         """Give back what was taken: signals, the terminal, open files."""
@@ -210,6 +227,10 @@ class _Loop:
             self._take_terminal_back(reset=True)
         self._console.release()
         self._console.finish(1.0)
+        if self._probe is not None:
+            self._probe.close()
+        if self._watch_over is not None:
+            self._watch_over.set()
         self._watching.end(1 if self._exit_code is None else self._exit_code)
         self._outputs.close()
         os.close(self._wake)
@@ -230,11 +251,26 @@ class _Loop:
         now = time.monotonic()
         self._state, actions = step(self._state, event, now)
         self._watching.note_state(self._state, now)
+        self._follow_readiness()
         for action in actions:
             self._act(action)
+        if self._watch_over is None and self._state.phase is Phase.RUNNING:
+            self._watch_over = self._watch_master()
         if self._call_started is not None and self._is_started():
             self._call_started()
             self._call_started = None
+
+    def _watch_master(self) -> threading.Event:
+        over = threading.Event()
+        master = self._run.master
+        if master is not None and not self._run.own_master:
+
+            def tell(event: Event) -> None:
+                self._posted.append(event)
+                self._wake_up()
+
+            threading.Thread(target=watch_master, args=(master, tell, over), daemon=True).start()
+        return over
 
     def _is_started(self) -> bool:
         return self._state.phase is Phase.RUNNING and not any(
@@ -250,6 +286,8 @@ class _Loop:
         if watch.viewer is not None:
             self._console.silent = True
             self._viewer = self._watching.watchers.add_socket(watch.viewer)
+            if self._terminal is not None:
+                self._terminal.mark_lent()  # the viewer is the foreground group, for Ctrl-C in its pager
         self._watching.follow_wishes(time.monotonic())
 
     def _follow_watchers(self) -> None:
@@ -271,11 +309,42 @@ class _Loop:
     def _attend(self, descriptor: int) -> None:
         for command in self._watching.attend(descriptor, time.monotonic()):
             self._obey(command)
+        self._follow_readiness()
         if self._viewer is not None and not self._watching.watchers.watching(self._viewer):
             self._viewer = None
             self._console.silent = False
             if self._terminal is not None:
                 self._terminal.take_back(reset=True)
+
+    def _follow_readiness(self) -> None:
+        """Look which nodes are up while somebody wants to know."""
+        wanted = self._watching.wants_readiness and self._state.phase is Phase.RUNNING
+        if self._probe is None and wanted and self._run.master is not None:
+            from ur.run.readiness import ReadinessProbe  # only for those who wait
+
+            conditions = {program.unit.name: program.ready for program in self._run.programs}
+            self._probe = ReadinessProbe(self._run.master, conditions, self._hear_readiness)
+        if self._probe is not None and not wanted:
+            self._probe.close()
+            self._probe = None
+        if self._probe is not None:
+            self._probe.follow(
+                {
+                    each.unit.name: each.pid
+                    for each in self._state.units
+                    if each.pid is not None and not each.unit.core and each.wish is None
+                }
+            )
+
+    def _hear_readiness(self, name: str, pid: int, missing: tuple[str, ...]) -> None:
+        self._looked.append((name, pid, missing))
+        self._wake_up()
+
+    def _wake_up(self) -> None:
+        try:
+            os.write(self._wake_end, b"\0")
+        except OSError:  # full: it wakes up anyway; closed: nobody waits any more
+            return
 
     def _obey(self, command: RunCommand) -> None:
         match command:
@@ -336,6 +405,8 @@ class _Loop:
                 self._warn(f"{', '.join(names)} did not stop: {signal.Signals(signum).name}")
             case TellWish(name, refused):
                 self._warn(f"{name}: {refused}") if refused else self._inform(f"{name} is stopped, as asked")
+            case TellMaster(lost):
+                self._tell_master(lost)
             case TellRevival():
                 self._warn("another master answers: parameters are set again, and every node is restarted")
             case TellStop(cause, failed):
@@ -343,6 +414,13 @@ class _Loop:
                     self._warn(f"error: {cause}")
                 else:
                     self._inform(f"stopping: {cause}")
+
+    def _tell_master(self, lost: bool) -> None:
+        uri = self._run.master.uri if self._run.master is not None else ""
+        if lost:
+            self._warn(f"error: the master at {uri} does not answer any more; nodes go on, new connections wait for it")
+        else:
+            self._warn(f"the master at {uri} answers again")
 
     def _inform(self, text: str) -> None:
         self._console.inform(text)
@@ -358,10 +436,7 @@ class _Loop:
         def work() -> None:
             event = job()
             self._posted.append(event)
-            try:
-                os.write(self._wake_end, b"\0")
-            except OSError:  # full: it wakes up anyway; closed: nobody waits any more
-                return
+            self._wake_up()
 
         threading.Thread(target=work, daemon=True).start()
 

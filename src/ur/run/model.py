@@ -215,6 +215,16 @@ class RestartWanted:
 
 
 @dataclass(frozen=True, slots=True)
+class MasterLost:
+    """The master does not answer any more."""
+
+
+@dataclass(frozen=True, slots=True)
+class MasterReturned:
+    """The master that was lost answers again and has forgotten nothing."""
+
+
+@dataclass(frozen=True, slots=True)
 class MasterReplaced:
     """Another master answers in place of the one that was there: it knows neither parameters nor nodes."""
 
@@ -246,6 +256,8 @@ Event = (
     | StartWanted
     | StopWanted
     | RestartWanted
+    | MasterLost
+    | MasterReturned
     | MasterReplaced
     | Tick
     | NothingLeft
@@ -321,6 +333,13 @@ class TellRevival:
 
 
 @dataclass(frozen=True, slots=True)
+class TellMaster:
+    """Tell people that the master does not answer any more, or answers again."""
+
+    lost: bool
+
+
+@dataclass(frozen=True, slots=True)
 class TellPressure:
     """Tell people that units do not stop and get the next signal."""
 
@@ -354,6 +373,7 @@ Action = (
     | TellPressure
     | TellWish
     | TellRevival
+    | TellMaster
     | TellStop
     | Finish
 )

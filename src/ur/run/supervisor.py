@@ -20,7 +20,9 @@ from ur.run.model import (
     Finish,
     Limits,
     MasterAnswered,
+    MasterLost,
     MasterReplaced,
+    MasterReturned,
     NothingLeft,
     ParametersSet,
     Phase,
@@ -38,6 +40,7 @@ from ur.run.model import (
     StopWanted,
     Sweep,
     TellDeath,
+    TellMaster,
     TellPressure,
     TellRevival,
     TellStop,
@@ -111,6 +114,8 @@ def _proceed(state: State, event: Event, now: float) -> _Step:
         case ParametersSet() if state.phase is Phase.PARAMETERS:
             running = replace(state, phase=Phase.RUNNING)
             return _start(running, (each for each in running.units if not each.unit.core), now)
+        case MasterLost() | MasterReturned() if state.phase is Phase.RUNNING:
+            return state, [TellMaster(lost=isinstance(event, MasterLost))]
         case MasterReplaced() if state.phase is Phase.RUNNING:
             return replace(state, reviving=True), [TellRevival(), SetParameters()]
         case ParametersSet() if state.reviving:

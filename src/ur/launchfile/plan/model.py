@@ -57,6 +57,22 @@ class ParamCommand:
     origin: Origin
 
 
+ReadyKind = Literal["topic", "service", "frame", "action", "process"]
+
+
+@dataclass(frozen=True, slots=True)
+class ReadyCondition:
+    """What has to be there before a node is of use: a topic published (at `rate` Hz), a service, a tf frame, an action.
+
+    `name` is in full, as the master knows it; a frame's has no leading slash. "process" (without a name) says that the
+    program is no ROS node: that it runs is enough.
+    """
+
+    kind: ReadyKind
+    name: str
+    rate: float | None = None
+
+
 @dataclass(frozen=True, slots=True)
 class NodeSpec:
     """A node to start. `args` is one string, resolved; the runner splits it as roslaunch does."""
@@ -77,6 +93,7 @@ class NodeSpec:
     env: tuple[tuple[str, str], ...]
     origin: Origin
     terminal: bool = False  # a documentation comment `<!--terminal: ...-->` inside gives it the keyboard and screen
+    ready: tuple[ReadyCondition, ...] = ()  # likewise `<!--ready: ...-->`: beyond being registered
 
     @property
     def full_name(self) -> str:

@@ -16,10 +16,11 @@ from ur.launchfile.plan.attributes import (
     read_required,
 )
 from ur.launchfile.plan.draft import Draft
-from ur.launchfile.plan.model import MachineSpec, NodeSpec, ParamSpec, TestSpec
+from ur.launchfile.plan.model import MachineSpec, NodeSpec, ParamSpec, ReadyCondition, TestSpec
 from ur.launchfile.plan.names import canonical_name, is_legal_name, join_names, make_namespace
 from ur.launchfile.plan.params import resolve_param, resolve_rosparam
 from ur.launchfile.plan.problems import Refused, refuse
+from ur.launchfile.plan.ready import EXPECTED, is_ready_comment, parse_ready
 from ur.launchfile.plan.scope import Scope
 from ur.launchfile.plan.simple import read_remap, resolve_env
 from ur.launchfile.syntax import Element
@@ -130,7 +131,26 @@ def _resolve(
         env=tuple(env),
         origin=draft.origin(element.span, scope),
         terminal=any(_TERMINAL.match(comment.text) for comment in element.comments),
+        ready=_read_ready(element, name, re.sub("//+", "/", namespace), draft, scope),
     )
+
+
+def _read_ready(element: Element, name: str, namespace: str, draft: Draft, scope: Scope) -> tuple[ReadyCondition, ...]:
+    conditions: tuple[ReadyCondition, ...] = ()
+    for comment in element.comments:
+        if not is_ready_comment(comment.text):
+            continue
+        found, wrong = parse_ready(comment.text, namespace + name, namespace)
+        conditions += found
+        if wrong:
+            draft.warn(
+                f"ready: '{wrong[0]}' is no condition, expected {EXPECTED}",
+                comment.span,
+                scope,
+                "bad-ready",
+                "correct it: what is not understood is not waited for",
+            )
+    return conditions
 
 
 def resolve_namespace(element: Element, draft: Draft, scope: Scope, node_name: str | None = None) -> str:

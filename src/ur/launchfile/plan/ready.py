@@ -1,0 +1,53 @@
+"""`<!--ready: topic scan 5 Hz; service static_map; frame map; action move_base-->`: when a node is of use to others."""
+
+from __future__ import annotations
+
+import re
+
+from ur.launchfile.plan.model import ReadyCondition, ReadyKind
+from ur.launchfile.plan.names import canonical_name, is_legal_name, join_names
+
+_READY = re.compile(r"\s*ready\s*:")
+_CONDITION = re.compile(r"(topic|service|frame|action)\s+(\S+)(?:\s+(\d+(?:\.\d+)?)\s*Hz)?\Z", re.IGNORECASE)
+EXPECTED = (
+    "'topic NAME', 'topic NAME 5 Hz', 'service NAME', 'frame NAME', 'action NAME' or 'process', with ';' between them"
+)
+
+
+def is_ready_comment(text: str) -> bool:
+    """Whether the text of a comment states conditions."""
+    return _READY.match(text) is not None
+
+
+def parse_ready(text: str, node: str, namespace: str) -> tuple[tuple[ReadyCondition, ...], tuple[str, ...]]:
+    """The conditions of a `ready:` comment of a node, names in full, and what of it is no condition.
+
+    Names are relative to the node's namespace, `~name` to the node. Remappings are not applied: they are names as the
+    master knows them.
+    """
+    conditions = []
+    wrong = []
+    for part in re.split(r"[;\n]", _READY.sub("", text, count=1)):
+        words = " ".join(part.split())
+        if not words:
+            continue
+        if words.lower() == "process":
+            conditions.append(ReadyCondition("process", ""))
+            continue
+        found = _CONDITION.match(words)
+        rate = float(found[3]) if found and found[3] else None
+        kind = found[1].lower() if found else ""
+        if found is None or (rate is not None and (kind != "topic" or rate == 0.0)):
+            wrong.append(words)
+        elif kind == "frame":
+            conditions.append(ReadyCondition("frame", found[2].lstrip("/")))
+        elif not is_legal_name(found[2]):
+            wrong.append(words)
+        else:
+            name = found[2]
+            full = f"{node}/{name[1:]}" if name.startswith("~") else join_names(namespace, name)
+            conditions.append(ReadyCondition(_KINDS[kind], canonical_name(full), rate))
+    return tuple(conditions), tuple(wrong)
+
+
+_KINDS: dict[str, ReadyKind] = {"topic": "topic", "service": "service", "action": "action"}

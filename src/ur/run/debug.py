@@ -1,0 +1,198 @@
+"""Which debugger, where it appears, and the words that start it: decided from what is there. Pure."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from ur.source.diagnostic import UserError, error
+
+Tool = Literal["pudb", "gdb", "debugpy"]
+Kind = Literal["python", "module", "binary", "script"]
+Place = Literal["here", "pane", "window", "log"]
+TOOLS: tuple[Tool, ...] = ("pudb", "gdb", "debugpy")
+PACKAGES = {"gdb": "gdb", "pudb": "python3-pudb", "debugpy": "python3-debugpy", "xterm": "xterm"}
+_RUN = ("-q", "-ex", "set breakpoint pending on", "-ex", "run", "--args")
+_TRACE = ("-q", "-batch", "-ex", "run", "-ex", "thread apply all backtrace", "--args")
+
+
+@dataclass(frozen=True, slots=True)
+class Surroundings:
+    """What is there. `tools` are the names of PACKAGES that are installed; `python` runs our own programs.
+
+    `may_attach`: the system lets this user look into processes that are not its own children (or it is root).
+    """
+
+    terminal: bool = False
+    tmux: bool = False
+    display: bool = False
+    tools: frozenset[str] = frozenset()
+    may_attach: bool = True
+    python: str = "python3"
+    pane_program: str = "debug_pane.py"
+
+
+@dataclass(frozen=True, slots=True)
+class Target:
+    """A node to look into. `module`: a shell script of this project that runs one of its Python modules.
+
+    `interpreter` runs a `python` one.
+    """
+
+    name: str
+    kind: Kind
+    interpreter: str = "python3"
+
+
+@dataclass(frozen=True, slots=True)
+class Debugging:
+    """What goes in front of a node's command, where the debugger appears, and what people should know."""
+
+    prefix: tuple[str, ...]
+    place: Place
+    say: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Attaching:
+    """A command that looks into a node that runs, or ran; `here`: it needs this terminal meanwhile."""
+
+    command: tuple[str, ...]
+    here: bool
+
+
+def find_kind(head: bytes) -> tuple[Kind, str]:
+    """What a program is, from its first bytes (4 kB are enough), and what interprets it when that is Python."""
+    if head.startswith(b"\x7fELF"):
+        return "binary", ""
+    first = head.partition(b"\n")[0].decode("utf-8", "replace")
+    if not first.startswith("#!"):
+        return "script", ""
+    words = first[2:].split()
+    if words and words[0].endswith("/env"):
+        words = [word for word in words[1:] if not word.startswith("-") and "=" not in word]
+    if words and words[0].rpartition("/")[2].startswith("python"):
+        return "python", words[0]
+    return ("module", "") if b"lib/node" in head else ("script", "")
+
+
+def choose_tool(kind: Kind) -> Tool:
+    """The debugger for a program, where people name none."""
+    return "gdb" if kind == "binary" else "pudb"
+
+
+def plan_debugging(target: Target, tool: Tool, around: Surroundings, port: int) -> Debugging:
+    """How to start a node under a debugger. `port` is a free one. Raises UserError: what would help."""
+    _check_kind(target, tool)
+    _check_installed(target.name, tool, around)
+    if tool == "debugpy":
+        words = ("-m", "debugpy", "--listen", f"localhost:{port}", "--wait-for-client")
+        say = (
+            f"{target.name} waits for a debugger on localhost:{port}",
+            f'  VS Code, launch.json: {{"type": "debugpy", "request": "attach", "connect": {{"port": {port}}}}}',
+            f"  from another computer, first: ssh -L {port}:localhost:{port} HOST",
+        )
+        return Debugging(_python_words(target, words), "log", say)
+    place = _choose_place(around)
+    if tool == "gdb":
+        return _plan_gdb(target, around, place)
+    if place == "log":
+        raise UserError(
+            error(
+                f"--debug {target.name}=pudb: pudb needs a terminal, and there is no terminal, tmux or display here",
+                rule="no-place-to-debug",
+                help=f"--debug {target.name}=debugpy waits for a debugger elsewhere",
+            )
+        )
+    return _put(target.name, _python_words(target, ("-m", "pudb")), place, around)
+
+
+def plan_attaching(
+    target: Target, pid: int | None, core: str, executable: str, around: Surroundings
+) -> Attaching | str:
+    """How to look into a node that runs, or with its core file into one that died; a text says why that cannot be."""
+    if pid is None and not core:
+        return f"{target.name} does not run and left no core file: restart it with --debug {target.name}"
+    if "gdb" not in around.tools:
+        return "gdb is not installed: sudo apt-get install gdb"
+    words: tuple[str, ...]
+    if pid is None:
+        words = ("gdb", "-q", executable, core)
+    elif around.may_attach:
+        words = ("gdb", "-q", "-p", str(pid))
+    else:
+        words = ("sudo", "gdb", "-q", "-p", str(pid))
+    place = _choose_place(around)
+    if place == "pane":
+        return Attaching(("tmux", "split-window", *words), here=False)
+    if place == "window":
+        return Attaching(("xterm", "-T", f"gdb {target.name}", "-e", *words), here=False)
+    if place == "here":
+        return Attaching(words, here=True)
+    return f"there is no terminal here; from another one: {' '.join(words)}"
+
+
+def _plan_gdb(target: Target, around: Surroundings, place: Place) -> Debugging:
+    program = (target.interpreter,) if target.kind == "python" else ()
+    if place == "log":
+        say = (f"{target.name} runs in gdb; where it crashes, the log will have a backtrace of every thread",)
+        return Debugging(("gdb", *_TRACE, *program), place, say)
+    return _put(target.name, ("gdb", *_RUN, *program), place, around)
+
+
+def _choose_place(around: Surroundings) -> Place:
+    if around.tmux:
+        return "pane"
+    if around.display and "xterm" in around.tools:
+        return "window"
+    return "here" if around.terminal else "log"
+
+
+def _put(name: str, words: tuple[str, ...], place: Place, around: Surroundings) -> Debugging:
+    if place == "pane":
+        return Debugging(
+            (around.python, around.pane_program, name, *words),
+            place,
+            (f"{name} is debugged in a pane beside this one",),
+        )
+    if place == "window":
+        return Debugging(("xterm", "-T", name, "-e", *words), place, (f"{name} is debugged in a window of its own",))
+    say = [f"{name} is debugged in this terminal; the run ends with it"]
+    if around.display:
+        say.append("with package xterm installed it would have a window of its own: sudo apt-get install xterm")
+    return Debugging(words, place, tuple(say))
+
+
+def _python_words(target: Target, words: tuple[str, ...]) -> tuple[str, ...]:
+    if target.kind == "module":
+        return ("env", f"UR_NODE_PYTHON_OPTIONS={' '.join(words)}")
+    return (target.interpreter, *words)
+
+
+def _check_kind(target: Target, tool: Tool) -> None:
+    if tool == "gdb" and target.kind in ("binary", "python"):
+        return
+    if tool != "gdb" and target.kind in ("python", "module"):
+        return
+    what = {"binary": "a compiled program", "script": "a shell script", "module": "a script", "python": "Python"}
+    expected = "a compiled program or a Python script" if tool == "gdb" else "a Python program"
+    other = {"binary": "=gdb", "module": "=pudb"}.get(target.kind)
+    raise UserError(
+        error(
+            f"--debug {target.name}={tool}: {target.name} is {what[target.kind]}, expected {expected}",
+            rule="wrong-debugger",
+            help=f"--debug {target.name}{other}" if other else f"--prefix '{target.name}=bash -x' shows what it does",
+        )
+    )
+
+
+def _check_installed(name: str, tool: Tool, around: Surroundings) -> None:
+    if tool in around.tools:
+        return
+    raise UserError(
+        error(
+            f"--debug {name}={tool}: {tool} is not installed",
+            rule="no-debugger",
+            help=f"sudo apt-get install {PACKAGES[tool]}",
+        )
+    )
