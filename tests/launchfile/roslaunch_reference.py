@@ -59,11 +59,14 @@ def _serve() -> None:
 def _describe(config: Any, core: str) -> dict[str, Any]:
     from ur.launchfile.dump import plain_value
 
+    def name(key: Any) -> str:
+        return json.dumps(key) if key is None or isinstance(key, bool) else str(key)
+
     def value(item: Any) -> Any:
         if isinstance(item, list):
             return [value(part) for part in item]
         if isinstance(item, dict):
-            return {str(key): value(part) for key, part in item.items()}
+            return {name(key): value(part) for key, part in item.items()}
         return plain_value(getattr(item, "data", item))
 
     return {

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import base64
-import datetime
-import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -18,9 +16,10 @@ def dump_plan(plan: Plan, *, with_origins: bool = False, run: CommandRunner = re
     """A plan as plain values; print it with sorted keys.
 
     `run` runs the programs of `<param command=...>`, as roslaunch does while it loads. When roslaunch would refuse the
-    file: `{"ok": False, "error": message, "diagnostics": [...]}`. Binary parameters are base64, dates ISO 8601, numbers
-    that JSON does not have (`.inf`, `.nan`) texts. With origins, `origins` holds a place and the including places for
-    every `nodes/NAME`, `tests/NAME`, `params/NAME` and `machines/NAME`.
+    file: `{"ok": False, "error": message, "diagnostics": [...]}`. Binary parameters are base64, dates texts; numbers
+    that JSON does not have (`.inf`, `.nan`) stay numbers: Python's writer and reader understand them. With origins,
+    `origins` holds a place and the including places for every `nodes/NAME`, `tests/NAME`, `params/NAME` and
+    `machines/NAME`.
     """
     plan = run_commands(plan, run)
     errors = [found for found in plan.diagnostics if found.severity is Severity.ERROR]
@@ -69,21 +68,24 @@ def dump_refusal(diagnostics: Sequence[Diagnostic]) -> dict[str, Any]:
 
 def plain_value(value: ParamValue) -> Any:
     """A parameter's value in JSON's types."""
-    if isinstance(value, bool | int | str) or value is None:
+    if isinstance(value, bool | int | float | str) or value is None:
         return value
-    if isinstance(value, float):
-        return value if math.isfinite(value) else str(value)
     if isinstance(value, bytes):
         return base64.b64encode(value).decode("ascii")
     if isinstance(value, list):
         return [plain_value(item) for item in value]
     if isinstance(value, dict):
-        return {str(key): plain_value(item) for key, item in value.items()}
-    if isinstance(value, datetime.date | datetime.datetime):
-        return value.isoformat()
+        return {_plain_key(key): plain_value(item) for key, item in value.items()}
     if isinstance(value, set):
         return sorted((plain_value(item) for item in value), key=str)
     return str(value)
+
+
+def _plain_key(key: object) -> str:
+    # As JSON's own writer does it, which cannot sort keys of several types.
+    if key is None:
+        return "null"
+    return str(key).lower() if isinstance(key, bool) else str(key)
 
 
 def _dump_node(node: NodeSpec) -> dict[str, Any]:

@@ -12,6 +12,8 @@ from ur.launchfile.plan.model import ParamSpec, ParamValue, Plan
 from ur.launchfile.plan.yaml_values import YamlProblem, read_yaml
 from ur.source.diagnostic import Diagnostic, Note, error
 
+MAX_OUTPUT = 64 * 1024 * 1024
+
 
 @dataclass(frozen=True, slots=True)
 class CommandResult:
@@ -30,11 +32,23 @@ class CommandRunner(Protocol):
 
 
 def run_command(words: Sequence[str]) -> CommandResult:
-    """Run a program on this computer; its standard error goes to ours, as in roslaunch."""
+    """Run a program on this computer; its standard error goes to ours, as in roslaunch.
+
+    Raises OSError for a program that cannot be started or prints too much.
+    """
     import subprocess  # 6 ms that most launch files do not need
 
-    done = subprocess.run(list(words), stdout=subprocess.PIPE, stdin=subprocess.DEVNULL, check=False)
-    return CommandResult(done.returncode, done.stdout)
+    with subprocess.Popen(list(words), stdout=subprocess.PIPE, stdin=subprocess.DEVNULL) as process:
+        assert process.stdout is not None
+        try:
+            output = process.stdout.read(MAX_OUTPUT + 1)
+        except BaseException:
+            process.kill()
+            raise
+        if len(output) > MAX_OUTPUT:
+            process.kill()
+            raise OSError(0, f"prints more than {MAX_OUTPUT:,} bytes", words[0])
+    return CommandResult(process.returncode, output)
 
 
 def refuse_command(words: Sequence[str]) -> CommandResult:

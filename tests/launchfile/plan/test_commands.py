@@ -1,0 +1,24 @@
+from __future__ import annotations
+
+import pytest
+
+from ur.launchfile import MemoryWorld, dump_plan, load_plan, run_command
+from ur.launchfile.plan import commands
+
+
+def _dump(command: str) -> dict[str, object]:
+    world = MemoryWorld({"/a.launch": f'<launch><param name="p" command="{command}"/></launch>'})
+    return dump_plan(load_plan(["/a.launch"], [], world), run=run_command)
+
+
+def test_command_that_prints_without_end_is_stopped(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(commands, "MAX_OUTPUT", 1000)
+    assert "parameter /p has no value: yes: prints more than 1,000 bytes" in str(_dump("yes")["error"])
+
+
+def test_command_that_fails_is_named() -> None:
+    assert "the command ended with code 1" in str(_dump("false")["error"])
+
+
+def test_command_that_is_missing_is_named() -> None:
+    assert "no_such_program: no such file" in str(_dump("no_such_program")["error"])
