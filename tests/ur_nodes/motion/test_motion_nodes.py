@@ -1,0 +1,209 @@
+"""Joystick, keyboard and mux before a simulated robot, over a real master, wired by robot.launch."""
+
+from __future__ import annotations
+
+import json
+import os
+import select
+import signal
+import subprocess
+from collections.abc import Iterator
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import psutil
+import pytest
+from tests.e2e.conftest import PYTHON, ROOT, end, list_family, make_environment
+from tests.ur_nodes.motion.virtual_joystick import UINPUT, PipeJoystick, UinputJoystick, VirtualJoystick
+
+pytestmark = pytest.mark.ros
+
+HERE = Path(__file__).parent
+DEAD_MAN, STOP, RELEASE = 4, 1, 7
+
+
+class Robot:
+    def __init__(self, launch: subprocess.Popen[str], env: dict[str, str], joystick: VirtualJoystick) -> None:
+        self.launch = launch
+        self.env = env
+        self.joystick = joystick
+        pipe = subprocess.PIPE
+        command = [str(PYTHON), str(HERE / "motion_client_node.py")]
+        self.client = subprocess.Popen(command, env=env, text=True, stdin=pipe, stdout=pipe)
+
+    def ask(self, do: str, **arguments: Any) -> Any:
+        assert self.client.stdin
+        assert self.client.stdout
+        self.client.stdin.write(json.dumps({"do": do, **arguments}) + "\n")
+        self.client.stdin.flush()
+        assert select.select([self.client.stdout], [], [], 60.0)[0], f"no answer to {do}"
+        answer = json.loads(self.client.stdout.readline())
+        assert "error" not in answer, f"{do}: {answer['error']}"
+        return answer["answer"]
+
+
+@pytest.fixture(scope="module")
+def joystick(tmp_path_factory: pytest.TempPathFactory) -> Iterator[VirtualJoystick]:
+    """A device of the kernel where it has uinput, else a pipe that speaks the same format."""
+    made: VirtualJoystick
+    made = UinputJoystick() if UINPUT.exists() else PipeJoystick(tmp_path_factory.mktemp("dev") / "js0")
+    yield made
+    made.close()
+
+
+@pytest.fixture(scope="module")
+def robot(tmp_path_factory: pytest.TempPathFactory, joystick: VirtualJoystick) -> Iterator[Robot]:
+    folder = tmp_path_factory.mktemp("motion")
+    env = make_environment(folder)
+    command = [str(ROOT / "ur"), "launch", str(HERE / "robot.launch"), "robot_base:=stage", f"dev:={joystick.device}"]
+    with (folder / "launch.log").open("w") as log:
+        launch = subprocess.Popen(
+            command, env=env, text=True, stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT, cwd=folder
+        )
+    started = Robot(launch, env, joystick)
+    try:
+        assert started.ask("ready", seconds=30) == "idle"
+        yield started
+    finally:
+        started.client.kill()
+        started.client.wait()
+        end(launch)
+
+
+@pytest.fixture(autouse=True)
+def rested(robot: Robot) -> Iterator[None]:
+    """Each test begins and ends with a robot that stands and nobody who drives."""
+    robot.ask("history")
+    yield
+    robot.ask("rest")
+    for axis in (0, 1):
+        robot.joystick.push(axis, 0)
+    for button in (DEAD_MAN, STOP, RELEASE):
+        robot.joystick.press(button, False)
+    robot.ask("stands", seconds=10)
+
+
+def changes(names: list[str]) -> list[str]:
+    return [name for n, name in enumerate(names) if n == 0 or names[n - 1] != name]
+
+
+def test_joystick_drives_while_its_dead_man_button_is_held(robot: Robot, record_property: Any) -> None:
+    record_property("joystick", "uinput" if isinstance(robot.joystick, UinputJoystick) else "pipe: no uinput here")
+    robot.joystick.push(1, 32767)  # back, without the button
+    robot.joystick.push(0, 0)
+    robot.joystick.press(0, True)
+    robot.joystick.press(0, False)
+    assert robot.ask("history")["commands"] == []
+    robot.joystick.press(DEAD_MAN, True)
+    robot.joystick.push(1, -32767)
+    assert robot.ask("moves", seconds=10) > 0.0
+    robot.joystick.press(DEAD_MAN, False)
+    robot.ask("stands", seconds=10)
+    told = robot.ask("history")
+    assert changes(told["active"]) == ["idle", "joystick", "idle"]
+    speeds = [forward for forward, _ in told["commands"]]
+    assert min(speeds) >= 0.0
+    assert max(speeds) <= 0.5
+    assert speeds[-3:] == [0.0, 0.0, 0.0]
+    assert max(b - a for a, b in pairwise(speeds)) <= 1.0 * 0.02 + 1e-6
+
+
+def test_keyboard_drives_before_navigation_and_joystick_before_both(robot: Robot) -> None:
+    robot.ask("drive", topic="nav_vel", velocity=[0.0, 0.3])
+    teleop = ROOT / "ubiquity_launches" / "n_teleop_twist_keyboard" / "bin" / "teleop_twist_keyboard.py"
+    keys = subprocess.run(
+        [str(teleop), "cmd_vel:=key_vel"], env=robot.env, input="jj", text=True, capture_output=True, timeout=30
+    )
+    assert keys.returncode == 0, keys.stderr
+    robot.joystick.press(DEAD_MAN, True)
+    robot.joystick.push(1, -32767)
+    robot.ask("moves", seconds=10)
+    robot.joystick.press(DEAD_MAN, False)
+    robot.ask("is_active", name="navigation", seconds=10)
+    robot.ask("rest")
+    robot.ask("stands", seconds=10)
+    expected = ["idle", "navigation", "keyboard", "navigation", "joystick", "navigation", "idle"]
+    assert changes(robot.ask("history")["active"]) == expected
+
+
+def test_robot_stands_when_its_commander_falls_silent(robot: Robot) -> None:
+    robot.ask("drive", topic="key_vel", velocity=[-0.3, 0.0])
+    robot.ask("moves", seconds=10)
+    robot.ask("rest")
+    robot.ask("stands", seconds=10)
+    assert [forward for forward, _ in robot.ask("history")["commands"]][-3:] == [0.0, 0.0, 0.0]
+
+
+def test_emergency_button_stops_and_only_a_pause_after_release_lets_drive_again(robot: Robot) -> None:
+    robot.ask("drive", topic="key_vel", velocity=[0.3, 0.0])
+    robot.ask("moves", seconds=10)
+    robot.joystick.press(STOP, True)
+    robot.ask("is_stopped", value=True, seconds=10)
+    robot.ask("stands", seconds=10)
+    robot.joystick.press(STOP, False)
+    robot.ask("history")
+    assert robot.ask("call", service="cmd_vel_mux/release") == "released; keyboard may drive after a pause"
+    robot.ask("is_stopped", value=False, seconds=10)
+    robot.ask("stands", seconds=10)
+    robot.ask("rest")
+    robot.ask("stands", seconds=10)
+    assert robot.ask("history")["commands"] == []
+    robot.ask("drive", topic="key_vel", velocity=[-0.3, 0.0])
+    robot.ask("moves", seconds=10)
+
+
+def test_emergency_stop_outlives_the_mux(robot: Robot) -> None:
+    assert robot.ask("call", service="cmd_vel_mux/stop") == "stopped"
+    (mux,) = (
+        pid for pid in list_family(robot.launch.pid) if "cmd_vel_mux_node" in " ".join(psutil.Process(pid).cmdline())
+    )
+    robot.ask("forget")
+    os.kill(mux, signal.SIGKILL)
+    assert robot.ask("ready", seconds=20) == "idle"  # it is there again
+    robot.ask("drive", topic="key_vel", velocity=[0.3, 0.0])
+    robot.ask("is_stopped", value=True, seconds=10)
+    assert robot.ask("history")["commands"] == []
+    robot.ask("rest")
+    assert robot.ask("call", service="cmd_vel_mux/release").startswith("released")
+
+
+def test_smoother_ramps_within_its_limits(robot: Robot) -> None:
+    robot.ask("drive", topic="raw_cmd_vel", velocity=[0.2, 0.0])
+    smooth: list[float] = []
+    while 0.2 not in smooth:
+        smooth += robot.ask("history")["smooth"]
+        assert len(smooth) < 1000
+    assert smooth == sorted(smooth)
+    assert max(b - a for a, b in pairwise([0.0, *smooth])) <= 1.0 / 20.0 + 1e-6
+
+
+@pytest.mark.parametrize(
+    ("program", "parameters", "message"),
+    [
+        ("n_cmd_vel_mux/bin/twist_mux", ("_base:=stagge",), "base 'stagge' is not known"),
+        ("n_cmd_vel_mux/bin/twist_mux", ("_base:=stage",), "parameter /cmd_vel_mux_2/topics: None, expected a list"),
+        ("n_cmd_vel_mux/bin/twist_mux", ("_base:=stage", "_topics:=key_vel"), "'key_vel', expected a list of mappings"),
+        ("n_velocity_smoother/bin/velocity_smoother", (), "parameter /cmd_vel_mux_2/accel_lim_v is not set"),
+        (
+            "n_joy/bin/joy_node",
+            ("_deadzone:=2",),
+            "parameter /cmd_vel_mux_2/deadzone: 2, expected a number from 0 to 0.9",
+        ),
+        ("n_teleop_twist_joy/bin/teleop_node", ("_enable_button:=A",), "'A', expected a whole number of at least -1"),
+        (
+            "n_teleop_twist_joy/bin/teleop_node",
+            ("_scale_linear:={w: 1}",),
+            "/scale_linear/w: 1, expected one of x, y, z",
+        ),
+    ],
+)
+def test_nodes_refuse_what_they_cannot_use_in_one_clear_message(
+    robot: Robot, program: str, parameters: tuple[str, ...], message: str
+) -> None:
+    command = [str(ROOT / "ubiquity_launches" / program), "__name:=cmd_vel_mux_2", *parameters]
+    done = subprocess.run(command, env=robot.env, text=True, capture_output=True, timeout=30)
+    assert done.returncode == 2
+    assert message in done.stderr
+    assert "Traceback" not in done.stderr
+    subprocess.run(["/usr/bin/rosparam", "delete", "/cmd_vel_mux_2"], env=robot.env, capture_output=True, timeout=30)
