@@ -72,7 +72,9 @@ class SshShell:
 
     def _run(self, script: str, root: bool, stdin: str | Secret, timeout: float) -> Done:
         text = stdin.reveal() if isinstance(stdin, Secret) else stdin
-        command = quote("sh", "-c", script)
+        # 255 is what ssh itself says when the connection breaks, so no script may.
+        whole = f"({script}\n); code=$?; [ $code -ne 255 ] || code=254; exit $code"
+        command = quote("sh", "-c", whole)
         if root and self._sudo is not None:
             command = f"LC_ALL=C sudo -k -S -p '' -- {command}"
             text = f"{self._sudo.reveal()}\n{text}"

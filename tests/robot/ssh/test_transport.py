@@ -1,0 +1,83 @@
+"""The transport: addresses, what ssh's words mean, and passwords that stay unseen."""
+
+from __future__ import annotations
+
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from ur.robot.ssh.askpass import answer_password
+from ur.robot.ssh.openssh import Address, explain_failure, parse_address
+from ur.robot.ssh.secret import Secret
+from ur.robot.ssh.shell import LocalShell
+from ur.source import UserError
+
+
+@pytest.mark.parametrize(
+    ("text", "address"),
+    [
+        ("robot", Address("ros", "robot.local")),
+        ("pi@robot.local", Address("pi", "robot.local")),
+        ("10.0.0.2", Address("ros", "10.0.0.2")),
+        ("fe80::1", Address("ros", "fe80::1")),
+    ],
+)
+def test_address_is_read(text: str, address: Address) -> None:
+    assert parse_address(text, "ros") == address
+
+
+@pytest.mark.parametrize("text", ["", "a b", "-oProxyCommand=x", "ros@-x", "a;b@robot", "robot/x"])
+def test_address_that_could_be_something_else_is_refused(text: str) -> None:
+    with pytest.raises(UserError, match="not the address of a computer"):
+        parse_address(text, "ros")
+
+
+@pytest.mark.parametrize(
+    ("said", "rule"),
+    [
+        ("ssh: Could not resolve hostname robot.local: Name or service not known", "unknown-host"),
+        ("ssh: connect to host robot.local port 22: Connection timed out", "no-answer"),
+        ("ssh: connect to host robot.local port 22: Connection refused", "no-ssh"),
+        ("@ WARNING: REMOTE HOST IDENTIFICATION HAS CHANGED! @\nHost key verification failed.", "changed-host-key"),
+        ("No ED25519 host key is known for robot.local\nHost key verification failed.", "unknown-host-key"),
+        ("ros@robot.local: Permission denied (publickey,password).", "refused"),
+        ("kex_exchange_identification: read: Connection reset by peer", "no-login"),
+    ],
+)
+def test_failed_login_is_explained(said: str, rule: str) -> None:
+    diagnostic = explain_failure(Address("ros", "robot.local"), said).diagnostics[0]
+    assert diagnostic.rule == rule
+    assert diagnostic.help
+    assert "robot.local" in diagnostic.message
+
+
+def test_secret_shows_itself_to_nobody_who_does_not_ask() -> None:
+    secret = Secret("hunter2")
+    assert "hunter2" not in f"{secret} {secret!r} {[secret]}"
+    assert secret.reveal() == "hunter2"
+
+
+def ask(environment: dict[str, str], prompt: str) -> str:
+    done = subprocess.run(
+        [environment["SSH_ASKPASS"], prompt], env=environment, capture_output=True, text=True, check=False
+    )
+    return done.stdout
+
+
+def test_password_is_given_once_and_only_for_a_password_question(tmp_path: Path) -> None:
+    with answer_password(tmp_path, "hunter2") as environment:
+        assert "hunter2" not in "".join(environment.values())
+        assert "hunter2" not in "".join(path.read_text() for path in tmp_path.iterdir() if path.is_file())
+        assert ask(environment, "Are you sure you want to continue connecting (yes/no)? ") == ""
+        assert ask(environment, "ros@robot.local's password: ") == "hunter2\n"
+        assert ask(environment, "ros@robot.local's password: ") == ""
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_command_that_does_not_end_is_ended_with_all_it_started(tmp_path: Path) -> None:
+    with pytest.raises(UserError, match="no answer within"):
+        LocalShell().run(f"sleep 600 & echo $! >{tmp_path}/pid; wait", timeout=0.5)
+    pid = int((tmp_path / "pid").read_text())
+    stat = Path(f"/proc/{pid}/stat")
+    assert not stat.exists() or stat.read_text().rpartition(")")[2].split()[0] == "Z"
