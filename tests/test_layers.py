@@ -19,6 +19,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "ur.robot": ("ur.source",),
     "ur.check": ("ur.source", "ur.launchfile", "ur.robot"),
     "ur.run": ("ur.source", "ur.launchfile", "ur.robot"),
+    "ur.tui": ("ur.source", "ur.run"),
     "ur.cli": ("ur",),
     "ur": ("ur",),
     "ur_nodes.rosio": ("ur.source",),

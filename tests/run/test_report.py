@@ -33,7 +33,7 @@ def test_death_without_a_word_says_so() -> None:
     assert describe_death(death, [], "/log/a") == [
         "error: /a died: signal SIGKILL (killed), which ends the run",
         "  log: /log/a (it printed nothing)",
-        "  try: 'dmesg | tail' says whether memory ran out; else somebody killed it",
+        "  try: somebody killed it; when it was the kernel, for want of memory: journalctl -k | grep -i oom",
     ]
 
 

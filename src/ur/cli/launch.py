@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from ur.run.detach import LetGo
     from ur.run.launch import Options
     from ur.run.registry import RunEntry
+    from ur.tui.start import Viewer
 
 _Query = tuple[str, str | None]
 _SECONDS = click.FloatRange(min=0, min_open=True)
@@ -51,6 +53,8 @@ class _Wishes:
     except_: Sequence[str] = ()
     prefix: Sequence[str] = ()
     detach: bool = False
+    plain: bool = False
+    calm: bool = False
     json: bool = False
     timeout_ready: float = 30.0
     respawn_limit: int | None = None
@@ -76,6 +80,8 @@ def _parameters() -> list[click.Parameter]:
             ["--prefix"], multiple=True, metavar="NODE=PREFIX", help="Put a program in front: 'talker=gdb --args'."
         ),
         flag("--detach", help="Start it, and let it run on without this terminal: ur ps, attach, logs, stop."),
+        flag("--plain", "--no-ui", help="Print lines, as roslaunch does, also on a terminal."),
+        flag("--calm", help="Show one line that says how the run stands, and what goes wrong."),
         flag("--json", help="Print everything that happens as lines of JSON."),
         flag("--wait", help="Wait for a master instead of starting one; with --detach: until every node is up."),
         click.Option(
@@ -216,7 +222,11 @@ def _run(words: Sequence[str], selection: Selection, wishes: _Wishes, let_go: Le
         console = Console()
         try:
             with _pid_file(wishes.pid):
-                return run_plan(plan, world, host, console, _options(words, selection, wishes, console, let_go))
+                options = _options(words, selection, wishes, console, let_go)
+                with _viewer(plan, wishes) as viewer:
+                    if viewer is not None:
+                        options = replace(options, viewer=viewer.link)
+                    return run_plan(plan, world, host, console, options)
         except UserError as problem:
             from ur.source.render import render_human
 
@@ -225,6 +235,22 @@ def _run(words: Sequence[str], selection: Selection, wishes: _Wishes, let_go: Le
             return 1
     finally:
         host.close()
+
+
+@contextmanager
+def _viewer(plan: Plan, wishes: _Wishes) -> Iterator[Viewer | None]:
+    """The interface, where there is a terminal that no node needs."""
+    if wishes.plain or wishes.json or wishes.detach or any(node.terminal for node in plan.nodes):
+        yield None
+        return
+    from ur.tui.start import Viewer, look_for_mode
+
+    mode = look_for_mode(os.environ, calm=wishes.calm)
+    if mode == "plain":
+        yield None
+        return
+    with Viewer(mode) as viewer:
+        yield viewer
 
 
 def _options(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import signal
 from collections.abc import Sequence
 
+from ur.run.debug_advice import Crash, advise
 from ur.run.model import ExitStatus, TellDeath
 
 
@@ -32,24 +33,19 @@ def describe_death(death: TellDeath, lines: Sequence[str] | None, log: str | Non
     if death.status.clean:
         return [f"{death.name} has finished{follow}"]
     if death.reason is not None:
-        return [f"error: {death.name} could not be started: {death.reason}{follow}"]
+        advice = advise(Crash(death.name, death.status, (), death.reason))
+        told = [f"error: {death.name} could not be started: {death.reason}{follow}"]
+        return [*told, f"  try: {advice}"] if advice else told
     told = [f"error: {death.name} died: {describe_status(death.status)}{follow}"]
     told += [f"  | {line}" for line in lines or ()]
     if log is not None:
         told.append(f"  log: {log}" if lines or lines is None else f"  log: {log} (it printed nothing)")
-    advice = advise(death)
+    advice = _advise(death, lines or ())
     return [*told, f"  try: {advice}"] if advice else told
 
 
-def advise(death: TellDeath) -> str:
-    """The first thing to try after a node died; '' where its own words say more than we know."""
-    signum, code = death.status.signal, death.status.code
-    if signum in (signal.SIGSEGV, signal.SIGABRT, signal.SIGBUS, signal.SIGFPE, signal.SIGILL):
-        return f"gdb shows where: --prefix '{death.name}=gdb -batch -ex run -ex bt --args' --screen"
-    if signum == signal.SIGKILL:
-        return "'dmesg | tail' says whether memory ran out; else somebody killed it"
-    if code == 127:
-        return "127 usually means that a program or library was not found: see the last lines"
-    if code == 2 and death.deaths:
+def _advise(death: TellDeath, lines: Sequence[str]) -> str:
+    again = f"'ur restart {death.name}' starts it once more"
+    if death.deaths and death.status.code == 2:
         return f"exit code 2 is about what it was given: correct that, then 'ur restart {death.name}'"
-    return f"'ur restart {death.name}' starts it once more" if death.deaths else ""
+    return advise(Crash(death.name, death.status, lines)) or (again if death.deaths else "")

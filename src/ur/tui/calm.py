@@ -1,0 +1,112 @@
+"""One line that says how the run stands, and above it only what matters: for small terminals and quiet people."""
+
+from __future__ import annotations
+
+import os
+import select
+import shutil
+import signal
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from ur.run.client import RunControl
+from ur.run.events import Notice, OutputLine, RunEvent, StopRun, Watch
+from ur.tui.board import STANDING, Board, Mood, apply_events, begin_board
+
+SIGNS: dict[Mood, tuple[str, str]] = {
+    "up": ("32", "up"),
+    "busy": ("33", "coming"),
+    "failed": ("31", "failed"),
+    "idle": ("2", "off"),
+}
+_CLEAR, _PLAIN = "\r\x1b[K", "\x1b[0m"
+WATCH = Watch(output=True, stats=False, readiness=True)
+
+
+@dataclass(frozen=True, slots=True)
+class Shown:
+    """What to write: lines that stay, and the line that is replaced next time."""
+
+    lines: tuple[str, ...]
+    status: str
+
+
+def show_events(board: Board, happened: list[RunEvent], width: int) -> tuple[Board, Shown]:
+    """The board after these events, and what people see of them: notices, warnings and errors."""
+    from ur.tui.journal import clean, plain
+
+    board = apply_events(board, happened)
+    lines = []
+    for event in happened:
+        if isinstance(event, OutputLine) and event.severity in ("warning", "error", "fatal"):
+            colour = "33" if event.severity == "warning" else "31"
+            lines.append(f"\x1b[{colour}m[{event.name}] {plain(clean(event.text))}{_PLAIN}")
+        elif isinstance(event, Notice) and event.severity in ("warning", "error", "fatal"):
+            lines += [f"\x1b[31m{clean(line)}{_PLAIN}" for line in event.text.split("\n")]
+    return board, Shown(tuple(lines[-200:]), describe_status(board, width))
+
+
+def describe_status(board: Board, width: int) -> str:
+    """The one line, at most `width` - 1 cells: counts of nodes, then the first that is not up."""
+    counts = board.count()
+    parts = [(f"{counts[mood]} {SIGNS[mood][1]}", SIGNS[mood][0]) for mood in STANDING if counts[mood]]
+    if board.cause is not None:
+        parts.insert(0, ("stopping", "33"))
+    wrong = next((row for mood in ("failed", "busy") for row in board.rows if row.mood == mood), None)
+    if wrong is not None and board.cause is None:
+        parts.append((f"{wrong.name.lstrip('/')}: {wrong.word}", "2"))
+    left = width - 1
+    pieces: list[str] = []
+    for text, colour in [(board.run.title, "1"), *parts]:
+        room = left - (2 if pieces else 0)
+        if room < 4:
+            break
+        cut = text if len(text) <= room else text[: room - 1] + "…"
+        pieces.append(f"\x1b[{colour}m{cut}{_PLAIN}")
+        left = room - len(cut)
+    return "  ".join(pieces)
+
+
+def watch_calmly(control: RunControl, write: Callable[[str], object] = sys.stdout.write) -> str:
+    """Show a run until it ends: `ended`, `gone` (its supervisor was killed) or `detached` (Ctrl-C on a detached run).
+
+    Ctrl-C stops a run that is not detached; again is faster. Takes SIGINT over meanwhile.
+    """
+    board = begin_board()
+    asked = [0]
+    reader, writer = os.pipe2(os.O_CLOEXEC | os.O_NONBLOCK)
+
+    def on_interrupt(*_: object) -> None:
+        asked[0] += 1
+        os.write(writer, b"\0")
+
+    before = signal.signal(signal.SIGINT, on_interrupt)
+    answered = 0
+    control.send(WATCH)
+    try:
+        while True:
+            ready, _, _ = select.select([control.fileno(), reader], [], [])
+            if reader in ready:
+                os.read(reader, 64)
+            while answered < asked[0]:
+                answered += 1
+                if board.run.detached:
+                    return "detached"
+                control.send(StopRun("Ctrl-C"))
+            happened = control.receive() if control.fileno() in ready else []
+            if happened is None:
+                return "ended" if board.exit_code is not None else "gone"
+            board, shown = show_events(board, happened, shutil.get_terminal_size().columns)
+            write(_CLEAR + "".join(f"{line}\r\n" for line in shown.lines) + shown.status)
+            sys.stdout.flush()
+            if board.exit_code is not None:
+                return "ended"
+            time.sleep(0.1)  # what comes faster is shown together
+    finally:
+        signal.signal(signal.SIGINT, before)
+        os.close(reader)
+        os.close(writer)
+        write(_CLEAR)
+        sys.stdout.flush()

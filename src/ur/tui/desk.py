@@ -1,0 +1,74 @@
+"""The computer that the interface runs on: its clock, its pager, its debuggers."""
+
+from __future__ import annotations
+
+import os
+import shlex
+import shutil
+import subprocess
+import time
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import AbstractContextManager
+from pathlib import Path
+
+from ur.run.debug import Attaching, plan_attaching
+from ur.run.debug_around import look_around, look_at_program
+from ur.tui.board import NodeRow
+
+
+class SystemDesk:
+    """`ur.tui.app.Desk` for real. `suspend` gives the terminal to others for as long as it is entered."""
+
+    def __init__(self, environment: Mapping[str, str], suspend: Callable[[], AbstractContextManager[None]]) -> None:
+        self._environment = environment
+        self._suspend = suspend
+
+    def now(self) -> float:
+        """The time, in s since the epoch."""
+        return time.time()
+
+    def find_pager(self) -> list[str] | None:
+        """$PAGER where it can be run, else less; None when there is neither."""
+        path = self._environment.get("PATH")
+        try:
+            chosen = shlex.split(self._environment.get("PAGER", ""))
+        except ValueError:
+            chosen = []
+        if chosen and shutil.which(chosen[0], path=path):
+            return chosen
+        return ["less", "-R", "+G"] if shutil.which("less", path=path) else None
+
+    def run_here(self, words: Sequence[str]) -> str:
+        """Run a command on our terminal. Returns what went wrong, '' when nothing did."""
+        with self._suspend():
+            try:
+                subprocess.run(list(words), check=False)
+            except OSError as problem:
+                return f"{words[0]}: {(problem.strerror or str(problem)).lower()}"
+        return ""
+
+    def run_beside(self, words: Sequence[str]) -> str:
+        """Start a command that opens a window or a pane of its own."""
+        quiet = subprocess.DEVNULL
+        try:
+            process = subprocess.Popen(list(words), stdin=quiet, stdout=quiet, stderr=quiet, start_new_session=True)
+        except OSError as problem:
+            return f"{words[0]}: {(problem.strerror or str(problem)).lower()}"
+        if words[0] == "tmux" and process.wait():
+            return "tmux could not open a pane: is there room?"
+        return ""
+
+    def debug(self, row: NodeRow) -> tuple[Sequence[str], bool] | str:
+        """The command that puts gdb on a program that runs; for Python, what to type instead."""
+        pid = row.changed.pid
+        if pid is None:
+            return f"{row.name} does not run: ur launch --debug {row.name.lstrip('/')} ... starts it in a debugger"
+        try:
+            executable = str(Path(f"/proc/{pid}/exe").readlink())
+        except OSError:
+            return f"{row.name} runs as somebody else, and may not be looked into"
+        around = look_around(self._environment, terminal=os.isatty(0))
+        if Path(executable).name.startswith("python"):
+            return f"{row.name} is Python: ur launch --debug {row.name.lstrip('/')} ... starts it in pudb"
+        plan = plan_attaching(look_at_program(row.name, executable), pid, "", executable, around)
+        return (plan.command, plan.here) if isinstance(plan, Attaching) else plan

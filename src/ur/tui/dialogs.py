@@ -1,0 +1,116 @@
+"""Questions, help, and a log file, over the main screen. One key answers; Escape always goes back."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from rich.text import Text
+from textual import events
+from textual.app import ComposeResult
+from textual.containers import Vertical, VerticalScroll
+from textual.screen import ModalScreen
+from textual.widgets import Static
+
+from ur.run.output import read_last_lines
+from ur.tui.palette import Palette
+
+
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """One answer: the key that gives it, and what it says."""
+
+    key: str
+    text: str
+
+
+class Question(ModalScreen[str]):
+    """Asks; answers with the key of a choice, '' for none. Choices can be clicked too."""
+
+    def __init__(self, title: str, choices: tuple[Choice, ...], palette: Palette) -> None:
+        super().__init__(classes="dialog")
+        self._title = title
+        self._choices = (*choices, Choice("escape", "go on"))
+        self._palette = palette
+
+    def compose(self) -> ComposeResult:
+        """The question above its answers."""
+        with Vertical():
+            yield Static(Text(self._title, style="bold"))
+            yield Static("")
+            for choice in self._choices:
+                yield _Answer(choice, self._palette)
+
+    def on_mount(self) -> None:
+        """Colours."""
+        _frame(self.query_one(Vertical), self._palette)
+
+    def on_key(self, event: events.Key) -> None:
+        """An answer, or nothing."""
+        event.stop()
+        event.prevent_default()
+        if any(choice.key == event.key for choice in self._choices):
+            self.dismiss("" if event.key == "escape" else event.key)
+        elif event.key == "q":
+            self.dismiss("")
+
+    def answer(self, key: str) -> None:
+        """A choice was clicked."""
+        self.dismiss("" if key == "escape" else key)
+
+
+class _Answer(Static):
+    def __init__(self, choice: Choice, palette: Palette) -> None:
+        key = "esc" if choice.key == "escape" else choice.key
+        super().__init__(Text.assemble((f"{key:>5}", f"bold {palette.accent}"), "  ", choice.text))
+        self._choice = choice
+
+    def on_click(self) -> None:
+        screen = self.screen
+        assert isinstance(screen, Question)
+        screen.answer(self._choice.key)
+
+
+class Page(ModalScreen[None]):
+    """Text to read: help, or the end of a log file."""
+
+    def __init__(self, title: str, text: Text, palette: Palette, *, at_end: bool = False) -> None:
+        super().__init__(classes="page")
+        self._title = title
+        self._text = text
+        self._palette = palette
+        self._at_end = at_end
+
+    def compose(self) -> ComposeResult:
+        """The title above the text."""
+        with Vertical():
+            yield Static(Text(self._title, style="bold", no_wrap=True, overflow="ellipsis"))
+            yield Static("")
+            with VerticalScroll():
+                yield Static(self._text)
+
+    def on_mount(self) -> None:
+        """Begin where it matters."""
+        _frame(self.query_one(Vertical), self._palette)
+        scroll = self.query_one(VerticalScroll)
+        scroll.focus()
+        if self._at_end:
+            scroll.scroll_end(animate=False)
+
+    def on_key(self, event: events.Key) -> None:
+        """Any of the keys that end a pager."""
+        if event.key in ("escape", "q", "l", "enter", "question_mark"):
+            event.stop()
+            self.dismiss(None)
+
+
+def _frame(box: Vertical, palette: Palette) -> None:
+    box.styles.background = palette.raised
+    box.styles.color = palette.text
+    box.styles.border = ("round", palette.quiet)
+
+
+def read_page(name: str, path: str, palette: Palette, most: int = 2000) -> Page:
+    """The end of a node's log file."""
+    lines = read_last_lines(path, most, 512 * 1024)
+    text = Text.from_ansi("\n".join(lines)) if lines else Text("(empty)")
+    return Page(f"{name}  {path}", text, palette, at_end=True)

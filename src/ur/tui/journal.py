@@ -1,0 +1,195 @@
+"""The log of a run as people read it: messages kept together, repeats counted, floods cut, memory bounded. Pure."""
+
+from __future__ import annotations
+
+import re
+from collections import deque
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
+from ur.run.events import Notice, OutputLine, Severity, find_severity
+
+MOST_ENTRIES = 10_000
+MOST_LINES = 200  # of one message
+MOST_AT_ONCE = 200  # lines of one node between two looks; who prints more is counted, its log file has it all
+REACH = 64  # entries between two lines of one message, or two equal messages
+RANK: dict[Severity, int] = {"debug": 0, "": 1, "info": 1, "warning": 2, "error": 3, "fatal": 4}
+
+_COLOUR = re.compile("\x1b\\[[0-9;]*m")
+_HEAD = re.compile(r"\[ *[A-Z]+ *\] *(?:\[(?:WallTime: )?[0-9.]+(?:[^\]]*)\] *)?:? ?")
+_CLOSED = re.compile("\x1b\\[0?m")
+
+
+@dataclass(slots=True)
+class Entry:
+    """A message of a node (`name` empty: of the run itself). `time` is when it came, s since the epoch.
+
+    `lines` may hold colours and nothing else that moves a terminal. `count` says how often it came in a row. `number`
+    only grows. `open` while the message goes on with the node's next line whatever that is.
+    """
+
+    number: int
+    time: float
+    name: str
+    severity: Severity
+    lines: list[str]
+    count: int = 1
+    open: bool = False
+    trace: bool = False  # a Python traceback, up to the line that names the exception
+    flood: int = 0  # lines that are not shown
+
+
+@dataclass(frozen=True, slots=True)
+class Filter:
+    """Which entries are shown. `rank`: at least so bad; `node` and `text` empty: all; `muted` nodes are left out."""
+
+    node: str = ""
+    rank: int = 0
+    text: str = ""
+    muted: frozenset[str] = frozenset()
+
+    @property
+    def anything(self) -> bool:
+        """Whether it leaves something out that was not muted."""
+        return bool(self.node or self.rank or self.text)
+
+    def admits(self, entry: Entry) -> bool:
+        """Whether an entry is shown: as a whole, or not at all."""
+        if RANK[entry.severity] < self.rank:
+            return False
+        if entry.name and ((self.node and entry.name != self.node) or entry.name in self.muted):
+            return False
+        wanted = self.text.lower()
+        return not wanted or wanted in entry.name.lower() or any(wanted in plain(x).lower() for x in entry.lines)
+
+
+@dataclass(slots=True)
+class Journal:
+    """What was printed. `entries` oldest first; `take_changes` says what is new."""
+
+    entries: deque[Entry] = field(default_factory=lambda: deque(maxlen=MOST_ENTRIES))
+    _last: dict[str, Entry] = field(default_factory=dict)
+    _next: int = 0
+    _oldest_change: int | None = None
+
+    def add(self, events: Iterable[OutputLine | Notice], now: float) -> None:
+        """Take what was printed since the last look. `now` in s since the epoch."""
+        counts: dict[str, int] = {}
+        for event in events:
+            if isinstance(event, Notice):
+                self._add_notice(event, now)
+                continue
+            count = counts.get(event.name, 0) + 1
+            counts[event.name] = count
+            if count <= MOST_AT_ONCE:
+                self._add_line(event, now)
+        for name, count in counts.items():
+            if count > MOST_AT_ONCE:
+                self._add_flood(name, count - MOST_AT_ONCE, now)
+
+    def clear(self) -> None:
+        """Forget everything."""
+        self.entries.clear()
+        self._last.clear()
+        self._oldest_change = 0
+
+    def take_changes(self) -> int | None:
+        """The number of the oldest entry that is new or has changed since this was last asked; None: nothing did."""
+        found, self._oldest_change = self._oldest_change, None
+        return found
+
+    def _add_line(self, event: OutputLine, now: float) -> None:
+        text = clean(event.text)
+        before = self._recent(event.name)
+        if before is not None and not event.severity and _goes_on(before, text):
+            if len(before.lines) < MOST_LINES:
+                before.lines.append(_COLOUR.sub("", text) if before.severity else text)
+            _follow(before, text)
+            self._touch(before)
+            return
+        severity, shown = event.severity or find_severity(text), text
+        if severity:
+            shown = strip_head(_COLOUR.sub("", text))
+        trace = text.startswith("Traceback (most recent call last)")
+        severity = severity or ("error" if trace else "")
+        if before is not None and not trace and before.severity == severity and before.lines == [shown]:
+            before.count += 1
+            self._touch(before)
+            return
+        entry = self._append(now, event.name, severity, [shown])
+        entry.trace = trace
+        entry.open = bool(event.severity) and "\x1b[" in text and not _CLOSED.search(text)
+
+    def _add_flood(self, name: str, count: int, now: float) -> None:
+        before = self._recent(name)
+        if before is None or not before.flood:
+            before = self._append(now, name, "debug", [""])
+        before.flood += count
+        before.lines[0] = f"... {before.flood:,} more lines came too fast to be read; the log file has them"
+        self._touch(before)
+
+    def _add_notice(self, event: Notice, now: float) -> None:
+        lines = [clean(line) for line in event.text.split("\n")][:MOST_LINES]
+        if lines[0].startswith("error: "):
+            lines[0] = lines[0][7:]
+        self._append(now, "", event.severity or "info", lines)
+
+    def _append(self, now: float, name: str, severity: Severity, lines: list[str]) -> Entry:
+        entry = Entry(self._next, now, name, severity, lines)
+        self._next += 1
+        self.entries.append(entry)
+        self._last[name] = entry
+        self._touch(entry)
+        return entry
+
+    def _recent(self, name: str) -> Entry | None:
+        found = self._last.get(name)
+        return found if found is not None and self._next - found.number <= REACH else None
+
+    def _touch(self, entry: Entry) -> None:
+        if self._oldest_change is None or entry.number < self._oldest_change:
+            self._oldest_change = entry.number
+
+
+def plain(text: str) -> str:
+    """A line without colours."""
+    return _COLOUR.sub("", text) if "\x1b" in text else text
+
+
+def clean(text: str) -> str:
+    """A line that cannot move a cursor or ring a bell: colours stay, tabs become spaces, the rest `?`."""
+    if text.isprintable():
+        return text
+    pieces = []
+    position = 0
+    for colour in _COLOUR.finditer(text):
+        pieces += [_hide(text[position : colour.start()]), colour.group()]
+        position = colour.end()
+    return "".join([*pieces, _hide(text[position:])])
+
+
+def strip_head(text: str) -> str:
+    """A message without `[ INFO] [1700000000.123]: ` in front, as rosconsole and rospy write it."""
+    found = _HEAD.match(text)
+    return text[found.end() :] if found else text
+
+
+def _hide(text: str) -> str:
+    if text.isprintable():
+        return text
+    return "".join(letter if letter.isprintable() else "?" for letter in text.expandtabs(4))
+
+
+def _goes_on(entry: Entry, text: str) -> bool:
+    bare = plain(text)
+    if entry.flood:
+        return False
+    return entry.open or entry.trace or (bool(entry.severity) and bare[:1] in (" ", "\t"))
+
+
+def _follow(entry: Entry, text: str) -> None:
+    if entry.open and _CLOSED.search(text):
+        entry.open = False
+    if entry.trace and not text.startswith((" ", "\t")):
+        entry.trace = False
+        entry.severity = "error"

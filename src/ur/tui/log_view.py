@@ -1,0 +1,171 @@
+"""The log of a run on the screen: only what is visible is ever drawn."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+
+from rich.cells import cell_len, set_cell_size
+from rich.segment import Segment
+from rich.style import Style
+from rich.text import Text
+from textual.geometry import Size
+from textual.scroll_view import ScrollView
+from textual.strip import Strip
+
+from ur.tui.journal import RANK, Entry, Filter, Journal, plain
+from ur.tui.palette import Palette
+
+MOST_ROWS = 20_000
+NAME_CELLS = 22
+CLOCK_FROM = 100  # columns from which on there is room for the time
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One line on the screen: letters `start` to `end` of a line of an entry, colours not counted."""
+
+    entry: Entry
+    line: int
+    start: int
+    end: int
+
+
+def wrap_entry(entry: Entry, width: int) -> list[Row]:
+    """The rows of an entry whose lines are cut after `width` cells."""
+    rows = []
+    for number, line in enumerate(entry.lines):
+        text = plain(line)
+        rows += [Row(entry, number, start, end) for start, end in _cut(text, max(width, 8))]
+    return rows
+
+
+def _cut(text: str, width: int) -> list[tuple[int, int]]:
+    if len(text) * 2 <= width or cell_len(text) <= width:  # no letter is wider than two cells
+        return [(0, len(text))]
+    pieces = []
+    start = cells = 0
+    for index, letter in enumerate(text):
+        size = cell_len(letter)
+        if cells + size > width:
+            pieces.append((start, index))
+            start, cells = index, 0
+        cells += size
+    return [*pieces, (start, len(text))]
+
+
+def short_name(name: str, cells: int) -> str:
+    """A node's name in so many cells: without the slash in front, its beginning left out where it is too long."""
+    bare = name.lstrip("/")
+    return bare if len(bare) <= cells else "…" + bare[1 - cells :]
+
+
+class LogView(ScrollView, can_focus=False):
+    """Shows a journal through a filter. Follows its end until it is scrolled away from it."""
+
+    def __init__(self, journal: Journal, palette: Palette) -> None:
+        super().__init__(id="log")
+        self.filter = Filter()
+        self.palette = palette
+        self._journal = journal
+        self._rows: list[Row] = []
+        self._width = 0
+        self._follows = True
+        self._name_cells = 0
+
+    @property
+    def follows(self) -> bool:
+        """Whether new messages come into view by themselves."""
+        return self._follows
+
+    @property
+    def rows(self) -> list[Row]:
+        """Everything that can be scrolled to."""
+        return self._rows
+
+    def show_changes(self) -> None:
+        """Take what is new in the journal."""
+        oldest = self._journal.take_changes()
+        if oldest is not None:
+            self._rebuild(oldest)
+
+    def rebuild(self) -> None:
+        """Show everything anew: the filter or the width has changed."""
+        self._rebuild(-1)
+
+    def on_resize(self) -> None:
+        """Lines are cut elsewhere."""
+        if self.size.width != self._width:
+            self.rebuild()
+
+    def scroll_to_end(self) -> None:
+        """Follow the end again."""
+        self._follows = True
+        self._show_end()
+
+    def watch_scroll_y(self, old_value: float, new_value: float) -> None:
+        """Whoever scrolls away from the end reads back; whoever comes there again follows."""
+        super().watch_scroll_y(old_value, new_value)
+        self._follows = new_value >= len(self._rows) - self.size.height - 0.5
+
+    def _show_end(self) -> None:
+        self.scroll_to(y=len(self._rows) - self.size.height, animate=False, immediate=True, force=True)
+
+    def _rebuild(self, oldest: int) -> None:
+        follows = self.follows
+        self._width = self.size.width
+        names = max((len(name) for name in {e.name for e in self._journal.entries}), default=0)
+        cells = max(6, min(NAME_CELLS, names - 1, self._width // 4))
+        if cells != self._name_cells:
+            self._name_cells, oldest = cells, -1
+        first = self._journal.entries[0].number if self._journal.entries else 0
+        kept = [row for row in self._rows if first <= row.entry.number < oldest]
+        lost = sum(row.entry.number < first for row in self._rows) if oldest >= 0 else 0
+        room = self._width - self._gutter() - 1
+        fresh: list[Row] = []
+        for entry in reversed(self._journal.entries):
+            if entry.number < oldest or len(fresh) >= MOST_ROWS:
+                break
+            if self.filter.admits(entry):
+                fresh += reversed(wrap_entry(entry, room))
+        rows = kept + fresh[::-1]
+        lost += max(0, len(rows) - MOST_ROWS)
+        self._rows = rows[-MOST_ROWS:]
+        self.virtual_size = Size(self._width, len(self._rows))
+        if follows:
+            self._show_end()
+        elif lost:
+            self.scroll_to(y=max(0, self.scroll_target_y - lost), animate=False, immediate=True)
+        self.refresh()
+
+    def _gutter(self) -> int:
+        return (9 if self._width >= CLOCK_FROM else 0) + self._name_cells + 4
+
+    def render_line(self, y: int) -> Strip:
+        """One line of what is visible."""
+        palette = self.palette
+        ground = Style(bgcolor=palette.ground)
+        index = y + self.scroll_offset.y
+        if index >= len(self._rows):
+            return Strip.blank(self.size.width, ground)
+        row = self._rows[index]
+        entry = row.entry
+        begins = row.line == 0 and row.start == 0
+        quiet = Style(color=palette.quiet)
+        style = palette.of_severity(entry.severity if entry.name or RANK[entry.severity] > 1 else "debug")
+        head = Text()
+        if self._width >= CLOCK_FROM:
+            clock = time.strftime("%H:%M:%S ", time.localtime(entry.time))
+            head.append(clock if begins else " " * len(clock), quiet)
+        name = short_name(entry.name, self._name_cells) if begins and entry.name else ("ur" if begins else "")
+        head.append(set_cell_size(name, self._name_cells), quiet)
+        head.append(" ▌ " if RANK[entry.severity] > 1 else "   ", style)
+        line = Text.from_ansi(entry.lines[row.line]) if "\x1b" in entry.lines[row.line] else Text(entry.lines[row.line])
+        line = line[row.start : row.end]
+        line.style = style
+        if entry.count > 1 and begins and row.end == len(plain(entry.lines[0])):
+            line.append(f"  \u00d7{entry.count}", quiet)
+        head.append_text(line)
+        head.no_wrap = True
+        segments = [Segment(text, ground + (part or Style.null())) for text, part, _ in head.render(self.app.console)]
+        return Strip(segments).adjust_cell_length(self.size.width, ground)

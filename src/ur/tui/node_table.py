@@ -1,0 +1,172 @@
+"""The table of nodes: one row each, a cursor, the mouse."""
+
+from __future__ import annotations
+
+from rich.cells import set_cell_size
+from rich.segment import Segment
+from rich.style import Style
+from textual import events
+from textual.geometry import Size
+from textual.message import Message
+from textual.scroll_view import ScrollView
+from textual.strip import Strip
+
+from ur.run.events import find_severity
+from ur.tui.board import Mood, NodeRow
+from ur.tui.journal import clean, plain, strip_head
+from ur.tui.log_view import short_name
+from ur.tui.palette import Palette
+
+SIGNS: dict[Mood, str] = {"up": "●", "busy": "◐", "failed": "✖", "idle": "○"}
+
+
+def format_memory(memory: int | None) -> str:
+    """Bytes for people, at most seven letters: `24 MB`."""
+    if memory is None:
+        return ""
+    return f"{memory / 1e9:.1f} GB" if memory >= 1e9 else f"{memory / 1e6:.0f} MB"
+
+
+def format_cpu(cpu: float | None) -> str:
+    """Cores as per cent of one: `3 %`, at most six letters."""
+    return "" if cpu is None else f"{cpu * 100:.0f} %"
+
+
+def plan_columns(width: int, names: int, words: int) -> dict[str, int]:
+    """How many cells each column gets, one space between them included; what does not fit is left out.
+
+    `names` and `words` are the longest node name and the longest state. `last` takes the rest.
+    """
+    columns = {"name": min(max(names, 4), 30, max(8, width // 3)) + 2, "state": min(max(words, 5), 22) + 2}
+    rest = width - 3 - sum(columns.values())
+    for name, cells, needs in (("cpu", 7, 12), ("memory", 9, 12), ("restarts", 4, 20)):
+        if rest - cells >= needs:
+            columns[name] = cells
+            rest -= cells
+    columns["last"] = max(0, rest - 2)
+    return columns
+
+
+class NodeTable(ScrollView, can_focus=False):
+    """Shows rows; the cursor stays on its node."""
+
+    class Opened(Message):
+        """A node was clicked while the cursor was on it already."""
+
+    def __init__(self, palette: Palette) -> None:
+        super().__init__(id="nodes")
+        self.palette = palette
+        self.muted: frozenset[str] = frozenset()
+        self._rows: tuple[NodeRow, ...] = ()
+        self._cursor = 0
+
+    @property
+    def chosen(self) -> NodeRow | None:
+        """The row under the cursor."""
+        return self._rows[self._cursor] if self._cursor < len(self._rows) else None
+
+    def show(self, rows: tuple[NodeRow, ...]) -> None:
+        """Take new rows."""
+        if rows == self._rows:
+            return
+        chosen = self.chosen
+        self._rows = rows
+        if chosen is not None:
+            self._cursor = next((i for i, row in enumerate(rows) if row.name == chosen.name), 0)
+        self.virtual_size = Size(self.size.width, len(rows) + 1)
+        self.refresh()
+
+    def move(self, by: int) -> None:
+        """Move the cursor."""
+        self.choose(self._cursor + by)
+
+    def choose(self, index: int) -> None:
+        """Put the cursor on a row."""
+        self._cursor = max(0, min(len(self._rows) - 1, index))
+        top = self.scroll_offset.y
+        height = max(1, self.size.height - 1)
+        if self._cursor < top:
+            self.scroll_to(y=self._cursor, animate=False, immediate=True)
+        elif self._cursor >= top + height:
+            self.scroll_to(y=self._cursor - height + 1, animate=False, immediate=True)
+        self.refresh()
+
+    def on_click(self, event: events.Click) -> None:
+        """Choose a node; once more opens its log."""
+        index = event.y + self.scroll_offset.y - 1
+        if event.y == 0 or index >= len(self._rows):
+            return
+        again = index == self._cursor and event.chain > 1
+        self.choose(index)
+        if again:
+            self.post_message(self.Opened())
+
+    def render_line(self, y: int) -> Strip:
+        """One line: the head first, which stays where it is."""
+        names = max((len(row.name.lstrip("/")) for row in self._rows), default=4)
+        words = max((len(row.word) for row in self._rows), default=5)
+        columns = plan_columns(self.size.width, names, words)
+        if y == 0:
+            return self._draw_head(columns)
+        index = y - 1 + self.scroll_offset.y
+        ground = Style(bgcolor=self.palette.ground)
+        if index >= len(self._rows):
+            return Strip.blank(self.size.width, ground)
+        return self._draw_row(self._rows[index], columns, chosen=index == self._cursor)
+
+    def _draw_head(self, columns: dict[str, int]) -> Strip:
+        style = Style(color=self.palette.quiet, bgcolor=self.palette.ground)
+        words = {
+            "name": "node",
+            "state": "state",
+            "cpu": "cpu",
+            "memory": "memory",
+            "restarts": "↻",
+            "last": "last line",
+        }
+        return self._draw([("   ", style), *_cells(columns, words, dict.fromkeys(columns, style))], style)
+
+    def _draw_row(self, row: NodeRow, columns: dict[str, int], *, chosen: bool) -> Strip:
+        palette = self.palette
+        ground = Style(bgcolor=palette.chosen if chosen else palette.ground)
+        quiet, text = ground + Style(color=palette.quiet), ground + Style(color=palette.text)
+        mood = ground + Style(color=palette.of_mood(row.mood))
+        faint = row.changed.core or row.name in self.muted
+        muted = " (muted)" if row.name in self.muted else ""
+        last = plain(clean(row.remark))
+        severity = find_severity(last)
+        words = {
+            "name": short_name(row.name, columns["name"] - 2 - len(muted)) + muted,
+            "state": row.word,
+            "cpu": format_cpu(row.cpu),
+            "memory": format_memory(row.memory),
+            "restarts": str(row.changed.restarts or ""),
+            "last": strip_head(last) if severity else last,
+        }
+        warns = severity in ("warning", "error", "fatal")
+        styles = {
+            "name": quiet if faint else text + Style(bold=chosen),
+            "state": quiet if faint and row.mood == "up" else mood,
+            "cpu": quiet if (row.cpu or 0) < 0.005 else text,
+            "memory": quiet,
+            "restarts": ground + Style(color=palette.yellow),
+            "last": ground + palette.of_severity(severity) if warns else quiet,
+        }
+        return self._draw([(f" {SIGNS[row.mood]} ", mood), *_cells(columns, words, styles)], ground)
+
+    def _draw(self, parts: list[tuple[str, Style]], ground: Style) -> Strip:
+        return Strip([Segment(text, style) for text, style in parts]).adjust_cell_length(self.size.width, ground)
+
+
+def _cells(columns: dict[str, int], words: dict[str, str], styles: dict[str, Style]) -> list[tuple[str, Style]]:
+    found = []
+    for name, cells in columns.items():
+        word = words[name]
+        if name in ("cpu", "memory", "restarts"):
+            found.append((word.rjust(cells - 1)[: cells - 1] + " ", styles[name]))
+        elif name == "last":
+            found.append((" ", styles[name]))
+            found.append((set_cell_size(word, cells), styles[name]))
+        else:
+            found.append((set_cell_size(word, cells - 1) + " ", styles[name]))
+    return found

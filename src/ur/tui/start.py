@@ -1,0 +1,81 @@
+"""Whether a run gets an interface, and starting it beside the supervisor: that stays small, so this imports little."""
+
+from __future__ import annotations
+
+import os
+import signal
+import socket
+import sys
+import termios
+import time
+from collections.abc import Mapping
+from contextlib import suppress
+from typing import Any, Literal
+
+from ur.run.host import restore_terminal, take_foreground
+
+Mode = Literal["full", "calm", "plain"]
+LEAST_COLUMNS, LEAST_ROWS = 60, 15
+PATIENCE = 3.0  # s for the interface to leave the screen
+
+
+def choose_mode(*, terminal: bool, size: tuple[int, int], term: str, calm: bool, textual: bool) -> Mode:
+    """What suits: `plain` lines without a terminal (or a `dumb` one), one `calm` line on a small one, else `full`.
+
+    `terminal`: keyboard and screen are one, and ours. `size` in columns and rows; `textual`: the library is there.
+    """
+    if not terminal or term in ("", "dumb"):
+        return "plain"
+    columns, rows = size
+    return "calm" if calm or not textual or columns < LEAST_COLUMNS or rows < LEAST_ROWS else "full"
+
+
+def look_for_mode(environment: Mapping[str, str], *, calm: bool) -> Mode:
+    """`choose_mode` for standard input and output."""
+    from importlib.util import find_spec
+
+    try:
+        terminal = os.isatty(0) and os.isatty(1) and os.isatty(2) and os.tcgetpgrp(0) == os.getpgrp()
+        size = os.get_terminal_size(1)
+    except OSError:
+        return "plain"
+    found = (size.columns or 80, size.lines or 24)
+    term = environment.get("TERM", "")
+    return choose_mode(terminal=terminal, size=found, term=term, calm=calm, textual=find_spec("textual") is not None)
+
+
+class Viewer:
+    """The interface's process. Give `link` to the run; `close` when the run has ended."""
+
+    def __init__(self, mode: Mode) -> None:
+        self._attributes: list[Any] = termios.tcgetattr(0)
+        self.link, theirs = socket.socketpair()
+        os.set_inheritable(theirs.fileno(), True)
+        words = [sys.executable, "-m", "ur.tui", mode, str(theirs.fileno())]
+        self._pid = os.posix_spawn(sys.executable, words, dict(os.environ), setsigdef=[signal.SIGTTOU])
+        theirs.close()
+
+    def close(self) -> None:
+        """Wait until it has left the screen (or end it), and make sure that the terminal is as it was."""
+        with suppress(OSError):
+            self.link.close()
+        killed = not self._wait()
+        take_foreground(0, os.getpgrp())
+        restore_terminal(0, self._attributes, reset=killed)
+
+    def _wait(self) -> bool:
+        end = time.monotonic() + PATIENCE
+        while time.monotonic() < end:
+            pid, status = os.waitpid(self._pid, os.WNOHANG)
+            if pid:
+                return status == 0
+            time.sleep(0.01)
+        os.kill(self._pid, signal.SIGKILL)
+        os.waitpid(self._pid, 0)
+        return False
+
+    def __enter__(self) -> Viewer:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()

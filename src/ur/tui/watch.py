@@ -1,0 +1,69 @@
+"""Watching a run on this terminal, with the interface that fits: for `ur launch` and `ur attach`."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+from collections.abc import Mapping
+from contextlib import AbstractContextManager
+
+from ur.run.client import RunControl
+from ur.run.events import StopRun
+from ur.run.host import take_foreground
+
+MOST_TOLD = 12  # lines about failures that stay on the screen afterwards
+
+
+def watch_run(control: RunControl, mode: str, environment: Mapping[str, str], *, ours: bool) -> str:
+    """Show a run, `full` or `calm`, until it ends: `ended`, `gone` (its supervisor was killed) or `detached`.
+
+    `ours`: the run ends with this terminal. What failed is said once more afterwards, where it stays.
+    """
+    if ours:
+        signal.signal(signal.SIGHUP, lambda *_: control.send(StopRun("the terminal was closed")))
+    if mode == "calm":
+        from ur.tui.calm import watch_calmly
+
+        return watch_calmly(control)
+    return _watch_fully(control, environment)
+
+
+def _watch_fully(control: RunControl, environment: Mapping[str, str]) -> str:
+    from textual.drivers.linux_driver import LinuxDriver
+
+    from ur.tui.app import WatchApp
+    from ur.tui.background import ask_background, is_light
+    from ur.tui.desk import SystemDesk
+
+    light = is_light(environment, ask_background(1))
+
+    def suspend() -> AbstractContextManager[None]:
+        return app.suspend()
+
+    app = WatchApp(control, SystemDesk(environment, suspend), light=light, driver=LinuxDriver)
+    how = app.run() or "ended"
+    if app.return_code:
+        raise RuntimeError("it could not draw")
+    failures = [entry for entry in app.journal.entries if not entry.name and entry.severity in ("error", "fatal")]
+    lines = [line for entry in failures for line in entry.lines]
+    for line in lines[-MOST_TOLD:]:
+        sys.stderr.write(f"{line}\n")
+    if app.board.run.log_folder:
+        sys.stderr.write(f"log files in {app.board.run.log_folder}\n")
+    return how
+
+
+def own_terminal(descriptor: int) -> bool:
+    """Become the foreground group of the terminal, so that Ctrl-C in a pager or a debugger does not end the run.
+
+    False when it is not ours to take: we run in the background, or there is none.
+    """
+    try:
+        if os.tcgetpgrp(descriptor) != os.getpgrp():
+            return False
+        os.setpgid(0, 0)
+    except OSError:
+        return False
+    take_foreground(descriptor, os.getpgrp())
+    return True
