@@ -249,7 +249,7 @@ def _send(state: MuxState, now: float) -> tuple[MuxState, Velocity]:
 def _follow(value: float, wish: float, axis: Axis, left: float, seconds: float) -> float:
     """`value` after `seconds` on the way to `wish`, at most what can be braked away in `left` s."""
     fastest = axis.slow_down * max(0.0, left)
-    return approach(value, max(-fastest, min(fastest, wish)), axis, seconds)
+    return approach(value, max(-fastest, min(fastest, wish)), axis, seconds) + 0.0  # -0.0 would puzzle people
 
 
 def _next_output(state: MuxState, wish: Velocity, left: float, now: float) -> float:
