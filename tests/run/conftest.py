@@ -30,6 +30,16 @@ NODES = {
     "ask": '#!/bin/bash\nwhile read -r line; do echo "got $line"; done\nexit 7\n',
     "screen": "#!/bin/bash\nstty -echo -icanon\nprintf 'ready\\n'\nread -r line\necho \"got $line\"\nexit ${1:-0}\n",
     "raw": "#!/bin/bash\nstty raw -echo\nprintf '\\033[?1049h\\033[?25l'\nprintf 'ready\\n'\nexec sleep 600\n",
+    "ticker": "#!/bin/bash\nwhile :; do echo tick; sleep 0.05; done\n",
+    "refuse": "#!/bin/bash\necho 'speed: expected a number' >&2\nexit 2\n",
+    "flood": "#!/bin/bash\nexec seq -f '%.0f 0123456789' 100000000\n",
+    "noisy": "#!/bin/bash\nseq -f 'line %.0f' 3000\nexec sleep 600\n",
+    "binary": "#!/usr/bin/python3\nimport sys\nsys.stdout.buffer.write(bytes(range(256)) * 40"
+    " + b'\\x1b[2J\\x1b]0;title\\x07\\n')\n",
+    "double": "#!/usr/bin/python3\nimport os, time\nif os.fork() == 0:\n    os.setsid()\n    if os.fork() == 0:\n"
+    "        os.execlp('sleep', 'sleep', '600')\n    os._exit(0)\nos.execlp('sleep', 'sleep', '600')\n",
+    "deaf": "#!/usr/bin/python3\nimport os, signal\nfor number in range(1, 32):\n    if number not in (9, 17, 19):\n"
+    "        signal.signal(number, signal.SIG_IGN)\nos.execlp('sleep', 'sleep', '600')\n",
     "talker": "#!/usr/bin/python3\nimport rospy, std_msgs.msg\nrospy.init_node('talker')\n"
     "rospy.Publisher('chat', std_msgs.msg.String, queue_size=1)\nprint('up', flush=True)\nrospy.spin()\n",
 }
@@ -120,6 +130,7 @@ class World:
     environment: dict[str, str]
     port: int
     running: list[Launched] = field(default_factory=list)
+    master_pid: int = 0  # of a master that somebody else runs
 
     def write(self, body: str, name: str = "test.launch") -> str:
         path = self.folder / name
@@ -128,7 +139,10 @@ class World:
 
     def ur(self, *words: str, stdin: int = subprocess.DEVNULL, terminal: bool = False) -> Launched:
         """Start `ur`; with `terminal` on a pseudo terminal of its own, as the leader of its session."""
-        command = [sys.executable, "-m", "ur", *words]
+        return self.start([sys.executable, "-m", "ur", *words], stdin=stdin, terminal=terminal)
+
+    def start(self, command: list[str], *, stdin: int = subprocess.DEVNULL, terminal: bool = False) -> Launched:
+        """Start a command likewise."""
         if terminal:
             controller, end = pty.openpty()
             process = subprocess.Popen(
@@ -174,6 +188,8 @@ def world(tmp_path: Path) -> Iterator[World]:
     with socket.socket() as probe:
         probe.bind(("localhost", 0))
         port = probe.getsockname()[1]
+    relay = Path("/usr/lib/topic_tools/relay")  # a small C++ node
+    (package / "nodes" / "relay").symlink_to(relay if relay.exists() else package / "nodes" / "sleeper")
     environment = {
         name: value for name, value in os.environ.items() if not name.startswith("ROS_") and name != "DISPLAY"
     }
@@ -206,9 +222,8 @@ def world(tmp_path: Path) -> Iterator[World]:
                 os.close(descriptor)
 
 
-@pytest.fixture
-def master(world: World) -> Iterator[int]:
-    """A master of somebody else at the world's address: its port."""
+def start_master(world: World) -> subprocess.Popen[bytes]:
+    """Start a master at the world's address, and wait until it answers."""
     process = subprocess.Popen(
         ["/usr/bin/rosmaster", "--core", "-p", str(world.port)],
         env=world.environment,
@@ -219,9 +234,16 @@ def master(world: World) -> Iterator[int]:
     while True:
         with socket.socket() as probe:
             if probe.connect_ex(("localhost", world.port)) == 0:
-                break
+                return process
         assert time.monotonic() < end
         time.sleep(0.02)
+
+
+@pytest.fixture
+def master(world: World) -> Iterator[int]:
+    """A master of somebody else at the world's address: its port."""
+    process = start_master(world)
+    world.master_pid = process.pid
     yield world.port
     process.terminate()
     process.wait(10)

@@ -9,7 +9,7 @@ from collections import deque
 from collections.abc import Callable
 
 _BOLD, _RED, _DIM, _PLAIN = "\x1b[1m", "\x1b[31m", "\x1b[2m", "\x1b[0m"
-MOST_WAITING = 4000  # lines; the log files have them all
+MOST_WAITING = 1000  # lines of one source; the log files have them all
 PIECE = 4096  # bytes: what a writable pipe takes without blocking, pipe(7)
 
 
@@ -20,13 +20,17 @@ class Sink:
         """Take an open file, and what makes a line that says how many lines got lost."""
         self.descriptor = descriptor
         self._tell_lost = tell_lost or _tell_lost
-        self.lost = 0
-        self._lines: deque[bytes] = deque()
+        self._lost: dict[str, int] = {}
+        self._waiting: dict[str, int] = {}
+        self._lines: deque[tuple[str, bytes]] = deque()
         self._rest = b""
 
     @property
     def waiting(self) -> bool:
         """Whether there is something to write."""
+        if self._lost and not self._lines:
+            self._lines.append(("", self._tell_lost(sum(self._lost.values()))))
+            self._lost.clear()
         return bool(self._lines or self._rest)
 
     @property
@@ -34,27 +38,35 @@ class Sink:
         """How many lines wait."""
         return len(self._lines)
 
-    def put(self, line: bytes, *, important: bool) -> None:
-        """Queue a line. When nobody reads, those that are not important get lost."""
-        if len(self._lines) >= MOST_WAITING and not important:
-            self.lost += 1
+    def put(self, line: bytes, *, important: bool, source: str = "") -> None:
+        """Queue a line. When nobody reads fast enough, lines of the source that prints most get lost."""
+        waiting = self._waiting.get(source, 0)
+        if waiting >= MOST_WAITING and not important:
+            self._lost[source] = self._lost.get(source, 0) + 1
             return
-        if self.lost:
-            self._lines.append(self._tell_lost(self.lost))
-            self.lost = 0
-        self._lines.append(line)
+        if self._lost and (important or source in self._lost):
+            self._lines.append(("", self._tell_lost(sum(self._lost.values()))))
+            self._lost.clear()
+        self._lines.append((source, line))
+        self._waiting[source] = waiting + 1
 
     def flush(self) -> None:
         """Write as much as is taken now."""
         while self.waiting and _is_writable(self.descriptor, 0.0):
             while self._lines and len(self._rest) < PIECE:
-                self._rest += self._lines.popleft()
+                source, line = self._lines.popleft()
+                self._rest += line
+                if self._waiting.get(source, 0) > 1:
+                    self._waiting[source] -= 1
+                else:
+                    self._waiting.pop(source, None)
             try:
                 self._rest = self._rest[os.write(self.descriptor, self._rest[:PIECE]) :]
             except BlockingIOError:
                 return
             except OSError:  # nobody reads any more
                 self._lines.clear()
+                self._waiting.clear()
                 self._rest = b""
 
     def finish(self, limit: float) -> None:
@@ -131,19 +143,19 @@ class Console:
     def _show(self, sink: Sink, name: str, line: str) -> None:
         head = f"{_BOLD}[{name}]{_PLAIN}" if self._colours[sink] else f"[{name}]"
         tail = _PLAIN if "\x1b" in line else ""
-        self._put(sink, f"{head} {line}{tail}\n", important=False)
+        self._put(sink, f"{head} {line}{tail}\n", important=False, source=name)
 
     def _paint(self, text: str, style: str) -> str:
         return f"{style}{text}{_PLAIN}\n" if style and self._colours[self._err] else f"{text}\n"
 
-    def _put(self, sink: Sink, text: str, *, important: bool) -> None:
+    def _put(self, sink: Sink, text: str, *, important: bool, source: str = "") -> None:
         if self.silent:
             return
         line = text.encode("utf-8", "replace")
         if self._held is not None:
             self._held.append((sink, line))
         else:
-            sink.put(line, important=important)
+            sink.put(line, important=important, source=source)
 
 
 def _tell_lost(count: int) -> bytes:

@@ -77,7 +77,8 @@ class Watchers:
             if not watcher.wants(event):
                 continue
             line = line or dump_line(event)
-            watcher.sink.put(line, important=not isinstance(event, (OutputLine, StatsSampled)))
+            source = event.name if isinstance(event, OutputLine) else ""
+            watcher.sink.put(line, important=not isinstance(event, (OutputLine, StatsSampled)), source=source)
             if watcher.sink.backlog > MOST_BACKLOG:
                 self._drop(descriptor)
 

@@ -1,0 +1,125 @@
+"""Nodes, disks and masters that misbehave: the run copes and says so."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import psutil
+import pytest
+from tests.run.leftovers import find_processes, wait_nothing_left
+
+pytestmark = pytest.mark.ros
+
+
+@pytest.mark.usefixtures("master")
+def test_node_that_refuses_its_input_again_and_again_is_given_up_and_named(world: Any) -> None:
+    run = world.launch('<node pkg="little_nodes" type="refuse" name="refuse" respawn="true"/>')
+    assert run.wait() == 1
+    assert (
+        "error: /refuse died: exit code 2, 3 times in a row soon after its start: it is not started again" in run.text
+    )
+    assert "  | speed: expected a number" in run.text
+    assert "try: exit code 2 is about what it was given" in run.text
+
+
+@pytest.mark.usefixtures("master")
+def test_flood_of_lines_neither_stops_the_run_nor_grows_it(world: Any) -> None:
+    run = world.launch(
+        '<node pkg="little_nodes" type="flood" name="flood" output="screen"/>'
+        '<node pkg="little_nodes" type="ticker" name="ticker" output="screen"/>'
+    )
+    run.until("lines are not shown here; the log files have them")
+    run.text = ""  # it is long
+    run.until("[/flood] ", "[/ticker] tick")
+    assert psutil.Process(run.process.pid).memory_info().rss < 100e6
+    run.process.send_signal(signal.SIGINT)
+    assert run.wait(30) == 0
+    wait_nothing_left(world.folder, 2, without=frozenset({world.master_pid}))
+
+
+@pytest.mark.usefixtures("master")
+def test_nobody_reading_a_flood_does_not_hold_the_run_up(world: Any) -> None:
+    run = world.launch('<node pkg="little_nodes" type="flood" name="flood" output="screen"/>')
+    run.until("[/flood] 1000 ")
+    log = next(Path(world.folder, "ros/log").glob("*/flood-*-stdout.log"))
+    size = log.stat().st_size
+    while log.stat().st_size < size + 1_000_000:  # it goes on while we read nothing
+        assert run.process.poll() is None
+    run.process.send_signal(signal.SIGINT)
+    assert run.process.wait(15) == 0
+
+
+@pytest.mark.usefixtures("master")
+def test_binary_output_leaves_the_terminal_alone_and_the_log_complete(world: Any) -> None:
+    run = world.launch('<node pkg="little_nodes" type="binary" name="binary" output="screen"/>')
+    assert run.wait() == 0
+    shown = [line for line in run.text.splitlines() if line.startswith("[/binary]")]
+    assert shown
+    assert not any(character in line for line in shown for character in "\x07\x0e\x9b\x00")
+    assert "\x1b[2J" not in run.text
+    log = next(Path(world.folder, "ros/log").glob("*/binary-*-stdout.log"))
+    assert log.read_bytes() == bytes(range(256)) * 40 + b"\x1b[2J\x1b]0;title\x07\n"
+
+
+def test_full_disk_under_the_log_folder_loses_logs_not_the_run(world: Any) -> None:
+    logs = world.folder / "full"
+    logs.mkdir()
+    body = (
+        '<node pkg="little_nodes" type="noisy" name="noisy" output="screen"/>'
+        '<node pkg="little_nodes" type="sleeper" name="sleeper"/>'
+    )
+    command = 'mount -t tmpfs -o size=64k none "$1" && head -c 60K /dev/zero >"$1/rest"; shift; exec "$@"'
+    inside = ["unshare", "-m", "sh", "-c", command, "sh", str(logs), sys.executable, "-m", "ur", "launch"]
+    if subprocess.run([*inside[:5], str(logs), "true"], check=False, capture_output=True).returncode:
+        pytest.skip("mounting a small disk takes rights that are not there")
+    world.environment["ROS_LOG_DIR"] = str(logs)
+    run = world.start([*inside, world.write(body)])
+    run.until("[/noisy] line 3000", "[/sleeper] started")
+    run.process.send_signal(signal.SIGINT)
+    assert run.wait() == 0
+    assert "Traceback" not in run.text
+    wait_nothing_left(world.folder, 2)
+
+
+def test_master_that_comes_back_gets_its_parameters_and_nodes_again(world: Any) -> None:
+    from tests.run.conftest import start_master
+    from tests.run.test_launch import get_parameter, registered
+
+    first = start_master(world)
+    run = world.launch(
+        '<param name="x" value="1"/><node pkg="little_nodes" type="talker" name="talker" output="screen"/>'
+    )
+    run.until("] up")
+    first.kill()
+    first.wait()
+    run.until("does not answer any more")
+    second = start_master(world)
+    try:
+        run.until("another master answers: parameters are set again")
+        while run.text.count("] up") < 2:
+            assert run.read(5), run.text
+        assert get_parameter(world.port, "/x") == 1
+        assert "/talker" in registered(world.port)
+        run.process.send_signal(signal.SIGINT)
+        assert run.wait() == 0
+        assert "/talker" not in registered(world.port)
+    finally:
+        second.terminate()
+        second.wait()
+
+
+@pytest.mark.usefixtures("master")
+def test_nothing_of_50_nodes_survives_kill_9(world: Any) -> None:
+    kinds = ("sleeper", "stubborn", "daemon", "double", "deaf")
+    run = world.launch("".join(f'<node pkg="little_nodes" type="{kinds[n % 5]}" name="n{n}"/>' for n in range(50)))
+    run.until("[/n49] started")
+    # 10 each: stubborn has a sleep below it, daemon and double leave another process behind.
+    while sum("sleep 600" in line for line in find_processes(world.folder).values()) < 40:
+        run.read()
+    os.kill(run.process.pid, signal.SIGKILL)
+    wait_nothing_left(world.folder, 2, without=frozenset({world.master_pid}))

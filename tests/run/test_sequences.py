@@ -1,0 +1,123 @@
+"""Random lives of runs, seeded: whatever happens to them, nothing is left and nobody sees a traceback."""
+
+from __future__ import annotations
+
+import json
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+from contextlib import suppress
+from typing import Any
+
+import psutil
+import pytest
+from tests.run.conftest import start_master
+from tests.run.leftovers import find_processes, wait_nothing_left
+from tests.run.test_launch import registered
+
+pytestmark = pytest.mark.ros
+
+NODES = ("sleeper", "stubborn", "daemon", "double", "deaf", "crash", "quick", "ticker", "relay", "relay")
+ENDS = ("INT", "TERM", "HUP", "INT twice", "kill supervisor", "kill host", "stop verb")
+
+
+def write_nodes(dice: random.Random) -> str:
+    count = dice.randint(1, 6)
+    body = []
+    for number in range(count):
+        kind = dice.choice(NODES)
+        more = dice.choice(("", "", ' respawn="true"', ' required="true"' if kind not in ("crash", "quick") else ""))
+        output = dice.choice(("log", "screen"))
+        args = ' args="in out"' if kind == "relay" else ""
+        body.append(f'<node pkg="little_nodes" type="{kind}" name="n{number}" output="{output}"{more}{args}/>')
+    body.append('<node pkg="little_nodes" type="sleeper" name="last"/><param name="p" value="1"/>')
+    return "".join(body)
+
+
+def disturb(world: Any, run: Any, dice: random.Random) -> None:
+    """Kill one of its processes, or do nothing."""
+    mine = find_processes(world.folder, without=frozenset({world.master_pid, run.process.pid}))
+    nodes = [pid for pid, command in mine.items() if "sleep 600" in command or "relay" in command]
+    if nodes and dice.random() < 0.5:
+        with suppress(ProcessLookupError):
+            os.kill(dice.choice(nodes), dice.choice((signal.SIGKILL, signal.SIGTERM, signal.SIGSTOP)))
+
+
+def end(world: Any, run: Any, how: str) -> None:
+    if how == "stop verb":
+        world.ur("stop", "--all").wait()
+    elif how == "kill host":
+        with suppress(psutil.Error):
+            for child in psutil.Process(run.process.pid).children():
+                if child.name() == "ur-host":
+                    child.kill()
+    elif how == "kill supervisor":
+        run.process.kill()
+    else:
+        run.process.send_signal(getattr(signal, f"SIG{how.split()[0]}"))
+        if "twice" in how:
+            run.read(0.1)
+            run.process.send_signal(signal.SIGINT)
+
+
+def live(world: Any, dice: random.Random) -> None:
+    """One run from start to end."""
+    foreign = dice.random() < 0.5
+    master = start_master(world) if foreign else None
+    world.master_pid = master.pid if master else 0
+    try:
+        body = write_nodes(dice)
+        run = world.launch(body)
+        how = dice.choice(ENDS)
+        if dice.random() < 0.8:
+            with suppress(AssertionError):  # it may end before: a required node did
+                run.until("[/last] started", limit=15)
+            disturb(world, run, dice)
+        limit = time.monotonic() + dice.choice((0.0, 0.05, 0.3))
+        while time.monotonic() < limit:
+            run.read(0.01)
+        if master is not None and dice.random() < 0.2:
+            master.kill()
+            master.wait()
+            master = None
+        end(world, run, how)
+        run.wait(20)
+        assert "Traceback" not in run.text, run.text
+        assert "defect" not in run.text, run.text
+        wait_nothing_left(world.folder, 2.5, without=frozenset({master.pid}) if master else frozenset())
+        if master is not None and how not in ("kill supervisor", "kill host"):
+            assert not {name for name in registered(world.port) if name.startswith(("/n", "/last"))}, (how, run.text)
+        listed = subprocess.run(
+            [sys.executable, "-m", "ur", "ps", "--json"],
+            env=world.environment,
+            capture_output=True,
+            check=True,
+            text=True,
+        )
+        assert json.loads(listed.stdout) == []
+    finally:
+        if master is not None:
+            master.kill()
+            master.wait()
+        if run.output >= 0:
+            os.close(run.output)
+            run.output = -1
+        world.running.clear()
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_random_life_leaves_nothing(world: Any, seed: int) -> None:
+    live(world, random.Random(seed))
+
+
+@pytest.mark.long
+@pytest.mark.timeout(3600)
+def test_200_random_lives_leave_nothing(world: Any) -> None:
+    for seed in range(1000, 1200):
+        try:
+            live(world, random.Random(seed))
+        except Exception as problem:  # noqa: PERF203 - the seed is what is needed to see it again
+            raise AssertionError(f"seed {seed}") from problem
