@@ -4,7 +4,18 @@ from __future__ import annotations
 
 import sys
 
-from ur.cli.main import main
+
+def _run() -> int:
+    if sys.argv[1:2] == ["launch"]:
+        from ur.cli.fast import answer_fast
+
+        code = answer_fast(sys.argv[1:])
+        if code is not None:
+            return code
+    from ur.cli.main import main
+
+    return main()
+
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(_run())

@@ -14,7 +14,6 @@ from collections.abc import Callable
 from typing import Any
 
 from ur.launchfile.plan.convert import guess_value
-from ur.launchfile.plan.expression import ExpressionProblem, evaluate_expression
 from ur.launchfile.plan.problems import Refused
 from ur.launchfile.plan.scope import Scope
 from ur.launchfile.syntax.substitution import (
@@ -207,6 +206,8 @@ def find_path(package: str, path: str, start: int, end: int, world: World) -> st
 
 
 def _evaluate(piece: Substitution, scope: Scope, world: World) -> str:
+    from ur.launchfile.plan.expression import ExpressionProblem, evaluate_expression  # 3 ms that few files need
+
     start, end = piece.start, piece.end
     functions: dict[str, Callable[..., Any]] = {
         "arg": lambda name: guess_value(look_up_argument(name, scope, start, end)),

@@ -8,7 +8,6 @@ from collections.abc import Callable
 from functools import cache, lru_cache
 from typing import Any
 
-from ur.launchfile.plan.expression import ExpressionProblem, evaluate_expression
 from ur.launchfile.plan.model import ParamValue
 
 MAX_VALUES = 1_000_000
@@ -156,6 +155,8 @@ def _read_radians(loader: Any, node: Any) -> float:
     text = loader.construct_scalar(node).strip()
     inner = text[4:-1] if text.startswith("rad(") else text
     import yaml
+
+    from ur.launchfile.plan.expression import ExpressionProblem, evaluate_expression
 
     try:
         return float(evaluate_expression(inner, {}, {"pi": math.pi}.__getitem__))

@@ -1,0 +1,55 @@
+"""The way round click for roslaunch's questions: reading a large launch file takes less time than importing click does.
+
+Only plain command lines are taken, and only good news is told here: for everything else the usual way is gone, from its
+start, and says what is wrong.
+"""
+
+from __future__ import annotations
+
+import gc
+import os
+from collections.abc import Sequence
+
+_FLAGS = {"--nodes": "nodes", "--files": "files"}
+_WITH_NODE = {"--find-node": "find-node", "--args": "args"}
+
+
+def answer_fast(words: Sequence[str]) -> int | None:
+    """Answer `ur WORDS` when it is one plain question about launch files; else None, and nothing is printed."""
+    question = read_question(words)
+    if question is None:
+        return None
+    gc.disable()  # nothing lives long enough to be worth collecting
+    try:
+        from ur.cli.environment import current_selection
+        from ur.cli.queries import answer
+
+        selection = current_selection(os.environ)
+        if not selection.base:
+            return None  # the robot itself may know it
+        return answer(question[1], selection, question[0], dict(os.environ))
+    except KeyboardInterrupt:
+        return 130
+    except Exception:  # the usual way meets it again, and explains it
+        return None
+    finally:
+        gc.enable()
+
+
+def read_question(words: Sequence[str]) -> tuple[tuple[str, str | None], list[str]] | None:
+    """The question and the words it is about, of `launch --nodes FILE [ARG:=VALUE]...`; the option may stand anywhere."""
+    if len(words) < 3 or words[0] != "launch":
+        return None
+    rest = list(words[1:])
+    options = [word for word in rest if word.startswith("-")]
+    if len(options) != 1:
+        return None
+    at = rest.index(options[0])
+    if options[0] in _FLAGS:
+        del rest[at]
+        return ((_FLAGS[options[0]], None), rest)
+    if options[0] in _WITH_NODE and len(rest) > at + 2:
+        node = rest[at + 1]
+        del rest[at : at + 2]
+        return ((_WITH_NODE[options[0]], node), rest)
+    return None

@@ -1,0 +1,56 @@
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from ur.cli.fast import read_question
+
+SOURCE = str(Path(__file__).parents[2] / "src")
+
+
+@pytest.mark.parametrize(
+    ("line", "question"),
+    [
+        ("launch --nodes a.launch", (("nodes", None), ["a.launch"])),
+        ("launch p a.launch x:=1 --files", (("files", None), ["p", "a.launch", "x:=1"])),
+        ("launch --args /n a.launch x:=-1", (("args", "/n"), ["a.launch", "x:=-1"])),
+        ("launch a.launch", None),
+        ("launch --nodes", None),
+        ("launch --nodes --files a.launch", None),
+        ("launch --nodes -", None),
+        ("launch --args a.launch", None),
+        ("launch --args=/n a.launch", None),
+        ("launch --nodes a.launch --help", None),
+        ("launch --node a.launch", None),
+        ("check --nodes a.launch", None),
+    ],
+)
+def test_only_plain_questions_are_taken(line: str, question: object) -> None:
+    assert read_question(line.split()) == question
+
+
+def _run(words: list[str], folder: Path) -> subprocess.CompletedProcess[str]:
+    environment = {"PATH": "/usr/bin:/bin", "HOME": str(folder), "PYTHONPATH": SOURCE}
+    command = [sys.executable, "-X", "importtime", "-m", "ur", *words]
+    return subprocess.run(command, capture_output=True, text=True, env=environment, timeout=60, check=False)
+
+
+def test_plain_question_is_answered_without_click(tmp_path: Path) -> None:
+    (tmp_path / "a.launch").write_text('<launch><node pkg="p" type="t" name="n"/></launch>')
+    done = _run(["launch", "--nodes", str(tmp_path / "a.launch")], tmp_path)
+    assert (done.returncode, done.stdout) == (0, "/n\n")
+    for heavy in ("click", "yaml", "ur.run", "ur.launchfile.dump", "ur.launchfile.plan.expression"):
+        assert f" {heavy}\n" not in done.stderr
+
+
+def test_what_is_wrong_is_said_once_and_as_ever(tmp_path: Path) -> None:
+    (tmp_path / "a.launch").write_text('<launch><node pkg="p" type="t" name="$(arg no)"/></launch>')
+    refused = _run(["launch", "--nodes", str(tmp_path / "a.launch")], tmp_path)
+    assert refused.returncode == 1
+    assert refused.stderr.count("argument 'no' is not declared") == 1
+    missing = _run(["launch", "--nodes", str(tmp_path / "b.launch")], tmp_path)
+    assert missing.returncode == 2
+    assert missing.stderr.count("did you mean") == 1
