@@ -31,8 +31,8 @@ MASTER_PORT = 11311
 def command(robot: str | None, fix: bool, password_from: int | None) -> int:
     """Find what is wrong between this computer and a robot.
 
-    Looks from both ends. ROBOT is a name, HOST or USER@HOST; without it, the selected robot. Each finding says what to do. The exit code is 0
-    when all is well, 1 when something is wrong, 2 when the robot could not be reached, which is then explained.
+    Looks from both ends; each finding says what to do. ROBOT is a name, HOST or USER@HOST; without it, the selected
+    robot. The exit code is 0 when all is well, 1 when something is wrong, 2 when the robot could not be reached.
     """
     address = robot_address(robot)
     here = LocalShell(terminal=sys.stdin.isatty())

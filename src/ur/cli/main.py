@@ -33,6 +33,8 @@ VERBS = {
     "setup": ("ur.cli.setup", "Set this computer up: shells, keys, workspace, names."),
     "robots": ("ur.cli.robots", "List the robots on the network, and those known but away."),
     "shell": ("ur.cli.shell", "Open a shell on a robot, or run one command there."),
+    "mount": ("ur.cli.mount", "Mount a folder of a robot here."),
+    "unmount": ("ur.cli.unmount", "Take the mounted folders of a robot away again."),
     "doctor": ("ur.cli.doctor", "Find what is wrong between this computer and a robot."),
     "robot": ("ur.cli.robot", "Set robots up, over the network."),
     "env": ("ur.cli.env", "Print what makes a shell follow the selection."),

@@ -107,7 +107,6 @@ def _start(ledger: Ledger, shared: Path, name: str, address: str) -> Machine:
         "--timezone=off",
         "--console=pipe",
         "--quiet",
-        "--bind=/dev/fuse",
         *([f"--bind-ro={REPOSITORY}"] if name == "laptop" else []),
         "systemd.show_status=0",
     ]

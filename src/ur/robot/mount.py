@@ -1,0 +1,58 @@
+"""Folders of robots, mounted here with sshfs. Pure: command lines, and reading what is mounted."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+from ur.robot.ssh.openssh import Address
+
+REMOTE = "catkin_ws/src"
+# A network that drops is noticed within 3 x 2 s; from then on every access fails within ConnectTimeout instead of freezing
+# the program, and works again when the network is back.
+OPTIONS = (
+    *("reconnect", "ServerAliveInterval=2", "ServerAliveCountMax=3", "ConnectTimeout=3", "BatchMode=yes"),
+    *("StrictHostKeyChecking=yes", "idmap=user", "auto_cache"),
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Mount:
+    """A mounted folder: `source` as sshfs was told, for instance ros@bob.local:catkin_ws/src."""
+
+    source: str
+    target: Path
+
+
+def mount_command(address: Address, remote: str, target: Path) -> list[str]:
+    """The words that mount a folder of a robot; a relative `remote` begins at its user's home folder."""
+    host = f"[{address.host}]" if ":" in address.host else address.host
+    return ["sshfs", f"{address.user}@{host}:{remote}", str(target), "-o", ",".join(OPTIONS)]
+
+
+def unmount_command(target: Path) -> list[str]:
+    """The words that take a mount away, also one whose robot is gone (then when the last program leaves it)."""
+    return ["fusermount3", "-u", "-z", str(target)]
+
+
+def default_target(home: Path, name: str) -> Path:
+    """Where a robot's workspace is mounted unless the user says otherwise."""
+    return home / "robots" / name
+
+
+def parse_mounts(text: str) -> list[Mount]:
+    """The sshfs mounts in the text of /proc/self/mounts (proc(5): octal escapes for blanks)."""
+    rows = (line.split() for line in text.splitlines())
+    return [
+        Mount(_unescape(row[0]), Path(_unescape(row[1]))) for row in rows if len(row) > 2 and row[2] == "fuse.sshfs"
+    ]
+
+
+def mounts_of(mounts: list[Mount], host: str) -> list[Mount]:
+    """Those of a robot."""
+    return [mount for mount in mounts if re.fullmatch(rf"(.*@)?\[?{re.escape(host)}\]?:.*", mount.source)]
+
+
+def _unescape(text: str) -> str:
+    return re.sub(r"\\([0-7]{3})", lambda match: chr(int(match[1], 8)), text)
