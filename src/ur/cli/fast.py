@@ -37,7 +37,7 @@ def answer_fast(words: Sequence[str]) -> int | None:
 
 
 def read_question(words: Sequence[str]) -> tuple[tuple[str, str | None], list[str]] | None:
-    """The question and the words it is about, of `launch --nodes FILE [ARG:=VALUE]...`; the option may stand anywhere."""
+    """The question and the words it is about: `launch --nodes FILE [ARG:=VALUE]...`, the option in any place."""
     if len(words) < 3 or words[0] != "launch":
         return None
     rest = list(words[1:])
