@@ -23,7 +23,7 @@ MARGIN = 10  # unknown cells round the outer wall
 WALL = 2
 DOOR = 18
 CEILING, ON_WALL = 2.4, 0.65  # heights of fiducials, m
-CEILING_SIZE, WALL_SIZE = 0.3, 0.2  # their edges, m
+FIDUCIAL_SIZE = 0.3  # their edges, m
 FIDUCIAL_PITCH = 46  # cells between those on the ceiling
 
 Grid = npt.NDArray[np.uint8]
@@ -194,7 +194,7 @@ def next_wall(grid: Grid, start: tuple[int, int], way: tuple[int, int]) -> Fiduc
         x, y = x + dx, y + dy
     if grid[y, x] != OCCUPIED:
         return None
-    for aside in range(-3, 4):
+    for aside in range(-4, 5):
         here = x + aside * dy, y + aside * dx
         if grid[here[1], here[0]] != OCCUPIED or grid[here[1] - dy, here[0] - dx] != FREE:
             return None
@@ -244,14 +244,13 @@ def fiducial_lines(drawing: Drawing, origin: list[float]) -> list[str]:
     """The fiducials of a world file, numbered from 0."""
     if not drawing.fiducials:
         return []
-    lines = ["fiducials: # cameras see them, lidars do not", "  dictionary: 5X5_1000", f"  size: {CEILING_SIZE}"]
+    lines = ["fiducials: # cameras see them, lidars do not", "  dictionary: 5X5_1000", f"  size: {FIDUCIAL_SIZE}"]
     lines.append("  places:")
     for number, each in enumerate(drawing.fiducials):
         x, y = origin[0] + CELL * each.x, origin[1] + CELL * each.y
         angles = (math.pi, 0.0, each.turn) if each.facing is None else (math.pi / 2.0, 0.0, each.facing + math.pi / 2.0)
         pose = ", ".join(f"{round(value, 6) + 0.0:g}" for value in (x, y, each.z, *angles))
-        size = "" if each.facing is None else f", size: {WALL_SIZE}"
-        lines.append(f"    - {{id: {number}, pose: [{pose}]{size}}}")
+        lines.append(f"    - {{id: {number}, pose: [{pose}]}}")
     return lines
 
 

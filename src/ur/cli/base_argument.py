@@ -50,7 +50,7 @@ def _needs(path: str, world: World) -> Iterator[str]:
 
 
 def _sensors(base: Base) -> tuple[str, ...]:
-    return ("lidar",) if base.lidar else ()
+    return tuple(name for name in ("lidar", "raspicam") if getattr(base, name))
 
 
 def _lack(path: str, package: Path, base: Base, sensor: str) -> UserError:

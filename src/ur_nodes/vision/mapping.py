@@ -66,6 +66,11 @@ class Mapper:
         """How many poses of the robot there are in the graph."""
         return self._count
 
+    @property
+    def last(self) -> Pose2 | None:
+        """Where the robot was in the map at the last moment; None while that is not known."""
+        return None if self._robot is None else to_planar(self._robot)
+
     def robot(self, odometry: Pose2) -> Pose2 | None:
         """Where the robot is in the map, given what odometry says now; None while it is not known."""
         if self._robot is None:

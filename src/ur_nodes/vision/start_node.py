@@ -1,0 +1,33 @@
+"""Starts a node of this package, or says in one line which library is missing: start_node NODE [ARG ...]."""
+
+from __future__ import annotations
+
+import importlib
+import sys
+from importlib.util import find_spec
+from pathlib import Path
+
+_LOCK = Path(__file__).resolve().parents[3] / "requirements" / "vision.lock"
+_NEEDS = {"fiducial_detect": ("cv2",), "fiducial_slam": ("cv2", "gtsam")}
+_NAMES = {"cv2": "OpenCV (opencv-python-headless)", "gtsam": "gtsam"}
+
+
+def main(arguments: list[str]) -> int:
+    """Returns the exit code: that of the node, or 2 when it cannot run here."""
+    name = arguments[0] if arguments else ""
+    if name not in _NEEDS:
+        sys.stderr.write(f"error: start_node: {name!r}, expected one of {', '.join(_NEEDS)}\n")
+        return 2
+    if missing := [_NAMES[library] for library in _NEEDS[name] if find_spec(library) is None]:
+        sys.stderr.write(
+            f"error: {name}: {' and '.join(missing)} not installed, expected in {sys.prefix}\n"
+            f"  help: {sys.executable} -m pip install --require-hashes -r {_LOCK}\n"
+        )
+        return 2
+    node = importlib.import_module(f"ur_nodes.vision.{name}_node")
+    code: int = node.main()
+    return code
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:2]))
