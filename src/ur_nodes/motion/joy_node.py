@@ -58,6 +58,7 @@ class JoyNode:
                 self._read(descriptor)
             finally:
                 os.close(descriptor)
+            self._ended.wait(_RETRY)
 
     def _read(self, descriptor: int) -> None:
         """Until the device is gone; then nobody holds the buttons any more, and it is quiet."""

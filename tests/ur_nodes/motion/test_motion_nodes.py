@@ -109,6 +109,20 @@ def test_joystick_drives_while_its_dead_man_button_is_held(robot: Robot, record_
     assert max(b - a for a, b in pairwise(speeds)) <= 1.0 * 0.02 + 1e-6
 
 
+def test_robot_stands_when_the_joystick_is_unplugged(robot: Robot) -> None:
+    if not isinstance(robot.joystick, PipeJoystick):
+        pytest.skip("a device that the kernel made may come back under another name")
+    robot.joystick.press(DEAD_MAN, True)
+    robot.joystick.push(1, 32767)
+    assert robot.ask("moves", seconds=10) < 0.0
+    robot.joystick.close()
+    robot.ask("stands", seconds=10)
+    robot.joystick.plug()
+    robot.joystick.press(DEAD_MAN, True)
+    robot.joystick.push(1, -32767)
+    assert robot.ask("moves", seconds=10) > 0.0
+
+
 def test_keyboard_drives_before_navigation_and_joystick_before_both(robot: Robot) -> None:
     robot.ask("drive", topic="nav_vel", velocity=[0.0, 0.3])
     teleop = ROOT / "ubiquity_launches" / "n_teleop_twist_keyboard" / "bin" / "teleop_twist_keyboard.py"

@@ -27,7 +27,10 @@ class PipeJoystick:
     def __init__(self, path: Path) -> None:
         self.device = str(path)
         os.mkfifo(path)
-        self._pipe = os.open(path, os.O_RDWR)  # so that neither side waits for the other
+        self.plug()
+
+    def plug(self) -> None:
+        self._pipe = os.open(self.device, os.O_RDWR)  # so that neither side waits for the other
         for kind, count in ((2, 2), (1, 8)):
             for number in range(count):
                 self._write(kind | 0x80, number, 0)
