@@ -37,6 +37,7 @@ VERBS = {
     "unmount": ("ur.cli.unmount", "Take the mounted folders of a robot away again."),
     "doctor": ("ur.cli.doctor", "Find what is wrong between this computer and a robot."),
     "robot": ("ur.cli.robot", "Set robots up, over the network."),
+    "boot": ("ur.cli.boot", "Choose what a robot starts when it boots."),
     "env": ("ur.cli.env", "Print what makes a shell follow the selection."),
 }
 
