@@ -58,25 +58,12 @@ class Desk(Protocol):
         """Start a command that opens a window of its own. Returns what went wrong, '' when nothing did."""
 
 
-class Find(Input):
-    """Where a text is typed. The `/` that opens it also arrives here, as its first key, and is not part of the text."""
-
-    opened: events.Key | None = None
-
-    async def _on_key(self, event: events.Key) -> None:
-        opened, self.opened = self.opened, None
-        if opened is event:
-            event.stop()
-            event.prevent_default()
-            return
-        await super()._on_key(event)
-
-
 class WatchApp(App[str]):
     """Watches and steers one run. Ends with the run, or with `detached` while the run goes on."""
 
     CSS_PATH = None
     ENABLE_COMMAND_PALETTE = False
+    AUTO_FOCUS = None
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("up", "move(-1)", show=False),
         Binding("down", "move(1)", show=False),
@@ -114,7 +101,7 @@ class WatchApp(App[str]):
     .dialog > Vertical { width: auto; max-width: 90%; height: auto; padding: 1 3; }
     .dialog Static { width: auto; }
     .page { align: center middle; }
-    .page > Vertical { width: 92%; height: 88%; padding: 1 2; }
+    .page > Vertical { width: 94%; height: 94%; padding: 0 2; }
     .page VerticalScroll { height: 1fr; scrollbar-size-vertical: 1; }
     """
 
@@ -130,7 +117,6 @@ class WatchApp(App[str]):
         self._rank = 0
         self._stops = 0
         self._said = ""
-        self._key: events.Key | None = None
         self._begun = False
         self.nodes = NodeTable(self._palette)
         self.log_view = LogView(self.journal, self._palette)
@@ -154,7 +140,7 @@ class WatchApp(App[str]):
         yield self.nodes
         yield Static(id="rule")
         yield self.log_view
-        yield Find(id="find", placeholder="text to look for; Enter keeps it, Escape shows everything")
+        yield Input(id="find", placeholder="text to look for; Enter keeps it, Escape shows everything")
         yield Static(id="foot")
 
     def on_mount(self) -> None:
@@ -242,12 +228,6 @@ class WatchApp(App[str]):
             text.append(key, f"bold {own.accent}").append(f" {word}  ", own.quiet)
         return text
 
-    async def on_event(self, event: events.Event) -> None:
-        """Remember which key is being handled."""
-        if isinstance(event, events.Key):
-            self._key = event
-        await super().on_event(event)
-
     def _say(self, text: str) -> None:
         self._said = text
         self._draw()
@@ -288,11 +268,10 @@ class WatchApp(App[str]):
 
     def action_find(self) -> None:
         """Ask for a text."""
-        field = self.query_one("#find", Find)
-        field.opened = self._key
+        field = self.query_one("#find", Input)
         field.display = True
         field.value = self.log_view.filter.text
-        field.focus()
+        self.set_focus(field)
 
     def on_input_changed(self, event: Input.Changed) -> None:
         """Show while typing."""

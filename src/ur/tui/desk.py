@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import shlex
 import shutil
+import signal
 import subprocess
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -40,11 +41,14 @@ class SystemDesk:
 
     def run_here(self, words: Sequence[str]) -> str:
         """Run a command on our terminal. Returns what went wrong, '' when nothing did."""
-        with self._suspend():
-            try:
+        before = signal.signal(signal.SIGINT, lambda *_: None)  # Ctrl-C is meant for the command, not for us
+        try:
+            with self._suspend():
                 subprocess.run(list(words), check=False)
-            except OSError as problem:
-                return f"{words[0]}: {(problem.strerror or str(problem)).lower()}"
+        except OSError as problem:
+            return f"{words[0]}: {(problem.strerror or str(problem)).lower()}"
+        finally:
+            signal.signal(signal.SIGINT, before)
         return ""
 
     def run_beside(self, words: Sequence[str]) -> str:

@@ -97,6 +97,8 @@ class LogView(ScrollView, can_focus=False):
         """Lines are cut elsewhere."""
         if self.size.width != self._width:
             self.rebuild()
+        elif self._follows:
+            self._show_end()
 
     def scroll_to_end(self) -> None:
         """Follow the end again."""

@@ -1,0 +1,66 @@
+from __future__ import annotations
+
+import re
+import threading
+
+import pytest
+from tests.tui.fake import RUN, FakeRun, example, line
+
+from ur.run.events import NodeChanged, NodeReadiness, Notice, RunEnded, RunEvent, RunStopping
+from ur.tui.board import Board, apply_events
+from ur.tui.calm import describe_status, show_events, watch_calmly
+
+COLOUR = re.compile("\x1b\\[[0-9;]*m")
+
+
+def bare(text: str) -> str:
+    return COLOUR.sub("", text)
+
+
+def test_line_counts_nodes_and_names_the_first_that_is_not_up() -> None:
+    board = apply_events(Board(RUN), example())
+    assert bare(describe_status(board, 100)) == "m_map  1 up  1 coming  2 failed  1 off  camera: exit 1"
+
+
+@pytest.mark.parametrize("width", range(1, 70))
+def test_line_never_reaches_the_last_column(width: int) -> None:
+    assert len(bare(describe_status(apply_events(Board(RUN), example()), width))) < width
+
+
+def test_line_says_that_the_run_stops() -> None:
+    board = apply_events(Board(RUN), [NodeChanged("/a", "running"), RunStopping("Ctrl-C")])
+    assert bare(describe_status(board, 80)) == "m_map  stopping  1 coming"
+
+
+def test_only_what_matters_stays() -> None:
+    happened: list[RunEvent] = [
+        NodeChanged("/a", "running", pid=1),
+        NodeReadiness("/a", True),
+        line("/a", "[ INFO] [1.0]: fine"),
+        line("/a", "[ WARN] [1.0]: low\x1b[2J"),
+        Notice("info", "started"),
+        Notice("error", "error: died\n  log: x"),
+    ]
+    _, shown = show_events(Board(RUN), happened, 80)
+    assert [bare(text) for text in shown.lines] == ["[/a] [ WARN] [1.0]: low?[2J", "error: died", "  log: x"]
+
+
+def test_run_is_watched_to_its_end() -> None:
+    run = FakeRun()
+    written: list[str] = []
+    try:
+        run.tell(*example(), RunEnded(0))
+        assert watch_calmly(run.control, written.append) == "ended"
+        assert "camera died" in "".join(written)
+        assert written[-1] == "\r\x1b[K"
+    finally:
+        run.close()
+
+
+def test_run_that_is_killed_ends_it_too() -> None:
+    run = FakeRun()
+    threading.Timer(0.05, run.go).start()
+    try:
+        assert watch_calmly(run.control, lambda _: None) == "gone"
+    finally:
+        run.close()
