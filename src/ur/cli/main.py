@@ -33,6 +33,7 @@ VERBS = {
     "setup": ("ur.cli.setup", "Set this computer up: shells, keys, workspace, names."),
     "robots": ("ur.cli.robots", "List the robots on the network, and those known but away."),
     "shell": ("ur.cli.shell", "Open a shell on a robot, or run one command there."),
+    "x": ("ur.cli.x", "Run a program on a robot with its windows here."),
     "mount": ("ur.cli.mount", "Mount a folder of a robot here."),
     "unmount": ("ur.cli.unmount", "Take the mounted folders of a robot away again."),
     "doctor": ("ur.cli.doctor", "Find what is wrong between this computer and a robot."),

@@ -85,14 +85,21 @@ class Machine:
         inside = ["runuser", "-l", user, "-c", settings + line]
         return ["nsenter", *_namespaces(self.leader), "--", *inside]
 
-    def wait_for(self, command: str, *, user: str = "root", deadline: float = 30.0) -> Done:
+    def wait_for(
+        self,
+        command: str,
+        *,
+        user: str = "root",
+        deadline: float = 30.0,
+        environment: Mapping[str, str] | None = None,
+    ) -> Done:
         """Run a command until it succeeds. Raises AssertionError with its last words after `deadline` seconds."""
         done = Done(command, -1, "", "never run")
 
         def succeed() -> bool:
             nonlocal done
             try:
-                done = self.run(command, user=user, timeout=deadline)
+                done = self.run(command, user=user, timeout=deadline, environment=environment)
             except (LookupError, FileNotFoundError):
                 return False
             return done.code == 0

@@ -45,8 +45,9 @@ def make_root(cache: Path) -> Path:
         found = find_root(cache)
         if found:
             return found
+        used = Path("/proc/self/mounts").read_text()
         for old in cache.iterdir():
-            if old.is_dir():
+            if old.is_dir() and f"lowerdir={old}," not in used:
                 shutil.rmtree(old)
         unfinished = Path(tempfile.mkdtemp(prefix="unfinished.", dir=cache))
         _bootstrap(unfinished / "root", cache / "mmdebstrap.log")

@@ -1,0 +1,48 @@
+"""`ur x`: a program of a robot, with its windows here."""
+
+from __future__ import annotations
+
+import os
+
+import click
+
+from ur.cli.shell import robot_address
+from ur.robot.ssh.shell import quote, run_process
+from ur.source.diagnostic import UserError, error
+
+WINDOW = "xlogo"  # of x11-apps, which `ur robot setup` installs
+OPEN_SECONDS = 3
+STILL_OPEN = 124  # timeout(1)
+
+
+@click.command("x", context_settings={"ignore_unknown_options": True, "allow_interspersed_args": False})
+@click.option("--check", is_flag=True, help="Only open a window and close it again, and say whether that works.")
+@click.argument("robot")
+@click.argument("words", nargs=-1, type=click.UNPROCESSED, metavar="[PROGRAM ...]")
+def command(robot: str, words: tuple[str, ...], check: bool) -> int:
+    """Run a program on a robot with its windows here.
+
+    For instance: ur x bob xterm. The exit code is that of the program.
+    """
+    if not words and not check:
+        raise click.UsageError("expected PROGRAM, or --check")
+    if not os.environ.get("DISPLAY"):
+        raise UserError(
+            error(
+                "there is no display here, expected DISPLAY to be set", rule="no-display", help="run this on a desktop"
+            )
+        )
+    address = robot_address(robot)
+    # Trusted forwarding: OpenGL, and with it RViz, needs extensions that untrusted clients are refused.
+    ssh = ["ssh", "-Y", "-o", "StrictHostKeyChecking=yes", "-o", "ExitOnForwardFailure=yes", "-o", "ConnectTimeout=10"]
+    if not check:
+        os.execvp("ssh", [*ssh, str(address), *words])  # noqa: S606 - no shell
+    script = quote("timeout", str(OPEN_SECONDS), WINDOW)
+    done = run_process([*ssh, "-o", "BatchMode=yes", str(address), script], timeout=30, what=f"a window of {address}")
+    if done.code == STILL_OPEN:
+        click.echo(f"a window of {address.host} opened here and was closed again")
+        return 0
+    said = (done.err.strip().splitlines() or ["no reason was given"])[-1]
+    raise UserError(
+        error(f"{address}: no window opened: {said}", rule="no-window", help=f"ur robot setup {address.host}")
+    )
