@@ -18,4 +18,7 @@ def _run() -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(_run())
+    try:
+        sys.exit(_run())
+    except KeyboardInterrupt:  # while modules are still being imported
+        sys.exit(130)

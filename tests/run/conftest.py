@@ -33,7 +33,7 @@ NODES = {
     "ticker": "#!/bin/bash\nwhile :; do echo tick; sleep 0.05; done\n",
     "refuse": "#!/bin/bash\necho 'speed: expected a number' >&2\nexit 2\n",
     "flood": "#!/bin/bash\nexec seq -f '%.0f 0123456789' 100000000\n",
-    "noisy": "#!/bin/bash\nseq -f 'line %.0f' 3000\nexec sleep 600\n",
+    "noisy": "#!/bin/bash\nseq -f 'line %.0f of many that together are larger than a small disk' 300\nexec sleep 600\n",
     "binary": "#!/usr/bin/python3\nimport sys\nsys.stdout.buffer.write(bytes(range(256)) * 40"
     " + b'\\x1b[2J\\x1b]0;title\\x07\\n')\n",
     "double": "#!/usr/bin/python3\nimport os, time\nif os.fork() == 0:\n    os.setsid()\n    if os.fork() == 0:\n"

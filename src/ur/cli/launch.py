@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from ur.run.detach import LetGo
     from ur.run.launch import Options
     from ur.run.registry import RunEntry
+    from ur.run.timings import Timings
     from ur.tui.start import Viewer
 
 _Query = tuple[str, str | None]
@@ -52,12 +53,14 @@ class _Wishes:
     only: Sequence[str] = ()
     except_: Sequence[str] = ()
     prefix: Sequence[str] = ()
+    debug: Sequence[str] = ()
     detach: bool = False
     plain: bool = False
     calm: bool = False
     json: bool = False
     timeout_ready: float = 30.0
     respawn_limit: int | None = None
+    timings: bool = False
     queries: Sequence[_Query] = field(default=())
 
 
@@ -79,11 +82,18 @@ def _parameters() -> list[click.Parameter]:
         click.Option(
             ["--prefix"], multiple=True, metavar="NODE=PREFIX", help="Put a program in front: 'talker=gdb --args'."
         ),
+        click.Option(
+            ["--debug"],
+            multiple=True,
+            metavar="NODE[=TOOL]",
+            help="Start this node under a debugger: pudb, gdb or debugpy; may be repeated.",
+        ),
         flag("--detach", help="Start it, and let it run on without this terminal: ur ps, attach, logs, stop."),
         flag("--plain", "--no-ui", help="Print lines, as roslaunch does, also on a terminal."),
         flag("--calm", help="Show one line that says how the run stands, and what goes wrong."),
         flag("--json", help="Print everything that happens as lines of JSON."),
         flag("--wait", help="Wait for a master instead of starting one; with --detach: until every node is up."),
+        flag("--timings", help="Say what the start spent its time on, once every node is up."),
         click.Option(
             ["--timeout-ready"],
             type=_SECONDS,
@@ -219,6 +229,13 @@ def _run(words: Sequence[str], selection: Selection, wishes: _Wishes, let_go: Le
         if plan is None:
             return 1
         plan = _choose(plan, wishes)
+        if wishes.debug:
+            from ur.cli import debugging
+
+            terminal = not (wishes.detach or wishes.json) and debugging.has_terminal()
+            plan, told = debugging.debug_nodes(plan, wishes.debug, world, terminal=terminal)
+            debugging.tell(told)
+            wishes.plain = wishes.plain or bool(told)  # it says what to type; that has to stay on the screen
         console = Console()
         try:
             with _pid_file(wishes.pid):
@@ -290,8 +307,17 @@ def _options(
         base=base,
         variant=given.get("robot_variant", selection.variant if base == selection.base else ""),
         events=1 if wishes.json else None,
+        timings=_begin_timings() if wishes.timings else None,
         call_started=None if let_go is None else leave,
     )
+
+
+def _begin_timings() -> Timings:
+    from ur.run.timings import begin_timings
+
+    timings = begin_timings()
+    timings.mark("launch file")
+    return timings
 
 
 class _pid_file:  # noqa: N801 - used like a function: with _pid_file(path)

@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from ur.launchfile.plan.model import NodeSpec, ParamValue, Plan
 from ur.launchfile.world import World
@@ -26,6 +27,9 @@ from ur.run.registry import RunEntry, make_run_name, read_birth, register_run, u
 from ur.run.terminal import find_terminal, ignore_background_write
 from ur.run.xml_rpc import Refused, Unanswered
 from ur.source.diagnostic import Diagnostic, UserError, error
+
+if TYPE_CHECKING:
+    from ur.run.timings import Timings
 
 MASTER = "master"
 ROSOUT = "/rosout"
@@ -49,6 +53,7 @@ class Options:
     variant: str = ""
     viewer: socket.socket | None = None  # see ur.run.loop.WatchPlan
     events: int | None = None
+    timings: Timings | None = None
     call_started: Callable[[RunEntry], None] | None = None  # the run is detached: called once every node was started
 
 
@@ -77,6 +82,8 @@ def run_plan(plan: Plan, world: World, host: ProcessHost, console: Console, opti
     master = _find_master(environment, options)
     run_id = _read_run_id(master, options, console)
     own_master = run_id is None
+    if options.timings is not None:
+        options.timings.mark("master asked")
     core = _core_programs(master, world, options) if own_master else ()
     environment["ROS_MASTER_URI"] = master.uri
     folder = make_run_folder(environment, run_id or (fresh := new_run_id()))
@@ -112,6 +119,7 @@ def run_plan(plan: Plan, world: World, host: ProcessHost, console: Console, opti
             unregister=lambda: _unregister(master, [node.full_name for node in nodes]),
             limits=options.limits,
             master=master,
+            timings=options.timings,
             watch=_plan_watch(here, nodes, options),
         )
         return run_loop(run, host, console, terminal)

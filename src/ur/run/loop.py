@@ -37,7 +37,9 @@ from ur.run.model import (
     Exited,
     Finish,
     Limits,
+    MasterAnswered,
     NothingLeft,
+    ParametersSet,
     Phase,
     RestartWanted,
     SetParameters,
@@ -70,6 +72,7 @@ from ur.run.watching import Watching
 
 if TYPE_CHECKING:
     from ur.run.readiness import ReadinessProbe
+    from ur.run.timings import Timings
 
 Job = Callable[[], Event]
 
@@ -107,6 +110,7 @@ class Run:
     unregister: Job
     limits: Limits = field(default_factory=Limits)
     master: Master | None = None  # asked which nodes are up, while somebody wants to know
+    timings: Timings | None = None  # told once every node is up
     watch: WatchPlan = field(default_factory=lambda: WatchPlan())
 
     @property
@@ -168,6 +172,7 @@ class _Loop:
         self._viewer: int | None = None
         self._probe: ReadinessProbe | None = None
         self._watch_over: threading.Event | None = None
+        self._timings = run.timings
         self._looked: deque[tuple[str, int, tuple[str, ...]]] = deque()
         self._watched: dict[int, int] = {}
         self._wake, self._wake_end = os.pipe2(os.O_CLOEXEC | os.O_NONBLOCK)
@@ -199,6 +204,7 @@ class _Loop:
                 name, pid, missing = self._looked.popleft()
                 if self._pids.get(name) == pid:
                     self._watching.note_readiness(name, missing)
+                    self._time(name, up=not missing)
             now = time.monotonic()
             deadline = next_deadline(self._state)
             if deadline is not None and now >= deadline:
@@ -207,6 +213,20 @@ class _Loop:
             if due is not None and now >= due:
                 self._watching.work(now)
         return self._exit_code
+
+    def _time(self, name: str, *, up: bool) -> None:
+        """Note for `--timings` that a node started or is up; tell once all are."""
+        timings = self._timings
+        if timings is None:
+            return
+        from ur.run.timings import describe_timings, read_clock
+
+        (timings.up if up else timings.started).setdefault(name, read_clock())
+        if all(
+            each.unit.core or each.status is Status.ENDED or each.unit.name in timings.up for each in self._state.units
+        ):
+            self._timings = None
+            self._inform("\n".join(describe_timings(timings.born, timings.steps, timings.started, timings.up)))
 
     def _serve(self, descriptor: int) -> None:
         if descriptor == self._wake:
@@ -248,6 +268,8 @@ class _Loop:
         self._posted.append(StopRequested(signal.Signals(signum).name, code))
 
     def _happen(self, event: Event) -> None:
+        if self._timings is not None and isinstance(event, (MasterAnswered, ParametersSet)):
+            self._timings.mark("master" if isinstance(event, MasterAnswered) else "parameters")
         now = time.monotonic()
         self._state, actions = step(self._state, event, now)
         self._watching.note_state(self._state, now)
@@ -318,7 +340,7 @@ class _Loop:
 
     def _follow_readiness(self) -> None:
         """Look which nodes are up while somebody wants to know."""
-        wanted = self._watching.wants_readiness and self._state.phase is Phase.RUNNING
+        wanted = (self._watching.wants_readiness or self._timings is not None) and self._state.phase is Phase.RUNNING
         if self._probe is None and wanted and self._run.master is not None:
             from ur.run.readiness import ReadinessProbe  # only for those who wait
 
@@ -365,6 +387,8 @@ class _Loop:
             return
         if isinstance(event, Started):
             self._pids[event.name] = event.pid
+            if not self._programs[event.name].unit.core:
+                self._time(event.name, up=False)
             unit = self._programs[event.name].unit
             if not unit.terminal and not unit.core:
                 self._inform(f"[{event.name}] started, process {event.pid}")
