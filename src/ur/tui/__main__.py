@@ -15,10 +15,13 @@ from ur.tui.watch import own_terminal, watch_run
 def main(words: list[str]) -> int:
     """Show the run at the other end of an inherited socket until it ends."""
     mode, descriptor = words
-    with RunClient(socket.socket(fileno=int(descriptor))) as control:
+    link = socket.socket(fileno=int(descriptor))
+    with RunClient(link) as control:
         if mode == "full":
             from ur.tui import app  # noqa: F401 - while the launch file is read: later it is there at once
         select.select([control], [], [])  # nothing is on the screen before the run begins
+        if not link.recv(1, socket.MSG_PEEK):
+            return 0  # it never begins: ur launch says why
         if not own_terminal(0):
             return 1
         try:

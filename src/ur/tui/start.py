@@ -13,6 +13,7 @@ from contextlib import suppress
 from typing import Any, Literal
 
 from ur.run.host import restore_terminal, take_foreground
+from ur.run.terminal import ignore_background_write
 
 Mode = Literal["full", "calm", "plain"]
 LEAST_COLUMNS, LEAST_ROWS = 60, 15
@@ -48,6 +49,7 @@ class Viewer:
     """The interface's process. Give `link` to the run; `close` when the run has ended."""
 
     def __init__(self, mode: Mode) -> None:
+        ignore_background_write()
         self._attributes: list[Any] = termios.tcgetattr(0)
         self.link, theirs = socket.socketpair()
         os.set_inheritable(theirs.fileno(), True)
