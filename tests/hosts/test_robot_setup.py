@@ -238,6 +238,7 @@ def test_killed_at_every_point_a_next_run_goes_on_to_the_same_end(pair: Bench) -
     interrupt_everywhere(laptop, robot, kill)
 
 
+@pytest.mark.timeout(3600)  # each cut has to be noticed
 def test_cut_off_at_every_point_a_next_run_goes_on_to_the_same_end(pair: Bench) -> None:
     laptop, robot = pair["laptop"], pair["robot"]
     interrupt_everywhere(laptop, robot, lambda _: robot.cut())

@@ -1,0 +1,89 @@
+"""What a robot shall be: the order of its making, and texts that their readers understand."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
+import pytest
+
+from ur.robot.robot_file import RobotFile, load_robot_file
+from ur.robot.setup.facts import ABSENT, Facts, FileState
+from ur.robot.setup.keys import HOST_KEY
+from ur.robot.setup.there import (
+    CLOUD,
+    Robot,
+    Viewer,
+    WantedPassword,
+    announcement,
+    is_robot_name,
+    robot_file,
+    wanted_there,
+)
+from ur.robot.setup.verify import clock_offset
+from ur.robot.ssh.secret import Secret
+
+FACTS = Facts(
+    "ros",
+    "/home/ros",
+    "robot",
+    "debian bookworm",
+    "1",
+    frozenset(),
+    files={HOST_KEY: FileState("ssh-ed25519 AAAA root@robot\n"), CLOUD: ABSENT},
+)
+VIEWER = Viewer("pat", "laptop", "ssh-ed25519 BBBB pat@laptop\n", "ssh-ed25519 CCCC\n")
+ROBOT = Robot("bob", "magni", "lidar")
+
+
+def test_way_in_comes_first_and_the_name_last() -> None:
+    titles = [item.title for item in wanted_there(FACTS, ROBOT, VIEWER, WantedPassword(Secret("x"), is_set=False))]
+    assert titles.index("login from the viewer") < titles.index("packages") < titles.index("password")
+    assert titles[-1] == "host name"
+
+
+def test_password_is_set_through_standard_input_only() -> None:
+    change = WantedPassword(Secret("hunter2"), is_set=False).plan(FACTS)
+    assert change is not None
+    assert "hunter2" not in repr(change)
+    assert "hunter2" not in change.commands[0].script
+    assert WantedPassword(Secret("hunter2"), is_set=True).plan(FACTS) is None
+
+
+def test_cloud_init_is_told_to_keep_the_name_only_where_it_is() -> None:
+    with_cloud = replace(FACTS, files={HOST_KEY: ABSENT, CLOUD: FileState("x")})
+    assert "cloud-init" not in [item.title for item in wanted_there(FACTS, ROBOT, VIEWER, None)]
+    assert "cloud-init" in [item.title for item in wanted_there(with_cloud, ROBOT, VIEWER, None)]
+
+
+@pytest.mark.parametrize("robot", [ROBOT, Robot("yes", "stage"), Robot("007", "1e3")])
+def test_robot_file_is_read_back_as_it_was_meant(robot: Robot, tmp_path: Path) -> None:
+    (tmp_path / "robot.yaml").write_text(robot_file(robot))
+    assert load_robot_file(tmp_path / "robot.yaml") == RobotFile(robot.name, robot.base, robot.variant)
+
+
+def test_announcement_is_what_avahi_reads() -> None:
+    group = ET.fromstring(announcement(ROBOT, "ros"))
+    assert [record.text for record in group.iter("txt-record")] == [
+        "name=bob",
+        "base=magni",
+        "variant=lidar",
+        "user=ros",
+    ]
+    assert group.findtext("service/type") == "_ubiquity-robot._tcp"
+
+
+@pytest.mark.parametrize(
+    ("name", "good"),
+    [("bob", True), ("r2-d2", True), ("Bob", False), ("-bob", False), ("a.b", False), ("", False), ("x" * 64, False)],
+)
+def test_robot_name_is_one_label_in_lower_case(name: str, good: bool) -> None:
+    assert is_robot_name(name) is good
+
+
+@pytest.mark.parametrize(
+    ("readings", "offset"), [((10.0, 10.1, 10.2), 0.0), ((10.0, 15.1, 10.2), 4.9), ((10.0, 5.0, 10.2), -5.0)]
+)
+def test_clock_offset_is_what_the_time_of_asking_cannot_explain(readings: tuple[float, ...], offset: float) -> None:
+    assert clock_offset(*readings) == pytest.approx(offset)
