@@ -14,6 +14,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from ur_nodes.vision.corners import refine_corners
 from ur_nodes.vision.rigid import Floats, make_rigid, skew
 
 DICTIONARIES: tuple[str, ...] = tuple(sorted(name[5:] for name in dir(cv2.aruco) if name.startswith("DICT_")))
@@ -82,7 +83,7 @@ class Detector:
 
     def __init__(self, dictionary: str, sizes: Sizes, *, pixel_noise: float = 0.5) -> None:
         parameters = cv2.aruco.DetectorParameters()
-        parameters.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_SUBPIX
+        parameters.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_NONE  # see ur_nodes.vision.corners
         known = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, f"DICT_{dictionary}"))
         self._detector: Any = cv2.aruco.ArucoDetector(known, parameters)
         self._sizes = sizes
@@ -90,13 +91,13 @@ class Detector:
 
     def detect(self, image: npt.NDArray[np.uint8], camera: CameraModel | None) -> tuple[Detection, ...]:
         """The fiducials in a grey or colour image, by number. Without a camera they have no poses."""
-        grey = image if image.ndim == 2 else cv2.cvtColor(image, cv2.COLOR_RGB2GRAY)
+        grey = np.asarray(image if image.ndim == 2 else cv2.cvtColor(image, cv2.COLOR_RGB2GRAY), np.uint8)
         squares, numbers, _ = self._detector.detectMarkers(grey)
         found = []
         for corners, number in zip(squares, [] if numbers is None else np.ravel(numbers).tolist(), strict=True):
             if number not in self._sizes.ignored:
                 size = self._sizes.special.get(number, self._sizes.usual)
-                points = np.asarray(corners, np.float64).reshape(4, 2)
+                points = refine_corners(grey, np.asarray(corners, np.float64).reshape(4, 2))
                 poses = estimate_poses(points, size, camera, self._noise) if camera else ()
                 found.append(Detection(int(number), points, size, poses))
         return tuple(sorted(found, key=lambda each: each.id))
