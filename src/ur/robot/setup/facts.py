@@ -82,6 +82,7 @@ def fact_script(request: Request) -> str:
     user = quote(request.user)
     parts = [
         f"home=$(getent passwd {user} | cut -d: -f6)",
+        f'[ "$(id -un)" != {user} ] || home=$HOME',
         "mark() { printf '\\036%s\\n' \"$1\"; }",
         'mark home; echo "$home"',
         "mark hostname; cat /proc/sys/kernel/hostname",
