@@ -32,7 +32,7 @@ from ur_nodes.simulator.world import Fiducial, World
 _REQUEST = struct.Struct("<iiiq")  # robot, pixels wanted, JPEG wanted, bytes of state
 _ANSWER = struct.Struct("<qq")
 _WAYS = ("egl", "osmesa")  # how MuJoCo can draw without a screen, the quicker to start first
-_PACKAGES = {"egl": "libegl1", "osmesa": "libosmesa6"}
+_PACKAGES = "libegl1 libopengl0 libgl1-mesa-dri (or libosmesa6)"
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,12 +74,11 @@ class CameraProcess:
                 return
             self.close()
             reasons.append(f"{way}: {answer}")
-        names = " or ".join(_PACKAGES[way] for way in _WAYS)
         raise UserError(
             error(
                 f"the simulated camera cannot draw ({'; '.join(reasons)}), expected OpenGL without a screen",
                 rule="no-renderer",
-                help=f"install a Debian package: {names}",
+                help=f"install the Debian packages {_PACKAGES}",
             )
         )
 

@@ -70,7 +70,7 @@ def test_camera_says_which_package_is_missing_where_nothing_can_draw(magni: Base
     assert base.raspicam
     with pytest.raises(UserError, match="cannot draw") as caught:
         CameraProcess(make_world(""), base, base.raspicam, 1, environment={**os.environ, "MUJOCO_GL": "none"})
-    assert "libegl1 or libosmesa6" in str(caught.value.diagnostics[0].help)
+    assert "libegl1 libopengl0 libgl1-mesa-dri" in str(caught.value.diagnostics[0].help)
 
 
 def test_camera_ends_cleanly_and_says_so_when_its_process_died(magni: Base, make_world: MakeWorld) -> None:
