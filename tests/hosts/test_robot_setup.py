@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import subprocess
+import sys
 import threading
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
@@ -253,7 +254,8 @@ def interrupt_everywhere(laptop: Machine, robot: Machine, strike: Callable[[int]
         assert "Traceback" not in "".join(said)
         robot.wait_booted()
         robot.restore()
-        laptop.wait_for(f"ssh-keyscan -T 2 {robot.address} 2>/dev/null | grep -q ed25519")
+        sys.stdout.write(f"{point}\n")  # where it was, should it fail
+        laptop.wait_for(f"timeout 5 ssh-keyscan -T 2 {robot.address} 2>/dev/null | grep -q ed25519")
     assert struck >= 20
     done = set_up(laptop).check()
     assert "NO" not in done.out

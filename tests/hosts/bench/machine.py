@@ -99,8 +99,8 @@ class Machine:
         def succeed() -> bool:
             nonlocal done
             try:
-                done = self.run(command, user=user, timeout=deadline, environment=environment)
-            except (LookupError, FileNotFoundError):
+                done = self.run(command, user=user, timeout=min(deadline, 20.0), environment=environment)
+            except (LookupError, FileNotFoundError, subprocess.TimeoutExpired):
                 return False
             return done.code == 0
 
