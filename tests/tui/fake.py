@@ -129,11 +129,15 @@ def example(*, detached: bool = False) -> list[RunEvent]:
 
 @asynccontextmanager
 async def watching(
-    *events: RunEvent, size: tuple[int, int] = (100, 30), desk: FakeDesk | None = None, light: bool = False
+    *events: RunEvent,
+    size: tuple[int, int] = (100, 30),
+    desk: FakeDesk | None = None,
+    light: bool = False,
+    guest: bool = False,
 ) -> AsyncIterator[tuple[WatchApp, Pilot[str], FakeRun]]:
     """The interface over a run to which these events have happened (none: the example)."""
     run = FakeRun()
-    app = WatchApp(run.control, desk or FakeDesk(), light=light)
+    app = WatchApp(run.control, desk or FakeDesk(), light=light, guest=guest)
     try:
         async with app.run_test(size=size) as pilot:
             run.tell(*(events or example()))

@@ -93,6 +93,13 @@ async def test_quit_leaves_a_detached_run_alone() -> None:
         assert run.asked() == []
 
 
+async def test_guest_may_leave_any_run_alone() -> None:
+    async with watching(guest=True) as (app, pilot, run):
+        await pilot.press("ctrl+c", "d")
+        await until(pilot, lambda: app.return_value == "detached")
+        assert run.asked() == []
+
+
 async def test_interrupt_stops_at_once_and_again_faster() -> None:
     async with watching() as (_, pilot, run):
         await pilot.press("ctrl+c", "ctrl+c")

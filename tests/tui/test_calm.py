@@ -50,7 +50,7 @@ def test_run_is_watched_to_its_end() -> None:
     written: list[str] = []
     try:
         run.tell(*example(), RunEnded(0))
-        assert watch_calmly(run.control, written.append) == "ended"
+        assert watch_calmly(run.control, written.append) == ("ended", 0)
         assert "camera died" in "".join(written)
         assert written[-1] == "\r\x1b[K"
     finally:
@@ -61,6 +61,6 @@ def test_run_that_is_killed_ends_it_too() -> None:
     run = FakeRun()
     threading.Timer(0.05, run.go).start()
     try:
-        assert watch_calmly(run.control, lambda _: None) == "gone"
+        assert watch_calmly(run.control, lambda _: None) == ("gone", 1)
     finally:
         run.close()

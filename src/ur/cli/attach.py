@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Callable
 
@@ -21,18 +22,27 @@ from ur.run.events import (
     dump_line,
 )
 from ur.run.model import ExitStatus
+from ur.run.registry import RunEntry
 from ur.run.report import describe_status
 
 
 @click.command("attach")
 @click.argument("run", required=False)
 @click.option("--json", "as_json", is_flag=True, help="Print everything that happens as lines of JSON.")
-def command(run: str | None, as_json: bool) -> int:
+@click.option("--plain", "--no-ui", is_flag=True, help="Print lines, also on a terminal.")
+@click.option("--calm", is_flag=True, help="Show one line that says how the run stands, and what goes wrong.")
+def command(run: str | None, as_json: bool, plain: bool, calm: bool) -> int:
     """Show what a run prints, from any terminal.
 
     Returns the run's exit code when it ends. Ctrl-C leaves it running. RUN may be left out where there is only one.
     """
     entry = choose_run(run)
+    if not (as_json or plain):
+        from ur.tui.start import look_for_mode
+
+        mode = look_for_mode(os.environ, calm=calm)
+        if mode != "plain":
+            return _watch(entry, mode)
     show = show_json if as_json else make_printer(colour=sys.stdout.isatty())
     try:
         with connect(entry) as client:
@@ -46,6 +56,20 @@ def command(run: str | None, as_json: bool) -> int:
         return 0
     sys.stderr.write(f"error: run {entry.run} was killed\n")
     return 1
+
+
+def _watch(entry: RunEntry, mode: str) -> int:
+    from ur.tui.watch import watch_run
+
+    with connect(entry) as client:
+        how, code = watch_run(client, mode, os.environ, ours=False)
+    if how == "detached":
+        sys.stderr.write(f"{entry.run} runs on; 'ur stop {entry.run}' ends it\n")
+        return 0
+    if how == "gone":
+        sys.stderr.write(f"error: run {entry.run} was killed\n")
+        return 1
+    return code
 
 
 def show_json(event: RunEvent) -> None:

@@ -106,14 +106,22 @@ class WatchApp(App[str]):
     """
 
     def __init__(
-        self, control: RunControl, desk: Desk, *, light: bool = False, driver: type[Driver] | None = None
+        self,
+        control: RunControl,
+        desk: Desk,
+        *,
+        light: bool = False,
+        guest: bool = False,
+        driver: type[Driver] | None = None,
     ) -> None:
+        """`guest`: the run does not end when this interface does."""
         self._palette = LIGHT if light else DARK  # asked for by the constructor of App
         super().__init__(driver_class=driver)
         self.board: Board = begin_board()
         self.journal = Journal()
         self._control = control
         self._desk = desk
+        self._guest = guest
         self._rank = 0
         self._stops = 0
         self._said = ""
@@ -386,7 +394,11 @@ class WatchApp(App[str]):
         """Quit: end the run, or only stop watching where it goes on without us."""
         if isinstance(self.screen, Question):
             return
-        self._ask_end(detach=self.board.run.detached)
+        self._ask_end(detach=self._may_leave)
+
+    @property
+    def _may_leave(self) -> bool:
+        return self._guest or self.board.run.detached
 
     def _ask_end(self, *, detach: bool) -> None:
         def answer(key: str | None) -> None:
@@ -403,7 +415,7 @@ class WatchApp(App[str]):
 
     def action_interrupt(self) -> None:
         """Ctrl-C: end the run now, as without an interface; of a detached run only ask."""
-        if self.board.run.detached and not self._stops:
+        if self._may_leave and not self._stops:
             self.action_leave()
         else:
             self._stop_run()

@@ -69,10 +69,13 @@ def describe_status(board: Board, width: int) -> str:
     return "  ".join(pieces)
 
 
-def watch_calmly(control: RunControl, write: Callable[[str], object] = sys.stdout.write) -> str:
-    """Show a run until it ends: `ended`, `gone` (its supervisor was killed) or `detached` (Ctrl-C on a detached run).
+def watch_calmly(
+    control: RunControl, write: Callable[[str], object] = sys.stdout.write, *, guest: bool = False
+) -> tuple[str, int]:
+    """Show a run until it ends: `ended`, `gone` (its supervisor was killed) or `detached`; its code.
 
-    Ctrl-C stops a run that is not detached; again is faster. Takes SIGINT over meanwhile.
+    Ctrl-C leaves a run that is detached or where we are a `guest`, and stops any other; again is faster.
+    Takes SIGINT over meanwhile.
     """
     board = begin_board()
     asked = [0]
@@ -92,17 +95,17 @@ def watch_calmly(control: RunControl, write: Callable[[str], object] = sys.stdou
                 os.read(reader, 64)
             while answered < asked[0]:
                 answered += 1
-                if board.run.detached:
-                    return "detached"
+                if guest or board.run.detached:
+                    return "detached", 0
                 control.send(StopRun("Ctrl-C"))
             happened = control.receive() if control.fileno() in ready else []
             if happened is None:
-                return "ended" if board.exit_code is not None else "gone"
+                return ("gone", 1) if board.exit_code is None else ("ended", board.exit_code)
             board, shown = show_events(board, happened, shutil.get_terminal_size().columns)
             write(_CLEAR + "".join(f"{line}\r\n" for line in shown.lines) + shown.status)
             sys.stdout.flush()
             if board.exit_code is not None:
-                return "ended"
+                return "ended", board.exit_code
             time.sleep(0.1)  # what comes faster is shown together
     finally:
         signal.signal(signal.SIGINT, before)

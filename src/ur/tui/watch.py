@@ -15,8 +15,8 @@ from ur.run.host import take_foreground
 MOST_TOLD = 12  # lines about failures that stay on the screen afterwards
 
 
-def watch_run(control: RunControl, mode: str, environment: Mapping[str, str], *, ours: bool) -> str:
-    """Show a run, `full` or `calm`, until it ends: `ended`, `gone` (its supervisor was killed) or `detached`.
+def watch_run(control: RunControl, mode: str, environment: Mapping[str, str], *, ours: bool) -> tuple[str, int]:
+    """Show a run, `full` or `calm`, until it ends: `ended`, `gone` (its supervisor was killed) or `detached`; its code.
 
     `ours`: the run ends with this terminal. What failed is said once more afterwards, where it stays.
     """
@@ -25,11 +25,11 @@ def watch_run(control: RunControl, mode: str, environment: Mapping[str, str], *,
     if mode == "calm":
         from ur.tui.calm import watch_calmly
 
-        return watch_calmly(control)
-    return _watch_fully(control, environment)
+        return watch_calmly(control, guest=not ours)
+    return _watch_fully(control, environment, guest=not ours)
 
 
-def _watch_fully(control: RunControl, environment: Mapping[str, str]) -> str:
+def _watch_fully(control: RunControl, environment: Mapping[str, str], *, guest: bool) -> tuple[str, int]:
     from textual.drivers.linux_driver import LinuxDriver
 
     from ur.tui.app import WatchApp
@@ -41,7 +41,7 @@ def _watch_fully(control: RunControl, environment: Mapping[str, str]) -> str:
     def suspend() -> AbstractContextManager[None]:
         return app.suspend()
 
-    app = WatchApp(control, SystemDesk(environment, suspend), light=light, driver=LinuxDriver)
+    app = WatchApp(control, SystemDesk(environment, suspend), light=light, guest=guest, driver=LinuxDriver)
     how = app.run() or "ended"
     if app.return_code:
         raise RuntimeError("it could not draw")
@@ -51,7 +51,7 @@ def _watch_fully(control: RunControl, environment: Mapping[str, str]) -> str:
         sys.stderr.write(f"{line}\n")
     if app.board.run.log_folder:
         sys.stderr.write(f"log files in {app.board.run.log_folder}\n")
-    return how
+    return how, app.board.exit_code or 0
 
 
 def own_terminal(descriptor: int) -> bool:
