@@ -16,7 +16,6 @@ from ur.launchfile.plan.model import NodeSpec, ParamValue, Plan
 from ur.launchfile.world import World
 from ur.run.command import Program, find_programs
 from ur.run.console import Console
-from ur.run.events import RunStarted
 from ur.run.loop import Run, WatchPlan, run_loop
 from ur.run.master import DEFAULT_PORT, Master, parse_master_uri
 from ur.run.model import Event, Limits, MasterAnswered, ParametersSet, SetupFailed, Unit, Unregistered
@@ -29,6 +28,7 @@ from ur.run.xml_rpc import Refused, Unanswered
 from ur.source.diagnostic import Diagnostic, UserError, error
 
 if TYPE_CHECKING:
+    from ur.run.events import RunStarted
     from ur.run.timings import Timings
 
 MASTER = "master"
@@ -157,8 +157,11 @@ def _register(
 def _plan_watch(here: _Registered, nodes: tuple[NodeSpec, ...], options: Options) -> WatchPlan:
     entry, listener = here
     call = options.call_started
-    return WatchPlan(
-        started=RunStarted(
+
+    def describe() -> RunStarted:
+        from ur.run.events import RunStarted  # only for those who watch
+
+        return RunStarted(
             run=entry.run,
             pid=entry.pid,
             title=entry.title,
@@ -167,7 +170,10 @@ def _plan_watch(here: _Registered, nodes: tuple[NodeSpec, ...], options: Options
             started=entry.started,
             detached=entry.detached,
             terminal=next((node.full_name for node in nodes if node.terminal), ""),
-        ),
+        )
+
+    return WatchPlan(
+        describe=describe,
         listener=listener,
         viewer=options.viewer,
         events=options.events,

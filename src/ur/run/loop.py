@@ -16,17 +16,6 @@ from typing import TYPE_CHECKING
 from ur.run import host as places
 from ur.run.command import Program
 from ur.run.console import Console
-from ur.run.events import (
-    KillNode,
-    RestartNode,
-    RunCommand,
-    RunStarted,
-    Severity,
-    StartNode,
-    StopNode,
-    StopRun,
-    Watch,
-)
 from ur.run.master import Master
 from ur.run.master_watch import watch_master
 from ur.run.model import (
@@ -68,11 +57,12 @@ from ur.run.processes import HostLost, ProcessHost, Suspended, kill_orphans
 from ur.run.report import describe_death
 from ur.run.supervisor import begin_state, next_deadline, step
 from ur.run.terminal import Terminal
-from ur.run.watching import Watching
 
 if TYPE_CHECKING:
+    from ur.run.events import OutputSource, RunCommand, RunStarted, Severity
     from ur.run.readiness import ReadinessProbe
     from ur.run.timings import Timings
+    from ur.run.watching import Watching
 
 Job = Callable[[], Event]
 
@@ -85,7 +75,7 @@ class WatchPlan:
     `events` is an open file that gets every event, in place of the console. `unattended`: nobody sees our console.
     """
 
-    started: RunStarted = field(default_factory=lambda: RunStarted("", 0, "", "", "", 0.0))
+    describe: Callable[[], RunStarted] | None = None
     listener: socket.socket | None = None
     viewer: socket.socket | None = None
     events: int | None = None
@@ -157,18 +147,12 @@ class _Loop:
             self._poll,
             run.folder,
             console,
-            lambda name, source, text: self._watching.tell_output(name, source, text),
+            self._tell_output,
             unattended=run.watch.unattended or run.terminal_program is not None,
         )
-        self._watching = Watching(
-            run.watch.started,
-            run.watch.listener,
-            {program.unit.name: self._outputs.find_path(program) for program in run.programs},
-            lambda anew: self._outputs.skip_back() if anew else self._outputs.read_back(),
-            self._state,
-            time.monotonic(),
-        )
-        self._watching.watchers.call_gone = self._forget_watcher
+        self._watching: Watching | None = None  # made for the first who watches: most runs are never watched
+        if run.watch.listener is not None:
+            self._poll.register(run.watch.listener, select.POLLIN)
         self._viewer: int | None = None
         self._probe: ReadinessProbe | None = None
         self._watch_over: threading.Event | None = None
@@ -203,14 +187,14 @@ class _Loop:
             while self._looked:
                 name, pid, missing = self._looked.popleft()
                 if self._pids.get(name) == pid:
-                    self._watching.note_readiness(name, missing)
+                    if self._watching is not None:
+                        self._watching.note_readiness(name, missing)
                     self._time(name, up=not missing)
             now = time.monotonic()
             deadline = next_deadline(self._state)
             if deadline is not None and now >= deadline:
                 self._happen(Tick())
-            due = self._watching.due
-            if due is not None and now >= due:
+            if self._watching is not None:
                 self._watching.work(now)
         return self._exit_code
 
@@ -233,7 +217,9 @@ class _Loop:
             _drain(self._wake)
         elif descriptor == self._host.fileno():
             self._hear(self._host.receive())
-        elif descriptor in self._watched:
+        elif descriptor in self._watched or (
+            self._run.watch.listener is not None and descriptor == self._run.watch.listener.fileno()
+        ):
             self._attend(descriptor)
         else:
             self._outputs.read(descriptor)
@@ -251,14 +237,18 @@ class _Loop:
             self._probe.close()
         if self._watch_over is not None:
             self._watch_over.set()
-        self._watching.end(1 if self._exit_code is None else self._exit_code)
+        if self._watching is not None:
+            self._watching.end(1 if self._exit_code is None else self._exit_code)
+        elif self._run.watch.listener is not None:
+            self._run.watch.listener.close()
         self._outputs.close()
         os.close(self._wake)
         os.close(self._wake_end)
 
     def _patience(self) -> float | None:
         """Milliseconds until something is due."""
-        times = [time for time in (next_deadline(self._state), self._watching.due) if time is not None]
+        watching = None if self._watching is None else self._watching.due
+        times = [time for time in (next_deadline(self._state), watching) if time is not None]
         deadline = min(times, default=None)
         return None if deadline is None else max(0.0, deadline - time.monotonic()) * 1000 + 1
 
@@ -272,7 +262,8 @@ class _Loop:
             self._timings.mark("master" if isinstance(event, MasterAnswered) else "parameters")
         now = time.monotonic()
         self._state, actions = step(self._state, event, now)
-        self._watching.note_state(self._state, now)
+        if self._watching is not None:
+            self._watching.note_state(self._state, now)
         self._follow_readiness()
         for action in actions:
             self._act(action)
@@ -302,18 +293,49 @@ class _Loop:
     def _welcome(self) -> None:
         """Let those watch who are there from the beginning."""
         watch = self._run.watch
+        if watch.events is None and watch.viewer is None:
+            return
+        from ur.run.events import Watch
+
+        watching = self._open_watching()
         if watch.events is not None:
             self._console.silent = True
-            self._watching.watchers.add_output(watch.events, Watch(output=True, stats=False, readiness=True))
+            watching.watchers.add_output(watch.events, Watch(output=True, stats=False, readiness=True))
         if watch.viewer is not None:
             self._console.silent = True
-            self._viewer = self._watching.watchers.add_socket(watch.viewer)
+            self._viewer = watching.watchers.add_socket(watch.viewer)
             if self._terminal is not None:
                 self._terminal.mark_lent()  # the viewer is the foreground group, for Ctrl-C in its pager
-        self._watching.follow_wishes(time.monotonic())
+        watching.follow_wishes(time.monotonic())
+
+    def _open_watching(self) -> Watching:
+        """What watchers are told, from now on."""
+        if self._watching is None:
+            from ur.run.events import RunStarted
+            from ur.run.watching import Watching
+
+            watch = self._run.watch
+            if watch.listener is not None:
+                self._poll.unregister(watch.listener)
+            self._watching = Watching(
+                watch.describe() if watch.describe is not None else RunStarted("", 0, "", "", "", 0.0),
+                watch.listener,
+                {program.unit.name: self._outputs.find_path(program) for program in self._run.programs},
+                lambda anew: self._outputs.skip_back() if anew else self._outputs.read_back(),
+                self._state,
+                time.monotonic(),
+            )
+            self._watching.watchers.call_gone = self._forget_watcher
+        return self._watching
+
+    def _tell_output(self, name: str, source: OutputSource, text: str) -> None:
+        if self._watching is not None:
+            self._watching.tell_output(name, source, text)
 
     def _follow_watchers(self) -> None:
         """Poll for what watchers may do next."""
+        if self._watching is None:
+            return
         self._watching.watchers.flush()
         wanted = self._watching.watchers.descriptors()
         if wanted == self._watched:
@@ -329,10 +351,11 @@ class _Loop:
             self._poll.unregister(descriptor)
 
     def _attend(self, descriptor: int) -> None:
-        for command in self._watching.attend(descriptor, time.monotonic()):
+        watching = self._open_watching()
+        for command in watching.attend(descriptor, time.monotonic()):
             self._obey(command)
         self._follow_readiness()
-        if self._viewer is not None and not self._watching.watchers.watching(self._viewer):
+        if self._viewer is not None and not watching.watchers.watching(self._viewer):
             self._viewer = None
             self._console.silent = False
             if self._terminal is not None:
@@ -340,7 +363,8 @@ class _Loop:
 
     def _follow_readiness(self) -> None:
         """Look which nodes are up while somebody wants to know."""
-        wanted = (self._watching.wants_readiness or self._timings is not None) and self._state.phase is Phase.RUNNING
+        watched = self._watching is not None and self._watching.wants_readiness
+        wanted = (watched or self._timings is not None) and self._state.phase is Phase.RUNNING
         if self._probe is None and wanted and self._run.master is not None:
             from ur.run.readiness import ReadinessProbe  # only for those who wait
 
@@ -369,6 +393,8 @@ class _Loop:
             return
 
     def _obey(self, command: RunCommand) -> None:
+        from ur.run.events import KillNode, RestartNode, StartNode, StopNode, StopRun
+
         match command:
             case StartNode(name):
                 self._happen(StartWanted(name))
@@ -448,13 +474,15 @@ class _Loop:
 
     def _inform(self, text: str) -> None:
         self._console.inform(text)
-        self._watching.tell_notice("info", text)
+        if self._watching is not None:
+            self._watching.tell_notice("info", text)
 
     def _warn(self, text: str) -> None:
         for line in text.split("\n"):
             self._console.warn(line)
         severity: Severity = "error" if text.startswith("error: ") else "warning"
-        self._watching.tell_notice(severity, text.removeprefix("error: "))
+        if self._watching is not None:
+            self._watching.tell_notice(severity, text.removeprefix("error: "))
 
     def _do_aside(self, job: Job) -> None:
         def work() -> None:

@@ -7,11 +7,14 @@ import select
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from ur.run.command import Program
 from ur.run.console import Console
-from ur.run.events import OutputSource
 from ur.run.output import KEPT_LINES, LineSplitter, Stream, make_printable, read_last_lines
+
+if TYPE_CHECKING:
+    from ur.run.events import OutputSource
 
 MOST_TAIL = 256 * 1024  # bytes of a log that are read back at once; who prints faster is not read anyway
 
