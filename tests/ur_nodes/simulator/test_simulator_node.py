@@ -1,9 +1,5 @@
 from __future__ import annotations
 
-import json
-import os
-import select
-import socket
 import subprocess
 import sys
 import time
@@ -14,6 +10,7 @@ from typing import Any
 
 import psutil
 import pytest
+from tests.ros_session import RosSession
 
 HERE = Path(__file__).parent
 ROOT = HERE.parents[2]
@@ -23,57 +20,14 @@ SIMULATOR = ROOT / "ubiquity_launches" / "n_simulator" / "bin" / "simulator"
 pytestmark = pytest.mark.ros
 
 
-class Ros:
-    """A master of its own, simulators, and a client to talk to them."""
+class Ros(RosSession):
+    """A client, and simulators."""
 
     def __init__(self, folder: Path) -> None:
-        with socket.socket() as probe:
-            probe.bind(("localhost", 0))
-            port = probe.getsockname()[1]
-        self.env = {name: value for name, value in os.environ.items() if not name.startswith("ROS")} | {
-            "ROS_MASTER_URI": f"http://localhost:{port}",
-            "ROS_HOSTNAME": "localhost",
-            "ROS_HOME": str(folder),
-            "ROS_LOG_DIR": str(folder / "log"),
-        }
-        self.running: list[subprocess.Popen[str]] = []
-        self._start("/usr/bin/rosmaster", "--core", "-p", str(port))
-        end = time.monotonic() + 20.0
-        while True:
-            with socket.socket() as probe:
-                if probe.connect_ex(("localhost", port)) == 0:
-                    break
-            assert time.monotonic() < end
-            time.sleep(0.02)
-        self.client = self._start(sys.executable, str(HERE / "client_node.py"))
+        super().__init__(folder, (sys.executable, str(HERE / "client_node.py")))
 
     def simulate(self, *parameters: str) -> subprocess.Popen[str]:
-        return self._start(str(SIMULATOR), "__name:=simulator", *parameters)
-
-    def ask(self, do: str, **values: Any) -> Any:
-        answer = self.try_to(do, **values)
-        assert "error" not in answer, answer["error"]
-        return answer["answer"]
-
-    def try_to(self, do: str, **values: Any) -> dict[str, Any]:
-        assert self.client.stdin
-        assert self.client.stdout
-        self.client.stdin.write(json.dumps({"do": do, **values}) + "\n")
-        self.client.stdin.flush()
-        assert select.select([self.client.stdout], [], [], 60.0)[0], f"no answer to {do}"
-        answer: dict[str, Any] = json.loads(self.client.stdout.readline())
-        return answer
-
-    def close(self) -> None:
-        for process in reversed(self.running):
-            process.terminate()
-            process.communicate(timeout=20)
-
-    def _start(self, *command: str) -> subprocess.Popen[str]:
-        pipe = subprocess.PIPE
-        process = subprocess.Popen(command, env=self.env, stdin=pipe, stdout=pipe, stderr=pipe, text=True)
-        self.running.append(process)
-        return process
+        return self.start(str(SIMULATOR), "__name:=simulator", *parameters)
 
 
 @pytest.fixture

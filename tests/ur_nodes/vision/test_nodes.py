@@ -1,17 +1,15 @@
 from __future__ import annotations
 
 import json
-import os
-import socket
 import subprocess
 import sys
-import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from tests.ros_session import RosSession
 from tests.ur_nodes.simulator.renderer import needs_renderer
 
 from ur_nodes.simulator.world import read_world
@@ -25,35 +23,8 @@ CAMERA = ("camera/compressed:=raspicam_node/image/compressed", "camera_info:=ras
 pytestmark = pytest.mark.ros
 
 
-class Ros:
-    """A master of its own, and processes that end with it."""
-
-    def __init__(self, folder: Path) -> None:
-        with socket.socket() as probe:
-            probe.bind(("localhost", 0))
-            port = probe.getsockname()[1]
-        self.env = {name: value for name, value in os.environ.items() if not name.startswith("ROS")} | {
-            "ROS_MASTER_URI": f"http://localhost:{port}",
-            "ROS_HOSTNAME": "localhost",
-            "ROS_HOME": str(folder),
-            "ROS_LOG_DIR": str(folder / "log"),
-            "PYTHONPATH": os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH", "")))),
-        }
-        self.running: list[subprocess.Popen[str]] = []
-        self.start("/usr/bin/rosmaster", "--core", "-p", str(port))
-        end = time.monotonic() + 20.0
-        while True:
-            with socket.socket() as probe:
-                if probe.connect_ex(("localhost", port)) == 0:
-                    break
-            assert time.monotonic() < end
-            time.sleep(0.02)
-
-    def start(self, *command: str) -> subprocess.Popen[str]:
-        pipe = subprocess.PIPE
-        process = subprocess.Popen(command, env=self.env, stdin=pipe, stdout=pipe, stderr=pipe, text=True)
-        self.running.append(process)
-        return process
+class Ros(RosSession):
+    """Nodes of ours, and one who looks."""
 
     def node(self, folder: str, name: str, *parameters: str) -> subprocess.Popen[str]:
         return self.start(str(PACKAGE / folder / "bin" / name), *parameters)
@@ -69,11 +40,6 @@ class Ros:
         answer: dict[str, Any] = json.loads(out)
         assert answer["complete"], f"only {sorted(answer)} came"
         return answer
-
-    def close(self) -> None:
-        for process in reversed(self.running):
-            process.terminate()
-            process.communicate(timeout=20)
 
 
 @pytest.fixture

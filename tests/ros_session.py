@@ -1,0 +1,83 @@
+"""A ROS master for a test, processes that end with it, and a client process to talk to them in JSON."""
+
+from __future__ import annotations
+
+import json
+import os
+import select
+import socket
+import subprocess
+import time
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).resolve().parents[1]
+
+
+class RosSession:
+    """Starts a master on a free port. `close` ends it and everything that `start` started.
+
+    `client` is a command that reads one JSON request a line (`do`, and its arguments) and answers with one line:
+    `{"answer": ...}` or `{"error": text}`. rospy can be started only once in a process, so it is a process of its own.
+    """
+
+    def __init__(self, folder: Path, client: Sequence[str] = ()) -> None:
+        with socket.socket() as probe:
+            probe.bind(("localhost", 0))
+            port = probe.getsockname()[1]
+        kept = {name: value for name, value in os.environ.items() if not name.startswith("ROS")}
+        self.env = kept | {
+            "ROS_MASTER_URI": f"http://localhost:{port}",
+            "ROS_HOSTNAME": "localhost",
+            "ROS_HOME": str(folder),
+            "ROS_LOG_DIR": str(folder / "log"),
+            "PYTHONPATH": os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH", "")))),
+        }
+        self.running: list[subprocess.Popen[str]] = []
+        self.start("/usr/bin/rosmaster", "--core", "-p", str(port))
+        self._wait_for(port)
+        self.client = self.start(*client) if client else None
+
+    def start(self, *command: str) -> subprocess.Popen[str]:
+        pipe = subprocess.PIPE
+        process = subprocess.Popen(command, env=self.env, stdin=pipe, stdout=pipe, stderr=pipe, text=True)
+        self.running.append(process)
+        return process
+
+    def stop(self, process: subprocess.Popen[str]) -> str:
+        """End a process; what it wrote to standard error."""
+        process.terminate()
+        _, errors = process.communicate(timeout=20)
+        self.running.remove(process)
+        return errors
+
+    def close(self) -> None:
+        for process in reversed(list(self.running)):
+            self.stop(process)
+
+    def ask(self, do: str, **values: Any) -> Any:
+        """The client's answer; fails on an error."""
+        answer = self.try_to(do, **values)
+        assert "error" not in answer, answer["error"]
+        return answer["answer"]
+
+    def try_to(self, do: str, **values: Any) -> dict[str, Any]:
+        """The client's answer or its error."""
+        assert self.client
+        assert self.client.stdin
+        assert self.client.stdout
+        self.client.stdin.write(json.dumps({"do": do, **values}) + "\n")
+        self.client.stdin.flush()
+        assert select.select([self.client.stdout], [], [], 90.0)[0], f"no answer to {do}"
+        answer: dict[str, Any] = json.loads(self.client.stdout.readline())
+        return answer
+
+    def _wait_for(self, port: int) -> None:
+        deadline = time.monotonic() + 20.0
+        while True:
+            with socket.socket() as probe:
+                if probe.connect_ex(("localhost", port)) == 0:
+                    return
+            assert time.monotonic() < deadline, "no master within 20 s"
+            time.sleep(0.02)
