@@ -112,7 +112,8 @@ class Machine:
 
     def wait_booted(self, deadline: float = 60.0) -> None:
         """Wait until its ssh server and its avahi daemon run."""
-        self.wait_for("systemctl is-active --quiet ssh avahi-daemon systemd-networkd", deadline=deadline)
+        units = ("ssh", "avahi-daemon", "systemd-networkd")  # is-active is content with one of several
+        self.wait_for(" && ".join(f"systemctl is-active --quiet {unit}" for unit in units), deadline=deadline)
         # A device of its own for sshfs: the one of this computer may be for root alone.
         self.run("[ -e /dev/fuse ] || mknod -m 666 /dev/fuse c 10 229").check()
 
