@@ -1,0 +1,75 @@
+"""A program in a tmux pane stays a child of who started it: its keys, its exit code and its end go through."""
+
+from __future__ import annotations
+
+import os
+import shlex
+import shutil
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from ur.run import debug_pane
+
+pytestmark = pytest.mark.skipif(shutil.which("tmux") is None, reason="tmux is not installed")
+
+
+class Tmux:
+    def __init__(self, socket: Path) -> None:
+        self._socket = str(socket)
+
+    def __call__(self, *words: str) -> str:
+        environment = {name: value for name, value in os.environ.items() if name != "TMUX"}
+        done = subprocess.run(
+            ["tmux", "-S", self._socket, "-f", "/dev/null", *words],
+            capture_output=True, text=True, check=False, env=environment, timeout=20,
+        )  # fmt: skip
+        return done.stdout
+
+
+@pytest.fixture
+def tmux(tmp_path: Path) -> Iterator[Tmux]:
+    made = Tmux(tmp_path / "tmux")
+    yield made
+    made("kill-server")
+
+
+def until(condition: Callable[[], object], what: Callable[[], str], limit: float = 20.0) -> None:
+    end = time.monotonic() + limit
+    while not condition():
+        assert time.monotonic() < end, what()
+        time.sleep(0.05)
+
+
+def start(tmux: Tmux, folder: Path, script: str) -> Path:
+    """Run a script in a pane; the file gets its exit code."""
+    code = folder / "code"
+    words = shlex.join([sys.executable, debug_pane.__file__, "name", "bash", "-c", script])
+    tmux("new-session", "-d", "-x", "120", "-y", "30", f"{words}; echo $? > {code}.new; mv {code}.new {code}")
+    until(lambda: "here" in tmux("capture-pane", "-p", "-t", ":.1"), lambda: tmux("capture-pane", "-p", "-t", ":.1"))
+    return code
+
+
+def test_keys_and_exit_code_go_through(tmux: Tmux, tmp_path: Path) -> None:
+    code = start(tmux, tmp_path, "echo here; test -t 0 || exit 9; read word; test $word = hello && exit 3")
+    tmux("send-keys", "-t", ":.1", "hello", "Enter")
+    until(code.exists, lambda: tmux("capture-pane", "-p", "-t", ":.1"))
+    assert code.read_text().strip() == "3"
+
+
+def test_ctrl_c_in_the_pane_is_a_signal_there(tmux: Tmux, tmp_path: Path) -> None:
+    code = start(tmux, tmp_path, "trap 'exit 7' INT; echo here; while :; do sleep 0.1; done")
+    tmux("send-keys", "-t", ":.1", "C-c")
+    until(code.exists, lambda: tmux("capture-pane", "-p", "-t", ":.1"))
+    assert code.read_text().strip() == "7"
+
+
+def test_closed_pane_ends_the_program(tmux: Tmux, tmp_path: Path) -> None:
+    code = start(tmux, tmp_path, "echo here; exec sleep 600")
+    tmux("kill-pane", "-t", ":.1")
+    until(code.exists, lambda: "it still runs")
+    assert code.read_text().strip() == str(128 + 1)
