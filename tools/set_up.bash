@@ -18,7 +18,8 @@ packages=(
   python3-geometry-msgs python3-nav-msgs python3-sensor-msgs python3-move-base-msgs python3-visualization-msgs
   python3-std-srvs "ros-robot-state-publisher|robot-state-publisher"
 )
-[[ $profile == test ]] && packages+=(git tmux xvfb liburdfdom-tools)
+# EGL and Mesa render the simulated camera without a screen; the programs of the first drive have none.
+[[ $profile == test ]] && packages+=(git tmux xvfb liburdfdom-tools libegl1 libopengl0 libgl1-mesa-dri)
 
 say() { printf '%s\n' "$*" >&2; }
 
