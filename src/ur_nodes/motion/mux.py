@@ -194,8 +194,8 @@ def _take(state: MuxState, event: Event | None, now: float) -> MuxState:
 
 
 def _hear(before: Heard, velocity: Velocity, timeout: float, now: float) -> Heard:
-    if not (math.isfinite(velocity.forward) and math.isfinite(velocity.turn)):
-        velocity = STILL
+    if velocity.still or not (math.isfinite(velocity.forward) and math.isfinite(velocity.turn)):
+        velocity = STILL  # what is too slow to count as motion must not be sent on as motion either
     paused = velocity.still or now - before.at > timeout
     moved_at = before.moved_at if velocity.still else now
     return Heard(velocity, now, moved_at, before.barred and not paused)

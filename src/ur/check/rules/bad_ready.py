@@ -11,8 +11,8 @@ RULE = Rule(
     severity=Severity.WARNING,
     summary="A ready: comment is not made of conditions.",
     explanation="""
-`ur launch` reads `<!--ready: ...-->` inside a node as what has to be there before the node is up, and `ur wait` waits for
-it. A part that it does not understand is left out, so nobody would wait for it. roslaunch ignores the comment.
+`ur launch` reads `<!--ready: ...-->` inside a node as what has to be there before the node is up, and `ur wait` waits
+for it. A part that it does not understand is left out, so nobody would wait for it. roslaunch ignores the comment.
 """,
     bad=(
         launch_example("""
