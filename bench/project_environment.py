@@ -21,5 +21,5 @@ def enter_environment() -> None:
         if done.returncode:
             sys.exit(done.returncode)
     if Path(sys.executable) != _PYTHON:
-        os.execv(_PYTHON, [str(_PYTHON), *sys.argv])  # noqa: S606 - the same script, not a shell command
+        os.execv(_PYTHON, [str(_PYTHON), *sys.argv])
     sys.path.insert(0, str(_ROOT))
