@@ -13,9 +13,13 @@ pytestmark = [pytest.mark.ros, pytest.mark.timeout(200)]
 
 
 def run_program(folder: Path, program: str, *arguments: str, keys: str) -> subprocess.CompletedProcess[str]:
-    """Run to the end with piped input; fails when a process of it is left."""
+    """`ur run` to the end with piped input; fails when a process of it is left."""
+    return run_command(folder, str(ROOT / "ur"), "run", program, *arguments, keys=keys)
+
+
+def run_command(folder: Path, *command: str, keys: str) -> subprocess.CompletedProcess[str]:
     env = make_environment(folder)
-    command = [str(ROOT / "ur"), "run", program, *arguments]
+    env["PATH"] = f"{ROOT / 'ubiquity_launches' / 'bin'}:{env['PATH']}"  # as `ur env` does
     done = subprocess.run(
         command, env=env, input=keys, capture_output=True, text=True, timeout=150, cwd=folder, check=False
     )
@@ -47,6 +51,22 @@ def test_failed_goal_and_malformed_command_make_the_exit_code_one(tmp_path: Path
 def test_magni_with_a_lidar_navigates_in_the_office(tmp_path: Path) -> None:
     arguments = ("robot_base:=magni", "robot_variant:=lidar", "world:=office")
     done = run_program(tmp_path, "keyboard_navigate", *arguments, keys="g 1 0 0\n")
+    assert done.stdout.startswith("g 1 0 0: reached, "), done.stderr
+    assert done.returncode == 0
+
+
+def test_same_launch_file_works_under_plain_roslaunch(tmp_path: Path) -> None:
+    arguments = ("robot_base:=stage", "use_rviz:=false")
+    done = run_command(
+        tmp_path,
+        *("roslaunch", "ubiquity_launches", "m_keyboard_navigate.launch.xml", *arguments),
+        keys="g 1.5 0 90\n",
+    )
+    assert "g 1.5 0 90: reached, " in done.stdout
+
+
+def test_program_is_found_by_rosrun(tmp_path: Path) -> None:
+    done = run_command(tmp_path, "rosrun", "ubiquity_launches", "keyboard_navigate", keys="g 1 0 0\n")
     assert done.stdout.startswith("g 1 0 0: reached, "), done.stderr
     assert done.returncode == 0
 
