@@ -118,20 +118,20 @@ def test_changes_bring_about_what_was_wanted_and_back(tmp_path: Path) -> None:
         WantedLine("bash", "~/.bashrc", LINE, first=True),
         WantedFolder("workspace", "~/catkin_ws/src"),
         WantedFolder("ssh", "~/.ssh", mode=0o700),
-        WantedKeyPair("key", KEY, "pat@laptop"),
+        WantedKeyPair("key", KEY, "nobody-else@laptop"),
         WantedOwnLogin("itself"),
         WantedLine("another", AUTHORIZED, "ssh-ed25519 other", mode=0o600),
     ]
     shell = LocalShell()
 
     def look() -> Facts:
-        request = Request("pat")
+        request = Request("nobody-else")
         for item in items:
-            request |= item.request("pat")
+            request |= item.request("nobody-else")
         script = (
             fact_script(request)
             .replace("home=$(getent", f"home={tmp_path}; : $(getent")
-            .replace("id -nG pat", f"id -nG {getpass.getuser()}")
+            .replace("id -nG nobody-else", f"id -nG {getpass.getuser()}")
         )
         return parse_facts(request, shell.run(script).out)
 

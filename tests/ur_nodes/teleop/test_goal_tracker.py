@@ -73,6 +73,13 @@ def test_goal_from_elsewhere_is_followed() -> None:
     assert track_result(tracker, Status("rviz", SUCCEEDED, ""), 1.0).report.state is GoalState.REACHED
 
 
+def test_word_of_a_goal_that_its_result_overtook_is_not_another_goal() -> None:
+    failed = track_result(sent(), Status("a", ABORTED, "off the map"), 1.0)
+    assert track_current(failed, HERE, 1.1) == failed
+    assert track_current(failed, THERE, 1.1).report.number == 2
+    assert track_current(failed, HERE, 9.0).report.number == 2  # somebody sends the same goal again
+
+
 def test_own_goal_coming_back_as_current_goal_is_not_another() -> None:
     assert track_current(sent(), HERE, 0.1) == sent()
     assert track_current(sent(), THERE, 0.1).report.number == 2
