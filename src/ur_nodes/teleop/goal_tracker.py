@@ -53,10 +53,10 @@ def track_sent(tracker: Tracker, goal_id: str, place: Place, now: float) -> Trac
 def track_current(tracker: Tracker, place: Place, now: float) -> Tracker:
     """move_base says which goal it drives to; another one than ours was sent by somebody else."""
     ours = tracker.report.place
-    if ours is not None and abs(ours.x - place.x) + abs(ours.y - place.y) < 1e-3:
-        # Results come by another connection and may overtake the word about the goal that they end.
-        if not tracker.report.over or now - tracker.heard_at < LATE:
-            return tracker
+    same = ours is not None and abs(ours.x - place.x) + abs(ours.y - place.y) < 1e-3
+    # Results come by another connection and may overtake the word about the goal that they end.
+    if same and (not tracker.report.over or now - tracker.heard_at < LATE):
+        return tracker
     return Tracker(GoalReport(tracker.report.number + 1, place, GoalState.DRIVING), "", now)
 
 
