@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 import math
+import os
 import sys
 import time
 from collections.abc import Callable
@@ -170,6 +171,8 @@ def wait_until(condition: Callable[[], object], seconds: float, what: str, pause
 
 def main() -> None:
     """Answer requests until standard input ends."""
+    answers = os.fdopen(os.dup(1), "w")
+    os.dup2(2, 1)  # rospy prints there while it waits for the master
     rospy.init_node("test_client", anonymous=True, disable_signals=True)
     client = Client()
     for line in sys.stdin:
@@ -178,8 +181,8 @@ def main() -> None:
             answer = getattr(client, "do_" + request.pop("do"))(**request)
         except Exception as problem:  # the test that asked is told, whatever it was
             answer = {"error": f"{type(problem).__name__}: {problem}"}
-        sys.stdout.write(json.dumps(answer) + "\n")
-        sys.stdout.flush()
+        answers.write(json.dumps(answer) + "\n")
+        answers.flush()
     rospy.signal_shutdown("done")
 
 
