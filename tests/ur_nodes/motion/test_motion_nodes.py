@@ -63,7 +63,7 @@ def robot(tmp_path_factory: pytest.TempPathFactory, joystick: VirtualJoystick) -
         )
     started = Robot(launch, env, joystick)
     try:
-        assert started.ask("ready", seconds=30) == "idle"
+        assert started.ask("ready", seconds=55) == "idle"
         yield started
     finally:
         started.client.kill()

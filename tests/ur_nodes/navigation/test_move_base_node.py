@@ -76,7 +76,7 @@ def robot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Robot]:
     )
     try:
         robot = Robot(client)
-        robot.ask("ready", seconds=30.0)
+        robot.ask("ready", seconds=60.0)
         yield robot
     finally:
         client.kill()
