@@ -32,7 +32,7 @@ from ur.run.events import (
 
 EVENTS: list[RunEvent] = [
     RunStarted("drive.7", 7, "drive", "http://localhost:11311", "/logs", 1.5, detached=True, terminal="/front"),
-    NodeChanged("/a", "waiting", None, 3, None, 2, 0.5, "äöü\n", required=True, log="/logs/a.log"),
+    NodeChanged("/a", "waiting", None, 3, None, 2, 0.5, "äöü\n", required=True, log="/logs/a.log", program="/a"),
     NodeReadiness("/a", ready=False, missing=("one", "two")),
     OutputLine("/a", "err", "warning", "text\x1b[0m"),
     StatsSampled((NodeStats("/a", 0.5, 1000),)),
@@ -46,6 +46,7 @@ COMMANDS: list[RunCommand] = [
     StartNode("/a"),
     StopNode("/a"),
     RestartNode("/a"),
+    RestartNode("/a", ("gdb", "--args")),
     KillNode("/a"),
     StopRun(),
 ]

@@ -23,7 +23,7 @@ class Program:
     """A unit and how to start it. `changes` are laid over the environment of the run, None removes a variable.
 
     `log_name` is the stem of its log files; `screen` whether its standard output is shown to people; `ready` what else
-    has to be there before it is up.
+    has to be there before it is up. `executable` is the one word of `argv` that is the node's own program.
     """
 
     unit: Unit
@@ -33,6 +33,12 @@ class Program:
     log_name: str = ""
     screen: bool = False
     ready: tuple[ReadyCondition, ...] = ()
+    executable: str = ""
+
+    def with_prefix(self, prefix: Sequence[str]) -> tuple[str, ...]:
+        """The command with other words in front of the executable."""
+        start = self.argv.index(self.executable) if self.executable else 0
+        return (*prefix, *self.argv[start:])
 
 
 def find_programs(
@@ -74,6 +80,7 @@ def find_program(node: NodeSpec, world: World, number: int) -> Program:
         log_name=name.replace("/", "-"),
         screen=node.output == "screen",
         ready=node.ready,
+        executable=executable,
     )
 
 

@@ -42,7 +42,8 @@ class NodeChanged:
     `waiting`: not started yet, or due again in `restart_in` s. `ended`: not started again by itself; then `exit_code`
     or `signal` say how it ended last (both None: it could not be started, or was never asked to), `reason` is for
     people: why it could not be started, or why it is not started again. `held`: a person stopped it. `core`: the master
-    and rosout, which take no commands. `log` is the file with what it prints.
+    and rosout, which take no commands. `log` is the file with what it prints, `program` its executable, `folder` where
+    it is started.
     """
 
     name: str
@@ -57,6 +58,8 @@ class NodeChanged:
     core: bool = False
     required: bool = False
     log: str = ""
+    program: str = ""
+    folder: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -162,9 +165,10 @@ class StopNode:
 
 @dataclass(frozen=True, slots=True)
 class RestartNode:
-    """Stop a node and start it again."""
+    """Stop a node and start it again; this once with `prefix` in front of its program, in place of its own prefix."""
 
     name: str
+    prefix: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -259,6 +263,8 @@ def _parse(line: bytes, kinds: dict[str, Any]) -> Any:
         values["missing"] = tuple(values.get("missing", ()))
     if kind is StatsSampled:
         values["nodes"] = tuple(NodeStats(**each) for each in values.get("nodes", ()))
+    if kind is RestartNode:
+        values["prefix"] = tuple(map(str, values.get("prefix", ())))
     try:
         return kind(**values)
     except TypeError:

@@ -139,6 +139,7 @@ class _Loop:
             (program.unit for program in run.programs), own_master=run.own_master, limits=run.limits
         )
         self._pids: dict[str, int] = {}
+        self._prefixes: dict[str, tuple[str, ...]] = {}
         self._posted: deque[Event] = deque()
         self._exit_code: int | None = None
         self._call_started = run.watch.call_started
@@ -312,7 +313,7 @@ class _Loop:
         """What watchers are told, from now on."""
         if self._watching is None:
             from ur.run.events import RunStarted
-            from ur.run.watching import Watching
+            from ur.run.watching import NodeFacts, Watching
 
             watch = self._run.watch
             if watch.listener is not None:
@@ -320,7 +321,12 @@ class _Loop:
             self._watching = Watching(
                 watch.describe() if watch.describe is not None else RunStarted("", 0, "", "", "", 0.0),
                 watch.listener,
-                {program.unit.name: self._outputs.find_path(program) for program in self._run.programs},
+                {
+                    each.unit.name: NodeFacts(
+                        self._outputs.find_path(each), each.executable or each.argv[0], each.cwd or self._run.home
+                    )
+                    for each in self._run.programs
+                },
                 lambda anew: self._outputs.skip_back() if anew else self._outputs.read_back(),
                 self._state,
                 time.monotonic(),
@@ -402,7 +408,8 @@ class _Loop:
                 self._happen(StopWanted(name))
             case KillNode(name):
                 self._happen(StopWanted(name, kill=True))
-            case RestartNode(name):
+            case RestartNode(name, prefix):
+                self._prefixes[name] = prefix  # for its next start only
                 self._happen(RestartWanted(name))
             case StopRun(reason):
                 self._happen(StopRequested(reason))
@@ -495,7 +502,9 @@ class _Loop:
     def _start(self, program: Program) -> None:
         unit = program.unit
         self._outputs.open(program)
-        argv = [*program.argv, f"__log:={self._run.folder}/{program.log_name}.log"]
+        prefix = self._prefixes.pop(unit.name, ())
+        words = program.with_prefix(prefix) if prefix else program.argv
+        argv = [*words, f"__log:={self._run.folder}/{program.log_name}.log"]
         stdio, given, place = (0, 1, 2), list[int](), places.SESSION
         if unit.terminal:
             place = self._lend_terminal()

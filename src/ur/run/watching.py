@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import socket
-from collections.abc import Callable, Iterable
-from dataclasses import replace
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
 
 from ur.run.events import (
     NodeChanged,
@@ -38,6 +38,15 @@ _NODE_STATES: dict[Status, NodeState] = {
 }
 
 
+@dataclass(frozen=True, slots=True)
+class NodeFacts:
+    """What does not change about a node: its log file, its executable, and where it is started."""
+
+    log: str
+    program: str
+    folder: str
+
+
 class Watching:
     """The watchers of one run, and what they know."""
 
@@ -45,14 +54,14 @@ class Watching:
         self,
         started: RunStarted,
         listener: socket.socket | None,
-        logs: dict[str, str],
+        facts: Mapping[str, NodeFacts],
         read_back: Callable[[bool], None],
         state: State,
         now: float,
     ) -> None:
-        """`logs` are the log files of units; `read_back(anew)` tells new lines of logs, or begins to."""
+        """`facts` are by the names of units; `read_back(anew)` tells new lines of logs, or begins to."""
         self._started = started
-        self._logs = logs
+        self._facts = facts
         self._read_back = read_back
         self._state = state
         self._now = now
@@ -152,6 +161,7 @@ class Watching:
 
     def _describe_unit(self, each: UnitState) -> NodeChanged:
         state = _NODE_STATES[each.status]
+        facts = self._facts.get(each.unit.name, NodeFacts("", "", ""))
         stopping = each.alive and (each.wish is not None or self._state.cause is not None)
         return NodeChanged(
             name=each.unit.name,
@@ -165,7 +175,9 @@ class Watching:
             held=each.held,
             core=each.unit.core,
             required=each.unit.required,
-            log=self._logs.get(each.unit.name, ""),
+            log=facts.log,
+            program=facts.program,
+            folder=facts.folder,
         )
 
     def _sample(self, now: float) -> None:
