@@ -17,6 +17,7 @@ from ur.robot.base import Base, Camera
 from ur.source.diagnostic import UserError
 from ur_nodes.rosio.parameters import Parameters
 from ur_nodes.simulator.camera_process import CameraProcess
+from ur_nodes.simulator.frame_rate import FrameCount
 from ur_nodes.simulator.world import World
 
 
@@ -31,7 +32,8 @@ class CameraTopics:
     """Publishers of the cameras of all robots, and the thread that has their pictures drawn.
 
     Nothing is started or drawn before somebody subscribes. A picture that is due while the last one is still being
-    drawn is left out, unless the simulation goes as fast as it can: then it waits (`wait`).
+    drawn is left out, unless the simulation goes as fast as it can: then it waits (`wait`). When many are left out that
+    is said once.
     """
 
     def __init__(self, world: World, base: Base, camera: Camera, prefixes: list[str], wait: bool, quality: int) -> None:
@@ -42,6 +44,7 @@ class CameraTopics:
         self._jobs: queue.Queue[_Job | None] = queue.Queue(maxsize=1)
         self._busy = threading.Event()
         self._failed = False
+        self._count = FrameCount(camera.rate)
         self._thread = threading.Thread(target=self._run, name="camera", daemon=True)
         self._thread.start()
 
@@ -52,7 +55,10 @@ class CameraTopics:
 
     def offer(self, stamp: rospy.Time, state: npt.NDArray[np.float64]) -> None:
         """A moment at which a picture is due; called between ticks."""
-        if self._busy.is_set():
+        busy = self._busy.is_set()
+        if short := self._count.note(stamp.to_sec(), made=not busy):
+            rospy.logwarn("%s", short)
+        if busy:
             return
         self._busy.set()
         job = _Job(stamp, state, threading.Event())

@@ -1,0 +1,40 @@
+"""Whether a camera keeps up with the rate that is asked of it."""
+
+from __future__ import annotations
+
+import math
+
+PAUSE = 1.0  # s without a picture that is due
+ENOUGH = 0.9  # of the pictures that are due
+
+
+class FrameCount:
+    """Counts pictures that are due and those that are made, over windows of time."""
+
+    def __init__(self, rate: float, window: float = 5.0) -> None:
+        """`rate` is what is asked for, in pictures a second; the first `window` (s) is not judged: drawing starts."""
+        self._rate = rate
+        self._window = window
+        self._begin = self._last = -math.inf
+        self._made = 0
+        self._warm = False
+        self._told = False
+
+    def note(self, time: float, *, made: bool) -> str | None:
+        """A picture is due at a time (s), and is made or left out. What to tell people, once, when too few are made."""
+        if not 0.0 <= time - self._last <= PAUSE:
+            self._begin, self._made = time, 0  # nobody looked for a while, or time was reset
+        self._last = time
+        self._made += made
+        passed = time - self._begin
+        if passed < self._window:
+            return None
+        reached, warm = self._made / passed, self._warm
+        self._begin, self._made, self._warm = time, 0, True
+        if self._told or not warm or reached >= ENOUGH * self._rate:
+            return None
+        self._told = True
+        return (
+            f"the simulated camera makes {reached:.0f} of the {self._rate:.0f} pictures a second asked for:"
+            " this computer draws no faster; the others are left out, everything else keeps its pace"
+        )
