@@ -26,12 +26,20 @@ class ScanSource:
 
 @dataclass(frozen=True, slots=True)
 class CostmapSettings:
-    """One costmap: its frame, how often it is published (Hz, 0: when it changes is enough), inflation, scan."""
+    """One costmap: its frame, how often it is published (Hz, 0: when it changes is enough), inflation, scan.
+
+    Without a scan the map alone says where obstacles are.
+    """
 
     frame: str
     publish_frequency: float
     inflation: Inflation
-    scan: ScanSource
+    scan: ScanSource | None
+
+    @property
+    def reach(self) -> Ranges:
+        """How far the scan counts; nothing without one."""
+        return self.scan.reach if self.scan else Ranges(0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,24 +110,31 @@ def _costmap(part: Parameters, frame: str, footprint: Footprint) -> CostmapSetti
         slopes.number("inflation_radius", part.number("inflation_radius", 0.55, minimum=0.0), minimum=0.0),
         slopes.number("cost_scaling_factor", part.number("cost_scaling_factor", 10.0, minimum=0.1), minimum=0.1),
     )
-    obstacles = part.below("obstacle_layer")
+    return CostmapSettings(
+        part.text("global_frame", frame),
+        part.number("publish_frequency", 1.0, minimum=0.0),
+        inflation,
+        _scan(part.below("obstacle_layer")),
+    )
+
+
+def _scan(obstacles: Parameters) -> ScanSource | None:
     names = obstacles.text("observation_sources", "scan").split()
-    if len(names) != 1:
-        obstacles.fail("observation_sources", " ".join(names), "one name: this node looks at one laser")
+    if not names:
+        return None
+    if len(names) > 1:
+        obstacles.fail("observation_sources", " ".join(names), "one name at most: this node looks at one laser")
     source = obstacles.below(names[0])
     source.text("data_type", "LaserScan", choices=["LaserScan"])
     reach = Ranges(
         source.number("obstacle_range", obstacles.number("obstacle_range", 2.5, minimum=0.1), minimum=0.1),
         source.number("raytrace_range", obstacles.number("raytrace_range", 3.0, minimum=0.1), minimum=0.1),
     )
-    scan = ScanSource(
+    return ScanSource(
         topic=source.text("topic", names[0]),
         reach=reach,
         inf_is_valid=source.boolean("inf_is_valid", False),
         silence=source.number("expected_update_rate", 0.0, minimum=0.0) or 1.0,
-    )
-    return CostmapSettings(
-        part.text("global_frame", frame), part.number("publish_frequency", 1.0, minimum=0.0), inflation, scan
     )
 
 

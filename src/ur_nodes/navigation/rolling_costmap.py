@@ -1,4 +1,4 @@
-"""The local costmap: a window that rolls along with the robot and knows what the scan has seen."""
+"""The local costmap: a window that rolls along with the robot and knows what the scan has seen, or the map says."""
 
 from __future__ import annotations
 
@@ -20,12 +20,25 @@ class RollingCostmap:
         self._reach = reach
         self._inflation = inflation
         self._occupied = np.zeros((cells, cells), bool)
+        self._mapped = np.zeros((cells, cells), bool)
         self._corner: tuple[int, int] | None = None
 
     def update(self, robot: Pose2, sensor: Pose2, beams: Beams) -> None:
         """Roll the window to the robot, then clear and mark with a scan taken from `sensor`; poses in its frame."""
         self._roll(robot)
         trace_beams(self._occupied, self._frame(), sensor, beams, self._reach)
+
+    def lay(self, robot: Pose2, known: Costmap, place: Pose2) -> None:
+        """Roll the window to the robot and take obstacles from a map that lies at `place` in the window's frame.
+
+        For a robot without a scan: what was laid before goes, and clearing leaves the map's obstacles.
+        """
+        self._roll(robot)
+        frame = self._frame()
+        centres = frame.points_of_cells(np.moveaxis(np.indices(self._mapped.shape), 0, -1))
+        c, s = math.cos(place.yaw), math.sin(place.yaw)
+        in_map = (centres - (place.x, place.y)) @ np.array(((c, -s), (s, c)))
+        self._mapped = known.costs_at(in_map, outside=FREE) == LETHAL
 
     def clear(self, keep: Pose2 | None = None, distance: float = 0.0) -> None:
         """Forget all obstacles, or those outside a square of half side `distance` round a place."""
@@ -42,7 +55,7 @@ class RollingCostmap:
 
     def occupied(self) -> Costmap:
         """The window with obstacles (254) and nothing else: what a footprint must not touch."""
-        costs = np.where(self._occupied, np.uint8(LETHAL), np.uint8(FREE)).astype(np.uint8)
+        costs = np.where(self._occupied | self._mapped, np.uint8(LETHAL), np.uint8(FREE)).astype(np.uint8)
         frame = self._frame()
         return Costmap(costs, frame.resolution, frame.origin)
 

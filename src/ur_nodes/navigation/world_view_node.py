@@ -32,7 +32,7 @@ class WorldView:
         self._settings = settings
         self.frames = FrameHistory()
         self.local = RollingCostmap(
-            settings.local_side, settings.local_resolution, settings.local.scan.reach, settings.local.inflation
+            settings.local_side, settings.local_resolution, settings.local.reach, settings.local.inflation
         )
         self.world: MapCostmap | None = None
         self.map_problem = ""
@@ -43,14 +43,18 @@ class WorldView:
         rospy.Subscriber("/tf_static", TFMessage, self._take_fixed, queue_size=100)
         rospy.Subscriber("/tf", TFMessage, self._take_moving, queue_size=100, tcp_nodelay=True)
         rospy.Subscriber(settings.map_topic, OccupancyGrid, self._take_map, queue_size=1)
-        rospy.Subscriber(settings.local.scan.topic, LaserScan, self._take_scan, queue_size=1, tcp_nodelay=True)
+        if settings.local.scan:
+            rospy.Subscriber(settings.local.scan.topic, LaserScan, self._take_scan, queue_size=1, tcp_nodelay=True)
 
     def update(self) -> None:
         """Work a new map and the newest scan into the costmaps."""
         message, self._new_map = self._new_map, None
         if message is not None:
             self._use_map(message)
-        scan = self._scan
+        source, scan = self._settings.local.scan, self._scan
+        if source is None:
+            self._lay_map()
+            return
         if scan is None or scan.header.stamp.to_sec() == self._used:
             return
         stamp = scan.header.stamp.to_sec()
@@ -58,7 +62,7 @@ class WorldView:
         if newest is not None and newest < stamp - 0.02 and stamp - newest < 0.2:
             return  # the odometry of that moment is still on its way
         self._used = stamp
-        beams = _beams(scan, inf_is_valid=self._settings.local.scan.inf_is_valid)
+        beams = _beams(scan, inf_is_valid=source.inf_is_valid)
         try:
             sensor = self.frames.pose(self._settings.local.frame, scan.header.frame_id, stamp)
             robot = self.frames.pose(self._settings.local.frame, self._settings.base_frame)
@@ -97,12 +101,8 @@ class WorldView:
         settings = self._settings
         if self.world is None:
             return self.map_problem or f"no map on {rospy.resolve_name(settings.map_topic)}"
-        topic = rospy.resolve_name(settings.local.scan.topic)
-        if self._scan is None:
-            return f"no scan on {topic}"
-        silent = now - self._scan.header.stamp.to_sec()
-        if silent > settings.local.scan.silence:
-            return f"no scan on {topic} for {silent:.1f} s"
+        if blind := self._blind(now):
+            return blind
         try:
             old = self.frames.age(settings.local.frame, settings.base_frame, now)
             if old > settings.tolerance:
@@ -110,10 +110,22 @@ class WorldView:
             old = self.frames.age(settings.world.frame, settings.local.frame, now)
             if old > LOCALISER_SILENCE:
                 return f"not localised: {settings.local.frame} in {settings.world.frame} is {old:.1f} s old"
-            self.frames.pose(settings.base_frame, self._scan.header.frame_id)
+            if self._scan is not None:
+                self.frames.pose(settings.base_frame, self._scan.header.frame_id)
         except FrameError as problem:
             return str(problem)
         return ""
+
+    def _blind(self, now: float) -> str:
+        """Why the scan cannot be relied on; '' also where there is none to rely on."""
+        source = self._settings.local.scan
+        if source is None:
+            return ""
+        topic = rospy.resolve_name(source.topic)
+        if self._scan is None:
+            return f"no scan on {topic}"
+        silent = now - self._scan.header.stamp.to_sec()
+        return f"no scan on {topic} for {silent:.1f} s" if silent > source.silence else ""
 
     def forget(self) -> None:
         """Time has begun anew: what was seen before means nothing now."""
@@ -135,11 +147,22 @@ class WorldView:
             return
         self.world = MapCostmap(
             grid,
-            settings.world.scan.reach,
+            settings.world.reach,
             settings.world.inflation,
             lethal=settings.lethal,
             track_unknown=settings.track_unknown,
         )
+
+    def _lay_map(self) -> None:
+        robot, place = self._robot_in_odom(), self.odom()
+        if self.world is not None and robot is not None and place is not None:
+            self.local.lay(robot, self.world.static, place)
+
+    def _robot_in_odom(self) -> Pose2 | None:
+        try:
+            return self.frames.pose(self._settings.local.frame, self._settings.base_frame)
+        except FrameError:
+            return None
 
     def _take_map(self, message: OccupancyGrid) -> None:
         self._new_map = message

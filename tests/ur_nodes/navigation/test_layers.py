@@ -101,6 +101,21 @@ def test_rolling_costmap_keeps_an_obstacle_in_its_place_while_it_rolls() -> None
     assert not costmap.occupied().costs.any()
 
 
+def test_rolling_costmap_without_a_scan_shows_the_map_where_the_localiser_says_it_lies() -> None:
+    values = np.zeros((60, 60), np.int8)
+    values[:, 40] = 100  # a wall across x, 2.0 to 2.05 m
+    known = MapCostmap(Grid(values, 0.05, HERE), Ranges(0.0, 0.0), INFLATION, lethal=65, track_unknown=True).static
+    costmap = RollingCostmap(4.0, 0.05, Ranges(0.0, 0.0), INFLATION)
+    quarter = Pose2(1.0, -1.0, math.pi / 2)  # the map's x axis is the window's y axis
+    costmap.lay(Pose2(0.0, 0.5, 0.0), known, quarter)
+    costmap.clear()
+    assert costmap.occupied().costs_at(np.array((0.0, 1.02))) == LETHAL
+    assert costmap.occupied().costs_at(np.array((0.0, 0.9))) != LETHAL
+    costmap.lay(Pose2(0.0, 0.5, 0.0), known, Pose2(1.0, -1.1, math.pi / 2))
+    assert costmap.occupied().costs_at(np.array((0.0, 0.92))) == LETHAL
+    assert costmap.occupied().costs_at(np.array((0.0, 1.02))) != LETHAL
+
+
 def test_map_costmap_takes_a_wall_seen_from_a_wrong_pose_for_the_wall() -> None:
     values = np.zeros((60, 60), np.int8)
     values[:, 40] = 100
