@@ -39,7 +39,7 @@ class Client:
         self.scans = 0
         self.buffer = tf2_ros.Buffer()
         self.listener = tf2_ros.TransformListener(self.buffer)
-        self.cmd_vel = rospy.Publisher("cmd_vel", Twist, queue_size=1)
+        self.key_vel = rospy.Publisher("key_vel", Twist, queue_size=1)
         self.initial_pose = rospy.Publisher("initialpose", PoseWithCovarianceStamped, queue_size=1)
         self.action = actionlib.SimpleActionClient("move_base", MoveBaseAction)
         rospy.Subscriber("base_pose_ground_truth", Odometry, self._set_truth)
@@ -83,12 +83,12 @@ class Client:
         return {"true": true, "believed": believed, "speed": math.hypot(twist.linear.x, twist.angular.z)}
 
     def do_drive(self, forward: float, turn: float, seconds: float) -> dict[str, Any]:
-        """Publish cmd_vel at 20 Hz for a while, then nothing."""
+        """Drive as a keyboard does, at 20 Hz for a while, then nothing."""
         command = Twist()
         command.linear.x, command.angular.z = forward, turn
         rate = rospy.Rate(20)
         for _ in range(round(seconds * 20)):
-            self.cmd_vel.publish(command)
+            self.key_vel.publish(command)
             rate.sleep()
         return self.do_where()
 

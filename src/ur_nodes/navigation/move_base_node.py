@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import sys
 import threading
@@ -12,6 +13,7 @@ from actionlib import ActionServer
 from geometry_msgs.msg import PoseStamped, Twist
 from move_base_msgs.msg import MoveBaseAction, MoveBaseActionGoal, MoveBaseFeedback, MoveBaseResult
 from nav_msgs.srv import GetPlan, GetPlanRequest, GetPlanResponse
+from std_msgs.msg import Bool
 from std_srvs.srv import Empty, EmptyRequest, EmptyResponse
 
 from ur_nodes.navigation.frame_history import FrameError
@@ -45,7 +47,7 @@ class MoveBase:
         self._key = 0
         self._answer: PlanAnswer | None = None
         self._sent = (0.0, 0.0)
-        self._moving = False
+        self._stopped = False
         self._clear: Behaviour | None = None
         self._path_blocked = False
         self._tick = 0
@@ -54,6 +56,7 @@ class MoveBase:
         self._cmd_vel = rospy.Publisher("cmd_vel", Twist, queue_size=1, tcp_nodelay=True)
         self._action_goal = rospy.Publisher("move_base/goal", MoveBaseActionGoal, queue_size=1)
         rospy.Subscriber("move_base_simple/goal", PoseStamped, self._take_simple_goal, queue_size=1)
+        rospy.Subscriber(f"{self._settings.mux}/stopped", Bool, self._take_stopped, queue_size=1)
         rospy.Service("~make_plan", GetPlan, self._make_plan)
         rospy.Service("~clear_costmaps", Empty, self._clear_costmaps)
         rospy.on_shutdown(self._shut_down)
@@ -61,21 +64,33 @@ class MoveBase:
         threading.Thread(target=self._run, name="control", daemon=True).start()
 
     def _run(self) -> None:
-        rate = rospy.Rate(1.0 / self._settings.navigator.period, reset=True)
+        repeats = self._settings.repeats
+        rate = rospy.Rate(repeats / self._settings.navigator.period, reset=True)
         last = 0.0
-        while not rospy.is_shutdown():
-            now = rospy.get_time()
-            if now < last - 1.0:
-                self._world.forget()
-            last = now
-            with self._lock:
-                self._control(now)
-            self._show()
-            self._tick += 1
+        for beat in itertools.cycle(range(repeats)):
+            if rospy.is_shutdown():
+                return
+            if beat == 0:
+                now = rospy.get_time()
+                if now < last - 1.0:
+                    self._world.forget()
+                last = now
+                with self._lock:
+                    self._control(now)
+                self._show()
+                self._tick += 1
+            else:
+                self._repeat()
             try:
                 rate.sleep()
             except rospy.ROSInterruptException:
                 return
+
+    def _repeat(self) -> None:
+        """Say the last command again: whoever drives takes one that is old for the end of the commander."""
+        with self._lock:
+            if self._navigator.phase is not Phase.IDLE and self._sent != (0.0, 0.0):
+                self._send(*self._sent)
 
     def _control(self, now: float) -> None:
         idle = self._navigator.phase is Phase.IDLE
@@ -156,6 +171,8 @@ class MoveBase:
             old, self._handle = self._handle, None
             if old is not None:
                 old.set_canceled(MoveBaseResult(), "a new goal has replaced this one")
+            if self._stopped:
+                goal = "emergency stop is on; release it first"
             if isinstance(goal, str):
                 rospy.logerr("goal refused: %s", goal)
                 handle.set_accepted()
@@ -196,6 +213,15 @@ class MoveBase:
             self._handle = None
             self._halt()
             handle.set_canceled(MoveBaseResult(), "cancelled")
+
+    def _take_stopped(self, message: Bool) -> None:
+        """Word of an emergency: the goal ends, so that nothing drives off when it is over."""
+        with self._lock:
+            self._stopped = bool(message.data)
+            if self._stopped and self._handle is not None:
+                handle, self._handle = self._handle, None
+                self._halt()
+                handle.set_aborted(MoveBaseResult(), "emergency stop")
 
     def _halt(self) -> None:
         moving = self._navigator.phase is not Phase.IDLE

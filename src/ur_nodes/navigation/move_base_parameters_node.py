@@ -44,7 +44,7 @@ class CostmapSettings:
 
 @dataclass(frozen=True, slots=True)
 class MoveBaseSettings:
-    """Everything `move_base` reads from the parameter server."""
+    """Everything `move_base` reads from the parameter server. A command is sent `repeats` times a control period."""
 
     base_frame: str
     tolerance: float
@@ -57,6 +57,8 @@ class MoveBaseSettings:
     track_unknown: bool
     map_topic: str
     reset_distance: float
+    mux: str
+    repeats: int
     navigator: NavigatorSettings
     planner: PlanSettings
     limits: Limits
@@ -69,6 +71,8 @@ def read_settings() -> MoveBaseSettings:
     resolution = local.number("resolution", 0.05, minimum=0.005, maximum=1.0)
     footprint = _footprint(local if local.has("footprint") or local.has("robot_radius") else world, resolution)
     static = world.below("static_layer")
+    navigator = _navigator(top)
+    commands = top.number("command_frequency", 30.0, minimum=0.0, maximum=100.0)
     return MoveBaseSettings(
         base_frame=world.text("robot_base_frame", "base_footprint"),
         tolerance=local.number("transform_tolerance", 0.5, minimum=0.05),
@@ -81,7 +85,9 @@ def read_settings() -> MoveBaseSettings:
         track_unknown=static.boolean("track_unknown_space", world.boolean("track_unknown_space", True)),
         map_topic=static.text("map_topic", "map"),
         reset_distance=top.number("conservative_reset_dist", 3.0, minimum=0.0),
-        navigator=_navigator(top),
+        mux=top.text("mux", "cmd_vel_mux"),
+        repeats=max(1, round(commands * navigator.period)),
+        navigator=navigator,
         planner=_planner(top, footprint, resolution),
         limits=_limits(top.below("DWAPlannerROS")),
     )

@@ -9,6 +9,7 @@ import socket
 import subprocess
 import sys
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,8 @@ ROOT = Path(__file__).parents[3]
 LAUNCH = """<launch>
   <include file="{root}/ubiquity_launches/n_move_base/launch/n_move_base.launch.xml">
     <arg name="robot_base" value="stage"/>
+    <arg name="cmd_vel" value="cmd_vel"/>
+    <arg name="scan" value="{scan}"/>
   </include>
   <param name="move_base/controller_patience" value="1.0"/>
 </launch>
@@ -46,7 +49,20 @@ class Robot:
 
 @pytest.fixture(scope="module")
 def robot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Robot]:
-    folder = tmp_path_factory.mktemp("move_base")
+    with start_robot(tmp_path_factory.mktemp("move_base"), scan="scan") as robot:
+        yield robot
+
+
+@pytest.fixture
+def blind_robot(tmp_path: Path) -> Iterator[Robot]:
+    """One without a lidar."""
+    with start_robot(tmp_path, scan="") as robot:
+        robot.ask("blind", blind=True)
+        yield robot
+
+
+@contextmanager
+def start_robot(folder: Path, scan: str) -> Iterator[Robot]:
     with socket.socket() as probe:
         probe.bind(("localhost", 0))
         port = probe.getsockname()[1]
@@ -58,7 +74,7 @@ def robot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Robot]:
         "ROS_PACKAGE_PATH": f"{ROOT / 'ubiquity_launches'}:/usr/share",
         "PYTHONPATH": f"{ROOT}:{ROOT / 'src'}",
     }
-    (folder / "test.launch").write_text(LAUNCH.format(root=ROOT))
+    (folder / "test.launch").write_text(LAUNCH.format(root=ROOT, scan=scan))
     with (folder / "launch.log").open("w") as log:
         launch = subprocess.Popen(
             ["/usr/bin/roslaunch", "-p", str(port), str(folder / "test.launch")],
@@ -161,3 +177,10 @@ def test_move_base_stops_and_gives_up_when_the_scan_falls_silent(robot: Robot) -
     assert end["state"] == "ABORTED"
     assert "no scan on /scan for" in end["text"]
     assert math.hypot(end["x"] - 1.0, end["y"] + 1.5) > 0.2
+
+
+def test_move_base_without_a_scan_drives_on_the_map_alone(blind_robot: Robot) -> None:
+    blind_robot.ask("goal", name="a", x=3.0, y=-1.0, yaw=1.57)  # in the other room, through the door
+    end = blind_robot.ask("end", name="a", seconds=60.0)
+    assert end["state"] == "SUCCEEDED", end["text"]
+    assert math.hypot(end["x"] - 3.0, end["y"] + 1.0) < 0.1
