@@ -16,7 +16,7 @@ from ur.check.survey import walk_elements
 from ur.check.worlds import CachedWorld, Environment, Unknowns, has_marker
 from ur.launchfile.plan.load import load_plan
 from ur.launchfile.plan.model import Plan
-from ur.launchfile.syntax import Element
+from ur.launchfile.syntax import Element, LaunchFile
 from ur.source.diagnostic import Diagnostic
 
 _ROUNDS = 5
@@ -62,11 +62,16 @@ def list_cases(view: LaunchView, given: tuple[tuple[str, str], ...] = ()) -> lis
     return plain + [Case((*case.given, flip), flipped=flip[0]) for flip in flips for case in plain]
 
 
-def resolve_cases(view: LaunchView, world: CachedWorld, given: tuple[tuple[str, str], ...] = ()) -> Iterator[Resolved]:
-    """The plans of a launch file, one or two per case."""
+def resolve_cases(
+    view: LaunchView,
+    world: CachedWorld,
+    given: tuple[tuple[str, str], ...] = (),
+    trees: dict[str, LaunchFile] | None = None,
+) -> Iterator[Resolved]:
+    """The plans of a launch file, one or two per case. See load_plan for `trees`."""
     required = [name for name, elements in view.declared.items() if all(map(_is_required, elements))]
     for case in list_cases(view, given):
-        for plan in _resolve(view.path, case, required, world):
+        for plan in _resolve(view.path, case, required, world, trees):
             yield Resolved(case, plan)
 
 
@@ -101,7 +106,9 @@ def _is_required(element: Element) -> bool:
     return "default" not in element.attributes and "value" not in element.attributes
 
 
-def _resolve(path: str, case: Case, required: list[str], world: CachedWorld) -> Iterator[Plan]:
+def _resolve(
+    path: str, case: Case, required: list[str], world: CachedWorld, trees: dict[str, LaunchFile] | None
+) -> Iterator[Plan]:
     unknowns = Unknowns()
     open_world = world.seen_from(path.rpartition("/")[0], Environment(world.environment, unknowns))
     given = dict(case.given)
@@ -109,7 +116,7 @@ def _resolve(path: str, case: Case, required: list[str], world: CachedWorld) -> 
     def load() -> Plan:
         words = [f"{name}:={value}" for name, value in given.items()]
         words += [f"{name}:={unknowns.value_of(name)}" for name in required if name not in given]
-        return load_plan([path], words, open_world)
+        return load_plan([path], words, open_world, trees=trees)
 
     plan = load()
     for _ in range(_ROUNDS):

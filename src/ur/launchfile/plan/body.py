@@ -7,7 +7,7 @@ from collections.abc import Callable
 from ur.launchfile.plan.arguments import check_passed, check_used, resolve_arg, trace_arg, warn_missing
 from ur.launchfile.plan.attributes import as_flag, check_attributes, is_wanted, read_optional, read_required
 from ur.launchfile.plan.draft import MAX_INCLUDES, Draft, TooMuch
-from ur.launchfile.plan.model import MachineSpec
+from ur.launchfile.plan.model import IncludeSpec, MachineSpec
 from ur.launchfile.plan.nodes import resolve_namespace, resolve_node, resolve_test
 from ur.launchfile.plan.params import missing_file, resolve_param, resolve_rosparam
 from ur.launchfile.plan.problems import Refused, refuse
@@ -114,7 +114,10 @@ def _include(element: Element, draft: Draft, scope: Scope, machine: _Machine) ->
     _pass_arguments(element, draft, scope, child, passes_all)
     check_passed(child)
     child.start_file(path, element.span)
-    included = _open(path, element, draft, scope)
+    if not draft.follow:
+        _note_include(path, draft.world.is_file(path), element, draft, scope, child)
+        return machine
+    included = _open(path, element, draft, scope, child)
     if included is None or included.launch is None:
         return machine
     draft.files[draft.world.absolute(path)] = None
@@ -160,9 +163,21 @@ def _pass_arguments(element: Element, draft: Draft, scope: Scope, child: Scope, 
         child.poisoned.update(child.declared)
 
 
-def _open(path: str, element: Element, draft: Draft, scope: Scope) -> LaunchFile | None:
-    draft.includes += 1
-    if draft.includes > MAX_INCLUDES:
+def _note_include(path: str, found: bool, element: Element, draft: Draft, scope: Scope, child: Scope) -> None:
+    draft.includes.append(
+        IncludeSpec(
+            draft.world.absolute(path),
+            found,
+            draft.origin(element.span, scope),
+            child.namespace,
+            tuple(child.args.items()),
+            child.pass_all_args,
+        )
+    )
+
+
+def _open(path: str, element: Element, draft: Draft, scope: Scope, child: Scope) -> LaunchFile | None:
+    if len(draft.includes) >= MAX_INCLUDES:
         draft.refuse(refuse(f"more than {MAX_INCLUDES:,} included files", element.span, "too-many-includes"), scope)
         raise TooMuch
     if len(scope.chain) >= MAX_DEPTH:
@@ -170,7 +185,9 @@ def _open(path: str, element: Element, draft: Draft, scope: Scope) -> LaunchFile
     try:
         included = draft.parse(path)
     except OSError as problem:
+        _note_include(path, False, element, draft, scope, child)
         raise missing_file(path, problem, element, "file", draft) from None
+    _note_include(path, True, element, draft, scope, child)
     chain = (*scope.chain, element.span)
     for found in included.diagnostics:
         draft.add_diagnostic(found, chain)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from ur.launchfile.plan.model import (
+    IncludeSpec,
     MachineSpec,
     NodeSpec,
     Origin,
@@ -33,8 +34,16 @@ class TooMuch(Exception):  # noqa: N818 - ends resolving; reported already
 class Draft:
     """Collects the parts of a Plan while files are resolved. One draft is one roslaunch."""
 
-    def __init__(self, world: World, trace: list[TraceStep] | None = None) -> None:
+    def __init__(
+        self,
+        world: World,
+        trace: list[TraceStep] | None = None,
+        trees: dict[str, LaunchFile] | None = None,
+        *,
+        follow: bool = True,
+    ) -> None:
         self.world = world
+        self.follow = follow  # False: included files are named and not entered
         self.trace = trace  # collects how values came about, when somebody asks for it
         self.nodes: list[NodeSpec] = []
         self.tests: list[TestSpec] = []
@@ -49,8 +58,9 @@ class Draft:
         self.node_places: dict[str, tuple[Element, tuple[Span, ...]]] = {}
         self.machine_uses: list[tuple[str, Element, Scope]] = []
         self.reads_angles = False  # roslaunch knows deg() and rad() once it has seen its first <rosparam>
-        self.includes = 0
+        self.includes: list[IncludeSpec] = []
         self._parsed: dict[str, LaunchFile] = {}
+        self._trees = trees
 
     def origin(self, span: Span, scope: Scope) -> Origin:
         """Where an item comes from."""
@@ -91,7 +101,16 @@ class Draft:
         """A launch file, read and parsed once. Raises OSError."""
         known = self._parsed.get(path)
         if known is None:
-            known = self._parsed[path] = parse_launch_file(path, self.world.read_bytes(path))
+            known = self._parsed[path] = self._parse(path)
+        return known
+
+    def _parse(self, path: str) -> LaunchFile:
+        if self._trees is None:
+            return parse_launch_file(path, self.world.read_bytes(path))
+        path = self.world.absolute(path)
+        known = self._trees.get(path)
+        if known is None:
+            known = self._trees[path] = parse_launch_file(path, self.world.read_bytes(path))
         return known
 
     def add_param(self, param: ParamSpec, scope: Scope) -> None:
@@ -149,4 +168,5 @@ class Draft:
             diagnostics=tuple(self.diagnostics),
             commands=tuple(self.commands),
             programs=tuple(self.programs),
+            includes=tuple(self.includes),
         )

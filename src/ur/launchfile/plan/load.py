@@ -11,6 +11,7 @@ from ur.launchfile.plan.model import Plan, TraceStep
 from ur.launchfile.plan.names import initial_namespace, read_assignments
 from ur.launchfile.plan.problems import Refused, refuse
 from ur.launchfile.plan.scope import Scope
+from ur.launchfile.syntax import LaunchFile
 from ur.launchfile.world.protocol import World
 from ur.source.diagnostic import error
 from ur.source.file import SourceFile, Span
@@ -20,16 +21,20 @@ STANDARD_INPUT = "-"
 
 
 def load_plan(
-    files: Sequence[str], arguments: Sequence[str], world: World, trace: list[TraceStep] | None = None
+    files: Sequence[str],
+    arguments: Sequence[str],
+    world: World,
+    trace: list[TraceStep] | None = None,
+    trees: dict[str, LaunchFile] | None = None,
 ) -> Plan:
     """What launch files mean, all of them together, with `NAME:=VALUE` arguments.
 
     Means exactly what roslaunch means by them. Never raises because of what a file or an argument says: the plan's
     diagnostics hold an error for everything that roslaunch would refuse, and warnings for what it silently accepts.
     Nothing is executed; see `run_commands` for the parameters that programs print. A `trace` is filled with how values
-    came about, in order.
+    came about, in order. `trees`, by absolute path, spare files from being parsed again, and gain those that are.
     """
-    draft = Draft(world, trace)
+    draft = Draft(world, trace, trees)
     try:
         values, ignored = read_assignments(arguments)
         declared: set[str] = set()

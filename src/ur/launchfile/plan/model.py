@@ -112,6 +112,21 @@ class TestSpec:
 
 
 @dataclass(frozen=True, slots=True)
+class IncludeSpec:
+    """An `<include>` that takes part; `origin` is the tag itself. `file` is absolute; `found`: it could be read.
+
+    `namespace` is what the file starts in, `arguments` what it is handed; `passes_all`: because of `pass_all_args`.
+    """
+
+    file: str
+    found: bool
+    origin: Origin
+    namespace: str
+    arguments: tuple[tuple[str, str], ...]
+    passes_all: bool = False
+
+
+@dataclass(frozen=True, slots=True)
 class ArgumentStep:
     """What one `<arg>` did. `passed_to` is the `<include>` it stands in; without one it declares the argument.
 
@@ -153,3 +168,4 @@ class Plan:
     diagnostics: tuple[Diagnostic, ...] = field(default=())
     commands: tuple[ParamCommand, ...] = field(default=())  # in document order
     programs: tuple[ParamSpec, ...] = field(default=())  # every <param command=>, overridden ones too
+    includes: tuple[IncludeSpec, ...] = field(default=())  # in document order, each time one is included

@@ -1,0 +1,79 @@
+"""What one launch file means by itself: the files that it includes are named, and not entered.
+
+Whoever asks about many files, each in many ways, asks once per file and arguments, and puts the answers together.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from ur.launchfile.plan.arguments import warn_missing
+from ur.launchfile.plan.body import check_launch_tag, resolve_body
+from ur.launchfile.plan.draft import Draft, TooMuch
+from ur.launchfile.plan.model import Plan
+from ur.launchfile.plan.problems import Refused
+from ur.launchfile.plan.scope import Scope
+from ur.launchfile.syntax import LaunchFile
+from ur.launchfile.world.protocol import World
+from ur.source.diagnostic import error
+from ur.source.suggest import did_you_mean
+
+# A letter that no launch file uses: what starts with this is relative to where the file is included.
+HERE = "/ǁ/"
+
+
+def load_one_file(
+    path: str, arguments: Mapping[str, str], world: World, trees: dict[str, LaunchFile], *, passes_all: bool = False
+) -> Plan:
+    """The nodes, parameters and includes of one file that is handed these arguments. Never raises for what it says.
+
+    Names are relative to `HERE` where they depend on the namespace in which the file is included. What depends on more
+    than the arguments is not looked at: `<machine>` tags, remaps and `~` parameters of the including files. Every
+    argument has to be declared, as in an `<include>`; `passes_all` as with `pass_all_args`. See load_plan for `trees`.
+    """
+    draft = Draft(world, trees=trees, follow=False)
+    try:
+        _load(path, arguments, draft, passes_all)
+    except TooMuch:
+        pass
+    except RecursionError:
+        draft.diagnostics.append(error("nested too deep", rule="nested-too-deep", help="nest groups less"))
+    return draft.finish()
+
+
+def _load(path: str, arguments: Mapping[str, str], draft: Draft, passes_all: bool) -> None:
+    try:
+        parsed = draft.parse(path)
+    except OSError as problem:
+        reason = (problem.strerror or str(problem)).lower()
+        draft.add_diagnostic(error(f"{path}: {reason}, expected a launch file", rule="missing-file"), ())
+        return
+    for found in parsed.diagnostics:
+        draft.add_diagnostic(found, ())
+    if parsed.launch is None or parsed.diagnostics:
+        return
+    scope = Scope(HERE, path, dict(arguments))
+    scope.pass_all_args = passes_all
+    try:
+        check_launch_tag(parsed.launch, draft, None)
+    except Refused as refused:
+        draft.refuse(refused, None)
+    resolve_body(parsed.launch, draft, scope, None)
+    warn_missing(draft, scope)
+    if not passes_all:
+        _check_declared(path, arguments, draft, scope)
+
+
+def _check_declared(path: str, arguments: Mapping[str, str], draft: Draft, scope: Scope) -> None:
+    for name in arguments:
+        if name not in scope.declared:
+            near = did_you_mean(name, set(scope.declared) - set(arguments))
+            declared = ", ".join(sorted(scope.declared)) or "none"
+            draft.add_diagnostic(
+                error(
+                    f"argument '{name}' is passed, but {path} does not declare it",
+                    rule="unknown-argument",
+                    help=f"did you mean {near}?" if near else f"that file declares: {declared}",
+                ),
+                (),
+            )
