@@ -59,10 +59,11 @@ def command(
     report = check_paths(words, make_world(words, os.environ), chosen, arguments)
     if fix:
         from ur.check.fix import plan_repairs
+        from ur.cli.replace_file import replace_file
 
         repairs = plan_repairs(report.findings, load_rules())
         for repair in repairs:
-            _write(repair.path, repair.text)
+            replace_file(repair.path, repair.text, "repaired")
         repaired = sum(len(repair.findings) for repair in repairs)
         click.echo(f"repaired {repaired} finding{'' if repaired == 1 else 's'} in {len(repairs)} files", err=True)
         report = check_paths(words, make_world(words, os.environ), chosen, arguments)
@@ -95,17 +96,3 @@ def _show(report: Report, form: str) -> None:
         from ur.check.render_github import render_github
 
         click.echo(render_github(report), nl=False)
-
-
-def _write(path: str, text: str) -> None:
-    from ur.source.diagnostic import UserError, error
-
-    beside = Path(f"{path}.ur-new")
-    try:
-        beside.write_text(text, encoding="utf-8")
-        beside.chmod(Path(path).stat().st_mode & 0o7777)
-        beside.replace(path)
-    except OSError as problem:
-        beside.unlink(missing_ok=True)
-        reason = (problem.strerror or str(problem)).lower()
-        raise UserError(error(f"{path}: cannot be repaired: {reason}", rule="unwritable-file")) from None

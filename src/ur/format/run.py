@@ -1,0 +1,85 @@
+"""Formatting a launch file: read, lay out, order, prove."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ur.check.model import Package
+from ur.format.layout import lay_out
+from ur.format.order import sort_pieces
+from ur.format.pieces import Tag, end_of, read_pieces
+from ur.format.prove import same_content, same_plans
+from ur.launchfile.syntax import LaunchFile, parse_launch_file
+from ur.launchfile.syntax.decode import decode_text
+from ur.launchfile.world import World
+from ur.source.diagnostic import UserError, error
+
+
+@dataclass(frozen=True, slots=True)
+class Formatted:
+    """A launch file laid out. `kept`: what is left as it was, though the house does it otherwise, and why."""
+
+    path: str
+    before: str
+    text: str
+    kept: str | None = None
+
+    @property
+    def changed(self) -> bool:
+        """Whether anything is different."""
+        return self.text != self.before
+
+
+def format_file(path: str, data: bytes, world: World, package: Package | None = None) -> Formatted:
+    """A launch file in the layout and the order of the house, as far as that changes no plan.
+
+    `path` is absolute. Raises UserError with what is wrong for a file that cannot be parsed, or is not UTF-8. Lines end
+    as on Linux afterwards.
+    """
+    before, encoding = decode_text(data)
+    if encoding not in ("ascii", "utf-8") or not data.endswith(before.encode()):
+        raise UserError(
+            error(f"{path}: not written in UTF-8, expected that", rule="not-utf-8", help="save it as UTF-8 first")
+        )
+    tree = _parse(path, before.removeprefix("\ufeff").replace("\r\n", "\n").replace("\r", "\n"))
+    assert tree.root is not None
+    pieces = read_pieces(tree.root)
+    plain = _write(tree, pieces)
+    ordered = _write(tree, sort_pieces(pieces))
+    for text, kept in ((ordered, None), (plain, "the order of its arguments"), (before, "its layout")):
+        if text is ordered and text != plain and not _may_move(tree):
+            continue
+        if text == before or same_plans(path, data, _checked(tree, text).encode(), package, world):
+            why = f"{kept} stays: the house's would change what the file means" if kept and text != ordered else None
+            return Formatted(path, before, text, why)
+    raise AssertionError("the text itself is the last that is tried")
+
+
+def _parse(path: str, text: str) -> LaunchFile:
+    tree = parse_launch_file(path, text.encode())
+    if tree.diagnostics:
+        raise UserError(*tree.diagnostics)
+    return tree
+
+
+def _write(tree: LaunchFile, pieces: Tag) -> str:
+    assert tree.root is not None
+    text = tree.source.text
+    before, after = text[: tree.root.start].rstrip(), text[end_of(tree.root) :].strip()
+    parts = (before, "\n".join(lay_out(pieces)), after)
+    return "\n".join(part for part in parts if part) + "\n"
+
+
+def _checked(tree: LaunchFile, text: str) -> str:
+    # A defect here must not cost anybody a line of a launch file.
+    after = parse_launch_file(tree.source.path, text.encode())
+    if after.diagnostics or not same_content(tree, after):
+        message = f"{tree.source.path}: cannot be laid out without a change of its content; it is left as it is"
+        raise UserError(error(message, rule="not-formatted", help="please report it with the file"))
+    return text
+
+
+def _may_move(tree: LaunchFile) -> bool:
+    # What pass_all_args hands over depends on which arguments stand before it, and may matter on another computer only.
+    assert tree.root is not None
+    return not any("pass_all_args" in element.attributes for element in tree.root.elements)
