@@ -1,0 +1,33 @@
+"""What a robot base is: its file `bases/<base>/base.yaml`, read and checked.
+
+The same file feeds the real robot, its URDF and the simulated one. Lengths are in m, masses in kg, angles in rad,
+times in s, voltages in V, currents in A; poses are in `base_footprint` (REP 103 axes: x forward, y left, z up) unless
+a field says otherwise.
+"""
+
+from __future__ import annotations
+
+from ur.robot.base.files import list_bases, list_variants, load_base, read_base
+from ur.robot.base.model import Base, Battery, Caster, Driver, Limits, Odometry, Wheels
+from ur.robot.base.sensors import Bumper, Bumpers, Camera, Imu, Lidar, Sonar, Sonars
+
+__all__ = [
+    "Base",
+    "Battery",
+    "Bumper",
+    "Bumpers",
+    "Camera",
+    "Caster",
+    "Driver",
+    "Imu",
+    "Lidar",
+    "Limits",
+    "Odometry",
+    "Sonar",
+    "Sonars",
+    "Wheels",
+    "list_bases",
+    "list_variants",
+    "load_base",
+    "read_base",
+]

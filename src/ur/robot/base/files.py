@@ -1,0 +1,60 @@
+"""Where the bases of a launch package are, and which variants they have."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from ur.robot.base.model import Base
+from ur.robot.base.reader import read_whole
+from ur.source.diagnostic import UserError, error
+from ur.source.section import read_section
+from ur.source.suggest import did_you_mean
+
+
+def list_bases(package: str | Path) -> tuple[str, ...]:
+    """The names of the bases that a launch package holds, sorted: its `bases/*/base.yaml`."""
+    return tuple(sorted(path.parent.name for path in (Path(package) / "bases").glob("*/base.yaml")))
+
+
+def load_base(package: str | Path, name: str, variant: str = "") -> Base:
+    """Read a base of a launch package. Raises UserError: no such base or variant (did you mean), or a bad file."""
+    path = Path(package) / "bases" / name / "base.yaml"
+    if not name or not path.is_file():
+        names = list_bases(package)
+        near = did_you_mean(name, names)
+        raise UserError(
+            error(
+                f"base {name!r} is not known, expected one of {', '.join(names) or '(no base found)'}",
+                rule="unknown-base",
+                help=f"did you mean {near!r}?"
+                if near
+                else f"a base is a folder with a base.yaml in {path.parent.parent}",
+            )
+        )
+    return read_base(path, name, variant)
+
+
+def read_base(path: str | Path, name: str, variant: str = "") -> Base:
+    """Read one base file in one variant; the variant's values are laid over the others."""
+    whole = read_section(path, "a base file")
+    plain = whole.without("variants")
+    variants = dict(whole.section("variants").subsections()) if whole.has("variants") else {}
+    for overlay in variants.values():
+        read_whole(plain.merged(overlay), name, "")  # a broken variant is a broken file, whichever variant is asked for
+    if variant and variant not in variants:
+        near = did_you_mean(variant, variants)
+        choice = ", ".join(variants) if variants else "none: this base has no variants"
+        raise UserError(
+            error(
+                f"variant {variant!r} of base {name!r} is not known, expected one of {choice}",
+                rule="unknown-variant",
+                help=f"did you mean {near!r}?" if near else None,
+            )
+        )
+    return read_whole(plain.merged(variants[variant]) if variant else plain, name, variant)
+
+
+def list_variants(package: str | Path, name: str) -> tuple[str, ...]:
+    """The variants of a base beside the plain one, in the order of its file."""
+    whole = read_section(Path(package) / "bases" / name / "base.yaml", "a base file")
+    return whole.section("variants").keys if whole.has("variants") else ()

@@ -1,0 +1,119 @@
+"""A base as data: body, wheels, limits, and what is on it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ur.robot.base.sensors import Bumpers, Camera, Imu, Lidar, Sonars
+
+
+@dataclass(frozen=True, slots=True)
+class Wheels:
+    """The two driven wheels, at x = 0 and y = +-separation / 2."""
+
+    radius: float
+    width: float
+    separation: float
+    mass: float
+
+
+@dataclass(frozen=True, slots=True)
+class Caster:
+    """A free support: a ball that touches the ground below (x, y)."""
+
+    x: float
+    y: float
+    radius: float
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """What the base can do: m/s, rad/s, m/s^2, rad/s^2; `command_age` (s) is when an old command means stop.
+
+    The accelerations hold while it speeds up, the decelerations (at least as high; the same unless given) while it
+    brakes.
+    """
+
+    velocity: float
+    angular_velocity: float
+    acceleration: float
+    angular_acceleration: float
+    deceleration: float
+    angular_deceleration: float
+    command_age: float
+
+
+@dataclass(frozen=True, slots=True)
+class Odometry:
+    """How encoder odometry goes wrong: standard deviations, relative to the distance a wheel rolls.
+
+    `wheel_noise` is random per step, in m per sqrt(m) rolled; `radius_error` is the spread of each wheel's fixed
+    relative error in radius; `separation_error` that of the wheel separation. All are drawn from the seed.
+    """
+
+    rate: float
+    ticks_per_turn: int
+    wheel_noise: float
+    radius_error: float
+    separation_error: float
+
+
+@dataclass(frozen=True, slots=True)
+class Battery:
+    """What is drained (sensor_msgs/BatteryState). `design_capacity` is in Ah; voltages are those at rest.
+
+    `current_idle` flows while the base stands, `current_moving` at full speed.
+    """
+
+    topic: str
+    technology: str
+    design_capacity: float
+    voltage_full: float
+    voltage_empty: float
+    current_idle: float
+    current_moving: float
+
+
+@dataclass(frozen=True, slots=True)
+class Driver:
+    """The upstream node for a piece of hardware: `part` is 'base', or the sensor that it reads.
+
+    `node` is the launch directory that starts it ('' when there is none), `device` where the hardware is ('' when it is
+    no device file), `baud` its speed (0 when that means nothing), `install` one line on how to get the package.
+    """
+
+    part: str
+    node: str
+    package: str
+    executable: str
+    device: str
+    baud: int
+    install: str
+
+
+@dataclass(frozen=True, slots=True)
+class Base:
+    """A base in one variant ('' is the plain one). `footprint` is the outline, counter-clockwise, at least 3 points.
+
+    `driver` is None for a base that is only ever simulated; `drivers` are those of sensors with a driver of their own.
+    """
+
+    name: str
+    variant: str
+    summary: str
+    footprint: tuple[tuple[float, float], ...]
+    height: float
+    ground_clearance: float
+    mass: float
+    wheels: Wheels
+    casters: tuple[Caster, ...]
+    limits: Limits
+    odometry: Odometry
+    lidar: Lidar | None
+    raspicam: Camera | None = None
+    sonars: Sonars | None = None
+    bumpers: Bumpers | None = None
+    imu: Imu | None = None
+    battery: Battery | None = None
+    driver: Driver | None = None
+    drivers: tuple[Driver, ...] = ()

@@ -1,0 +1,161 @@
+"""From a base file to a Base. Every reader raises UserError, with file, line and column, for a value it cannot use."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+from ur.robot.base.model import Base, Battery, Caster, Driver, Limits, Odometry, Wheels
+from ur.robot.base.outline import find_crossing, measure_area
+from ur.robot.base.sensor_reader import SENSORS, Sensors, read_sensors, read_topic
+from ur.source.section import Section
+
+TECHNOLOGIES = ("lead-acid", "lifepo4", "lithium-ion", "lithium-polymer", "nicd", "nimh")
+
+
+def read_whole(top: Section, name: str, variant: str) -> Base:
+    """Read a file (with a variant's values already laid over the others)."""
+    sensors = read_sensors(top.optional_section("sensors"))
+    base = Base(
+        name=name,
+        variant=variant,
+        summary=top.text("summary"),
+        footprint=_footprint(top),
+        height=top.number("height", minimum=0.01),
+        ground_clearance=top.number("ground_clearance", minimum=0.001),
+        mass=top.number("mass", minimum=0.01),
+        wheels=_wheels(top.section("wheels")),
+        casters=tuple(_caster(item) for item in top.sections("casters")),
+        limits=_limits(top.section("limits")),
+        odometry=_odometry(top.section("odometry")),
+        lidar=sensors.lidar,
+        raspicam=sensors.raspicam,
+        sonars=sensors.sonars,
+        bumpers=sensors.bumpers,
+        imu=sensors.imu,
+        battery=_battery(part) if (part := top.optional_section("battery")) else None,
+        driver=_driver("base", part) if (part := top.optional_section("driver")) else None,
+        drivers=tuple(_drivers(part, sensors)) if (part := top.optional_section("drivers")) else (),
+    )
+    top.finish()
+    return base
+
+
+def _footprint(top: Section) -> tuple[tuple[float, float], ...]:
+    points = top.points("footprint", minimum=3)
+    if measure_area(points) <= 0.0:
+        top.fail(
+            "footprint",
+            f"footprint in {top.name} goes round clockwise (or encloses nothing), expected counter-clockwise",
+            "turn the list of points round",
+        )
+    crossing = find_crossing(points)
+    if crossing:
+        first, second = crossing
+        top.fail(
+            "footprint",
+            f"footprint in {top.name} crosses itself: the edges from point {first} and point {second}, "
+            "expected an outline",
+        )
+    return points
+
+
+def _wheels(part: Section) -> Wheels:
+    wheels = Wheels(
+        radius=part.number("radius", minimum=0.005),
+        width=part.number("width", minimum=0.001),
+        separation=part.number("separation", minimum=0.02),
+        mass=part.number("mass", minimum=0.001),
+    )
+    part.finish()
+    return wheels
+
+
+def _caster(part: Section) -> Caster:
+    caster = Caster(part.number("x"), part.number("y"), part.number("radius", minimum=0.001))
+    part.finish()
+    return caster
+
+
+def _limits(part: Section) -> Limits:
+    acceleration = part.number("acceleration", minimum=0.01)
+    angular_acceleration = part.number("angular_acceleration", minimum=0.01)
+    limits = Limits(
+        velocity=part.number("velocity", minimum=0.01),
+        angular_velocity=part.number("angular_velocity", minimum=0.01),
+        acceleration=acceleration,
+        angular_acceleration=angular_acceleration,
+        deceleration=part.number("deceleration", acceleration, minimum=acceleration),
+        angular_deceleration=part.number("angular_deceleration", angular_acceleration, minimum=angular_acceleration),
+        command_age=part.number("command_age", minimum=0.02, maximum=1.0),
+    )
+    part.finish()
+    return limits
+
+
+def _odometry(part: Section) -> Odometry:
+    odometry = Odometry(
+        rate=part.number("rate", minimum=1.0),
+        ticks_per_turn=part.integer("ticks_per_turn", minimum=1),
+        wheel_noise=part.number("wheel_noise", minimum=0.0),
+        radius_error=part.number("radius_error", minimum=0.0),
+        separation_error=part.number("separation_error", minimum=0.0),
+    )
+    part.finish()
+    return odometry
+
+
+def _battery(part: Section) -> Battery:
+    battery = Battery(
+        topic=read_topic(part, "battery_state"),
+        technology=part.text("technology", choices=TECHNOLOGIES),
+        design_capacity=part.number("design_capacity", minimum=0.01),
+        voltage_full=part.number("voltage_full", minimum=0.1),
+        voltage_empty=part.number("voltage_empty", minimum=0.1),
+        current_idle=part.number("current_idle", minimum=0.0),
+        current_moving=part.number("current_moving", minimum=0.0),
+    )
+    if battery.voltage_empty >= battery.voltage_full:
+        text = f"voltage_empty: {battery.voltage_empty:g} in {part.name}, expected less than voltage_full"
+        part.fail("voltage_empty", text)
+    if battery.current_moving < battery.current_idle:
+        text = f"current_moving: {battery.current_moving:g} in {part.name}, expected at least current_idle"
+        part.fail("current_moving", text)
+    part.finish()
+    return battery
+
+
+def _drivers(part: Section, sensors: Sensors) -> Iterator[Driver]:
+    there = [name for name in SENSORS if getattr(sensors, name)]
+    choice = ", ".join(there) or "(it has none)"
+    for name in part.keys:
+        if name not in there:
+            part.fail(
+                name,
+                f"{name} in {part.name} is no sensor of this base, expected one of {choice}",
+                "the driver of the base itself stands in `driver`",
+            )
+        yield _driver(name, part.section(name))
+
+
+def _driver(name: str, part: Section) -> Driver:
+    driver = Driver(
+        part=name,
+        node=_word(part, "node", r"n_[a-z0-9_]+", "the name of a launch directory, as n_motor_node", ""),
+        package=_word(part, "package", r"[a-z][a-z0-9_]*", "the name of a ROS package"),
+        executable=_word(part, "executable", r"[\w.-]+", "the name of an executable"),
+        device=_word(part, "device", r"/dev/[\w./:-]+", "a device file, as /dev/ttyAMA0", ""),
+        baud=part.integer("baud", 0, minimum=0),
+        install=part.text("install"),
+    )
+    if not driver.install.strip() or "\n" in driver.install.strip():
+        part.fail("install", f"install: {driver.install!r} in {part.name}, expected one line on how to get the package")
+    part.finish()
+    return driver
+
+
+def _word(part: Section, key: str, pattern: str, expected: str, default: str | None = None) -> str:
+    value = part.text(key) if default is None else part.text(key, default)
+    if value != default and not re.fullmatch(pattern, value):
+        part.fail(key, f"{key}: {value!r} in {part.name}, expected {expected}")
+    return value
