@@ -8,8 +8,10 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from ur.robot.base import Lidar
+from ur.robot.base import Base
+from ur_nodes.simulator.imu import Motion
 from ur_nodes.simulator.lidar import RayCaster
+from ur_nodes.simulator.sonar import SonarRing
 
 Pose = tuple[float, float, float]
 _STATE = mujoco.mjtState.mjSTATE_INTEGRATION
@@ -18,7 +20,7 @@ _STATE = mujoco.mjtState.mjSTATE_INTEGRATION
 class Physics:
     """A model of `ur_nodes.simulator.model` with `robots` robots, and its state. Poses are x, y, yaw: m, rad."""
 
-    def __init__(self, text: str, robots: int, lidar: Lidar | None) -> None:
+    def __init__(self, text: str, robots: int, base: Base) -> None:
         self._model = mujoco.MjModel.from_xml_string(text)
         self._data = mujoco.MjData(self._model)
         self._robots = robots
@@ -32,7 +34,11 @@ class Physics:
         self._owner = np.full(self._model.ngeom, -1)
         for n in range(robots):
             self._owner[self._model.geom(f"chassis_{n}").id] = n
-        self._lidars = [RayCaster(self._model, lidar, n) for n in range(robots)] if lidar else []
+        self._lidars = [RayCaster(self._model, base.lidar, n) for n in range(robots)] if base.lidar else []
+        self._sonars = [SonarRing(self._model, base.sonars, n) for n in range(robots)] if base.sonars else []
+        self._spins = [
+            [int(self._model.joint(f"{side}_{n}").dofadr[0]) for side in ("left", "right")] for n in range(robots)
+        ]
         self.reset()
 
     def reset(self) -> None:
@@ -53,6 +59,11 @@ class Physics:
         left, right = self._wheels[robot]
         return float(self._data.qpos[left]), float(self._data.qpos[right])
 
+    def wheel_speeds(self, robot: int) -> tuple[float, float]:
+        """How fast the left and right wheel turn, rad/s."""
+        left, right = self._spins[robot]
+        return float(self._data.qvel[left]), float(self._data.qvel[right])
+
     def state(self) -> npt.NDArray[np.float64]:
         """A copy of the positions of everything (qpos)."""
         return np.array(self._data.qpos, np.float64)
@@ -71,9 +82,20 @@ class Physics:
         c, s = math.cos(yaw), math.sin(yaw)
         return c * vx + s * vy, c * vy - s * vx, turn
 
+    def motion(self, robot: int) -> Motion:
+        """How a robot's base_footprint moves in all three dimensions."""
+        q, v = self._joints[robot]
+        rotation = np.empty(9)
+        mujoco.mju_quat2Mat(rotation, self._data.qpos[q + 3 : q + 7])
+        return Motion(rotation.reshape(3, 3), self._data.qvel[v : v + 3].copy(), self._data.qvel[v + 3 : v + 6].copy())
+
     def cast(self, robot: int, noise: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
         """The ranges of a robot's lidar now; see RayCaster.cast."""
         return self._lidars[robot].cast(self._data, noise)
+
+    def listen(self, robot: int, noise: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+        """The ranges of a robot's sonars now; see SonarRing.listen."""
+        return self._sonars[robot].listen(self._data, noise)
 
     def touching(self) -> frozenset[int]:
         """The robots whose chassis touches something: a wall, a box, an obstacle, another robot."""
@@ -81,6 +103,16 @@ class Physics:
             return frozenset()
         owners = self._owner[self._data.contact.geom]
         return frozenset(owners[owners >= 0].tolist())
+
+    def touches(self, robot: int) -> list[npt.NDArray[np.float64]]:
+        """Where a robot's chassis touches things: for each thing the points, shape (points, 2), m in base_footprint."""
+        pairs = self._data.contact.geom
+        rows = (self._owner[pairs] == robot).any(axis=1)
+        x, y, yaw = self.pose(robot)
+        c, s = math.cos(yaw), math.sin(yaw)
+        points = (self._data.contact.pos[rows, :2] - (x, y)) @ np.array([[c, -s], [s, c]])
+        things = pairs[rows].sum(axis=1)  # one of the two is the chassis: the sums differ as the others do
+        return [points[things == thing] for thing in np.unique(things)]
 
     def blocked(self, robot: int) -> str | None:
         """What a robot's chassis touches now, in words."""

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-import warnings
-from typing import Any
 
 import rospy
 from geometry_msgs.msg import TransformStamped, Twist
@@ -13,6 +11,7 @@ from sensor_msgs.msg import JointState, LaserScan
 from std_msgs.msg import Int32
 from tf2_msgs.msg import TFMessage
 
+from ur_nodes.simulator.publisher_node import make_publisher
 from ur_nodes.simulator.settings import Settings
 from ur_nodes.simulator.simulation import Simulation
 
@@ -99,10 +98,11 @@ class RobotTopics:
             self._scan.publish(self._scan_message)
 
     def publish_joints(self, stamp: rospy.Time) -> None:
-        """The angles of the wheels."""
+        """The angles of the wheels, and how fast they turn."""
         if self._joints.get_num_connections():
             self._joint_message.header.stamp = stamp
             self._joint_message.position = self._simulation.wheel_angles(self._robot)
+            self._joint_message.velocity = self._simulation.wheel_speeds(self._robot)
             self._joints.publish(self._joint_message)
 
     def publish_collisions(self) -> None:
@@ -111,13 +111,6 @@ class RobotTopics:
         if count != self._told_collisions:
             self._told_collisions = count
             self._collisions.publish(count)
-
-
-def make_publisher(topic: str, kind: Any, queue: int | None) -> rospy.Publisher:
-    """A publisher that drops the oldest of more than `queue` unsent messages; None: it waits until each is sent."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", SyntaxWarning)  # rospy thinks that whoever waits forgot to give a size
-        return rospy.Publisher(topic, kind, queue_size=queue, tcp_nodelay=True)
 
 
 def _odometry_message(frame: str, child: str) -> Odometry:

@@ -15,36 +15,53 @@ from ur_nodes.simulator.drive import Drive
 from ur_nodes.simulator.model import TIME_STEP, build_model
 from ur_nodes.simulator.odometry import EncoderOdometry
 from ur_nodes.simulator.physics import Physics, Pose
+from ur_nodes.simulator.schedule import Schedule
+from ur_nodes.simulator.senses import BATTERY_RATE, Senses
 from ur_nodes.simulator.world import World
 
 CONTROL_RATE = 50.0  # Hz
 COLLISION_PAUSE = 0.5  # s
+_PLACED = frozenset(("odometry", "scan", "sonars"))  # they come with the robot's place
+_TOLD = ("odometry", "scan", "picture", "sonars", "imu", "battery")
 
 
 @dataclass(frozen=True, slots=True)
 class Tick:
-    """What is due at a time (s since the start): new odometry, a scan, a picture."""
+    """What is due at a time (s since the start), of what the base has."""
 
     time: float
     odometry: bool
     scan: bool
     picture: bool = False
+    sonars: bool = False
+    imu: bool = False
+    battery: bool = False
 
 
 class Simulation:
     """Robots of one base in a world. The same seed and the same calls give the same results to the last bit."""
 
-    def __init__(self, world: World, base: Base, *, robots: int = 1, seed: int = 0, start: Pose | None = None) -> None:
-        """Raises UserError when a robot would begin in a wall."""
+    def __init__(
+        self,
+        world: World,
+        base: Base,
+        *,
+        robots: int = 1,
+        seed: int = 0,
+        start: Pose | None = None,
+        charge: float = 1.0,
+    ) -> None:
+        """`charge` is how full batteries are at first, 0 to 1. Raises UserError when a robot would begin in a wall."""
         self.base = base
+        self._charge = charge
         self.robots = robots
         self._world = world
         self._seed = seed
-        self._physics = Physics(build_model(world, base, robots, start or world.start), robots, base.lidar)
+        self._physics = Physics(build_model(world, base, robots, start or world.start), robots, base)
         self._steps_before = 0
         self._step: int = 0
         self._noise: list[npt.NDArray[np.float64]] = []
-        self._picture: Schedule | None = None
+        self._schedules: dict[str, Schedule] = {}
         self._picture_rate = 0.0
         self._begin()
         for robot in range(robots):
@@ -71,33 +88,41 @@ class Simulation:
         self._drives[robot].command(linear, angular, self.time)
 
     def advance(self) -> Tick:
-        """Go on to the next moment at which something is due: a control period, odometry or a scan."""
+        """Go on to the next moment at which something is due: a control period, or what the base publishes."""
         due = self._next_step()
         self._physics.step(due - self._step)
         self._step = due
-        self._count_collisions()
-        reading = self._reading.take(due)
-        scan = self._scan is not None and self._scan.take(due)
-        if reading or scan:
+        self._notice_touch()
+        now = {name for name, schedule in self._schedules.items() if schedule.take(due)}
+        if now & _PLACED:
             for robot, odometry in enumerate(self._odometry):
                 odometry.update(*self._physics.wheel_angles(robot), self.time)
-        if scan:
+        if "scan" in now:
             self._noise = [random.standard_normal(self._noise[0].size) for random in self._random]
-        if self._control.take(due):
+        for senses in self.senses:
+            if "sonars" in now:
+                senses.listen()
+            if "imu" in now:
+                senses.feel_motion(self._step * TIME_STEP)
+            if "battery" in now:
+                senses.drain()
+        if "control" in now:
             self._update_drives()
-        return Tick(self.time, reading, scan, self._picture is not None and self._picture.take(due))
+        return Tick(self.time, **{name: name in now for name in _TOLD})
 
     def take_pictures(self, rate: float) -> None:
         """From now on say when a picture is due, `rate` times a second; 0: never."""
         self._picture_rate = rate
-        self._picture = Schedule(rate, self._step) if rate > 0.0 else None
+        self._schedules.pop("picture", None)
+        if rate > 0.0:
+            self._schedules["picture"] = Schedule(rate, self._step)
 
     def state(self) -> npt.NDArray[np.float64]:
         """A copy of where everything is (MuJoCo's qpos), for who draws it."""
         return self._physics.state()
 
     def odometry(self, robot: int) -> EncoderOdometry:
-        """What a robot's encoders say: as of the last tick with odometry or a scan."""
+        """What a robot's encoders say: as of the last tick with odometry, a scan or sonars."""
         return self._odometry[robot]
 
     def scan(self, robot: int) -> npt.NDArray[np.float64]:
@@ -115,6 +140,10 @@ class Simulation:
     def wheel_angles(self, robot: int) -> tuple[float, float]:
         """How far the left and the right wheel have turned, rad."""
         return self._physics.wheel_angles(robot)
+
+    def wheel_speeds(self, robot: int) -> tuple[float, float]:
+        """How fast the left and the right wheel turn, rad/s."""
+        return self._physics.wheel_speeds(robot)
 
     def reset(self) -> None:
         """Everything back to where it was at the start, noise included; time goes on."""
@@ -146,14 +175,13 @@ class Simulation:
             if not blocked:
                 self._drives[robot] = Drive(self.base, 1.0 / CONTROL_RATE)
                 self._physics.set_wheel_speeds(robot, 0.0, 0.0)
+                self.senses[robot].forget_motion()
         else:
             blocked = self._physics.place_obstacle(name, pose)
         _refuse(name, pose, blocked)
 
     def _next_step(self) -> int:
-        scan = self._scan.step if self._scan else self._reading.step
-        due = min(self._control.step, self._reading.step, scan)
-        return min(due, self._picture.step) if self._picture else due
+        return min(schedule.step for schedule in self._schedules.values())
 
     def _outside(self, pose: Pose) -> str | None:
         plan = self._world.floor_plan
@@ -162,16 +190,26 @@ class Simulation:
     def _begin(self) -> None:
         base = self.base
         self._step = 0
-        self._control: Schedule = Schedule(CONTROL_RATE)
-        self._reading: Schedule = Schedule(base.odometry.rate)
-        self._scan: Schedule | None = Schedule(base.lidar.rate) if base.lidar else None
+        rates = {
+            "control": CONTROL_RATE,
+            "odometry": base.odometry.rate,
+            "scan": base.lidar.rate if base.lidar else 0.0,
+            "sonars": base.sonars.rate if base.sonars else 0.0,
+            "imu": base.imu.rate if base.imu else 0.0,
+            "battery": BATTERY_RATE if base.battery else 0.0,
+        }
+        self._schedules = {name: Schedule(rate) for name, rate in rates.items() if rate > 0.0}
         self.take_pictures(self._picture_rate)
         self._drives = [Drive(base, 1.0 / CONTROL_RATE) for _ in range(self.robots)]
-        seeds = np.random.SeedSequence(self._seed).spawn(2 * self.robots)
-        randoms = [np.random.Generator(np.random.PCG64(seed)) for seed in seeds]
+        seeds = np.random.SeedSequence(self._seed).spawn(3 * self.robots)
+        randoms = [np.random.Generator(np.random.PCG64(seed)) for seed in seeds[: 2 * self.robots]]
         self._odometry: list[EncoderOdometry] = [EncoderOdometry(base, random) for random in randoms[::2]]
         self._random: list[np.random.Generator] = randoms[1::2]
         self._noise = [np.zeros(base.lidar.samples if base.lidar else 0) for _ in range(self.robots)]
+        self.senses: list[Senses] = [
+            Senses(base, self._physics, robot, seed, self._charge)
+            for robot, seed in enumerate(seeds[2 * self.robots :])
+        ]
         self._touched = [-math.inf] * self.robots
         self._collisions = [0] * self.robots
         for robot, odometry in enumerate(self._odometry):
@@ -181,9 +219,10 @@ class Simulation:
         for robot, drive in enumerate(self._drives):
             self._physics.set_wheel_speeds(robot, *drive.update(self.time))
 
-    def _count_collisions(self) -> None:
+    def _notice_touch(self) -> None:
         """Contacts flicker: one that comes back soon is the same collision."""
         for robot in self._physics.touching():
+            self.senses[robot].feel_touch(self.time)
             if self.time - self._touched[robot] > COLLISION_PAUSE:
                 self._collisions[robot] += 1
             self._touched[robot] = self.time
@@ -194,24 +233,3 @@ def _refuse(name: str, pose: Pose, blocked: str | None) -> None:
     if blocked:
         place = f"x {pose[0]:g}, y {pose[1]:g}"
         raise UserError(error(f"{name} cannot be at {place}: {blocked}, expected free floor", rule="not-free"))
-
-
-class Schedule:
-    """Something that happens at a rate (Hz), each time at the first time step that is not too early."""
-
-    def __init__(self, rate: float, after: int = 0) -> None:
-        """The first time is the one after step `after`."""
-        self._steps = 1.0 / (rate * TIME_STEP)
-        self._number = math.floor(after / self._steps + 1e-6) + 1
-        self.step = max(after + 1, self._step_of(self._number))
-
-    def take(self, step: int) -> bool:
-        """Whether it is due at a step; if so the next one is set."""
-        if step < self.step:
-            return False
-        self._number += 1
-        self.step = max(step + 1, self._step_of(self._number))
-        return True
-
-    def _step_of(self, number: int) -> int:
-        return math.ceil(number * self._steps - 1e-6)

@@ -33,7 +33,9 @@ from ur_nodes.rosio.parameters import Parameters
 from ur_nodes.rosio.shell import run_node
 from ur_nodes.simulator.camera_node import CameraTopics, read_camera
 from ur_nodes.simulator.pacing import Pacer
-from ur_nodes.simulator.robot_topics_node import RobotTopics, make_publisher
+from ur_nodes.simulator.publisher_node import make_publisher
+from ur_nodes.simulator.robot_topics_node import RobotTopics
+from ur_nodes.simulator.sensor_topics_node import SensorTopics
 from ur_nodes.simulator.settings import Frames, Settings
 from ur_nodes.simulator.simulation import Simulation
 from ur_nodes.simulator.world import World, read_world
@@ -58,10 +60,9 @@ class SimulatorNode:
         self._clock_message = Clock()
         self._next_clock = self._next_joints = 0.0
         tf = make_publisher("/tf", TFMessage, settings.queue_size)
-        self._robots = [
-            RobotTopics(simulation, n, f"robot_{n}/" if simulation.robots > 1 else "", settings, tf)
-            for n in range(simulation.robots)
-        ]
+        prefixes = list_prefixes(simulation)
+        self._robots = [RobotTopics(simulation, n, prefix, settings, tf) for n, prefix in enumerate(prefixes)]
+        self._sensors = [SensorTopics(simulation, n, prefix, settings) for n, prefix in enumerate(prefixes)]
         rospy.Service("~pause", SetBool, self._pause)
         rospy.Service("~step", Trigger, self._step)
         rospy.Service("~reset", Empty, self._reset)
@@ -109,14 +110,16 @@ class SimulatorNode:
         tick = self._simulation.advance()
         stamp = self._stamp(tick.time)
         joints = tick.time >= self._next_joints
-        if self._clock is not None and (tick.odometry or tick.scan or joints or tick.time >= self._next_clock):
+        placed = tick.odometry or tick.scan or tick.sonars
+        stamped = placed or joints or tick.imu or tick.battery
+        if self._clock is not None and (stamped or tick.time >= self._next_clock):
             self._next_clock = tick.time + 1.0 / self._settings.clock_rate - 1e-6
             self._clock_message.clock = stamp
             self._clock.publish(self._clock_message)
         if joints:
             self._next_joints = tick.time + 1.0 / self._settings.joint_rate - 1e-6
         for robot in self._robots:
-            if tick.odometry or tick.scan:
+            if placed:
                 robot.publish_transform(stamp)
             if tick.odometry:
                 robot.publish_odometry(stamp)
@@ -125,6 +128,8 @@ class SimulatorNode:
             if joints:
                 robot.publish_joints(stamp)
             robot.publish_collisions()
+        for sensors in self._sensors:
+            sensors.publish(tick, stamp)
         if tick.picture and self._camera:
             self._camera.offer(stamp, self._simulation.state())
 
@@ -209,6 +214,7 @@ def start() -> None:
         robots=own.integer("robots", 1, minimum=1),
         seed=own.integer("seed", 0, minimum=0),
         start=(own.number("x", x), own.number("y", y), own.number("yaw", yaw)),
+        charge=own.number("battery_charge", 1.0, minimum=0.0, maximum=1.0),
     )
     frames = Frames(
         own.text("map_frame", "map"), own.text("odom_frame", "odom"), own.text("base_frame", "base_footprint")
@@ -231,9 +237,13 @@ def make_camera(own: Parameters, world: World, simulation: Simulation, speed: fl
     if simulation.base.raspicam is None:
         return None
     camera = read_camera(own, simulation.base.raspicam)
-    prefixes = [f"robot_{n}/" if simulation.robots > 1 else "" for n in range(simulation.robots)]
     quality = own.integer("jpeg_quality", 80, minimum=1)
-    return CameraTopics(world, simulation.base, camera, prefixes, speed == 0.0, min(quality, 95))
+    return CameraTopics(world, simulation.base, camera, list_prefixes(simulation), speed == 0.0, min(quality, 95))
+
+
+def list_prefixes(simulation: Simulation) -> list[str]:
+    """What stands before the topics and frames of each robot: nothing where there is only one."""
+    return [f"robot_{n}/" if simulation.robots > 1 else "" for n in range(simulation.robots)]
 
 
 if __name__ == "__main__":

@@ -8,7 +8,8 @@ import pytest
 
 from ur.robot.base import Base
 from ur.source.diagnostic import UserError
-from ur_nodes.simulator.simulation import Schedule, Simulation, Tick
+from ur_nodes.simulator.schedule import Schedule
+from ur_nodes.simulator.simulation import Simulation, Tick
 from ur_nodes.simulator.world import World
 
 Drive = Callable[..., None]

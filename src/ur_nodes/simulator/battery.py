@@ -1,0 +1,44 @@
+"""A battery whose charge is counted."""
+
+from __future__ import annotations
+
+from ur.robot.base import Battery
+
+SECONDS_PER_HOUR = 3600.0
+
+
+class BatteryCharge:
+    """How full a battery is. Its voltage falls in a straight line from full to empty; it does not fall under load."""
+
+    def __init__(self, battery: Battery, fraction: float = 1.0) -> None:
+        """`fraction` of its capacity is in it at first."""
+        self._battery = battery
+        self._charge = battery.design_capacity * min(1.0, max(0.0, fraction))
+        self._current = 0.0
+
+    @property
+    def charge(self) -> float:
+        """What is left, Ah."""
+        return self._charge
+
+    @property
+    def fraction(self) -> float:
+        """What is left, 0 to 1."""
+        return self._charge / self._battery.design_capacity
+
+    @property
+    def voltage(self) -> float:
+        """V."""
+        empty, full = self._battery.voltage_empty, self._battery.voltage_full
+        return empty + self.fraction * (full - empty)
+
+    @property
+    def current(self) -> float:
+        """What flowed into the battery of late, A: negative, for it is drawn from it."""
+        return -self._current
+
+    def draw(self, effort: float, seconds: float) -> None:
+        """Some time in which the base moved at the share `effort` (0 to 1) of its full speed, on average."""
+        idle = self._battery.current_idle
+        self._current = idle + effort * (self._battery.current_moving - idle)
+        self._charge = max(0.0, self._charge - self._current * seconds / SECONDS_PER_HOUR)

@@ -1,0 +1,15 @@
+"""Publishers as the simulator wants them."""
+
+from __future__ import annotations
+
+import warnings
+from typing import Any
+
+import rospy
+
+
+def make_publisher(topic: str, kind: Any, queue: int | None) -> rospy.Publisher:
+    """A publisher that drops the oldest of more than `queue` unsent messages; None: it waits until each is sent."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", SyntaxWarning)  # rospy thinks that whoever waits forgot to give a size
+        return rospy.Publisher(topic, kind, queue_size=queue, tcp_nodelay=True)

@@ -1,0 +1,79 @@
+"""What one robot feels beside what its lidar and its camera see: sonars, bumpers, inertia, its battery."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ur.robot.base import Base
+from ur_nodes.simulator.battery import BatteryCharge
+from ur_nodes.simulator.bumpers import BumperRing
+from ur_nodes.simulator.imu import InertialUnit, Reading
+from ur_nodes.simulator.physics import Physics
+from ur_nodes.simulator.sonar import Floats
+
+BATTERY_RATE = 1.0  # Hz
+
+
+class Senses:
+    """Sensors of one robot, as far as its base has them. Noise is drawn when they are due, whoever looks."""
+
+    def __init__(self, base: Base, physics: Physics, robot: int, seed: np.random.SeedSequence, charge: float) -> None:
+        """`charge` is how full the battery is at first, 0 to 1."""
+        self._base = base
+        self._physics = physics
+        self._robot = robot
+        # One stream each, so that one sensor more does not change what the others say.
+        self._sonar_random, self._imu_random = (np.random.Generator(np.random.PCG64(each)) for each in seed.spawn(2))
+        self._sonar_noise = np.zeros(len(base.sonars.at) if base.sonars else 0)
+        self._imu_noise = np.zeros(6)
+        self._imu = InertialUnit(base.imu) if base.imu else None
+        self._bumpers = BumperRing(base.bumpers) if base.bumpers else None
+        self._battery = BatteryCharge(base.battery, charge) if base.battery else None
+        self._rolled = physics.wheel_angles(robot)
+        self.feel_motion(0.0)
+
+    def listen(self) -> None:
+        """The sonars are due."""
+        self._sonar_noise = self._sonar_random.standard_normal(self._sonar_noise.size)
+
+    def feel_motion(self, time: float) -> None:
+        """The inertial unit is due, at a time (s) since the start or the last reset."""
+        if self._imu:
+            self._imu.sample(self._physics.motion(self._robot), time)
+            self._imu_noise = self._imu_random.standard_normal(6)
+
+    def feel_touch(self, time: float) -> None:
+        """The robot touches something at a time (s)."""
+        if self._bumpers:
+            self._bumpers.press(self._physics.touches(self._robot), time)
+
+    def drain(self) -> None:
+        """The battery is due: it gave what the wheels took since it last was."""
+        if self._battery:
+            rolled = self._physics.wheel_angles(self._robot)
+            turned = sum(abs(now - then) for now, then in zip(rolled, self._rolled, strict=True)) / 2.0
+            self._rolled = rolled
+            speed = turned * self._base.wheels.radius * BATTERY_RATE
+            self._battery.draw(min(1.0, speed / self._base.limits.velocity), 1.0 / BATTERY_RATE)
+
+    def forget_motion(self) -> None:
+        """The robot was put elsewhere by hand."""
+        if self._imu:
+            self._imu.forget()
+
+    def ranges(self) -> Floats:
+        """What the sonars hear (m), in the order of the base's file; see SonarRing.listen."""
+        return self._physics.listen(self._robot, self._sonar_noise)
+
+    def inertia(self) -> Reading | None:
+        """What the inertial unit said when it was last due; None for a base without one."""
+        return self._imu.read(self._imu_noise) if self._imu else None
+
+    def pressed(self, time: float) -> dict[str, bool]:
+        """Which bumpers are pressed at a time (s), by name."""
+        return self._bumpers.state(time) if self._bumpers else {}
+
+    @property
+    def battery(self) -> BatteryCharge | None:
+        """The battery; None for a base without one."""
+        return self._battery

@@ -1,0 +1,84 @@
+"""Sonars: the nearest surface in a cone, found with a fan of rays against the shapes of a MuJoCo model."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from ur.robot.base import Sonars
+from ur_nodes.simulator.model import LIDAR_GROUPS
+from ur_nodes.simulator.scenery import rotation_axes
+
+Floats = npt.NDArray[np.float64]
+ROW_RAYS = 17  # side by side: walls and obstacles stand upright
+CONE_RAYS = 32  # over the whole cone: table tops
+
+
+class SonarRing:
+    """The sonars of one robot, in the order of the base's file. What lidars see they hear, the floor not."""
+
+    def __init__(self, model: Any, sonars: Sonars, robot: int) -> None:
+        self._model = model
+        self._sonars = sonars
+        self._body = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, f"robot_{robot}")
+        poses = [sonar.pose for sonar in sonars.at]
+        self._places = np.array([pose[:3] for pose in poses], np.float64).reshape(-1, 3)
+        fan = cone_rays(sonars.field_of_view)
+        self._fans = [fan @ np.array(rotation_axes(pose[3:])) for pose in poses]
+        self._groups = np.array(LIDAR_GROUPS, np.uint8)
+        self._hit = np.zeros(len(fan), np.int32)
+        self._distance = np.zeros(len(fan))
+
+    def listen(self, data: Any, noise: Floats) -> Floats:
+        """Ranges (m), shape (sonars,), with `noise` (standard normal, same shape) scaled to the sonars'.
+
+        After REP 117: +inf where nothing is within `range_max`, -inf where something is nearer than `range_min`.
+        """
+        sonars = self._sonars
+        turn = data.xmat[self._body].reshape(3, 3).T
+        places = data.xpos[self._body] + self._places @ turn
+        directions = zip(places, self._fans, strict=True)
+        nearest = np.array([self._nearest(data, place, fan @ turn) for place, fan in directions])
+        ranges = nearest + sonars.noise * noise
+        missed = ~np.isfinite(nearest) | (ranges > sonars.range_max)
+        ranges[ranges < sonars.range_min] = -np.inf
+        ranges[missed] = np.inf
+        return ranges
+
+    def _nearest(self, data: Any, place: Floats, rays: Floats) -> float:
+        mujoco.mj_multiRay(
+            self._model,
+            data,
+            place,
+            rays.ravel(),
+            self._groups,
+            1,  # walls too
+            self._body,
+            self._hit,
+            self._distance,
+            None,
+            len(self._distance),
+            self._sonars.range_max + 6.0 * self._sonars.noise,
+        )
+        heard = self._distance[self._distance >= 0.0]
+        return float(heard.min()) if heard.size else math.inf
+
+
+def cone_rays(field_of_view: float) -> Floats:
+    """Unit vectors within a cone about +x whose opening angle is `field_of_view` (rad), shape (rays, 3).
+
+    A row in the x-y plane from edge to edge, and a sunflower over the cone (Vogel's spiral: the golden angle apart).
+    """
+    half = field_of_view / 2.0
+    across = np.linspace(-half, half, ROW_RAYS)
+    row = np.stack([np.cos(across), np.sin(across), np.zeros(ROW_RAYS)], axis=1)
+    number = np.arange(1, CONE_RAYS + 1)
+    off = half * np.sqrt(number / CONE_RAYS)
+    round_axis = number * math.pi * (3.0 - math.sqrt(5.0))
+    cone = np.stack([np.cos(off), np.sin(off) * np.cos(round_axis), np.sin(off) * np.sin(round_axis)], axis=1)
+    rays: Floats = np.concatenate([row, cone])
+    return rays
