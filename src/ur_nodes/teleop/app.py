@@ -20,14 +20,15 @@ from ur.source.diagnostic import UserError
 from ur_nodes.teleop import commands as c
 from ur_nodes.teleop.batch import place_text, target_of
 from ur_nodes.teleop.command_line import CommandLine
+from ur_nodes.teleop.emergency import Wish
 from ur_nodes.teleop.map_widget import MapView
 from ur_nodes.teleop.navigator import GoalState, Navigator, Place, Snapshot
 from ur_nodes.teleop.palette import DARK, LIGHT
-from ur_nodes.teleop.status_text import help_text, status_line, waiting_line
+from ur_nodes.teleop.status_text import alarm_line, help_text, status_line, waiting_line
 from ur_nodes.teleop.waypoints import WaypointStore
 
 REFRESH = 1.0 / 6.0
-_COMMAND_LETTERS = "gmwdsi?q"
+_COMMAND_LETTERS = "gmwdsier?q"
 
 
 class Panel(ModalScreen[None]):
@@ -52,9 +53,11 @@ class Panel(ModalScreen[None]):
         yield box
 
     def on_key(self, event: events.Key) -> None:
-        """Close."""
+        """Close; the emergency key is one here, too."""
         event.stop()
         self.dismiss()
+        if event.key == "space":
+            self.post_message(CommandLine.EmergencyKey())
 
     def on_click(self) -> None:
         """Close."""
@@ -151,6 +154,9 @@ class NavigateApp(App[None]):
         self._draw_head()
 
     def _status(self) -> Text:
+        alarm = alarm_line(self._snapshot)
+        if alarm:
+            return Text(f" {alarm}", "bold white on red", no_wrap=True, overflow="ellipsis")
         waiting = waiting_line(self._snapshot)
         if waiting:
             return Text(f" {waiting}", "yellow", no_wrap=True, overflow="ellipsis")
@@ -221,6 +227,10 @@ class NavigateApp(App[None]):
     async def _map_key(self, message: CommandLine.MapKey) -> None:
         await self.run_action(_ACTIONS[message.key])
 
+    @on(CommandLine.EmergencyKey)
+    def _emergency(self) -> None:
+        self._do(c.AskMux("stop"))
+
     @on(CommandLine.Entered)
     def _entered(self, message: CommandLine.Entered) -> None:
         try:
@@ -233,7 +243,10 @@ class NavigateApp(App[None]):
     def on_key(self, event: events.Key) -> None:
         """With the map in focus a command's first letter goes to the command line."""
         line = self.query_one(CommandLine)
-        if event.character and event.character in _COMMAND_LETTERS and self.focused is not line:
+        if event.key == "space":
+            self._do(c.AskMux("stop"))
+            event.stop()
+        elif event.character and event.character in _COMMAND_LETTERS and self.focused is not line:
             line.focus()
             line.value += event.character
             line.cursor_position = len(line.value)
@@ -248,6 +261,8 @@ class NavigateApp(App[None]):
         elif isinstance(command, c.Stop):
             self._navigator.stop()
             self._say("stopped" if not self._snapshot.goal.over else "there was no goal to stop", "yellow")
+        elif isinstance(command, c.AskMux):
+            self._ask_mux(command.wish)
         elif isinstance(command, c.ListPlaces):
             self.push_screen(Panel("waypoints", self._list()))
         elif isinstance(command, (c.Go, c.GoTo)):
@@ -261,6 +276,13 @@ class NavigateApp(App[None]):
             self._say("the localiser looks for the robot everywhere; drive a little to help it")
         else:
             self._change_places(command)
+
+    def _ask_mux(self, wish: Wish) -> None:
+        if wish == "stop" and not self._snapshot.goal.over:
+            self._navigator.stop()
+        self._navigator.ask_mux(wish)
+        self._say("")
+        self._look()
 
     def _change_places(self, command: c.Remember | c.Forget) -> None:
         store = self._store()
@@ -292,6 +314,9 @@ class NavigateApp(App[None]):
     def _send(self, place: Place) -> None:
         if self._navigator.snapshot().missing:
             self._say(f"not sent: {waiting_line(self._navigator.snapshot())}", "yellow")
+            return
+        if self._navigator.snapshot().mux.stopped:
+            self._say("not sent: the emergency stop is on; r and Enter let the robot drive again", "yellow")
             return
         self._sent = self._navigator.go(place)
         self._look()
@@ -345,6 +370,7 @@ def _key_of(snapshot: Snapshot, places: Mapping[str, Place], size: Size) -> tupl
         round(snapshot.speed, 2),
         round(snapshot.spread, 2) if snapshot.spread is not None else None,
         snapshot.missing,
+        snapshot.mux,
         tuple(places.items()),
         size,
     )

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from ur.source.diagnostic import UserError
 from ur_nodes.teleop.commands import (
     USAGE,
+    AskMux,
     Command,
     Forget,
     Go,
@@ -23,6 +24,7 @@ from ur_nodes.teleop.commands import (
     error_line,
     parse_command,
 )
+from ur_nodes.teleop.emergency import Wish
 from ur_nodes.teleop.navigator import (
     GoalReport,
     GoalState,
@@ -33,6 +35,8 @@ from ur_nodes.teleop.navigator import (
     heading_there,
 )
 from ur_nodes.teleop.waypoints import WaypointStore
+
+_ANSWER_WAIT = 5.0  # s: for the mux
 
 Write = Callable[[str], None]
 
@@ -106,8 +110,25 @@ def _run(
     """Whether it went well. Raises UserError."""
     if isinstance(command, (Go, GoTo)):
         return _drive(command, text, navigator, store, limits, around)
+    if isinstance(command, AskMux):
+        return _ask_mux(command.wish, text, navigator, around)
     around.out(_do_at_once(command, text, navigator, store))
     return True
+
+
+def _ask_mux(wish: Wish, text: str, navigator: Navigator, around: Surroundings) -> bool:
+    """Whether the mux did it; with an emergency the goal ends, too."""
+    deadline = around.clock() + _ANSWER_WAIT
+    if wish == "stop":
+        navigator.stop()
+    navigator.ask_mux(wish)
+    while (mux := navigator.snapshot().mux).asked is not None and around.clock() < deadline:
+        if around.sleep(0.02):
+            raise InterruptedBatchError
+    late = f"no answer within {_ANSWER_WAIT:g} s" if mux.asked is not None else ""
+    done = "emergency stop" if wish == "stop" else "released"
+    around.out(f"{text}: {mux.problem or late or done}")
+    return not (mux.problem or late)
 
 
 def _do_at_once(command: Command, text: str, navigator: Navigator, store: WaypointStore) -> str:

@@ -27,8 +27,16 @@ class CommandLine(Input):
             super().__init__()
             self.key = key
 
+    class EmergencyKey(Message):
+        """The space bar was pressed where no space belongs."""
+
     def __init__(self, *, id: str | None = None) -> None:
-        super().__init__(id=id, compact=True, select_on_focus=False, placeholder="g X Y [ANGLE], m NAME, ? for help")
+        super().__init__(
+            id=id,
+            compact=True,
+            select_on_focus=False,
+            placeholder="g X Y [ANGLE], m NAME, ? for help; Space: emergency stop",
+        )
         self._history: list[str] = []
         self._at = 0
 
@@ -39,6 +47,8 @@ class CommandLine(Input):
             self._recall(self._at - 1)
         elif event.key == "down":
             self._recall(self._at + 1)
+        elif event.key == "space" and (not self.value or self.value[-1] == " "):
+            self.post_message(self.EmergencyKey())  # no command begins with a space or holds two in a row
         elif event.key == "escape":
             self.value = ""
         elif not self.value and event.key in EMPTY_LINE_KEYS:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from ur.source.diagnostic import UserError, error
 from ur.source.suggest import did_you_mean
+from ur_nodes.teleop.emergency import Wish
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,6 +61,13 @@ class Stop:
 
 
 @dataclass(frozen=True, slots=True)
+class AskMux:
+    """Emergency stop of everything that drives, or the end of it."""
+
+    wish: Wish
+
+
+@dataclass(frozen=True, slots=True)
 class Relocalise:
     """Have the localiser look for the robot everywhere."""
 
@@ -74,7 +82,7 @@ class Quit:
     """End the program."""
 
 
-Command = Go | GoTo | Remember | Forget | SetPose | ListPlaces | Stop | Relocalise | Help | Quit
+Command = Go | GoTo | Remember | Forget | SetPose | ListPlaces | Stop | AskMux | Relocalise | Help | Quit
 
 USAGE: dict[str, tuple[str, str]] = {
     # word: how it is written, what it does
@@ -84,6 +92,8 @@ USAGE: dict[str, tuple[str, str]] = {
     "l": ("l", "list the waypoints"),
     "d": ("d NAME", "drop a waypoint"),
     "s": ("s", "stop: cancel the goal"),
+    "e": ("e", "emergency stop, whoever drives (or Space)"),
+    "r": ("r", "release: end of the emergency"),
     "i": ("i X Y ANGLE", "tell the robot where it is"),
     "global": ("global", "let the robot find out where it is"),
     "?": ("?", "help"),
@@ -92,12 +102,15 @@ USAGE: dict[str, tuple[str, str]] = {
 _PLAIN: dict[str, Command] = {
     "l": ListPlaces(),
     "s": Stop(),
+    "e": AskMux("stop"),
+    "r": AskMux("release"),
     "global": Relocalise(),
     "?": Help(),
     "q": Quit(),
 }
 _NAMED: dict[str, type[GoTo] | type[Remember] | type[Forget]] = {"m": GoTo, "w": Remember, "d": Forget}
 _ALIASES = {"go": "g", "goto": "m", "move": "m", "list": "l", "stop": "s", "help": "?", "quit": "q", "exit": "q"}
+_ALIASES |= {"emergency": "e", "release": "r"}
 _NAME = re.compile(r"[\w][\w.-]{0,39}\Z")
 
 

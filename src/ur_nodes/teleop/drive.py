@@ -13,6 +13,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
+from ur_nodes.teleop.emergency import Wish
 from ur_nodes.teleop.keys import KITTY_RELEASE_FLAGS, FocusLost, Key, KeyEvent, KittyFlags
 
 FIRST_HOLD = 0.6
@@ -55,6 +56,7 @@ SPEED_KEYS: dict[str, tuple[float, float]] = {
     "e": (1.0, 1.1),
     "c": (1.0, 0.9),
 }
+EMERGENCY_KEYS: dict[str, Wish] = {"space": "stop", "r": "release"}
 
 
 class Motion(NamedTuple):
@@ -132,6 +134,13 @@ def step_drive(state: DriveState, event: KeyEvent | None, now: float) -> tuple[D
     if state.zeros_left:
         return replace(state, zeros_left=state.zeros_left - 1), STILL
     return state, None
+
+
+def wish_of(event: KeyEvent) -> Wish | None:
+    """What a key asks of the mux."""
+    if not isinstance(event, Key) or event.action != "press" or event.ctrl:
+        return None
+    return EMERGENCY_KEYS.get(event.name)
 
 
 def motion_of(state: DriveState) -> Motion:

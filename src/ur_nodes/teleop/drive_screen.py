@@ -5,20 +5,23 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ur_nodes.teleop.drive import DriveState, motion_of
+from ur_nodes.teleop.emergency import MuxView, describe_emergency
 
-_BOLD, _DIM, _REVERSE, _GREEN, _CYAN, _YELLOW, _OFF = (
+_BOLD, _DIM, _REVERSE, _ALARM, _GREEN, _CYAN, _YELLOW, _OFF = (
     "\x1b[1m",
     "\x1b[2m",
     "\x1b[7;1m",
+    "\x1b[31;7;1m",
     "\x1b[32m",
     "\x1b[36m",
     "\x1b[33m",
     "\x1b[0m",
 )
 _BAR = 20
+_OWN = "keyboard"  # what the mux calls this source
 _PADS = (("u", "i", "o"), ("j", "k", "l"), ("m", ",", "."))
 _ARROWS = (("", "up", ""), ("left", "space", "right"), ("", "down", ""))
-_GLYPHS = {"up": "↑", "down": "↓", "left": "←", "right": "→", "space": "·"}
+_GLYPHS = {"up": "↑", "down": "↓", "left": "←", "right": "→", "space": "■"}
 _SPEED_HELP = ("q / z   both speeds, 10 % at a time", "w / x   forward speed", "e / c   turning speed")
 
 
@@ -30,10 +33,11 @@ class Link:
     listeners: int
 
 
-def draw_drive_screen(state: DriveState, link: Link, columns: int, rows: int) -> list[str]:
+def draw_drive_screen(state: DriveState, link: Link, mux: MuxView, columns: int, rows: int) -> list[str]:
     """At most `rows` lines that fit `columns`, most important first when there is little room."""
     if columns < 40 or rows < 14:
-        return [_fit(line, columns) for line in (_motion_line(state), *_notes(state, link), "", "Ctrl-C ends")][:rows]
+        short = (_motion_line(state, mux), *_notes(state, link, mux), "", "space: emergency stop", "Ctrl-C ends")
+        return [_fit(line, columns) for line in short][:rows]
     lines = [
         "",
         f"  {_BOLD}{_CYAN}keyboard drive{_OFF}   {_listeners(link)}",
@@ -43,11 +47,12 @@ def draw_drive_screen(state: DriveState, link: Link, columns: int, rows: int) ->
         _speed_line("forward", state.speed, state.settings.speed_limit, "m/s"),
         _speed_line("turning", state.turn, state.settings.turn_limit, "rad/s"),
         "",
-        f"  {_motion_line(state)}",
-        *(f"  {note}" for note in _notes(state, link)),
+        f"  {_motion_line(state, mux)}",
+        *(f"  {note}" for note in _notes(state, link, mux)),
         "",
         f"  {_DIM}{_stop_help(state)}{_OFF}",
-        f"  {_DIM}space or k stops, with shift sideways where the base can, Ctrl-C ends{_OFF}",
+        f"  {_DIM}space: emergency stop, for all who drive; r ends it; k or any other key: stand{_OFF}",
+        f"  {_DIM}with shift sideways, where the base can; Ctrl-C ends{_OFF}",
     ]
     return [_fit(line, columns) for line in lines][:rows]
 
@@ -74,7 +79,9 @@ def _speed_line(name: str, value: float, limit: float, unit: str) -> str:
     return f"  {name}  {_GREEN}{'━' * full}{_OFF}{_DIM}{'━' * (_BAR - full)}{_OFF}  {value:.2f} of {limit:g} {unit}"
 
 
-def _motion_line(state: DriveState) -> str:
+def _motion_line(state: DriveState, mux: MuxView) -> str:
+    if alarm := describe_emergency(mux, "r lets the robot drive again"):
+        return f"{_ALARM} {alarm} {_OFF}"
     if not state.moving:
         return f"{_DIM}■ standing still{_OFF}"
     motion = motion_of(state)
@@ -82,9 +89,15 @@ def _motion_line(state: DriveState) -> str:
     return f"{_GREEN}{_BOLD}▲ driving{_OFF}   {motion.x:+.2f} m/s  {motion.yaw:+.2f} rad/s{aside}"
 
 
-def _notes(state: DriveState, link: Link) -> list[str]:
-    silent = "" if link.listeners else f"nobody listens to {link.topic} yet: is the robot running?"
-    return [f"{_YELLOW}{state.note or silent}{_OFF}"]
+def _notes(state: DriveState, link: Link, mux: MuxView) -> list[str]:
+    note = state.note
+    if not note and not link.listeners:
+        note = f"nobody listens to {link.topic} yet: is the robot running?"
+    elif not note and mux.stopped is None:
+        note = "no mux is there: space stops these keys only, not others who drive"
+    elif not note and mux.active not in ("", _OWN):
+        note = f"{mux.active} drives" + (", and goes before these keys" if state.moving else "")
+    return [f"{_YELLOW}{note}{_OFF}"]
 
 
 def _listeners(link: Link) -> str:

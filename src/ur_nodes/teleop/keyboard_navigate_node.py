@@ -36,6 +36,7 @@ def _run(ended: threading.Event) -> int:
         map_frame=parameters.text("global_frame", "map"),
         base_frame=parameters.text("base_frame", "base_footprint"),
         plan_topic=parameters.text("plan_topic", "move_base/NavfnROS/plan"),
+        mux=parameters.text("mux", "cmd_vel_mux"),
     )
     limits = Limits(
         start=parameters.number("start_timeout", 30.0, minimum=0.0),

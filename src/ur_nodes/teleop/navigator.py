@@ -1,4 +1,4 @@
-"""What the navigation programs see of a robot: a picture of it, and five things to ask of it."""
+"""What the navigation programs see of a robot: a picture of it, and six things to ask of it."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ur_nodes.rosio.pose import Pose2
+from ur_nodes.teleop.emergency import MuxView, Wish
 
 Place = Pose2
 """A pose in the map frame: m, m, rad."""
@@ -81,6 +82,7 @@ class Snapshot:
     turn: float = 0.0
     spread: float | None = None
     missing: tuple[str, ...] = ()
+    mux: MuxView = field(default_factory=MuxView)
 
 
 class Navigator(Protocol):
@@ -94,6 +96,9 @@ class Navigator(Protocol):
 
     def stop(self) -> None:
         """Give up the goal, whoever sent it."""
+
+    def ask_mux(self, wish: Wish) -> None:
+        """Stop everything that drives, whoever does, or let it drive again."""
 
     def set_pose(self, place: Place) -> None:
         """Tell the localiser that the robot is here."""

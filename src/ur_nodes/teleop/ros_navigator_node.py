@@ -23,6 +23,7 @@ from tf2_msgs.msg import TFMessage
 
 from ur.source.diagnostic import UserError, error
 from ur_nodes.rosio.geometry import pose_message, pose_of_message
+from ur_nodes.teleop.emergency import Wish
 from ur_nodes.teleop.frames import FrameTree, Link, move_points, scan_points
 from ur_nodes.teleop.goal_tracker import (
     Status,
@@ -33,6 +34,7 @@ from ur_nodes.teleop.goal_tracker import (
     track_status,
     track_time,
 )
+from ur_nodes.teleop.mux_link_node import MuxLink
 from ur_nodes.teleop.navigator import MapGrid, Place, Snapshot
 
 _SILENT = 3.0  # s without a transform of the robot: the picture is old
@@ -44,11 +46,12 @@ _POINTED_VARIANCE = (0.25, 0.25, (math.pi / 12) ** 2)
 
 @dataclass(frozen=True, slots=True)
 class Names:
-    """Frames, and the topic of the global path; everything else is remapped as usual."""
+    """Frames, the topic of the global path, the node that is the mux; everything else is remapped as usual."""
 
     map_frame: str = "map"
     base_frame: str = "base_footprint"
     plan_topic: str = "move_base/NavfnROS/plan"
+    mux: str = "cmd_vel_mux"
 
 
 class RosNavigator:
@@ -65,6 +68,7 @@ class RosNavigator:
         self._status_at = -math.inf
         self._track: list[tuple[float, Place]] = []
         self._numbers = itertools.count(1)
+        self._mux = MuxLink(names.mux)
         subscribe = rospy.Subscriber
         self._goals = rospy.Publisher("move_base/goal", MoveBaseActionGoal, queue_size=1)
         self._cancels = rospy.Publisher("move_base/cancel", GoalID, queue_size=1)
@@ -81,7 +85,7 @@ class RosNavigator:
 
     def snapshot(self) -> Snapshot:
         """What is known now."""
-        now = time.monotonic()
+        now, mux = time.monotonic(), self._mux.view()
         with self._lock:
             names = self._names
             pose = self._frames.place(names.map_frame, names.base_frame)
@@ -102,6 +106,7 @@ class RosNavigator:
                 speed=speed,
                 turn=turn,
                 missing=self._missing(pose, now),
+                mux=mux,
             )
 
     def go(self, place: Place) -> int:
@@ -122,6 +127,10 @@ class RosNavigator:
     def stop(self) -> None:
         """Give up the goal, whoever sent it."""
         self._cancels.publish(GoalID())  # an empty one cancels all: actionlib's protocol
+
+    def ask_mux(self, wish: Wish) -> None:
+        """Stop everything that drives, whoever does, or let it drive again."""
+        self._mux.ask(wish)
 
     def set_pose(self, place: Place) -> None:
         """Tell the localiser that the robot is here."""

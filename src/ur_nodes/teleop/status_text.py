@@ -7,6 +7,7 @@ import math
 from rich.text import Text
 
 from ur_nodes.teleop.commands import USAGE
+from ur_nodes.teleop.emergency import describe_emergency
 from ur_nodes.teleop.navigator import GoalState, Snapshot, distance_left
 
 _SHOWN = {
@@ -20,6 +21,7 @@ _SHOWN = {
 _GAP = "  │  "
 
 MAP_KEYS = (
+    ("Space", "emergency stop; press it twice while you type"),
     ("+ - 0", "zoom in, out (or the wheel), the whole map"),
     ("f", "follow the robot"),
     ("arrows, h j k l", "move the map, or drag with the right button"),
@@ -43,6 +45,11 @@ def status_line(snapshot: Snapshot, columns: int) -> Text:
         line.append(gap, "dim")
         line.append_text(part)
     return line
+
+
+def alarm_line(snapshot: Snapshot) -> str:
+    """What is to be known of an emergency, or nothing."""
+    return describe_emergency(snapshot.mux, "r and Enter let the robot drive again")
 
 
 def waiting_line(snapshot: Snapshot) -> str:

@@ -14,10 +14,12 @@ import rospy
 from geometry_msgs.msg import Twist, TwistStamped, Vector3
 
 from ur_nodes.rosio.parameters import Parameters
-from ur_nodes.teleop.drive import STILL, DriveSettings, Motion, start_drive, step_drive
+from ur_nodes.teleop.drive import STILL, DriveSettings, Motion, start_drive, step_drive, wish_of
 from ur_nodes.teleop.drive_screen import Link, draw_drive_screen
+from ur_nodes.teleop.emergency import Emergency
 from ur_nodes.teleop.foreground_node import run_in_foreground
 from ur_nodes.teleop.keys import Key, decode_keys
+from ur_nodes.teleop.mux_link_node import MuxLink
 from ur_nodes.teleop.terminal import Terminal, own_terminal
 
 _NAME = "teleop_twist_keyboard"
@@ -36,11 +38,13 @@ def main() -> int:
 
 def _run(ended: threading.Event) -> int:
     settings, rate = _read_settings(Parameters())
+    mux_name = Parameters().text("mux", "cmd_vel_mux")
     publisher, publish = _make_publisher(Parameters())
     try:
         if sys.stdin.isatty() and sys.stdout.isatty():
+            mux = MuxLink(mux_name)
             with own_terminal(sys.stdin.fileno(), sys.stdout.fileno()) as terminal:
-                drive_terminal(terminal, settings, rate, publish, lambda: _link(publisher), ended)
+                drive_terminal(terminal, settings, rate, publish, lambda: _link(publisher), mux, ended)
             return 0
         _wait_for_listener(publisher, ended)
         return drive_pipe(sys.stdin.fileno(), settings, rate, publish, ended)
@@ -55,6 +59,7 @@ def drive_terminal(
     rate: float,
     publish: Publish,
     link: Callable[[], Link],
+    mux: Emergency,
     ended: threading.Event,
 ) -> None:
     """Drive by the keys of a terminal until it ends, Ctrl-C is pressed or `ended` is set."""
@@ -67,6 +72,8 @@ def drive_terminal(
         events, rest = decode_keys(rest + data, final=not data)
         now = time.monotonic()
         for event in events:
+            if (wish := wish_of(event)) is not None:
+                mux.ask(wish)
             was_moving = state.moving
             state, motion = step_drive(state, event, now)
             if motion is not None and state.moving != was_moving:
@@ -82,7 +89,7 @@ def drive_terminal(
             terminal.ask_for_life()
         again = now - drawn_at > 2.0  # other programs may have written on the screen
         drawn_at = now if again else drawn_at
-        terminal.show(draw_drive_screen(state, link(), *terminal.size()), again=again)
+        terminal.show(draw_drive_screen(state, link(), mux.view(), *terminal.size()), again=again)
 
 
 def drive_pipe(source: int, settings: DriveSettings, rate: float, publish: Publish, ended: threading.Event) -> int:
@@ -118,7 +125,7 @@ def _read_settings(parameters: Parameters) -> tuple[DriveSettings, float]:
         key_timeout=parameters.number("key_timeout", 0.0, minimum=0.0, maximum=10.0),
     )
     rate = parameters.number("repeat_rate", 20.0, minimum=0.0, maximum=200.0)
-    return settings, max(rate, 5.0) if rate else 20.0  # bases stop when commands are older than 0.25 s
+    return settings, max(rate, 10.0) if rate else 20.0  # commands that are older than 0.15 s count no more
 
 
 def _make_publisher(parameters: Parameters) -> tuple[Any, Publish]:

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from ur.source.diagnostic import UserError, error
+from ur_nodes.teleop.emergency import Wish
 from ur_nodes.teleop.navigator import GoalReport, GoalState, MapGrid, Place, Snapshot
 from ur_nodes.teleop.waypoints import WaypointStore
 
@@ -28,6 +29,7 @@ class FakeNavigator:
         self.stops = 0
         self.searches = 0
         self.offers_search = True
+        self.asked: list[Wish] = []
 
     def snapshot(self) -> Snapshot:
         return self.seen
@@ -42,6 +44,10 @@ class FakeNavigator:
         self.stops += 1
         if not self.seen.goal.over:
             self.end(GoalState.STOPPED)
+
+    def ask_mux(self, wish: Wish) -> None:
+        self.asked.append(wish)
+        self.seen = replace(self.seen, mux=replace(self.seen.mux, stopped=wish == "stop"))
 
     def set_pose(self, place: Place) -> None:
         self.poses.append(place)

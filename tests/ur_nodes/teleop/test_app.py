@@ -13,6 +13,7 @@ from textual.widgets import Static
 
 from ur_nodes.teleop.app import NavigateApp, Panel
 from ur_nodes.teleop.command_line import CommandLine
+from ur_nodes.teleop.emergency import MuxView
 from ur_nodes.teleop.map_widget import MapView
 from ur_nodes.teleop.navigator import GoalState, Place, Snapshot
 from ur_nodes.teleop.palette import LIGHT
@@ -65,6 +66,42 @@ async def test_reaching_and_failing_are_announced(screen: Screen, navigator: Any
     navigator.end(GoalState.FAILED, "the goal is in a wall")
     await screen.refresh()
     assert "failed: the goal is in a wall" in screen.text("message")
+
+
+async def test_space_stops_everything_and_only_a_release_lets_goals_be_sent(screen: Screen, navigator: Any) -> None:
+    await screen.type("g 2 3 90")
+    await screen.pilot.press("space")
+    await screen.refresh()
+    assert navigator.asked == ["stop"]
+    assert navigator.stops == 1
+    assert "EMERGENCY STOP: r and Enter" in screen.text("status")
+    await screen.type("g 1 1")
+    assert len(navigator.goals) == 1
+    assert "not sent: the emergency stop is on" in screen.text("message")
+    await screen.type("r")
+    assert navigator.asked == ["stop", "release"]
+    assert "EMERGENCY" not in screen.text("status")
+    await screen.type("g 1 1")
+    assert len(navigator.goals) == 2
+
+
+@pytest.mark.parametrize(
+    "keys",
+    [["space"], ["g", "space", "1", "space", "space"], ["tab", "space"], ["question_mark", "enter", "space"]],
+    ids=["empty line", "twice while typing", "map", "help"],
+)
+async def test_space_stops_wherever_the_focus_is(screen: Screen, navigator: Any, keys: list[str]) -> None:
+    await screen.pilot.press(*keys)
+    assert navigator.asked == ["stop"]
+
+
+async def test_emergency_of_somebody_else_and_a_stop_that_failed_are_shown(screen: Screen, navigator: Any) -> None:
+    navigator.seen = replace(navigator.seen, mux=MuxView(stopped=True))
+    await screen.refresh()
+    assert "EMERGENCY STOP" in screen.text("status")
+    navigator.seen = replace(navigator.seen, mux=MuxView(problem="NOT STOPPED: no answer"))
+    await screen.refresh()
+    assert "NOT STOPPED: no answer" in screen.text("status")
 
 
 @pytest.mark.parametrize(

@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 from ur_nodes.teleop.batch import InterruptedBatchError, Limits, Surroundings, run_batch, wait_until_ready
+from ur_nodes.teleop.emergency import MuxView
 from ur_nodes.teleop.navigator import GoalReport, GoalState, Place
 from ur_nodes.teleop.waypoints import WaypointStore
 
@@ -94,6 +95,24 @@ def test_other_commands(navigator: Any, store: WaypointStore) -> None:
     assert (navigator.searches, navigator.stops) == (1, 1)
     assert not navigator.goals
     assert "g X Y [ANGLE]" in world.out[-1]
+
+
+def test_emergency_ends_the_goal_and_lasts_until_the_release(navigator: Any, store: WaypointStore) -> None:
+    world = World()
+    navigator.go(Place(1.0, 1.0, 0.0))
+    assert run(["e", "r"], navigator, store, world) == 0
+    assert world.out == ["e: emergency stop", "r: released"]
+    assert navigator.asked == ["stop", "release"]
+    assert navigator.stops == 1
+
+
+def test_emergency_that_the_mux_does_not_answer_fails(navigator: Any, store: WaypointStore) -> None:
+    world = World()
+    navigator.ask_mux = lambda wish: setattr(navigator, "seen", replace(navigator.seen, mux=MuxView(asked=wish)))
+    assert run(["e"], navigator, store, world) == 1
+    navigator.ask_mux = lambda _: setattr(navigator, "seen", replace(navigator.seen, mux=MuxView(problem="no mux")))
+    assert run(["e"], navigator, store, world) == 1
+    assert world.out == ["e: no answer within 5 s", "e: no mux"]
 
 
 def test_goal_over_the_limit_is_cancelled(navigator: Any, store: WaypointStore) -> None:

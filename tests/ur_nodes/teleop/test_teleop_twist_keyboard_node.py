@@ -10,11 +10,27 @@ import pytest
 
 from ur_nodes.teleop.drive import STILL, DriveSettings, Motion
 from ur_nodes.teleop.drive_screen import Link
+from ur_nodes.teleop.emergency import MuxView, Wish
 from ur_nodes.teleop.teleop_twist_keyboard_node import drive_pipe, drive_terminal
 from ur_nodes.teleop.terminal import own_terminal
 
 SETTINGS = DriveSettings(speed=0.4, turn=0.8, speed_limit=0.5, turn_limit=1.0)
 FORWARD = Motion(x=0.4)
+
+
+class FakeMux:
+    """A mux that does what it is asked at once."""
+
+    def __init__(self) -> None:
+        self.stopped = False
+        self.asked: list[Wish] = []
+
+    def view(self) -> MuxView:
+        return MuxView(self.stopped)
+
+    def ask(self, wish: Wish) -> None:
+        self.asked.append(wish)
+        self.stopped = wish == "stop"
 
 
 class Driver:
@@ -24,6 +40,7 @@ class Driver:
         self.user = user
         self.sent: list[Motion] = []
         self.screen = b""
+        self.mux = FakeMux()
 
     def type(self, data: bytes) -> None:
         os.write(self.user, data)
@@ -47,7 +64,7 @@ def driving() -> Iterator[Driver]:
 
     def run() -> None:
         with own_terminal(program, program) as terminal:
-            drive_terminal(terminal, SETTINGS, 20.0, driver.sent.append, lambda: Link("/cmd_vel", 1), ended)
+            drive_terminal(terminal, SETTINGS, 20.0, driver.sent.append, lambda: Link("/cmd_vel", 1), driver.mux, ended)
 
     threads = [threading.Thread(target=run), threading.Thread(target=driver.read_screen, daemon=True)]
     for thread in threads:
@@ -85,6 +102,20 @@ def test_release_stops_where_the_terminal_reports_it() -> None:
         driver.type(b"\x1b[1;1:3A")
         driver.wait(lambda: driver.sent[-1] == STILL)
         assert b"let go and the robot stops" in driver.screen
+
+
+def test_space_stops_the_mux_and_r_releases_it_on_any_terminal() -> None:
+    with driving() as driver:
+        driver.type(b"i")
+        driver.wait(lambda: FORWARD in driver.sent)
+        driver.type(b" ")
+        driver.wait(lambda: b"EMERGENCY STOP" in driver.screen)
+        assert driver.sent[-1] == STILL
+        driver.type(b"r")
+        driver.wait(lambda: driver.screen.rfind(b"standing still") > driver.screen.rfind(b"EMERGENCY STOP"))
+        driver.type(b"\x1b[?15u\x1b[32;1:1u\x1b[32;1:2u\x1b[32;1:3u")  # press, repeat, release, told apart
+        driver.wait(lambda: driver.mux.stopped)
+        assert driver.mux.asked == ["stop", "release", "stop"]
 
 
 @pytest.mark.parametrize("end", [b"\x03", b"\x04", b"\x1b[99;5u"])
