@@ -8,15 +8,16 @@ which values to try next, so both branches of a condition are seen.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 from ur.check.model import LaunchView
 from ur.check.survey import walk_elements
 from ur.check.worlds import CachedWorld, Environment, Unknowns, has_marker
 from ur.launchfile.plan.load import load_plan
-from ur.launchfile.plan.model import Plan
-from ur.launchfile.syntax import Element, LaunchFile
+from ur.launchfile.plan.model import Plan, TraceStep
+from ur.launchfile.syntax import Element
 from ur.source.diagnostic import Diagnostic
 
 _ROUNDS = 5
@@ -50,6 +51,9 @@ class Resolved:
     plan: Plan
 
 
+Loader = Callable[[str, Sequence[str], CachedWorld], Plan]
+
+
 def list_cases(view: LaunchView, given: tuple[tuple[str, str], ...] = ()) -> list[Case]:
     """The cases of a launch file: each base and variant of its package, once plain and once per option flipped.
 
@@ -66,13 +70,19 @@ def resolve_cases(
     view: LaunchView,
     world: CachedWorld,
     given: tuple[tuple[str, str], ...] = (),
-    trees: dict[str, LaunchFile] | None = None,
+    trace: list[TraceStep] | None = None,
+    load: Loader | None = None,
 ) -> Iterator[Resolved]:
-    """The plans of a launch file, one or two per case. See load_plan for `trees`."""
+    """The plans of a launch file, one or two per case. See load_plan for `trace`; another `load` may make the plans."""
+    load = load or partial(_load, trace=trace)
     required = [name for name, elements in view.declared.items() if all(map(_is_required, elements))]
     for case in list_cases(view, given):
-        for plan in _resolve(view.path, case, required, world, trees):
+        for plan in _resolve(view.path, case, required, world, load):
             yield Resolved(case, plan)
+
+
+def _load(path: str, words: Sequence[str], world: CachedWorld, trace: list[TraceStep] | None) -> Plan:
+    return load_plan([path], words, world, trace)
 
 
 def _base_cases(view: LaunchView, given: set[str]) -> list[tuple[tuple[str, str], ...]]:
@@ -106,9 +116,7 @@ def _is_required(element: Element) -> bool:
     return "default" not in element.attributes and "value" not in element.attributes
 
 
-def _resolve(
-    path: str, case: Case, required: list[str], world: CachedWorld, trees: dict[str, LaunchFile] | None
-) -> Iterator[Plan]:
+def _resolve(path: str, case: Case, required: list[str], world: CachedWorld, load_file: Loader) -> Iterator[Plan]:
     unknowns = Unknowns()
     open_world = world.seen_from(path.rpartition("/")[0], Environment(world.environment, unknowns))
     given = dict(case.given)
@@ -116,7 +124,7 @@ def _resolve(
     def load() -> Plan:
         words = [f"{name}:={value}" for name, value in given.items()]
         words += [f"{name}:={unknowns.value_of(name)}" for name in required if name not in given]
-        return load_plan([path], words, open_world, trees=trees)
+        return load_file(path, words, open_world)
 
     plan = load()
     for _ in range(_ROUNDS):
