@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 import sys
 import threading
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -37,6 +38,7 @@ from ur_nodes.vision.marker_message import make_markers
 from ur_nodes.vision.messages_node import message_classes
 from ur_nodes.vision.observation import Observation, make_observation
 from ur_nodes.vision.rigid import Floats, to_angles
+from ur_nodes.vision.search import without_twins
 
 _PIXEL_NOISE = 0.5
 _SHOW_EVERY = 1.0  # s between maps that are published
@@ -56,10 +58,14 @@ class Settings:
     future: float
     map_file: Path
     read_only: bool
+    spread_limit: float
 
 
 class FiducialSlam:
-    """Takes each set of corners when the frames at its time are known, newest first."""
+    """Takes each set of corners when the frames at its time are known, newest first.
+
+    While the robot's place is not known there is no transform, so that whoever drives by it stops.
+    """
 
     def __init__(self, settings: Settings, sizes: Sizes, known: tuple[MapEntry, ...], start: Pose2 | None) -> None:
         self._settings, self._sizes = settings, sizes
@@ -70,8 +76,11 @@ class FiducialSlam:
         self._saved = 0
         self._changes = 0
         self._known = known
+        self._named: set[int] = set()
         self._estimator: Mapper | Localiser = (
-            Localiser(known, start=start) if settings.read_only else Mapper(known, start=start)
+            Localiser(known, start=start, spread_limit=settings.spread_limit)
+            if settings.read_only
+            else Mapper(known, start=start)
         )
         self._tf: Any = rospy.Publisher("/tf", TFMessage, queue_size=10, tcp_nodelay=True)
         self._pose: Any = rospy.Publisher("fiducial_pose", PoseWithCovarianceStamped, queue_size=1)
@@ -85,6 +94,8 @@ class FiducialSlam:
         rospy.Subscriber("initialpose", PoseWithCovarianceStamped, self._place, queue_size=1)
         rospy.Service("clear_map", Empty, self._clear)
         rospy.Service("save_map", Trigger, self._save_now)
+        if settings.read_only:
+            rospy.Service("global_localization", Empty, self._forget)
         rospy.Timer(rospy.Duration.from_sec(settings.interval), lambda _: self._publish_tf(), reset=True)
         rospy.Timer(rospy.Duration.from_sec(_SHOW_EVERY), lambda _: self._show(), reset=True)
         rospy.Timer(rospy.Duration.from_sec(_SAVE_EVERY), lambda _: self._save(), reset=True)
@@ -125,12 +136,25 @@ class FiducialSlam:
         return make_observation(number, mount, poses, _PIXEL_NOISE) if poses else None
 
     def _update(self, stamp: rospy.Time, odometry: Pose2, observed: list[Observation]) -> None:
-        changed = self._estimator.add(odometry, observed)
+        seen, twins = without_twins(observed)
+        self._name(twins, "is twice in one picture, expected each number once; it is overlooked there")
+        known_before = self._estimator.robot(odometry) is not None
+        changed = self._estimator.add(odometry, seen)
         robot = self._estimator.robot(odometry)
+        self._name(
+            self._estimator.contradicting,
+            "is not where the map has it: it was moved or is there twice (or, if there are several, the robot was"
+            " carried away); it is overlooked",
+        )
         if changed and isinstance(self._estimator, Mapper):
             self._changes += 1
         if robot is None:
+            self._correction = None
+            if known_before:
+                rospy.logwarn("lost: what is seen does not fit, or nothing was seen for long; looking for the robot")
             return
+        if not known_before:
+            rospy.loginfo("the robot is at %.2f %.2f, %.0f degrees", robot.x, robot.y, math.degrees(robot.yaw))
         self._correction = robot.compose(odometry.inverse())
         self._publish_tf()
         if changed:
@@ -139,6 +163,12 @@ class FiducialSlam:
             message.pose.pose = pose_message(robot)
             message.pose.covariance = self._covariance(robot)
             self._pose.publish(message)
+
+    def _name(self, numbers: Iterable[int], what: str) -> None:
+        """Say of each fiducial once that something is wrong with it."""
+        for number in sorted(set(numbers) - self._named):
+            rospy.logwarn("fiducial %d %s", number, what)
+            self._named.add(number)
 
     def _covariance(self, robot: Pose2) -> list[float]:
         """Row-major 6 x 6 along the axes of the map."""
@@ -170,6 +200,14 @@ class FiducialSlam:
             return
         with self._lock:
             self._estimator.place(pose_of_message(message.pose.pose))
+
+    def _forget(self, _request: EmptyRequest) -> EmptyResponse:
+        """Find the robot anew, wherever it is: the service that amcl has."""
+        with self._lock:
+            if isinstance(self._estimator, Localiser):
+                self._estimator.forget()
+                self._correction = None
+        return EmptyResponse()
 
     def _clear(self, _request: EmptyRequest) -> EmptyResponse:
         """Forget the map; the robot stays where it is believed to be."""
@@ -242,6 +280,7 @@ def start() -> None:
         own.number("future_date_transforms", 0.1, minimum=0.0, maximum=10.0),
         Path(own.text("map_file", "~/.ros/slam/map.txt")).expanduser(),
         own.boolean("read_only_map", False),
+        own.number("spread_limit", 1.0, minimum=0.1),
     )
     initial = own.text("initial_map_file", "")
     source = Path(initial).expanduser() if initial else settings.map_file

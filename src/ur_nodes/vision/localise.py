@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 import gtsam
 import numpy as np
@@ -16,39 +16,72 @@ from ur_nodes.vision.graph import (
     fiducial_key,
     known_factor,
     planar_factor,
-    robot_from,
     robot_key,
     sighting_factor,
 )
 from ur_nodes.vision.observation import Observation, Sighting, choose_sighting
 from ur_nodes.vision.rigid import Floats, from_planar, invert, to_planar
+from ur_nodes.vision.search import GATE, disagreement, find_robot
 
-_LOST = (0.5, 0.5, 0.5)  # standard deviations (m, m, rad) of a first guess from one fiducial
-_GATE = 60.0  # chi squared beyond which a sighting contradicts what is believed
-_CONTRADICTIONS = 5  # pictures in a row: then the robot was moved by hand, and is found anew
+_LOST = (0.5, 0.5, 0.5)  # standard deviations (m, m, rad) of a first guess
+_CONTRADICTIONS = 5  # pictures in a row in which several fiducials contradict: then the robot was moved by hand
+_LONE_CONTRADICTIONS = 30  # the same with one fiducial only: that may have been moved itself
+_PLACES = [3, 4, 2]  # x, y, heading among rotation and translation
+
+_Used = tuple[MapEntry, Sighting]
 
 
 class Localiser:
-    """A planar pose with its covariance: odometry moves it, pictures correct it (a small factor graph for each)."""
+    """A planar pose with its covariance: odometry moves it, pictures correct it (a small factor graph for each).
+
+    A fiducial that contradicts the others, or contradicts alone what is believed, is overlooked. Where what is seen
+    contradicts for long, or odometry has gone on for too long alone, the robot is lost: it has no place until what it
+    sees tells one again.
+    """
 
     def __init__(
-        self, known: Iterable[MapEntry], *, start: Pose2 | None = None, noise: OdometryNoise = DEFAULT_NOISE
+        self,
+        known: Iterable[MapEntry],
+        *,
+        start: Pose2 | None = None,
+        noise: OdometryNoise = DEFAULT_NOISE,
+        spread_limit: float = math.inf,
     ) -> None:
-        """`start` is where the robot is believed to be; None: it is found out from the first known fiducial."""
+        """`start` is where the robot is believed to be; None: it is found out from what is seen.
+
+        `spread_limit` (m) is the standard deviation of the place beyond which the robot is lost.
+        """
         self._known = {entry.id: entry for entry in known}
         self._noise = noise
+        self._limit = spread_limit
         self._odometry: Pose2 | None = None
         self._contradictions = 0
+        self._contradicting: set[int] = set()
         self._pose: Pose2 | None = None
         self.covariance: Floats = np.diag(np.square(_LOST))
         if start is not None:
             self.place(start)
 
+    @property
+    def contradicting(self) -> frozenset[int]:
+        """The fiducials that were not where the map has them when they were seen last."""
+        return frozenset(self._contradicting)
+
+    @property
+    def spread(self) -> float:
+        """The standard deviation of the place, m."""
+        return math.sqrt(float(self.covariance[0, 0] + self.covariance[1, 1]))
+
     def place(self, pose: Pose2) -> None:
         """The robot is said to be somewhere, to half a metre and half a radian."""
+        self.forget()
         self._pose = pose
-        self._odometry = None
+
+    def forget(self) -> None:
+        """Nobody knows where the robot is: what it sees next tells."""
+        self._pose = self._odometry = None
         self._contradictions = 0
+        self._contradicting.clear()
         self.covariance = np.diag(np.square(_LOST))
 
     def robot(self, odometry: Pose2) -> Pose2 | None:
@@ -60,13 +93,16 @@ class Localiser:
     def add(self, odometry: Pose2, observations: Iterable[Observation]) -> bool:
         """Take in what is seen at a moment. Returns whether a known fiducial was of use."""
         self._predict(odometry)
-        seen = tuple(each for each in observations if each.id in self._known)
+        seen = tuple(each for each in observations if each.id in self._known and each.sightings)
         if self._pose is None:
-            clear = next((each for each in seen if each.clear), None)
-            if clear is None:
+            self._pose = find_robot(self._known, seen)
+            if self._pose is None:
                 return False
-            self._pose = to_planar(robot_from(self._known[clear.id].pose, clear.sightings[0]))
-        return bool(seen) and self._correct(seen)
+        if seen and self._correct(seen):
+            return True
+        if self._pose is not None and self.spread > self._limit:
+            self.forget()
+        return False
 
     def _predict(self, odometry: Pose2) -> None:
         if self._odometry is not None and self._pose is not None:
@@ -92,6 +128,21 @@ class Localiser:
         used = [(entry, sighting) for entry, sighting in chosen if sighting]
         if not used:
             return False
+        better, covariance = self._solve(guess, used)
+        wrong = {entry.id for entry, sighting in used if disagreement(better, entry, sighting) > GATE}
+        self._contradicting -= {entry.id for entry, _ in used}
+        self._contradicting |= wrong
+        if 2 * len(wrong) > len(used):
+            self._doubt()
+            return False
+        if wrong:
+            better, covariance = self._solve(guess, [each for each in used if each[0].id not in wrong])
+        self._contradictions = 0
+        self._pose, self.covariance = to_planar(better), covariance
+        return True
+
+    def _solve(self, guess: Floats, used: Sequence[_Used]) -> tuple[Floats, Floats]:
+        """The pose (4, 4) that agrees best with belief and sightings, and its planar covariance (3, 3)."""
         graph, values = gtsam.NonlinearFactorGraph(), gtsam.Values()
         values.insert(robot_key(0), gtsam.Pose3(guess))
         graph.push_back(planar_factor(0, guess, self.covariance))
@@ -100,28 +151,14 @@ class Localiser:
             values.insert(fiducial_key(entry.id), gtsam.Pose3(entry.pose))
             graph.push_back(sighting_factor(0, entry.id, sighting))
         solved = gtsam.LevenbergMarquardtOptimizer(graph, values).optimize()
-        better = np.asarray(solved.atPose3(robot_key(0)).matrix())
-        contradicting = sum(disagreement(better, entry, sighting) > _GATE for entry, sighting in used)
-        if 2 * contradicting > len(used):
-            self._doubt()
-            return False
-        self._contradictions = 0
-        places = [3, 4, 2]
         marginal = np.asarray(gtsam.Marginals(graph, solved).marginalCovariance(robot_key(0)))
-        self._pose, self.covariance = to_planar(better), marginal[np.ix_(places, places)]
-        return True
+        return np.asarray(solved.atPose3(robot_key(0)).matrix()), marginal[np.ix_(_PLACES, _PLACES)]
 
     def _doubt(self) -> None:
         """The picture is not believed; after several in a row the belief goes instead."""
         self._contradictions += 1
-        if self._contradictions >= _CONTRADICTIONS:
-            self._contradictions = 0
-            self._pose = None
-            self.covariance = np.diag(np.square(_LOST))
-
-
-def disagreement(robot: Floats, entry: MapEntry, sighting: Sighting) -> float:
-    """Chi squared (six degrees of freedom) between a sighting and what a robot at a pose (4, 4) would see."""
-    expected = gtsam.Pose3(invert(robot) @ entry.pose)
-    off = gtsam.Pose3.Logmap(gtsam.Pose3(sighting.pose).between(expected))
-    return float(off @ np.linalg.solve(sighting.covariance + entry.covariance, off))
+        several = len(self._contradicting) > 1
+        if self._contradictions >= (_CONTRADICTIONS if several else _LONE_CONTRADICTIONS):
+            odometry = self._odometry
+            self.forget()
+            self._odometry = odometry

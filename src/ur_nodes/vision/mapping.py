@@ -24,15 +24,21 @@ from ur_nodes.vision.graph import (
 )
 from ur_nodes.vision.observation import Observation, Sighting, choose_sighting
 from ur_nodes.vision.rigid import Floats, from_planar, invert, to_planar
+from ur_nodes.vision.search import GATE, deviation
 from ur_nodes.vision.unsettled import Unsettled, View
 
 _STEP, _TURN = 0.15, 0.15  # m, rad: how far apart moments of the graph are where something is seen
 _LONG_STEP, _LONG_TURN = 0.6, 0.8  # and where nothing is
 _ORIGIN = Pose2(0.0, 0.0, 0.0)
+_NEARBY, _NEARLY = 0.3, 0.35  # m, rad by which a known fiducial may seem displaced without further thought
 
 
 class Mapper:
-    """Takes odometry and observations, gives poses of robot and fiducials. The same input gives the same map."""
+    """Takes odometry and observations, gives poses of robot and fiducials. The same input gives the same map.
+
+    A fiducial that is seen farther from its place in the map than all uncertainty explains (it was moved, or there are
+    two of that number) is overlooked, and stays where it was.
+    """
 
     def __init__(
         self,
@@ -49,6 +55,7 @@ class Mapper:
         self._poses: dict[int, Floats] = {}
         self._seen: dict[int, int] = {}
         self._links: dict[int, set[int]] = {}
+        self._contradicting: set[int] = set()
         self._unsettled = Unsettled()
         self._count = 0
         self._odometry: Pose2 | None = None
@@ -60,6 +67,11 @@ class Mapper:
     def fiducials(self) -> dict[int, Floats]:
         """The poses (4, 4) of the fiducials in the map, as far as they are estimated now."""
         return {entry.id: entry.pose for entry in self._known.values()} | self._poses
+
+    @property
+    def contradicting(self) -> frozenset[int]:
+        """The fiducials that were not where the map has them when they were seen last."""
+        return frozenset(self._contradicting)
 
     @property
     def moments(self) -> int:
@@ -87,8 +99,9 @@ class Mapper:
             return False
         factors, values = gtsam.NonlinearFactorGraph(), gtsam.Values()
         self._add_known(factors, values)
+        trusted = [each for each in seen if not self._contradicts(each, guess, odometry)]
         self._add_robot(factors, values, odometry, guess)
-        self._add_sightings(factors, values, guess, seen)
+        self._add_sightings(factors, values, guess, trusted)
         self._isam.update(factors, values)
         self._isam.update()
         for index in range(factors.size()):
@@ -168,7 +181,7 @@ class Mapper:
         factors: gtsam.NonlinearFactorGraph,
         values: gtsam.Values,
         guess: Floats,
-        seen: tuple[Observation, ...],
+        seen: Iterable[Observation],
     ) -> None:
         used: list[tuple[int, int, Sighting]] = []
         for observation in (each for each in seen if each.sightings):
@@ -184,6 +197,26 @@ class Mapper:
             factors.push_back(sighting_factor(moment, number, sighting))
             self._seen[number] = self._seen.get(number, 0) + 1
             self._links.setdefault(number, set()).update(other for _, other, _ in used if other != number)
+
+    def _contradicts(self, seen: Observation, guess: Floats, odometry: Pose2) -> bool:
+        """Whether a fiducial of the map is seen where it cannot be, however far the robot has strayed."""
+        number, known = seen.id, self._poses.get(seen.id)
+        sighting = choose_sighting(seen, invert(guess) @ known) if known is not None else None
+        self._contradicting.discard(number)
+        if known is None or sighting is None or not self._count:
+            return False
+        off = deviation(guess, known, sighting)
+        if np.linalg.norm(off[3:]) < _NEARBY and np.linalg.norm(off[:3]) < _NEARLY:
+            return False
+        shift, turn = self._noise.sigmas(self._motion(odometry))
+        strayed = self.covariance() + np.diag(np.square([0.0, 0.0, turn, shift, shift, 0.0]))
+        carry = gtsam.Pose3(invert(known) @ guess).AdjointMap()
+        placed = np.asarray(self._isam.marginalCovariance(fiducial_key(number)))
+        total = sighting.covariance + placed + carry @ strayed @ carry.T
+        if float(off @ np.linalg.solve(total, off)) < GATE:
+            return False
+        self._contradicting.add(number)
+        return True
 
     def _take_estimate(self, values: gtsam.Values) -> None:
         self._robot = np.asarray(values.atPose3(robot_key(self._count - 1)).matrix())
