@@ -18,6 +18,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "ur.launchfile": ("ur.source",),
     "ur.robot": ("ur.source",),
     "ur.check": ("ur.source", "ur.launchfile", "ur.robot"),
+    "ur.find": ("ur.source", "ur.launchfile", "ur.check"),
     "ur.format": ("ur.source", "ur.launchfile", "ur.check"),
     "ur.run": ("ur.source", "ur.launchfile", "ur.robot"),
     "ur.tui": ("ur.source", "ur.run"),

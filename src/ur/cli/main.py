@@ -29,6 +29,7 @@ VERBS = {
     "stop": ("ur.cli.stop", "End a run, or one of its nodes."),
     "check": ("ur.cli.check", "Check launch files, YAML files and programs."),
     "format": ("ur.cli.format", "Put launch files in house order and layout."),
+    "find": ("ur.cli.find", "Find where a name in launch files is defined and used."),
     "explain": ("ur.cli.explain", "Say where a name in a launch file got its value."),
     "use": ("ur.cli.use", "Select a robot, or show which one is selected."),
     "setup": ("ur.cli.setup", "Set this computer up: shells, keys, workspace, names."),

@@ -1,0 +1,41 @@
+"""What is found."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from fnmatch import translate
+from typing import Literal, get_args
+
+from ur.source.file import Span
+
+Kind = Literal["arg", "node", "topic", "param", "file"]
+KINDS: tuple[Kind, ...] = get_args(Kind)
+
+
+@dataclass(frozen=True, slots=True)
+class Occurrence:
+    """A place that defines something or uses it.
+
+    `name` is in full; `note` says how it is used, where that is not clear.
+    """
+
+    kind: Kind
+    name: str
+    defines: bool
+    span: Span
+    note: str = ""
+
+
+class Wanted:
+    """A name to look for: `scan` means `/scan` and `/robot/scan`; `*` and `?` stand for any characters."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        absolute = name.startswith("/")
+        pattern = translate(name if absolute else f"*/{name}")
+        self._pattern = re.compile(pattern)
+
+    def matches(self, name: str) -> bool:
+        """Whether a full name (or a path, or an argument) is meant."""
+        return self._pattern.match(name if name.startswith("/") else f"/{name}") is not None
