@@ -58,8 +58,8 @@ def test_argument_is_found_where_it_is_declared_used_handed_on_and_given() -> No
         "arg topic in /p/part_one.launch.xml:4:29",
         "arg topic in /p/part_two.launch.xml:4:29",
         "arg topic in /p/top.launch:5:16",
-        "arg topic in /p/top.launch:5:35",
-        "arg topic in /p/top.launch:8:44",
+        "arg topic in /p/top.launch:5:36",
+        "arg topic in /p/top.launch:8:43",
     ]
 
 
