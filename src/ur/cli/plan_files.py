@@ -37,6 +37,7 @@ def load_words(words: Sequence[str], selection: Selection) -> tuple[Plan | None,
         from ur.cli.base_argument import check_base  # reads YAML, which most launch files do without
 
         check_base(files, values, world)
+    arguments += localisation_argument(files, declared, arguments)
     plan = load_plan(files, arguments, world)
     findings = plan.diagnostics
     if any(node.terminal for node in plan.nodes):
@@ -103,6 +104,15 @@ def selected_arguments(selection: Selection, declared: Sequence[str], given: Seq
         "simulate": "" if selection.simulated else "false",
     }
     return [f"{name}:={value}" for name, value in values.items() if value and name in declared and name not in taken]
+
+
+def localisation_argument(files: Sequence[str], declared: Sequence[str], arguments: Sequence[str]) -> list[str]:
+    """As choose_localisation, for arguments written NAME:=VALUE. Raises UserError likewise."""
+    if "localisation" not in declared:
+        return []
+    from ur.cli.localisation import choose_localisation  # reads YAML
+
+    return choose_localisation(files, declared, dict(word.split(":=", 1) for word in arguments))
 
 
 def is_this_computer(robot: str) -> bool:

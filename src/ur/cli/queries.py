@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 
 from ur.cli.environment import PACKAGE
-from ur.cli.plan_files import declared_arguments, refuse_stray_words, selected_arguments
+from ur.cli.plan_files import declared_arguments, localisation_argument, refuse_stray_words, selected_arguments
 from ur.launchfile.address import resolve_addresses
 from ur.launchfile.plan.load import load_plan
 from ur.launchfile.plan.model import NodeSpec, Plan
@@ -166,7 +166,8 @@ def _load(words: Sequence[str], selection: Selection, world: SystemWorld) -> Pla
     given = [word for word in words if ":=" in word]
     declared = declared_arguments(files, world)
     refuse_stray_words(files, declared, world)
-    plan = load_plan(files, [*given, *selected_arguments(selection, declared, given, here=True)], world)
+    arguments = [*given, *selected_arguments(selection, declared, given, here=True)]
+    plan = load_plan(files, [*arguments, *localisation_argument(files, declared, arguments)], world)
     show_findings(plan.diagnostics)
     refused = any(each.severity is Severity.ERROR and each.rule != "unknown-machine" for each in plan.diagnostics)
     return None if refused else plan
