@@ -7,13 +7,21 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ur.robot.base import Base, Camera, Lidar
+from ur.robot.base import Base, Camera, Imu, Lidar, Sonar
 
-_COLOURS = {"body": "0.16 0.45 0.70 1", "tyre": "0.12 0.12 0.13 1", "sensor": "0.95 0.60 0.10 1"}
+_COLOURS = {
+    "body": "0.16 0.45 0.70 1",
+    "tyre": "0.12 0.12 0.13 1",
+    "sensor": "0.95 0.60 0.10 1",
+    "board": "0.10 0.35 0.20 1",
+}
 
 
-def write_urdf(base: Base) -> str:
-    """The URDF text of a base in one variant. Wheel joints are `left_wheel_joint` and `right_wheel_joint`."""
+def write_urdf(base: Base, mesh: str) -> str:
+    """The URDF text of a base in one variant. Wheel joints are `left_wheel_joint` and `right_wheel_joint`.
+
+    `mesh` is the URL of the body's mesh (`ur.robot.body_mesh`), as `package://PACKAGE/FILE.stl`.
+    """
     variant = f", variant {base.variant}" if base.variant else ""
     lines = [
         '<?xml version="1.0"?>',
@@ -21,77 +29,104 @@ def write_urdf(base: Base) -> str:
         f'<robot name="{base.name}">',
         *(f'  <material name="{name}"><color rgba="{rgba}"/></material>' for name, rgba in _COLOURS.items()),
         '  <link name="base_footprint"/>',
-        *_chassis(base),
+        *_chassis(base, mesh),
         *_wheel(base, "left", 1.0),
         *_wheel(base, "right", -1.0),
     ]
     for number, caster in enumerate(base.casters, start=1):
-        height = caster.radius - base.wheels.radius
-        lines += _link(f"caster_{number}", f'<sphere radius="{_n(caster.radius)}"/>', "tyre")
-        lines += _joint(f"caster_{number}", (caster.x, caster.y, height))
+        lines += _link(f"caster_{number}", _visual(f'<sphere radius="{_n(caster.radius)}"/>', "tyre"))
+        lines += _joint(f"caster_{number}", (caster.x, caster.y, caster.radius - base.wheels.radius))
     if base.lidar:
         lines += _lidar(base, base.lidar)
     if base.raspicam:
         lines += _camera(base, base.raspicam)
+    for sonar in base.sonars.at if base.sonars else ():
+        lines += _sonar(base, sonar)
+    if base.imu:
+        lines += _imu(base, base.imu)
     lines.append("</robot>")
     return "\n".join(lines) + "\n"
 
 
-def _chassis(base: Base) -> Iterator[str]:
+def _chassis(base: Base, mesh: str) -> Iterator[str]:
     xs, ys = zip(*base.footprint, strict=True)
-    length, width = max(xs) - min(xs), max(ys) - min(ys)
-    inner = min(width, base.wheels.separation - base.wheels.width - 0.01)
-    height = base.height - base.ground_clearance
+    length, width, height = max(xs) - min(xs), max(ys) - min(ys), base.height - base.ground_clearance
     middle = (max(xs) + min(xs)) / 2.0, (max(ys) + min(ys)) / 2.0
-    bottom = base.ground_clearance - base.wheels.radius
-    deck = max(0.02, height - 2.0 * base.wheels.radius + base.ground_clearance)
+    mass = max(0.1 * base.mass, base.mass - 2.0 * base.wheels.mass)
+    shape = f'<mesh filename="{mesh}"/>'
+    down = (0.0, 0.0, -base.wheels.radius)  # the mesh stands on the ground
     yield from _joint("base", (0.0, 0.0, base.wheels.radius), parent="base_footprint", child="base_link")
     yield '  <link name="base_link">'
-    yield from _visual(f"{_n(length)} {_n(inner)} {_n(height - deck)}", (*middle, bottom + (height - deck) / 2.0))
-    yield from _visual(f"{_n(length)} {_n(width)} {_n(deck)}", (*middle, bottom + height - deck / 2.0))
-    yield from _inertial(base.mass, (length, width, height), (*middle, bottom + height / 2.0))
+    yield from _visual(shape, "body", down)
+    yield f'    <collision><origin xyz="{_xyz(down)}"/><geometry>{shape}</geometry></collision>'
+    yield from _inertial(mass, (length, width, height), (*middle, base.ground_clearance + height / 2.0 + down[2]))
     yield "  </link>"
-
-
-def _visual(size: str, at: tuple[float, float, float]) -> Iterator[str]:
-    for tag, material in (("visual", '<material name="body"/>'), ("collision", "")):
-        yield f'    <{tag}><origin xyz="{_xyz(at)}"/><geometry><box size="{size}"/></geometry>{material}</{tag}>'
 
 
 def _wheel(base: Base, side: str, sign: float) -> Iterator[str]:
     wheels = base.wheels
     shape = f'<cylinder radius="{_n(wheels.radius)}" length="{_n(wheels.width)}"/>'
     size = (2.0 * wheels.radius, wheels.width, 2.0 * wheels.radius)
-    yield from _link(f"{side}_wheel", shape, "tyre", rpy="1.570796 0 0", mass=wheels.mass, size=size)
+    turned = (1.570796, 0.0, 0.0)
+    parts = [*_visual(shape, "tyre", angles=turned), *_inertial(wheels.mass, size, (0.0, 0.0, 0.0))]
+    yield from _link(f"{side}_wheel", parts)
     place = (0.0, sign * wheels.separation / 2.0, 0.0)
     yield from _joint(f"{side}_wheel", place, kind="continuous", axis="0 1 0")
 
 
 def _lidar(base: Base, lidar: Lidar) -> Iterator[str]:
-    x, y, z, *angles = lidar.pose
-    yield from _link(lidar.frame, '<cylinder radius="0.035" length="0.04"/>', "sensor")
-    yield from _joint(lidar.frame, (x, y, z - base.wheels.radius), rpy=" ".join(_n(angle) for angle in angles))
+    yield from _link(lidar.frame, _visual('<cylinder radius="0.035" length="0.04"/>', "sensor"))
+    yield from _mount(base, lidar.frame, lidar.pose)
 
 
 def _camera(base: Base, camera: Camera) -> Iterator[str]:
     """A body that looks along x, and in it the optical frame (REP 103)."""
-    x, y, z, *angles = camera.pose
     body = f"{camera.frame}_body"
-    yield from _link(body, '<box size="0.01 0.025 0.024"/>', "sensor")
-    yield from _joint(body, (x, y, z - base.wheels.radius), rpy=" ".join(_n(angle) for angle in angles))
+    lens = '<cylinder radius="0.004" length="0.006"/>'
+    parts = [
+        *_visual('<box size="0.004 0.025 0.024"/>', "board", (-0.002, 0.0, 0.0)),
+        *_visual(lens, "sensor", (0.003, 0.0, 0.0), (0.0, 1.570796, 0.0)),
+    ]
+    yield from _link(body, parts)
+    yield from _mount(base, body, camera.pose)
     yield f'  <link name="{camera.frame}"/>'
-    yield from _joint(camera.frame, (0.0, 0.0, 0.0), parent=body, rpy="-1.570796 0 -1.570796")
+    yield from _joint(camera.frame, (0.0, 0.0, 0.0), parent=body, angles=(-1.570796, 0.0, -1.570796))
 
 
-def _link(
-    name: str, shape: str, material: str, rpy: str = "0 0 0", mass: float = 0.0, size: tuple[float, ...] = ()
-) -> Iterator[str]:
+def _sonar(base: Base, sonar: Sonar) -> Iterator[str]:
+    """An HC-SR04: a board with a sender and a receiver; they end where the ranges begin."""
+    parts = [*_visual('<box size="0.002 0.045 0.020"/>', "board", (-0.013, 0.0, 0.0))]
+    for side in (0.013, -0.013):
+        parts += _visual(
+            '<cylinder radius="0.008" length="0.012"/>', "sensor", (-0.006, side, 0.0), (0.0, 1.570796, 0.0)
+        )
+    yield from _link(sonar.frame, parts)
+    yield from _mount(base, sonar.frame, sonar.pose)
+
+
+def _imu(base: Base, imu: Imu) -> Iterator[str]:
+    yield from _link(imu.frame, _visual('<box size="0.020 0.016 0.003"/>', "board"))
+    yield from _mount(base, imu.frame, imu.pose)
+
+
+def _mount(base: Base, frame: str, pose: tuple[float, ...]) -> Iterator[str]:
+    x, y, z, roll, pitch, yaw = pose
+    yield from _joint(frame, (x, y, z - base.wheels.radius), angles=(roll, pitch, yaw))
+
+
+def _link(name: str, parts: Iterator[str] | list[str]) -> Iterator[str]:
     yield f'  <link name="{name}">'
-    place = f'<origin rpy="{rpy}"/>' if rpy != "0 0 0" else ""
-    yield f'    <visual>{place}<geometry>{shape}</geometry><material name="{material}"/></visual>'
-    if mass:
-        yield from _inertial(mass, (size[0], size[1], size[2]), (0.0, 0.0, 0.0))
+    yield from parts
     yield "  </link>"
+
+
+def _visual(
+    shape: str, material: str, at: tuple[float, ...] = (0.0, 0.0, 0.0), angles: tuple[float, ...] = (0.0, 0.0, 0.0)
+) -> Iterator[str]:
+    place = f' xyz="{_xyz(at)}"' if any(at) else ""
+    turn = f' rpy="{_xyz(angles)}"' if any(angles) else ""
+    origin = f"<origin{place}{turn}/>" if place or turn else ""
+    yield f'    <visual>{origin}<geometry>{shape}</geometry><material name="{material}"/></visual>'
 
 
 def _inertial(mass: float, size: tuple[float, float, float], at: tuple[float, float, float]) -> Iterator[str]:
@@ -108,10 +143,10 @@ def _joint(
     kind: str = "fixed",
     parent: str = "base_link",
     child: str = "",
-    rpy: str = "0 0 0",
+    angles: tuple[float, ...] = (0.0, 0.0, 0.0),
     axis: str = "",
 ) -> Iterator[str]:
-    turn = f' rpy="{rpy}"' if rpy != "0 0 0" else ""
+    turn = f' rpy="{_xyz(angles)}"' if any(angles) else ""
     axle = f'<axis xyz="{axis}"/>' if axis else ""
     yield f'  <joint name="{name}_joint" type="{kind}">'
     yield f'    <parent link="{parent}"/><child link="{child or name}"/><origin xyz="{_xyz(at)}"{turn}/>{axle}'
@@ -123,4 +158,4 @@ def _xyz(at: tuple[float, ...]) -> str:
 
 
 def _n(value: float) -> str:
-    return f"{round(value, 6) + 0.0:g}"
+    return f"{round(value, 6) + 0.0:.10g}"

@@ -68,8 +68,10 @@ def _lidar(part: Section, frames: dict[str, str]) -> Lidar:
 
 
 def _camera(part: Section, frames: dict[str, str]) -> Camera:
+    frame = _frame(part, frames, "raspicam")
+    _claim(part, "frame", f"{frame}_body", frames, "raspicam")
     camera = Camera(
-        frame=_frame(part, frames, "raspicam"),
+        frame=frame,
         name=part.text("name", "raspicam_node"),
         pose=part.numbers("pose", 6),
         width=part.integer("width", minimum=16),
@@ -145,6 +147,8 @@ def _frame(part: Section, frames: dict[str, str], default: str | None = None) ->
 def _claim(part: Section, key: str, frame: str, frames: dict[str, str], owner: str) -> None:
     if not re.fullmatch(r"[A-Za-z]\w*", frame):
         part.fail(key, f"frame {frame!r} in {part.name}, expected a name of letters, digits and _")
+    if re.fullmatch(r"caster_\d+", frame):
+        part.fail(key, f"frame {frame!r} in {part.name} is the name of a caster, expected one of its own")
     if frame in frames:
         part.fail(key, f"frame {frame!r} in {part.name} is taken by {frames[frame]}, expected one of its own")
     frames[frame] = owner
