@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import sys
 import threading
 import time
@@ -13,8 +14,8 @@ from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 from nav_msgs.srv import SetMap, SetMapRequest
 from rosgraph_msgs.msg import Clock
-from sensor_msgs.msg import CameraInfo, CompressedImage, Image, JointState, LaserScan
-from std_msgs.msg import Int32
+from sensor_msgs.msg import BatteryState, CameraInfo, CompressedImage, Image, Imu, JointState, LaserScan, Range
+from std_msgs.msg import Bool, Int32
 from std_srvs.srv import Empty, SetBool, Trigger
 from tf2_msgs.msg import TFMessage
 
@@ -26,6 +27,11 @@ KINDS = {
     "tf": TFMessage,
     "clock": Clock,
     "simulator/collisions": Int32,
+    "sonars": Range,
+    "imu/data": Imu,
+    "battery_state": BatteryState,
+    "bumper/front": Bool,
+    "bumper/back": Bool,
     "raspicam_node/image_raw": Image,
     "raspicam_node/image/compressed": CompressedImage,
     "raspicam_node/camera_info": CameraInfo,
@@ -59,7 +65,7 @@ class Client:
     def past(self, topic: str, count: int = 0) -> list[Any]:
         """All messages of a topic so far, once there are at least `count`."""
         with self.arrived:
-            assert self.arrived.wait_for(lambda: len(self.heard[topic]) >= count, 10.0), topic
+            assert self.arrived.wait_for(lambda: len(self.heard[topic]) >= count, 60.0), topic
             return [brief(message) for message in self.heard[topic]]
 
     def since(self, topic: str, stamp: float, count: int) -> list[Any]:
@@ -87,6 +93,16 @@ class Client:
                 time.sleep(0.05)
             self.publishers[topic].publish(message)
 
+    def drive_until(self, topic: str, count: int, linear: float, seconds: float) -> None:
+        """Send the same command until so many messages have arrived on a topic, or time is up."""
+        end = time.monotonic() + seconds
+        self.command(linear, 0.0)
+        while len(self.heard[topic]) < count:
+            assert time.monotonic() < end, f"{len(self.heard[topic])} of {count} messages on {topic}"
+            self.command(linear, 0.0)
+            with self.arrived:
+                self.arrived.wait_for(lambda: len(self.heard[topic]) >= count, 0.03)
+
     def call(self, service: str, **values: Any) -> Any:
         kinds = {"pause": SetBool, "step": Trigger, "reset": Empty, "place": SetMap}
         name = f"/simulator/{service}"
@@ -113,6 +129,8 @@ def brief(message: Any) -> dict[str, Any]:
         return {"stamp": message.clock.to_sec()}
     if isinstance(message, Int32):
         return {"count": message.data}
+    if isinstance(message, Bool):
+        return {"pressed": message.data}
     values = {"stamp": message.header.stamp.to_sec(), "frame": message.header.frame_id}
     if isinstance(message, LaserScan):
         return values | {"ranges": [str(each) for each in message.ranges], "min": message.angle_min}
@@ -123,7 +141,13 @@ def brief(message: Any) -> dict[str, Any]:
     if isinstance(message, CameraInfo):
         return values | {"size": [message.width, message.height], "K": list(message.K)}
     if isinstance(message, JointState):
-        return values | {"names": message.name, "positions": list(message.position)}
+        return values | {
+            "names": message.name,
+            "positions": list(message.position),
+            "velocities": list(message.velocity),
+        }
+    if isinstance(message, (Range, Imu, BatteryState)):
+        return values | brief_reading(message)
     pose, twist = message.pose, message.twist.twist
     return values | {
         "child": message.child_frame_id,
@@ -133,7 +157,27 @@ def brief(message: Any) -> dict[str, Any]:
     }
 
 
+def brief_reading(message: Any) -> dict[str, Any]:
+    """The same of what a sensor says."""
+    if isinstance(message, Range):
+        limits = [message.field_of_view, message.min_range, message.max_range]
+        return {"range": str(message.range), "limits": limits, "kind": message.radiation_type}
+    if isinstance(message, Imu):
+        turning, force, q = message.angular_velocity, message.linear_acceleration, message.orientation
+        return {
+            "turning": [turning.x, turning.y, turning.z],
+            "force": [force.x, force.y, force.z],
+            "orientation": [q.x, q.y, q.z, q.w],
+            "variance": [message.angular_velocity_covariance[0], message.linear_acceleration_covariance[8]],
+        }
+    names = ("voltage", "current", "charge", "percentage", "design_capacity", "present")
+    return {name: getattr(message, name) for name in names}
+
+
 def main() -> None:
+    # rospy writes to standard output now and then: answers go where it cannot.
+    answers = os.fdopen(os.dup(1), "w")
+    os.dup2(2, 1)
     rospy.init_node("client", anonymous=True, disable_signals=True)
     client = Client()
     for line in sys.stdin:
@@ -142,8 +186,8 @@ def main() -> None:
             answer = {"answer": getattr(client, request.pop("do"))(**request)}
         except (AssertionError, rospy.ROSException, rospy.ServiceException) as problem:
             answer = {"error": str(problem)}
-        sys.stdout.write(json.dumps(answer) + "\n")
-        sys.stdout.flush()
+        answers.write(json.dumps(answer) + "\n")
+        answers.flush()
     rospy.signal_shutdown("done")
 
 
