@@ -92,8 +92,11 @@ def test_second_interrupt_is_faster(world: Any) -> None:
     run.wait_nothing_left()
 
 
-@pytest.mark.parametrize("victim", ["supervisor", "host"])
-def test_nothing_survives_kill_9(world: Any, victim: str) -> None:
+PAIRS = [("host", "guard"), ("supervisor", "guard"), ("supervisor", "host")]
+
+
+@pytest.mark.parametrize("victims", [("supervisor",), ("host",), ("guard",), *PAIRS], ids=" and ".join)
+def test_nothing_survives_kill_9(world: Any, victims: tuple[str, ...]) -> None:
     run = world.launch(
         SLEEPER
         + '<node pkg="little_nodes" type="stubborn" name="stubborn"/>'
@@ -101,10 +104,18 @@ def test_nothing_survives_kill_9(world: Any, victim: str) -> None:
     )
     run.until("[/daemon] started", "trapped")
     run.until_running("sleep 600", 3)
-    [host] = [each for each in psutil.Process(run.process.pid).children() if each.name() == "ur-host"]
-    (host if victim == "host" else run.process).kill()
-    run.wait_nothing_left()
-    assert run.wait() == (1 if victim == "host" else -signal.SIGKILL)
+    supervisor = psutil.Process(run.process.pid)
+    keepers = {each.name(): each for each in supervisor.children(recursive=True)}
+    found = {"supervisor": supervisor, "host": keepers["ur-host"], "guard": keepers["ur-guard"]}
+    for victim in victims:
+        found[victim].suspend()  # so that none sees another die first
+    for victim in victims:
+        found[victim].kill()
+    if victims == ("guard",):  # one of three does not matter
+        run.process.send_signal(signal.SIGINT)
+    run.wait_nothing_left(60 if "supervisor" not in victims else 2)
+    codes = {("host",): 1, ("guard",): 0, PAIRS[0]: 1}
+    assert run.wait() == codes.get(victims, -signal.SIGKILL)
 
 
 @pytest.mark.usefixtures("master")

@@ -2,7 +2,8 @@ from __future__ import annotations
 
 import pytest
 
-from ur.run.model import ExitStatus, TellDeath
+from ur.run.actions import TellDeath
+from ur.run.model import ExitStatus
 from ur.run.report import describe_death, describe_status
 
 

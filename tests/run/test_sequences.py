@@ -21,7 +21,7 @@ from tests.run.test_launch import registered
 pytestmark = pytest.mark.ros
 
 NODES = ("sleeper", "stubborn", "daemon", "double", "deaf", "crash", "quick", "ticker", "relay", "relay")
-ENDS = ("INT", "TERM", "HUP", "INT twice", "kill supervisor", "kill host", "stop verb")
+ENDS = ("INT", "TERM", "HUP", "INT twice", "kill supervisor", "kill host", "kill guard", "stop verb")
 
 
 def write_nodes(dice: random.Random) -> str:
@@ -49,11 +49,13 @@ def disturb(world: Any, run: Any, dice: random.Random) -> None:
 def end(world: Any, run: Any, how: str) -> None:
     if how == "stop verb":
         world.ur("stop", "--all").wait()
-    elif how == "kill host":
+    elif how in ("kill host", "kill guard"):
         with suppress(psutil.Error):
-            for child in psutil.Process(run.process.pid).children():
-                if child.name() == "ur-host":
+            for child in psutil.Process(run.process.pid).children(recursive=True):
+                if child.name() == how.replace("kill ", "ur-"):
                     child.kill()
+        if how == "kill guard":  # one of three does not matter
+            run.process.send_signal(signal.SIGINT)
     elif how == "kill supervisor":
         run.process.kill()
     else:

@@ -10,44 +10,42 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ur.run.model import (
+from ur.run.actions import (
     Action,
     AwaitMaster,
-    Begin,
-    Event,
-    Exited,
-    ExitStatus,
     Finish,
-    Limits,
-    MasterAnswered,
-    MasterLost,
-    MasterReplaced,
-    MasterReturned,
-    NothingLeft,
-    ParametersSet,
-    Phase,
-    RestartWanted,
     SetParameters,
-    SetupFailed,
     Signal,
     Start,
-    Started,
-    StartFailed,
-    StartWanted,
-    State,
-    StopRequested,
-    StopWanted,
     Sweep,
     TellDeath,
     TellPressure,
     TellRevival,
     TellStop,
     TellWish,
-    Tick,
-    Unit,
     Unregister,
+)
+from ur.run.happenings import (
+    Begin,
+    Event,
+    Exited,
+    MasterAnswered,
+    MasterLost,
+    MasterReplaced,
+    MasterReturned,
+    NothingLeft,
+    ParametersSet,
+    RestartWanted,
+    SetupFailed,
+    Started,
+    StartFailed,
+    StartWanted,
+    StopRequested,
+    StopWanted,
+    Tick,
     Unregistered,
 )
+from ur.run.model import ExitStatus, Limits, Phase, State, Unit
 from ur.run.supervisor import begin_state, next_deadline, step
 
 CLEAN = ExitStatus(code=0)

@@ -16,13 +16,15 @@ from ur.launchfile.plan.model import NodeSpec, ParamValue, Plan
 from ur.launchfile.world import World
 from ur.run.command import Program, find_programs
 from ur.run.console import Console
-from ur.run.loop import Run, WatchPlan, run_loop
+from ur.run.happenings import Event, MasterAnswered, ParametersSet, SetupFailed, Unregistered
+from ur.run.loop import run_loop
 from ur.run.master import DEFAULT_PORT, Master, parse_master_uri
-from ur.run.model import Event, Limits, MasterAnswered, ParametersSet, SetupFailed, Unit, Unregistered
+from ur.run.model import Limits, Unit
 from ur.run.parameters import CommandParameters, check_sendable, plain_values, start_commands
 from ur.run.places import is_local_address, make_home, make_run_folder, new_run_id
 from ur.run.processes import ProcessHost
 from ur.run.registry import RunEntry, make_run_name, read_birth, register_run, unregister_run
+from ur.run.run import Run, WatchPlan
 from ur.run.terminal import find_terminal, ignore_background_write
 from ur.run.xml_rpc import Refused, Unanswered
 from ur.source.diagnostic import Diagnostic, UserError, error
@@ -51,7 +53,7 @@ class Options:
     master_words: tuple[str, ...] = ()  # more options for rosmaster
     base: str = ""
     variant: str = ""
-    viewer: socket.socket | None = None  # see ur.run.loop.WatchPlan
+    viewer: socket.socket | None = None  # see ur.run.run.WatchPlan
     events: int | None = None
     timings: Timings | None = None
     call_started: Callable[[RunEntry], None] | None = None  # the run is detached: called once every node was started

@@ -5,8 +5,8 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable
 
+from ur.run.happenings import Event, MasterLost, MasterReplaced, MasterReturned
 from ur.run.master import Master
-from ur.run.model import Event, MasterLost, MasterReplaced, MasterReturned
 from ur.run.xml_rpc import Refused, Unanswered
 
 PERIOD = 3.0  # s between two looks

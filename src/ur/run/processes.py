@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import ctypes
 import os
-import signal
 import socket
 import sys
-import time
 from collections.abc import Mapping
-from pathlib import Path
 
-from ur.run import host
-from ur.run.model import Event, Exited, ExitStatus, NothingLeft, Started, StartFailed
+from ur.run.happenings import Event, Exited, NothingLeft, Started, StartFailed
+from ur.run.host import __file__ as host_file
+from ur.run.host.family import inherit_orphans, kill_descendants
+from ur.run.host.protocol import SESSION, receive, send
+from ur.run.model import ExitStatus
 from ur.source.diagnostic import UserError, error
 
 
@@ -34,7 +33,7 @@ class ProcessHost:
 
     def __init__(self, link: socket.socket, pid: int) -> None:
         self._link = link
-        self.pid = pid
+        self.pid = pid  # of the guard
 
     def fileno(self) -> int:
         """Readable when there is something to receive."""
@@ -51,9 +50,9 @@ class ProcessHost:
         cwd: str,
         changes: Mapping[str, str | None],
         stdio: tuple[int, int, int],
-        place: str = host.SESSION,
+        place: str = SESSION,
     ) -> None:
-        """Start a program; `place` is SESSION, GROUP or FOREGROUND of `ur.run.host`.
+        """Start a program; `place` is SESSION, GROUP or FOREGROUND of `ur.run.host.protocol`.
 
         `changes` are laid over the environment, None removes a variable. `stdio` are open files; they may be closed
         after this call. Answers with Started, or StartFailed.
@@ -71,7 +70,7 @@ class ProcessHost:
     def receive(self) -> Event | Suspended:
         """What happened next; blocks until something does. Raises HostLost."""
         try:
-            (kind, *rest), _ = host.receive(self._link)
+            (kind, *rest), _ = receive(self._link)
         except (EOFError, OSError):
             raise HostLost from None
         if kind == "started":
@@ -86,30 +85,38 @@ class ProcessHost:
         """Let the host end, together with everything that still runs, and wait for it."""
         self._link.close()
         try:
-            os.waitpid(self.pid, 0)
+            status = os.waitpid(self.pid, 0)[1]
         except ChildProcessError:
             return
+        if os.WIFSIGNALED(status):  # guard and host were killed: what they left is ours now
+            kill_descendants(2.0)
+            from ur.run.host.cgroup import find_cgroup  # almost never
+
+            cgroup = find_cgroup(self.pid)
+            if cgroup is not None:
+                cgroup.kill()
+                cgroup.remove(1.0)
 
     def _send(self, message: tuple[object, ...], descriptors: tuple[int, ...] = ()) -> None:
         try:
-            host.send(self._link, message, descriptors)
+            send(self._link, message, descriptors)
         except OSError:
             raise HostLost from None
 
 
 def start_host() -> ProcessHost:
-    """Start the process host, and make this process the one that inherits orphans should the host be killed."""
-    libc = ctypes.CDLL(None, use_errno=True)
-    libc.prctl(host.PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0)
+    """Start the process host, and make this process the one that inherits orphans should host and guard be killed."""
+    inherit_orphans()
     ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_STREAM)
     python = os.path.realpath(sys.executable)
     null = os.open(os.devnull, os.O_RDWR | os.O_CLOEXEC)
     descriptor = theirs.fileno()
+    program = os.path.join(os.path.dirname(host_file), "__main__.py")  # noqa: PTH118, PTH120 - pathlib is slow to import
     os.set_inheritable(descriptor, True)
     try:
         pid = os.posix_spawn(
             python,
-            [python, "-I", "-S", str(Path(host.__file__)), str(descriptor)],
+            [python, "-I", "-S", program, str(descriptor)],
             {"LC_ALL": "C.UTF-8"},
             file_actions=[(os.POSIX_SPAWN_DUP2, null, number) for number in range(3)],
             setpgroup=0,
@@ -122,23 +129,6 @@ def start_host() -> ProcessHost:
         os.close(null)
         theirs.close()
     return ProcessHost(ours, pid)
-
-
-def kill_orphans(limit: float = 2.0) -> None:
-    """After the host was killed: kill what it left to this process."""
-    end = time.monotonic() + limit
-    while time.monotonic() < end:
-        for pid in host.list_descendants(os.getpid()):
-            try:
-                os.kill(pid, signal.SIGKILL)
-            except OSError:  # noqa: PERF203 - one that has just ended must not save the others
-                continue
-        try:
-            while os.waitpid(-1, os.WNOHANG)[0]:
-                pass
-        except ChildProcessError:
-            return
-        time.sleep(0.01)
 
 
 def _explain_failure(number: int, what: str) -> str:

@@ -5,8 +5,9 @@ from __future__ import annotations
 import signal
 from collections.abc import Sequence
 
+from ur.run.actions import TellDeath
 from ur.run.debug_advice import Crash, advise
-from ur.run.model import ExitStatus, TellDeath
+from ur.run.model import ExitStatus
 
 
 def describe_status(status: ExitStatus) -> str:

@@ -7,7 +7,7 @@ import signal
 import termios
 from typing import Any
 
-from ur.run.host import restore_terminal, take_foreground
+from ur.run.host.terminal import restore_terminal, take_foreground
 
 
 class Terminal:

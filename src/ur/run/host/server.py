@@ -1,0 +1,171 @@
+"""The process host itself: does what the supervisor says, and reports what happens."""
+
+from __future__ import annotations
+
+import fcntl
+import os
+import select
+import signal
+import socket
+import termios
+import time
+
+from ur.run.host.birth import NEVER_BORN, Nursery
+from ur.run.host.family import (
+    IGNORED,
+    inherit_orphans,
+    kill_descendants,
+    name_process,
+    reap_one,
+    signal_descendants,
+    signal_group,
+)
+from ur.run.host.protocol import FOREGROUND, receive, send
+from ur.run.host.terminal import restore_terminal
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any
+
+POLITE = 0.7  # s that processes get to end after the supervisor died
+KILLED = 3.0  # s that they get to die of SIGKILL after that
+
+
+def serve(descriptor: int) -> None:
+    """Serve the supervisor behind a socket until it closes, then end everything."""
+    os.setpgid(0, 0)
+    os.set_inheritable(descriptor, False)  # a node that held our end would hide our death
+    inherit_orphans()
+    name_process(b"ur-host")
+    # Blocked as well as ignored: a signal that reaches a new process before it is ready is kept for it, signal(7).
+    signal.pthread_sigmask(signal.SIG_BLOCK, IGNORED)
+    for signum in IGNORED:
+        signal.signal(signum, signal.SIG_IGN)
+    host = _Host(socket.socket(fileno=descriptor))
+    try:
+        host.serve()
+    except (EOFError, ConnectionError):
+        pass
+    finally:
+        host.end_all()
+
+
+class _Host:
+    """The processes that were started, by the name the supervisor gave them."""
+
+    def __init__(self, link: socket.socket) -> None:
+        self._link = link
+        self._nursery = Nursery()
+        self._names: dict[int, str] = {}  # by process id
+        self._pids: dict[str, int] = {}
+        self._environment: dict[str, str] = {}
+        self._sweeping = 0
+        self._terminal: tuple[str, int, list[Any]] | None = None  # who owns it, an open file on it, its modes before
+        self._wake, wake_end = os.pipe2(os.O_CLOEXEC | os.O_NONBLOCK)
+        signal.set_wakeup_fd(wake_end, warn_on_full_buffer=False)
+        signal.signal(signal.SIGCHLD, lambda *_: None)
+
+    def serve(self) -> None:
+        """Until the link closes (EOFError)."""
+        poll = select.poll()
+        for descriptor in (self._link.fileno(), self._wake):
+            poll.register(descriptor, select.POLLIN)
+        while True:
+            for descriptor, _ in poll.poll():
+                if descriptor == self._wake:
+                    _drain(self._wake)
+                    self._reap()
+                else:
+                    self._obey(*receive(self._link))
+
+    def end_all(self) -> None:
+        """The supervisor is gone: end everything, politely first, and leave the terminal usable."""
+        limit = time.monotonic() + POLITE
+        if reap_one(0.0):
+            signal_descendants(signal.SIGINT)
+        while time.monotonic() < limit and reap_one(0.02):
+            pass
+        kill_descendants(KILLED)
+        if self._terminal is not None:
+            restore_terminal(*self._terminal[1:], reset=True)
+
+    def _obey(self, message: tuple[Any, ...], descriptors: list[int]) -> None:
+        match message:
+            case ("start", name, argv, cwd, changes, place):
+                self._start(name, argv, cwd, changes, place, descriptors)
+            case ("signal", name, signum):
+                pid = self._pids.get(name)
+                if pid is not None:
+                    signal_group(pid, signum)
+            case ("sweep", signum):
+                self._sweeping = signum
+                signal_descendants(signum)
+                self._reap()
+            case ("environment", environment):
+                self._environment = environment
+        for descriptor in descriptors:
+            os.close(descriptor)
+
+    def _start(
+        self, name: str, argv: list[str], cwd: str, changes: dict[str, str | None], place: str, stdio: list[int]
+    ) -> None:
+        laid = {**self._environment, **changes}
+        environment = {key: value for key, value in laid.items() if value is not None}
+        if place == FOREGROUND and self._terminal is None:
+            kept = fcntl.fcntl(stdio[0], fcntl.F_DUPFD_CLOEXEC, 10)
+            self._terminal = (name, kept, termios.tcgetattr(kept))
+        try:
+            pid = self._nursery.bear(name, argv, cwd, environment, place, stdio)
+        except OSError as problem:
+            self._send("failed", name, problem.errno, "")
+            return
+        self._names[pid] = name
+        self._pids[name] = pid
+        self._send("started", name, pid)
+
+    def _reap(self) -> None:
+        while True:
+            try:
+                pid, status = os.waitpid(-1, os.WNOHANG | os.WUNTRACED)
+            except ChildProcessError:
+                if self._sweeping:
+                    self._sweeping = 0
+                    self._send("empty")
+                return
+            if pid == 0:
+                break
+            if not os.WIFSTOPPED(status):
+                self._bury(pid, status)
+            elif pid in self._names:
+                self._send("stopped", self._names[pid])
+        if self._sweeping == signal.SIGKILL:
+            signal_descendants(self._sweeping)  # what the last victims left behind
+
+    def _bury(self, pid: int, status: int) -> None:
+        name = self._names.pop(pid, None)
+        if name is None:
+            return  # an orphan
+        self._pids.pop(name, None)
+        if self._terminal is not None and self._terminal[0] == name:
+            os.close(self._terminal[1])
+            self._terminal = None  # the supervisor puts it back
+        if os.WIFSIGNALED(status):
+            self._send("exited", name, None, os.WTERMSIG(status))
+            return
+        code = os.WEXITSTATUS(status)
+        failure = self._nursery.find_failure(name) if code == NEVER_BORN else None
+        if failure is not None:
+            self._send("failed", name, *failure)
+        else:
+            self._send("exited", name, code, None)
+
+    def _send(self, *message: object) -> None:
+        send(self._link, message)
+
+
+def _drain(descriptor: int) -> None:
+    try:
+        while os.read(descriptor, 4096):
+            pass
+    except BlockingIOError:
+        return

@@ -1,0 +1,58 @@
+"""What signals and other threads want done in the thread of the loop."""
+
+from __future__ import annotations
+
+import os
+import signal
+from collections import deque
+from collections.abc import Callable, Iterator
+
+Task = Callable[[], None]
+SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)  # those that ask a run to end
+
+
+class Inbox:
+    """Readable (`fileno`) when there is something to `take`. Takes SIGNALS over until it is closed."""
+
+    def __init__(self, hear_signal: Callable[[int], None]) -> None:
+        """Take what is done, later and in the loop's thread, with a signal."""
+        self._tasks: deque[Task] = deque()
+        self._reader, self._writer = os.pipe2(os.O_CLOEXEC | os.O_NONBLOCK)
+        self._old_writer = signal.set_wakeup_fd(self._writer, warn_on_full_buffer=False)
+        self._handlers = {
+            signum: signal.signal(signum, lambda number, _: self._tasks.append(lambda: hear_signal(number)))
+            for signum in SIGNALS
+        }
+
+    def fileno(self) -> int:
+        """For poll."""
+        return self._reader
+
+    def post(self, task: Task) -> None:
+        """Have something done by the loop. May be called from any thread."""
+        self._tasks.append(task)
+        try:
+            os.write(self._writer, b"\0")
+        except OSError:  # full: it wakes up anyway; closed: nobody waits any more
+            return
+
+    def clear(self) -> None:
+        """Not readable any more, until something new comes."""
+        try:
+            while os.read(self._reader, 4096):
+                pass
+        except BlockingIOError:
+            return
+
+    def take(self) -> Iterator[Task]:
+        """What is to be done, oldest first."""
+        while self._tasks:
+            yield self._tasks.popleft()
+
+    def close(self) -> None:
+        """Give the signals back."""
+        signal.set_wakeup_fd(self._old_writer)
+        for signum, handler in self._handlers.items():
+            signal.signal(signum, handler)
+        os.close(self._reader)
+        os.close(self._writer)

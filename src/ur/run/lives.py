@@ -1,0 +1,98 @@
+"""The life of one unit: what follows when its process is there, and when that has ended. Pure."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from signal import SIGINT
+
+from ur.run.actions import Action, Signal, TellDeath
+from ur.run.changes import SIGNALS, Step, is_before, put_unit
+from ur.run.ending import advance_end, begin_end
+from ur.run.model import ExitStatus, Limits, Phase, State, Status, UnitState
+from ur.run.wishes import fulfil_wish
+
+
+def note_started(state: State, name: str, pid: int, now: float) -> Step:
+    """A unit has a process; it gets the signal that was meant for it before it had one."""
+    each = state.find(name)
+    if each is None or each.status is not Status.STARTING:
+        return state, []
+    state = put_unit(state, replace(each, status=Status.RUNNING, pid=pid, since=now))
+    pressure = 0 if each.unit.core and state.phase is Phase.STOPPING_NODES else state.pressure or each.pressure
+    return state, [Signal(name, SIGNALS[pressure - 1])] if pressure else []
+
+
+def note_ended(state: State, name: str, status: ExitStatus, now: float, reason: str = "") -> Step:
+    """A unit's process has ended, or (`reason`) never was one."""
+    before = state.find(name)
+    if before is None or not before.alive:
+        return state, []
+    each = replace(
+        before,
+        status=Status.ENDED,
+        pid=None,
+        since=now,
+        exit=status,
+        wish=None,
+        pressure=0,
+        deadline=None,
+        reason=reason,
+    )
+    state = put_unit(state, each)
+    if not is_before(state, Phase.STOPPING_NODES):
+        return advance_end(state, now)
+    if before.wish is not None:
+        return fulfil_wish(state, each, before.wish, now)
+    death = TellDeath(name, status, reason or None)
+    if each.unit.terminal or each.unit.required:
+        return _end_with(state, each, death, now)
+    if each.unit.respawn:
+        lived = now - before.since if before.status is Status.RUNNING else 0.0
+        return _respawn(state, each, death, lived, now)
+    return _end_when_idle(state, [death], now)
+
+
+def _end_with(state: State, each: UnitState, death: TellDeath, now: float) -> Step:
+    """The run ends with this unit."""
+    unit, status = each.unit, death.status
+    if not unit.terminal:
+        state, actions = begin_end(state, f"{unit.name} is required and has ended", int(not status.clean), now)
+        return state, [replace(death, ends_run=True), *actions]
+    state, actions = begin_end(state, "", status.shell_code, now)
+    if status.code is not None or status.signal == SIGINT:  # then it has said itself why it ends
+        return state, actions
+    return state, [replace(death, ends_run=True), *actions]
+
+
+def _respawn(state: State, each: UnitState, death: TellDeath, lived: float, now: float) -> Step:
+    """Start it again, ever later; or not any more, when it only ever dies."""
+    quick = each.quick_deaths + 1 if lived < state.limits.quick_death else 0
+    each = replace(each, quick_deaths=quick)
+    if _is_storm(quick, death.status, state.limits):
+        each = replace(each, gave_up=True, reason=each.reason or f"died {quick} times in a row")
+        return _end_when_idle(put_unit(state, each), [replace(death, deaths=quick)], now)
+    delay = max(each.unit.respawn_delay, _backoff(quick, state.limits))
+    again = replace(each, status=Status.WAITING, due=now + delay, restarts=each.restarts + 1)
+    return put_unit(state, again), [replace(death, restart_in=delay)]
+
+
+def _end_when_idle(state: State, told: list[Action], now: float) -> Step:
+    """The run ends with its last node, unless a person stopped one and may want it back."""
+    nodes = [other for other in state.units if not other.unit.core]
+    if state.phase is not Phase.RUNNING or any(other.status is not Status.ENDED or other.held for other in nodes):
+        return state, told
+    # As roslaunch, which has no limit to respawning: otherwise only what never started counts.
+    failed = any(other.exit == ExitStatus() or other.gave_up for other in nodes)
+    state, actions = begin_end(state, "every node has ended", int(failed), now)
+    return state, told + actions
+
+
+def _is_storm(quick_deaths: int, status: ExitStatus, limits: Limits) -> bool:
+    if not limits.quick_deaths:
+        return False
+    return quick_deaths >= (min(limits.bad_inputs, limits.quick_deaths) if status.code == 2 else limits.quick_deaths)
+
+
+def _backoff(quick_deaths: int, limits: Limits) -> float:
+    # The first restart is as prompt as roslaunch's; only a unit that keeps dying is slowed down.
+    return 0.0 if quick_deaths < 2 else min(limits.longest_backoff, 0.25 * 2.0 ** min(quick_deaths - 2, 16))

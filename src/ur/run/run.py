@@ -1,0 +1,61 @@
+"""What to run, and who may watch it: everything that the loop needs to know beforehand."""
+
+from __future__ import annotations
+
+import socket
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from ur.run.command import Program
+from ur.run.happenings import Event
+from ur.run.master import Master
+from ur.run.model import Limits
+
+if TYPE_CHECKING:
+    from ur.run.events import RunStarted
+    from ur.run.timings import Timings
+
+Job = Callable[[], Event]
+
+
+@dataclass(frozen=True, slots=True)
+class WatchPlan:
+    """Who may watch the run, and how it appears to them. `call_started` is called once every node was started.
+
+    `viewer` is our end of a pair whose other end shows the run on our terminal: while it is open the console is silent.
+    `events` is an open file that gets every event, in place of the console. `unattended`: nobody sees our console.
+    """
+
+    describe: Callable[[], RunStarted] | None = None
+    listener: socket.socket | None = None
+    viewer: socket.socket | None = None
+    events: int | None = None
+    unattended: bool = False
+    call_started: Callable[[], None] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """What to run. `folder` takes the log files, `home` is where nodes start.
+
+    `await_master`, `set_parameters` and `unregister` talk to the master and return the event that follows; they are
+    called in a thread of their own, so that a slow network holds nothing up.
+    """
+
+    programs: tuple[Program, ...]
+    folder: str
+    home: str
+    own_master: bool
+    await_master: Job
+    set_parameters: Job
+    unregister: Job
+    limits: Limits = field(default_factory=Limits)
+    master: Master | None = None  # asked which nodes are up, while somebody wants to know
+    timings: Timings | None = None  # told once every node is up
+    watch: WatchPlan = field(default_factory=WatchPlan)
+
+    @property
+    def terminal_program(self) -> Program | None:
+        """The program that owns the keyboard and the screen."""
+        return next((each for each in self.programs if each.unit.terminal), None)

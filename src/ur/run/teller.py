@@ -1,0 +1,77 @@
+"""What a run tells people, in words: on the console, and to those who watch."""
+
+from __future__ import annotations
+
+import os
+import signal
+from typing import TYPE_CHECKING
+
+from ur.run.actions import Action, TellDeath, TellMaster, TellPressure, TellRevival, TellStop, TellWish
+from ur.run.report import describe_death
+
+if TYPE_CHECKING:
+    from ur.run.audience import Audience
+    from ur.run.command import Program
+    from ur.run.console import Console
+    from ur.run.events import Severity
+    from ur.run.outputs import Outputs
+    from ur.run.run import Run
+
+
+class Teller:
+    """Turns what the supervisor wants told into lines."""
+
+    def __init__(self, run: Run, console: Console, outputs: Outputs, audience: Audience) -> None:
+        self._folder = run.folder
+        self._master = "" if run.master is None else run.master.uri
+        self._programs = {program.unit.name: program for program in run.programs}
+        self._console = console
+        self._outputs = outputs
+        self._audience = audience
+
+    def inform(self, text: str) -> None:
+        """What is good to know."""
+        self._console.inform(text)
+        self._audience.tell_notice("info", text)
+
+    def warn(self, text: str) -> None:
+        """What matters; a text that begins with `error: ` is one."""
+        for line in text.split("\n"):
+            self._console.warn(line)
+        severity: Severity = "error" if text.startswith("error: ") else "warning"
+        self._audience.tell_notice(severity, text.removeprefix("error: "))
+
+    def tell(self, action: Action) -> None:
+        """What the supervisor wants told; every other action is none of ours."""
+        match action:
+            case TellDeath():
+                self._tell_death(action)
+            case TellPressure(names, signum):
+                self.warn(f"{', '.join(names)} did not stop: {signal.Signals(signum).name}")
+            case TellWish(name, refused):
+                self.warn(f"{name}: {refused}") if refused else self.inform(f"{name} is stopped, as asked")
+            case TellMaster(lost=True):
+                what = "does not answer any more; nodes go on, new connections wait for it"
+                self.warn(f"error: the master at {self._master} {what}")
+            case TellMaster():
+                self.warn(f"the master at {self._master} answers again")
+            case TellRevival():
+                self.warn("another master answers: parameters are set again, and every node is restarted")
+            case TellStop(cause, failed):
+                self.warn(f"error: {cause}") if failed else self.inform(f"stopping: {cause}")
+
+    def _tell_death(self, death: TellDeath) -> None:
+        if death.status.clean:
+            self.inform(describe_death(death, (), None)[0])
+            return
+        program = self._programs[death.name]
+        if program.unit.terminal:  # what it printed was on the screen
+            lines = describe_death(death, None, self._find_own_log(program))
+        else:
+            last = self._outputs.find_last_lines(death.name)
+            lines = describe_death(death, last, self._outputs.find_path(program))
+        self.warn("\n".join(lines))
+
+    def _find_own_log(self, program: Program) -> str | None:
+        path = f"{self._folder}/{program.log_name}.log"
+        return path if os.path.exists(path) else None  # noqa: PTH110 - pathlib is not worth its import here
