@@ -222,6 +222,7 @@ def _run(words: Sequence[str], selection: Selection, wishes: _Wishes, let_go: Le
     host = start_host()  # its start overlaps with the reading of the launch file
     try:
         from ur.cli.plan_files import load_words
+        from ur.cli.preparation import prepare
         from ur.run.console import Console
         from ur.run.launch import run_plan
 
@@ -229,6 +230,7 @@ def _run(words: Sequence[str], selection: Selection, wishes: _Wishes, let_go: Le
         if plan is None:
             return 1
         plan = _choose(plan, wishes)
+        prepare(plan, world)
         if wishes.debug:
             from ur.cli import debugging
 
