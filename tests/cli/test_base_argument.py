@@ -38,7 +38,7 @@ def test_base_that_has_what_is_needed_is_accepted(launch_file: Path) -> None:
 def test_base_without_the_sensor_is_refused_and_the_variant_with_it_named(launch_file: Path) -> None:
     (finding,) = find_problem(launch_file, robot_base="magni").diagnostics
     assert finding.message == "m_go.launch.xml needs a lidar, and base 'magni' has none"
-    assert finding.help == "its variant 'lidar' has one: robot_variant:=lidar"
+    assert finding.help == "its variant 'lidar' has what is needed: robot_variant:=lidar"
 
 
 def test_unknown_base_is_refused(launch_file: Path) -> None:

@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from ur.launchfile.syntax.parse import parse_launch_file
+from ur.cli.needs import Need, describe_need, find_variants, list_lacks, read_needs
 from ur.launchfile.world.protocol import World
-from ur.robot.base import Base, list_variants, load_base
+from ur.robot.base import Base, load_base
 from ur.source.diagnostic import UserError, error
-
-NEEDS = "Needs:"
 
 
 def check_base(files: Sequence[str], values: Mapping[str, str], world: World) -> None:
     """Compare `robot_base` and `robot_variant` with the bases of the package that a launch file belongs to.
 
-    A comment `<!--Needs: SENSOR ...-->` directly in `<launch>` names what the base must have. Packages without a folder
-    `bases` are left alone. Raises UserError: no such base or variant, a bad base file, a sensor that the base lacks.
+    The comment `<!--Needs: ...-->` names what the base must have (`ur.cli.needs`). Packages without a folder `bases`
+    are left alone. Raises UserError: no such base or variant, a bad base file, something that the base lacks.
     """
     name = values.get("robot_base")
     if name is None:
@@ -27,9 +25,10 @@ def check_base(files: Sequence[str], values: Mapping[str, str], world: World) ->
         if package is None:
             continue
         base = load_base(package, name, values.get("robot_variant", ""))
-        for sensor in _needs(path, world):
-            if sensor not in _sensors(base):
-                raise _lack(path, package, base, sensor)
+        needs = read_needs(path, world)
+        lacks = list_lacks(base, needs)
+        if lacks:
+            raise _lack(path, package, base, needs, lacks)
 
 
 def _find_package(path: str) -> Path | None:
@@ -39,31 +38,15 @@ def _find_package(path: str) -> Path | None:
     return None
 
 
-def _needs(path: str, world: World) -> Iterator[str]:
-    try:
-        launch = parse_launch_file(path, world.read_bytes(path)).launch
-    except OSError:
-        return
-    for comment in launch.comments if launch is not None else ():
-        if comment.text.startswith(NEEDS):
-            yield from comment.text.removeprefix(NEEDS).replace(",", " ").split()
-
-
-def _sensors(base: Base) -> tuple[str, ...]:
-    return tuple(name for name in ("lidar", "raspicam") if getattr(base, name))
-
-
-def _lack(path: str, package: Path, base: Base, sensor: str) -> UserError:
+def _lack(path: str, package: Path, base: Base, needs: Sequence[Need], lacks: Sequence[Need]) -> UserError:
     whole = f"{base.name!r}, variant {base.variant!r}," if base.variant else f"{base.name!r}"
-    variants = [
-        each for each in list_variants(package, base.name) if sensor in _sensors(load_base(package, base.name, each))
-    ]
-    return UserError(
-        error(
-            f"{Path(path).name} needs a {sensor}, and base {whole} has none",
-            rule="base-lacks",
-            help=f"its variant {variants[0]!r} has one: robot_variant:={variants[0]}"
-            if variants
-            else "choose another base",
-        )
-    )
+    wanted = " and ".join(describe_need(need) for need in lacks)
+    variants = find_variants(package, base, needs)
+    if not variants:
+        help_ = "choose another base"
+    elif variants[0]:
+        help_ = f"its variant {variants[0]!r} has what is needed: robot_variant:={variants[0]}"
+    else:
+        help_ = "the plain base, without a variant, has what is needed"
+    message = f"{Path(path).name} needs {wanted}, and base {whole} has none"
+    return UserError(error(message, rule="base-lacks", help=help_))

@@ -176,7 +176,7 @@ def launch(
         from ur.cli.dump import print_dump
 
         return print_dump(words, shell, with_origins=with_origins, no_commands=no_commands)
-    selection = know_base(current_selection(os.environ))
+    selection = _know_base(words)
     if queries and not dry_run:
         from ur.cli.queries import answer
 
@@ -185,6 +185,16 @@ def launch(
     if not selection.simulated and os.environ["ROS_MASTER_URI"] != selection.master_uri:
         sys.stderr.write(f"ROS_MASTER_URI={os.environ['ROS_MASTER_URI']} was set by hand: {selection} is not used\n")
     return _dry_run(words, selection, wishes, shell) if dry_run else _start(words, selection, wishes)
+
+
+def _know_base(words: Sequence[str]) -> Selection:
+    from ur.cli.robot_facts import know_base
+
+    selected = current_selection(os.environ)
+    known = know_base(selected, os.environ)
+    if selected.base not in ("", known.base) and not any(word.startswith("robot_base:=") for word in words):
+        sys.stderr.write(f"the robot that runs already is a {known.base}: the selection {selected} is not used\n")
+    return known
 
 
 command = click.Command("launch", callback=launch, params=_parameters(), help=launch.__doc__)
@@ -345,14 +355,3 @@ class _pid_file:  # noqa: N801 - used like a function: with _pid_file(path)
             from pathlib import Path
 
             Path(self._path).unlink(missing_ok=True)
-
-
-def know_base(selection: Selection) -> Selection:
-    """The selection, with the base of this very computer where it is the robot that is selected without one."""
-    if selection.base or selection.simulated:
-        return selection
-    from ur.cli.plan_files import is_this_computer
-    from ur.robot.robot_file import load_robot_file
-
-    found = load_robot_file() if is_this_computer(selection.robot) else None
-    return Selection(selection.robot, found.base, found.variant) if found else selection

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -10,6 +11,7 @@ from ur.source.diagnostic import UserError, error
 from ur.source.suggest import did_you_mean
 
 PREFIX = "ur_"
+_LAUNCH = re.compile(r"^[^#\n]*\blaunch\s+(\w+)\s+(\w+\.launch(?:\.xml)?)\b", re.MULTILINE)
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,3 +59,16 @@ def read_summary(path: Path) -> str:
     except OSError:
         return ""
     return ""
+
+
+def find_launch_file(program: Program, package: Path) -> Path | None:
+    """The launch file of its own package that a program starts; None when it starts none."""
+    try:
+        text = program.path.read_text(encoding="utf-8", errors="replace")
+    except OSError:
+        return None
+    for owner, name in _LAUNCH.findall(text):
+        if owner == package.name:
+            path = package / name.partition(".")[0] / "launch" / name
+            return path if path.is_file() else None
+    return None

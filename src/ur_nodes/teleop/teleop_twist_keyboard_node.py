@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import select
 import sys
 import threading
 import time
@@ -78,12 +79,13 @@ def drive_terminal(
             state, motion = step_drive(state, event, now)
             if motion is not None and state.moving != was_moving:
                 publish(motion)  # starts and stops are not kept waiting
-        if now >= next_step or events:
-            if now >= next_step:
-                state, motion = step_drive(state, None, now)
-                if motion is not None:
-                    publish(motion)
-            next_step = now + (1.0 / rate if state.moving or state.zeros_left else 0.2)
+        due = now >= next_step
+        if due:
+            state, motion = step_drive(state, None, now)
+            if motion is not None:
+                publish(motion)
+        later = now + (1.0 / rate if state.moving or state.zeros_left else 0.2)
+        next_step = later if due else min(next_step, later)  # keys that repeat faster than that must not put it off
         if state.moving and state.reports_release and now - asked_at > _ALIVE_EVERY:
             asked_at = now
             terminal.ask_for_life()
@@ -97,6 +99,8 @@ def drive_pipe(source: int, settings: DriveSettings, rate: float, publish: Publi
     state = start_drive(replace(settings, key_timeout=_PIPE_HOLD))
     rest = b""
     while not ended.is_set() and not state.quit:
+        if not select.select([source], [], [], _ESCAPE_WAIT)[0]:  # a signal alone does not end a read
+            continue
         data = os.read(source, 1024)
         events, rest = decode_keys(rest + data, final=not data)
         for event in events:

@@ -90,6 +90,15 @@ def test_key_drives_and_then_falls_silent_on_a_plain_terminal() -> None:
         assert set(driver.sent) == {FORWARD, STILL}
 
 
+def test_key_that_repeats_faster_than_commands_are_sent_drives_all_the_same() -> None:
+    with driving() as driver:
+        end = time.monotonic() + 60.0
+        while driver.sent.count(FORWARD) < 10:
+            assert time.monotonic() < end, driver.sent
+            driver.type(b"i")
+            time.sleep(0.02)  # 50 repeats a second, 20 commands
+
+
 def test_release_stops_where_the_terminal_reports_it() -> None:
     with driving() as driver:
         driver.wait(lambda: b"\x1b[>15u\x1b[?u" in driver.screen)
@@ -126,6 +135,21 @@ def test_ctrl_c_ends_in_every_encoding(end: bytes) -> None:
         driver.type(end)
         driver.wait(lambda: b"\x1b[?1049l" in driver.screen)
         assert driver.sent[-1] == STILL
+
+
+def test_pipe_that_stays_open_is_left_when_the_node_has_to_end() -> None:
+    source, sink = os.pipe()
+    ended, codes = threading.Event(), list[int]()
+    reader = threading.Thread(target=lambda: codes.append(drive_pipe(source, SETTINGS, 50.0, lambda _: None, ended)))
+    reader.start()
+    try:
+        ended.set()
+        reader.join(60.0)
+        assert codes == [0]
+    finally:
+        os.close(sink)
+        reader.join(60.0)
+        os.close(source)
 
 
 def test_pipe_drives_each_key_for_half_a_second() -> None:

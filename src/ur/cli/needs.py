@@ -1,0 +1,60 @@
+"""What launch files and programs need of a base: the comment `<!--Needs: ...-->`, compared with what a base has.
+
+A need is the name of a field of `ur.robot.base.Base`: `lidar`, `raspicam`, `sonars`, `bumpers`, `imu`, `battery`.
+Several stand one after the other, alternatives have a bar between them: `<!--Needs: raspicam lidar|sonars-->`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from ur.launchfile.syntax.parse import parse_launch_file
+from ur.launchfile.world.protocol import World
+from ur.robot.base import Base, list_variants, load_base
+
+NEEDS = "Needs:"
+Need = tuple[str, ...]
+"""Alternatives: a base that has one of them has what is needed."""
+
+_ARTICLES = {"lidar": "a lidar", "raspicam": "a raspicam", "imu": "an imu", "battery": "a battery"}
+
+
+def read_needs(path: str, world: World) -> tuple[Need, ...]:
+    """The needs that a comment directly in `<launch>` names, in order. None for a file that cannot be read."""
+    try:
+        launch = parse_launch_file(path, world.read_bytes(path)).launch
+    except OSError:
+        return ()
+    texts = [comment.text for comment in launch.comments] if launch is not None else []
+    words = [
+        word for text in texts if text.startswith(NEEDS) for word in text.removeprefix(NEEDS).replace(",", " ").split()
+    ]
+    return tuple(tuple(word.split("|")) for word in words)
+
+
+def list_lacks(base: Base, needs: Sequence[Need]) -> tuple[Need, ...]:
+    """The needs that a base does not meet."""
+    return tuple(need for need in needs if not any(getattr(base, name, None) for name in need))
+
+
+def find_variants(package: Path, base: Base, needs: Sequence[Need]) -> tuple[str, ...]:
+    """The variants of the same base that meet all needs, '' for the plain one."""
+    variants = ("", *list_variants(package, base.name))
+    return tuple(each for each in variants if not list_lacks(load_base(package, base.name, each), needs))
+
+
+def describe_need(need: Need) -> str:
+    """For people: `a lidar`, `a lidar or sonars`."""
+    return " or ".join(_ARTICLES.get(name, name) for name in need)
+
+
+def describe_lack(base: Base, lacks: Sequence[Need]) -> str:
+    """For people, as a clause: `magni has no lidar, no sonars`. `lacks` is not empty."""
+    words = ", ".join(f"no {name}" for need in lacks for name in need)
+    return f"{describe_base(base)} has {words}"
+
+
+def describe_base(base: Base) -> str:
+    """A base and its variant, as `ur use` writes them: `magni:lidar`."""
+    return f"{base.name}:{base.variant}" if base.variant else base.name

@@ -1,0 +1,220 @@
+"""Run one program on one simulated base, look at what it shows, and stop it: what is wrong comes back as lines."""
+
+from __future__ import annotations
+
+import json
+import os
+import select
+import signal
+import subprocess
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import IO, Any
+
+import psutil
+from tests.e2e.conftest import make_environment
+from tests.e2e.matrix_table import Cell
+from tests.e2e.matrix_topics import Ears, find_fault, find_tree_faults, measure_rate
+
+from ur.cli.needs import describe_base, describe_need
+from ur.run.master import parse_master_uri
+
+PATIENCE = 90.0  # s that a run gets to come up, and its topics to come at their rates
+LOOK = 0.25  # s between two looks
+_CLEAN = (0, 130)  # exit codes of a run that was interrupted: of its own, or of the node that has the terminal
+
+
+@dataclass(slots=True)
+class Result:
+    """How a cell went: `faults` is empty when all is well. `rates` are messages a second by topic, for people."""
+
+    faults: list[str] = field(default_factory=list)
+    rates: dict[str, float] = field(default_factory=dict)
+    seconds: float = 0.0
+
+
+def try_cell(cell: Cell, folder: Path, patience: float = PATIENCE) -> Result:
+    """Run a cell in an empty folder of its own, from its start to its end."""
+    start = time.monotonic()
+    result = _try_refusal(cell, folder) if cell.lacks else _try_run(cell, folder, patience)
+    result.seconds = time.monotonic() - start
+    return result
+
+
+def _words(cell: Cell, folder: Path) -> list[str]:
+    variant = [f"robot_variant:={cell.base.variant}"] if cell.base.variant else []
+    more = [word.replace("{folder}", str(folder)) for word in cell.arguments]
+    return [str(cell.program.path), f"robot_base:={cell.base.name}", *variant, *more]
+
+
+def _environment(folder: Path) -> dict[str, str]:
+    return make_environment(folder) | {"XDG_STATE_HOME": str(folder / "state"), "XDG_RUNTIME_DIR": str(folder / "run")}
+
+
+def _try_refusal(cell: Cell, folder: Path) -> Result:
+    """What a base cannot do is said in one line and one that helps; nothing is started."""
+    done = subprocess.run(
+        _words(cell, folder),
+        env=_environment(folder),
+        stdin=subprocess.DEVNULL,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=PATIENCE,
+    )
+    result = Result()
+    lines = done.stderr.splitlines()
+    wanted = " and ".join(describe_need(need) for need in cell.lacks)
+    if done.returncode != 2:
+        result.faults.append(f"exit code {done.returncode}, expected 2: {describe_base(cell.base)} has not {wanted}")
+    if len(lines) != 2 or f" needs {wanted}, and base " not in lines[0] or not lines[1].startswith("  help: "):
+        result.faults.append(f"standard error: {done.stderr!r}, expected one line that says what is needed, and help")
+    if done.stdout:
+        result.faults.append(f"standard output: {done.stdout!r}, expected nothing")
+    return result
+
+
+def _try_run(cell: Cell, folder: Path, patience: float) -> Result:
+    result = Result()
+    env = _environment(folder)
+    with _start(cell, folder, env) as run:
+        deadline = time.monotonic() + patience
+        if run.wait_ready(deadline):
+            _look(cell, run.master_uri, result, deadline)
+        else:
+            result.faults.append(f"not up after {patience:g} s: {run.describe_missing()}")
+        _stop(run, result)
+    said = [line for line in run.said if not any(each in line for each in cell.may_say)]
+    result.faults += [f"said: {line}" for line in said]
+    left = [process.pid for process in psutil.process_iter(["environ"]) if _is_of(process, env["ROS_MASTER_URI"])]
+    for pid in left:
+        os.kill(pid, signal.SIGKILL)
+    if left:
+        result.faults.append(f"{len(left)} processes are still there after the end")
+    if list((folder / "state").glob("ur/runs/*")):
+        result.faults.append("the run is still registered after its end")
+    return result
+
+
+def _is_of(process: psutil.Process, master_uri: str) -> bool:
+    return (process.info["environ"] or {}).get("ROS_MASTER_URI") == master_uri
+
+
+def _look(cell: Cell, master_uri: str, result: Result, deadline: float) -> None:
+    ears = Ears(parse_master_uri(master_uri), cell.topics)
+    try:
+        while True:
+            ears.connect()
+            ears.listen(LOOK)
+            faults = [fault for topic in cell.topics if (fault := find_fault(topic, ears.heard[topic.name]))]
+            faults += find_tree_faults(ears.frames, cell.root, cell.frames)
+            if not faults or time.monotonic() > deadline:
+                break
+    finally:
+        ears.close()
+    result.faults += faults
+    for topic in cell.topics:
+        if topic.rate is not None and (rate := measure_rate(topic, ears.heard[topic.name])):
+            result.rates[topic.name] = rate
+
+
+def _stop(run: Run, result: Result) -> None:
+    run.process.send_signal(signal.SIGINT)
+    if not run.drain(time.monotonic() + 60.0):
+        result.faults.append("does not end within 60 s of an interrupt")
+        run.process.kill()
+    code = run.process.wait()
+    if code not in _CLEAN:
+        result.faults.append(f"exit code {code} after an interrupt, expected 0 or 130")
+    for name, event in run.nodes.items():
+        if event["state"] != "ended" or event["restarts"]:
+            result.faults.append(f"{name}: {event['state']}, {event['restarts']} restarts: {event['reason']}")
+        if event["exit_code"] not in (0, 130, None) or event["signal"] not in (signal.SIGINT, None):
+            result.faults.append(f"{name}: exit code {event['exit_code']}, signal {event['signal']} at the end")
+
+
+class Run:
+    """A program under `--json`: `nodes` is how each stands, `said` what any of them wrote to standard error."""
+
+    def __init__(self, process: subprocess.Popen[bytes], errors: Path) -> None:
+        self.process = process
+        self.nodes: dict[str, dict[str, Any]] = {}
+        self.master_uri = ""
+        self._errors = errors
+        self._lines: list[str] = []
+        self._missing: dict[str, list[str]] = {}
+        self._rest = b""
+
+    @property
+    def said(self) -> list[str]:
+        """Warnings, errors and whatever else came on standard error; not what a run says about itself."""
+        own = self._errors.read_text(encoding="utf-8", errors="replace").splitlines()
+        return [*(line for line in own if not _is_greeting(line)), *self._lines]
+
+    def wait_ready(self, deadline: float) -> bool:
+        """Whether every node is up in time."""
+        while self._read(deadline):
+            if self.nodes and all(name in self._missing and not self._missing[name] for name in self.nodes):
+                return True
+        return False
+
+    def drain(self, deadline: float) -> bool:
+        """Take in what happens until the end; False when that does not come in time."""
+        while self._read(deadline):
+            pass
+        return time.monotonic() < deadline
+
+    def describe_missing(self) -> str:
+        """Which nodes are not up, and why."""
+        lacking = {name: self._missing.get(name, ["never started"]) for name in self.nodes}
+        words = [f"{name}: {', '.join(lack)}" for name, lack in lacking.items() if lack]
+        return "; ".join(words) or f"it has ended: {self._errors.read_text(errors='replace')[-2000:]}"
+
+    def _read(self, deadline: float) -> bool:
+        stream: IO[bytes] | None = self.process.stdout
+        assert stream
+        if not select.select([stream], [], [], max(0.0, deadline - time.monotonic()))[0]:
+            return False
+        data = os.read(stream.fileno(), 1 << 16)
+        *lines, self._rest = (self._rest + data).split(b"\n")
+        for line in lines:
+            self._take(json.loads(line))
+        return bool(data)
+
+    def _take(self, event: dict[str, Any]) -> None:
+        match event["kind"]:
+            case "RunStarted":
+                self.master_uri = event["master_uri"]
+            case "NodeChanged" if not event["core"]:
+                self.nodes[event["name"]] = event
+            case "NodeReadiness":
+                self._missing[event["name"]] = event["missing"]
+            case "OutputLine" if event["stream"] == "err" or event["severity"] in ("warning", "error", "fatal"):
+                self._lines.append(f"[{event['name']}] {event['text']}")
+            case "Notice" if event["severity"] in ("warning", "error", "fatal"):
+                self._lines.append(event["text"])
+
+
+def _is_greeting(line: str) -> bool:
+    return line.startswith(("ROS_MASTER_URI=", "stopping: ")) or " log files in " in line
+
+
+@contextmanager
+def _start(cell: Cell, folder: Path, env: dict[str, str]) -> Iterator[Run]:
+    errors = folder / "errors.txt"
+    words = [*_words(cell, folder), "--json"]
+    pipe = subprocess.PIPE
+    with errors.open("wb") as sink:
+        process = subprocess.Popen(words, env=env, stdin=pipe, stdout=pipe, stderr=sink, cwd=folder)
+    try:
+        yield Run(process, errors)
+    finally:
+        if process.poll() is None:
+            process.kill()
+            process.wait()
+        for stream in (process.stdin, process.stdout):
+            assert stream
+            stream.close()
