@@ -15,6 +15,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from ur.run.client import RunClient
+from ur.run.debug_node import Ways
 from ur.run.events import (
     NodeChanged,
     NodeReadiness,
@@ -84,7 +85,7 @@ class StillDesk:
         """Nothing."""
         return ""
 
-    def debug(self, _row: NodeRow) -> tuple[Sequence[str], bool] | str:
+    def debug(self, _row: NodeRow, _run: RunStarted) -> Ways | str:
         """Nothing."""
         return ""
 

@@ -5,14 +5,12 @@ from dataclasses import replace
 import pytest
 
 from ur.run.debug import (
-    Attaching,
     Kind,
     Surroundings,
     Target,
     Tool,
     choose_tool,
     find_kind,
-    plan_attaching,
     plan_debugging,
 )
 from ur.source.diagnostic import UserError
@@ -85,23 +83,3 @@ def test_what_cannot_be_debugged_says_what_to_do(tool: Tool, target: Target, aro
         plan_debugging(target, tool, around, 1)
     assert told in (caught.value.diagnostics[0].help or "")
     assert f"--debug /a={tool}" in str(caught.value)
-
-
-@pytest.mark.parametrize(("around", "pid", "core", "command", "here"), [
-    (HERE, 12, "", ("gdb", "-q", "-p", "12"), True),
-    (replace(HERE, may_attach=False), 12, "", ("sudo", "gdb", "-q", "-p", "12"), True),
-    (TMUX, 12, "", ("tmux", "split-window", "gdb", "-q", "-p", "12"), False),
-    (DISPLAY, 12, "", ("xterm", "-T", "gdb /a", "-e", "gdb", "-q", "-p", "12"), False),
-    (HERE, None, "/core", ("gdb", "-q", "/x/a", "/core"), True),
-])  # fmt: skip
-def test_attaching(around: Surroundings, pid: int | None, core: str, command: tuple[str, ...], here: bool) -> None:
-    assert plan_attaching(BINARY, pid, core, "/x/a", around) == Attaching(command, here)
-
-
-@pytest.mark.parametrize(("around", "pid", "told"), [
-    (NOTHING, 12, "gdb -q -p 12"),
-    (HERE, None, "does not run"),
-    (replace(HERE, tools=frozenset()), 12, "apt-get install gdb"),
-])  # fmt: skip
-def test_attaching_says_why_it_cannot(around: Surroundings, pid: int | None, told: str) -> None:
-    assert told in str(plan_attaching(BINARY, pid, "", "/x/a", around))

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import socket
-from collections.abc import AsyncIterator, Sequence
+import time
+from collections.abc import AsyncIterator, Callable, Sequence
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field, replace
 
 from textual.pilot import Pilot
 
 from ur.run.client import RunClient
+from ur.run.debug_node import Way, Ways
 from ur.run.events import (
     NodeChanged,
     NodeReadiness,
@@ -72,7 +74,7 @@ class FakeDesk:
     """Remembers what it was asked to run."""
 
     pager: list[str] | None = field(default_factory=lambda: ["less"])
-    debugger: tuple[Sequence[str], bool] | str = (("gdb", "-p", "12"), True)
+    debugger: Ways | str = field(default_factory=lambda: Ways((Way("g", "gdb", ("gdb", "-p", "12"), here=True),)))
     problem: str = ""
     here: list[list[str]] = field(default_factory=list)
     beside: list[list[str]] = field(default_factory=list)
@@ -91,8 +93,9 @@ class FakeDesk:
         self.beside.append(list(words))
         return self.problem
 
-    def debug(self, row: NodeRow) -> tuple[Sequence[str], bool] | str:
+    def debug(self, row: NodeRow, run: RunStarted) -> Ways | str:
         assert row.name
+        assert run.pid
         return self.debugger
 
 
@@ -134,10 +137,11 @@ async def watching(
     desk: FakeDesk | None = None,
     light: bool = False,
     guest: bool = False,
+    early: Sequence[RunEvent] = (),
 ) -> AsyncIterator[tuple[WatchApp, Pilot[str], FakeRun]]:
     """The interface over a run to which these events have happened (none: the example)."""
     run = FakeRun()
-    app = WatchApp(run.control, desk or FakeDesk(), light=light, guest=guest)
+    app = WatchApp(run.control, desk or FakeDesk(), light=light, guest=guest, early=early)
     try:
         async with app.run_test(size=size) as pilot:
             run.tell(*(events or example()))
@@ -147,10 +151,10 @@ async def watching(
         run.close()
 
 
-async def until(pilot: Pilot[str], condition: object, tries: int = 200) -> None:
+async def until(pilot: Pilot[str], condition: Callable[[], bool], limit: float = 60.0) -> None:
     """Wait until a condition holds."""
-    assert callable(condition)
-    for _ in range(tries):
+    end = time.monotonic() + limit
+    while time.monotonic() < end:
         await pilot.pause()
         if condition():
             await pilot.pause()
@@ -163,3 +167,10 @@ def read_screen(app: WatchApp) -> list[str]:
     """What is on the screen, as text."""
     strips = app.screen._compositor.render_strips(app.screen.size)
     return [strip.text.rstrip() for strip in strips]
+
+
+def log_of(app: WatchApp) -> str:
+    """What is on the screen below the table."""
+    screen = read_screen(app)
+    start = next(i for i, text in enumerate(screen) if text.startswith("── log"))
+    return "\n".join(screen[start:])

@@ -53,14 +53,6 @@ class Debugging:
     say: tuple[str, ...] = ()
 
 
-@dataclass(frozen=True, slots=True)
-class Attaching:
-    """A command that looks into a node that runs, or ran; `here`: it needs this terminal meanwhile."""
-
-    command: tuple[str, ...]
-    here: bool
-
-
 def find_kind(head: bytes) -> tuple[Kind, str]:
     """What a program is, from its first bytes (4 kB are enough), and what interprets it when that is Python."""
     if head.startswith(b"\x7fELF"):
@@ -92,8 +84,8 @@ def plan_debugging(target: Target, tool: Tool, around: Surroundings, port: int) 
             f'  VS Code, launch.json: {{"type": "debugpy", "request": "attach", "connect": {{"port": {port}}}}}',
             f"  from another computer, first: ssh -L {port}:localhost:{port} HOST",
         )
-        return Debugging(_python_words(target, words), "log", say)
-    place = _choose_place(around)
+        return Debugging(python_words(target, words), "log", say)
+    place = choose_place(around)
     if tool == "gdb":
         return _plan_gdb(target, around, place)
     if place == "log":
@@ -104,48 +96,36 @@ def plan_debugging(target: Target, tool: Tool, around: Surroundings, port: int) 
                 help=f"--debug {target.name}=debugpy waits for a debugger elsewhere",
             )
         )
-    return _put(target.name, _python_words(target, ("-m", "pudb")), place, around)
+    return _put(target.name, python_words(target, ("-m", "pudb")), place, around)
 
 
-def plan_attaching(
-    target: Target, pid: int | None, core: str, executable: str, around: Surroundings
-) -> Attaching | str:
-    """How to look into a node that runs, or with its core file into one that died; a text says why that cannot be."""
-    if pid is None and not core:
-        return f"{target.name} does not run and left no core file: restart it with --debug {target.name}"
-    if "gdb" not in around.tools:
-        return "gdb is not installed: sudo apt-get install gdb"
-    words: tuple[str, ...]
-    if pid is None:
-        words = ("gdb", "-q", executable, core)
-    elif around.may_attach:
-        words = ("gdb", "-q", "-p", str(pid))
-    else:
-        words = ("sudo", "gdb", "-q", "-p", str(pid))
-    place = _choose_place(around)
-    if place == "pane":
-        return Attaching(("tmux", "split-window", *words), here=False)
-    if place == "window":
-        return Attaching(("xterm", "-T", f"gdb {target.name}", "-e", *words), here=False)
-    if place == "here":
-        return Attaching(words, here=True)
-    return f"there is no terminal here; from another one: {' '.join(words)}"
-
-
-def _plan_gdb(target: Target, around: Surroundings, place: Place) -> Debugging:
-    program = (target.interpreter,) if target.kind == "python" else ()
-    if place == "log":
-        say = (f"{target.name} runs in gdb; where it crashes, the log will have a backtrace of every thread",)
-        return Debugging(("gdb", *_TRACE, *program), place, say)
-    return _put(target.name, ("gdb", *_RUN, *program), place, around)
-
-
-def _choose_place(around: Surroundings) -> Place:
+def choose_place(around: Surroundings) -> Place:
+    """Where a debugger appears: a pane, a window, this terminal, else it only writes to the log."""
     if around.tmux:
         return "pane"
     if around.display and "xterm" in around.tools:
         return "window"
     return "here" if around.terminal else "log"
+
+
+def gdb_words(target: Target) -> tuple[str, ...]:
+    """What goes in front of a program that runs in gdb."""
+    return ("gdb", *_RUN, *((target.interpreter,) if target.kind == "python" else ()))
+
+
+def python_words(target: Target, words: tuple[str, ...]) -> tuple[str, ...]:
+    """What goes in front of a Python program for these options of its interpreter."""
+    if target.kind == "module":
+        return ("env", f"UR_NODE_PYTHON_OPTIONS={' '.join(words)}")
+    return (target.interpreter, *words)
+
+
+def _plan_gdb(target: Target, around: Surroundings, place: Place) -> Debugging:
+    if place == "log":
+        say = (f"{target.name} runs in gdb; where it crashes, the log will have a backtrace of every thread",)
+        program = (target.interpreter,) if target.kind == "python" else ()
+        return Debugging(("gdb", *_TRACE, *program), place, say)
+    return _put(target.name, gdb_words(target), place, around)
 
 
 def _put(name: str, words: tuple[str, ...], place: Place, around: Surroundings) -> Debugging:
@@ -161,12 +141,6 @@ def _put(name: str, words: tuple[str, ...], place: Place, around: Surroundings) 
     if around.display:
         say.append("with package xterm installed it would have a window of its own: sudo apt-get install xterm")
     return Debugging(words, place, tuple(say))
-
-
-def _python_words(target: Target, words: tuple[str, ...]) -> tuple[str, ...]:
-    if target.kind == "module":
-        return ("env", f"UR_NODE_PYTHON_OPTIONS={' '.join(words)}")
-    return (target.interpreter, *words)
 
 
 def _check_kind(target: Target, tool: Tool) -> None:

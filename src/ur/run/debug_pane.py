@@ -1,13 +1,18 @@
-"""Runs a program in a new tmux pane while it stays our child: `debug_pane.py NAME PROGRAM [ARG ...]`.
+"""Runs a program in another terminal while it stays our child, so that its run can signal it and outlives it never.
 
-A pane's own processes belong to the tmux server, so a run could neither signal nor outlive them. Here the pane holds
-only a relay; the program has a pseudo terminal of its own, whose other end the relay is given. Uses the standard
-library only: it is started as a file, in the environment of the node.
+    debug_pane.py NAME PROGRAM [ARG ...]                  opens a tmux pane for it
+    debug_pane.py --wait ADDRESS NAME                     gives this terminal to the program that joins
+    debug_pane.py --join ADDRESS NAME PROGRAM [ARG ...]   is that program; ADDRESS is a Unix socket
+
+A pane's own processes belong to the tmux server. Here the pane, the window or the terminal holds only a relay; the
+program has a pseudo terminal of its own, whose other end the relay is given. Uses the standard library only: it is
+started as a file, in the environment of the node.
 """
 
 from __future__ import annotations
 
 import contextlib
+import ctypes
 import fcntl
 import os
 import pty
@@ -19,16 +24,25 @@ import subprocess
 import sys
 import tempfile
 import termios
+import time
 import tty
+from collections.abc import Mapping
 
 PATIENCE = 10.0  # s for the pane to open
-RELAY = "--relay"
+START_PATIENCE = 60.0  # s for a node to stop and to start again
+RELAY, WAIT, JOIN = "--relay", "--wait", "--join"
+_PR_SET_PDEATHSIG = 1  # linux/prctl.h
+_RESET = b"\x1b[?1049l\x1b[?1000l\x1b[?1002l\x1b[?1006l\x1b[0m\x1b[?25h"  # what a program that was killed left
 
 
 def main(words: list[str]) -> int:
-    """Run a program in a pane, or be that pane's relay. Returns the program's exit code, 128 + n for signal n."""
+    """Run a program elsewhere, or be its relay. Returns the program's exit code, 128 + n for signal n."""
     if words[0] == RELAY:
         return relay(words[1])
+    if words[0] == WAIT:
+        return wait_for(words[1], words[2])
+    if words[0] == JOIN:
+        return join(words[1], words[2], words[3:])
     return run_in_pane(words[0], words[1:])
 
 
@@ -47,17 +61,66 @@ def run_in_pane(name: str, words: list[str]) -> int:
         except (OSError, subprocess.CalledProcessError) as problem:
             sys.stderr.write(f"error: {name}: no tmux pane could be opened: {problem}\n")
             return 1
-    with link:
-        socket.send_fds(link, [b"pane"], [controller])
-        os.close(controller)
-        return _run_on(words, end)
+    return _serve(link, controller, words, end)
+
+
+def join(address: str, name: str, words: list[str]) -> int:
+    """Run the program in the terminal of whoever waits at the address."""
+    deadline = time.monotonic() + PATIENCE
+    while True:
+        link = socket.socket(socket.AF_UNIX)
+        try:
+            link.connect(address)
+            break
+        except OSError as problem:
+            link.close()
+            if time.monotonic() > deadline:
+                reason = (problem.strerror or str(problem)).lower()
+                sys.stderr.write(f"error: {name}: nobody waits to debug it any more: {reason}\n")
+                return 1
+            time.sleep(0.05)
+    controller, end = pty.openpty()
+    return _serve(link, controller, words, end)
+
+
+def wait_for(address: str, name: str) -> int:
+    """Give this terminal to the program that joins at the address; Ctrl-C while it is awaited gives up."""
+    folder = address.rpartition("/")[0]
+    os.mkdir(folder, 0o700)  # noqa: PTH102 - what pathlib would do, without its import
+    with socket.socket(socket.AF_UNIX) as listener:
+        listener.bind(address)
+        listener.listen(1)
+        listener.settimeout(START_PATIENCE)
+        sys.stdout.write(f"waiting until {name} has stopped and starts in the debugger; Ctrl-C gives up\r\n")
+        sys.stdout.flush()
+        try:
+            link, _ = listener.accept()
+        except KeyboardInterrupt:
+            return 130
+        except OSError:
+            sys.stderr.write(f"error: {name} was not started within {START_PATIENCE:g} s\n")
+            return 1
+        finally:
+            with contextlib.suppress(OSError):
+                os.unlink(address)  # noqa: PTH108 - likewise
+                os.rmdir(folder)  # noqa: PTH106 - likewise
+    link.settimeout(None)
+    return _relay_on(link)
 
 
 def relay(address: str) -> int:
     """In the pane: copy between its terminal and the program's, until the program ends."""
-    with socket.socket(socket.AF_UNIX) as link:
-        link.connect(address)
+    link = socket.socket(socket.AF_UNIX)
+    link.connect(address)
+    return _relay_on(link)
+
+
+def _relay_on(link: socket.socket) -> int:
+    with link:
+        link.sendall(os.environ.get("TERM", "xterm")[:100].encode())
         _, descriptors, _, _ = socket.recv_fds(link, 16, 1)
+        if not descriptors:
+            return 1
         controller = descriptors[0]
         _copy_size(controller)
         signal.signal(signal.SIGWINCH, lambda *_: _copy_size(controller))
@@ -66,17 +129,33 @@ def relay(address: str) -> int:
         try:
             _copy(controller)
         finally:
+            _write(1, _RESET)
             termios.tcsetattr(0, termios.TCSADRAIN, before)
     return 0
 
 
-def _run_on(words: list[str], end: int) -> int:
+def _serve(link: socket.socket, controller: int, words: list[str], end: int) -> int:
+    with link:
+        link.settimeout(PATIENCE)
+        try:
+            term = link.recv(100).decode("ascii", "replace")  # the program writes to that terminal, not to ours
+        except OSError:
+            term = ""
+        socket.send_fds(link, [b"pane"], [controller])
+        os.close(controller)
+        return _run_on(words, end, {**os.environ, "TERM": term or "xterm"})
+
+
+def _run_on(words: list[str], end: int, environment: Mapping[str, str]) -> int:
+    libc = ctypes.CDLL(None)
+
     def own_terminal() -> None:
         os.setsid()
+        libc.prctl(_PR_SET_PDEATHSIG, int(signal.SIGKILL), 0, 0, 0)  # whoever kills us means the program
         fcntl.ioctl(0, termios.TIOCSCTTY, 0)
 
     try:
-        process = subprocess.Popen(words, stdin=end, stdout=end, stderr=end, preexec_fn=own_terminal)
+        process = subprocess.Popen(words, stdin=end, stdout=end, stderr=end, env=environment, preexec_fn=own_terminal)
     except OSError as problem:
         sys.stderr.write(f"error: {words[0]}: {(problem.strerror or '').lower()}\n")
         return 127

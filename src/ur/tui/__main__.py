@@ -8,7 +8,8 @@ import signal
 import socket
 import sys
 
-from ur.run.client import RunClient
+from ur.run.client import RunClient, RunControl
+from ur.run.events import RunEvent, RunStarted
 from ur.tui.watch import own_terminal, watch_run
 
 
@@ -19,17 +20,29 @@ def main(words: list[str]) -> int:
     with RunClient(link) as control:
         if mode == "full":
             from ur.tui import app  # noqa: F401 - while the launch file is read: later it is there at once
-        select.select([control], [], [])  # nothing is on the screen before the run begins
-        if not link.recv(1, socket.MSG_PEEK):
+        early = wait_begin(control)
+        if early is None:
             return 0  # it never begins: ur launch says why
         if not own_terminal(0):
             return 1
         try:
-            watch_run(control, mode, os.environ, ours=True)
+            watch_run(control, mode, os.environ, ours=True, early=early)
         except Exception as problem:
             sys.stderr.write(f"error: the interface failed ({problem!r}); lines follow, as with --plain\n")
             return 1
     return 0
+
+
+def wait_begin(control: RunControl) -> list[RunEvent] | None:
+    """Wait until the run begins: nothing is on the screen before. What was told so far; None when it never begins."""
+    early: list[RunEvent] = []
+    while not any(isinstance(event, RunStarted) for event in early):
+        select.select([control], [], [])
+        happened = control.receive()
+        if happened is None:
+            return None
+        early += happened
+    return early
 
 
 if __name__ == "__main__":

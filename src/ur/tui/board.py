@@ -92,7 +92,7 @@ class Board:
 
     def count(self) -> dict[Mood, int]:
         """How many nodes are in each mood; the master and rosout do not count."""
-        counts: dict[Mood, int] = {"up": 0, "busy": 0, "failed": 0, "idle": 0}
+        counts: dict[Mood, int] = dict.fromkeys(STANDING, 0)
         for row in self.rows:
             if not row.changed.core:
                 counts[row.mood] += 1

@@ -8,11 +8,11 @@ import shutil
 import signal
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from ur.run.client import RunControl
-from ur.run.events import Notice, OutputLine, RunEvent, StopRun, Watch
+from ur.run.events import Notice, OutputLine, RunEvent, RunStarted, StopRun, Watch
 from ur.tui.board import STANDING, Board, Mood, apply_events, begin_board
 
 SIGNS: dict[Mood, tuple[str, str]] = {
@@ -70,11 +70,16 @@ def describe_status(board: Board, width: int) -> str:
 
 
 def watch_calmly(
-    control: RunControl, write: Callable[[str], object] = sys.stdout.write, *, guest: bool = False
+    control: RunControl,
+    write: Callable[[str], object] = sys.stdout.write,
+    *,
+    guest: bool = False,
+    early: Sequence[RunEvent] = (),
 ) -> tuple[str, int]:
     """Show a run until it ends: `ended`, `gone` (its supervisor was killed) or `detached`; its code.
 
-    Ctrl-C leaves a run that is detached or where we are a `guest`, and stops any other; again is faster.
+    Ctrl-C leaves a run that is detached or where we are a `guest`, and stops any other; again is faster. `early`: what
+    has happened already; it was printed where this line appears.
     Takes SIGINT over meanwhile.
     """
     board = begin_board()
@@ -88,6 +93,9 @@ def watch_calmly(
     before = signal.signal(signal.SIGINT, on_interrupt)
     answered = 0
     control.send(WATCH)
+    began = next((place for place, event in enumerate(early) if isinstance(event, RunStarted)), 0)
+    board, shown = show_events(board, list(early[began:]), shutil.get_terminal_size().columns)
+    write("".join(f"{line}\r\n" for line in shown.lines) + shown.status)
     try:
         while True:
             ready, _, _ = select.select([control.fileno(), reader], [], [])

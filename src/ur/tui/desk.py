@@ -3,22 +3,24 @@
 from __future__ import annotations
 
 import os
+import secrets
 import shlex
 import shutil
 import signal
 import subprocess
+import tempfile
 import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
-from pathlib import Path
 
-from ur.run.debug import Attaching, plan_attaching
-from ur.run.debug_around import look_around, look_at_program
+from ur.run.debug_around import look_around, look_at_node
+from ur.run.debug_node import Ways, plan_looking
+from ur.run.events import RunStarted
 from ur.tui.board import NodeRow
 
 
 class SystemDesk:
-    """`ur.tui.app.Desk` for real. `suspend` gives the terminal to others for as long as it is entered."""
+    """`ur.tui.stage.Desk` for real. `suspend` gives the terminal to others for as long as it is entered."""
 
     def __init__(self, environment: Mapping[str, str], suspend: Callable[[], AbstractContextManager[None]]) -> None:
         self._environment = environment
@@ -62,17 +64,14 @@ class SystemDesk:
             return "tmux could not open a pane: is there room?"
         return ""
 
-    def debug(self, row: NodeRow) -> tuple[Sequence[str], bool] | str:
-        """The command that puts gdb on a program that runs; for Python, what to type instead."""
-        pid = row.changed.pid
-        if pid is None:
-            return f"{row.name} does not run: ur launch --debug {row.name.lstrip('/')} ... starts it in a debugger"
+    def debug(self, row: NodeRow, run: RunStarted) -> Ways | str:
+        """How a node can be looked into from here."""
+        changed = row.changed
         try:
-            executable = str(Path(f"/proc/{pid}/exe").readlink())
-        except OSError:
+            looked = look_at_node(row.name, changed.program, changed.folder, changed.pid, run.pid)
+        except PermissionError:
             return f"{row.name} runs as somebody else, and may not be looked into"
-        around = look_around(self._environment, terminal=os.isatty(0))
-        if Path(executable).name.startswith("python"):
-            return f"{row.name} is Python: ur launch --debug {row.name.lstrip('/')} ... starts it in pudb"
-        plan = plan_attaching(look_at_program(row.name, executable), pid, "", executable, around)
-        return (plan.command, plan.here) if isinstance(plan, Attaching) else plan
+        python = looked.target.interpreter if looked.target.kind == "python" else ""
+        around = look_around(self._environment, terminal=os.isatty(0), python=python)
+        address = f"{tempfile.gettempdir()}/ur-debug-{secrets.token_hex(8)}/join"  # made by whoever waits there
+        return plan_looking(looked, around, address)

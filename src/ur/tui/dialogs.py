@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from rich.console import RenderableType
 from rich.text import Text
 from textual import events
 from textual.app import ComposeResult
@@ -26,17 +27,21 @@ class Choice:
 class Question(ModalScreen[str]):
     """Asks; answers with the key of a choice, '' for none. Choices can be clicked too."""
 
-    def __init__(self, title: str, choices: tuple[Choice, ...], palette: Palette) -> None:
+    def __init__(self, title: str, choices: tuple[Choice, ...], palette: Palette, *, note: str = "") -> None:
+        """`note` is what people should know before they answer."""
         super().__init__(classes="dialog")
-        self._title = title
+        self.title_text = title
+        self._note = note
         self._choices = (*choices, Choice("escape", "go on"))
         self._palette = palette
 
     def compose(self) -> ComposeResult:
         """The question above its answers."""
         with Vertical():
-            yield Static(Text(self._title, style="bold"))
-            yield Static("")
+            yield Static(Text(self.title_text, style="bold"))
+            if self._note:
+                yield Static(Text(self._note, style=self._palette.yellow))
+            yield Static(" ")
             for choice in self._choices:
                 yield _Answer(choice, self._palette)
 
@@ -61,7 +66,7 @@ class Question(ModalScreen[str]):
 class _Answer(Static):
     def __init__(self, choice: Choice, palette: Palette) -> None:
         key = "esc" if choice.key == "escape" else choice.key
-        super().__init__(Text.assemble((f"{key:>5}", f"bold {palette.accent}"), "  ", choice.text))
+        super().__init__(Text.assemble((f"{key:>3}", f"bold {palette.accent}"), "  ", choice.text))
         self._choice = choice
 
     def on_click(self) -> None:
@@ -73,7 +78,7 @@ class _Answer(Static):
 class Page(ModalScreen[None]):
     """Text to read: help, or the end of a log file."""
 
-    def __init__(self, title: str, text: Text, palette: Palette, *, at_end: bool = False) -> None:
+    def __init__(self, title: str, text: RenderableType, palette: Palette, *, at_end: bool = False) -> None:
         super().__init__(classes="page")
         self._title = title
         self._text = text
@@ -84,7 +89,7 @@ class Page(ModalScreen[None]):
         """The title above the text."""
         with Vertical():
             yield Static(Text(self._title, style="bold", no_wrap=True, overflow="ellipsis"))
-            yield Static("")
+            yield Static(" ")
             with VerticalScroll():
                 yield Static(self._text)
 

@@ -48,8 +48,11 @@ def _cut(text: str, width: int) -> list[tuple[int, int]]:
     for index, letter in enumerate(text):
         size = cell_len(letter)
         if cells + size > width:
-            pieces.append((start, index))
-            start, cells = index, 0
+            space = text.rfind(" ", start + width // 2, index + 1)  # between words, where one ends soon enough
+            end = index if space < 0 else space
+            pieces.append((start, end))
+            start = end if space < 0 else space + 1
+            cells = cell_len(text[start:index])
         cells += size
     return [*pieces, (start, len(text))]
 

@@ -104,7 +104,7 @@ class NodeTable(ScrollView, can_focus=False):
     def render_line(self, y: int) -> Strip:
         """One line: the head first, which stays where it is."""
         names = max((len(row.name.lstrip("/")) for row in self._rows), default=4)
-        words = max((len(row.word) for row in self._rows), default=5)
+        words = max((len(self._word(row)) for row in self._rows), default=5)
         columns = plan_columns(self.size.width, names, words)
         if y == 0:
             return self._draw_head(columns)
@@ -132,12 +132,11 @@ class NodeTable(ScrollView, can_focus=False):
         quiet, text = ground + Style(color=palette.quiet), ground + Style(color=palette.text)
         mood = ground + Style(color=palette.of_mood(row.mood))
         faint = row.changed.core or row.name in self.muted
-        muted = " (muted)" if row.name in self.muted else ""
         last = plain(clean(row.remark))
         severity = find_severity(last)
         words = {
-            "name": short_name(row.name, columns["name"] - 2 - len(muted)) + muted,
-            "state": row.word,
+            "name": short_name(row.name, columns["name"] - 2),
+            "state": self._word(row),
             "cpu": format_cpu(row.cpu),
             "memory": format_memory(row.memory),
             "restarts": str(row.changed.restarts or ""),
@@ -153,6 +152,9 @@ class NodeTable(ScrollView, can_focus=False):
             "last": ground + palette.of_severity(severity) if warns else quiet,
         }
         return self._draw([(f" {SIGNS[row.mood]} ", mood), *_cells(columns, words, styles)], ground)
+
+    def _word(self, row: NodeRow) -> str:
+        return f"{row.word}, muted" if row.name in self.muted else row.word
 
     def _draw(self, parts: list[tuple[str, Style]], ground: Style) -> Strip:
         return Strip([Segment(text, style) for text, style in parts]).adjust_cell_length(self.size.width, ground)

@@ -10,10 +10,13 @@ import termios
 import time
 from collections.abc import Mapping
 from contextlib import suppress
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from ur.run.host import restore_terminal, take_foreground
 from ur.run.terminal import ignore_background_write
+
+if TYPE_CHECKING:
+    from ur.run.events import Severity
 
 Mode = Literal["full", "calm", "plain"]
 LEAST_COLUMNS, LEAST_ROWS = 60, 15
@@ -56,6 +59,13 @@ class Viewer:
         words = [sys.executable, "-m", "ur.tui", mode, str(theirs.fileno())]
         self._pid = os.posix_spawn(sys.executable, words, dict(os.environ), setsigdef=[signal.SIGTTOU])
         theirs.close()
+
+    def note(self, severity: Severity, text: str) -> None:
+        """Say something before the run begins: it is the first in the interface's log."""
+        from ur.run.events import Notice, dump_line  # only for those who are told something
+
+        with suppress(OSError):
+            self.link.sendall(dump_line(Notice(severity, text)))
 
     def close(self) -> None:
         """Wait until it has left the screen (or end it), and make sure that the terminal is as it was."""

@@ -1,63 +1,53 @@
-"""The lines above and between, and the help page, as text. Pure."""
+"""The lines above and between, as text. Pure."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from rich.text import Text
 
-from ur.tui.board import STANDING, Board, Mood
+from ur.tui.board import Board, Mood
 from ur.tui.journal import Filter
 from ur.tui.node_table import SIGNS, format_cpu, format_memory
 from ur.tui.palette import Palette
 
 _WORDS: dict[Mood, str] = {"up": "up", "busy": "coming or going", "failed": "failed", "idle": "not running"}
-
-HELP = Text(
-    """\
- up, down     choose a node; so does a click
- l, Enter     open its log file ($PAGER, else less); so does a double click
- s            start it
- x            stop it, and keep it stopped
- r            restart it
- k            kill it (asks)
- d            debug it: gdb on a running program, or on its core file
-
- n            only this node's messages; again: all nodes
- m            mute this node; again: not
- v            everything, warnings and errors, errors only
- /            only messages with a text
- Escape       everything again; muted nodes stay muted
- Page Up/Down read back; so does the mouse wheel
- Home, End    the oldest message; the newest, and follow
- c            clear the log; the log files keep everything
-
- X            stop everything (asks)
- q            quit (asks): stop everything, or detach where the run goes on without you
- Ctrl-C       stop everything now; again: faster
- ?            this page; Escape leaves it
-"""
-)
+_SHORT: dict[Mood, str] = {"up": "up", "busy": "coming", "failed": "failed", "idle": "off"}
 
 
 def describe_run(board: Board, now: float, width: int, palette: Palette) -> Text:
-    """The first line: what runs, how many nodes are how, what they use together, for how long."""
+    """The first line: what runs, how many nodes are how, what they use together, for how long.
+
+    Where there is little room words get shorter, then what is used is left out, then the words.
+    """
+    for words, use in ((_WORDS, True), (_SHORT, True), (_SHORT, False), ({}, False)):
+        left, right = _describe_nodes(board, words, palette), _describe_use(board, now, palette, use=use)
+        room = width - left.cell_len - right.cell_len
+        if room > 1:
+            return left.append(" " * room).append_text(right)
+    return left
+
+
+def _describe_nodes(board: Board, words: Mapping[Mood, str], palette: Palette) -> Text:
     text = Text(no_wrap=True, overflow="ellipsis")
     text.append(board.run.title or "connecting", f"bold {palette.text}")
     if board.cause is not None:
         text.append("  stopping" + (f": {board.cause}" if board.cause else ""), palette.yellow)
-    for mood in STANDING:
-        count = board.count()[mood]
+    for mood, count in board.count().items():
         if count:
-            text.append(f"   {SIGNS[mood]} {count} ", palette.of_mood(mood)).append(_WORDS[mood], palette.quiet)
+            word = f" {words[mood]}" if words else ""
+            text.append(f"   {SIGNS[mood]} {count}", palette.of_mood(mood)).append(word, palette.quiet)
+    return text
+
+
+def _describe_use(board: Board, now: float, palette: Palette, *, use: bool) -> Text:
+    text = Text(style=palette.quiet)
     used = [row for row in board.rows if row.memory is not None]
-    right = Text()
-    if used:
+    if used and use:
         cpu, memory = sum(row.cpu or 0.0 for row in used), sum(row.memory or 0 for row in used)
-        right.append(f"cpu {format_cpu(cpu)}   memory {format_memory(memory)}   ", palette.quiet)
+        text.append(f"cpu {format_cpu(cpu)}   memory {format_memory(memory)}   ")
     if board.run.started:
-        right.append(format_duration(max(0.0, now - board.run.started)), palette.quiet)
-    room = width - text.cell_len - right.cell_len
-    if room > 1:
-        text.append(" " * room).append_text(right)
+        text.append(format_duration(max(0.0, now - board.run.started)))
     return text
 
 

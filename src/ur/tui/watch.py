@@ -5,31 +5,36 @@ from __future__ import annotations
 import os
 import signal
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager
 
 from ur.run.client import RunControl
-from ur.run.events import StopRun
+from ur.run.events import RunEvent, StopRun
 from ur.run.host import take_foreground
 
 MOST_TOLD = 12  # lines about failures that stay on the screen afterwards
 
 
-def watch_run(control: RunControl, mode: str, environment: Mapping[str, str], *, ours: bool) -> tuple[str, int]:
+def watch_run(
+    control: RunControl, mode: str, environment: Mapping[str, str], *, ours: bool, early: Sequence[RunEvent] = ()
+) -> tuple[str, int]:
     """Show a run, `full` or `calm`, until it ends: `ended`, `gone` (its supervisor was killed) or `detached`; its code.
 
-    `ours`: the run ends with this terminal. What failed is said once more afterwards, where it stays.
+    `ours`: the run ends with this terminal. `early`: what has happened already. What failed is said once more
+    afterwards, where it stays.
     """
     if ours:
         signal.signal(signal.SIGHUP, lambda *_: control.send(StopRun("the terminal was closed")))
     if mode == "calm":
         from ur.tui.calm import watch_calmly
 
-        return watch_calmly(control, guest=not ours)
-    return _watch_fully(control, environment, guest=not ours)
+        return watch_calmly(control, guest=not ours, early=early)
+    return _watch_fully(control, environment, early, guest=not ours)
 
 
-def _watch_fully(control: RunControl, environment: Mapping[str, str], *, guest: bool) -> tuple[str, int]:
+def _watch_fully(
+    control: RunControl, environment: Mapping[str, str], early: Sequence[RunEvent], *, guest: bool
+) -> tuple[str, int]:
     from textual.drivers.linux_driver import LinuxDriver
 
     from ur.tui.app import WatchApp
@@ -41,7 +46,8 @@ def _watch_fully(control: RunControl, environment: Mapping[str, str], *, guest: 
     def suspend() -> AbstractContextManager[None]:
         return app.suspend()
 
-    app = WatchApp(control, SystemDesk(environment, suspend), light=light, guest=guest, driver=LinuxDriver)
+    desk = SystemDesk(environment, suspend)
+    app = WatchApp(control, desk, light=light, guest=guest, early=early, driver=LinuxDriver)
     how = app.run() or "ended"
     if app.return_code:
         raise RuntimeError("it could not draw")

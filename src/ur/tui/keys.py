@@ -1,0 +1,95 @@
+"""The keys: what each does, and how it is named. Bindings, the last line and the help page are made from this table."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import groupby
+
+from rich.table import Table
+from rich.text import Text
+from textual.binding import Binding, BindingType
+
+from ur.tui.palette import Palette
+
+
+@dataclass(frozen=True, slots=True)
+class Key:
+    """One row: textual's names of the keys, the action of the app, and for people the key and what it does.
+
+    `foot` is the word in the last line of the screen, '' for none; `first` before any widget; `group` for the help.
+    """
+
+    keys: str
+    action: str
+    shown: str
+    does: str
+    foot: str = ""
+    first: bool = False
+    group: int = 0
+
+
+KEYS = (
+    Key("up", "move(-1)", "Up, Down", "choose a node; so does a click"),
+    Key("down", "move(1)", "", ""),
+    Key("l,enter", "open_log", "l, Enter", "open its log file ($PAGER, else less); so does a double click", "log"),
+    Key("s", "start", "s", "start it", "start"),
+    Key("x", "stop", "x", "stop it, and keep it stopped", "stop"),
+    Key("r", "restart", "r", "restart it", "restart"),
+    Key("k", "kill", "k", "kill it (asks)", "kill"),
+    Key("d", "debug", "d", "debug it: gdb on a program or its core file, pudb on Python", "debug"),
+    Key("n", "only_node", "n", "only this node's messages; again: all nodes", "only it", group=1),
+    Key("m", "mute", "m", "mute this node; again: not", "mute", group=1),
+    Key("v", "severity", "v", "everything, warnings and errors, errors only", "severity", group=1),
+    Key("slash", "find", "/", "only messages with a text", "find", group=1),
+    Key("escape", "show_all", "Escape", "everything again; muted nodes stay muted", group=1),
+    Key("pageup", "page(-1)", "Page Up/Down", "read back; so does the mouse wheel", first=True, group=1),
+    Key("pagedown", "page(1)", "", "", first=True, group=1),
+    Key("home", "oldest", "Home, End", "the oldest message; the newest, and follow", group=1),
+    Key("end", "newest", "", "", group=1),
+    Key("c", "clear", "c", "clear the log; the log files keep everything", group=1),
+    Key("X", "stop_all", "X", "stop everything (asks)", group=2),
+    Key(
+        "q,ctrl+q",
+        "leave",
+        "q",
+        "quit (asks): stop everything, or detach where the run goes on without you",
+        "quit",
+        first=True,
+        group=2,
+    ),
+    Key("ctrl+c", "interrupt", "Ctrl-C", "stop everything now; again: faster", first=True, group=2),
+    Key("question_mark,f1", "help", "?", "this page; Escape leaves it", "help", group=2),
+)
+FOOT = "?q/dlxrsknvm"  # the last line names keys in this order, as many as there is room for
+
+
+def make_bindings(keys: Sequence[Key] = KEYS) -> list[BindingType]:
+    """The bindings. A letter never comes before a widget: it may be typed into one."""
+    return [
+        Binding(name, key.action, show=False, priority=key.first and len(name) > 1)
+        for key in keys
+        for name in key.keys.split(",")
+    ]
+
+
+def describe_foot(width: int, palette: Palette) -> Text:
+    """The last line: the most useful keys, as many as fit."""
+    text = Text(no_wrap=True, overflow="ellipsis")
+    named = {key.shown.partition(",")[0]: key.foot for key in KEYS}
+    for key in FOOT:
+        if text.cell_len + len(key) + len(named[key]) + 3 > width:
+            break
+        text.append(key, f"bold {palette.accent}").append(f" {named[key]}  ", palette.quiet)
+    return text
+
+
+def describe_keys(palette: Palette) -> Table:
+    """The help page."""
+    table = Table.grid(padding=(0, 2))
+    for number, group in groupby((key for key in KEYS if key.does), lambda key: key.group):
+        if number:
+            table.add_row()
+        for key in group:
+            table.add_row(Text(key.shown, style=f"bold {palette.accent}", no_wrap=True), key.does)
+    return table

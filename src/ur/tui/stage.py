@@ -1,0 +1,175 @@
+"""The screen: nodes above, log below, and what has happened brought onto them. Keys are `looking` and `steering`."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Sequence
+from typing import ClassVar, Protocol
+
+from rich.text import Text
+from textual import events
+from textual.app import App, ComposeResult
+from textual.driver import Driver
+from textual.widgets import Input, Static
+
+from ur.run.client import RunControl
+from ur.run.debug_node import Ways
+from ur.run.events import Notice, OutputLine, RunEvent, RunStarted, Watch
+from ur.tui.board import Board, NodeRow, apply_events, begin_board
+from ur.tui.journal import Journal
+from ur.tui.keys import describe_foot
+from ur.tui.log_view import LogView
+from ur.tui.node_table import NodeTable
+from ur.tui.palette import DARK, LIGHT
+from ur.tui.style import CSS
+from ur.tui.texts import describe_filter, describe_run
+
+PAUSE = 0.05  # s between two looks at what has happened: what comes faster is drawn together
+RANKS = ((0, "everything"), (2, "warnings"), (3, "errors"))
+
+
+class Desk(Protocol):
+    """What the interface needs of the computer it runs on."""
+
+    def now(self) -> float:
+        """The time, in s since the epoch."""
+
+    def find_pager(self) -> list[str] | None:
+        """The command that shows a file, None when there is none."""
+
+    def run_here(self, words: Sequence[str]) -> str:
+        """Run a command on our terminal, which is free meanwhile. Returns what went wrong, '' when nothing did."""
+
+    def debug(self, row: NodeRow, run: RunStarted) -> Ways | str:
+        """How a node can be looked into, or why it cannot."""
+
+    def run_beside(self, words: Sequence[str]) -> str:
+        """Start a command that opens a window of its own. Returns what went wrong, '' when nothing did."""
+
+
+class Stage(App[str]):
+    """Shows one run, and ends with it."""
+
+    CSS_PATH = None
+    ENABLE_COMMAND_PALETTE = False
+    AUTO_FOCUS: ClassVar[str | None] = None
+    CSS = CSS
+
+    def __init__(
+        self,
+        control: RunControl,
+        desk: Desk,
+        *,
+        light: bool = False,
+        guest: bool = False,
+        early: Sequence[RunEvent] = (),
+        driver: type[Driver] | None = None,
+    ) -> None:
+        """`guest`: the run does not end when this interface does. `early`: what has happened already."""
+        self.palette = LIGHT if light else DARK  # asked for by the constructor of App
+        super().__init__(driver_class=driver)
+        self.board: Board = begin_board()
+        self.journal = Journal()
+        self.control = control
+        self.desk = desk
+        self.guest = guest
+        self.rank = 0  # of the severities that are shown
+        self.nodes = NodeTable(self.palette)
+        self.log_view = LogView(self.journal, self.palette)
+        self._early = early
+        self._said = ""
+        self._begun = False
+
+    def get_css_variables(self) -> dict[str, str]:
+        """Textual's colours, ours where it draws by itself."""
+        own = self.palette
+        ground = ("scrollbar-background", "scrollbar-background-hover", "scrollbar-background-active")
+        bars = {"scrollbar": own.chosen, "scrollbar-hover": own.quiet, "scrollbar-active": own.accent}
+        return {**super().get_css_variables(), **bars, **dict.fromkeys(ground, own.ground)}
+
+    def compose(self) -> ComposeResult:
+        """One column."""
+        yield Static(id="head")
+        yield self.nodes
+        yield Static(id="rule")
+        yield self.log_view
+        yield Input(id="find", placeholder="text to look for; Enter keeps it, Escape shows everything")
+        yield Static(id="foot")
+
+    def on_mount(self) -> None:
+        """Begin to watch."""
+        self._begun = True
+        own = self.palette
+        self.theme = "textual-light" if own.light else "textual-dark"
+        self.screen.styles.background = own.ground
+        for name in ("#head", "#foot", "#find"):
+            self.query_one(name).styles.background = own.raised
+        self.query_one("#rule").styles.background = own.ground
+        self.set_focus(None)
+        self.control.send(Watch(output=True, stats=True, readiness=True))
+        asyncio.get_running_loop().add_reader(self.control.fileno(), self._listen)
+        self.take(self._early)
+
+    def on_unmount(self) -> None:
+        """Watch no longer."""
+        asyncio.get_running_loop().remove_reader(self.control.fileno())
+
+    def _listen(self) -> None:
+        loop = asyncio.get_running_loop()
+        loop.remove_reader(self.control.fileno())  # not again before what came was drawn
+        happened = self.control.receive()
+        if happened is None:
+            self.exit("ended" if self.board.exit_code is not None else "gone")
+            return
+        self.take(happened)
+        if self.is_running:
+            loop.call_later(PAUSE, lambda: loop.add_reader(self.control.fileno(), self._listen))
+
+    def take(self, happened: Sequence[RunEvent]) -> None:
+        """Show what has happened."""
+        self.board = apply_events(self.board, happened)
+        self.journal.add((each for each in happened if isinstance(each, (OutputLine, Notice))), self.desk.now())
+        if self.board.exit_code is not None:
+            self.exit("ended")
+            return
+        self.draw()
+
+    def on_resize(self, event: events.Resize) -> None:
+        """The table gets at most two fifths of the height."""
+        self._fit(event.size.height)
+        self.call_after_refresh(self.draw)
+
+    def _fit(self, height: int) -> None:
+        wanted = max(2, len(self.board.rows) + 1)
+        self.nodes.styles.height = min(wanted, max(min(4, height // 2), (height - 3) * 2 // 5))
+
+    def draw(self) -> None:
+        """Bring everything up to date."""
+        if not self.is_running or not self._begun:
+            return
+        self._fit(self.size.height)
+        self.nodes.muted = self.log_view.filter.muted
+        self.nodes.show(self.board.rows)
+        self.log_view.show_changes()
+        width = self.size.width
+        own = self.palette
+        self._write("#head", describe_run(self.board, self.desk.now(), width - 2, own))
+        level = next(text for rank, text in RANKS if rank == self.rank)
+        rule = describe_filter(self.log_view.filter, level, follows=self.log_view.follows, width=width, palette=own)
+        self._write("#rule", rule)
+        said = Text(self._said, style=own.yellow, no_wrap=True, overflow="ellipsis")
+        self._write("#foot", said if self._said else describe_foot(width - 2, own))
+
+    def _write(self, place: str, text: Text) -> None:
+        self.query_one(place, Static).update(text)
+
+    def say(self, text: str) -> None:
+        """Tell people something, until the next key."""
+        self._said = text
+        self.draw()
+
+    def on_key(self) -> None:
+        """What was said is read by now."""
+        if self._said:
+            self._said = ""
+            self.call_later(self.draw)
