@@ -22,7 +22,8 @@ from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
 from nav_msgs.msg import Odometry
 from nav_msgs.srv import GetPlan, SetMap, SetMapRequest
 from sensor_msgs.msg import LaserScan
-from std_srvs.srv import Empty
+from std_msgs.msg import Bool, String
+from std_srvs.srv import Empty, Trigger
 
 from ur_nodes.rosio.geometry import Pose2, pose_message, pose_of_message, pose_of_transform
 
@@ -37,6 +38,8 @@ class Client:
         self.odom: Odometry | None = None
         self.localised: Pose2 | None = None
         self.scans = 0
+        self.active: list[str] = []
+        self.stopped: bool | None = None
         self.buffer = tf2_ros.Buffer()
         self.listener = tf2_ros.TransformListener(self.buffer)
         self.key_vel = rospy.Publisher("key_vel", Twist, queue_size=1)
@@ -46,10 +49,13 @@ class Client:
         rospy.Subscriber("amcl_pose", PoseWithCovarianceStamped, self._set_localised)
         rospy.Subscriber("odom", Odometry, self._set_odom)
         rospy.Subscriber("scan", LaserScan, self._count_scan)
+        rospy.Subscriber("cmd_vel_mux/active", String, self._add_active)
+        rospy.Subscriber("cmd_vel_mux/stopped", Bool, self._set_stopped)
 
     def do_ready(self, seconds: float) -> dict[str, Any]:
         """Wait until the robot is localised and takes goals."""
         wait_until(lambda: self.truth and self.odom and self.scans, seconds, "odom, scan and base_pose_ground_truth")
+        wait_until(lambda: self.active and self.key_vel.get_num_connections(), seconds, "the mux")
         wait_until(lambda: self.action.wait_for_server(rospy.Duration(0.1)), seconds, "the action server move_base")
         wait_until(lambda: self.buffer.can_transform("map", "base_footprint", rospy.Time()), seconds, "map to base tf")
         return {}
@@ -102,6 +108,23 @@ class Client:
         wait_until(lambda: self.do_where()["speed"] > 0.1, seconds, "the robot to move")
         return self.do_where()
 
+    def do_active(self, name: str, seconds: float) -> dict[str, Any]:
+        """Wait until the mux follows a source, or `idle`; who it followed since the last time."""
+        wait_until(lambda: self.active and self.active[-1] == name, seconds, f"the mux to follow {name}")
+        told = self.active[:]
+        del self.active[: len(told) - 1]
+        return {"active": [each for n, each in enumerate(told) if n == 0 or told[n - 1] != each]}
+
+    def do_stopped(self, value: bool, seconds: float) -> dict[str, Any]:
+        """Wait until the mux says so of an emergency."""
+        wait_until(lambda: self.stopped is value, seconds, f"the mux to say that stopped is {value}")
+        return {}
+
+    def do_call(self, service: str) -> dict[str, Any]:
+        """Call a service of the kind Trigger."""
+        rospy.wait_for_service(service, 30)
+        return {"message": rospy.ServiceProxy(service, Trigger)().message}
+
     def do_place(self, x: float, y: float, degrees: float) -> dict[str, Any]:
         """Put the robot somewhere else, telling nobody."""
         request = SetMapRequest()
@@ -146,6 +169,12 @@ class Client:
     def do_scans(self) -> dict[str, Any]:
         """How many scans came so far."""
         return {"scans": self.scans}
+
+    def _add_active(self, message: String) -> None:
+        self.active.append(message.data)
+
+    def _set_stopped(self, message: Bool) -> None:
+        self.stopped = bool(message.data)
 
     def _set_truth(self, message: Odometry) -> None:
         self.truth = message

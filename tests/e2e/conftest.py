@@ -111,7 +111,7 @@ def robot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Robot]:
         )
     robot = Robot(launch, env, log)
     try:
-        robot.ask("ready", seconds=40)
+        robot.ask("ready", seconds=60)
         yield robot
     finally:
         robot.client.kill()

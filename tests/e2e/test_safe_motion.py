@@ -1,0 +1,151 @@
+"""Who may drive, and that the robot stands whatever dies: real programs, real nodes. How fast it stands: bench/stop."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+from pathlib import Path
+
+import pytest
+from tests.e2e.conftest import ROOT, Robot
+from tests.e2e.terminal import Terminal
+from tests.e2e.test_first_drive import GOALS, find_node, put_at_start
+
+pytestmark = [pytest.mark.ros, pytest.mark.timeout(300)]
+
+KEYBOARD = str(ROOT / "ubiquity_launches" / "n_teleop_twist_keyboard" / "bin" / "teleop_twist_keyboard.py")
+NAVIGATE = str(ROOT / "ubiquity_launches" / "n_keyboard_navigate" / "bin" / "keyboard_navigate_node")
+ON_KEYS = ("cmd_vel:=key_vel", "_speed:=0.3", "_turn:=0.6")
+
+
+def stand(robot: Robot) -> None:
+    """It stands, and nobody drives any more."""
+    robot.ask("still", seconds=60)
+    robot.ask("active", name="idle", seconds=60)
+
+
+def test_keyboard_takes_over_from_navigation_which_then_goes_on(robot: Robot) -> None:
+    put_at_start(robot)
+    stand(robot)
+    robot.ask("goal", x=2.5, y=0.0, degrees=0.0)
+    robot.ask("moving", seconds=60)
+    keys = subprocess.run(
+        [KEYBOARD, *ON_KEYS], env=robot.env, input="jl", text=True, capture_output=True, timeout=60, check=False
+    )
+    assert keys.returncode == 0, keys.stderr
+    result = robot.ask("result", seconds=60)
+    assert result["state"] == "SUCCEEDED", result["text"]
+    told = robot.ask("active", name="idle", seconds=60)["active"]
+    assert "keyboard" in told[1:-1]
+    before, after = told[: told.index("keyboard")], told[told.index("keyboard") :]
+    assert "navigation" in before
+    assert "navigation" in after
+
+
+def test_emergency_ends_the_goal_and_no_other_is_taken_until_the_release(robot: Robot) -> None:
+    put_at_start(robot)
+    robot.ask("goal", **GOALS["far"])
+    robot.ask("moving", seconds=60)
+    assert robot.ask("call", service="cmd_vel_mux/stop")["message"] == "stopped"
+    result = robot.ask("result", seconds=60)
+    assert (result["state"], result["text"]) == ("ABORTED", "emergency stop")
+    stand(robot)
+    refused = robot.ask("goal", x=1.0, y=0.0, seconds=60)
+    assert (refused["state"], refused["text"]) == ("ABORTED", "emergency stop is on; release it first")
+    assert robot.ask("call", service="cmd_vel_mux/release")["message"].startswith("released")
+    stand(robot)
+    robot.ask("stopped", value=False, seconds=60)
+    put_at_start(robot)
+    result = robot.ask("goal", x=1.0, y=0.0, seconds=60)
+    assert result["state"] == "SUCCEEDED", result["text"]
+
+
+def test_space_in_keyboard_navigate_stops_the_robot_until_the_release(robot: Robot) -> None:
+    put_at_start(robot)
+    with Terminal([NAVIGATE, "__name:=navigate_by_hand"], robot.env) as terminal:
+        terminal.wait_for("localised")
+        terminal.type("g 7.23 10.63\r")
+        robot.ask("moving", seconds=60)
+        terminal.type(" ")
+        terminal.wait_for("EMERGENCY STOP")
+        robot.ask("stopped", value=True, seconds=60)
+        stand(robot)
+        terminal.type("g 1 0\r")
+        terminal.wait_for("not sent: the emergency stop is on")
+        terminal.type("r\r")
+        robot.ask("stopped", value=False, seconds=60)
+        stand(robot)
+        terminal.wait_for("localised")
+        terminal.type("g 1.5 0 0\r")
+        terminal.wait_for("reached 1.50 0.00 0")
+
+
+def test_space_in_keyboard_drive_stops_navigation_too(robot: Robot) -> None:
+    put_at_start(robot)
+    robot.ask("goal", **GOALS["far"])
+    robot.ask("moving", seconds=60)
+    with Terminal([KEYBOARD, *ON_KEYS, "__name:=drive_by_hand"], robot.env) as terminal:
+        terminal.wait_for("navigation drives")
+        terminal.type(" ")
+        terminal.wait_for("EMERGENCY STOP")
+        assert robot.ask("result", seconds=60)["text"] == "emergency stop"
+        stand(robot)
+        terminal.type("r")
+        robot.ask("stopped", value=False, seconds=60)
+        terminal.wait_for("standing still")
+        terminal.hold("i")
+        robot.ask("moving", seconds=60)
+        terminal.hold("")
+        stand(robot)
+
+
+def test_robot_stands_when_the_keyboard_is_killed(robot: Robot) -> None:
+    put_at_start(robot)
+    with Terminal([KEYBOARD, *ON_KEYS, "__name:=drive_by_hand"], robot.env) as terminal:
+        terminal.wait_for("standing still")
+        terminal.hold("i")
+        robot.ask("moving", seconds=60)
+        terminal.kill()
+        stand(robot)
+
+
+def test_robot_stands_when_the_network_to_the_keyboard_is_gone(robot: Robot) -> None:
+    put_at_start(robot)
+    with Terminal([KEYBOARD, *ON_KEYS, "__name:=drive_by_hand"], robot.env) as terminal:
+        terminal.wait_for("standing still")
+        terminal.hold("i")
+        robot.ask("moving", seconds=60)
+        terminal.process.send_signal(signal.SIGSTOP)  # connections stay open, nothing comes any more
+        stand(robot)
+
+
+def test_robot_stands_when_the_viewer_is_killed_and_the_robot_side_lives_on(robot: Robot) -> None:
+    put_at_start(robot)
+    launch = Path(__file__).with_name("viewer.launch")
+    with Terminal([str(ROOT / "ur"), "launch", str(launch), "robot_base:=stage"], robot.env) as viewer:
+        viewer.wait_for("standing still")
+        viewer.hold("i")
+        robot.ask("moving", seconds=60)
+        viewer.process.kill()  # `ur` alone: what it started must not live on
+        stand(robot)
+    result = robot.ask("goal", x=1.0, y=0.0, degrees=0.0, seconds=60)
+    assert result["state"] == "SUCCEEDED", result["text"]
+
+
+@pytest.mark.parametrize("name", ["move_base", "cmd_vel_mux"])
+def test_robot_stands_when_a_node_that_drives_it_is_killed_and_drives_again_when_it_is_back(
+    robot: Robot, name: str
+) -> None:
+    put_at_start(robot)
+    robot.ask("goal", **GOALS["far"])
+    robot.ask("moving", seconds=60)
+    victim = find_node(robot, name)
+    os.kill(victim, signal.SIGKILL)
+    if name == "move_base":  # navigation goes on by itself when only the mux was gone
+        stand(robot)
+    find_node(robot, name, other_than=victim, seconds=60)
+    robot.ask("ready", seconds=60)
+    put_at_start(robot)
+    result = robot.ask("goal", x=1.0, y=0.0, degrees=0.0, seconds=60)
+    assert result["state"] == "SUCCEEDED", result["text"]
