@@ -119,6 +119,18 @@ def test_nothing_survives_kill_9(world: Any, victims: tuple[str, ...]) -> None:
 
 
 @pytest.mark.usefixtures("master")
+def test_nodes_share_a_session_without_a_terminal_and_lead_a_group_each(world: Any) -> None:
+    run = world.launch(SLEEPER + SLEEPER.replace('name="sleeper"', 'name="other"'), terminal=True)
+    run.until("[/sleeper] started", "[/other] started")
+    run.until_running("sleep 600", 2)
+    nodes = [pid for pid, each in run.seen.items() if "sleep" in each.name()]
+    assert {os.getpgid(pid) for pid in nodes} == set(nodes)
+    [session] = {os.getsid(pid) for pid in nodes}
+    assert session != os.getsid(run.process.pid)
+    assert all(psutil.Process(pid).terminal() is None for pid in nodes)
+
+
+@pytest.mark.usefixtures("master")
 def test_daemons_are_ended_with_the_run(world: Any) -> None:
     run = world.launch('<node pkg="little_nodes" type="daemon" name="daemon"/>')
     run.until("[/daemon] started")

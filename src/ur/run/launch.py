@@ -105,7 +105,7 @@ def run_plan(plan: Plan, world: World, host: ProcessHost, console: Console, opti
         return 0
 
     here = _register(plan, master, folder, environment, console, detached=options.call_started is not None)
-    host.set_environment(environment)
+    host.begin(environment, keep_terminal=any(node.terminal for node in nodes))
     terminal = find_terminal() if options.call_started is None else None
     ignore_background_write()
     _announce(console, master, own_master=own_master, folder=folder, nodes=len(programs))

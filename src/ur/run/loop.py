@@ -26,7 +26,7 @@ from ur.run.happenings import (
     StopRequested,
     Tick,
 )
-from ur.run.host.protocol import SESSION
+from ur.run.host.protocol import GROUP, SESSION
 from ur.run.inbox import Inbox
 from ur.run.master_watch import watch_master
 from ur.run.model import Phase, Status
@@ -243,6 +243,7 @@ class _Loop:
             self._host.start_process(unit.name, argv, cwd, changes, (0, 1, 2), self._front.lend())
             return
         stdio, given = self._outputs.wire(program)
-        self._host.start_process(unit.name, argv, cwd, changes, stdio, SESSION)
+        alone = unit.core or self._run.terminal_program is not None
+        self._host.start_process(unit.name, argv, cwd, changes, stdio, SESSION if alone else GROUP)
         for descriptor in given:
             os.close(descriptor)

@@ -39,9 +39,9 @@ class ProcessHost:
         """Readable when there is something to receive."""
         return self._link.fileno()
 
-    def set_environment(self, environment: Mapping[str, str]) -> None:
-        """The environment that processes start from."""
-        self._send(("environment", dict(environment)))
+    def begin(self, environment: Mapping[str, str], *, keep_terminal: bool) -> None:
+        """Say, before anything is started, what processes start from, and whether one of them needs the terminal."""
+        self._send(("begin", dict(environment), keep_terminal))
 
     def start_process(
         self,

@@ -16,8 +16,8 @@ Where a cgroup may be made (`ur.run.host.cgroup`), host and nodes live in one of
 whole: no process leaves it, not even one that runs as another user.
 
 Each is in a process group of its own and has a command line of its own, so that neither `kill -9 -GROUP` nor
-`pkill -9 -f 'ur launch'` takes all at once. They stay in the terminal's session: a node that owns the terminal has to
-be started there.
+`pkill -9 -f 'ur launch'` takes all at once. The host leaves the terminal's session, and nodes have no terminal, unless
+one of them has to own it: that can only be started there.
 
 Runs with `python -I -S`: nothing but the standard library and this package, for a start in a few milliseconds.
 """

@@ -1,8 +1,9 @@
 """What the supervisor and the process host say to each other over a socket pair, and how.
 
-Messages are tuples. To the host: `("environment", {...})`, `("start", name, argv, cwd, changes, place)` with the three
-open files of standard input, output and error, `("signal", name, signum)`, `("sweep", signum)`. From it: `("started",
-name, pid)`, `("failed", name, errno, what)`, `("exited", name, code, signum)`, `("stopped", name)`, `("empty",)`.
+Messages are tuples. To the host: first `("begin", environment, keep_terminal)`, then `("start", name, argv, cwd,
+changes, place)` with the three open files of standard input, output and error, `("signal", name, signum)`,
+`("sweep", signum)`. From it: `("started", name, pid)`, `("failed", name, errno, what)`, `("exited", name, code,
+signum)`, `("stopped", name)`, `("empty",)`.
 """
 
 from __future__ import annotations
@@ -14,9 +15,12 @@ TYPE_CHECKING = False  # what typing.TYPE_CHECKING is, without the 1.3 MB of typ
 if TYPE_CHECKING:
     from typing import Any
 
-SESSION = "session"  # where a process is started: in a session of its own, with no terminal,
-GROUP = "group"  # in the terminal's session,
-FOREGROUND = "foreground"  # or there as the group that owns the terminal on its standard input
+# Where a process is started, always as the leader of a process group: in a session of its own; in the host's; or there
+# as the group that owns the terminal on its standard input. Nodes share the host's where they can: Linux gives every
+# session the same share of the processors (sched(7), autogroup), and fifty sessions of nodes starve their master.
+SESSION = "session"
+GROUP = "group"
+FOREGROUND = "foreground"
 
 
 def send(link: socket.socket, message: tuple[Any, ...], descriptors: tuple[int, ...] = ()) -> None:

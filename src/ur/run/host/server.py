@@ -33,7 +33,6 @@ KILLED = 3.0  # s that they get to die of SIGKILL after that
 
 def serve(descriptor: int) -> None:
     """Serve the supervisor behind a socket until it closes, then end everything."""
-    os.setpgid(0, 0)
     os.set_inheritable(descriptor, False)  # a node that held our end would hide our death
     inherit_orphans()
     name_process(b"ur-host")
@@ -101,8 +100,12 @@ class _Host:
                 self._sweeping = signum
                 signal_descendants(signum)
                 self._reap()
-            case ("environment", environment):
+            case ("begin", environment, keep_terminal):
                 self._environment = environment
+                if keep_terminal:
+                    os.setpgid(0, 0)
+                else:
+                    os.setsid()
         for descriptor in descriptors:
             os.close(descriptor)
 
