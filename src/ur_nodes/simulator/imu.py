@@ -5,14 +5,15 @@ Axes and signs after REP 145: at rest, and level, the accelerometer reads +g alo
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
+from scipy.spatial.transform import Rotation
 
 from ur.robot.base import Imu
 from ur_nodes.simulator.model import GRAVITY
-from ur_nodes.simulator.scenery import rotation_axes
 
 Floats = npt.NDArray[np.float64]
 
@@ -21,13 +22,19 @@ Floats = npt.NDArray[np.float64]
 class Motion:
     """How a body moves at an instant.
 
-    `rotation` is body to world, shape (3, 3); `velocity` that of the body's origin in the world, m/s; `turning` the
-    angular velocity in the body, rad/s.
+    `attitude` is the quaternion w, x, y, z, body to world; `velocity` that of the body's origin in the world, m/s;
+    `turning` the angular velocity in the body, rad/s.
     """
 
-    rotation: Floats
+    attitude: Floats
     velocity: Floats
     turning: Floats
+
+    @property
+    def rotation(self) -> Rotation:
+        """Body to world."""
+        w, x, y, z = self.attitude
+        return Rotation.from_quat([x, y, z, w])
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,38 +46,40 @@ class Reading:
     force: tuple[float, float, float]
 
 
+_STILL = Motion(np.array([1.0, 0.0, 0.0, 0.0]), np.zeros(3), np.zeros(3))
+
+
 class InertialUnit:
     """One unit. Like a real one it integrates: a reading is the mean since the one before."""
 
     def __init__(self, imu: Imu) -> None:
         self._imu = imu
         self._place = np.array(imu.pose[:3], np.float64)
-        self._mount = np.array(rotation_axes(imu.pose[3:])).T  # unit to body
-        self._before: tuple[Motion, float] | None = None
-        self._force = np.array([0.0, 0.0, GRAVITY])
-        self._turning = np.zeros(3)
-        self._rotation = self._mount
+        self._mount = Rotation.from_euler("xyz", imu.pose[3:])  # unit to body
+        self._span: tuple[tuple[Motion, float], tuple[Motion, float]] | None = None
 
     def forget(self) -> None:
         """The body was moved by hand: do not take that for an acceleration."""
-        self._before = None
+        self._span = None
 
     def sample(self, motion: Motion, time: float) -> None:
         """Take the body's motion at a time (s); called at the unit's rate."""
-        before, then = self._before or (motion, time)
-        if time > then:
-            self._force = self._mount.T @ specific_force(before, motion, self._place, time - then)
-        else:
-            self._force = (motion.rotation @ self._mount).T @ np.array([0.0, 0.0, GRAVITY])
-        self._turning = self._mount.T @ ((before.turning + motion.turning) / 2.0)
-        self._rotation = motion.rotation @ self._mount
-        self._before = motion, time
+        last = (motion, time)
+        self._span = (self._span[1] if self._span else last, last)
 
     def read(self, noise: Floats) -> Reading:
-        """The last sample, with `noise` (standard normal, shape (6,): gyro, accelerometer) scaled to the unit's."""
-        gx, gy, gz = (self._turning + self._imu.gyro_noise * noise[:3]).tolist()
-        ax, ay, az = (self._force + self._imu.accel_noise * noise[3:]).tolist()
-        return Reading(quaternion(self._rotation), (gx, gy, gz), (ax, ay, az))
+        """The last sample, with `noise` (standard normal, shape (6,): gyro, accelerometer) scaled to the unit's.
+
+        Before the first sample the unit is at rest in a level body.
+        """
+        still = (_STILL, 0.0)
+        (before, then), (after, now) = self._span or (still, still)
+        period = now - then if now > then else math.inf
+        force = self._mount.inv().apply(specific_force(before, after, self._place, period))
+        turning = self._mount.inv().apply((before.turning + after.turning) / 2.0)
+        gx, gy, gz = (turning + self._imu.gyro_noise * noise[:3]).tolist()
+        ax, ay, az = (force + self._imu.accel_noise * noise[3:]).tolist()
+        return Reading(quaternion(after.rotation * self._mount), (gx, gy, gz), (ax, ay, az))
 
 
 def specific_force(before: Motion, after: Motion, place: Floats, period: float) -> Floats:
@@ -80,18 +89,16 @@ def specific_force(before: Motion, after: Motion, place: Floats, period: float) 
     """
     acceleration = (_velocity_at(after, place) - _velocity_at(before, place)) / period
     felt = acceleration + np.array([0.0, 0.0, GRAVITY])
-    force: Floats = (before.rotation + after.rotation).T @ felt / 2.0
+    force: Floats = (before.rotation.inv().apply(felt) + after.rotation.inv().apply(felt)) / 2.0
     return force
 
 
-def quaternion(rotation: Floats) -> tuple[float, float, float, float]:
-    """x, y, z, w of a rotation matrix, with w >= 0."""
-    from scipy.spatial.transform import Rotation
-
-    x, y, z, w = Rotation.from_matrix(rotation).as_quat().tolist()
+def quaternion(rotation: Rotation) -> tuple[float, float, float, float]:
+    """x, y, z, w of a rotation, with w >= 0."""
+    x, y, z, w = rotation.as_quat().tolist()
     return (x, y, z, w) if w >= 0.0 else (-x, -y, -z, -w)
 
 
 def _velocity_at(motion: Motion, place: Floats) -> Floats:
-    velocity: Floats = motion.velocity + motion.rotation @ np.cross(motion.turning, place)
+    velocity: Floats = motion.velocity + motion.rotation.apply(np.cross(motion.turning, place))
     return velocity

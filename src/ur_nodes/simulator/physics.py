@@ -85,9 +85,8 @@ class Physics:
     def motion(self, robot: int) -> Motion:
         """How a robot's base_footprint moves in all three dimensions."""
         q, v = self._joints[robot]
-        rotation = np.empty(9)
-        mujoco.mju_quat2Mat(rotation, self._data.qpos[q + 3 : q + 7])
-        return Motion(rotation.reshape(3, 3), self._data.qvel[v : v + 3].copy(), self._data.qvel[v + 3 : v + 6].copy())
+        qpos, qvel = self._data.qpos, self._data.qvel
+        return Motion(qpos[q + 3 : q + 7].copy(), qvel[v : v + 3].copy(), qvel[v + 3 : v + 6].copy())
 
     def cast(self, robot: int, noise: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
         """The ranges of a robot's lidar now; see RayCaster.cast."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import numpy.typing as npt
 
 from ur.robot.base import Base
 from ur_nodes.simulator.battery import BatteryCharge
@@ -15,17 +16,16 @@ BATTERY_RATE = 1.0  # Hz
 
 
 class Senses:
-    """Sensors of one robot, as far as its base has them. Noise is drawn when they are due, whoever looks."""
+    """Sensors of one robot, as far as its base has them. Their noise depends on when they are due, not on who looks."""
 
     def __init__(self, base: Base, physics: Physics, robot: int, seed: np.random.SeedSequence, charge: float) -> None:
         """`charge` is how full the battery is at first, 0 to 1."""
         self._base = base
         self._physics = physics
         self._robot = robot
-        # One stream each, so that one sensor more does not change what the others say.
-        self._sonar_random, self._imu_random = (np.random.Generator(np.random.PCG64(each)) for each in seed.spawn(2))
-        self._sonar_noise = np.zeros(len(base.sonars.at) if base.sonars else 0)
-        self._imu_noise = np.zeros(6)
+        # A stream each, so that one sensor more does not change what the others say.
+        self._sonar_key, self._imu_key = (each.generate_state(2, np.uint64) for each in seed.spawn(2))
+        self._heard = self._felt = 0
         self._imu = InertialUnit(base.imu) if base.imu else None
         self._bumpers = BumperRing(base.bumpers) if base.bumpers else None
         self._battery = BatteryCharge(base.battery, charge) if base.battery else None
@@ -34,13 +34,13 @@ class Senses:
 
     def listen(self) -> None:
         """The sonars are due."""
-        self._sonar_noise = self._sonar_random.standard_normal(self._sonar_noise.size)
+        self._heard += 1
 
     def feel_motion(self, time: float) -> None:
         """The inertial unit is due, at a time (s) since the start or the last reset."""
         if self._imu:
             self._imu.sample(self._physics.motion(self._robot), time)
-            self._imu_noise = self._imu_random.standard_normal(6)
+            self._felt += 1
 
     def feel_touch(self, time: float) -> None:
         """The robot touches something at a time (s)."""
@@ -63,11 +63,12 @@ class Senses:
 
     def ranges(self) -> Floats:
         """What the sonars hear (m), in the order of the base's file; see SonarRing.listen."""
-        return self._physics.listen(self._robot, self._sonar_noise)
+        count = len(self._base.sonars.at) if self._base.sonars else 0
+        return self._physics.listen(self._robot, draw_noise(self._sonar_key, self._heard, count))
 
     def inertia(self) -> Reading | None:
         """What the inertial unit said when it was last due; None for a base without one."""
-        return self._imu.read(self._imu_noise) if self._imu else None
+        return self._imu.read(draw_noise(self._imu_key, self._felt, 6)) if self._imu else None
 
     def pressed(self, time: float) -> dict[str, bool]:
         """Which bumpers are pressed at a time (s), by name."""
@@ -77,3 +78,8 @@ class Senses:
     def battery(self) -> BatteryCharge | None:
         """The battery; None for a base without one."""
         return self._battery
+
+
+def draw_noise(key: npt.NDArray[np.uint64], number: int, size: int) -> Floats:
+    """Standard normal numbers, shape (size,): always the same ones for a key (shape (2,)) and a number of a reading."""
+    return np.random.Generator(np.random.Philox(key=key, counter=number << 64)).standard_normal(size)

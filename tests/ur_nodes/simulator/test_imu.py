@@ -27,6 +27,12 @@ def unit(pose: tuple[float, ...] = LEVEL, gyro: float = 0.0, accel: float = 0.0)
     return Imu("imu", "imu/data", pose, 1.0 / PERIOD, gyro, accel)
 
 
+def motion(rotation: Rotation) -> Motion:
+    """A body that lies still."""
+    x, y, z, w = rotation.as_quat()
+    return Motion(np.array([w, x, y, z]), np.zeros(3), np.zeros(3))
+
+
 def read(simulation: Simulation) -> Reading:
     """What the unit says when it is next due."""
     while not simulation.advance().imu:
@@ -39,7 +45,7 @@ def read(simulation: Simulation) -> Reading:
 @given(vector)
 def test_unit_at_rest_feels_gravity_upwards_however_it_lies(turn: tuple[float, float, float]) -> None:
     rotation = Rotation.from_rotvec(turn)
-    still = Motion(rotation.as_matrix(), np.zeros(3), np.zeros(3))
+    still = motion(rotation)
     force = specific_force(still, still, np.zeros(3), PERIOD)
     assert np.allclose(force, rotation.inv().apply([0.0, 0.0, GRAVITY]))
 
@@ -48,8 +54,7 @@ def test_unit_at_rest_feels_gravity_upwards_however_it_lies(turn: tuple[float, f
 def test_unit_in_free_fall_feels_nothing(
     turn: tuple[float, float, float], velocity: tuple[float, float, float]
 ) -> None:
-    rotation = Rotation.from_rotvec(turn).as_matrix()
-    before = Motion(rotation, np.array(velocity), np.zeros(3))
+    before = replace(motion(Rotation.from_rotvec(turn)), velocity=np.array(velocity))
     after = replace(before, velocity=before.velocity - [0.0, 0.0, GRAVITY * PERIOD])
     assert np.allclose(specific_force(before, after, np.zeros(3), PERIOD), 0.0, atol=1e-9)
 
@@ -57,7 +62,7 @@ def test_unit_in_free_fall_feels_nothing(
 @given(st.floats(0.1, 3.0), st.floats(0.05, 0.5))
 def test_unit_off_the_axis_feels_that_it_goes_round(rate: float, radius: float) -> None:
     def at(angle: float) -> Motion:
-        return Motion(Rotation.from_euler("z", angle).as_matrix(), np.zeros(3), np.array([0.0, 0.0, rate]))
+        return replace(motion(Rotation.from_euler("z", angle)), turning=np.array([0.0, 0.0, rate]))
 
     period = 0.001
     force = specific_force(at(0.3), at(0.3 + rate * period), np.array([radius, 0.0, 0.0]), period)
@@ -67,14 +72,14 @@ def test_unit_off_the_axis_feels_that_it_goes_round(rate: float, radius: float) 
 @given(st.floats(-math.pi, math.pi), st.floats(-1.5, 1.5), st.floats(-math.pi, math.pi))
 def test_quaternion_is_that_of_the_rotation(roll: float, pitch: float, yaw: float) -> None:
     rotation = Rotation.from_euler("xyz", [roll, pitch, yaw])
-    x, y, z, w = quaternion(rotation.as_matrix())
+    x, y, z, w = quaternion(rotation)
     assert w >= 0.0
     assert (Rotation.from_quat([x, y, z, w]) * rotation.inv()).magnitude() < 1e-6
 
 
 def test_unit_that_is_mounted_upside_down_says_so() -> None:
     imu = InertialUnit(unit((0.0, 0.0, 0.1, math.pi, 0.0, 0.0)))
-    still = Motion(np.eye(3), np.zeros(3), np.array([0.0, 0.0, 0.5]))
+    still = replace(motion(Rotation.identity()), turning=np.array([0.0, 0.0, 0.5]))
     imu.sample(still, 0.0)
     reading = imu.read(np.zeros(6))
     assert reading.force == pytest.approx((0.0, 0.0, -GRAVITY))
