@@ -30,6 +30,7 @@ VERBS = {
     "check": ("ur.cli.check", "Check launch files, YAML files and programs."),
     "format": ("ur.cli.format", "Put launch files in house order and layout."),
     "find": ("ur.cli.find", "Find where a name in launch files is defined and used."),
+    "docs": ("ur.cli.docs", "Write documents of launch files: one page, or a web site."),
     "explain": ("ur.cli.explain", "Say where a name in a launch file got its value."),
     "use": ("ur.cli.use", "Select a robot, or show which one is selected."),
     "setup": ("ur.cli.setup", "Set this computer up: shells, keys, workspace, names."),
@@ -41,6 +42,7 @@ VERBS = {
     "doctor": ("ur.cli.doctor", "Find what is wrong between this computer and a robot."),
     "robot": ("ur.cli.robot", "Set robots up, over the network."),
     "boot": ("ur.cli.boot", "Choose what a robot starts when it boots."),
+    "completion": ("ur.cli.completion", "Print what makes a shell complete `ur` with Tab."),
     "env": ("ur.cli.env", "Print what makes a shell follow the selection."),
 }
 

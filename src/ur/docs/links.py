@@ -1,0 +1,43 @@
+"""Links in the Markdown of comments: they are written beside a launch file, and read from somewhere else."""
+
+from __future__ import annotations
+
+import posixpath
+import re
+from collections.abc import Callable
+
+_LINK = re.compile(r"(!?)\[([^\]\n]*)\]\(\s*([^)\s]+)\s*\)")
+_SCHEME = re.compile(r"[a-zA-Z][a-zA-Z0-9+.-]*:")
+
+
+def settle_links(text: str, folder: str, exists: Callable[[str], bool]) -> str:
+    """Markdown whose relative links start at the root of the repository; what leads nowhere becomes plain text.
+
+    `folder` is where the text was written, relative to the root; `exists` tells of a path from there, too.
+    """
+
+    def settle(match: re.Match[str]) -> str:
+        mark, label, target = match.groups()
+        if _SCHEME.match(target) or target.startswith("//"):
+            return match.group()
+        path, hash_, fragment = target.partition("#")
+        for base in (folder, ""):
+            whole = posixpath.normpath(posixpath.join(base, path))
+            if path and not path.startswith("/") and not whole.startswith("..") and exists(whole):
+                return f"{mark}[{label}]({whole}{hash_}{fragment})"
+        return label
+
+    return _LINK.sub(settle, text) if "](" in text else text
+
+
+def map_links(text: str, place: Callable[[str], str | None]) -> str:
+    """Markdown in which each relative link leads where `place` says; to nowhere: plain text."""
+
+    def replace(match: re.Match[str]) -> str:
+        mark, label, target = match.groups()
+        if _SCHEME.match(target) or target.startswith("//"):
+            return match.group()
+        new = place(target)
+        return label if new is None else f"{mark}[{label}]({new})"
+
+    return _LINK.sub(replace, text) if "](" in text else text

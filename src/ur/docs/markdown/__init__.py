@@ -1,0 +1,1 @@
+"""`launches.md`: the documents as one Markdown page."""

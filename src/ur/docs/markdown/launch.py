@@ -1,0 +1,150 @@
+"""One launch file as a section."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from ur.docs.markdown.mermaid import draw_mermaid
+from ur.docs.markdown.text import Page, code, inline
+from ur.docs.markdown.tree import write_trees
+from ur.docs.model import ArgumentDoc, IncludeDoc, LaunchDoc, NodeDoc, ParamDoc, ParamFileDoc, Value
+from ur.docs.vary import name_cases
+
+
+def write_launch_file(page: Page, doc: LaunchDoc, title: str, level: int) -> None:
+    """Everything about a launch file; parts without content are left out."""
+    page.heading(level, title, key=f"launch {doc.path}")
+    if doc.summary:
+        page.paragraph(inline(doc.summary))
+    page.paragraph(" — ".join(_list_places(page, doc)))
+    for problem in doc.problems:
+        page.paragraph(f"> **Broken:** {inline(problem)}")
+    if doc.overview and " ".join(doc.overview.split()) != doc.summary:
+        page.markdown(doc.overview)
+    _write_support(page, doc)
+    if doc.arguments:
+        page.table(("Argument", "Type", "Default", "Meaning"), [_argument_row(each) for each in doc.arguments])
+    if doc.nodes:
+        page.table(("Node", "Program", "Machine", "When", "Notes"), [_node_row(each) for each in doc.nodes])
+    if rows := list(_param_rows(page, doc)):
+        page.table(("Parameters of", "Parameter", "Value"), rows)
+    if rows := list(_topic_rows(doc)):
+        page.table(("Names of", "", "Name", "Known from"), rows)
+    if doc.includes:
+        page.table(("Includes", "When", "Passes"), [_include_row(page, each) for each in doc.includes])
+        write_trees(page, doc.trees)
+    if lines := draw_mermaid(doc.graph):
+        page.code_block(lines, "mermaid")
+
+
+def _list_places(page: Page, doc: LaunchDoc) -> Iterable[str]:
+    yield page.source_link(doc.path)
+    if doc.included_by:
+        yield "included by " + ", ".join(
+            page.link_to(path.rpartition("/")[2], f"launch {path}") for path in doc.included_by
+        )
+    if doc.started_by:
+        yield "started by " + ", ".join(
+            page.link_to(path.rpartition("/")[2], f"program {path}") for path in doc.started_by
+        )
+
+
+def _write_support(page: Page, doc: LaunchDoc) -> None:
+    if doc.needs:
+        page.paragraph("Needs " + ", ".join(" or ".join(map(code, need.split("|"))) for need in doc.needs) + ".")
+    works = [each.case for each in doc.support if not each.missing]
+    if works:
+        page.paragraph(f"Works on {inline(name_cases(works))}.")
+    for each in doc.support:
+        if each.missing:
+            page.line(f"- Not on {inline(each.case.label)}: {inline('; '.join(each.missing))}")
+    if len(works) < len(doc.support):
+        page.line()
+
+
+def _argument_row(argument: ArgumentDoc) -> tuple[str, ...]:
+    default = {"required": "**required**", "optional": code(argument.default) or "(empty)"}.get(argument.kind)
+    if default is None:
+        default = f"always {code(argument.default) or '(empty)'}"
+    condition = f" ({inline(argument.condition)})" if argument.condition else ""
+    return (code(argument.name), argument.type, default + condition, inline(argument.doc))
+
+
+def _node_row(node: NodeDoc) -> tuple[str, ...]:
+    program = f"{_show_values(node.package)} {_show_values(node.type)}"
+    return (
+        _show_values(node.names),
+        program,
+        code(node.machine),
+        inline(_when(node.conditions, node.only_with)),
+        inline("; ".join(node.traits)),
+    )
+
+
+def _when(conditions: tuple[str, ...], only_with: str) -> str:
+    if only_with:
+        return f"only with {code(only_with)}"
+    return " and ".join(conditions)
+
+
+def _param_rows(page: Page, doc: LaunchDoc) -> Iterable[tuple[str, ...]]:
+    for node in doc.nodes:
+        yield from _rows_of(page, node.names[0].text, node.params, node.param_files)
+    yield from _rows_of(page, "", doc.params, doc.param_files)
+
+
+def _rows_of(
+    page: Page, owner: str, params: Iterable[ParamDoc], files: Iterable[ParamFileDoc]
+) -> Iterable[tuple[str, ...]]:
+    shown = code(owner) if owner else "(all)"
+    for file in files:
+        count = f"{len(file.names)} parameters" if len(file.names) != 1 else code(file.names[0])
+        yield (shown, count if file.names else "parameters", "from " + _show_values(file.files, page))
+    for param in params:
+        yield (shown, code(param.name), _show_values(param.values))
+
+
+def _topic_rows(doc: LaunchDoc) -> Iterable[tuple[str, ...]]:
+    sources = {"ready": "`ready:`", "table": "the program's documentation", "remap": "a remap"}
+    for node in doc.nodes:
+        groups: dict[tuple[str, str], list[str]] = {}
+        for topic in node.topics:
+            name = code(topic.name) + (f" at {topic.detail}" if topic.detail else "")
+            groups.setdefault((topic.kind, topic.source), []).append(name)
+        for (kind, source), names in groups.items():
+            yield (code(node.names[0].text), kind, ", ".join(dict.fromkeys(names)), sources[source])
+        if node.remaps:
+            remaps = ", ".join(f"{code(old)} to {code(new)}" for old, new in node.remaps)
+            yield (code(node.names[0].text), "remaps", remaps, "")
+
+
+def _include_row(page: Page, include: IncludeDoc) -> tuple[str, ...]:
+    targets = []
+    for target in include.targets:
+        where = f" on {inline(name_cases(target.cases))}" if target.cases else ""
+        if target.state in ("found", "candidate"):
+            shown = page.link_to(target.name, f"launch {target.path}")
+            targets.append(f"{shown}{where}" if target.state == "found" else f"perhaps {shown}")
+        elif target.state == "missing":
+            targets.append(f"{code(target.path)}{where}: **missing**")
+        else:
+            targets.append(f"{code(target.name)}{where}, elsewhere")
+    passes = ", ".join(code(f"{name}:={value}") if value else code(name) for name, value in _shorten(include.passes))
+    return ("; ".join(targets) or code(include.written), inline(_when(include.conditions, include.only_with)), passes)
+
+
+def _shorten(passes: Iterable[tuple[str, str]]) -> Iterable[tuple[str, str]]:
+    # Handing on an argument of the same name is the usual thing: its name is enough.
+    for name, value in passes:
+        yield (name, "") if value == f"$(arg {name})" else (name, value)
+
+
+def _show_values(values: tuple[Value, ...], page: Page | None = None) -> str:
+    # With a page the values are files: those of the repository become links.
+    shown = []
+    for value in values:
+        where = f" on {inline(name_cases(value.cases))}" if value.cases and value.cases[0].base else ""
+        linked = page is not None and "$" not in value.text and not value.text.startswith("/")
+        text = page.source_link(value.text) if linked and page else code(value.text) or "(empty)"
+        shown.append(f"{text}{where}")
+    return "; ".join(shown)

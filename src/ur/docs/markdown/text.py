@@ -1,0 +1,131 @@
+"""Writing Markdown that GitHub and others show the same: headings with known anchors, tables, code."""
+
+from __future__ import annotations
+
+import posixpath
+import re
+from collections.abc import Sequence
+
+from ur.docs.links import map_links
+
+_REFERENCE = re.compile("\x00([^\x00]*)\x00")
+_SLUG = re.compile(r"[^\w\- ]")
+_CODE_OR_TAG = re.compile(r"(`+)(?:(?!\1).)*\1|<|&(?!#?\w+;)", re.DOTALL)
+_HEADING = re.compile(r"#{1,6}\s+(.*?)\s*#*\Z")
+
+
+class Page:
+    """A page in the making. Links to headings may come before the heading; one that never comes is no link."""
+
+    def __init__(self, folder: str = "") -> None:
+        """`folder` leads from the page to the root of the repository: empty, or with a slash at its end."""
+        self._folder = folder
+        self._lines: list[str] = []
+        self._slugs: dict[str, int] = {}
+        self._anchors: dict[str, str] = {}
+
+    def heading(self, level: int, title: str, key: str = "") -> None:
+        """A heading; links name it by its key."""
+        slug = _SLUG.sub("", title.lower()).replace(" ", "-")
+        count = self._slugs.get(slug)
+        self._slugs[slug] = 0 if count is None else count + 1
+        if count is not None:
+            slug = f"{slug}-{count + 1}"
+            self._slugs.setdefault(slug, 0)
+        if key:
+            self._anchors[key] = slug
+        self.line(f"{'#' * min(level, 6)} {escape_text(title)}")
+        self.line()
+
+    def line(self, text: str = "") -> None:
+        """One line."""
+        self._lines.append(text)
+
+    def paragraph(self, text: str) -> None:
+        """A paragraph of its own."""
+        self._lines += [text, ""]
+
+    def markdown(self, text: str) -> None:
+        """What a person wrote: headings in it become bold, so that they do not mix with ours."""
+        fenced = False
+        for line in map_links(text, self.place).splitlines():
+            if line.lstrip().startswith("```"):
+                fenced = not fenced
+            heading = None if fenced else _HEADING.match(line)
+            if heading:
+                self.line(f"**{escape_text(heading.group(1))}**")
+            else:
+                self.line(line if fenced or line.startswith("    ") else escape_tags(line))
+        if fenced:
+            self.line("```")
+        self.line()
+
+    def table(self, head: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
+        """A table; columns without content are left out."""
+        used = [i for i in range(len(head)) if any(row[i] for row in rows)]
+        self.line(f"| {' | '.join(head[i] for i in used)} |")
+        self.line(f"|{'---|' * len(used)}")
+        for row in rows:
+            self.line(f"| {' | '.join(escape_cell(row[i]) for i in used)} |")
+        self.line()
+
+    def code_block(self, lines: Sequence[str], language: str) -> None:
+        """Lines of code."""
+        self._lines += [f"```{language}", *lines, "```", ""]
+
+    def link_to(self, label: str, key: str) -> str:
+        """A link to a heading of this page."""
+        return f"\x00{key}\x01{label}\x00"
+
+    def source_link(self, path: str, label: str = "") -> str:
+        """A link to a file of the repository."""
+        return f"[{escape_text(label or path)}]({self.place(path)})"
+
+    def place(self, path: str) -> str:
+        """Where a file of the repository is, seen from the page."""
+        target = posixpath.normpath(self._folder + path) if self._folder else path
+        return target.replace(" ", "%20").replace("(", "%28").replace(")", "%29")
+
+    def text(self) -> str:
+        """The page."""
+
+        def resolve(match: re.Match[str]) -> str:
+            key, _, label = match.group(1).partition("\x01")
+            slug = self._anchors.get(key)
+            return f"[{escape_text(label)}](#{slug})" if slug is not None else code(label)
+
+        return _REFERENCE.sub(resolve, "\n".join(self._lines)).rstrip("\n") + "\n"
+
+
+def code(text: str) -> str:
+    """A text as inline code, whatever it holds."""
+    text = " ".join(text.split())
+    if not text:
+        return ""
+    fence = "`"
+    while fence in text:
+        fence += "`"
+    space = " " if text.startswith("`") or text.endswith("`") else ""
+    return f"{fence}{space}{text}{space}{fence}"
+
+
+def inline(text: str) -> str:
+    """Markdown of one line."""
+    return escape_tags(" ".join(text.split()))
+
+
+def escape_tags(text: str) -> str:
+    """Markdown in which `<` outside of code is the character, and no tag."""
+    if "<" not in text and "&" not in text:
+        return text
+    return _CODE_OR_TAG.sub(lambda m: {"<": "&lt;", "&": "&amp;"}.get(m.group(), m.group()), text)
+
+
+def escape_text(text: str) -> str:
+    """A plain text that Markdown shows as it is."""
+    return re.sub(r"([\\`*\[\]<>|])|(?<![^\W_])(_)|(_)(?![^\W_])", lambda m: "\\" + m.group(), text)
+
+
+def escape_cell(text: str) -> str:
+    """What may stand in a cell of a table."""
+    return re.sub(r"(?<!\\)\|", r"\\|", " ".join(text.split()))

@@ -1,0 +1,46 @@
+"""The tags of a launch file that documents speak of, with the conditions that they stand under."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from ur.docs.words import describe_condition
+from ur.launchfile.syntax import Element, LaunchFile
+
+
+@dataclass(frozen=True, slots=True)
+class Outline:
+    """By place of the tag: `<node>`, `<test>` and `<include>` in order, and every tag's conditions, outermost first."""
+
+    nodes: tuple[Element, ...]
+    includes: tuple[Element, ...]
+    groups: tuple[Element, ...]  # <launch> and every <group>: parameters may stand in them
+    conditions: Mapping[int, tuple[str, ...]]
+    text: str
+
+
+def outline_file(tree: LaunchFile) -> Outline:
+    """Find the tags of a file."""
+    nodes: list[Element] = []
+    includes: list[Element] = []
+    groups: list[Element] = []
+    conditions: dict[int, tuple[str, ...]] = {}
+
+    def visit(element: Element, above: tuple[str, ...]) -> None:
+        groups.append(element)
+        for child in element.elements:
+            own = describe_condition(child)
+            whole = (*above, own) if own else above
+            if whole:
+                conditions[child.start] = whole
+            if child.name in ("node", "test"):
+                nodes.append(child)
+            elif child.name == "include":
+                includes.append(child)
+            elif child.name == "group":
+                visit(child, whole)
+
+    if tree.launch is not None:
+        visit(tree.launch, ())
+    return Outline(tuple(nodes), tuple(includes), tuple(groups), conditions, tree.source.text)

@@ -1,0 +1,1 @@
+"""The documents as a static site that needs no network and no server."""

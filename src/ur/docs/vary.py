@@ -1,0 +1,34 @@
+"""What is the same in all cases is said once; what differs, with its cases."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from ur.docs.model import Case, Value
+
+
+def vary(pairs: Iterable[tuple[Case, str]], cases: tuple[Case, ...]) -> tuple[Value, ...]:
+    """The texts of some cases as values; one that holds in all cases names none."""
+    groups: dict[str, list[Case]] = {}
+    for case, text in pairs:
+        groups.setdefault(text, []).append(case)
+    if len(groups) == 1:
+        ((text, where),) = groups.items()
+        return (Value(text, () if len(where) == len(cases) else tuple(where)),)
+    return tuple(Value(text, tuple(where)) for text, where in groups.items())
+
+
+def name_cases(cases: Iterable[Case]) -> str:
+    """For people: `stage, magni (plain, lidar)`; the variants of a base stand together."""
+    by_base: dict[str, list[str]] = {}
+    for case in cases:
+        by_base.setdefault(case.base, []).append(case.variant)
+    return ", ".join(_name_base(base, variants) for base, variants in by_base.items())
+
+
+def _name_base(base: str, variants: list[str]) -> str:
+    named = [variant for variant in variants if variant]
+    if not named:
+        return base
+    plain = "plain, " if "" in variants else ""
+    return f"{base} ({plain}{', '.join(named)})"

@@ -1,0 +1,110 @@
+"""How things are shown: paths and values the same on every computer, conditions and types in words."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+
+from ur.check.cases import Resolved
+from ur.check.model import LaunchView
+from ur.check.survey import walk_elements
+from ur.docs.world import is_elsewhere, show_elsewhere
+from ur.launchfile.plan.one_file import HERE
+from ur.launchfile.syntax import Element
+
+_ONE_ARGUMENT = re.compile(r"\s*\$\(arg\s+(\w+)\)\s*\Z")
+_EVAL = re.compile(r"\s*\$\(eval\s+(.*)\)\s*\Z", re.DOTALL)
+_MARKER = re.compile(r"uǂ(\d+)ǂ")
+_NUMBER = re.compile(r"[-+]?(?:\d+\.\d*|\.?\d+)(?:[eE][-+]?\d+)?\Z")
+_FILE = re.compile(r".*\.\w{1,6}\Z|.*(?:_file|_path|_url)\Z")
+_TYPES = {"int": "whole number", "double": "number", "bool": "true or false", "yaml": "YAML"}
+
+
+class Words:
+    """Shows values of one launch file: without the folders of this computer, unknown ones by their names."""
+
+    def __init__(self, view: LaunchView, packages: Mapping[str, str]) -> None:
+        """`packages`: by folder; a folder that is no package has no name."""
+        self._folders = sorted(packages.items(), key=lambda pair: -len(pair[0]))
+        self._required = [name for name, elements in view.declared.items() if all(map(_is_required, elements))]
+
+    def show(self, text: str, given: Mapping[str, str] | None = None) -> str:
+        """A value in words that hold everywhere."""
+        if "/" in text:
+            text = text.replace(HERE, "").replace(HERE.rstrip("/"), "")
+            for folder, name in self._folders:
+                if folder in text:
+                    text = text.replace(folder, f"$(find {name})") if name else text.replace(f"{folder}/", "")
+        if "ǂ" not in text:
+            return text
+        unknown = [name for name in self._required if name not in (given or {})]
+
+        def name_of(match: re.Match[str]) -> str:
+            number = int(match.group(1))
+            return f"$(arg {unknown[number]})" if number < len(unknown) else "$(env ...)"
+
+        text = _MARKER.sub(name_of, text)
+        return show_elsewhere(text) if is_elsewhere(text) else re.sub(r"/ǂ([\w.-]+)", r"$(find \1)", text)
+
+
+def given_of(resolved: Resolved) -> dict[str, str]:
+    """The arguments of a case by name."""
+    return dict(resolved.case.given)
+
+
+def describe_condition(element: Element) -> str:
+    """`if` and `unless` of a tag in words; nothing when it has neither."""
+    parts = []
+    for word in ("if", "unless"):
+        value = element.attributes.get(word)
+        if value is not None:
+            match = _ONE_ARGUMENT.match(value) or _EVAL.match(value)
+            parts.append(f"{word} `{' '.join((match.group(1) if match else value).split())}`")
+    return " and ".join(parts)
+
+
+def describe_type(name: str, default: str | None, used: Mapping[str, str]) -> str:
+    """What an argument may be, from what it is used for, its default and its name."""
+    if name == "robot_base":
+        return "base"
+    if name == "robot_variant":
+        return "variant"
+    if name == "machine" or name.endswith("_machine"):
+        return "computer"
+    if name.endswith("_pkg"):
+        return "package"
+    if name in used:
+        return used[name]
+    text = (default or "").strip()
+    if text.lower() in ("true", "false"):
+        return "true or false"
+    if _NUMBER.match(text):
+        return "number" if "." in text or "e" in text.lower() else "whole number"
+    if (text.startswith(("$(find", "$(dirname", "/")) and "/" in text) or _FILE.match(text) or _FILE.match(name):
+        return "file"
+    return "text"
+
+
+def types_from_use(view: LaunchView) -> dict[str, str]:
+    """Types of arguments that are a condition, or the value of a parameter with a type."""
+    found: dict[str, str] = {}
+    for element, _ in walk_elements(view.tree.launch):
+        attributes = element.attributes
+        for condition in ("if", "unless"):
+            match = _ONE_ARGUMENT.match(attributes[condition]) if condition in attributes else None
+            if match:
+                found[match.group(1)] = "true or false"
+        if "type" in attributes and element.name == "param":
+            match = _ONE_ARGUMENT.match(attributes.get("value", ""))
+            if match and attributes["type"] in _TYPES:
+                found.setdefault(match.group(1), _TYPES[attributes["type"]])
+    return found
+
+
+def _is_required(element: Element) -> bool:
+    return "default" not in element.attributes and "value" not in element.attributes
+
+
+def join_words(words: Sequence[str], last: str = "and") -> str:
+    """`a, b and c`."""
+    return f"{', '.join(words[:-1])} {last} {words[-1]}" if len(words) > 1 else "".join(words)

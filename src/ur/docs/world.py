@@ -1,0 +1,83 @@
+"""The world of a launch repository alone: documents say the same on every computer, whatever is installed there."""
+
+from __future__ import annotations
+
+import posixpath
+from collections.abc import Iterable, Mapping
+
+from ur.launchfile.world import World
+
+# A letter that no launch file uses, the one that marks what is unknown: findings that speak of it are dropped.
+_UNKNOWN = "ǂ"
+_ELSEWHERE = f"/{_UNKNOWN}"
+
+
+class RepositoryWorld:
+    """Packages of the repository as they are; every other one has an imaginary folder. No environment variables."""
+
+    def __init__(self, world: World, packages: Mapping[str, str]) -> None:
+        self._world = world
+        self._packages = dict(packages)
+        self.environment: Mapping[str, str] = {}
+
+    def find_package(self, name: str) -> str:
+        """See World. Raises nothing."""
+        return self._packages.get(name, f"{_ELSEWHERE}{name}")
+
+    def package_names(self) -> Iterable[str]:
+        """See World."""
+        return self._packages.keys()
+
+    def find_in_package(self, package: str, path: str) -> str | None:  # noqa: ARG002 - World
+        """See World. What is installed somewhere else does not count."""
+        return None
+
+    def find_files(self, package: str, name: str) -> tuple[str, ...]:  # noqa: ARG002 - World
+        """See World. Nobody asks for it here."""
+        return ()
+
+    def find_executables(self, package: str, name: str) -> tuple[str, ...]:  # noqa: ARG002 - World
+        """See World. Nobody asks for it here."""
+        return ()
+
+    def executable_names(self, package: str) -> Iterable[str]:  # noqa: ARG002 - World
+        """See World. Nobody asks for it here."""
+        return ()
+
+    def is_file(self, path: str) -> bool:
+        """See World. A parameter file that nobody can know counts as one."""
+        return path.endswith((".yaml", ".yml")) if _UNKNOWN in path else self._world.is_file(path)
+
+    def read_bytes(self, path: str) -> bytes:
+        """See World. What is elsewhere, or nobody can know, counts as empty: the node that reads it is still there."""
+        return b"{}" if _UNKNOWN in path else self._world.read_bytes(path)
+
+    def list_folder(self, path: str) -> tuple[str, ...]:
+        """See World."""
+        return () if _UNKNOWN in path else self._world.list_folder(path)
+
+    def absolute(self, path: str) -> str:
+        """See World."""
+        if path.startswith("/"):
+            return path if "//" not in path and "/." not in path else posixpath.normpath(path)
+        return self._world.absolute(path)
+
+    def make_anonymous(self, prefix: str) -> str:
+        """See World. The same every time."""
+        return f"{prefix}_anonymous"
+
+
+def is_elsewhere(path: str) -> bool:
+    """Whether a path is in a package that is not part of the repository."""
+    return path.startswith(_ELSEWHERE)
+
+
+def show_elsewhere(path: str) -> str:
+    """Such a path as it is written: `$(find package)/rest`."""
+    package, slash, rest = path.removeprefix(_ELSEWHERE).partition("/")
+    return f"$(find {package}){slash}{rest}"
+
+
+def is_unknown(text: str) -> bool:
+    """Whether a text holds something that only the person who starts a file knows."""
+    return _UNKNOWN in text

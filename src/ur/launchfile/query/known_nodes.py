@@ -1,0 +1,85 @@
+"""What well-known nodes publish, subscribe, offer and use, by the name of their executable.
+
+Upstream's names, from the nodes' own documentation on wiki.ros.org; our nodes stand in under the same names, and
+docs/architecture.md says what they speak. Names are as the node writes them: relative ones follow its namespace, `~name`
+belongs to it, and remaps apply.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Interface:
+    """The names that a node of some kind has to do with."""
+
+    publishes: tuple[str, ...] = ()
+    subscribes: tuple[str, ...] = ()
+    services: tuple[str, ...] = ()  # that it offers
+    calls: tuple[str, ...] = ()  # services of others
+    actions: tuple[str, ...] = ()  # that it offers
+    uses_actions: tuple[str, ...] = ()  # of others
+
+
+def _node(
+    publishes: str = "", subscribes: str = "", services: str = "", calls: str = "", actions: str = "", uses: str = ""
+) -> Interface:
+    parts = (publishes, subscribes, services, calls, actions, uses)
+    return Interface(*(tuple(part.split()) for part in parts))
+
+
+KNOWN_NODES: dict[str, Interface] = {
+    "amcl": _node(
+        "amcl_pose particlecloud tf",
+        "scan tf initialpose map",
+        "global_localization request_nomotion_update set_map",
+        "static_map",
+    ),
+    "aruco_detect": _node(
+        "fiducial_vertices fiducial_transforms fiducial_images tf", "camera/compressed camera_info ignore_fiducials"
+    ),
+    "fiducial_slam": _node(
+        "fiducials fiducial_map fiducial_pose tf",
+        "fiducial_vertices camera_info tf initialpose",
+        "clear_map save_map",
+    ),
+    "gmapping": _node("map map_metadata ~entropy tf", "scan tf", "dynamic_map"),
+    "slam_gmapping": _node("map map_metadata ~entropy tf", "scan tf", "dynamic_map"),
+    "image_view": _node("", "image"),
+    "joint_state_publisher": _node("joint_states"),
+    "joy": _node("joy", "joy/set_feedback"),
+    "joy_node": _node("joy", "joy/set_feedback"),
+    "map_saver": _node("", "map"),
+    "map_server": _node("map map_metadata", "", "static_map"),
+    "motor_node": _node("odom tf battery_state", "cmd_vel"),
+    "move_base": _node(
+        "cmd_vel ~current_goal ~global_costmap/costmap ~local_costmap/costmap",
+        "move_base_simple/goal map odom scan tf",
+        "~make_plan ~clear_costmaps",
+        "",
+        "move_base",
+    ),
+    "raspicam_node": _node("~image ~image/compressed ~camera_info", "", "~start_capture ~stop_capture"),
+    "robot_localization": _node("odometry/filtered tf", "odom imu"),
+    "ekf_localization_node": _node("odometry/filtered tf", "set_pose tf"),
+    "robot_pose_ekf": _node("~odom_combined tf", "odom imu_data vo"),
+    "robot_state_publisher": _node("tf tf_static", "joint_states"),
+    "rplidarNode": _node("scan", "", "start_motor stop_motor"),
+    "rviz": _node("initialpose move_base_simple/goal clicked_point", "tf tf_static"),
+    "static_transform_publisher": _node("tf"),
+    "stageros": _node("odom base_scan base_pose_ground_truth tf clock", "cmd_vel", "reset_positions"),
+    "teleop_node": _node("cmd_vel", "joy"),
+    "teleop_twist_joy": _node("cmd_vel", "joy"),
+    "teleop_twist_keyboard": _node("cmd_vel"),
+    "teleop_twist_keyboard.py": _node("cmd_vel"),
+    "twist_mux": _node("cmd_vel_out", ""),
+    "urg_node": _node("scan"),
+    "usb_cam_node": _node("~image_raw ~camera_info", "", "~start_capture ~stop_capture"),
+    "velocity_smoother": _node("smooth_cmd_vel", "raw_cmd_vel odometry robot_cmd_vel"),
+}
+
+
+def find_interface(executable: str) -> Interface | None:
+    """What is known of an executable; None when nothing is."""
+    return KNOWN_NODES.get(executable)

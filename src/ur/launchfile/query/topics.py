@@ -1,0 +1,89 @@
+"""What a node has to do with topics, services and actions, as far as its launch file and the table of nodes tell."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Literal
+
+from ur.launchfile.plan.model import NodeSpec
+from ur.launchfile.plan.names import canonical_name, join_names
+from ur.launchfile.query.known_nodes import find_interface
+
+Use = Literal[
+    "publishes", "subscribes", "offers-service", "calls-service", "offers-action", "uses-action", "sends-frame"
+]
+Evidence = Literal["ready", "table", "remap"]
+
+
+@dataclass(frozen=True, slots=True)
+class NameUse:
+    """A node's business with a name. `use` is None where a remap tells that there is some, and nothing tells which.
+
+    `name` is in full, after remapping. `rate` is in Hz, from a `ready:` comment.
+    """
+
+    name: str
+    use: Use | None
+    evidence: Evidence
+    rate: float | None = None
+
+
+_READY: dict[str, Use] = {
+    "topic": "publishes",
+    "service": "offers-service",
+    "frame": "sends-frame",
+    "action": "offers-action",
+}
+
+
+def find_name_uses(node: NodeSpec) -> tuple[NameUse, ...]:
+    """What is known of a node: its `ready:` comment first, then the table of well-known nodes, then its remaps."""
+    found: dict[tuple[str, Use | None], NameUse] = {}
+    for each in (*_from_ready(node), *_from_table(node)):
+        found.setdefault((each.name, each.use), each)
+    named = {name for name, _ in found}
+    for source, target in node.remaps:
+        name = resolve_name(target, node)
+        if name not in named and resolve_name(source, node) != name:
+            found.setdefault((name, None), NameUse(name, None, "remap"))
+    return tuple(found.values())
+
+
+def resolve_name(name: str, node: NodeSpec) -> str:
+    """A name that a node writes, in full: `~x` is below the node, others are in its namespace."""
+    if name.startswith("~"):
+        return canonical_name(f"{node.full_name}/{name[1:]}")
+    return canonical_name(join_names(node.namespace, name))
+
+
+def remap_name(name: str, node: NodeSpec) -> str:
+    """As resolve_name, with the node's remaps applied; the last one that fits wins, as in roslaunch."""
+    full = resolve_name(name, node)
+    targets = {resolve_name(source, node): target for source, target in node.remaps}
+    return resolve_name(targets[full], node) if full in targets else full
+
+
+def _from_ready(node: NodeSpec) -> Iterator[NameUse]:
+    for condition in node.ready:
+        if condition.kind != "process":
+            yield NameUse(condition.name, _READY[condition.kind], "ready", condition.rate)
+
+
+def _from_table(node: NodeSpec) -> Iterator[NameUse]:
+    interface = find_interface(node.type)
+    if interface is None:
+        return
+    uses: tuple[tuple[Use, tuple[str, ...]], ...] = (
+        ("publishes", interface.publishes),
+        ("subscribes", interface.subscribes),
+        ("offers-service", interface.services),
+        ("calls-service", interface.calls),
+        ("offers-action", interface.actions),
+        ("uses-action", interface.uses_actions),
+    )
+    for use, names in uses:
+        for name in names:
+            # tf is one topic for all, wherever a node is.
+            full = f"/{name}" if name in ("tf", "tf_static", "clock") else remap_name(name, node)
+            yield NameUse(full, use, "table")
