@@ -19,7 +19,7 @@ packages=(
   python3-std-srvs "ros-robot-state-publisher|robot-state-publisher"
 )
 # EGL and Mesa render the simulated camera without a screen; the programs of the first drive have none.
-[[ $profile == test ]] && packages+=(git openssh-client tmux xvfb liburdfdom-tools libegl1 libopengl0 libgl1-mesa-dri)
+[[ $profile == test ]] && packages+=(git openssh-client tmux zsh fish xvfb liburdfdom-tools libegl1 libopengl0 libgl1-mesa-dri)
 
 say() { printf '%s\n' "$*" >&2; }
 

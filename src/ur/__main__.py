@@ -12,6 +12,10 @@ def _run() -> int:
         code = answer_fast(sys.argv[1:])
         if code is not None:
             return code
+    if sys.argv[1:2] == ["__complete"]:
+        from ur.cli.completing import answer_completion
+
+        return answer_completion(sys.argv[2:])
     from ur.cli.main import main
 
     return main()

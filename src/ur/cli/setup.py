@@ -9,9 +9,12 @@ from collections.abc import Sequence
 import click
 
 from ur.cli.environment import REPOSITORY
+from ur.complete.shells import SCRIPTS
 from ur.robot.setup.change import Change
 from ur.robot.setup.engine import apply_change, bring_about, gather, look, plan_changes, plan_undo
+from ur.robot.setup.facts import Facts
 from ur.robot.setup.here import base_request, wanted_here
+from ur.robot.setup.wanted import Wanted
 from ur.robot.ssh.shell import LocalShell
 
 
@@ -28,7 +31,11 @@ def command(dry_run: bool, undo: bool, only_mine: bool, yes: bool) -> int:
     user = getpass.getuser()
     shell = LocalShell(terminal=sys.stdin.isatty())
     base = base_request(user)
-    items = wanted_here(gather(shell, base), REPOSITORY, system=not only_mine)
+
+    def want(facts: Facts) -> list[Wanted]:
+        return wanted_here(facts, REPOSITORY, system=not only_mine, completion=SCRIPTS)
+
+    items = want(gather(shell, base))
     facts = look(shell, items, user, base, root=False)
     changes = plan_undo(items, facts) if undo else plan_changes(items, facts)
     if not changes:
@@ -45,14 +52,7 @@ def command(dry_run: bool, undo: bool, only_mine: bool, yes: bool) -> int:
             _report(change)
             apply_change(shell, change)
     else:
-        bring_about(
-            shell,
-            lambda facts: wanted_here(facts, REPOSITORY, system=not only_mine),
-            user,
-            base,
-            root=False,
-            report=_report,
-        )
+        bring_about(shell, want, user, base, root=False, report=_report)
     click.echo("taken back; open a new terminal" if undo else "this computer is set up; open a new terminal to use it")
     return 0
 

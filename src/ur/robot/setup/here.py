@@ -2,19 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 from ur.robot.setup.environment import viewer_environment
 from ur.robot.setup.facts import Facts, Request
 from ur.robot.setup.keys import HOST_KEY, own_keys
 from ur.robot.setup.packages import WantedPackages, WantedService
-from ur.robot.setup.wanted import Wanted, WantedFile, WantedGroups
+from ur.robot.setup.wanted import Wanted, WantedFile, WantedGroups, WantedLine
 
 PACKAGES = (
     *("openssh-client", "openssh-server", "avahi-daemon", "libnss-mdns", "chrony"),
-    *("sshfs", "rsync", "xauth", "x11-apps"),
+    *("sshfs", "rsync", "xauth", "x11-apps", "bash-completion"),
 )
 GROUPS = ("dialout", "video", "plugdev", "input")
+# Where bash-completion and fish look by themselves; zsh is told.
+COMPLETIONS = {
+    "bash": "~/.local/share/bash-completion/completions/ur",
+    "fish": "~/.config/fish/completions/ur.fish",
+    "zsh": "~/.local/share/zsh/ur.zsh",
+}
+ZSH_LINE = '[ ! -r "$HOME/.local/share/zsh/ur.zsh" ] || . "$HOME/.local/share/zsh/ur.zsh" # ubiquity_launches'
 TIME_SERVER = """\
 # Robots without internet take the time from here. Written by ur setup.
 local stratum 10
@@ -31,8 +39,13 @@ def base_request(user: str) -> Request:
     return Request(user, files=frozenset({HOST_KEY}))
 
 
-def wanted_here(facts: Facts, repository: Path, *, system: bool = True) -> list[Wanted]:
-    """The viewer's wanted states, in the order of their making. Without `system`, only those that need no root."""
+def wanted_here(
+    facts: Facts, repository: Path, *, system: bool = True, completion: Mapping[str, str] | None = None
+) -> list[Wanted]:
+    """The viewer's wanted states, in the order of their making. Without `system`, only those that need no root.
+
+    `completion` holds what makes a shell complete `ur`, by the name of the shell.
+    """
     items: list[Wanted] = []
     if system:
         items += [
@@ -46,4 +59,7 @@ def wanted_here(facts: Facts, repository: Path, *, system: bool = True) -> list[
             WantedGroups("groups", GROUPS),
         ]
     items += [*viewer_environment(repository), *own_keys(facts.user, facts.hostname, facts.file(HOST_KEY).text)]
+    items += [WantedFile(f"Tab in {shell}", COMPLETIONS[shell], text) for shell, text in (completion or {}).items()]
+    if completion and "zsh" in completion:
+        items.append(WantedLine("zsh reads it", "~/.zshrc", ZSH_LINE))
     return items

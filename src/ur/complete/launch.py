@@ -1,0 +1,136 @@
+"""Packages, launch files and their arguments."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING
+
+from ur.complete.model import Candidate, Known
+from ur.launchfile.world.protocol import PackageNotFound, World
+from ur.source.diagnostic import UserError
+
+if TYPE_CHECKING:
+    from ur.launchfile.query.arguments import ArgumentSpec
+
+_MAX_DEPTH = 6
+_MISSING = re.compile(r"'(\w+)'")
+
+
+def complete_launch(words: Sequence[str], prefix: str, world: World, known: Known) -> Iterator[Candidate]:
+    """What may follow `ur launch WORDS`: a package or file, a file of the package, then arguments."""
+    plain = [word for word in words if ":=" not in word]
+    path = _addressed(plain, world)
+    if path is not None:
+        yield from complete_arguments(path, words, prefix, world, known)
+    elif not plain:
+        yield from complete_packages(prefix, world)
+        yield from complete_paths(prefix, world)
+    elif len(plain) == 1:
+        yield from _files_of_package(plain[0], prefix, world)
+
+
+def complete_packages(prefix: str, world: World) -> Iterator[Candidate]:
+    """Packages by name."""
+    if "/" in prefix or prefix.startswith("."):
+        return
+    try:
+        names = sorted(name for name in world.package_names() if name.startswith(prefix))
+    except (OSError, ValueError):  # a package.xml that nobody can read: only this is not offered
+        return
+    yield from (Candidate(name, "package") for name in names)
+
+
+def complete_paths(prefix: str, world: World, *, every: bool = False) -> Iterator[Candidate]:
+    """Folders and launch files by path; `every`: all files. `.launch.xml` only when the prefix already says so."""
+    folder, slash, begin = prefix.rpartition("/")
+    place = folder or ("/" if slash else ".")
+    for name in world.list_folder(place):
+        if not name.startswith(begin) or (name.startswith(".") and not begin):
+            continue
+        path = f"{folder}{slash}{name}"
+        if not world.is_file(path):
+            yield Candidate(f"{path}/", "folder", open=True)
+        elif every or is_offered(name, begin):
+            yield Candidate(path, "launch file" if ".launch" in name else "file")
+
+
+def is_offered(name: str, begin: str) -> bool:
+    """Whether a file is one that people start: `*.launch`, and `*.launch.xml` when that far was typed."""
+    return name.endswith(".launch") or (name.endswith(".launch.xml") and ".launch." in begin)
+
+
+def _addressed(plain: Sequence[str], world: World) -> str | None:
+    if len(plain) >= 2:
+        try:
+            found = world.find_files(plain[0], plain[1])
+        except (PackageNotFound, OSError, ValueError):
+            found = ()
+        if found:
+            return found[0]
+    return plain[0] if plain and world.is_file(plain[0]) else None
+
+
+def _files_of_package(package: str, prefix: str, world: World) -> Iterator[Candidate]:
+    try:
+        top = world.find_package(package)
+    except (PackageNotFound, OSError, ValueError):
+        return
+    names = {name for name in _names_below(top, _MAX_DEPTH) if name.startswith(prefix) and is_offered(name, prefix)}
+    yield from (Candidate(name, f"of {package}") for name in sorted(names))
+
+
+def _names_below(folder: str, depth: int) -> Iterator[str]:
+    try:
+        entries = list(os.scandir(folder))
+    except OSError:
+        return
+    for entry in entries:
+        if entry.name.startswith("."):
+            continue
+        if entry.is_dir() and depth:
+            yield from _names_below(entry.path, depth - 1)
+        elif ".launch" in entry.name:
+            yield entry.name
+
+
+def complete_arguments(path: str, words: Sequence[str], prefix: str, world: World, known: Known) -> Iterator[Candidate]:
+    """The arguments of a launch file as `name:=` with their documentation, or their values after `name:=`."""
+    given = dict(word.split(":=", 1) for word in words if ":=" in word)
+    name, equals, begin = prefix.partition(":=")
+    arguments = _read_arguments(path, words, world)
+    if not equals:
+        for each in arguments:
+            if each.name.startswith(prefix) and each.name not in given:
+                default = "required" if each.default is None else f"default {each.default!r}"
+                yield Candidate(f"{each.name}:=", f"{_first_line(each.doc)} ({default})".strip(), open=True)
+        return
+    known_default = next((each.default for each in arguments if each.name == name), None)
+    for value in _values(name, known_default, given, known):
+        if value.text.startswith(begin):
+            yield Candidate(f"{name}:={value.text}", value.help)
+
+
+def _read_arguments(path: str, words: Sequence[str], world: World) -> tuple[ArgumentSpec, ...]:
+    from ur.launchfile.query.arguments import read_arguments  # for every other word it would only cost time
+
+    try:
+        return read_arguments(path, list(words), world)
+    except UserError as problem:
+        # A default that rests on a required argument cannot be resolved before that one is given.
+        missing = _MISSING.search(problem.diagnostics[0].message)
+        guess = f"{missing.group(1)}:=..." if missing else ""
+        return _read_arguments(path, [*words, guess], world) if guess and guess not in words else ()
+
+
+def _values(name: str, default: str | None, given: Mapping[str, str], known: Known) -> Iterable[Candidate]:
+    found = list(known.values(name, given))
+    if not found and (default or "").lower() in ("true", "false"):
+        return Candidate("true"), Candidate("false")
+    return found
+
+
+def _first_line(text: str) -> str:
+    words = " ".join(text.replace("`", "").split())
+    return words if len(words) <= 90 else words[:87].rsplit(" ", 1)[0] + " ..."

@@ -1,0 +1,50 @@
+"""What is completed, and what it is completed with."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+
+@dataclass(frozen=True, slots=True)
+class Candidate:
+    """Something to insert. `open` ones are not finished: no blank follows (`speed:=`, `launch/`)."""
+
+    text: str
+    help: str = ""
+    open: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """A command line up to the cursor: finished words after `ur`, and the beginning of the one that is typed."""
+
+    words: tuple[str, ...]
+    prefix: str
+
+
+@dataclass(frozen=True, slots=True)
+class Option:
+    """An option of a verb: all its names, what it does, whether a value follows, and which ones if that is known."""
+
+    names: tuple[str, ...]
+    help: str
+    takes_value: bool = False
+    choices: tuple[str, ...] = ()
+
+
+Source = Callable[[], Iterable[Candidate]]
+
+
+@dataclass(frozen=True, slots=True)
+class Known:
+    """Where names come from; each is asked when it is needed.
+
+    `sources` are by kind (`program`, `robot`, `run`, `node`, `base`, `selection`, `rule`, `verb`); `options` by verb;
+    `launch_file` is the launch file that a program starts; `values` those that an argument of a launch file may have.
+    """
+
+    sources: Mapping[str, Source] = field(default_factory=dict)
+    options: Callable[[str], Sequence[Option]] = lambda _verb: ()
+    launch_file: Callable[[str], str | None] = lambda _program: None
+    values: Callable[[str, Mapping[str, str]], Iterable[Candidate]] = lambda _name, _given: ()

@@ -1,0 +1,122 @@
+"""Which kind of word stands where, for each verb."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+
+from ur.complete.launch import complete_arguments, complete_launch, complete_packages, complete_paths
+from ur.complete.model import Candidate, Known, Line, Option
+from ur.launchfile.world.protocol import World
+
+# By verb: the kind of each word in turn; the last one of a list with an ellipsis is repeated.
+# `path`: any file; `files`: packages and paths; `launch`: all that `ur launch` takes.
+KINDS: dict[str, tuple[str, ...]] = {
+    "attach": ("run",),
+    "boot": ("boot command", "program"),
+    "check": ("files", "..."),
+    "doctor": ("robot",),
+    "docs": ("files",),
+    "explain": ("launch",),
+    "find": ("", "files", "..."),
+    "format": ("files", "..."),
+    "graph": ("launch",),
+    "launch": ("launch",),
+    "logs": ("node",),
+    "mount": ("robot",),
+    "restart": ("node",),
+    "robot": ("robot command", "robot", "..."),
+    "run": ("program", "program arguments"),
+    "shell": ("robot",),
+    "stop": ("run",),
+    "unmount": ("robot",),
+    "use": ("selection",),
+    "wait": ("run",),
+    "x": ("robot",),
+    "completion": ("shell",),
+    "help": ("verb",),
+}
+
+
+def complete_line(line: Line, world: World, known: Known) -> list[Candidate]:
+    """What may stand at the cursor, best first, nothing twice."""
+    found: dict[str, Candidate] = {}
+    for each in _complete(line, world, known):
+        if each.text.startswith(line.prefix):
+            found.setdefault(each.text, each)
+    return list(found.values())
+
+
+def _complete(line: Line, world: World, known: Known) -> Iterator[Candidate]:
+    if not line.words:
+        if line.prefix.startswith("-"):
+            yield from (Candidate("--help", "Show what there is."), Candidate("--version", "Print the version."))
+        else:
+            yield from _named("verb", known)
+        return
+    verb, *words = line.words
+    options = known.options(verb) if any(word.startswith("-") for word in (*words, line.prefix)) else ()
+    if words and (option := _awaiting(words[-1], options)):
+        yield from (Candidate(choice) for choice in option.choices)
+        if not option.choices:
+            yield from complete_paths(line.prefix, world, every=True)
+        return
+    if line.prefix.startswith("-"):
+        yield from _options(line.prefix, options)
+        return
+    plain = _without_options(words, options)
+    yield from _positional(verb, plain, line.prefix, world, known)
+
+
+def _positional(verb: str, words: Sequence[str], prefix: str, world: World, known: Known) -> Iterator[Candidate]:
+    kind = _kind(KINDS.get(verb, ()), words)
+    if kind == "launch":
+        yield from complete_launch(words, prefix, world, known)
+    elif kind == "files":
+        yield from complete_paths(prefix, world, every=True)
+        yield from complete_packages(prefix, world)
+    elif kind == "program arguments":
+        path = known.launch_file(words[0])
+        if path is not None:
+            yield from complete_arguments(path, words[1:], prefix, world, known)
+    else:
+        yield from _named(kind, known)
+
+
+def _kind(kinds: Sequence[str], words: Sequence[str]) -> str:
+    if not kinds:
+        return ""
+    if kinds[0] == "launch" or (len(words) and kinds[-1] == "program arguments"):
+        return kinds[-1]
+    if kinds[-1] == "...":
+        return kinds[min(len(words), len(kinds) - 2)]
+    return kinds[len(words)] if len(words) < len(kinds) else ""
+
+
+def _named(kind: str, known: Known) -> Iterable[Candidate]:
+    source = known.sources.get(kind)
+    return source() if source else ()
+
+
+def _options(prefix: str, options: Sequence[Option]) -> Iterator[Candidate]:
+    for option in options:
+        fitting = [name for name in option.names if name.startswith(prefix)]
+        longest = max(fitting, key=len, default="")
+        if longest and (prefix != "-" or longest.startswith("--")):
+            yield Candidate(longest, option.help)
+
+
+def _awaiting(word: str, options: Sequence[Option]) -> Option | None:
+    return next((each for each in options if each.takes_value and word in each.names), None)
+
+
+def _without_options(words: Sequence[str], options: Sequence[Option]) -> list[str]:
+    plain: list[str] = []
+    skip = False
+    for word in words:
+        if skip:
+            skip = False
+        elif word.startswith("-") and word != "-":
+            skip = _awaiting(word, options) is not None
+        else:
+            plain.append(word)
+    return plain
