@@ -18,6 +18,7 @@ import psutil
 from tests.e2e.conftest import make_environment
 from tests.e2e.matrix_table import Cell
 from tests.e2e.matrix_topics import Ears, find_fault, find_tree_faults, measure_rate
+from tests.office_fiducials import write_office_map
 
 from ur.cli.needs import describe_base, describe_need
 from ur.run.master import parse_master_uri
@@ -47,6 +48,9 @@ def try_cell(cell: Cell, folder: Path, patience: float = PATIENCE) -> Result:
 def _words(cell: Cell, folder: Path) -> list[str]:
     variant = [f"robot_variant:={cell.base.variant}"] if cell.base.variant else []
     more = [word.replace("{folder}", str(folder)) for word in cell.arguments]
+    if any("{fiducial_map}" in word for word in more):
+        map_ = write_office_map(folder / "fiducials.txt")
+        more = [word.replace("{fiducial_map}", str(map_)) for word in more]
     return [str(cell.program.path), f"robot_base:={cell.base.name}", *variant, *more]
 
 
@@ -181,7 +185,8 @@ class Run:
         data = os.read(stream.fileno(), 1 << 16)
         *lines, self._rest = (self._rest + data).split(b"\n")
         for line in lines:
-            self._take(json.loads(line))
+            if line.startswith(b"{"):  # what the node that has the terminal prints comes in between
+                self._take(json.loads(line))
         return bool(data)
 
     def _take(self, event: dict[str, Any]) -> None:

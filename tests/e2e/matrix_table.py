@@ -18,7 +18,7 @@ from ur.robot.base import Base, list_bases, list_variants, load_base
 
 TABLE = Path(__file__).with_name("matrix.yaml")
 _PLACE = re.compile(r"\{([\w.]+)\}")
-_TOPIC_KEYS = {"needs", "each", "rate", "at_least", "stamped"}
+_TOPIC_KEYS = {"needs", "each", "rate", "per", "at_least", "stamped"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,7 +39,8 @@ class Cell:
     """A program on a base. `lacks` is what the base would need to have; where it is not empty, nothing else counts.
 
     `root` is the root of the tree of frames, `frames` some that are in it. What is said on standard error and holds one
-    of `may_say` is expected. `{folder}` in an argument stands for a folder of the cell's own.
+    of `may_say` is expected. `{folder}` in an argument stands for a folder of the cell's own, `{fiducial_map}` for a
+    file in it that holds the fiducials of the office.
     """
 
     program: Program
@@ -103,6 +104,8 @@ def _topics(entries: Mapping[str, Any], base: Base) -> Iterator[Topic]:
         rate = entry.get("rate")
         if isinstance(rate, str):
             rate = look_up(base, rate, item)
+        if rate is not None and "per" in entry:
+            rate *= len(look_up(base, entry["per"], item))
         yield Topic(
             "/" + name,
             None if rate is None else float(rate),

@@ -8,6 +8,8 @@ from pathlib import Path
 import psutil
 import pytest
 from tests.e2e.conftest import ROOT, make_environment
+from tests.office_fiducials import write_office_map
+from tests.ur_nodes.simulator.renderer import needs_renderer
 
 pytestmark = [pytest.mark.ros, pytest.mark.timeout(200)]
 
@@ -55,6 +57,14 @@ def test_magni_with_a_lidar_navigates_in_the_office(tmp_path: Path) -> None:
     assert done.returncode == 0
 
 
+def test_magni_without_a_lidar_navigates_by_fiducials_that_were_mapped_before(tmp_path: Path) -> None:
+    needs_renderer()
+    arguments = ("robot_base:=magni", f"fiducial_map:={write_office_map(tmp_path / 'fiducials.txt')}")
+    done = run_program(tmp_path, "keyboard_navigate", *arguments, keys="g 1 0 0\n")
+    assert done.stdout.startswith("g 1 0 0: reached, "), done.stderr
+    assert done.returncode == 0
+
+
 def test_same_launch_file_works_under_plain_roslaunch(tmp_path: Path) -> None:
     arguments = ("robot_base:=stage", "use_rviz:=false")
     done = run_command(
@@ -80,7 +90,8 @@ def test_keyboard_drive_takes_keys_from_a_pipe(tmp_path: Path) -> None:
     [
         (["robot_base:=magnni"], "did you mean 'magni'?"),
         (["robot_base:=magni", "robot_variant:=lidr"], "did you mean 'lidar'?"),
-        (["robot_base:=magni"], "needs a lidar"),
+        (["robot_base:=magni"], "build it first: 'ur run fiducial_slam'"),
+        (["robot_base:=botvac", "localisation:=fiducal"], "did you mean 'fiducials'?"),
         (["robot_bse:=magni"], "argument 'robot_bse' is given"),
         (["office"], "expected NAME:=VALUE"),
         (["world:=mazze"], "did you mean"),

@@ -9,7 +9,8 @@ from __future__ import annotations
 import math
 import sys
 import threading
-from collections.abc import Iterable
+from collections import Counter
+from collections.abc import Collection
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -43,6 +44,7 @@ from ur_nodes.vision.search import without_twins
 _PIXEL_NOISE = 0.5
 _SHOW_EVERY = 1.0  # s between maps that are published
 _SAVE_EVERY = 10.0  # s between maps that are written
+_WRONG = 20  # pictures in which something is wrong with a fiducial, before it is told
 _PLANAR = (3, 4, 2)  # x, y, heading among rotation and translation
 
 
@@ -76,7 +78,7 @@ class FiducialSlam:
         self._saved = 0
         self._changes = 0
         self._known = known
-        self._named: set[int] = set()
+        self._wrong: Counter[int] = Counter()
         self._estimator: Mapper | Localiser = (
             Localiser(known, start=start, spread_limit=settings.spread_limit)
             if settings.read_only
@@ -137,14 +139,13 @@ class FiducialSlam:
 
     def _update(self, stamp: rospy.Time, odometry: Pose2, observed: list[Observation]) -> None:
         seen, twins = without_twins(observed)
-        self._name(twins, "is twice in one picture, expected each number once; it is overlooked there")
+        self._name(twins, "is often twice in one picture, expected each number once; it is overlooked there")
         known_before = self._estimator.robot(odometry) is not None
         changed = self._estimator.add(odometry, seen)
         robot = self._estimator.robot(odometry)
         self._name(
             self._estimator.contradicting,
-            "is not where the map has it: it was moved or is there twice (or, if there are several, the robot was"
-            " carried away); it is overlooked",
+            "is not where the map has it, expected it there: it was moved, or hangs twice; it is overlooked",
         )
         if changed and isinstance(self._estimator, Mapper):
             self._changes += 1
@@ -164,11 +165,12 @@ class FiducialSlam:
             message.pose.covariance = self._covariance(robot)
             self._pose.publish(message)
 
-    def _name(self, numbers: Iterable[int], what: str) -> None:
-        """Say of each fiducial once that something is wrong with it."""
-        for number in sorted(set(numbers) - self._named):
-            rospy.logwarn("fiducial %d %s", number, what)
-            self._named.add(number)
+    def _name(self, numbers: Collection[int], what: str) -> None:
+        """Say of each fiducial once that something is wrong with it, when that has been so for long."""
+        self._wrong.update(numbers)
+        for number in sorted(numbers):
+            if self._wrong[number] == _WRONG:
+                rospy.logwarn("fiducial %d %s", number, what)
 
     def _covariance(self, robot: Pose2) -> list[float]:
         """Row-major 6 x 6 along the axes of the map."""
