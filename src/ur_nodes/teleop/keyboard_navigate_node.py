@@ -39,7 +39,7 @@ def _run(ended: threading.Event) -> int:
         mux=parameters.text("mux", "cmd_vel_mux"),
     )
     limits = Limits(
-        start=parameters.number("start_timeout", 30.0, minimum=0.0),
+        start=parameters.number("start_timeout", 60.0, minimum=0.0),
         goal=parameters.number("goal_timeout", 600.0, minimum=0.0),
     )
     map_name = parameters.text("map_name", "")
