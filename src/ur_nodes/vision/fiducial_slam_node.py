@@ -289,11 +289,10 @@ def start() -> None:
     known = read_map(source) if initial or settings.read_only or source.is_file() else ()
     if settings.read_only and not known:
         raise UserError(error(f"{source}: no fiducials in it, expected a map that was built before", rule="bad-map"))
-    given = own.has("initial_pose_x") or own.has("initial_pose_y") or own.has("initial_pose_a")
     place = Pose2(
         own.number("initial_pose_x", 0.0), own.number("initial_pose_y", 0.0), own.number("initial_pose_a", 0.0)
     )
-    FiducialSlam(settings, read_sizes(own), known, place if given or not known else None)
+    FiducialSlam(settings, read_sizes(own), known, None if known else place)
 
 
 def main() -> int:
