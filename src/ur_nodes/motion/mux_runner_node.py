@@ -22,6 +22,18 @@ def make_clock() -> Clock:
     return Clock(time.monotonic, steady=True)
 
 
+class _Greeter(rospy.SubscribeListener):  # type: ignore[misc]  # rospy has no types
+    """Calls back when somebody has subscribed, with what publishes to them alone."""
+
+    def __init__(self, greet: Callable[[Callable[[Twist], None]], None]) -> None:
+        super().__init__()
+        self._greet = greet
+
+    def peer_subscribe(self, _topic: str, _publish: Callable[[Twist], None], peer: Callable[[Twist], None]) -> None:
+        """See rospy."""
+        self._greet(peer)
+
+
 class MuxRunner:
     """Owns a state, steps it when something happens and when it is due, and publishes what comes of it.
 
@@ -34,7 +46,8 @@ class MuxRunner:
         self._on_change = on_change
         self._condition = threading.Condition()
         self._ended = False
-        self._publisher = rospy.Publisher(topic, Twist, queue_size=1, tcp_nodelay=True)
+        greeter = _Greeter(self._greet)
+        self._publisher = rospy.Publisher(topic, Twist, queue_size=1, tcp_nodelay=True, subscriber_listener=greeter)
         self._thread = threading.Thread(target=self._run, name="mux", daemon=True)
         rospy.on_shutdown(self._end)
         on_change(state)
@@ -47,6 +60,12 @@ class MuxRunner:
                 self._step(event)
                 self._condition.notify()
             return self._state
+
+    def _greet(self, publish: Callable[[Twist], None]) -> None:
+        """Tell who begins to listen to stand still: some drivers go on with what a mux said before it died."""
+        with self._condition:
+            if self._state.output.still:
+                publish(twist_of(STILL))
 
     def _step(self, event: Event | None) -> None:
         before = self._state

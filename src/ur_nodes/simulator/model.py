@@ -173,8 +173,11 @@ def _motors(base: Base, robots: int, friction: float) -> Iterable[str]:
 
 
 def _rotor_inertia(base: Base) -> float:
-    """Of a geared motor, seen from the wheel: a share of what it moves, kg m^2."""
-    return 0.3 * base.mass / 2.0 * base.wheels.radius**2
+    """Of a geared motor, seen from the wheel: a share of what it moves ahead or in turns, whichever is more; kg m^2."""
+    xs, ys = [p[0] for p in base.footprint], [p[1] for p in base.footprint]
+    about_axle = ((max(xs) - min(xs)) ** 2 + (max(ys) - min(ys)) ** 2) / 12.0 + _centroid(base.footprint)[0] ** 2
+    in_turns = about_axle / (base.wheels.separation / 2.0) ** 2  # what a kilogram counts at the wheels
+    return 0.3 * base.mass / 2.0 * max(1.0, in_turns) * base.wheels.radius**2
 
 
 def _centroid(polygon: Sequence[tuple[float, float]]) -> tuple[float, float]:

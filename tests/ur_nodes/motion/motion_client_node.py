@@ -84,6 +84,11 @@ class Client:
         self.wait(lambda: self.stopped is value, seconds)
         return value
 
+    def hears(self, velocity: list[float], seconds: float) -> list[float]:
+        """Once such a velocity has been said."""
+        self.wait(lambda: tuple(velocity) in self.commands, seconds)
+        return velocity
+
     def forget(self) -> None:
         """What a mux told before it died."""
         self.active, self.stopped = [], False
