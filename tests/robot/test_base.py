@@ -115,6 +115,12 @@ def test_mistake_in_a_base_file_is_placed_and_explained(tmp_path: Path, old: str
 @pytest.mark.parametrize(
     ("old", "new", "expected"),
     [
+        ("body: [[0.07,", "body: [[0.2,", "body in a base file: [0.2, 0.134] is outside the footprint"),
+        (
+            "body: [[0.07, 0.134], [-0.28, 0.134]",
+            "body: [[-0.28, 0.134], [0.07, 0.134]",
+            "body in a base file goes",
+        ),
         ("sonar_2: [0.08, -0.01,", "sonar_2: [0.08,", "expected a list of 6 numbers"),
         ("sonar_2:", "sonar_1:", "sonar_1 is given twice"),
         ("sonar_2:", "left_wheel:", "frame 'left_wheel' in a base file, sensors, sonars, at is taken by the body"),

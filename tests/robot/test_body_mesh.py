@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from ur.robot.base import Base, list_bases, list_variants, load_base
-from ur.robot.base.outline import measure_area
-from ur.robot.body_mesh import Triangle, find_hull, make_body, write_stl
+from ur.robot.base.outline import find_hull, is_inside, measure_area
+from ur.robot.body_mesh import Triangle, make_body, write_stl
 
 PACKAGE = Path(__file__).parents[2] / "ubiquity_launches"
 EVERY = [(name, variant) for name in list_bases(PACKAGE) for variant in ("", *list_variants(PACKAGE, name))]
@@ -31,13 +31,14 @@ def measure_volume(triangles: list[Triangle]) -> float:
 @pytest.mark.parametrize(("name", "variant"), EVERY)
 def test_body_is_closed_and_as_large_as_the_base(name: str, variant: str) -> None:
     base = load_base(PACKAGE, name, variant)
+    outline = base.body or base.footprint
     triangles = make_body(base)
     edges = Counter((a, b) for t in triangles for a, b in zip(t, (*t[1:], t[0]), strict=True))
     assert all(edges[b, a] == count for (a, b), count in edges.items()), "each edge has a neighbour the other way"
     for axis, (low, high) in enumerate(
         (
-            (min(x for x, _ in base.footprint), max(x for x, _ in base.footprint)),
-            (min(y for _, y in base.footprint), max(y for _, y in base.footprint)),
+            (min(x for x, _ in outline), max(x for x, _ in outline)),
+            (min(y for _, y in outline), max(y for _, y in outline)),
             (base.ground_clearance, base.height),
         )
     ):
@@ -64,6 +65,17 @@ def test_body_of_a_base_that_is_lower_than_its_wheels_has_a_deck_all_the_same(st
 def test_hull_is_convex_and_goes_round_counter_clockwise() -> None:
     points = [(0.0, 0.0), (2.0, 0.0), (1.0, 0.5), (2.0, 2.0), (0.0, 2.0), (1.0, 0.0)]
     assert find_hull(points) == [(0.0, 0.0), (2.0, 0.0), (2.0, 2.0), (0.0, 2.0)]
+
+
+@pytest.mark.parametrize(("point", "inside"), [((0.0, 0.0), True), ((1.005, 0.5), True), ((1.02, 0.5), False)])
+def test_point_is_inside_a_hull_within_a_tolerance(point: tuple[float, float], inside: bool) -> None:
+    assert is_inside(point, [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)], 0.01) is inside
+
+
+def test_body_has_skirts_outside_the_wheels_where_there_is_room() -> None:
+    base = load_base(PACKAGE, "botvac")
+    low = [v for triangle in make_body(base) for v in triangle if v[2] == base.ground_clearance and abs(v[0]) < 0.045]
+    assert max(y for _, y, _ in low) == pytest.approx(0.168)
 
 
 def test_stl_holds_unit_normals_that_point_outwards(stage: Base) -> None:

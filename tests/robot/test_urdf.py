@@ -62,7 +62,7 @@ def test_tool_says_what_is_wrong_with_a_package_or_a_base(tmp_path: Path) -> Non
     (tmp_path / "bases" / "bad" / "base.yaml").write_text("summary: 3\n")
     done = run_tool(tmp_path)
     assert done.returncode == 1
-    assert "bases/bad/base.yaml:1:10: error: summary: 3" in done.stderr
+    assert "bases/bad/base.yaml:1:1: error: footprint is missing" in done.stderr
 
 
 def run_tool(package: Path) -> subprocess.CompletedProcess[str]:

@@ -1,7 +1,4 @@
-"""The body of a base as triangles: its outline drawn up, with wells for the wheels.
-
-As in the simulator the body is convex: the hull of the outline.
-"""
+"""The body of a base as triangles: the hull of its outline drawn up, with wells for the wheels."""
 
 from __future__ import annotations
 
@@ -10,13 +7,14 @@ from collections.abc import Iterable, Sequence
 from itertools import pairwise
 
 from ur.robot.base import Base
+from ur.robot.base.outline import Point, find_hull
 
-Point = tuple[float, float]
 Vertex = tuple[float, float, float]
 Triangle = tuple[Vertex, Vertex, Vertex]
 
 _GAP = 0.005  # between a wheel and its well, m
 _THINNEST_DECK = 0.01
+_THINNEST_SKIRT = 0.02  # outside a wheel
 
 
 def make_body(base: Base) -> list[Triangle]:
@@ -25,18 +23,22 @@ def make_body(base: Base) -> list[Triangle]:
     A deck of the whole outline lies above the wheels, as far as the height leaves room for it; below it the body leaves
     out what the wheels need.
     """
-    outline = find_hull(base.footprint)
+    outline = find_hull(base.body or base.footprint)
     wheels = base.wheels
     bottom = min(max(base.ground_clearance, 2.0 * wheels.radius + _GAP), base.height - _THINNEST_DECK)
     inner = wheels.separation / 2.0 - wheels.width / 2.0 - _GAP
+    outer = wheels.separation / 2.0 + wheels.width / 2.0 + _GAP
     reach = wheels.radius + _GAP
-    middle = _keep(_keep(outline, (0.0, 1.0), inner), (0.0, -1.0), inner)
+    beside = _keep(_keep(outline, (1.0, 0.0), reach), (-1.0, 0.0), reach)
     triangles = list(_prism(outline, bottom, base.height))
-    for part in (
-        _keep(_keep(middle, (1.0, 0.0), reach), (-1.0, 0.0), reach),
+    parts = [
+        _keep(_keep(beside, (0.0, 1.0), inner), (0.0, -1.0), inner),
         _keep(outline, (-1.0, 0.0), -reach),
         _keep(outline, (1.0, 0.0), -reach),
-    ):
+    ]
+    if min(max(y for _, y in outline), -min(y for _, y in outline)) > outer + _THINNEST_SKIRT:
+        parts += [_keep(beside, (0.0, -1.0), -outer), _keep(beside, (0.0, 1.0), -outer)]
+    for part in parts:
         if len(part) > 2 and bottom > base.ground_clearance:
             triangles += _prism(part, base.ground_clearance, bottom)
     return triangles
@@ -49,24 +51,6 @@ def write_stl(triangles: Sequence[Triangle]) -> bytes:
         numbers = [number for vertex in (_normal(triangle), *triangle) for number in vertex]
         parts.append(struct.pack("<12fH", *numbers, 0))
     return b"".join(parts)
-
-
-def find_hull(points: Iterable[Point]) -> list[Point]:
-    """The convex hull, counter-clockwise (Andrew's monotone chain)."""
-    ordered = sorted(set(points))
-    return _half_hull(ordered)[:-1] + _half_hull(ordered[::-1])[:-1]
-
-
-def _half_hull(points: Sequence[Point]) -> list[Point]:
-    hull: list[Point] = []
-    for x, y in points:
-        while len(hull) > 1:
-            (ax, ay), (bx, by) = hull[-2:]
-            if (bx - ax) * (y - ay) - (by - ay) * (x - ax) > 0.0:
-                break
-            hull.pop()
-        hull.append((x, y))
-    return hull
 
 
 def _keep(polygon: Sequence[Point], normal: Point, limit: float) -> list[Point]:

@@ -96,6 +96,7 @@ class Base:
     """A base in one variant ('' is the plain one). `footprint` is the outline, counter-clockwise, at least 3 points.
 
     `driver` is None for a base that is only ever simulated; `drivers` are those of sensors with a driver of their own.
+    `body` is the outline of the body alone, where wheels stand out of it (empty: the footprint); for the eye only.
     """
 
     name: str
@@ -117,3 +118,4 @@ class Base:
     battery: Battery | None = None
     driver: Driver | None = None
     drivers: tuple[Driver, ...] = ()
+    body: tuple[tuple[float, float], ...] = ()

@@ -1,8 +1,9 @@
-"""The outline of a base: a polygon of (x, y) points, in order."""
+"""Outlines: polygons of (x, y) points, in order."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Iterable, Sequence
 
 Point = tuple[float, float]
 
@@ -23,6 +24,32 @@ def find_crossing(points: Sequence[Point]) -> tuple[int, int] | None:
             if (second + 1) % count != first and _side(a, b, c) * _side(a, b, d) < 0 > _side(c, d, a) * _side(c, d, b):
                 return first + 1, second + 1
     return None
+
+
+def find_hull(points: Iterable[Point]) -> list[Point]:
+    """The convex hull, counter-clockwise (Andrew's monotone chain)."""
+    ordered = sorted(set(points))
+    return _half_hull(ordered)[:-1] + _half_hull(ordered[::-1])[:-1]
+
+
+def _half_hull(points: Sequence[Point]) -> list[Point]:
+    hull: list[Point] = []
+    for x, y in points:
+        while len(hull) > 1:
+            (ax, ay), (bx, by) = hull[-2:]
+            if (bx - ax) * (y - ay) - (by - ay) * (x - ax) > 0.0:
+                break
+            hull.pop()
+        hull.append((x, y))
+    return hull
+
+
+def is_inside(point: Point, points: Sequence[Point], tolerance: float) -> bool:
+    """Whether a point lies in the convex hull of others, or outside it by no more than a tolerance, m."""
+    hull = find_hull(points)
+    return all(
+        _side(a, b, point) >= -tolerance * math.dist(a, b) for a, b in zip(hull, [*hull[1:], hull[0]], strict=True)
+    )
 
 
 def _side(a: Point, b: Point, p: Point) -> float:

@@ -6,21 +6,23 @@ import re
 from collections.abc import Iterator
 
 from ur.robot.base.model import Base, Battery, Caster, Driver, Limits, Odometry, Wheels
-from ur.robot.base.outline import find_crossing, measure_area
+from ur.robot.base.outline import Point, find_crossing, is_inside, measure_area
 from ur.robot.base.sensor_reader import SENSORS, Sensors, read_sensors, read_topic
 from ur.source.section import Section
 
 TECHNOLOGIES = ("lead-acid", "lifepo4", "lithium-ion", "lithium-polymer", "nicd", "nimh")
+_TOLERANCE = 0.001  # m
 
 
 def read_whole(top: Section, name: str, variant: str) -> Base:
     """Read a file (with a variant's values already laid over the others)."""
     sensors = read_sensors(top.optional_section("sensors"))
+    footprint = _outline(top, "footprint")
     base = Base(
         name=name,
         variant=variant,
         summary=top.text("summary"),
-        footprint=_footprint(top),
+        footprint=footprint,
         height=top.number("height", minimum=0.01),
         ground_clearance=top.number("ground_clearance", minimum=0.001),
         mass=top.number("mass", minimum=0.01),
@@ -36,28 +38,34 @@ def read_whole(top: Section, name: str, variant: str) -> Base:
         battery=_battery(part) if (part := top.optional_section("battery")) else None,
         driver=_driver("base", part) if (part := top.optional_section("driver")) else None,
         drivers=tuple(_drivers(part, sensors)) if (part := top.optional_section("drivers")) else (),
+        body=_body(top, footprint) if top.has("body") else (),
     )
     top.finish()
     return base
 
 
-def _footprint(top: Section) -> tuple[tuple[float, float], ...]:
-    points = top.points("footprint", minimum=3)
+def _outline(top: Section, key: str) -> tuple[Point, ...]:
+    points = top.points(key, minimum=3)
     if measure_area(points) <= 0.0:
         top.fail(
-            "footprint",
-            f"footprint in {top.name} goes round clockwise (or encloses nothing), expected counter-clockwise",
+            key,
+            f"{key} in {top.name} goes round clockwise (or encloses nothing), expected counter-clockwise",
             "turn the list of points round",
         )
     crossing = find_crossing(points)
     if crossing:
         first, second = crossing
-        top.fail(
-            "footprint",
-            f"footprint in {top.name} crosses itself: the edges from point {first} and point {second}, "
-            "expected an outline",
-        )
+        edges = f"the edges from point {first} and point {second}"
+        top.fail(key, f"{key} in {top.name} crosses itself: {edges}, expected an outline")
     return points
+
+
+def _body(top: Section, footprint: tuple[Point, ...]) -> tuple[Point, ...]:
+    body = _outline(top, "body")
+    for x, y in body:
+        if not is_inside((x, y), footprint, _TOLERANCE):
+            top.fail("body", f"body in {top.name}: [{x:g}, {y:g}] is outside the footprint, expected all of it inside")
+    return body
 
 
 def _wheels(part: Section) -> Wheels:
