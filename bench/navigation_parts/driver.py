@@ -22,12 +22,13 @@ from numpy.typing import NDArray
 from std_msgs.msg import Int32
 from tf2_msgs.msg import TFMessage
 
+from ur.robot.base import Base
+from ur_nodes.navigation.footprint import footprint_of_outline
 from ur_nodes.navigation.frame_history import FrameError, FrameHistory
 from ur_nodes.navigation.grid import OCCUPIED, Grid
 from ur_nodes.rosio.geometry import Pose2, pose_message, pose_of_message, pose_of_transform, wrap_angle
 
 FRAMES = ("odom", "base_footprint")
-INSCRIBED = 0.19
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,9 +48,9 @@ class Drive:
 class Driver:
     """A client of move_base that knows the truth."""
 
-    def __init__(self, grid: Grid, base_frame: str = "base_footprint") -> None:
+    def __init__(self, grid: Grid, base: Base, base_frame: str = "base_footprint") -> None:
         self._grid = grid
-        self._free = free_cells(grid, INSCRIBED)
+        self._free = free_cells(grid, footprint_of_outline(base.footprint, grid.resolution).inscribed)
         self._base = base_frame
         self._lock = threading.Lock()
         self._frames = FrameHistory()

@@ -8,17 +8,15 @@ from bench.navigation_parts.driver import Drive
 from bench.navigation_parts.stack import Usage
 from bench.navigation_parts.worlds import Goal
 
-SPEED = 0.5
 
-
-def print_drive(number: int, goal: Goal, drive: Drive) -> None:
-    """One line for one goal."""
+def print_drive(number: int, goal: Goal, drive: Drive, speed: float) -> None:
+    """One line for one goal; `speed` is that of the base, m/s."""
     outcome = "reached" if drive.reached else f"FAILED: {drive.text}"
     worst = max(drive.errors, default=0.0)
     mean = sum(drive.errors) / max(1, len(drive.errors))
     print(
         f"  {number + 1:2} ({goal[0]:6.2f} {goal[1]:6.2f} {goal[2]:5.0f})  {outcome}  {drive.length:5.1f} m"
-        f"  path {drive.length / drive.shortest:.3f}  time {ratio(drive.seconds, drive.length):.3f}"
+        f"  path {drive.length / drive.shortest:.3f}  time {ratio(drive.seconds, drive.length, speed):.3f}"
         f"  final {drive.error:.3f} m {drive.turn_error:.1f} deg  localisation {mean:.3f} {worst:.3f} m",
         flush=True,
     )
@@ -31,6 +29,7 @@ def print_report(
     before: Mapping[str, Usage],
     after: Mapping[str, Usage],
     seconds: float,
+    speed: float,
 ) -> bool:
     """The figures of one world; whether all goals were reached and nothing was touched."""
     reached = sum(drive.reached for drive in drives)
@@ -38,7 +37,7 @@ def print_report(
     errors = [error for drive in drives for error in drive.errors]
     print(f"{world}: reached {reached} of {len(drives)}")
     print(f"  path          {length / sum(drive.shortest for drive in drives):.3f}")
-    print(f"  time          {ratio(sum(drive.seconds for drive in drives), length):.3f}")
+    print(f"  time          {ratio(sum(drive.seconds for drive in drives), length, speed):.3f}")
     print(f"  final error   {_mean_worst([d.error for d in drives], 'm', 3)}")
     print(f"                {_mean_worst([d.turn_error for d in drives], 'deg', 1)}")
     print(f"  localisation  {_mean_worst(errors, 'm', 3)}")
@@ -52,9 +51,9 @@ def print_report(
     return reached == len(drives) and not collisions
 
 
-def ratio(seconds: float, length: float) -> float:
+def ratio(seconds: float, length: float, speed: float) -> float:
     """Time over the time that the length takes at full speed."""
-    return seconds / max(1e-9, length / SPEED)
+    return seconds / max(1e-9, length / speed)
 
 
 def _mean_worst(values: Sequence[float], unit: str, digits: int) -> str:

@@ -15,6 +15,8 @@ from typing import Any
 
 import psutil
 
+from ur.robot.base import Base, load_base
+
 ROOT = Path(__file__).resolve().parents[2]
 MAPS = ROOT / "ubiquity_launches" / "n_map_server" / "maps"
 UPSTREAM = {"stage_ros": "stage_ros", "map_server": "map_server", "amcl": "amcl", "move_base": "move_base"}
@@ -49,15 +51,21 @@ def find_upstream() -> tuple[Peers, list[str]]:
     return peers, missing
 
 
+def load_robot(name: str) -> Base:
+    """`BASE[:VARIANT]`. Raises UserError: there is none."""
+    base, _, variant = name.partition(":")
+    return load_base(ROOT / "ubiquity_launches", base, variant)
+
+
 class Stack:
     """A master and the nodes of one world. A context manager: everything is gone at its end."""
 
-    def __init__(self, world: str, directory: Path, speed: float, seed: int, peers: Peers) -> None:
+    def __init__(self, world: str, base: Base, directory: Path, speed: float, seed: int, peers: Peers) -> None:
         self._directory = directory
         self.port = _free_port()
         self.simulated_clock = speed != 1.0
         launch = directory / f"{world}.launch"
-        launch.write_text(_launch_file(world, directory, speed, seed, peers), encoding="utf-8")
+        launch.write_text(_launch_file(world, base, directory, speed, seed, peers), encoding="utf-8")
         environment = dict(os.environ)
         environment |= {
             "ROS_MASTER_URI": f"http://localhost:{self.port}",
@@ -129,7 +137,7 @@ def _node_name(command: list[str]) -> str:
     return "(master)" if any(word.endswith("rosmaster") for word in command) else ""
 
 
-def _launch_file(world: str, directory: Path, speed: float, seed: int, peers: Peers) -> str:
+def _launch_file(world: str, base: Base, directory: Path, speed: float, seed: int, peers: Peers) -> str:
     map_file = MAPS / f"{world}.yaml"
     packages = " ".join(
         f'<arg name="{name}_pkg" value="{name}"/>'
@@ -141,13 +149,14 @@ def _launch_file(world: str, directory: Path, speed: float, seed: int, peers: Pe
     else:
         robot = f"""
   <include file="$(find ubiquity_launches)/m_robot_base/launch/m_robot_base.launch.xml">
-    <arg name="robot_base" value="stage"/> <arg name="world" value="{world}"/>
+    <arg name="robot_base" value="{base.name}"/> <arg name="robot_variant" value="{base.variant}"/>
+    <arg name="world" value="{world}"/>
     <arg name="speed" value="{speed}"/> <arg name="seed" value="{seed}"/>
   </include>"""
     return f"""<launch>
   <machine name="localhost" address="localhost"/>{robot}
   <include file="$(find ubiquity_launches)/m_move_base/launch/m_move_base.launch.xml">
-    <arg name="robot_base" value="stage"/> <arg name="map_file" value="{map_file}"/> {packages}
+    <arg name="robot_base" value="{base.name}"/> <arg name="map_file" value="{map_file}"/> {packages}
   </include>
 </launch>
 """
