@@ -1,0 +1,1 @@
+"""What upstream's drivers of real bases leave out, added to what they publish."""
