@@ -85,7 +85,7 @@ def parse_map(file: SourceFile) -> tuple[MapEntry, ...]:
         offset += len(line)
         try:
             if words and words[0] == "#covariance":
-                covariances[int(words[1])] = _symmetric([float(word) for word in words[2:]])
+                covariances[_whole(words[1])] = _symmetric([_number(word) for word in words[2:]])
             elif words and not words[0].startswith("#"):
                 entry = _parse_entry(words)
                 if entry.id in entries:
@@ -102,18 +102,33 @@ def parse_map(file: SourceFile) -> tuple[MapEntry, ...]:
 def _parse_entry(words: list[str]) -> MapEntry:
     if len(words) < 9:
         raise ValueError(f"{len(words)} values in a line")
-    x, y, z, roll, pitch, yaw, variance = (float(word) for word in words[1:8])
-    if not all(map(math.isfinite, (x, y, z, roll, pitch, yaw, variance))):
-        raise ValueError("a value that is not finite")
+    x, y, z, roll, pitch, yaw, variance = map(_number, words[1:8])
     angles = (math.radians(roll), math.radians(pitch), math.radians(yaw))
     covariance = np.diag([_TURN_VARIANCE] * 3 + [max(variance, 1e-6)] * 3)
-    links = tuple(int(word) for word in words[9:])
-    return MapEntry(int(words[0]), from_angles((x, y, z), angles), covariance, int(words[8]), links)
+    links = tuple(map(_whole, words[9:]))
+    return MapEntry(_whole(words[0]), from_angles((x, y, z), angles), covariance, _whole(words[8]), links)
+
+
+def _number(word: str) -> float:
+    try:
+        value = float(word)
+    except ValueError:
+        raise ValueError(f"{word!r} is not a number") from None
+    if not math.isfinite(value):
+        raise ValueError(f"{word} is not finite")
+    return value
+
+
+def _whole(word: str) -> int:
+    try:
+        return int(word)
+    except ValueError:
+        raise ValueError(f"{word!r} is not a whole number") from None
 
 
 def _symmetric(upper: list[float]) -> Floats:
-    if len(upper) != len(_UPPER[0]) or not all(map(math.isfinite, upper)):
-        raise ValueError(f"a covariance of {len(upper)} values, not of {len(_UPPER[0])} finite ones")
+    if len(upper) != len(_UPPER[0]):
+        raise ValueError(f"a covariance of {len(upper)} values, not of {len(_UPPER[0])}")
     matrix = np.zeros((6, 6))
     matrix[_UPPER] = upper
     made: Floats = matrix + matrix.T - np.diag(np.diag(matrix))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import sys
 import threading
 from typing import Any
@@ -10,7 +11,7 @@ from typing import Any
 import rospy
 from geometry_msgs.msg import PoseWithCovarianceStamped, TransformStamped
 from sensor_msgs.msg import Image
-from std_srvs.srv import Trigger
+from std_srvs.srv import Empty, Trigger
 from tests.ur_nodes.vision.synthetic import MOUNT
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import MarkerArray
@@ -20,6 +21,8 @@ from ur_nodes.vision.messages_node import message_classes
 
 
 def main() -> None:
+    answers = os.fdopen(os.dup(1), "w")
+    os.dup2(2, 1)  # rospy prints while it waits for a master
     rospy.init_node("client", anonymous=True, disable_signals=True)
     mount = TransformStamped(child_frame_id="raspicam", transform=transform_of(MOUNT))
     mount.header.frame_id = "base_footprint"
@@ -59,11 +62,21 @@ def main() -> None:
     for topic, kind in kinds.items():
         rospy.Subscriber(f"/{topic}", kind, take, topic)
     arrived["complete"] = full.wait(60.0)
-    if "save" in sys.argv[2:]:
-        arrived["saved"] = rospy.ServiceProxy("/save_map", Trigger)().message
-    sys.stdout.write(json.dumps(arrived) + "\n")
-    sys.stdout.flush()
+    ask(arrived, full, sys.argv[2:])
+    answers.write(json.dumps(arrived) + "\n")
+    answers.flush()
     rospy.signal_shutdown("done")
+
+
+def ask(arrived: dict[str, Any], full: threading.Event, wishes: list[str]) -> None:
+    """Call services when all has come: "save" keeps the answer, "relocalise" waits for everything once more."""
+    if "save" in wishes:
+        arrived["saved"] = rospy.ServiceProxy("/save_map", Trigger)().message
+    if "relocalise" in wishes:
+        rospy.ServiceProxy("/global_localization", Empty)()
+        arrived.clear()
+        full.clear()
+        arrived["complete"] = full.wait(60.0)
 
 
 if __name__ == "__main__":

@@ -46,7 +46,9 @@ def test_map_of_fiducial_slam_is_read() -> None:
         ("1 2 3\n", "3 values in a line"),
         ("1 0 0 0 0 0 0 0.1 1\n1 0 0 0 0 0 0 0.1 1\n", "fiducial 1 is given twice"),
         ("1 0 0 nan 0 0 0 0.1 1\n", "not finite"),
-        ("one 0 0 0 0 0 0 0.1 1\n", "'one'"),
+        ("one 0 0 0 0 0 0 0.1 1\n", "'one' is not a whole number, expected a number, x y z"),
+        ("1 0 0 up 0 0 0 0.1 1\n", "'up' is not a number"),
+        ("1 0 0 0 0 0 0 0.1 1 x\n", "'x' is not a whole number"),
         ("#covariance 1 2 3\n", "a covariance of 2 values, not of 21"),
     ],
 )
