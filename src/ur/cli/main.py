@@ -31,6 +31,7 @@ VERBS = {
     "format": ("ur.cli.format", "Put launch files in house order and layout."),
     "find": ("ur.cli.find", "Find where a name in launch files is defined and used."),
     "docs": ("ur.cli.docs", "Write documents of launch files: one page, or a web site."),
+    "graph": ("ur.cli.graph", "Draw what a launch file includes and starts, or what runs."),
     "explain": ("ur.cli.explain", "Say where a name in a launch file got its value."),
     "use": ("ur.cli.use", "Select a robot, or show which one is selected."),
     "setup": ("ur.cli.setup", "Set this computer up: shells, keys, workspace, names."),

@@ -80,6 +80,18 @@ KNOWN_NODES: dict[str, Interface] = {
 }
 
 
-def find_interface(executable: str) -> Interface | None:
-    """What is known of an executable; None when nothing is."""
-    return KNOWN_NODES.get(executable)
+# Where a package's own node says more than the upstream node whose name it bears.
+KNOWN_IN_PACKAGE: dict[tuple[str, str], Interface] = {
+    ("ubiquity_launches", "twist_mux"): _node(
+        "cmd_vel_out ~active ~stopped", "joy_vel key_vel nav_vel pause_driving", "~stop ~release"
+    ),
+    ("ubiquity_launches", "simulator"): _node(
+        "odom joint_states base_pose_ground_truth tf ~collisions", "cmd_vel", "~pause ~step ~reset ~place"
+    ),
+    ("ubiquity_launches", "keyboard_navigate_node"): _node("initialpose", "map scan tf", uses="move_base"),
+}
+
+
+def find_interface(executable: str, package: str = "") -> Interface | None:
+    """What is known of an executable, of a package if that is given; None when nothing is."""
+    return KNOWN_IN_PACKAGE.get((package, executable)) or KNOWN_NODES.get(executable)

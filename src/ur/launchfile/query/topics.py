@@ -71,7 +71,7 @@ def _from_ready(node: NodeSpec) -> Iterator[NameUse]:
 
 
 def _from_table(node: NodeSpec) -> Iterator[NameUse]:
-    interface = find_interface(node.type)
+    interface = find_interface(node.type, node.package)
     if interface is None:
         return
     uses: tuple[tuple[Use, tuple[str, ...]], ...] = (

@@ -1,0 +1,160 @@
+"""Where the boxes of a graph stand: in layers from left to right, with few crossings.
+
+The method is Sugiyama's in its simplest form: arrows that close a circle are turned round, a box stands one layer right
+of the last that points to it, an arrow that passes a layer has a bend there, and layers are sorted by the mean place of
+their neighbours, to and fro.
+(K. Sugiyama, S. Tagawa, M. Toda, IEEE Transactions on Systems, Man, and Cybernetics 11(2), 1981.)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+from ur.graph.model import Arrow, Graph
+
+_SWEEPS = 8
+_CHARACTER = 7.6  # px of an average character of the font
+_PADDING = 22.0
+HEIGHT = 30.0
+_GAP_X, _GAP_Y = 64.0, 16.0
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """Left, top and width of a box, in px; every box is `HEIGHT` high."""
+
+    x: float
+    y: float
+    width: float
+
+
+@dataclass(frozen=True, slots=True)
+class Picture:
+    """A layout: its size (px), the place of each box by id, and the points that a long arrow passes, by its two ends."""
+
+    width: float
+    height: float
+    places: Mapping[str, Place]
+    routes: Mapping[tuple[str, str], tuple[tuple[float, float], ...]]
+
+
+def lay_out_graph(graph: Graph) -> Picture:
+    """Place the boxes. Deterministic; linear in boxes and arrows but for the sorting."""
+    ids = [box.id for box in graph.boxes]
+    widths = {box.id: len(box.label) * _CHARACTER + _PADDING for box in graph.boxes}
+    pairs = _break_circles(ids, graph.arrows)
+    layers = _find_layers(ids, pairs)
+    links, bends = _bend_long_arrows(layers, pairs)
+    layers = _sort_layers(layers, links)
+    places: dict[str, Place] = {}
+    tall = max((sum(_slot(each, widths) for each in layer) for layer in layers), default=_GAP_Y) - _GAP_Y
+    x = 0.0
+    for layer in layers:
+        wide = max(widths.get(each, 0.0) for each in layer)
+        y = (tall + _GAP_Y - sum(_slot(each, widths) for each in layer)) / 2.0
+        for each in layer:
+            # A bend goes straight through its layer, in the middle of its slot.
+            places[each] = Place(x, y, widths[each]) if each in widths else Place(x, y, wide)
+            y += _slot(each, widths)
+        x += wide + _GAP_X
+    routes = {
+        ends: tuple(point for each in passed for point in _through(places.pop(each))) for ends, passed in bends.items()
+    }
+    return Picture(max(x - _GAP_X, 0.0), tall, places, routes)
+
+
+def _slot(each: str, widths: Mapping[str, float]) -> float:
+    return (HEIGHT if each in widths else 0.0) + _GAP_Y
+
+
+def _through(place: Place) -> tuple[tuple[float, float], tuple[float, float]]:
+    return (place.x, place.y), (place.x + place.width, place.y)
+
+
+def _bend_long_arrows(
+    layers: list[list[str]], pairs: Sequence[tuple[str, str]]
+) -> tuple[list[tuple[str, str]], dict[tuple[str, str], list[str]]]:
+    """Put a bend into each layer that an arrow passes; the arrows from layer to layer, and the bends of each."""
+    level = {each: number for number, layer in enumerate(layers) for each in layer}
+    links: list[tuple[str, str]] = []
+    bends: dict[tuple[str, str], list[str]] = {}
+    for source, target in dict.fromkeys(pairs):
+        passed = [f"{source}>{target}@{number}" for number in range(level[source] + 1, level[target])]
+        for number, bend in enumerate(passed, level[source] + 1):
+            layers[number].append(bend)
+        if passed:
+            bends[source, target] = passed
+        links += pairwise((source, *passed, target))
+    return links, bends
+
+
+def _break_circles(ids: Sequence[str], arrows: Sequence[Arrow]) -> list[tuple[str, str]]:
+    """The arrows as pairs, those that go back to a box they come from turned round."""
+    after: dict[str, list[str]] = {each: [] for each in ids}
+    for arrow in arrows:
+        after[arrow.source].append(arrow.target)
+    state: dict[str, int] = {}  # 1: being visited, 2: done
+    pairs: list[tuple[str, str]] = []
+    for start in ids:
+        if start in state:
+            continue
+        state[start] = 1
+        stack = [(start, iter(after[start]))]
+        while stack:
+            box, rest = stack[-1]
+            target = next(rest, None)
+            if target is None:
+                state[box] = 2
+                stack.pop()
+            elif state.get(target) == 1:
+                if target != box:
+                    pairs.append((target, box))
+            else:
+                pairs.append((box, target))
+                if target not in state:
+                    state[target] = 1
+                    stack.append((target, iter(after[target])))
+    return pairs
+
+
+def _find_layers(ids: Sequence[str], pairs: Sequence[tuple[str, str]]) -> list[list[str]]:
+    before: dict[str, int] = dict.fromkeys(ids, 0)
+    after: dict[str, list[str]] = {each: [] for each in ids}
+    for source, target in pairs:
+        before[target] += 1
+        after[source].append(target)
+    depth = dict.fromkeys(ids, 0)
+    ready = [each for each in ids if not before[each]]
+    for box in ready:  # it grows while it is walked
+        for target in after[box]:
+            depth[target] = max(depth[target], depth[box] + 1)
+            before[target] -= 1
+            if not before[target]:
+                ready.append(target)
+    layers: list[list[str]] = [[] for _ in range(max(depth.values(), default=-1) + 1)]
+    for each in ids:
+        layers[depth[each]].append(each)
+    return layers
+
+
+def _sort_layers(layers: list[list[str]], links: Sequence[tuple[str, str]]) -> list[list[str]]:
+    around: dict[str, list[str]] = {each: [] for layer in layers for each in layer}
+    for source, target in links:
+        around[source].append(target)
+        around[target].append(source)
+    rank = {each: float(number) for layer in layers for number, each in enumerate(layer)}
+    level = {each: number for number, layer in enumerate(layers) for each in layer}
+    for sweep in range(_SWEEPS):
+        step = 1 if sweep % 2 == 0 else -1
+        for number in range(len(layers))[::step]:
+
+            def mean(box: str, number: int = number, step: int = step) -> float:
+                near = [rank[each] for each in around[box] if (level[each] - number) * step < 0]
+                return sum(near) / len(near) if near else rank[box]
+
+            layers[number] = sorted(layers[number], key=mean)
+            middle = (len(layers[number]) - 1) / 2.0
+            rank.update({each: place - middle for place, each in enumerate(layers[number])})
+    return layers

@@ -1,0 +1,106 @@
+"""Graphs as text: drawn for a terminal, Mermaid, and DOT."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Iterator, Sequence
+
+from ur.graph.model import Box, Branch, Graph
+from ur.graph.topics import neighbours
+
+Line = tuple[tuple[str, str], ...]  # pieces of a line: text, and the kind it is coloured as
+
+_LINES = ("├─ ", "└─ ", "│  ", "   ", "→", "←")
+_PLAIN = ("|- ", "`- ", "|  ", "   ", "->", "<-")
+_SHAPES = {
+    "file": ("[", "]"), "node": ("(", ")"), "topic": ("[[", "]]"), "service": ("[/", "/]"), "action": ("[/", "/]"),
+    "missing": ("{{", "}}"), "cycle": ("{{", "}}"),
+}  # fmt: skip
+_DOT_SHAPES = {"file": "note", "node": "ellipse", "topic": "box", "service": "cds", "action": "cds", "missing": "note"}
+
+
+def draw_tree(tree: Branch, *, unicode: bool = True) -> Iterator[Line]:
+    """The lines of an include tree."""
+    signs = _LINES if unicode else _PLAIN
+    yield (tree.label, tree.kind), *_note(tree)
+    yield from _draw_children(tree.children, "", signs)
+
+
+def _draw_children(children: Sequence[Branch], lead: str, signs: Sequence[str]) -> Iterator[Line]:
+    for child in children:
+        last = child is children[-1]
+        yield (lead + signs[1 if last else 0], "line"), (child.label, child.kind), *_note(child)
+        yield from _draw_children(child.children, lead + signs[3 if last else 2], signs)
+
+
+def _note(branch: Branch) -> Line:
+    return (
+        ((f"  {branch.note}", branch.kind if branch.kind in ("missing", "cycle") else "note"),) if branch.note else ()
+    )
+
+
+def draw_graph(graph: Graph, *, unicode: bool = True) -> Iterator[Line]:
+    """The nodes of a graph, each with what it sends and to whom, and what it receives and from whom."""
+    signs = _LINES if unicode else _PLAIN
+    boxes = {box.id: box for box in graph.boxes}
+    around = neighbours(graph)
+    for box in sorted((box for box in graph.boxes if box.kind == "node"), key=lambda box: box.label):
+        yield (box.label, "node"), *((((f"  {box.title}", "note"),)) if box.title != box.label else ())
+        out, inward = around[box.id]
+        for arrow in sorted(out, key=lambda arrow: boxes[arrow.target].label):
+            ends = sorted(boxes[each.target].label for each in around[arrow.target][0])
+            yield _connection(signs[4], boxes[arrow.target], ends, arrow.label if arrow.sure else "perhaps")
+        for arrow in sorted(inward, key=lambda arrow: boxes[arrow.source].label):
+            ends = sorted(boxes[each.source].label for each in around[arrow.source][1])
+            yield _connection(signs[5], boxes[arrow.source], ends, "" if arrow.sure else "perhaps")
+
+
+def _connection(sign: str, middle: Box, ends: Sequence[str], label: str) -> Line:
+    pieces = [(f"  {sign} ", "line"), (middle.label, middle.kind)]
+    if middle.kind != "topic":
+        pieces.append((f" {middle.kind}", "note"))
+    if label:
+        pieces.append((f" {label}", "note"))
+    if ends:
+        pieces += [(f" {sign} ", "line"), (", ".join(ends), "node")]
+    return tuple(pieces)
+
+
+def write_mermaid(graph: Graph) -> str:
+    """A Mermaid flow chart."""
+    lines = ["graph LR"]
+    for box in graph.boxes:
+        left, right = _SHAPES[box.kind]
+        lines.append(f'  {box.id}{left}"{_escape(box.label)}"{right}:::{box.kind}')
+    for arrow in graph.arrows:
+        sign = "-->" if arrow.sure else "-.->"
+        label = f'|"{_escape(arrow.label)}"|' if arrow.label else ""
+        lines.append(f"  {arrow.source} {sign}{label} {arrow.target}")
+    lines += [f"  classDef {kind} {style}" for kind, style in _styles(graph.boxes)]
+    return "\n".join(lines) + "\n"
+
+
+def _styles(boxes: Iterable[Box]) -> Iterator[tuple[str, str]]:
+    kinds = {box.kind for box in boxes}
+    styles = {"node": "stroke:#2a7,stroke-width:2px", "missing": "stroke:#c00,color:#c00", "topic": "stroke:#57c"}
+    yield from ((kind, style) for kind, style in styles.items() if kind in kinds)
+
+
+def _escape(text: str) -> str:
+    return text.replace("&", "#amp;").replace('"', "#quot;").replace("<", "#lt;").replace(">", "#gt;")
+
+
+def write_dot(graph: Graph) -> str:
+    """A graph for graphviz."""
+    lines = ["digraph launch {", "  rankdir=LR;", '  node [fontname="sans-serif"];']
+    for box in graph.boxes:
+        colour = ", color=red, fontcolor=red" if box.kind == "missing" else ""
+        shape = _DOT_SHAPES.get(box.kind, "box")
+        text = f"label={json.dumps(box.label)}, tooltip={json.dumps(box.title or box.label)}"
+        lines.append(f"  {box.id} [{text}, shape={shape}{colour}];")
+    for arrow in graph.arrows:
+        label = f"label={json.dumps(arrow.label)}" if arrow.label else ""
+        style = "" if arrow.sure else "style=dashed"
+        inside = ", ".join(part for part in (label, style) if part)
+        lines.append(f"  {arrow.source} -> {arrow.target}{f' [{inside}]' if inside else ''};")
+    return "\n".join([*lines, "}"]) + "\n"

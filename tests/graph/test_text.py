@@ -1,0 +1,44 @@
+"""The forms a graph is written in."""
+
+from __future__ import annotations
+
+from xml.etree import ElementTree
+
+from ur.graph.model import Arrow, Box, Graph
+from ur.graph.svg import write_svg
+from ur.graph.text import write_dot, write_mermaid
+
+GRAPH = Graph(
+    (Box("b0", 'a"<b>.launch', "file", "/p/a"), Box("b1", "/talker", "node"), Box("b2", "gone.launch", "missing")),
+    (Arrow("b0", "b1"), Arrow("b0", "b2", "if & when", sure=False, fault=True), Arrow("b1", "b0")),
+)
+
+
+def test_mermaid_escapes_what_it_would_misread() -> None:
+    assert write_mermaid(GRAPH).splitlines() == [
+        "graph LR",
+        '  b0["a#quot;#lt;b#gt;.launch"]:::file',
+        '  b1("/talker"):::node',
+        '  b2{{"gone.launch"}}:::missing',
+        "  b0 --> b1",
+        '  b0 -.->|"if #amp; when"| b2',
+        "  b1 --> b0",
+        "  classDef node stroke:#2a7,stroke-width:2px",
+        "  classDef missing stroke:#c00,color:#c00",
+    ]
+
+
+def test_dot_quotes_labels_and_draws_faults_red() -> None:
+    text = write_dot(GRAPH)
+    assert r'b0 [label="a\"<b>.launch", tooltip="/p/a", shape=note];' in text
+    assert 'b2 [label="gone.launch", tooltip="gone.launch", shape=note, color=red, fontcolor=red];' in text
+    assert 'b0 -> b2 [label="if & when", style=dashed];' in text
+
+
+def test_svg_is_well_formed_and_holds_every_box_and_arrow() -> None:
+    root = ElementTree.fromstring(write_svg(GRAPH, "a & b"))
+    space = "{http://www.w3.org/2000/svg}"
+    labels = [each.text for each in root.iter(f"{space}text")]
+    assert {'a"<b>.launch', "/talker", "gone.launch", "if & when"} <= set(labels)
+    assert len([each for each in root.iter(f"{space}path") if each.get("marker-end")]) == len(GRAPH.arrows)
+    assert [each.get("class") for each in root.iter(f"{space}path") if each.get("class")] == ["fault unsure"]
