@@ -32,7 +32,7 @@ class Place:
 
 @dataclass(frozen=True, slots=True)
 class Picture:
-    """A layout: its size (px), the place of each box by id, and the points that a long arrow passes, by its two ends."""
+    """A layout in px: its size, the place of each box by id, and the points that a long arrow passes, by its ends."""
 
     width: float
     height: float
