@@ -1,0 +1,184 @@
+"""Make docs/reference/bases.md from the base files. A test compares what is committed with this."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from ur.robot.base import Base, Driver, list_bases, list_variants, load_base
+
+ROOT = Path(__file__).resolve().parents[1]
+PACKAGE = ROOT / "ubiquity_launches"
+PAGE = ROOT / "docs" / "reference" / "bases.md"
+PICTURES = "../images/bases"
+
+_INTRODUCTION = """# Robot bases
+
+Made from `ubiquity_launches/bases/<base>/base.yaml` by `tools/make_base_page.py`: change those files instead. They say
+where each figure comes from. The same file feeds the simulator, the URDF and the real robot's drivers;
+[describe a base of your own](../how-to/describe-a-base.md) tells what may stand in it.
+
+"""
+
+
+def make_page(package: Path = PACKAGE) -> str:
+    """The page as Markdown."""
+    bases = {name: load_all(package, name) for name in list_bases(package)}
+    every = [base for variants in bases.values() for base in variants]
+    overview = [[_name(base), base.summary, ", ".join(list_sensors(base)) or "none"] for base in every]
+    parts = [_INTRODUCTION, *_table(["base", "what it is", "it has"], overview), "\n"]
+    for name, variants in bases.items():
+        parts += [f"## {name}\n\n", *_pictures(variants), *_figures(variants), "\n", *_drivers(variants)]
+    return "".join(parts).rstrip() + "\n"
+
+
+def load_all(package: Path, name: str) -> list[Base]:
+    """The plain base and its variants."""
+    return [load_base(package, name, variant) for variant in ("", *list_variants(package, name))]
+
+
+def list_sensors(base: Base) -> list[str]:
+    """In words, of the overview."""
+    return [
+        text
+        for text, there in (
+            ("lidar", base.lidar),
+            ("camera", base.raspicam),
+            (f"{len(base.sonars.at)} sonars" if base.sonars else "", base.sonars),
+            ("bumpers", base.bumpers),
+            ("inertial sensor", base.imu),
+        )
+        if there
+    ]
+
+
+def _name(base: Base) -> str:
+    return f"`{base.name}`, variant `{base.variant}`" if base.variant else f"`{base.name}`"
+
+
+def _pictures(variants: Sequence[Base]) -> list[str]:
+    found = []
+    for base in variants:
+        file = f"{base.name}.{base.variant}.png" if base.variant else f"{base.name}.png"
+        if (PAGE.parent / PICTURES / file).is_file():
+            words = f"{base.name}, variant {base.variant}," if base.variant else base.name
+            found.append(f"![{words} in RViz]({PICTURES}/{file})\n")
+    return [*found, "\n"] if found else []
+
+
+def _figures(variants: Sequence[Base]) -> list[str]:
+    rows = [[title, *(figure(base) for base in variants)] for title, figure in _ROWS]
+    shown = [row for row in rows if any(cell != "none" for cell in row[1:])]
+    heads = [f"variant `{base.variant}`" if base.variant else f"`{base.name}`" for base in variants]
+    return _table(["", *heads], shown)
+
+
+def _drivers(variants: Sequence[Base]) -> list[str]:
+    drivers: dict[Driver, None] = {}
+    for base in variants:
+        drivers |= dict.fromkeys((*((base.driver,) if base.driver else ()), *base.drivers))
+    if not drivers:
+        return ["It is only ever simulated: there is no driver.\n\n"]
+    lines = []
+    for driver in drivers:
+        where = f", on `{driver.device}`" if driver.device else ""
+        speed = f" at {driver.baud} baud" if driver.baud else ""
+        starts = f", started by `{driver.node}`" if driver.node else ""
+        what = f"`{driver.executable}` of the package `{driver.package}`"
+        lines.append(f"- Driver of the {driver.part}: {what}{where}{speed}{starts}. To get it: {driver.install}.\n")
+    return [*lines, "\n"]
+
+
+def _table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
+    return [f"| {' | '.join(row)} |\n" for row in (heads, ["---"] * len(heads), *rows)]
+
+
+def _size(base: Base) -> str:
+    xs, ys = zip(*base.footprint, strict=True)
+    sides = (max(xs) - min(xs), max(ys) - min(ys), base.height)
+    return " x ".join(f"{side * 1000:.0f}" for side in sides) + " mm"
+
+
+def _wheels(base: Base) -> str:
+    wheels = base.wheels
+    return f"{2000 * wheels.radius:.0f} x {1000 * wheels.width:.0f} mm, {1000 * wheels.separation:.0f} mm apart"
+
+
+def _speed(base: Base) -> str:
+    return f"{base.limits.velocity:g} m/s, {base.limits.angular_velocity:g} rad/s"
+
+
+def _starting(base: Base) -> str:
+    return f"{base.limits.acceleration:g} m/s², {base.limits.angular_acceleration:g} rad/s²"
+
+
+def _braking(base: Base) -> str:
+    return f"{base.limits.deceleration:g} m/s², {base.limits.angular_deceleration:g} rad/s²"
+
+
+def _lidar(base: Base) -> str:
+    if not (lidar := base.lidar):
+        return "none"
+    turn = math.degrees(lidar.angle_max - lidar.angle_min) * lidar.samples / (lidar.samples - 1)
+    reach = f"{lidar.range_min:g} to {lidar.range_max:g} m"
+    return f"`{lidar.topic}`: {lidar.samples} beams over {turn:.0f}°, {lidar.rate:g} Hz, {reach}"
+
+
+def _camera(base: Base) -> str:
+    if not (camera := base.raspicam):
+        return "none"
+    looks = "up" if math.sin(camera.pose[4]) < -0.7 else "ahead"
+    size = f"{camera.width} x {camera.height}, {camera.rate:g} Hz"
+    return f"`{camera.name}`: {size}, {math.degrees(camera.field_of_view):.0f}° wide, looks {looks}"
+
+
+def _sonars(base: Base) -> str:
+    if not (sonars := base.sonars):
+        return "none"
+    cone = f"{math.degrees(sonars.field_of_view):.0f}°, {sonars.range_min:g} to {sonars.range_max:g} m"
+    return f"`{sonars.topic}`: {len(sonars.at)}, each {sonars.rate:g} Hz, {cone}"
+
+
+def _bumpers(base: Base) -> str:
+    if not base.bumpers:
+        return "none"
+    return f"`{base.bumpers.topic}`: {', '.join(bumper.name for bumper in base.bumpers.at)}"
+
+
+def _imu(base: Base) -> str:
+    return f"`{base.imu.topic}`: {base.imu.rate:g} Hz" if base.imu else "none"
+
+
+def _battery(base: Base) -> str:
+    if not (battery := base.battery):
+        return "none"
+    volts = f"{battery.voltage_full:g} to {battery.voltage_empty:g} V"
+    return f"`{battery.topic}`: {battery.technology}, {battery.design_capacity:g} Ah, {volts}"
+
+
+_ROWS: tuple[tuple[str, Callable[[Base], str]], ...] = (
+    ("length x width x height", _size),
+    ("mass", lambda base: f"{base.mass:g} kg"),
+    ("wheels", _wheels),
+    ("speed", _speed),
+    ("speeding up", _starting),
+    ("braking", _braking),
+    ("lidar", _lidar),
+    ("camera", _camera),
+    ("sonars", _sonars),
+    ("bumpers", _bumpers),
+    ("inertial sensor", _imu),
+    ("battery", _battery),
+)
+
+
+def main() -> None:
+    """Write the page."""
+    PAGE.parent.mkdir(parents=True, exist_ok=True)
+    PAGE.write_text(make_page(), encoding="utf-8")
+    print(PAGE)
+
+
+if __name__ == "__main__":
+    main()
