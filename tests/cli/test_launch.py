@@ -55,17 +55,85 @@ def test_questions_are_answered_as_roslaunch_does(
 @pytest.mark.parametrize(
     ("words", "told"),
     [
-        (["--args", "/deep/onne"], "did you mean /deep/one?"),
-        (["--only", "three"], "node 'three' is not in this launch file, expected one of /deep/one, /two"),
-        (["--prefix", "two"], "--prefix 'two', expected NODE=PREFIX"),
         (["--screen", "--log"], "--screen and --log exclude each other"),
-        (["--nodes", "--files"], "--nodes and --files exclude each other"),
-        (["--core"], "--core is not for ur launch: ur starts a master with the first launch file"),
+        (["--nodes", "--ros-args"], "--nodes and --ros-args exclude each other"),
+        (["--files", "--dry-run"], "--files and --dry-run exclude each other"),
+        (["--core"], "--core starts a master alone"),
+        (["-", "-"], "expected it once"),
         (["-c", "child"], "-c is not for ur launch"),
     ],
 )
-def test_wrong_wishes_are_explained(file: str, words: list[str], told: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_wrong_options_are_explained(
+    file: str, words: list[str], told: str, capsys: pytest.CaptureFixture[str]
+) -> None:
     assert main(["launch", *words, file, "what:=x"]) == 2
     captured = capsys.readouterr()
     assert told in captured.err
     assert captured.out == ""
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["--args", "/deep/onne"], "did you mean /deep/one?"),
+        (["--dry-run", "--only", "three"], "node 'three' is not in this launch file, expected one of /deep/one, /two"),
+        (["--dry-run", "--prefix", "two"], "--prefix 'two', expected NODE=PREFIX"),
+        (["--dry-run", "--required"], "--required: /two is to be respawned"),
+    ],
+)
+def test_wrong_names_end_as_errors_in_the_file_do(
+    file: str, words: list[str], told: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = Path(file)
+    path.write_text(path.read_text().replace('name="two"', 'name="two" respawn="true"'))
+    assert main(["launch", *words, file, "what:=x"]) == 1
+    captured = capsys.readouterr()
+    assert told in captured.err
+    assert captured.out == ""
+
+
+def test_file_that_is_missing_ends_with_1(file: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["launch", file + "x"]) == 1
+    assert "test.launchx" in capsys.readouterr().err
+
+
+def test_no_file_at_all_is_a_wrong_command_line(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["launch"]) == 2
+    assert "missing argument" in capsys.readouterr().err
+
+
+@pytest.mark.usefixtures("capsys")
+@pytest.mark.parametrize(("given", "option"), [("--node", "--nodes"), ("--find=/two", "--find-node=/two")])
+def test_option_may_be_cut_short_as_for_roslaunch(
+    file: str, given: str, option: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["launch", option, file, "what:=x"]) == 0
+    expected = capsys.readouterr().out
+    assert main(["launch", given, file, "what:=x"]) == 0
+    assert capsys.readouterr().out == expected
+
+
+def test_several_questions_are_answered_in_the_order_of_roslaunch(
+    file: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["launch", "--nodes", "--files", file, "what:=x"]) == 0
+    assert capsys.readouterr().out == f"{file}\n"
+
+
+def test_verbose_lists_what_there_is(file: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["launch", "-v", "--dry-run", file, "what:=x"]) == 0
+    told = capsys.readouterr().err.splitlines()
+    assert f"file {file}" in told
+    assert "parameter /number: 3" in told
+    assert "node /deep/one (nodes/one)" in told
+
+
+def test_local_leaves_out_what_is_for_other_computers(file: str, capsys: pytest.CaptureFixture[str]) -> None:
+    path = Path(file)
+    far = '<machine name="far" address="192.0.2.1"/><node machine="far" pkg="nodes" type="one" name="there"/></launch>'
+    path.write_text(path.read_text().replace("</launch>", far))
+    assert main(["launch", "--local", "--dry-run", file, "what:=x"]) == 0
+    captured = capsys.readouterr()
+    assert "/there" not in captured.out
+    assert "/two" in captured.out
+    assert "--local: /there for far (192.0.2.1) left out" in captured.err

@@ -180,7 +180,7 @@ def test_stop_before_a_process_is_there_reaches_it_later() -> None:
     assert history.happens(Started("/a", 1)) == [Signal("/a", SIGINT)]
 
 
-def test_required_node_that_fails_ends_the_run_with_1() -> None:
+def test_required_node_that_fails_ends_the_run_as_roslaunch_with_0() -> None:
     history = History(Unit("/a", required=True), Unit("/b")).running()
     assert history.happens(Exited("/a", FAILED)) == [
         TellDeath("/a", FAILED, ends_run=True),
@@ -188,7 +188,7 @@ def test_required_node_that_fails_ends_the_run_with_1() -> None:
         Signal("/b", SIGINT),
     ]
     history.happens(Exited("/b", CLEAN), NothingLeft())
-    assert history.happens(Unregistered()) == [Finish(1)]
+    assert history.happens(Unregistered()) == [Finish(0)]
 
 
 @pytest.mark.parametrize(

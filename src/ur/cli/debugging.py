@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import os
 import shlex
-import sys
 from collections.abc import Sequence
 from dataclasses import replace
 
 from ur.cli.queries import find_node
 from ur.launchfile.plan.model import NodeSpec, Plan
 from ur.launchfile.world import World
-from ur.run.command import find_executable
+from ur.run.command import choose_folder, find_executable
 from ur.run.debug import TOOLS, Debugging, Tool, choose_tool, plan_debugging
-from ur.run.debug_around import find_free_port, look_around, look_at_program
+from ur.run.debug_around import find_core, find_free_port, look_around, look_at_program, read_core_rules
+from ur.run.places import ros_home
 from ur.source.diagnostic import UserError, error
 from ur.source.suggest import did_you_mean
 
@@ -42,9 +42,16 @@ def debug_nodes(plan: Plan, wishes: Sequence[str], world: World, *, terminal: bo
             port = find_free_port(port)
         found = plan_debugging(target, tool, around, port)
         changed[node.full_name] = _put_in_front(node, found)
-        told += found.say if found.place == "log" else ()  # elsewhere one sees it
+        told += found.say if found.place == "log" else found.say[1:]  # elsewhere one sees it
+        told += _tell_core(node.full_name, path, node.cwd, world) if tool == "gdb" else ()
         port += 1
     return replace(plan, nodes=tuple(changed.get(node.full_name, node) for node in plan.nodes)), tuple(told)
+
+
+def _tell_core(name: str, path: str, cwd: str | None, world: World) -> tuple[str, ...]:
+    folder = choose_folder(cwd, path) or ros_home(world.environment)
+    command, _ = find_core(os.path.realpath(path), folder, read_core_rules(os.getpid()))
+    return (f"{name} left a core file when it crashed before; {shlex.join(command)} looks at it",) if command else ()
 
 
 def has_terminal() -> bool:
@@ -53,12 +60,6 @@ def has_terminal() -> bool:
         return os.isatty(0) and os.isatty(1) and os.tcgetpgrp(0) == os.getpgrp()
     except OSError:
         return False
-
-
-def tell(lines: Sequence[str]) -> None:
-    """Say what people should know, before anything starts."""
-    for line in lines:
-        sys.stderr.write(line + "\n")
 
 
 def _put_in_front(node: NodeSpec, found: Debugging) -> NodeSpec:

@@ -56,7 +56,7 @@ def _end_with(state: State, each: UnitState, death: TellDeath, now: float) -> St
     """The run ends with this unit."""
     unit, status = each.unit, death.status
     if not unit.terminal:
-        state, actions = begin_end(state, f"{unit.name} is required and has ended", int(not status.clean), now)
+        state, actions = begin_end(state, f"{unit.name} is required and has ended", 0, now)  # as roslaunch
         return state, [replace(death, ends_run=True), *actions]
     state, actions = begin_end(state, "", status.shell_code, now)
     if status.code is not None or status.signal == SIGINT:  # then it has said itself why it ends

@@ -1,0 +1,37 @@
+"""Which computer starts which nodes of a plan. Pure: what is this computer is a parameter."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+from ur.launchfile.plan.model import MachineSpec, NodeSpec, Plan
+
+
+@dataclass(frozen=True, slots=True)
+class Away:
+    """Another computer and the nodes of a plan that belong there."""
+
+    machine: MachineSpec
+    nodes: tuple[NodeSpec, ...]
+
+
+def split_plan(plan: Plan, is_here: Callable[[str], bool]) -> tuple[Plan, tuple[Away, ...]]:
+    """The plan with the nodes of this computer alone, and what belongs to each other one, in the plan's order.
+
+    `is_here` says whether an address is this computer's. Machines with one address, port and user are one computer.
+    Parameters stay with the plan: they go to the one master. A node whose machine is not defined stays too.
+    """
+    machines = {machine.name: machine for machine in plan.machines}
+    known: dict[str, bool] = {}
+    here: list[NodeSpec] = []
+    away: dict[tuple[str, int, str | None], Away] = {}
+    for node in plan.nodes:
+        machine = machines.get(node.machine or "")
+        if machine is None or known.setdefault(machine.address, is_here(machine.address)):
+            here.append(node)
+            continue
+        key = (machine.address, machine.ssh_port, machine.user)
+        before = away.get(key, Away(machine, ()))
+        away[key] = replace(before, nodes=(*before.nodes, node))
+    return replace(plan, nodes=tuple(here)), tuple(away.values())
