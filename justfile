@@ -19,6 +19,8 @@ test-all:
 docs:
     .venv/bin/python tools/make_worlds.py
     .venv/bin/python tools/make_urdf.py
+    .venv/bin/python tools/make_base_pictures.py
+    .venv/bin/python tools/make_base_page.py
     .venv/bin/python tools/make_screenshot.py
 
 # print the figures of a bench: just bench navigation
