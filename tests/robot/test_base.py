@@ -183,8 +183,8 @@ def test_drivers_name_what_they_drive() -> None:
     base = load_base(PACKAGE, "magni", "lidar")
     assert base.driver is not None
     assert (base.driver.part, base.driver.package, base.driver.baud) == ("base", "ubiquity_motor", 38400)
-    assert [driver.part for driver in base.drivers] == ["sonars", "lidar"]
-    assert load_base(PACKAGE, "stage").driver is None
+    assert [driver.part for driver in base.drivers] == ["sonars", "raspicam", "lidar"]
+    assert load_base(PACKAGE, "botvac", "xv11").drivers == ()
 
 
 def test_bumpers_of_every_base_that_has_some_cover_its_outline_once() -> None:

@@ -21,7 +21,7 @@ def check_base(files: Sequence[str], values: Mapping[str, str], world: World) ->
     if name is None:
         return
     for path in files:
-        package = _find_package(path)
+        package = find_package(path)
         if package is None:
             continue
         base = load_base(package, name, values.get("robot_variant", ""))
@@ -31,7 +31,8 @@ def check_base(files: Sequence[str], values: Mapping[str, str], world: World) ->
             raise _lack(path, package, base, needs, lacks)
 
 
-def _find_package(path: str) -> Path | None:
+def find_package(path: str) -> Path | None:
+    """The folder of the package that a launch file belongs to, if it has bases."""
     for folder in Path(path).resolve().parents:
         if (folder / "package.xml").is_file():
             return folder if (folder / "bases").is_dir() else None

@@ -23,7 +23,7 @@ def load_words(words: Sequence[str], selection: Selection) -> tuple[Plan | None,
 
     Arguments about the robot that the file declares and nobody gave come from the selection.
     Raises UserError: no such file, a word that is neither a file nor an argument, a robot that is another computer, a
-    base that is not known or lacks what the file needs.
+    base that is not known or lacks what the file needs, a driver whose package is not installed.
     """
     world = SystemWorld(os.environ, standard_input=lambda: sys.stdin.buffer.read())
     files = resolve_addresses(words, world)
@@ -47,6 +47,10 @@ def load_words(words: Sequence[str], selection: Selection) -> tuple[Plan | None,
 
         sys.stderr.write(render_human(findings, colour=sys.stderr.isatty()))
         sys.stderr.flush()
+    if values.get("simulate") == "false" and "robot_base" in declared:
+        from ur.cli.driver_packages import check_drivers
+
+        check_drivers(files, values, plan.nodes, world)
     return (None if any(each.severity is Severity.ERROR for each in findings) else plan), world
 
 
