@@ -56,7 +56,10 @@ def _end_with(state: State, each: UnitState, death: TellDeath, now: float) -> St
     """The run ends with this unit."""
     unit, status = each.unit, death.status
     if not unit.terminal:
-        state, actions = begin_end(state, f"{unit.name} is required and has ended", 0, now)  # as roslaunch
+        # roslaunch exits with 0 then; a run that has a program of ours in front has not done what it was asked to.
+        counts = unit.core or any(other.unit.terminal for other in state.units)
+        code = int(counts and not status.clean)
+        state, actions = begin_end(state, f"{unit.name} is required and has ended", code, now)
         return state, [replace(death, ends_run=True), *actions]
     state, actions = begin_end(state, "", status.shell_code, now)
     if status.code is not None or status.signal == SIGINT:  # then it has said itself why it ends
