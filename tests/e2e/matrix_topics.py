@@ -6,6 +6,7 @@ import itertools
 import select
 import struct
 import time
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
@@ -19,7 +20,8 @@ from ur.run.xml_rpc import Refused, Unanswered
 
 TF = ("/tf", "/tf_static")
 _TOLERANCE = 0.2
-_FEWEST, _MOST = 4, 40
+_SPAN = 0.9  # s
+_MOST = 300
 
 
 @dataclass(slots=True)
@@ -109,15 +111,19 @@ def read_transforms(message: bytes) -> list[tuple[str, str]]:
 
 
 def measure_rate(topic: Topic, heard: Heard) -> float | None:
-    """Messages a second: one over the median distance of the newest of them; None while there are too few."""
-    assert topic.rate is not None
-    wanted = min(max(_FEWEST, round(topic.rate)), _MOST)
-    moments = (heard.stamps if topic.stamped else heard.times)[-wanted:]
-    if len(moments) < wanted:
+    """Messages a second of late, None while too little came to tell: less than a second of it.
+
+    Those with the same stamp belong together (sonars that take turns). The median of the steps between stamps does not
+    mind single messages that were dropped.
+    """
+    moments = heard.stamps if topic.stamped else heard.times
+    counts = Counter(moments[-_MOST:])
+    stamps = sorted(counts)
+    if len(stamps) < 2 or stamps[-1] - stamps[0] < _SPAN:
         return None
-    steps = [after - before for before, after in itertools.pairwise(moments)]
-    middle = median(steps)
-    return 1.0 / middle if middle > 0.0 else None
+    step = median(after - before for before, after in itertools.pairwise(stamps))
+    together = median([counts[stamp] for stamp in stamps[1:-1]] or [1])  # at the ends some may be missing
+    return together / step
 
 
 def find_fault(topic: Topic, heard: Heard) -> str:

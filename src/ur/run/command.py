@@ -13,6 +13,7 @@ from pathlib import Path
 
 from ur.launchfile.plan.model import NodeSpec, ReadyCondition
 from ur.launchfile.world import PackageNotFound, World
+from ur.run.debian import describe_install
 from ur.run.model import Unit
 from ur.source.diagnostic import Diagnostic, Severity, UserError, error
 from ur.source.suggest import did_you_mean
@@ -95,10 +96,7 @@ def find_executable(node: NodeSpec, world: World) -> str:
                 f"{node.full_name}: package {node.package!r} is not on this computer",
                 node.origin.span,
                 rule="unknown-package",
-                help=f"did you mean {near!r}?"
-                if near
-                else f"install it (apt-get install ros-{node.package.replace('_', '-')} or "
-                f"{node.package.replace('_', '-')}), or add its folder to ROS_PACKAGE_PATH",
+                help=f"did you mean {near!r}?" if near else describe_install(node.package),
             )
         ) from None
     except (OSError, ValueError) as problem:

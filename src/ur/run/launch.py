@@ -6,7 +6,7 @@ import os
 import shutil
 import socket
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -16,6 +16,7 @@ from ur.launchfile.plan.model import NodeSpec, ParamValue, Plan
 from ur.launchfile.world import World
 from ur.run.command import Program, find_programs
 from ur.run.console import Console
+from ur.run.debian import describe_install
 from ur.run.happenings import Event, MasterAnswered, ParametersSet, SetupFailed, Unregistered
 from ur.run.loop import run_loop
 from ur.run.master import DEFAULT_PORT, Master, parse_master_uri
@@ -35,7 +36,7 @@ if TYPE_CHECKING:
 
 MASTER = "master"
 ROSOUT = "/rosout"
-VIEWERS = ("rviz",)  # packages whose nodes need a display
+VIEWERS = ("rviz", "image_view")  # packages whose nodes need a display
 MASTER_WORKERS = 3  # rosmaster.master_api.NUM_WORKERS
 
 
@@ -204,16 +205,20 @@ def leave_out_viewers(
 ) -> tuple[tuple[NodeSpec, ...], tuple[str, ...]]:
     """The nodes that can be shown here, and one line for each reason why others are left out."""
     viewers = [node for node in nodes if node.package in VIEWERS]
-    if not viewers:
-        return nodes, ()
-    names = ", ".join(node.full_name for node in viewers)
-    if not environment.get("DISPLAY") and not environment.get("WAYLAND_DISPLAY"):
-        note = f"no display: {names} left out"
-    elif not all(_is_installed(node, world) for node in viewers):
-        note = f"package rviz is not installed: {names} left out (sudo apt-get install rviz)"
+    if viewers and not environment.get("DISPLAY") and not environment.get("WAYLAND_DISPLAY"):
+        left_out, notes = viewers, [f"no display: {_names(viewers)} left out"]
     else:
-        return nodes, ()
-    return tuple(node for node in nodes if node not in viewers), (note,)
+        left_out = [node for node in viewers if not _is_installed(node, world)]
+        notes = [
+            f"package {package} is not installed: {_names(nodes_of)} left out ({describe_install(package)})"
+            for package in VIEWERS
+            if (nodes_of := [node for node in left_out if node.package == package])
+        ]
+    return tuple(node for node in nodes if node not in left_out), tuple(notes)
+
+
+def _names(nodes: Sequence[NodeSpec]) -> str:
+    return ", ".join(node.full_name for node in nodes)
 
 
 def _is_installed(node: NodeSpec, world: World) -> bool:

@@ -69,7 +69,7 @@ def read_settings() -> MoveBaseSettings:
     top = Parameters()
     world, local = top.below("global_costmap"), top.below("local_costmap")
     resolution = local.number("resolution", 0.05, minimum=0.005, maximum=1.0)
-    footprint = _footprint(local if local.has("footprint") or local.has("robot_radius") else world, resolution)
+    footprint = read_footprint(local if local.has("footprint") or local.has("robot_radius") else world, resolution)
     static = world.below("static_layer")
     navigator = _navigator(top)
     commands = top.number("command_frequency", 30.0, minimum=0.0, maximum=100.0)
@@ -93,7 +93,8 @@ def read_settings() -> MoveBaseSettings:
     )
 
 
-def _footprint(part: Parameters, resolution: float) -> Footprint:
+def read_footprint(part: Parameters, resolution: float) -> Footprint:
+    """The outline of the robot, or its radius, from a costmap's parameters. Raises UserError."""
     padding = part.number("footprint_padding", 0.01, minimum=0.0)
     points = part.points("footprint", ())
     if not points:

@@ -62,6 +62,13 @@ class Parameters:
             self.fail(name, value, "true or false")
         return bool(value)
 
+    def texts(self, name: str, default: Any = _REQUIRED) -> tuple[str, ...]:
+        """A list of strings."""
+        value = self._get(name, default, "a list of texts")
+        if not isinstance(value, (list, tuple)) or not all(isinstance(each, str) for each in value):
+            self.fail(name, value, "a list of texts")
+        return tuple(value)
+
     def points(self, name: str, default: Any = _REQUIRED) -> tuple[tuple[float, float], ...]:
         """A list of [x, y] points, or the text of one (move_base's footprints may be either)."""
         import yaml
