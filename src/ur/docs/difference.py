@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+
 _MAX_LINES = 400
 
 

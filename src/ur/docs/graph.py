@@ -53,6 +53,10 @@ class _Drawing:
 
     def finish(self) -> GraphDoc:
         boxes = list(self.boxes.values())
+        reached: dict[str, set[Case]] = {box.id: set() for box in boxes}
+        reached[boxes[0].id].update(self.all_cases)
+        for (_, target, _), where in self.edges.items():
+            reached[target].update(where)
         kinds = {box.id: box.kind for box in boxes}
         cut = {box.id for box in boxes[:MAX_BOXES]}
         edges = (
@@ -61,6 +65,7 @@ class _Drawing:
                 target,
                 label,
                 () if len(cases) == len(self.all_cases) else tuple(cases),
+                () if cases.keys() >= reached[source] else tuple(cases),
                 not label.startswith("only with") and kinds[target] != "off",
             )
             for (source, target, label), cases in self.edges.items()

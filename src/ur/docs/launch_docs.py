@@ -14,7 +14,7 @@ from ur.docs.links import settle_links
 from ur.docs.model import ArgumentDoc, BaseDoc, GraphDoc, IncludeDoc, LaunchDoc, NodeDoc, TreeDoc
 from ur.docs.node_docs import NodeDescriber
 from ur.docs.outline import Outline, outline_file
-from ur.docs.resolve import Outcome, resolve_outcomes
+from ur.docs.resolve import Files, Outcome, resolve_outcomes
 from ur.docs.started import Starter
 from ur.docs.support import describe_support, list_unreadable
 from ur.docs.tree import TreeMaker
@@ -33,6 +33,7 @@ class LaunchDescriber:
         self.bases = bases
         self.starter = Starter(repository.trees)
         self.outlines: dict[str, Outline] = {}
+        self.files = Files(repository.views, self.outline_of)
         self.outcomes: dict[str, tuple[Outcome, ...]] = {}
         self.trees = TreeMaker(repository.views, self.outline_of, self.show_path)
         self.packages = {part.package.folder: part.package.name if part.is_package else "" for part in repository.parts}
@@ -69,14 +70,14 @@ class LaunchDescriber:
         """The tags of a file."""
         if path not in self.outlines:
             tree = self.repository.trees.get(path)
-            self.outlines[path] = outline_file(tree) if tree is not None else Outline((), (), (), {}, "")
+            self.outlines[path] = outline_file(tree) if tree is not None else Outline((), (), (), {}, {}, "")
         return self.outlines[path]
 
     def resolve(self, path: str) -> tuple[Outcome, ...]:
         """A file in every case."""
         if path not in self.outcomes:
             view = self.repository.views[path]
-            self.outcomes[path] = resolve_outcomes(view, self.repository.world, self.starter)
+            self.outcomes[path] = resolve_outcomes(view, self.files, self.repository.world, self.starter)
         return self.outcomes[path]
 
     def exists(self, path: str) -> bool:
@@ -87,7 +88,9 @@ class LaunchDescriber:
     def describe_trees(self, view: LaunchView, given: tuple[tuple[str, str], ...] = ()) -> tuple[TreeDoc, ...]:
         """What a file starts, per base, when it is given some arguments."""
         outcomes = (
-            resolve_outcomes(view, self.repository.world, self.starter, given) if given else self.resolve(view.path)
+            resolve_outcomes(view, self.files, self.repository.world, self.starter, given)
+            if given
+            else self.resolve(view.path)
         )
         return self.trees.make_trees(view.path, outcomes, Words(view, self.packages))
 

@@ -159,12 +159,16 @@ class Box:
 
 @dataclass(frozen=True, slots=True)
 class Edge:
-    """An arrow between two boxes, by id. `label` says when; `cases` are empty when in all."""
+    """An arrow between two boxes, by id. `label` says when; `cases` are empty when in all.
+
+    `new_cases` are the same where the arrow is for fewer cases than the box that it starts from.
+    """
 
     source: str
     target: str
     label: str
     cases: tuple[Case, ...] = ()
+    new_cases: tuple[Case, ...] = ()
     by_default: bool = True
 
 
@@ -216,6 +220,7 @@ class ProgramDoc:
     overview: str
     starts: tuple[str, ...]  # paths of launch files
     trees: tuple[TreeDoc, ...]
+    source: str
 
 
 @dataclass(frozen=True, slots=True)

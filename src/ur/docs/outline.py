@@ -17,6 +17,7 @@ class Outline:
     includes: tuple[Element, ...]
     groups: tuple[Element, ...]  # <launch> and every <group>: parameters may stand in them
     conditions: Mapping[int, tuple[str, ...]]
+    raw_conditions: Mapping[int, tuple[str, ...]]  # as they are written
     text: str
 
 
@@ -26,21 +27,27 @@ def outline_file(tree: LaunchFile) -> Outline:
     includes: list[Element] = []
     groups: list[Element] = []
     conditions: dict[int, tuple[str, ...]] = {}
+    raw: dict[int, tuple[str, ...]] = {}
 
-    def visit(element: Element, above: tuple[str, ...]) -> None:
+    def visit(element: Element, above: tuple[str, ...], raw_above: tuple[str, ...]) -> None:
         groups.append(element)
         for child in element.elements:
             own = describe_condition(child)
             whole = (*above, own) if own else above
+            raw_whole = raw_above
+            if own:
+                written = (child.attributes[word] for word in ("if", "unless") if word in child.attributes)
+                raw_whole = (*raw_above, *written)
             if whole:
                 conditions[child.start] = whole
+                raw[child.start] = raw_whole
             if child.name in ("node", "test"):
                 nodes.append(child)
             elif child.name == "include":
                 includes.append(child)
             elif child.name == "group":
-                visit(child, whole)
+                visit(child, whole, raw_whole)
 
     if tree.launch is not None:
-        visit(tree.launch, ())
-    return Outline(tuple(nodes), tuple(includes), tuple(groups), conditions, tree.source.text)
+        visit(tree.launch, (), ())
+    return Outline(tuple(nodes), tuple(includes), tuple(groups), conditions, raw, tree.source.text)

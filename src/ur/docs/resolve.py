@@ -2,15 +2,38 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+import itertools
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
 
 from ur.check.cases import resolve_cases
 from ur.check.model import LaunchView
 from ur.check.worlds import CachedWorld
 from ur.docs.model import Case
-from ur.docs.started import Started, StartedPlan, Starter
+from ur.docs.outline import Outline
+from ur.docs.started import Started, StartedPlan, Starter, find_taking_part
+from ur.docs.switches import Assignment, list_assignments
 from ur.launchfile.plan.model import IncludeSpec, NodeSpec
+from ur.launchfile.syntax import Element
+
+MAX_DORMANT = 40  # tags below one root that are tried to turn on
+
+
+@dataclass(frozen=True, slots=True)
+class Files:
+    """The launch files of a repository by path, and their tags."""
+
+    views: Mapping[str, LaunchView]
+    outline_of: Callable[[str], Outline]
+
+    def list_dormant(self, path: str, taking_part: set[int]) -> Iterator[Element]:
+        """The conditional nodes and includes of a file that are not among those that take part."""
+        outline = self.outline_of(path)
+        if path not in self.views:
+            return
+        for element in (*outline.includes, *outline.nodes):
+            if element.start in outline.conditions and element.start not in taking_part:
+                yield element
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,7 +55,7 @@ class Outcome:
     """A launch file in one case: with its defaults, and in other ways. `given` are the arguments of the case."""
 
     case: Case
-    given: tuple[tuple[str, str], ...]
+    given: Assignment
     plain: Way
     others: tuple[Way, ...]
 
@@ -43,9 +66,12 @@ class Outcome:
 
 
 def resolve_outcomes(
-    view: LaunchView, world: CachedWorld, starter: Starter, given: tuple[tuple[str, str], ...] = ()
+    view: LaunchView, files: Files, world: CachedWorld, starter: Starter, given: Assignment = ()
 ) -> tuple[Outcome, ...]:
-    """What a launch file is in each case, in the order of the bases; `given` arguments are the same in all."""
+    """What a launch file is in each case, in the order of the bases; `given` arguments are the same in all.
+
+    What no case starts is looked for with other values of the arguments that its conditions speak of.
+    """
     plain: dict[Case, Way] = {}
     others: dict[Case, list[Way]] = {}
     arguments: dict[Case, tuple[tuple[str, str], ...]] = {}
@@ -60,7 +86,52 @@ def resolve_outcomes(
             others[case].append(way)
         else:
             plain[case], others[case], arguments[case] = way, [], resolved.case.given
-    return tuple(Outcome(case, arguments[case], way, tuple(others[case])) for case, way in plain.items())
+    outcomes = tuple(Outcome(case, arguments[case], way, tuple(others[case])) for case, way in plain.items())
+    extra = list(_find_switches(view, files, outcomes, world, starter))
+    if not extra:
+        return outcomes
+    return tuple(
+        replace(outcome, others=(*outcome.others, *_take_ways(view, outcome, extra, world, starter)))
+        for outcome in outcomes
+    )
+
+
+def _find_switches(
+    view: LaunchView, files: Files, outcomes: tuple[Outcome, ...], world: CachedWorld, starter: Starter
+) -> Iterator[Assignment]:
+    there = find_taking_part(way.started for outcome in outcomes for way in outcome.ways)
+    dormant = [(path, element) for path in list(there) for element in files.list_dormant(path, there[path])]
+    for path, element in dormant[:MAX_DORMANT]:
+        if element.start in there[path]:
+            continue  # an earlier one has turned it on, too
+        assignments = list_assignments(element, files.views[path], files.outline_of(path))
+        usable = (each for each in assignments if all(name in view.declared for name, _ in each))
+        for assignment, outcome in itertools.product(usable, outcomes):
+            plan = _load_with(view, outcome, assignment, world, starter)
+            assert plan.started is not None
+            now = find_taking_part([plan.started])
+            if element.start in now.get(path, ()):
+                for each, places in now.items():
+                    there.setdefault(each, set()).update(places)
+                yield assignment
+                break
+
+
+def _take_ways(
+    view: LaunchView, outcome: Outcome, extra: list[Assignment], world: CachedWorld, starter: Starter
+) -> Iterator[Way]:
+    for assignment in extra:
+        label = " ".join(f"{name}:={value}" for name, value in assignment)
+        yield Way(label, _load_with(view, outcome, assignment, world, starter))
+
+
+def _load_with(
+    view: LaunchView, outcome: Outcome, assignment: Assignment, world: CachedWorld, starter: Starter
+) -> StartedPlan:
+    given = tuple(dict((*outcome.given, *assignment)).items())
+    plan = next(resolve_cases(view, world, given, load=starter.load)).plan
+    assert isinstance(plan, StartedPlan)
+    return plan
 
 
 def find_node(way: Way, start: int) -> NodeSpec | None:

@@ -5,7 +5,7 @@ The same as resolving every tree from its root (a test compares), in a fraction 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Union
 
@@ -123,7 +123,7 @@ class Starter:
                 if child is None:
                     started.cyclic.add(include.origin.span.start)
             items.append((include, child))
-        items.sort(key=_place)
+        items.sort(key=place_of)
         started.items = tuple(items)
         self._known[key] = started
         return started
@@ -184,7 +184,22 @@ def walk_nodes(started: Started, namespace: str = "/", depth: int = 0) -> Iterat
             yield from walk_nodes(item[1], place_name(item[0].namespace, namespace), depth + 1)
 
 
-def _place(item: Item) -> int:
+def find_taking_part(roots: Iterable[Started]) -> dict[str, set[int]]:
+    """By path of a file: the places of its nodes and includes that take part below any of the roots."""
+    found: dict[str, set[int]] = {}
+    seen: set[int] = set()
+    stack = list(roots)
+    while stack:
+        started = stack.pop()
+        if id(started) not in seen:
+            seen.add(id(started))
+            found.setdefault(started.path, set()).update(map(place_of, started.items))
+            stack.extend(child for _, child in started.included if child is not None)
+    return found
+
+
+def place_of(item: Item) -> int:
+    """Where the tag of a node or include starts."""
     return (item if isinstance(item, NodeSpec) else item[0]).origin.span.start
 
 

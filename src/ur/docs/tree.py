@@ -9,7 +9,7 @@ from ur.docs.bases import match_paths
 from ur.docs.model import Case, TreeDoc, TreeItem, TreeKind
 from ur.docs.outline import Outline
 from ur.docs.resolve import Outcome
-from ur.docs.started import Item, Started, place_name
+from ur.docs.started import Item, Started, find_taking_part, place_name, place_of
 from ur.docs.words import Words
 from ur.docs.world import is_elsewhere, is_unknown
 from ur.launchfile.plan.model import NodeSpec
@@ -34,7 +34,7 @@ class TreeMaker:
     def make_trees(self, path: str, outcomes: Sequence[Outcome], words: Words) -> tuple[TreeDoc, ...]:
         """The trees of a file: one for all cases in which it is the same."""
         groups: dict[int, tuple[TreeItem, list[Case]]] = {}
-        taking_part = find_taking_part(outcomes)
+        taking_part = find_taking_part(way.started for outcome in outcomes for way in outcome.ways)
         for outcome in outcomes:
             growing = _Growing(self, words, dict(outcome.given), taking_part)
             children = growing.grow([(way.label, way.started) for way in outcome.ways], HERE, 0)
@@ -66,10 +66,9 @@ class TreeMaker:
         """How a path is shown."""
         return self._show_path(path)
 
-    def targets_of(self, include: Element) -> list[str]:
-        """The files that an include may mean, as they are shown."""
+    def targets_of(self, include: Element, written: str) -> list[str]:
+        """The files that a path in an include may mean, as they are shown."""
         view = self._views.get(include.source.path)
-        written = include.attributes.get("file", "")
         return [self._show_path(path) for path in match_paths(written, view)] if view is not None else []
 
 
@@ -105,7 +104,7 @@ class _Growing:
         for place in sorted((*places, *dormant)):
             note = " and ".join(outline.conditions.get(place[0], ()))
             if place not in places:
-                made.append(self.maker.intern("off", place[1], self.find_target(place[0], outline), "", note))
+                made.append(self.maker.intern("off", place[1], self.find_target(place, outline), "", note))
                 continue
             if place not in usual:
                 switches = " or ".join(dict.fromkeys(f"`{label}`" for label, _ in places[place] if label))
@@ -120,12 +119,14 @@ class _Growing:
         for element in (*outline.includes, *outline.nodes):
             if element.start not in there and element.start in outline.conditions:
                 what = element.attributes.get("file" if element.name == "include" else "name", "")
+                for name in ("robot_base", "robot_variant"):
+                    what = what.replace(f"$(arg {name})", self.given.get(name, f"$(arg {name})"))
                 found.append((element.start, " ".join(what.split())))
         return found
 
-    def find_target(self, start: int, outline: Outline) -> str:
-        element = next(each for each in (*outline.includes, *outline.nodes) if each.start == start)
-        paths = self.maker.targets_of(element) if element.name == "include" else []
+    def find_target(self, place: tuple[int, str], outline: Outline) -> str:
+        include = next((each for each in outline.includes if each.start == place[0]), None)
+        paths = self.maker.targets_of(include, place[1]) if include is not None else []
         return paths[0] if len(paths) == 1 else ""
 
     def grow_item(self, found: Sequence[tuple[str, Item]], note: str, namespace: str, depth: int) -> TreeItem:
@@ -150,22 +151,5 @@ class _Growing:
         return self.words.show(text, self.given)
 
 
-def find_taking_part(outcomes: Sequence[Outcome]) -> Mapping[str, set[int]]:
-    """By path of a file: the places of its nodes and includes that take part in any case, in any way."""
-    found: dict[str, set[int]] = {}
-    seen: set[int] = set()
-    stack = [way.started for outcome in outcomes for way in outcome.ways]
-    while stack:
-        started = stack.pop()
-        if id(started) in seen:
-            continue
-        seen.add(id(started))
-        found.setdefault(started.path, set()).update(_place(item)[0] for item in started.items)
-        stack.extend(child for _, child in started.included if child is not None)
-    return found
-
-
 def _place(item: Item) -> tuple[int, str]:
-    if isinstance(item, NodeSpec):
-        return (item.origin.span.start, item.full_name)
-    return (item[0].origin.span.start, item[0].file)
+    return (place_of(item), item.full_name if isinstance(item, NodeSpec) else item[0].file)

@@ -32,7 +32,7 @@ def write_launch_file(page: Page, doc: LaunchDoc, title: str, level: int) -> Non
         page.table(("Names of", "", "Name", "Known from"), rows)
     if doc.includes:
         page.table(("Includes", "When", "Passes"), [_include_row(page, each) for each in doc.includes])
-        write_trees(page, doc.trees)
+        write_trees(page, doc.trees, title, f"launch {doc.path}")
     if lines := draw_mermaid(doc.graph):
         page.code_block(lines, "mermaid")
 

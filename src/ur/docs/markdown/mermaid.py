@@ -36,7 +36,7 @@ def _draw_box(box: Box) -> str:
 
 
 def _draw_edge(edge: Edge) -> str:
-    label = "; ".join(part for part in (edge.label, name_cases(edge.cases)) if part)
+    label = "; ".join(part for part in (edge.label, name_cases(edge.new_cases)) if part)
     arrow = "-->" if edge.by_default else "-.->"
     return (
         f'{edge.source} {arrow}|"{_quote(label)}"| {edge.target}' if label else f"{edge.source} {arrow} {edge.target}"

@@ -141,4 +141,4 @@ def _write_program(page: Page, program: ProgramDoc, by_path: dict[str, LaunchDoc
         works = [each.case for each in doc.support if not each.missing] if doc else []
         bases = f", which works on {escape_cell(name_cases(works))}" if works else ""
         page.paragraph(f"Starts {page.link_to(path.rpartition('/')[2], f'launch {path}')}{bases}.")
-    write_trees(page, program.trees)
+    write_trees(page, program.trees, program.name, f"program {program.path}")

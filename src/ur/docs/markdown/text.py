@@ -7,6 +7,7 @@ import re
 from collections.abc import Sequence
 
 from ur.docs.links import map_links
+from ur.docs.model import Case, TreeDoc
 
 _REFERENCE = re.compile("\x00([^\x00]*)\x00")
 _SLUG = re.compile(r"[^\w\- ]")
@@ -23,6 +24,14 @@ class Page:
         self._lines: list[str] = []
         self._slugs: dict[str, int] = {}
         self._anchors: dict[str, str] = {}
+        self._trees: dict[tuple[tuple[tuple[Case, ...], int], ...], tuple[str, str]] = {}
+
+    def note_trees(self, trees: tuple[TreeDoc, ...], title: str, key: str) -> tuple[str, str] | None:
+        """Remember where trees are shown; title and key of the heading where they are already."""
+        identity = tuple((tree.cases, id(tree.root)) for tree in trees)
+        known = self._trees.get(identity)
+        self._trees.setdefault(identity, (title, key))
+        return known
 
     def heading(self, level: int, title: str, key: str = "") -> None:
         """A heading; links name it by its key."""

@@ -11,8 +11,12 @@ from ur.docs.vary import name_cases
 MAX_LINES = 400
 
 
-def write_trees(page: Page, trees: Sequence[TreeDoc]) -> None:
-    """What is started in which case."""
+def write_trees(page: Page, trees: Sequence[TreeDoc], title: str, key: str) -> None:
+    """What is started in which case; the second time that it would be the same, a link to the first."""
+    first = page.note_trees(tuple(trees), title, key)
+    if first is not None:
+        page.paragraph(f"What it starts stands at {page.link_to(*first)}.")
+        return
     for tree in trees:
         where = name_cases(tree.cases)
         page.paragraph(f"**On {where}**" if where else "**What it starts**")
