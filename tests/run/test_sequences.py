@@ -52,7 +52,7 @@ def end(world: Any, run: Any, how: str) -> None:
     elif how in ("kill host", "kill guard"):
         with suppress(psutil.Error):
             for child in psutil.Process(run.process.pid).children(recursive=True):
-                if child.name() == how.replace("kill ", "ur-"):
+                if how.replace("kill ", "ur-") in (child.name(), child.cmdline()[0]):
                     child.kill()
         if how == "kill guard":  # one of three does not matter
             run.process.send_signal(signal.SIGINT)

@@ -51,7 +51,7 @@ def start_inside(cgroup: Cgroup) -> int:
     pid = os.fork()
     if pid == 0:
         try:
-            cgroup.enter()
+            cgroup.take(os.getpid())
             for signum in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
                 signal.signal(signum, signal.SIG_IGN)
             if os.fork() == 0:

@@ -24,9 +24,12 @@ class Cgroup:
         """Take its folder."""
         self.path = path
 
-    def enter(self) -> None:
-        """Move this process into it; its children are born there. Nothing happens where that is not allowed."""
-        self._write("cgroup.procs", "0")
+    def take(self, pid: int) -> None:
+        """Move a process into it; its children are born there. Nothing happens where that is not allowed.
+
+        This may take tens of ms, in which nothing on this computer can fork: the kernel waits for all processors.
+        """
+        self._write("cgroup.procs", str(pid))
 
     def list_processes(self) -> list[int]:
         """The ids of the processes in it."""

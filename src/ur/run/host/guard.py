@@ -1,44 +1,43 @@
-"""The guard: the process above the host, which ends what is left when the host cannot any more."""
+"""The start of the guard, the process above the host: it forks the host, then turns into `guard.sh`."""
 
 from __future__ import annotations
 
 import os
 import signal
 
-from ur.run.host.cgroup import Cgroup, make_cgroup
-from ur.run.host.family import IGNORED, inherit_orphans, kill_descendants, name_process
+from ur.run.host.cgroup import make_cgroup
+from ur.run.host.family import IGNORED, inherit_orphans
 
-LIMIT = 3.0  # s that processes get to die of SIGKILL; one that does not hangs in the kernel
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import NoReturn
+
+SCRIPT = os.path.join(os.path.dirname(__file__), "guard.sh")  # noqa: PTH118, PTH120 - pathlib doubles the start-up time
+ALL_ENDED = b"ended\n"  # what guard.sh expects of a host that has left nothing behind
 
 
-def run_guarded(descriptor: int) -> None:
-    """Fork the process host, which serves the supervisor behind a socket; when it has ended, end what it left."""
-    inherit_orphans()
+def run_guarded(descriptor: int) -> NoReturn:
+    """Fork the process host, which serves the supervisor behind a socket, and guard it."""
+    inherit_orphans()  # which the shell that this turns into goes on to do
     cgroup = make_cgroup(os.getpid())
+    reader, writer = os.pipe2(os.O_CLOEXEC)
     host = os.fork()
     if host == 0:
-        if cgroup is not None:
-            cgroup.enter()
-        from ur.run.host.server import serve  # the guard needs none of it
-
-        serve(descriptor)
-        os._exit(0)
-    os.close(descriptor)
-    name_process(b"ur-guard")
+        _host(descriptor, writer)
+    if cgroup is not None:
+        cgroup.take(host)  # while it gets ready: this may take as long
     for signum in IGNORED:
         signal.signal(signum, signal.SIG_IGN)
-    _await_end(host)
-    _end_rest(cgroup)
+    os.close(descriptor)
+    os.dup2(reader, 0)
+    os.execv("/bin/sh", ["ur-guard", SCRIPT, "" if cgroup is None else cgroup.path])  # noqa: S606 - see above
 
 
-def _await_end(pid: int) -> None:
-    while os.waitpid(-1, 0)[0] != pid:
-        pass
+def _host(descriptor: int, writer: int) -> NoReturn:
+    from ur.run.host.server import serve  # the guard needs none of it
 
-
-def _end_rest(cgroup: Cgroup | None) -> None:
-    if cgroup is not None:
-        cgroup.kill()
-    kill_descendants(LIMIT)
-    if cgroup is not None:
-        cgroup.remove(LIMIT)
+    try:
+        serve(descriptor)
+        os.write(writer, ALL_ENDED)
+    finally:
+        os._exit(0)

@@ -5,7 +5,10 @@ from __future__ import annotations
 import errno
 import os
 import termios
-from typing import Any
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any
 
 RESET_TERMINAL = (
     b"\x1b[?1049l"  # leave the alternate screen

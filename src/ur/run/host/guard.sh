@@ -1,0 +1,43 @@
+#!/bin/sh
+# The guard of a run: guard.sh [CGROUP], with a pipe on standard input that the process host holds open.
+# It is the parent of the host and a subreaper, prctl(2): whatever the host leaves behind becomes its child.
+# A shell, because it does nothing but wait, and takes a twentieth of the memory of a Python that waits.
+
+list_children() { # those that are not just waiting to be reaped
+  for folder in /proc/[0-9]*; do
+    state=
+    while read -r key value _; do
+      case $key in
+        State:) state=$value ;;
+        PPid:)
+          [ "$value" != $$ ] || [ "$state" = Z ] || [ "$state" = X ] || echo "${folder#/proc/}"
+          break
+          ;;
+      esac
+    done <"$folder/status"
+  done 2>/dev/null
+}
+
+kill_children() { # one generation after the other: the children of who dies are ours next
+  rounds=100
+  while [ $rounds -gt 0 ]; do
+    killed=
+    for pid in $(list_children); do
+      kill -9 "$pid" && killed=yes # fails for the subshell that has listed them: it is gone
+    done 2>/dev/null
+    [ -n "$killed" ] || break
+    rounds=$((rounds - 1))
+  done
+}
+
+read -r word # "ended" when the host has ended everything; nothing when it was killed
+if [ "$word" != ended ]; then
+  [ -z "$1" ] || echo 1 >"$1/cgroup.kill"
+  kill_children
+fi
+tries=100
+while [ -n "$1" ] && [ $tries -gt 0 ] && ! rmdir "$1" 2>/dev/null; do # the host may be on its way out
+  sleep 0.01
+  tries=$((tries - 1))
+done
+exit 0
