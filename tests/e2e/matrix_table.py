@@ -91,7 +91,7 @@ def make_cell(
         base=base,
         lacks=lacks,
         arguments=tuple(row.get("arguments", ())),
-        topics=tuple(topic for group in wanted for topic in _topics(group["topics"], base)),
+        topics=tuple({topic.name: topic for group in wanted for topic in _topics(group["topics"], base)}.values()),
         root=row.get("root", "odom"),
         frames=tuple(dict.fromkeys(frames)),
         may_say=tuple(row.get("may_say", ())),

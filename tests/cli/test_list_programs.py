@@ -1,0 +1,46 @@
+"""`ur list`: programs, summaries, and what the selected base lacks."""
+
+from __future__ import annotations
+
+import socket
+from pathlib import Path
+
+import pytest
+
+from ur.cli.main import main
+
+
+@pytest.fixture(autouse=True)
+def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A home without a selection, and no master."""
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
+    with socket.socket() as probe:
+        probe.bind(("localhost", 0))
+        monkeypatch.setenv("ROS_MASTER_URI", f"http://localhost:{probe.getsockname()[1]}")
+    monkeypatch.delenv("UR_SELECTION", raising=False)
+    return tmp_path
+
+
+def find_line(text: str, name: str) -> str:
+    (line,) = (line for line in text.splitlines() if line.split()[0] == name)
+    return line
+
+
+def test_programs_are_listed_with_what_the_selected_base_lacks(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["use", "sim:botvac:botvac50"]) == 0
+    assert main(["list"]) == 0
+    text = capsys.readouterr().out
+    assert find_line(text, "raspicam_view").endswith("  [botvac:botvac50 has no raspicam]")
+    assert find_line(text, "rviz_sonar").endswith("  [botvac:botvac50 has no sonars]")
+    assert not find_line(text, "keyboard_drive").endswith("]")
+
+
+def test_base_that_is_not_known_is_said_and_the_list_comes_all_the_same(
+    home: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (home / "ubiquity_launches").mkdir()
+    (home / "ubiquity_launches" / "selection").write_text("sim:magnni\n", encoding="utf-8")
+    assert main(["list"]) == 0
+    captured = capsys.readouterr()
+    assert "base 'magnni' is not known" in captured.err
+    assert find_line(captured.out, "rviz_sonar")
