@@ -9,6 +9,7 @@ import gtsam
 import numpy as np
 
 from ur_nodes.rosio.pose import Pose2
+from ur_nodes.vision.belief import UNKNOWN_ERRORS, Belief, Errors, guess
 from ur_nodes.vision.fiducial_map import MapEntry
 from ur_nodes.vision.graph import (
     DEFAULT_NOISE,
@@ -23,7 +24,6 @@ from ur_nodes.vision.observation import Observation, Sighting, choose_sighting
 from ur_nodes.vision.rigid import Floats, from_planar, invert, to_planar
 from ur_nodes.vision.search import GATE, disagreement, find_robot
 
-_LOST = (0.5, 0.5, 0.5)  # standard deviations (m, m, rad) of a first guess
 _CONTRADICTIONS = 5  # pictures in a row in which several fiducials contradict: then the robot was moved by hand
 _LONE_CONTRADICTIONS = 30  # the same with one fiducial only: that may have been moved itself
 _PLACES = [3, 4, 2]  # x, y, heading among rotation and translation
@@ -33,6 +33,8 @@ _Used = tuple[MapEntry, Sighting]
 
 class Localiser:
     """A planar pose with its covariance: odometry moves it, pictures correct it (a small factor graph for each).
+
+    How odometry errs is learned on the way.
 
     A fiducial that contradicts the others, or contradicts alone what is believed, is overlooked. Where what is seen
     contradicts for long, or odometry has gone on for too long alone, the robot is lost: it has no place until what it
@@ -57,8 +59,8 @@ class Localiser:
         self._odometry: Pose2 | None = None
         self._contradictions = 0
         self._contradicting: set[int] = set()
-        self._pose: Pose2 | None = None
-        self.covariance: Floats = np.diag(np.square(_LOST))
+        self._errors = UNKNOWN_ERRORS
+        self._belief: Belief | None = None
         if start is not None:
             self.place(start)
 
@@ -69,66 +71,66 @@ class Localiser:
 
     @property
     def spread(self) -> float:
-        """The standard deviation of the place, m."""
-        return math.sqrt(float(self.covariance[0, 0] + self.covariance[1, 1]))
+        """The standard deviation of the place, m; infinite while it is not known."""
+        return self._belief.spread if self._belief else math.inf
+
+    @property
+    def covariance(self) -> Floats:
+        """Of x and y in the robot's frame and of its heading (3, 3), while its place is known."""
+        return self._belief.covariance if self._belief else np.full((3, 3), math.inf)
+
+    @property
+    def errors(self) -> Errors:
+        """What has been learned about the wheels."""
+        return self._belief.errors if self._belief else self._errors
 
     def place(self, pose: Pose2) -> None:
         """The robot is said to be somewhere, to half a metre and half a radian."""
         self.forget()
-        self._pose = pose
+        self._belief = guess(pose, self._errors)
 
     def forget(self) -> None:
         """Nobody knows where the robot is: what it sees next tells."""
-        self._pose = self._odometry = None
+        self._errors = self.errors
+        self._belief = self._odometry = None
         self._contradictions = 0
         self._contradicting.clear()
-        self.covariance = np.diag(np.square(_LOST))
 
     def robot(self, odometry: Pose2) -> Pose2 | None:
         """Where the robot is in the map, given what odometry says now; None while it is not known."""
-        if self._pose is None or self._odometry is None:
-            return self._pose
-        return self._pose.compose(self._odometry.inverse().compose(odometry))
+        if self._belief is None or self._odometry is None:
+            return self._belief.pose if self._belief else None
+        return self._belief.pose.compose(self._odometry.inverse().compose(odometry))
 
     def add(self, odometry: Pose2, observations: Iterable[Observation]) -> bool:
         """Take in what is seen at a moment. Returns whether a known fiducial was of use."""
         self._predict(odometry)
         seen = tuple(each for each in observations if each.id in self._known and each.sightings)
-        if self._pose is None:
-            self._pose = find_robot(self._known, seen)
-            if self._pose is None:
+        if self._belief is None:
+            place = find_robot(self._known, seen)
+            if place is None:
                 return False
-        if seen and self._correct(seen):
+            self._belief = guess(place, self._errors)
+        if seen and self._correct(self._belief, seen):
             return True
-        if self._pose is not None and self.spread > self._limit:
+        if self._belief is not None and self.spread > self._limit:
             self.forget()
         return False
 
     def _predict(self, odometry: Pose2) -> None:
-        if self._odometry is not None and self._pose is not None:
-            motion = self._odometry.inverse().compose(odometry)
-            shift, turn = self._noise.sigmas(motion)
-            way = math.hypot(motion.x, motion.y)
-            if way > 1e-4 or abs(motion.yaw) > 1e-4:
-                c, s = math.cos(motion.yaw), math.sin(motion.yaw)
-                # The adjoint of the inverse motion: errors before it, as seen after it.
-                carry = np.array(
-                    [[c, s, s * motion.x - c * motion.y], [-s, c, c * motion.x + s * motion.y], [0, 0, 1.0]]
-                )
-                self.covariance = carry @ self.covariance @ carry.T + np.diag(np.square([shift, shift, turn]))
-            self._pose = self._pose.compose(motion)
+        if self._odometry is not None and self._belief is not None:
+            self._belief = self._belief.predict(self._odometry.inverse().compose(odometry), self._noise)
         self._odometry = odometry
 
-    def _correct(self, seen: tuple[Observation, ...]) -> bool:
-        assert self._pose is not None
-        guess = from_planar(self._pose)
+    def _correct(self, belief: Belief, seen: tuple[Observation, ...]) -> bool:
+        here = from_planar(belief.pose)
         chosen = [
-            (self._known[each.id], choose_sighting(each, invert(guess) @ self._known[each.id].pose)) for each in seen
+            (self._known[each.id], choose_sighting(each, invert(here) @ self._known[each.id].pose)) for each in seen
         ]
         used = [(entry, sighting) for entry, sighting in chosen if sighting]
         if not used:
             return False
-        better, covariance = self._solve(guess, used)
+        better, covariance = _solve(belief, used)
         wrong = {entry.id for entry, sighting in used if disagreement(better, entry, sighting) > GATE}
         self._contradicting -= {entry.id for entry, _ in used}
         self._contradicting |= wrong
@@ -136,23 +138,10 @@ class Localiser:
             self._doubt()
             return False
         if wrong:
-            better, covariance = self._solve(guess, [each for each in used if each[0].id not in wrong])
+            better, covariance = _solve(belief, [each for each in used if each[0].id not in wrong])
         self._contradictions = 0
-        self._pose, self.covariance = to_planar(better), covariance
+        self._belief = belief.correct(to_planar(better), covariance)
         return True
-
-    def _solve(self, guess: Floats, used: Sequence[_Used]) -> tuple[Floats, Floats]:
-        """The pose (4, 4) that agrees best with belief and sightings, and its planar covariance (3, 3)."""
-        graph, values = gtsam.NonlinearFactorGraph(), gtsam.Values()
-        values.insert(robot_key(0), gtsam.Pose3(guess))
-        graph.push_back(planar_factor(0, guess, self.covariance))
-        for entry, sighting in used:
-            graph.push_back(known_factor(entry.id, entry.pose, entry.covariance))
-            values.insert(fiducial_key(entry.id), gtsam.Pose3(entry.pose))
-            graph.push_back(sighting_factor(0, entry.id, sighting))
-        solved = gtsam.LevenbergMarquardtOptimizer(graph, values).optimize()
-        marginal = np.asarray(gtsam.Marginals(graph, solved).marginalCovariance(robot_key(0)))
-        return np.asarray(solved.atPose3(robot_key(0)).matrix()), marginal[np.ix_(_PLACES, _PLACES)]
 
     def _doubt(self) -> None:
         """The picture is not believed; after several in a row the belief goes instead."""
@@ -162,3 +151,18 @@ class Localiser:
             odometry = self._odometry
             self.forget()
             self._odometry = odometry
+
+
+def _solve(belief: Belief, used: Sequence[_Used]) -> tuple[Floats, Floats]:
+    """The pose (4, 4) that agrees best with belief and sightings, and its planar covariance (3, 3)."""
+    here = from_planar(belief.pose)
+    graph, values = gtsam.NonlinearFactorGraph(), gtsam.Values()
+    values.insert(robot_key(0), gtsam.Pose3(here))
+    graph.push_back(planar_factor(0, here, belief.covariance))
+    for entry, sighting in used:
+        graph.push_back(known_factor(entry.id, entry.pose, entry.covariance))
+        values.insert(fiducial_key(entry.id), gtsam.Pose3(entry.pose))
+        graph.push_back(sighting_factor(0, entry.id, sighting))
+    solved = gtsam.LevenbergMarquardtOptimizer(graph, values).optimize()
+    marginal = np.asarray(gtsam.Marginals(graph, solved).marginalCovariance(robot_key(0)))
+    return np.asarray(solved.atPose3(robot_key(0)).matrix()), marginal[np.ix_(_PLACES, _PLACES)]

@@ -1,0 +1,88 @@
+"""What is known of a robot's place, and of how its odometry errs: together, since one tells the other."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ur_nodes.rosio.pose import Pose2
+from ur_nodes.vision.graph import OdometryNoise
+from ur_nodes.vision.rigid import Floats
+
+_VAGUE = np.diag(np.square([0.5, 0.5, 0.5]))  # m, m, rad: of a first guess
+_ERRORS = np.diag(np.square([0.02, 0.02, 0.02]))  # of a wheel base that nobody has calibrated
+
+
+@dataclass(frozen=True, slots=True)
+class Errors:
+    """What odometry makes wrong the same way all the time, to be added: m per m, rad per m, rad per rad (3,).
+
+    `covariance` (3, 3); `together` (3, 3) is the covariance of the place (rows) with them.
+    """
+
+    values: Floats
+    covariance: Floats
+    together: Floats
+
+
+UNKNOWN_ERRORS = Errors(np.zeros(3), _ERRORS, np.zeros((3, 3)))
+
+
+@dataclass(frozen=True, slots=True)
+class Belief:
+    """A planar pose and its covariance (3, 3): of x and y in the robot's frame, and of the heading."""
+
+    pose: Pose2
+    covariance: Floats
+    errors: Errors
+
+    @property
+    def spread(self) -> float:
+        """The standard deviation of the place, m."""
+        return math.sqrt(float(self.covariance[0, 0] + self.covariance[1, 1]))
+
+    def predict(self, said: Pose2, noise: OdometryNoise) -> Belief:
+        """After a motion of which odometry says that it was `said`."""
+        way = math.hypot(said.x, said.y)
+        if way < 1e-4 and abs(said.yaw) < 1e-4:
+            return replace(self, pose=self.pose.compose(said))
+        per_m, turn_per_m, turn_per_rad = self.errors.values
+        motion = Pose2(
+            float(said.x * (1.0 + per_m)),
+            said.y,
+            float(said.yaw * (1.0 + turn_per_rad) + turn_per_m * said.x),
+        )
+        c, s = math.cos(motion.yaw), math.sin(motion.yaw)
+        # The adjoint of the inverse motion: errors before it, as seen after it.
+        carry = np.array([[c, s, s * motion.x - c * motion.y], [-s, c, c * motion.x + s * motion.y], [0, 0, 1.0]])
+        effect = np.array([[said.x, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, said.x, said.yaw]])
+        shift, turn = noise.sigmas(motion)
+        together, errors = carry @ self.errors.together, self.errors.covariance
+        mixed = together @ effect.T
+        covariance = carry @ self.covariance @ carry.T + mixed + mixed.T + effect @ errors @ effect.T
+        return Belief(
+            self.pose.compose(motion),
+            covariance + np.diag(np.square([shift, shift, turn])),
+            replace(self.errors, together=together + effect @ errors),
+        )
+
+    def correct(self, pose: Pose2, covariance: Floats) -> Belief:
+        """After something else has told the pose: what that says about odometry's errors is kept.
+
+        Linear regression of the errors on the place, as a Kalman filter has it.
+        """
+        gain = np.linalg.solve(self.covariance, self.errors.together).T
+        off = self.pose.inverse().compose(pose)
+        errors = Errors(
+            self.errors.values + gain @ np.array([off.x, off.y, off.yaw]),
+            self.errors.covariance - gain @ (self.covariance - covariance) @ gain.T,
+            covariance @ gain.T,
+        )
+        return Belief(pose, covariance, errors)
+
+
+def guess(pose: Pose2, errors: Errors) -> Belief:
+    """The robot is said to be somewhere, to half a metre and half a radian; what is known of its wheels stays."""
+    return Belief(pose, _VAGUE, replace(errors, together=np.zeros((3, 3))))
