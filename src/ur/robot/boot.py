@@ -5,7 +5,9 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
+from ur.robot.robot_file import ROBOT_FILE
 from ur.robot.ssh.shell import quote
 
 PREFIX = "ubiquity-"
@@ -27,13 +29,37 @@ WorkingDirectory=~
 ExecStartPre=/bin/sh -c {wait}
 TimeoutStartSec=infinity
 ExecStart={start}
-KillSignal=SIGINT
+{after_start}KillSignal=SIGINT
 TimeoutStopSec=20
 Restart=always
 RestartSec={pause}
 
 [Install]
 WantedBy=multi-user.target
+"""
+
+# Python as ROS has it: PyYAML comes with rospkg. The master needs a moment until it answers.
+_TELL = """\
+import os, sys, time, xmlrpc.client, yaml
+try:
+    with open({path!r}) as file:
+        robot = yaml.safe_load(file)
+    facts = {{"/ur/base_name": str(robot["base"]), "/ur/variant": str(robot.get("variant") or "")}}
+except FileNotFoundError:
+    sys.exit()
+except (OSError, yaml.YAMLError, KeyError, TypeError, AttributeError) as problem:
+    sys.exit({path!r} + ": " + str(problem))
+master = xmlrpc.client.ServerProxy(os.environ.get("ROS_MASTER_URI", "http://localhost:11311"))
+end = time.monotonic() + 60.0
+while True:
+    try:
+        for name, value in facts.items():
+            master.setParam("/ur", name, value)
+        break
+    except OSError as problem:
+        if time.monotonic() > end:
+            sys.exit("no ROS master to tell the base to: " + str(problem))
+        time.sleep(0.2)
 """
 
 
@@ -51,8 +77,13 @@ class Unit:
 
 
 def master_unit(user: str) -> Unit:
-    """The unit that keeps a ROS master up."""
-    return _unit(MASTER, ["roscore"], user, pause=2)
+    """The unit that keeps a ROS master up, and tells it what base the robot is."""
+    return _unit(MASTER, ["roscore"], user, pause=2, then=["/usr/bin/python3", "-c", tell_base_script()])
+
+
+def tell_base_script(path: Path = ROBOT_FILE) -> str:
+    """Python that sets `/ur/base_name` and `/ur/variant` of the master from a robot file, where there is one."""
+    return _TELL.format(path=str(path))
 
 
 def program_unit(name: str, words: Sequence[str], user: str) -> Unit:
@@ -65,9 +96,11 @@ def is_unit_name(text: str) -> bool:
     return text != MASTER and re.fullmatch(r"[a-z0-9][a-z0-9_-]{0,50}", text) is not None
 
 
-def _unit(name: str, words: Sequence[str], user: str, *, pause: int, master: str = "") -> Unit:
+def _unit(
+    name: str, words: Sequence[str], user: str, *, pause: int, master: str = "", then: Sequence[str] = ()
+) -> Unit:
     # A login shell, so that the environment is the one that the user has, too.
-    start = f"/bin/bash -lc {_quote(f'exec {quote(*words)}')}"
+    start, after_start = (f"/bin/bash -lc {_quote(f'exec {quote(*each)}')}" for each in (words, then))
     text = _UNIT.format(
         description=f"ROS on this robot: {name}",
         after=f" {master}" if master else "",
@@ -75,6 +108,7 @@ def _unit(name: str, words: Sequence[str], user: str, *, pause: int, master: str
         user=user,
         wait=_quote(_WAIT),
         start=start,
+        after_start=f"ExecStartPost=-{after_start}\n" if then else "",
         pause=pause,
     )
     return Unit(f"{PREFIX}{name}", text)
