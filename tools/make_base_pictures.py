@@ -43,7 +43,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("output", nargs="?", type=Path, default=ROOT / "docs" / "images" / "bases")
     parser.add_argument("--only", metavar="NAME", help="only this one: stage, magni.lidar, ...")
-    parser.add_argument("--size", default="480x360", help="in pixels")
+    parser.add_argument("--size", default=(480, 360), type=read_size, metavar="480x360", help="in pixels")
     given = parser.parse_args()
     for program in ("Xvfb", "rviz", "rosmaster"):
         if not shutil.which(program):
@@ -54,7 +54,7 @@ def main() -> int:
         print(f"error: {given.only} is not known, expected one of {', '.join(list_looks())}")
         return 2
     given.output.mkdir(parents=True, exist_ok=True)
-    width, height = (int(word) for word in given.size.split("x"))
+    width, height = given.size
     with tempfile.TemporaryDirectory(prefix="base_pictures_") as folder, ExitStack() as stack:
         env = stack.enter_context(start_screen(Path(folder), width, height))
         for name in names:
@@ -64,6 +64,14 @@ def main() -> int:
             picture.quantize(64, dither=Image.Dither.NONE).save(path, optimize=True)
             print(f"{path}: {path.stat().st_size / 1000:.0f} kB")
     return 0
+
+
+def read_size(text: str) -> tuple[int, int]:
+    """`480x360`. Raises ArgumentTypeError."""
+    width, _, height = text.partition("x")
+    if not (width.isdecimal() and height.isdecimal()):
+        raise argparse.ArgumentTypeError(f"{text!r}, expected WIDTHxHEIGHT, as 480x360")
+    return int(width), int(height)
 
 
 def list_looks() -> dict[str, Base]:
