@@ -49,6 +49,7 @@ def command(
     from ur.check.computer import make_world
     from ur.check.render_text import render_rule_page
     from ur.check.run import check_paths
+    from ur.cli.environment import know_own_package
 
     if explain is not None:
         click.echo(render_rule_page(find_rule(explain)), nl=False)
@@ -56,7 +57,7 @@ def command(
     chosen = choose_rules(_words(select), _words(ignore))
     arguments = dict(word.split(":=", 1) for word in paths if ":=" in word)
     words = [word for word in paths if ":=" not in word] or ["."]
-    report = check_paths(words, make_world(words, os.environ), chosen, arguments)
+    report = check_paths(words, make_world(words, know_own_package(os.environ)), chosen, arguments)
     if fix:
         from ur.check.fix import plan_repairs
         from ur.cli.replace_file import replace_file
@@ -66,7 +67,7 @@ def command(
             replace_file(repair.path, repair.text, "repaired")
         repaired = sum(len(repair.findings) for repair in repairs)
         click.echo(f"repaired {repaired} finding{'' if repaired == 1 else 's'} in {len(repairs)} files", err=True)
-        report = check_paths(words, make_world(words, os.environ), chosen, arguments)
+        report = check_paths(words, make_world(words, know_own_package(os.environ)), chosen, arguments)
     _show(report, form)
     return 1 if report.errors or (strict and report.findings) else 0
 

@@ -44,6 +44,12 @@ def environment_changes(
     return wanted
 
 
+def know_own_package(environment: Mapping[str, str], *, package: Path = PACKAGE) -> dict[str, str]:
+    """An environment in which our launch package is found, whether a shell was set up for it or not."""
+    found = _in_front(str(package), environment.get("ROS_PACKAGE_PATH", ""), "/usr/share")
+    return {**environment, "ROS_PACKAGE_PATH": found}
+
+
 def apply_selection(selection: Selection) -> None:
     """Make this process, and what it starts, follow the selection."""
     os.environ.update(environment_changes(selection, os.environ))

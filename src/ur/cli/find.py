@@ -31,12 +31,16 @@ def command(name: str, paths: tuple[str, ...], kinds: tuple[str, ...], as_json: 
     Exit code: 0 when something is found, 1 when nothing is.
     """
     from ur.check.computer import make_world
+    from ur.cli.environment import know_own_package
     from ur.find.model import KINDS
     from ur.find.search import find_name
 
     words = list(paths) or ["."]
     found = find_name(
-        name, words, make_world(words, os.environ), [kind for kind in KINDS if not kinds or kind in kinds]
+        name,
+        words,
+        make_world(words, know_own_package(os.environ)),
+        [kind for kind in KINDS if not kinds or kind in kinds],
     )
     if as_json:
         import json

@@ -33,13 +33,14 @@ def command(paths: tuple[str, ...], check: bool, diff: bool) -> int:
     from ur.check.collect import collect_targets
     from ur.check.computer import make_world
     from ur.check.worlds import CachedWorld
+    from ur.cli.environment import know_own_package
     from ur.cli.replace_file import replace_file
     from ur.format.run import format_file
     from ur.source.diagnostic import UserError
     from ur.source.render import render_human
 
     words = list(paths) or ["."]
-    world = CachedWorld(make_world(words, os.environ))
+    world = CachedWorld(make_world(words, know_own_package(os.environ)))
     targets = collect_targets(words, world)
     changed = broken = 0
     for path in targets.launch_files:
@@ -63,11 +64,12 @@ def command(paths: tuple[str, ...], check: bool, diff: bool) -> int:
 
 def _format_input() -> int:
     from ur.check.computer import make_world
+    from ur.cli.environment import know_own_package
     from ur.format.run import format_file
 
     data = sys.stdin.buffer.read()
     path = str(Path.cwd() / "<standard input>")
-    click.echo(format_file(path, data, make_world(["."], os.environ)).text, nl=False)
+    click.echo(format_file(path, data, make_world(["."], know_own_package(os.environ))).text, nl=False)
     return 0
 
 

@@ -23,6 +23,7 @@ KINDS: dict[str, tuple[str, ...]] = {
     "launch": ("launch",),
     "logs": ("node",),
     "mount": ("robot",),
+    "new": ("new command",),
     "restart": ("node",),
     "robot": ("robot command", "robot", "..."),
     "run": ("program", "program arguments"),

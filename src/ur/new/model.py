@@ -1,0 +1,90 @@
+"""What is asked for, and what is written."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+
+@dataclass(frozen=True, slots=True)
+class NewFile:
+    """A file to write; `path` is relative to the package."""
+
+    path: str
+    text: str | bytes
+    executable: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Argument:
+    """An `<arg>`: required when it has neither a default nor a value."""
+
+    name: str
+    doc: str
+    default: str | None = None
+    value: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Topic:
+    """A topic of a node: its name as the node writes it, its message type if known, and whether the node publishes."""
+
+    name: str
+    message: str = ""
+    published: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Observed:
+    """What a running node showed: `services` beside those that every node offers, `parameters` by name below the node.
+
+    A parameter that the node asked for and nobody has set is None.
+    """
+
+    topics: tuple[Topic, ...] = ()
+    services: tuple[str, ...] = ()
+    parameters: Mapping[str, object] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class NodeRequest:
+    """A launch directory `n_<name>` for one node. `per_base`: its parameters are a file for each of `bases`."""
+
+    name: str
+    package: str
+    type: str
+    summary: str
+    overview: str = ""
+    observed: Observed = field(default_factory=Observed)
+    per_base: bool = False
+    bases: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """A launch file that another includes: how `$(find)` names it, and its arguments by name.
+
+    `arguments` holds their defaults, None for required ones; `docs` what is said about them.
+    """
+
+    file: str
+    arguments: Mapping[str, str | None]
+    docs: Mapping[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class BaseRequest:
+    """A new base: lengths in m, mass in kg, speeds in m/s and rad/s."""
+
+    name: str
+    summary: str
+    length: float
+    width: float
+    height: float
+    mass: float
+    wheel_radius: float
+    wheel_separation: float
+    velocity: float
+    angular_velocity: float
+    lidar: bool = False
+    raspicam: bool = False
