@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 import os
 import re
@@ -70,7 +71,8 @@ class Watch:
         place.x = x - math.cos(turn) * odom_x + math.sin(turn) * odom_y
         place.y = y - math.sin(turn) * odom_x - math.cos(turn) * odom_y
         rotation.z, rotation.w = math.sin(turn / 2.0), math.cos(turn / 2.0)
-        self._tf.publish(TFMessage([link]))
+        with contextlib.suppress(rospy.ROSException):  # closed: it is the end
+            self._tf.publish(TFMessage([link]))
 
     def _on_active(self, message: Any) -> None:
         self.active = message.data
@@ -134,7 +136,9 @@ class Robot:
             self._own = [f"_base:={base}", f"_variant:={variant}", f"_package:={package}"]
             simulator = str(PACKAGE / "n_simulator" / "bin" / "simulator")
             world = PACKAGE / "n_simulator" / "worlds" / f"{_WORLD}.yaml"
-            self._run(simulator, "__name:=simulator", f"_seed:={seed}", f"_world_file:={world}", *self._own)
+            self._simulator = self._run(
+                simulator, "__name:=simulator", f"_seed:={seed}", f"_world_file:={world}", *self._own
+            )
             map_file = PACKAGE / "n_map_server" / "maps" / f"{_WORLD}.yaml"
             self.nursery.bear(MAP, str(map_file), "__name:=map_server")
             self.watch = Watch()
@@ -176,8 +180,14 @@ class Robot:
         wait_for(lambda: self.watch.active == "idle", f"the mux; it wrote {self.folder / 'nodes.log'}")
         return self.mux
 
-    def _run(self, *command: str) -> None:
-        self._running.append(subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=self._log, stderr=self._log))
+    def waited(self, *, mux: bool) -> float:
+        """How long simulator and `mux` have waited for a processor since they started, all threads together, s."""
+        return _waited(self._simulator) + (_waited(self.mux.pid) if mux else 0.0)
+
+    def _run(self, *command: str) -> int:
+        process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=self._log, stderr=self._log)
+        self._running.append(process)
+        return process.pid
 
     def close(self) -> None:
         """End everything."""
@@ -219,6 +229,15 @@ def _static_transform(base: Any) -> Any:
     place.x, place.y, place.z = x, y, z
     rotation.z, rotation.w = math.sin(yaw / 2.0), math.cos(yaw / 2.0)
     return TFMessage([link])
+
+
+def _waited(pid: int) -> float:
+    """Time on the run queue, by the kernel's schedstat (Documentation/scheduler/sched-stats.rst); 0 once it is dead."""
+    total = 0
+    for path in Path(f"/proc/{pid}/task").glob("*/schedstat"):
+        with contextlib.suppress(OSError):
+            total += int(path.read_text().split()[1])
+    return total / 1e9
 
 
 def _pose_of(message: Any) -> tuple[float, float, float]:

@@ -8,10 +8,11 @@ import json
 import random
 import signal
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from typing import TextIO
 
+from bench.stop_parts.nursery import Child
 from bench.stop_parts.people import Joystick, Keyboard, Navigation, wait_for
 from bench.stop_parts.robot import Robot
 
@@ -22,82 +23,112 @@ _GOAL = (8.0, 0.3)  # m: straight ahead, with nothing between
 _FULL = 0.9  # of the speed that is commanded: the mux lets a command's age cost some of it
 _REST = 0.25  # s that it has to have stood
 _LONGEST = 5.0  # s: a robot that still moves then will not stop
+_ATTEMPTS = 5  # of a trial, on a computer that is busy
+BUSY = 0.1  # s that mux and base together may wait for a processor, of the half second that a trial's end takes
 
 
 @dataclass(frozen=True, slots=True)
 class Trial:
-    """One trial: the stop time in s, and the worst delay of a clock in this process meanwhile."""
+    """One trial: the stop time, and how long mux and base waited for a processor meanwhile, in s.
+
+    One that is `repeated` does not count: the computer was too busy with other things.
+    """
 
     base: str
     cause: str
     seconds: float
-    late: float
+    waited: float
+    repeated: bool
 
 
 def run_trials(robot: Robot, causes: Iterable[str], trials: int, seed: int, answers: TextIO) -> None:
     """Run them, causes by turns, and write each as a line of JSON."""
-    chance, numbers = random.Random(seed), itertools.count()
-    limits = robot.base.limits
-    navigation: Navigation | None = None
+    crew = _Crew(robot, random.Random(seed))
     for trial in range(trials):
         for cause in causes:
-            if cause == "navigation":
-                navigation = navigation or Navigation(robot.nursery)
-                seconds, late = _lose_navigation(robot, navigation, trial, chance)
-                navigation = Navigation(robot.nursery)  # it starts while others are tried
-            else:
-                person: Keyboard | Joystick
-                if trial % 2:
-                    person = Keyboard(robot.nursery, limits.velocity, limits.angular_velocity)
-                else:
-                    person = Joystick(robot.nursery, robot.folder / f"js{next(numbers)}")
-                with contextlib.closing(person):
-                    direction = _DIRECTIONS[trial // 2 % len(_DIRECTIONS)]
-                    seconds, late = _lose_person(robot, cause, person, direction, chance)
-                if cause == "mux":
-                    robot.start_mux()
-            answers.write(json.dumps(asdict(Trial(robot.name, cause, round(seconds, 4), round(late, 4)))) + "\n")
-            answers.flush()
+            for attempt in range(_ATTEMPTS):
+                seconds, waited = crew.lose(cause, trial)
+                repeated = waited > BUSY and attempt + 1 < _ATTEMPTS
+                told = Trial(robot.name, cause, round(seconds, 4), round(waited, 4), repeated)
+                answers.write(json.dumps(asdict(told)) + "\n")
+                answers.flush()
+                if not repeated:
+                    break
 
 
-def _lose_person(
-    robot: Robot, cause: str, person: Keyboard | Joystick, direction: tuple[int, int], chance: random.Random
-) -> tuple[float, float]:
-    robot.watch.place(*_OPEN, 0.0)
-    person.drive(*direction)
-    limits = robot.base.limits
-    _wait_for_speed(robot, direction[0] * limits.velocity, direction[1] * limits.angular_velocity)
-    with _lateness() as late:
-        time.sleep(chance.uniform(0.15, 0.35))
-        if cause == "mux":
-            robot.mux.signal(signal.SIGKILL)
-            lost = robot.mux
+class _Crew:
+    """Those who drive a robot, and its mux."""
+
+    def __init__(self, robot: Robot, chance: random.Random) -> None:
+        self._robot = robot
+        self._chance = chance
+        self._numbers = itertools.count()
+        self._navigation: Navigation | None = None
+
+    def lose(self, cause: str, trial: int) -> tuple[float, float]:
+        """One trial: the stop time, and how long mux and base waited for a processor."""
+        robot, limits = self._robot, self._robot.base.limits
+        if cause == "navigation":
+            return self._lose_navigation(trial)
+        person: Keyboard | Joystick
+        if trial % 2:
+            person = Keyboard(robot.nursery, limits.velocity, limits.angular_velocity)
         else:
-            for child in person.viewer if cause != "teleop" else (person.teleop,):
-                child.signal(signal.SIGSTOP if cause == "network" else signal.SIGKILL)
-            lost = person.teleop
-        stands = _wait_until_it_stands(robot, time.time())
-    return stands - lost.last_sent(), late[0]
+            person = Joystick(robot.nursery, robot.folder / f"js{next(self._numbers)}")
+        with contextlib.closing(person):
+            result = self._lose_person(cause, person, _DIRECTIONS[trial // 2 % len(_DIRECTIONS)])
+        if cause == "mux":
+            robot.start_mux()
+        return result
 
+    def _lose_person(self, cause: str, person: Keyboard | Joystick, direction: tuple[int, int]) -> tuple[float, float]:
+        robot, limits = self._robot, self._robot.base.limits
+        robot.watch.place(*_OPEN, 0.0)
+        person.drive(*direction)
+        _wait_for_speed(robot, direction[0] * limits.velocity, direction[1] * limits.angular_velocity)
+        time.sleep(self._chance.uniform(0.15, 0.35))
+        if cause == "mux":
+            return self._watch_the_end(robot.mux, (robot.mux,), signal.SIGKILL)
+        children = (person.teleop,) if cause == "teleop" else person.viewer
+        return self._watch_the_end(person.teleop, children, signal.SIGSTOP if cause == "network" else signal.SIGKILL)
 
-def _lose_navigation(robot: Robot, navigation: Navigation, trial: int, chance: random.Random) -> tuple[float, float]:
-    robot.watch.place(_OPEN[0], _OPEN[1], (0.0, 0.5, -0.5)[trial % 3])
-    velocity, asked = robot.base.limits.velocity, 0.0
+    def _lose_navigation(self, trial: int) -> tuple[float, float]:
+        robot = self._robot
+        for _ in range(_ATTEMPTS):
+            navigation = self._navigation or Navigation(robot.nursery)
+            self._navigation = None
+            robot.watch.place(_OPEN[0], _OPEN[1], (0.0, 0.5, -0.5)[trial % 3])
+            fast = self._goes_fast(navigation)
+            if not fast:  # it may have given up on a computer that was too busy
+                navigation.close()
+                continue
+            time.sleep(self._chance.uniform(0.0, 0.4))
+            result = self._watch_the_end(navigation.teleop, (navigation.teleop,), signal.SIGKILL)
+            self._navigation = Navigation(robot.nursery)  # it starts while others are tried
+            return result
+        raise SystemExit(f"bench/stop: navigation of {robot.name} does not drive; see {robot.folder / 'nodes.log'}")
 
-    def fast() -> bool:
-        nonlocal asked
-        speed = abs(robot.watch.now[1])
-        if speed < 0.02 and time.monotonic() - asked > 2.0:  # it may not have had map and frames the first time
-            navigation.drive(*_GOAL)
-            asked = time.monotonic()
-        return speed >= _FULL * velocity
+    def _goes_fast(self, navigation: Navigation) -> bool:
+        """Whether it drove at full speed within a time."""
+        velocity, asked, end = self._robot.base.limits.velocity, 0.0, time.monotonic() + 30.0
+        while time.monotonic() < end:
+            speed = abs(self._robot.watch.now[1])
+            if speed >= _FULL * velocity:
+                return True
+            if speed < 0.02 and time.monotonic() - asked > 2.0:  # it may not have had map and frames the first time
+                navigation.drive(*_GOAL)
+                asked = time.monotonic()
+            time.sleep(0.005)
+        return False
 
-    wait_for(fast, f"navigation of {robot.name} to drive at full speed; it wrote {robot.folder / 'nodes.log'}")
-    with _lateness() as late:
-        time.sleep(chance.uniform(0.0, 0.4))
-        navigation.close()
-        stands = _wait_until_it_stands(robot, time.time())
-    return stands - navigation.teleop.last_sent(), late[0]
+    def _watch_the_end(self, lost: Child, children: Iterable[Child], number: int) -> tuple[float, float]:
+        """Take away, and wait until the robot stands."""
+        lives = lost is not self._robot.mux
+        before = self._robot.waited(mux=lives)
+        for child in children:
+            child.signal(number)
+        stands = _wait_until_it_stands(self._robot, time.time())
+        return stands - lost.last_sent(), self._robot.waited(mux=lives) - before
 
 
 def _wait_for_speed(robot: Robot, ahead: float, turn: float) -> None:
@@ -117,27 +148,3 @@ def _wait_until_it_stands(robot: Robot, lost_at: float) -> float:
             return since
         time.sleep(0.02)
     return now
-
-
-@contextlib.contextmanager
-def _lateness() -> Iterator[list[float]]:
-    """How late a clock of 100 Hz in this process is at worst, s: what the computer's other load costs."""
-    import threading
-
-    worst, ended = [0.0], threading.Event()
-
-    def look() -> None:
-        due = time.monotonic()
-        while not ended.is_set():
-            due += 0.01
-            time.sleep(max(0.0, due - time.monotonic()))
-            worst[0] = max(worst[0], time.monotonic() - due)
-            due = max(due, time.monotonic() - 0.01)
-
-    thread = threading.Thread(target=look, daemon=True)
-    thread.start()
-    try:
-        yield worst
-    finally:
-        ended.set()
-        thread.join()
