@@ -16,6 +16,7 @@ PYTHON = Looked(Target("/a", "python", "/usr/bin/python3"), "/x/a", 12, "/usr/bi
 MODULE = Looked(Target("/a", "module"), "/x/a", 12, "/venv/bin/python3")
 ADDRESS = "/tmp/d/join"
 WAIT = ("/p", "/pane.py", "--wait", ADDRESS, "/a")
+ATTACH = ("/p", "/pane.py", "--attach", "12")
 JOIN = ("/p", "/pane.py", "--join", ADDRESS, "/a")
 
 
@@ -26,10 +27,10 @@ def look(looked: Looked, around: Surroundings) -> tuple[Way, ...]:
 
 
 @pytest.mark.parametrize(("around", "command", "here"), [
-    (HERE, ("gdb", "-q", "-p", "12"), True),
-    (replace(HERE, may_attach=False), ("sudo", "gdb", "-q", "-p", "12"), True),
-    (TMUX, ("tmux", "split-window", "-h", "gdb", "-q", "-p", "12"), False),
-    (DISPLAY, ("xterm", "-T", "/a", "-e", "gdb", "-q", "-p", "12"), False),
+    (HERE, (*ATTACH, "gdb", "-q", "-p", "12"), True),
+    (replace(HERE, may_attach=False), (*ATTACH, "sudo", "gdb", "-q", "-p", "12"), True),
+    (TMUX, ("tmux", "split-window", "-h", *ATTACH, "gdb", "-q", "-p", "12"), False),
+    (DISPLAY, ("xterm", "-T", "/a", "-e", *ATTACH, "gdb", "-q", "-p", "12"), False),
 ])  # fmt: skip
 def test_gdb_takes_a_program_that_runs(around: Surroundings, command: tuple[str, ...], here: bool) -> None:
     (way,) = look(BINARY, around)
@@ -38,7 +39,7 @@ def test_gdb_takes_a_program_that_runs(around: Surroundings, command: tuple[str,
 
 def test_script_that_became_a_program_is_taken_by_gdb() -> None:
     (way,) = look(Looked(Target("/a", "script"), "/x/a", 12, "/x/real"), HERE)
-    assert way.command == ("gdb", "-q", "-p", "12")
+    assert way.command == (*ATTACH, "gdb", "-q", "-p", "12")
 
 
 @pytest.mark.parametrize(("looked", "tool"), [

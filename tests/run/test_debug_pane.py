@@ -10,6 +10,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -38,7 +39,7 @@ def tmux(tmp_path: Path) -> Iterator[Tmux]:
     made("kill-server")
 
 
-def until(condition: Callable[[], object], what: Callable[[], str], limit: float = 20.0) -> None:
+def until(condition: Callable[[], object], what: Callable[[], str], limit: float = 60.0) -> None:
     end = time.monotonic() + limit
     while not condition():
         assert time.monotonic() < end, what()
@@ -73,3 +74,43 @@ def test_closed_pane_ends_the_program(tmux: Tmux, tmp_path: Path) -> None:
     tmux("kill-pane", "-t", ":.1")
     until(code.exists, lambda: "it still runs")
     assert code.read_text().strip() == str(128 + 1)
+
+
+def test_program_joins_the_terminal_that_waits_for_it(tmux: Tmux, tmp_path: Path) -> None:
+    address = f"{tmp_path}/made/join"
+    waiting = shlex.join([sys.executable, debug_pane.__file__, "--wait", address, "/a"])
+    tmux("new-session", "-d", "-x", "120", "-y", "30", f"{waiting}; exec cat")
+    until(lambda: "waiting until /a" in tmux("capture-pane", "-p"), lambda: tmux("capture-pane", "-p"), 60.0)
+    words = [sys.executable, debug_pane.__file__, "--join", address, "/a", "bash", "-c"]
+    process = subprocess.Popen([*words, "test -t 0 && echo joined $TERM; read word; exit ${#word}"])
+    try:
+        until(lambda: "joined" in tmux("capture-pane", "-p"), lambda: tmux("capture-pane", "-p"), 60.0)
+        assert "joined screen" in tmux("capture-pane", "-p") or "joined tmux" in tmux("capture-pane", "-p")
+        tmux("send-keys", "hello", "Enter")
+        assert process.wait(60) == 5
+    finally:
+        process.kill()
+        process.wait()
+    assert not Path(address).parent.exists()
+
+
+def test_nobody_to_join_is_an_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: Any) -> None:
+    monkeypatch.setattr(debug_pane, "PATIENCE", 0.0)
+    assert debug_pane.main(["--join", f"{tmp_path}/none", "/a", "true"]) == 1
+    assert "nobody waits to debug it" in capfd.readouterr().err
+
+
+@pytest.mark.skipif(shutil.which("gdb") is None, reason="gdb is not installed")
+def test_process_that_is_killed_while_gdb_holds_it_ends_gdb(tmux: Tmux) -> None:
+    held = subprocess.Popen(["sleep", "600"])
+    try:
+        words = [sys.executable, debug_pane.__file__, "--attach", str(held.pid)]
+        tmux("new-session", "-d", "-x", "120", "-y", "30",
+             shlex.join([*words, "gdb", "-q", "-nx", "-p", str(held.pid)]) + "; echo ended; exec cat")  # fmt: skip
+        until(lambda: "(gdb)" in tmux("capture-pane", "-p"), lambda: tmux("capture-pane", "-p"), 60.0)
+        held.kill()
+        until(lambda: "ended" in tmux("capture-pane", "-p"), lambda: tmux("capture-pane", "-p"), 60.0)
+        assert held.wait(60) == -9
+    finally:
+        held.kill()
+        held.wait()

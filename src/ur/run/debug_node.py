@@ -73,7 +73,9 @@ def plan_looking(looked: Looked, around: Surroundings, address: str) -> Ways | s
         return Ways((way,), "what it knows now is lost" if running else "")
     if running:
         root = () if around.may_attach else ("sudo",)
-        return Ways((_open("g", "gdb", (*root, "gdb", "-q", "-p", str(looked.pid)), name, around),))
+        pane = (around.python, around.pane_program)
+        words = (*pane, "--attach", str(looked.pid), *root, "gdb", "-q", "-p", str(looked.pid))
+        return Ways((_open("g", "gdb", words, name, around),))
     ways = [_open("c", "look at its core file: where it crashed", looked.core, name, around)] if looked.core else []
     ways.append(_start_again(looked, "g", "start it again in gdb", gdb_words(looked.target), around, address))
     return Ways(tuple(ways), looked.no_core)

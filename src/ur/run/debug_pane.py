@@ -3,6 +3,7 @@
     debug_pane.py NAME PROGRAM [ARG ...]                  opens a tmux pane for it
     debug_pane.py --wait ADDRESS NAME                     gives this terminal to the program that joins
     debug_pane.py --join ADDRESS NAME PROGRAM [ARG ...]   is that program; ADDRESS is a Unix socket
+    debug_pane.py --attach PID DEBUGGER [ARG ...]         runs a debugger for as long as the process may be looked into
 
 A pane's own processes belong to the tmux server. Here the pane, the window or the terminal holds only a relay; the
 program has a pseudo terminal of its own, whose other end the relay is given. Uses the standard library only: it is
@@ -30,7 +31,8 @@ from collections.abc import Mapping
 
 PATIENCE = 10.0  # s for the pane to open
 START_PATIENCE = 60.0  # s for a node to stop and to start again
-RELAY, WAIT, JOIN = "--relay", "--wait", "--join"
+LOOK_PERIOD = 0.3  # s
+RELAY, WAIT, JOIN, ATTACH = "--relay", "--wait", "--join", "--attach"
 _PR_SET_PDEATHSIG = 1  # linux/prctl.h
 _RESET = b"\x1b[?1049l\x1b[?1000l\x1b[?1002l\x1b[?1006l\x1b[0m\x1b[?25h"  # what a program that was killed left
 
@@ -43,6 +45,8 @@ def main(words: list[str]) -> int:
         return wait_for(words[1], words[2])
     if words[0] == JOIN:
         return join(words[1], words[2], words[3:])
+    if words[0] == ATTACH:
+        return attach(int(words[1]), words[2:])
     return run_in_pane(words[0], words[1:])
 
 
@@ -106,6 +110,42 @@ def wait_for(address: str, name: str) -> int:
                 os.rmdir(folder)  # noqa: PTH106 - likewise
     link.settimeout(None)
     return _relay_on(link)
+
+
+def attach(pid: int, words: list[str]) -> int:
+    """Run a debugger on a process that belongs to somebody else, and end it when the process is killed.
+
+    A process that is killed while a debugger holds it stays until the debugger looks: its run would wait for it.
+    """
+    for signum in (signal.SIGINT, signal.SIGQUIT):
+        signal.signal(signum, lambda *_: None)  # meant for the debugger, which is in our process group
+    before = termios.tcgetattr(0) if os.isatty(0) else None
+    try:
+        process = subprocess.Popen(words)
+    except OSError as problem:
+        sys.stderr.write(f"error: {words[0]}: {(problem.strerror or '').lower()}\n")
+        return 127
+    dead = 0
+    while dead < 2:
+        try:
+            return process.wait(LOOK_PERIOD)
+        except subprocess.TimeoutExpired:  # noqa: PERF203 - a look every third of a second
+            dead = dead + 1 if _is_zombie(pid) else 0
+    with contextlib.suppress(OSError):  # of somebody else: sudo
+        process.kill()
+        process.wait()
+    if before is not None:
+        termios.tcsetattr(0, termios.TCSADRAIN, before)
+    sys.stderr.write("\nthe process was killed\n")
+    return 0
+
+
+def _is_zombie(pid: int) -> bool:
+    try:
+        with open(f"/proc/{pid}/stat", "rb") as file:  # noqa: PTH123 - what pathlib would do, without its import
+            return file.read().rpartition(b")")[2].split()[0] == b"Z"
+    except OSError:
+        return False
 
 
 def relay(address: str) -> int:
