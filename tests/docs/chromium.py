@@ -132,9 +132,7 @@ class Chromium:
 
     def resize(self, width: int, height: int, *, phone: bool = False) -> None:
         """The size of the page in CSS pixels."""
-        self.ask(
-            "Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=phone
-        )
+        self.ask("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=phone)
 
     def prefer(self, scheme: str) -> None:
         """Light or dark, as the computer would be set."""

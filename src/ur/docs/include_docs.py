@@ -62,5 +62,5 @@ def _list_passed(element: Element) -> list[tuple[str, str]]:
         if inner.name == "arg"
     ]
     if element.attributes.get("pass_all_args", "").strip().lower() in ("true", "1"):
-        passed.insert(0, ("(all)", "pass_all_args"))
+        passed.insert(0, ("pass_all_args", ""))
     return passed

@@ -106,7 +106,9 @@ class LaunchDescriber:
             for each in outline.includes
         )
         needs = find_needs(view)
-        support, problems = describe_support(outcomes, needs, self.bases, words)
+        support, problems = describe_support(
+            outcomes, needs, self.bases, words, takes_variant="robot_variant" in view.declared
+        )
         unreadable = list_unreadable(view.tree.diagnostics, view.path, words)
         trees = self.trees.make_trees(view.path, outcomes, words)
         path = self.show_path(view.path)
@@ -157,7 +159,7 @@ def _directory_of(path: str) -> str:
 
 def _summarise(nodes: tuple[NodeDoc, ...], includes: tuple[IncludeDoc, ...]) -> str:
     # For a file that says nothing about itself.
-    names = list(dict.fromkeys(node.names[0].text for node in nodes))
+    names = list(dict.fromkeys(value.text for node in nodes for value in node.names))
     files = list(dict.fromkeys(target.name for include in includes for target in include.targets))
     parts = []
     if names:

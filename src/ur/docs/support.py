@@ -20,27 +20,35 @@ def describe_support(
     needs: tuple[str, ...],
     bases: Mapping[str, BaseDoc],
     words: Words,
+    *,
+    takes_variant: bool,
 ) -> tuple[tuple[SupportDoc, ...], tuple[str, ...]]:
-    """For each case what is missing, and what is wrong in all of them."""
+    """For each case what is missing, and what is wrong in all of them.
+
+    A file that does not ask for the variant works for a base one of whose variants has what it needs.
+    """
     wrong = {outcome.case: tuple(dict.fromkeys(_list_errors(outcome, words))) for outcome in outcomes}
     everywhere = tuple(text for text in wrong[outcomes[0].case] if all(text in texts for texts in wrong.values()))
     if not outcomes[0].case.base:
         return (), everywhere
     support = []
     for outcome in outcomes:
-        lacks = _list_lacks(outcome.case, needs, bases)
+        lacks = _list_lacks(outcome.case, needs, bases, takes_variant)
         errors = (text for text in wrong[outcome.case] if text not in everywhere or len(outcomes) == 1)
         support.append(SupportDoc(outcome.case, (*lacks, *errors)))
     return tuple(support), everywhere
 
 
-def _list_lacks(case: Case, needs: tuple[str, ...], bases: Mapping[str, BaseDoc]) -> Iterator[str]:
+def _list_lacks(
+    case: Case, needs: tuple[str, ...], bases: Mapping[str, BaseDoc], takes_variant: bool
+) -> tuple[str, ...]:
     base = bases.get(case.base)
     if base is None:
-        return
-    features = dict(base.variants).get(case.variant, base.sensors) if case.variant else base.sensors
-    for need in find_lacks(needs, features):
-        yield f"needs {' or '.join(need.split('|'))}"
+        return ()
+    by_variant = {"": base.sensors, **dict(base.variants)}
+    tried = [by_variant.get(case.variant, base.sensors)] if takes_variant else list(by_variant.values())
+    lacks = min((find_lacks(needs, features) for features in tried), key=len)
+    return tuple(f"needs {' or '.join(need.split('|'))}" for need in lacks)
 
 
 def _list_errors(outcome: Outcome, words: Words) -> Iterator[str]:

@@ -41,7 +41,7 @@ def _find_domains(conditions: Sequence[str], view: LaunchView) -> Mapping[str, t
     while position < len(texts):
         for name in _WORD.findall(texts[position]):
             elements = view.declared.get(name, ())
-            if not elements or name in names or name in _BASE:
+            if not elements or name in names or (name in _BASE and "robot_base" in view.declared):
                 continue
             value = elements[0].attributes.get("value")
             if value is not None:

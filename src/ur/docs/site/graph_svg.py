@@ -9,7 +9,7 @@ from html import escape
 from ur.docs.model import Box, Case, Edge, GraphDoc
 from ur.docs.vary import name_cases
 
-CHARACTER, PADDING, HEIGHT, TALL = 7.3, 12, 30, 44
+CHARACTER, PADDING, HEIGHT, TALL = 7.9, 12, 30, 44
 COLUMN_GAP, ROW_GAP, MARGIN = 48, 12, 8
 _LONG = 46
 

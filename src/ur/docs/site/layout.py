@@ -56,6 +56,7 @@ def plan_site(documents: Documents) -> Plan:
 
 def _page_name(folder: str, path: str, taken: set[str]) -> str:
     stem = _UNSAFE.sub("-", path.removesuffix(".xml").removesuffix(".launch").strip("./")) or "page"
+    stem = stem.removeprefix("bin-").removeprefix("launch-")
     parts = stem.split("-")
     if len(parts) > 1 and parts[-1] == parts[-2]:
         stem = "-".join(parts[:-1])  # n_amcl/n_amcl.launch.xml

@@ -1,8 +1,8 @@
 """What well-known nodes publish, subscribe, offer and use, by the name of their executable.
 
 Upstream's names, from the nodes' own documentation on wiki.ros.org; our nodes stand in under the same names, and
-docs/architecture.md says what they speak. Names are as the node writes them: relative ones follow its namespace, `~name`
-belongs to it, and remaps apply.
+docs/architecture.md says what they speak. Names are as the node writes them: relative ones follow its namespace,
+`~name` belongs to it, and remaps apply.
 """
 
 from __future__ import annotations
