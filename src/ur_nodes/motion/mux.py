@@ -59,7 +59,7 @@ class MuxSettings:
     period: float = 0.02
     brake_period: float = 0.01
     stop_time: float = 0.3
-    lag: float = 0.105
+    lag: float = 0.11
     zeros: int = 3
 
 

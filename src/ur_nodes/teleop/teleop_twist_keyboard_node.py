@@ -128,8 +128,8 @@ def _read_settings(parameters: Parameters) -> tuple[DriveSettings, float]:
         turn_limit=turn_limit,
         key_timeout=parameters.number("key_timeout", 0.0, minimum=0.0, maximum=10.0),
     )
-    rate = parameters.number("repeat_rate", 20.0, minimum=0.0, maximum=200.0)
-    return settings, max(rate, 10.0) if rate else 20.0  # commands that are older than 0.15 s count no more
+    rate = parameters.number("repeat_rate", 30.0, minimum=0.0, maximum=200.0)
+    return settings, max(rate, 10.0) if rate else 30.0  # commands that are older than 0.15 s count no more
 
 
 def _make_publisher(parameters: Parameters) -> tuple[Any, Publish]:

@@ -87,7 +87,7 @@ def test_mux_is_silent_until_somebody_wants_to_move(run: Run) -> None:
 
 
 def test_mux_speeds_up_within_the_limits_and_sends_at_a_steady_rate(run: Run) -> None:
-    run.drive(KEYBOARD, AHEAD, 1.0)
+    run.drive(KEYBOARD, AHEAD, 1.0, rate=30.0)
     times = [at for at, _, _ in run.sent]
     assert times[0] == 0.0  # at once
     assert all(b - a == pytest.approx(0.02) for a, b in pairwise(times))
