@@ -1,0 +1,34 @@
+"""What the command line says about a run, beside the launch file."""
+
+from __future__ import annotations
+
+import socket
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from ur.run.model import Limits
+
+if TYPE_CHECKING:
+    from ur.run.registry import RunEntry
+    from ur.run.timings import Timings
+
+
+@dataclass(frozen=True, slots=True)
+class Options:
+    """What the command line says beside the launch file. `base` and `variant` describe the selected robot."""
+
+    limits: Limits = field(default_factory=Limits)
+    force_screen: bool = False
+    force_log: bool = False
+    force_required: bool = False
+    wait_for_master: bool = False
+    port: int | None = None
+    workers: int | None = None
+    master_words: tuple[str, ...] = ()  # more options for rosmaster
+    base: str = ""
+    variant: str = ""
+    viewer: socket.socket | None = None  # see ur.run.run.WatchPlan
+    events: int | None = None
+    timings: Timings | None = None
+    call_started: Callable[[RunEntry], None] | None = None  # the run is detached: called once every node was started
