@@ -8,7 +8,7 @@ import select
 import signal
 import subprocess
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -37,10 +37,13 @@ class Result:
     seconds: float = 0.0
 
 
-def try_cell(cell: Cell, folder: Path, patience: float = PATIENCE) -> Result:
-    """Run a cell in an empty folder of its own, from its start to its end."""
+def try_cell(
+    cell: Cell, folder: Path, patience: float = PATIENCE, environment: Mapping[str, str] | None = None
+) -> Result:
+    """Run a cell in an empty folder of its own, from its start to its end, with more `environment` than it needs."""
     start = time.monotonic()
-    result = _try_refusal(cell, folder) if cell.lacks else _try_run(cell, folder, patience)
+    env = _environment(folder) | dict(environment or {})
+    result = _try_refusal(cell, folder, env) if cell.lacks else _try_run(cell, folder, env, patience)
     result.seconds = time.monotonic() - start
     return result
 
@@ -58,11 +61,11 @@ def _environment(folder: Path) -> dict[str, str]:
     return make_environment(folder) | {"XDG_STATE_HOME": str(folder / "state"), "XDG_RUNTIME_DIR": str(folder / "run")}
 
 
-def _try_refusal(cell: Cell, folder: Path) -> Result:
+def _try_refusal(cell: Cell, folder: Path, env: dict[str, str]) -> Result:
     """What a base cannot do is said in one line and one that helps; nothing is started."""
     done = subprocess.run(
         _words(cell, folder),
-        env=_environment(folder),
+        env=env,
         stdin=subprocess.DEVNULL,
         capture_output=True,
         text=True,
@@ -81,9 +84,8 @@ def _try_refusal(cell: Cell, folder: Path) -> Result:
     return result
 
 
-def _try_run(cell: Cell, folder: Path, patience: float) -> Result:
+def _try_run(cell: Cell, folder: Path, env: dict[str, str], patience: float) -> Result:
     result = Result()
-    env = _environment(folder)
     with _start(cell, folder, env) as run:
         deadline = time.monotonic() + patience
         if run.wait_ready(deadline):

@@ -8,6 +8,7 @@ from pathlib import Path
 from ur.cli.needs import Need, describe_need, find_variants, list_lacks, read_needs
 from ur.launchfile.world.protocol import World
 from ur.robot.base import Base, load_base
+from ur.robot.base_search import find_base_package
 from ur.source.diagnostic import UserError, error
 
 
@@ -15,15 +16,17 @@ def check_base(files: Sequence[str], values: Mapping[str, str], world: World) ->
     """Compare `robot_base` and `robot_variant` with the bases of the package that a launch file belongs to.
 
     The comment `<!--Needs: ...-->` names what the base must have (`ur.cli.needs`). Packages without a folder `bases`
-    are left alone. Raises UserError: no such base or variant, a bad base file, something that the base lacks.
+    are left alone; bases that workspaces add are found, too. Raises UserError: no such base or variant, a bad base
+    file, something that the base lacks.
     """
     name = values.get("robot_base")
     if name is None:
         return
     for path in files:
-        package = find_package(path)
-        if package is None:
+        own = find_package(path)
+        if own is None:
             continue
+        package = find_base_package(own, name, world.environment)
         base = load_base(package, name, values.get("robot_variant", ""))
         needs = read_needs(path, world)
         lacks = list_lacks(base, needs)

@@ -8,6 +8,7 @@ from ur.cli.base_argument import find_package
 from ur.launchfile.plan.model import NodeSpec
 from ur.launchfile.world.protocol import PackageNotFound, World
 from ur.robot.base import Base, Driver, load_base
+from ur.robot.base_search import find_base_package
 from ur.source.diagnostic import Diagnostic, UserError, error
 
 
@@ -18,9 +19,10 @@ def check_drivers(files: Sequence[str], values: Mapping[str, str], nodes: Sequen
     with one finding for each driver's package that is not on this computer.
     """
     name = values.get("robot_base")
-    packages = {found for path in files if (found := find_package(path))}
+    own = {found for path in files if (found := find_package(path))}
     if name is None or not nodes:
         return
+    packages = {find_base_package(package, name, world.environment) for package in own}
     bases = [load_base(package, name, values.get("robot_variant", "")) for package in sorted(packages)]
     missing = [found for base in bases for found in _missing(base, nodes, world)]
     if missing:

@@ -37,10 +37,12 @@ def _selected_base() -> Base | None:
     """The base of the selected robot; None where nobody knows it."""
     from ur.cli.robot_facts import know_base
     from ur.robot.base import load_base
+    from ur.robot.base_search import find_base_package
 
     try:
         selection = know_base(current_selection(os.environ), os.environ)
-        return load_base(PACKAGE, selection.base, selection.variant) if selection.base else None
+        package = find_base_package(PACKAGE, selection.base, os.environ)
+        return load_base(package, selection.base, selection.variant) if selection.base else None
     except UserError as problem:
         sys.stderr.write(f"what the base lacks is not known: {problem}\n")
         return None

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from ur.robot.base import load_base
+from ur.robot.base_search import find_base_package
 from ur.source.diagnostic import UserError, error
 from ur.source.suggest import did_you_mean
 
@@ -14,10 +15,16 @@ WAYS = ("amcl", "fiducials")
 """By lidar; by camera, on a map of fiducials."""
 
 
-def choose_localisation(files: Sequence[str], declared: Sequence[str], values: Mapping[str, str]) -> list[str]:
+def choose_localisation(
+    files: Sequence[str],
+    declared: Sequence[str],
+    values: Mapping[str, str],
+    environment: Mapping[str, str] | None = None,
+) -> list[str]:
     """The argument to add for launch files that declare it, where the base has a camera and no lidar; else nothing.
 
-    `values` are the arguments known so far. Raises UserError: a way that there is not, no such base or variant.
+    `values` are the arguments known so far; `environment` names workspaces that may have the base. Raises UserError: a
+    way that there is not, no such base or variant.
     """
     if ARGUMENT not in declared:
         return []
@@ -26,7 +33,8 @@ def choose_localisation(files: Sequence[str], declared: Sequence[str], values: M
     package = next(filter(None, map(_find_package, files)), None)
     if package is None or not values.get("robot_base"):
         return []
-    base = load_base(package, values["robot_base"], values.get("robot_variant", ""))
+    name = values["robot_base"]
+    base = load_base(find_base_package(package, name, environment or {}), name, values.get("robot_variant", ""))
     return [f"{ARGUMENT}:=fiducials"] if base.raspicam and not base.lidar else []
 
 

@@ -116,7 +116,7 @@ def localisation_argument(files: Sequence[str], declared: Sequence[str], argumen
         return []
     from ur.cli.localisation import choose_localisation  # reads YAML
 
-    return choose_localisation(files, declared, dict(word.split(":=", 1) for word in arguments))
+    return choose_localisation(files, declared, dict(word.split(":=", 1) for word in arguments), os.environ)
 
 
 def is_this_computer(robot: str) -> bool:

@@ -34,5 +34,6 @@ def check_base(chosen: Selection) -> None:
     """Raise UserError when the base or its variant is not one that we have."""
     if chosen.base:
         from ur.robot.base import load_base  # YAML is only needed here
+        from ur.robot.base_search import find_base_package
 
-        load_base(PACKAGE, chosen.base, chosen.variant)
+        load_base(find_base_package(PACKAGE, chosen.base, os.environ), chosen.base, chosen.variant)

@@ -1,0 +1,45 @@
+"""A new base needs nothing but files that are named after it: every program runs on it."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+from tests.e2e.dropped_base import NAME, drop_base
+from tests.e2e.matrix_cell import try_cell
+from tests.e2e.matrix_table import load_cells
+
+from ur.cli.environment import PACKAGE
+from ur.cli.programs import list_programs
+
+SAMPLE = "robot_base"  # the default suite's
+
+
+def test_only_files_named_after_the_base_are_added(tmp_path: Path) -> None:
+    drop_base(tmp_path)
+    added = [path.relative_to(tmp_path) for path in tmp_path.rglob("*") if path.is_file()]
+    assert len(added) > 5
+    others = [path for path in added if path.stem != NAME and path.parent.name != NAME]
+    assert [str(path) for path in others] == [".catkin"]
+    assert not [path for path in added if (PACKAGE / Path(*path.parts[2:])).is_file()]
+
+
+@pytest.mark.ros
+@pytest.mark.timeout(240)
+@pytest.mark.parametrize(
+    "program",
+    [
+        pytest.param(program.name, marks=[] if program.name == SAMPLE else [pytest.mark.long])
+        for program in list_programs(PACKAGE / "bin")
+    ],
+)
+def test_program_runs_on_a_base_that_was_dropped_in(program: str, tmp_path: Path) -> None:
+    workspace, folder = tmp_path / "workspace", tmp_path / "run"
+    folder.mkdir()
+    base = drop_base(workspace)
+    (cell,) = (cell for cell in load_cells([base]) if cell.program.name == program)
+    assert not cell.lacks
+    prefixes = os.pathsep.join(filter(None, [str(workspace), os.environ.get("CMAKE_PREFIX_PATH", "")]))
+    result = try_cell(cell, folder, environment={"CMAKE_PREFIX_PATH": prefixes})
+    assert not result.faults, "\n".join(result.faults)
