@@ -19,10 +19,8 @@ if __name__ == "__main__":
     signal.signal(signal.SIGINT, _leave)
     import runpy
 
-    from rosgraph import roslogging
+    from ur_nodes.rosio.log_link import leave_log_link
 
-    # Whoever starts the run makes the link `latest`. Nodes that all make it anew get into each other's way, and say so.
-    roslogging.renew_latest_logdir = lambda _folder: True
-
+    leave_log_link()
     del sys.argv[0]
     runpy.run_module(sys.argv[0], run_name="__main__", alter_sys=True)

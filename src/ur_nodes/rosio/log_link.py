@@ -1,0 +1,10 @@
+"""The link `latest` to the newest folder of logs, which whoever starts a run makes."""
+
+from __future__ import annotations
+
+from rosgraph import roslogging
+
+
+def leave_log_link() -> None:
+    """Have rospy leave the link alone: nodes that all make it anew get into each other's way, and say so."""
+    roslogging.renew_latest_logdir = lambda _folder: True
