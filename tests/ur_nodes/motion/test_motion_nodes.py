@@ -91,7 +91,9 @@ def drivers(names: list[str]) -> list[str]:
 
 
 def test_joystick_drives_while_its_dead_man_button_is_held(robot: Robot, record_property: Any) -> None:
-    record_property("joystick", "uinput" if isinstance(robot.joystick, UinputJoystick) else "pipe: no uinput here")
+    kernel = isinstance(robot.joystick, UinputJoystick)
+    pipe = f"a pipe that speaks as a device does, read by joy_node: there is no {UINPUT}"
+    record_property("joystick", f"a virtual device of the kernel ({UINPUT})" if kernel else pipe)
     robot.joystick.push(1, 32767)  # back, without the button
     robot.joystick.push(0, 0)
     robot.joystick.press(0, True)
