@@ -1,0 +1,124 @@
+"""Make docs/reference/programs.md: the programs, on which bases they run, and what they show there.
+
+From the programs' own words, the needs of their launch files, the bases, and the table of what the test of every
+program on every base expects. A test compares the committed page with this; `bench/matrix` runs the cells.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+ROOT = Path(__file__).parents[1]
+sys.path.insert(0, str(ROOT))  # the table is the tests'
+
+from tests.e2e.matrix_table import TABLE, Cell, list_all_bases, load_cells  # noqa: E402 - after the path
+
+from ur.cli.environment import PACKAGE  # noqa: E402 - likewise
+from ur.cli.needs import describe_base  # noqa: E402 - likewise
+from ur.cli.programs import Program, find_launch_file, list_programs  # noqa: E402 - likewise
+
+PAGE = ROOT / "docs" / "reference" / "programs.md"
+_HEAD = """\
+# Programs
+
+Made by `tools/make_matrix.py`: edit the programs, the bases or `tests/e2e/matrix.yaml` instead.
+
+`ur run NAME` starts a program on the selected robot, `rosrun ubiquity_launches NAME` does so, too, and where
+`eval "$(ur env)"` was said `ur_NAME` is enough. `ur list` says what the selected robot lacks for each.
+
+## On which base
+
+A test runs every program on every base in the simulator, without a display: every topic comes at its rate, the frames
+are one tree, nothing is said on standard error, and nothing is left at the end. Where a base cannot do it, the program
+says in one line what it lacks. `bench/matrix` runs the same and prints it.
+"""
+_SHOWS = """\
+## What they show
+
+What comes where the base has what it needs; rates are those of the base's file, where a name of a field stands, in
+messages a second.
+"""
+
+
+def make_page() -> str:
+    """The whole page."""
+    bases = list_all_bases()
+    cells = load_cells(bases)
+    table = yaml.safe_load(TABLE.read_text(encoding="utf-8"))
+    parts = [_HEAD, _render_matrix(cells), "", "## Each of them", ""]
+    parts += [_render_program(program) for program in list_programs(PACKAGE / "bin")]
+    parts += [_SHOWS, *_render_topics(table)]
+    return "\n".join(parts).rstrip() + "\n"
+
+
+def _render_matrix(cells: Sequence[Cell]) -> str:
+    columns = list(dict.fromkeys(describe_base(cell.base) for cell in cells))
+    lines = [f"| | {' | '.join(columns)} |", "|---" * (len(columns) + 1) + "|"]
+    for name in dict.fromkeys(cell.program.name for cell in cells):
+        words = [_word(cell) for cell in cells if cell.program.name == name]
+        lines.append(f"| [`{name}`](#{name}) | {' | '.join(words)} |")
+    return "\n".join(lines)
+
+
+def _word(cell: Cell) -> str:
+    return "no " + ", no ".join("/".join(need) for need in cell.lacks) if cell.lacks else "runs"
+
+
+def _render_program(program: Program) -> str:
+    path = find_launch_file(program, PACKAGE)
+    file = f"\nLaunch file: `{path.relative_to(PACKAGE)}`.\n" if path else ""
+    return f"### {program.name}\n\n{program.summary}\n\n{read_overview(program.path)}\n{file}"
+
+
+def read_overview(path: Path) -> str:
+    """What a program says after `##Overview:`, as Markdown."""
+    lines: list[str] = []
+    for line in path.read_text(encoding="utf-8").splitlines():
+        if line.startswith("##Overview:"):
+            lines.append(line.removeprefix("##Overview:").strip())
+        elif lines and line.startswith("##"):
+            lines.append(line.removeprefix("##").strip())
+        elif lines:
+            break
+    return "\n".join(lines)
+
+
+def _render_topics(table: Mapping[str, Any]) -> list[str]:
+    users: dict[str, list[str]] = {}
+    for name, row in table["programs"].items():
+        for group in row["groups"]:
+            users.setdefault(group, []).append(f"`{name}`")
+    parts = []
+    for group, entry in table["groups"].items():
+        who = "every program" if len(users[group]) == len(table["programs"]) else ", ".join(users[group])
+        lines = [f"**{group}** ({who})", "", "| topic | needs | rate |", "|---|---|---|"]
+        lines += [
+            f"| `{name}` | {each.get('needs', '')} | {_render_rate(each)} |" for name, each in entry["topics"].items()
+        ]
+        parts.append("\n".join(lines) + "\n")
+    return parts
+
+
+def _render_rate(entry: Mapping[str, Any]) -> str:
+    if "rate" not in entry:
+        return ""
+    rate = f"`{entry['rate']}`" if isinstance(entry["rate"], str) else f"{entry['rate']:g}"
+    if "per" in entry:
+        rate += f" for each of `{entry['per']}`"
+    return rate + (" at least" if entry.get("at_least") else "")
+
+
+def main() -> None:
+    """Write the page."""
+    PAGE.parent.mkdir(parents=True, exist_ok=True)
+    PAGE.write_text(make_page(), encoding="utf-8")
+    print(PAGE)
+
+
+if __name__ == "__main__":
+    main()
