@@ -19,6 +19,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "ur.robot": ("ur.source",),
     "ur.check": ("ur.source", "ur.launchfile", "ur.robot"),
     "ur.new": ("ur.source",),
+    "ur.package": ("ur.source", "ur.launchfile", "ur.check"),
     "ur.graph": ("ur.source", "ur.launchfile"),
     "ur.complete": ("ur.source", "ur.launchfile"),
     "ur.docs": ("ur.source", "ur.launchfile", "ur.check"),

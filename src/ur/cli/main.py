@@ -29,6 +29,7 @@ VERBS = {
     "stop": ("ur.cli.stop", "End a run, or one of its nodes."),
     "check": ("ur.cli.check", "Check launch files, YAML files and programs."),
     "new": ("ur.cli.new", "Write a new node, group, view, program, base or package."),
+    "package": ("ur.cli.package", "Compare package.xml and CMakeLists.txt with what launch files use."),
     "format": ("ur.cli.format", "Put launch files in house order and layout."),
     "find": ("ur.cli.find", "Find where a name in launch files is defined and used."),
     "docs": ("ur.cli.docs", "Write documents of launch files: one page, or a web site."),

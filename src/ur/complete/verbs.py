@@ -24,6 +24,7 @@ KINDS: dict[str, tuple[str, ...]] = {
     "logs": ("node",),
     "mount": ("robot",),
     "new": ("new command",),
+    "package": ("files",),
     "restart": ("node",),
     "robot": ("robot command", "robot", "..."),
     "run": ("program", "program arguments"),

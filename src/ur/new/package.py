@@ -19,7 +19,7 @@ _PACKAGE = """\
 """
 _CMAKE = """\
 cmake_minimum_required(VERSION 3.10)
-project({name})
+project({name} NONE)
 find_package(catkin REQUIRED)
 catkin_package()
 """

@@ -1,0 +1,39 @@
+"""The install rules in a CMakeLists.txt: a block of its own, written and replaced as a whole."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+
+_BEGIN = "# What is installed: written by `ur package --write`."
+_END = "# End of what is installed."
+_BLOCK = re.compile(re.escape(_BEGIN) + r".*?" + re.escape(_END) + r"\n?", re.DOTALL)
+_LEFT_OUT = frozenset({"build", "devel", "doc", "docs", "include", "install", "src", "test", "tests", "__pycache__"})
+
+
+def choose_folders(names: Iterable[str]) -> tuple[str, ...]:
+    """Of the folders in a package those that its launch files may need where it is installed, sorted."""
+    return tuple(sorted(name for name in names if name not in _LEFT_OUT and not name.startswith(".")))
+
+
+def write_block(folders: Iterable[str], files: Iterable[str] = ()) -> str:
+    """The rules that install folders, and launch files that stand beside package.xml, with their permissions."""
+    lines = [_BEGIN]
+    for kind, names in (("DIRECTORY", tuple(folders)), ("FILES", tuple(sorted(files)))):
+        if names:
+            more = ("USE_SOURCE_PERMISSIONS", 'PATTERN "__pycache__" EXCLUDE') if kind == "DIRECTORY" else ()
+            lines += [
+                f"install({kind}",
+                *(f"  {name}" for name in names),
+                "  DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION}",
+                *(f"  {each}" for each in more),
+                ")",
+            ]
+    return "\n".join([*lines, _END, ""])
+
+
+def put_block(text: str, block: str) -> str:
+    """A CMakeLists.txt with the block: in the place of the one that is there, else at the end."""
+    if _BLOCK.search(text):
+        return _BLOCK.sub(lambda _: block, text, count=1)
+    return text.rstrip("\n") + "\n\n" + block

@@ -1,0 +1,57 @@
+"""Which packages a launch package takes something from."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+from ur.check.cases import resolve_cases
+from ur.check.collect import collect_targets
+from ur.check.model import LaunchView, Package
+from ur.check.survey import survey_launch_file, walk_possible
+from ur.check.worlds import CachedWorld, has_marker
+from ur.launchfile.world import World
+from ur.source.file import SourceFile, Span
+
+_FIND = re.compile(r"\$\(find\s+([A-Za-z][\w-]*)\s*\)|\bfind\(\s*['\"]([\w-]+)['\"]\s*\)")
+_STARTS = re.compile(r"^[^#\n]*\b(?:ur\"?|ros)\s?(?:launch|run)\s+(?:-\S+\s+)*([a-z]\w+)\s+\S", re.MULTILINE)
+
+
+def find_used_packages(folder: str, world: World) -> tuple[Package, dict[str, Span]]:
+    """The package in a folder, and by name the packages that it uses, each with the first place that does.
+
+    Launch files are resolved for every base, variant and option; programs in `bin` count, too. The package itself and
+    what depends on arguments that nobody gave are left out. Raises UserError for a folder without package.xml.
+    """
+    cached = CachedWorld(world)
+    targets = collect_targets([folder], cached)
+    package = targets.whole[0] if targets.whole else None
+    if package is None or package.folder != cached.absolute(folder):
+        from ur.source.diagnostic import UserError, error
+
+        raise UserError(
+            error(f"{folder}: no package.xml, expected a package", rule="no-package", help="ur new package")
+        )
+    found: dict[str, Span] = {}
+    for path in targets.launch_files:
+        if targets.package_of(path) is package:
+            for name, span in _in_launch_file(survey_launch_file(path, package, cached), cached):
+                found.setdefault(name, span)
+    for path in targets.programs:
+        source = SourceFile(path, cached.read_bytes(path).decode("utf-8", "replace"))
+        for match in _STARTS.finditer(source.text):
+            found.setdefault(match.group(1), Span(source, *match.span(1)))
+    found.pop(package.name, None)
+    return package, found
+
+
+def _in_launch_file(view: LaunchView, world: CachedWorld) -> Iterator[tuple[str, Span]]:
+    for element in walk_possible(view.tree.launch):
+        for attribute, value in element.attributes.items():
+            for match in _FIND.finditer(value):
+                yield match.group(1) or match.group(2), element.piece_span(attribute, *match.span())
+    for resolved in resolve_cases(view, world):
+        for node in (*resolved.plan.nodes, *(test.node for test in resolved.plan.tests)):
+            own = node.origin.span.file.path == view.path
+            if own and node.package and not has_marker(node.package):
+                yield node.package, node.origin.span
