@@ -1,0 +1,244 @@
+"""The drivers of a real base give what the simulated one gives: compared in the plans of m_robot_base."""
+
+from __future__ import annotations
+
+import ast
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+from tests.base_contract import EVERY, PACKAGE, list_frames, list_topics, load
+
+from ur.launchfile.plan.load import load_plan
+from ur.launchfile.plan.model import NodeSpec, Plan
+from ur.launchfile.world.system import SystemWorld
+from ur.robot.base import Base
+
+# What upstream's programs publish, by the names in their sources (package, executable).
+PUBLISHED: dict[tuple[str, str], dict[str, str]] = {
+    ("ubiquity_motor", "motor_node"): {
+        "ubiquity_velocity_controller/odom": "nav_msgs/Odometry",
+        "joint_states": "sensor_msgs/JointState",
+        "battery_state": "sensor_msgs/BatteryState",
+    },
+    ("loki_base_node", "bus_server.py"): {"odom": "nav_msgs/Odometry", "/sonars": "sensor_msgs/Range"},
+    ("neato_node", "neato.py"): {"odom": "nav_msgs/Odometry", "base_scan": "sensor_msgs/LaserScan"},
+    ("stage_ros", "stageros"): {"odom": "nav_msgs/Odometry", "base_scan": "sensor_msgs/LaserScan"},
+    ("pi_sonar", "pi_sonar"): {"/sonars": "sensor_msgs/Range"},
+    ("rplidar_ros", "rplidarNode"): {"scan": "sensor_msgs/LaserScan"},
+    ("raspicam_node", "raspicam_node"): {
+        "~image": "sensor_msgs/Image",
+        "~image/compressed": "sensor_msgs/CompressedImage",
+        "~camera_info": "sensor_msgs/CameraInfo",
+    },
+}
+# What drivers do not give: each is told in the Overview of m_<base>_drivers.
+LEFT_OUT = {
+    "magni": set[str](),
+    "loki": {"battery_state"},
+    "botvac": {"battery_state"},
+    "stage": {"battery_state", "bumpers", "camera", "imu/data"},
+}
+
+
+def make_plan(base: Base, **values: str) -> Plan:
+    words = [f"robot_base:={base.name}", *([f"robot_variant:={base.variant}"] if base.variant else [])]
+    words += [f"{name}:={value}" for name, value in values.items()]
+    world = SystemWorld({"ROS_PACKAGE_PATH": str(PACKAGE)})
+    plan = load_plan([str(PACKAGE / "m_robot_base" / "launch" / "m_robot_base.launch.xml")], words, world)
+    assert plan.diagnostics == ()
+    return plan
+
+
+def params_of(plan: Plan, prefix: str) -> dict[str, Any]:
+    return {param.name.removeprefix(prefix): param.value for param in plan.params if param.name.startswith(prefix)}
+
+
+def resolve(name: str, node: NodeSpec) -> str:
+    """The full name of a topic, after the node's remappings."""
+
+    def absolute(each: str) -> str:
+        if each.startswith("~"):
+            return f"{node.full_name}/{each[1:]}"
+        return each if each.startswith("/") else node.namespace + each
+
+    remaps = {absolute(source): absolute(target) for source, target in node.remaps}
+    return remaps.get(absolute(name), absolute(name))
+
+
+def topics_of(plan: Plan, base: Base) -> dict[str, str]:
+    topics: dict[str, str] = {}
+    for node in plan.nodes:
+        for name, kind in PUBLISHED.get((node.package, node.type), {}).items():
+            topics[resolve(name, node)] = kind
+        if node.type == "driver_adapter":
+            own = params_of(plan, f"{node.full_name}/")
+            topics["/joint_states"] = "sensor_msgs/JointState"
+            if own["rename_scan"] and base.lidar:
+                topics[f"/{base.lidar.topic}"] = "sensor_msgs/LaserScan"
+            if own["bumper_messages"] and base.bumpers:
+                topics |= {f"/{base.bumpers.topic}/{each.name}": "std_msgs/Bool" for each in base.bumpers.at}
+    return topics
+
+
+def left_out(base: Base) -> set[str]:
+    """The topics of the contract that the base's drivers do not give."""
+    words = LEFT_OUT[base.name]
+    topics = {f"/{word}" for word in words}
+    if base.bumpers and "bumpers" in words:
+        topics |= {f"/{base.bumpers.topic}/{bumper.name}" for bumper in base.bumpers.at}
+    if base.raspicam and "camera" in words:
+        topics |= {topic for topic in list_topics(base) if topic.startswith(f"/{base.raspicam.name}/")}
+    return topics
+
+
+@pytest.mark.parametrize(("name", "variant"), EVERY)
+def test_drivers_publish_what_the_simulated_base_publishes(name: str, variant: str) -> None:
+    base = load(name, variant)
+    given = topics_of(make_plan(base, simulate="false"), base)
+    expected = {topic: kind for topic, kind in list_topics(base).items() if topic not in left_out(base)}
+    assert {topic: given.get(topic) for topic in expected} == expected
+
+
+@pytest.mark.parametrize("name", sorted(LEFT_OUT))
+def test_what_a_driver_leaves_out_is_documented(name: str) -> None:
+    text = (PACKAGE / f"m_{name}_drivers" / "launch" / f"m_{name}_drivers.launch.xml").read_text(encoding="utf-8")
+    overview = re.sub(r"\s+", " ", text.split("<!--Overview:")[1].split("-->")[0])
+    for word in LEFT_OUT[name]:
+        assert word in overview
+
+
+@pytest.mark.parametrize(("name", "variant"), EVERY)
+def test_real_and_simulated_base_listen_and_describe_themselves_alike(name: str, variant: str) -> None:
+    base = load(name, variant)
+    real, simulated = make_plan(base, simulate="false"), make_plan(base)
+    shared = {"cmd_vel_mux", "robot_state_publisher"}
+    for plan in (real, simulated):
+        assert shared <= {node.name for node in plan.nodes}
+    described = [
+        next(each.value for each in plan.params if each.name == "/robot_description") for plan in (real, simulated)
+    ]
+    assert described[0] == described[1]
+    driver = base.driver
+    assert driver is not None
+    node = next(node for node in real.nodes if node.package == driver.package)
+    assert node.type == driver.executable
+    command = "ubiquity_velocity_controller/cmd_vel" if driver.package == "ubiquity_motor" else "cmd_vel"
+    assert resolve(command, node) == "/cmd_vel"
+
+
+@pytest.mark.parametrize(("name", "variant"), EVERY)
+def test_drivers_speak_in_frames_of_the_base(name: str, variant: str) -> None:
+    base = load(name, variant)
+    plan = make_plan(base, simulate="false")
+    frames = [
+        each.value
+        for each in plan.params
+        if re.search(r"(/frame_id|/base_frame|/base_frame_id|/odom_frame_id|/camera_frame_id)$", each.name)
+    ]
+    assert frames or name == "stage"
+    assert set(frames) <= list_frames(base)
+    for node in plan.nodes:
+        if node.type == "rplidarNode" or node.type == "neato.py":
+            assert base.lidar
+            assert params_of(plan, f"{node.full_name}/")["frame_id"] == base.lidar.frame
+        if node.type == "raspicam_node":
+            assert base.raspicam
+            assert params_of(plan, f"{node.full_name}/")["camera_frame_id"] == base.raspicam.frame
+
+
+@pytest.mark.parametrize(("name", "variant"), EVERY)
+def test_devices_of_drivers_are_those_of_the_base(name: str, variant: str) -> None:
+    base = load(name, variant)
+    values = [each.value for each in make_plan(base, simulate="false").params]
+    for driver in (base.driver, *base.drivers):
+        assert driver
+        assert (PACKAGE / driver.node / "launch" / f"{driver.node}.launch.xml").is_file()
+        if driver.device:
+            assert driver.device in values
+        if driver.baud:
+            assert driver.baud in values
+
+
+def test_motor_board_of_magni_is_told_the_figures_of_its_base() -> None:
+    base = load("magni", "")
+    own = params_of(make_plan(base, simulate="false"), "/ubiquity_velocity_controller/")
+    limits = base.limits
+    assert own["wheel_separation"] == base.wheels.separation
+    assert own["wheel_radius"] == base.wheels.radius
+    assert own["cmd_vel_timeout"] == limits.command_age
+    assert own["linear/x/max_velocity"] == limits.velocity
+    assert own["angular/z/max_velocity"] == limits.angular_velocity
+    # One figure for both directions: it must not keep the base from braking.
+    assert own["linear/x/max_acceleration"] == limits.deceleration
+    assert own["angular/z/max_acceleration"] == limits.angular_deceleration
+
+
+def test_board_of_loki_is_told_the_figures_of_its_base() -> None:
+    base = load("loki", "")
+    assert base.sonars
+    own = params_of(make_plan(base, simulate="false"), "/bus_server/")
+    assert own["wheel_diameter"] == 2 * base.wheels.radius
+    assert own["wheel_spread"] == base.wheels.separation
+    assert own["encoder_resolution"] == base.odometry.ticks_per_turn
+    for number, sonar in enumerate(base.sonars.at):
+        assert own[f"sensors/{sonar.frame}/frame_id"] == sonar.frame
+        assert own[f"sensors/{sonar.frame}/id"] == number + 2
+        assert own[f"sensors/{sonar.frame}/field_of_view"] == base.sonars.field_of_view
+        assert own[f"sensors/{sonar.frame}/max_range"] == base.sonars.range_max
+    ids = {own[f"sensors/{sonar.frame}/id"] for sonar in base.sonars.at}
+    for sonar in base.sonars.at:  # neighbours know each other
+        mine, left = own[f"sensors/{sonar.frame}/id"], own[f"sensors/{sonar.frame}/left_id"]
+        assert left in ids
+        other = next(each.frame for each in base.sonars.at if own[f"sensors/{each.frame}/id"] == left)
+        assert own[f"sensors/{other}/right_id"] == mine
+
+
+def test_sonars_of_magni_have_the_frames_that_pi_sonar_gives_them() -> None:
+    base = load("magni", "")
+    assert base.sonars
+    assert [sonar.frame for sonar in base.sonars.at] == [f"sonar_{number}" for number in range(5)]
+    own = params_of(make_plan(base, simulate="false"), "/pi_sonar/")
+    assert own == {
+        "field_of_view": base.sonars.field_of_view,
+        "min_range": base.sonars.range_min,
+        "max_range": base.sonars.range_max,
+    }
+
+
+def test_bumpers_of_botvac_have_all_of_upstreams_names() -> None:
+    base = load("botvac", "")
+    assert base.bumpers
+    own = params_of(make_plan(base, simulate="false"), "/driver_adapter/bumper_names/")
+    assert set(own) == {"Left_Side_Bumper", "Right_Side_Bumper", "Left_Bumper", "Right_Bumper"}
+    assert sorted(own.values()) == sorted(bumper.name for bumper in base.bumpers.at)
+
+
+@pytest.mark.parametrize("world", ["maze", "office"])
+def test_worlds_of_stage_lie_where_their_maps_lie_and_hold_the_base(world: str) -> None:
+    from PIL import Image
+
+    from ur_nodes.simulator.floor_plan import read_floor_plan
+
+    base = load("stage", "")
+    path = PACKAGE / "n_stage_ros" / "worlds" / f"stage.{world}.world"
+    text = path.read_text(encoding="utf-8")
+    plan = read_floor_plan(PACKAGE / "n_map_server" / "maps" / f"{world}.yaml")
+    picture = Path(path.parent, re.findall(r'bitmap "(.*)"', text)[0])
+    with Image.open(picture) as image:
+        assert image.size == plan.occupied.shape[::-1]
+    rows, columns = plan.occupied.shape
+    sizes = [numbers(each) for each in re.findall(r"size \[(.*?)\]", text)]
+    poses = [numbers(each) for each in re.findall(r"pose \[(.*?)\]", text)]
+    width, height = columns * plan.resolution, rows * plan.resolution
+    assert sizes[1][:2] == pytest.approx([width, height])
+    assert poses[0][:2] == pytest.approx([plan.origin[0] + width / 2, plan.origin[1] + height / 2])
+    xs, ys = zip(*base.footprint, strict=True)
+    assert sizes[2] == pytest.approx([max(xs) - min(xs), max(ys) - min(ys), base.height])
+    limits = base.limits
+    assert numbers(re.findall(r"velocity_bounds \[(.*?)\]", text)[0])[1] == limits.velocity
+
+
+def numbers(text: str) -> list[float]:
+    return [float(ast.literal_eval(each)) for each in text.split()]
