@@ -33,7 +33,7 @@ def test_flood_of_lines_neither_stops_the_run_nor_grows_it(world: Any) -> None:
         '<node pkg="little_nodes" type="flood" name="flood" output="screen"/>'
         '<node pkg="little_nodes" type="ticker" name="ticker" output="screen"/>'
     )
-    run.until("lines are not shown here; the log files have them")
+    run.until("lines are not shown here; the log file has them")
     run.text = ""  # it is long
     run.until("[/flood] ", "[/ticker] tick")
     assert psutil.Process(run.process.pid).memory_info().rss < 100e6

@@ -42,6 +42,9 @@ class Sink:
         """Queue a line. When nobody reads fast enough, lines of the source that prints most get lost."""
         waiting = self._waiting.get(source, 0)
         if waiting >= MOST_WAITING and not important:
+            self.flush()
+            waiting = self._waiting.get(source, 0)
+        if waiting >= MOST_WAITING and not important:
             self._lost[source] = self._lost.get(source, 0) + 1
             return
         if self._lost and (important or source in self._lost):

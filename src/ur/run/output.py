@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import os
+import time
 from collections import deque
 from collections.abc import Callable
 
 LONGEST_LINE = 16 * 1024  # bytes; a longer one is cut into pieces
 KEPT_LINES = 12  # of each node, for crash reports
+MOST_READ = 64 * 1024  # bytes at once: what a pipe holds, pipe(7)
+MOST_SHOWN = 5000  # lines of one node that people see in each period
+PERIOD = 2.0  # s
 
 
 class LineSplitter:
@@ -28,32 +32,82 @@ class LineSplitter:
         return [line.rstrip(b"\r") for line in lines]
 
 
-class Stream:
-    """One pipe or pseudo terminal that a node writes to; each line goes to the log and to `show(name, line)`."""
+class Allowance:
+    """How many lines of one node are shown: MOST_SHOWN in each period, because nobody reads more."""
 
-    def __init__(self, name: str, descriptor: int, log: int, show: Callable[[str, str], None]) -> None:
+    def __init__(self, most: int = MOST_SHOWN, period: float = PERIOD) -> None:
+        self._most = most
+        self._period = period
+        self._end = 0.0
+        self._left = most
+        self._lost = 0
+
+    def take(self, count: int, now: float) -> tuple[int, int]:
+        """Ask for so many lines at a time (s); returns how many, and how many were lost in the period before."""
+        lost = 0
+        if now >= self._end:
+            self._end, self._left = now + self._period, self._most
+            lost, self._lost = self._lost, 0
+        granted = min(count, self._left)
+        self._left -= granted
+        self._lost += count - granted
+        return granted, lost
+
+    def settle(self) -> int:
+        """How many lines were lost and not told yet; they are now."""
+        lost, self._lost = self._lost, 0
+        return lost
+
+
+class Stream:
+    """One pipe or pseudo terminal that a node writes to: all goes to the log, lines go to `show(name, line)`.
+
+    Of a node that floods, `show` gets as many lines as a person could ever read, and how many it did not get.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        descriptor: int,
+        log: int,
+        show: Callable[[str, str], None],
+        read_clock: Callable[[], float] = time.monotonic,
+    ) -> None:
         self.name = name
         self.descriptor = descriptor
         self._log = log
         self._show = show
+        self._read_clock = read_clock
         self._lines = LineSplitter()
+        self._allowance = Allowance()
         os.set_blocking(descriptor, False)
 
     def read(self, recent: deque[str]) -> bool:
         """Take what is there; the last lines also go to `recent`. False at the end of the stream."""
         try:
-            data = os.read(self.descriptor, 65536)
+            data = os.read(self.descriptor, MOST_READ)
         except BlockingIOError:
             return True
         except OSError:  # EIO: the other end of a pseudo terminal is closed
             data = b""
         if data:
             write_log(self._log, data)
-        for line in self._lines.feed(data):
+        lines = self._lines.feed(data)
+        granted, lost = self._allowance.take(len(lines), self._read_clock())
+        self._tell_lost(lost)
+        for line in lines[:granted]:
             text = make_printable(line)
             recent.append(text)
             self._show(self.name, text)
+        if granted < len(lines):
+            recent.extend(map(make_printable, lines[granted:][-KEPT_LINES:]))
+        if not data:
+            self._tell_lost(self._allowance.settle())
         return bool(data)
+
+    def _tell_lost(self, count: int) -> None:
+        if count:
+            self._show(self.name, f"... {count} lines are not shown here; the log file has them")
 
     def close(self) -> None:
         """Give the descriptor back. The log belongs to the node and stays open."""
