@@ -27,8 +27,7 @@ MAP_KEYS = (
     ("arrows, h j k l", "move the map, or drag with the right button"),
     ("t", "dark or light"),
     ("Tab", "from the map to the command line and back"),
-    ("click", "drive there"),
-    ("drag", "drive there and face that way"),
+    ("click, drag", "drive there; face the way of the drag"),
 )
 
 
