@@ -13,6 +13,8 @@ from ur_nodes.navigation.navigator import NavigatorSettings
 from ur_nodes.navigation.speed_profile import Limits
 from ur_nodes.rosio.parameters import Parameters
 
+_SONARS = Ranges(1.2, 1.2)
+
 
 @dataclass(frozen=True, slots=True)
 class ScanSource:
@@ -28,18 +30,19 @@ class ScanSource:
 class CostmapSettings:
     """One costmap: its frame, how often it is published (Hz, 0: when it changes is enough), inflation, scan.
 
-    Without a scan the map alone says where obstacles are.
+    Without a scan the map says where walls are, and sonars what else there is: `sonars` are their topics.
     """
 
     frame: str
     publish_frequency: float
     inflation: Inflation
     scan: ScanSource | None
+    sonars: tuple[str, ...] = ()
 
     @property
     def reach(self) -> Ranges:
-        """How far the scan counts; nothing without one."""
-        return self.scan.reach if self.scan else Ranges(0.0, 0.0)
+        """How far the scan counts, or the sonars without one."""
+        return self.scan.reach if self.scan else _SONARS
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,6 +125,7 @@ def _costmap(part: Parameters, frame: str, footprint: Footprint) -> CostmapSetti
         part.number("publish_frequency", 1.0, minimum=0.0),
         inflation,
         _scan(part.below("obstacle_layer")),
+        part.below("sonar_layer").texts("topics", ()),
     )
 
 

@@ -6,8 +6,11 @@ import math
 
 import numpy as np
 
+from ur_nodes.navigation.costmap import FREE, LETHAL, Costmap
 from ur_nodes.navigation.layers import Beams
+from ur_nodes.rosio.pose import Pose2
 
+_SLACK, _TURN = 0.25, 0.15  # m, rad by which a wall of the map may seem to be elsewhere
 _STEP = 0.035  # rad between rays: half a cell of 5 cm at 0.7 m, where sonars matter
 
 
@@ -23,3 +26,19 @@ def beams_of_range(distance: float, field_of_view: float, range_min: float, rang
     angles = np.linspace(-field_of_view / 2.0, field_of_view / 2.0, count)
     heard = distance < range_max
     return Beams(angles, np.full(count, min(distance, range_max)), np.full(count, heard))
+
+
+def without_walls(beams: Beams, sensor: Pose2, known: Costmap) -> Beams:
+    """The cone of a sonar at a pose in the map, free where the map has a wall that may have made the echo.
+
+    An arc is wide, and the robot is not quite where it is believed to be: without this the frames of a door would close
+    it. `known` has the walls as obstacles.
+    """
+    if not beams.hits.any():
+        return beams
+    angles = np.linspace(beams.angles[0] - _TURN, beams.angles[-1] + _TURN, len(beams.angles) + 8) + sensor.yaw
+    ranges = beams.ranges[0] + np.arange(-_SLACK, _SLACK + known.resolution / 2.0, known.resolution)
+    directions = np.stack((np.cos(angles), np.sin(angles)), axis=-1)
+    places = (sensor.x, sensor.y) + np.maximum(ranges, 0.0)[:, None, None] * directions
+    explained = bool((known.costs_at(places, outside=FREE) == LETHAL).any())
+    return Beams(beams.angles, beams.ranges, np.zeros_like(beams.hits)) if explained else beams

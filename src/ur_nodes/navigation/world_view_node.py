@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections import deque
 from typing import Any
 
 import numpy as np
 import rospy
 from nav_msgs.msg import OccupancyGrid
-from sensor_msgs.msg import LaserScan
+from sensor_msgs.msg import LaserScan, Range
 from tf2_msgs.msg import TFMessage
 
 from ur.source.diagnostic import UserError
@@ -19,7 +20,10 @@ from ur_nodes.navigation.local_plan import Motion
 from ur_nodes.navigation.map_costmap import MapCostmap
 from ur_nodes.navigation.move_base_parameters_node import MoveBaseSettings
 from ur_nodes.navigation.rolling_costmap import RollingCostmap
+from ur_nodes.navigation.sonar import beams_of_range, without_walls
 from ur_nodes.rosio.geometry import Pose2, pose_of_transform
+
+_WAITING = 100  # ranges that are not worked in yet
 
 LOCALISER_SILENCE = 3.0
 """How old (s) the newest transform from the odometry frame to the map may be."""
@@ -43,8 +47,11 @@ class WorldView:
         rospy.Subscriber("/tf_static", TFMessage, self._take_fixed, queue_size=100)
         rospy.Subscriber("/tf", TFMessage, self._take_moving, queue_size=100, tcp_nodelay=True)
         rospy.Subscriber(settings.map_topic, OccupancyGrid, self._take_map, queue_size=1)
+        self._ranges: deque[Range] = deque(maxlen=_WAITING)
         if settings.local.scan:
             rospy.Subscriber(settings.local.scan.topic, LaserScan, self._take_scan, queue_size=1, tcp_nodelay=True)
+        for topic in () if settings.local.scan else settings.local.sonars:
+            rospy.Subscriber(topic, Range, self._ranges.append, queue_size=_WAITING, tcp_nodelay=True)
 
     def update(self) -> None:
         """Work a new map and the newest scan into the costmaps."""
@@ -54,6 +61,8 @@ class WorldView:
         source, scan = self._settings.local.scan, self._scan
         if source is None:
             self._lay_map()
+            for _ in range(len(self._ranges)):
+                self._use_range(self._ranges.popleft())
             return
         if scan is None or scan.header.stamp.to_sec() == self._used:
             return
@@ -131,6 +140,7 @@ class WorldView:
         """Time has begun anew: what was seen before means nothing now."""
         self.frames.forget()
         self._scan, self._used = None, None
+        self._ranges.clear()
         self.local.clear()
 
     def costmaps(self) -> tuple[Costmap, Costmap] | None:
@@ -157,6 +167,25 @@ class WorldView:
         robot, place = self._robot_in_odom(), self.odom()
         if self.world is not None and robot is not None and place is not None:
             self.local.lay(robot, self.world.static, place)
+
+    def _use_range(self, message: Range) -> None:
+        """What one sonar hears: an obstacle, unless the map has a wall there."""
+        frames, local, base = self.frames, self._settings.local.frame, self._settings.base_frame
+        stamp, source = message.header.stamp.to_sec(), message.header.frame_id
+        newest = frames.newest(base)
+        if newest is not None and newest < stamp < newest + 0.2:
+            self._ranges.append(message)  # the odometry of that moment is still on its way
+            return
+        beams = beams_of_range(message.range, message.field_of_view, message.min_range, message.max_range)
+        if self.world is None or not len(beams.angles):
+            return
+        try:
+            sensor = frames.pose(self._settings.world.frame, source, stamp)
+            beams = without_walls(beams, sensor, self.world.static)
+            self.local.update(frames.pose(local, base), frames.pose(local, source, stamp), beams)
+            self.world.update(sensor, beams)
+        except FrameError:
+            return
 
     def _robot_in_odom(self) -> Pose2 | None:
         try:

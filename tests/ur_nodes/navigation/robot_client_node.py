@@ -22,7 +22,7 @@ from geometry_msgs.msg import PoseStamped, TransformStamped, Twist
 from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
 from nav_msgs.msg import OccupancyGrid, Path
 from nav_msgs.srv import GetPlan
-from sensor_msgs.msg import LaserScan
+from sensor_msgs.msg import LaserScan, Range
 from std_srvs.srv import Empty
 from tests.ur_nodes.navigation.closed_loop import two_rooms
 from tf2_msgs.msg import TFMessage
@@ -31,6 +31,7 @@ from ur_nodes.navigation.grid_message import grid_message
 from ur_nodes.rosio.geometry import Pose2, pose_message, transform_message
 
 BEAMS = 180
+CONE, HEARD, THICK = 0.5, 3.0, 0.12  # a sonar: rad, m; the radius of a pillar, m
 
 
 class RobotClient:
@@ -47,6 +48,9 @@ class RobotClient:
         self.goals: dict[str, Any] = {}
         self.tf = rospy.Publisher("/tf", TFMessage, queue_size=10)
         self.scan = rospy.Publisher("scan", LaserScan, queue_size=2)
+        self.sonar = rospy.Publisher("sonars", Range, queue_size=2)
+        self.pillar: tuple[float, float] | None = None
+        self.nearest = math.inf
         self.map = rospy.Publisher("map", OccupancyGrid, queue_size=1, latch=True)
         self.map.publish(grid_message(self.grid, "map", rospy.Time.now()))
         self.simple = rospy.Publisher("move_base_simple/goal", PoseStamped, queue_size=1)
@@ -100,6 +104,15 @@ class RobotClient:
         self.seeing = not blind
         return {}
 
+    def do_pillar(self, x: float, y: float) -> dict[str, Any]:
+        """Something stands there that only a sonar hears: one that looks ahead."""
+        self.pillar = (x, y)
+        return {}
+
+    def do_nearest(self) -> dict[str, Any]:
+        """How near the middle of the robot came to the side of the pillar, m."""
+        return {"nearest": self.nearest}
+
     def do_commands(self) -> dict[str, Any]:
         """How many commands have come within the next ten periods of the controller."""
         before, end = self.commands, time.monotonic() + 1.0
@@ -149,10 +162,22 @@ class RobotClient:
             self.tf.publish(
                 TFMessage([_link("map", "odom", Pose2(0, 0, 0), now), _link("odom", "base_footprint", self.pose, now)])
             )
+            if self.pillar and tick % 2 == 0:
+                self.sonar.publish(self._listen(*self.pillar, now))
             if self.seeing and tick % 2 == 0:
                 self.scan.publish(self._look(now))
             tick += 1
             rate.sleep()
+
+    def _listen(self, x: float, y: float, now: rospy.Time) -> Range:
+        dx, dy = x - self.pose.x, y - self.pose.y
+        away = math.hypot(dx, dy)
+        self.nearest = min(self.nearest, away - THICK)
+        off = abs(math.remainder(math.atan2(dy, dx) - self.pose.yaw, math.tau)) - math.atan2(THICK, away)
+        heard = Range(field_of_view=CONE, min_range=0.02, max_range=HEARD)
+        heard.header.frame_id, heard.header.stamp = "base_footprint", now
+        heard.range = away - THICK if off < CONE / 2 and away - THICK < HEARD else math.inf
+        return heard
 
     def _look(self, now: rospy.Time) -> LaserScan:
         angles = np.arange(BEAMS) * math.tau / BEAMS - math.pi

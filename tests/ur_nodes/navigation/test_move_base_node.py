@@ -184,3 +184,11 @@ def test_move_base_without_a_scan_drives_on_the_map_alone(blind_robot: Robot) ->
     end = blind_robot.ask("end", name="a", seconds=60.0)
     assert end["state"] == "SUCCEEDED", end["text"]
     assert math.hypot(end["x"] - 3.0, end["y"] + 1.0) < 0.1
+
+
+def test_move_base_without_a_scan_goes_round_what_a_sonar_hears(blind_robot: Robot) -> None:
+    blind_robot.ask("pillar", x=0.0, y=0.9)
+    blind_robot.ask("goal", name="a", x=0.0, y=1.6, yaw=1.57)
+    end = blind_robot.ask("end", name="a", seconds=90.0)
+    assert end["state"] == "SUCCEEDED", end["text"]
+    assert blind_robot.ask("nearest")["nearest"] > 0.19  # the robot's half width

@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from ur_nodes.navigation.costmap import LETHAL, Inflation
+from ur_nodes.navigation.costmap import LETHAL, Costmap, Inflation
 from ur_nodes.navigation.layers import Ranges
 from ur_nodes.navigation.rolling_costmap import RollingCostmap
-from ur_nodes.navigation.sonar import beams_of_range
+from ur_nodes.navigation.sonar import beams_of_range, without_walls
 from ur_nodes.rosio.pose import Pose2
 
 CONE = 0.5  # rad
@@ -43,3 +43,25 @@ def test_costmap_has_what_sonars_hear_and_forgets_it_when_it_is_gone() -> None:
     assert (seen[:, 1] > centre + 15).all()  # ahead
     costmap.update(here, sonar, beams_of_range(math.inf, CONE, 0.02, 4.0))
     assert not (costmap.occupied().costs == LETHAL).any()
+
+
+@pytest.mark.parametrize(
+    ("distance", "is_obstacle"),
+    [(2.0, False), (1.8, False), (2.2, False), (1.0, True), (math.inf, False)],
+)
+def test_echo_that_a_wall_of_the_map_explains_is_no_obstacle(distance: float, is_obstacle: bool) -> None:
+    costs = np.zeros((60, 80), np.uint8)
+    costs[:, 60] = LETHAL  # across x, at 2 m from the sensor
+    known = Costmap(costs, 0.05, Pose2(0.0, 0.0, 0.0))
+    beams = without_walls(beams_of_range(distance, CONE, 0.02, 4.0), Pose2(1.0, 1.5, 0.0), known)
+    assert beams.hits.any() == is_obstacle
+    assert beams.ranges == pytest.approx(min(distance, 4.0))  # free as far as that, either way
+
+
+def test_frames_of_a_door_do_not_close_it() -> None:
+    costs = np.zeros((60, 80), np.uint8)
+    costs[:20, 40] = costs[38:, 40] = LETHAL  # a door of 0.9 m, ahead and to both sides of the sensor
+    known = Costmap(costs, 0.05, Pose2(0.0, 0.0, 0.0))
+    for yaw in (-0.785, 0.785):
+        beams = without_walls(beams_of_range(0.8, CONE, 0.02, 4.0), Pose2(1.5, 1.45, yaw), known)
+        assert not beams.hits.any()
