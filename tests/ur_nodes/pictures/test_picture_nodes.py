@@ -1,0 +1,122 @@
+"""Compressed pictures over real ROS: unpacked for others, and looked at in a terminal or told of in lines."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import pty
+import select
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from tests.ros_session import RosSession
+
+pytestmark = [pytest.mark.ros, pytest.mark.timeout(300)]
+
+LIMIT = 60.0  # s
+
+
+@pytest.fixture(scope="module")
+def session(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RosSession]:
+    client = [sys.executable, str(Path(__file__).with_name("camera_client_node.py"))]
+    session = RosSession(tmp_path_factory.mktemp("pictures"), client)
+    try:
+        session.ask("publish")
+        yield session
+    finally:
+        session.close()
+
+
+@contextlib.contextmanager
+def publishing(session: RosSession) -> Iterator[None]:
+    """The camera publishes for as long as this lasts; nobody else may ask the client meanwhile."""
+    over = threading.Event()
+
+    def publish() -> None:
+        while not over.wait(0.05):
+            session.ask("publish")
+
+    thread = threading.Thread(target=publish)
+    thread.start()
+    try:
+        yield
+    finally:
+        over.set()
+        thread.join(LIMIT)
+
+
+def test_compressed_pictures_are_unpacked_while_somebody_looks(session: RosSession) -> None:
+    node = session.start(
+        *(sys.executable, "-m", "ur_nodes", "ur_nodes.pictures.republish_node"),
+        *("compressed", "in:=camera/image", "raw", "out:=camera/unpacked"),
+    )
+    seen = session.ask("look", topic="camera/unpacked", seconds=LIMIT)
+    assert (seen["frame"], seen["encoding"], seen["shape"]) == ("raspicam", "rgb8", [48, 64, 3])
+    assert seen["mean"] == pytest.approx([200, 40, 90], abs=4)
+    assert session.ask("listeners", wanted=0, seconds=LIMIT)["listeners"] == 0
+    assert session.stop(node) == ""
+
+
+def test_republish_in_other_words_is_refused_in_a_line(session: RosSession) -> None:
+    node = session.start(sys.executable, "-m", "ur_nodes", "ur_nodes.pictures.republish_node", "theora", "in:=a")
+    _, errors = node.communicate(timeout=LIMIT)
+    session.running.remove(node)
+    assert errors.startswith("error: arguments: theora, expected compressed raw")
+    assert node.returncode == 2
+
+
+def test_without_a_terminal_lines_tell_how_pictures_come(session: RosSession) -> None:
+    node = session.start(
+        *(sys.executable, "-m", "ur_nodes", "ur_nodes.teleop.image_terminal_node", "_image:=camera/image")
+    )
+    assert node.stdout
+    assert node.stdin
+    topic = "/camera/image/compressed"
+    with publishing(session):
+        line = node.stdout.readline()
+        while "x" not in line:
+            assert line.startswith(topic), line
+            line = node.stdout.readline()
+    assert line.startswith(f"{topic}   64 x 48   ")
+    node.stdin.write("q\n")
+    node.stdin.flush()
+    _, errors = node.communicate(timeout=LIMIT)
+    session.running.remove(node)
+    assert (node.returncode, errors) == (0, "")
+
+
+def test_picture_fills_the_terminal_until_q_is_pressed(session: RosSession) -> None:
+    user, screen = pty.openpty()
+    node = subprocess.Popen(
+        [sys.executable, "-m", "ur_nodes", "ur_nodes.teleop.image_terminal_node", "_image:=camera/image"],
+        env=session.env | {"COLORTERM": "truecolor", "TERM": "xterm-256color"},
+        stdin=screen,
+        stdout=screen,
+        stderr=subprocess.PIPE,
+    )
+    os.close(screen)
+    seen = b""
+    try:
+        with publishing(session):
+            end = time.monotonic() + LIMIT
+            while b"64 x 48" not in seen or b"\x1b[38;2;2" not in seen:
+                assert time.monotonic() < end, seen[-500:]
+                if select.select([user], [], [], 0.1)[0]:
+                    seen += os.read(user, 1 << 16)
+        os.write(user, b"q")
+        with contextlib.suppress(OSError):  # the terminal is closed at the end
+            while data := os.read(user, 1 << 16):
+                seen += data
+        assert node.wait(LIMIT) == 0
+    finally:
+        node.kill()
+        _, errors = node.communicate()
+        os.close(user)
+    assert errors == b""
+    assert "▀".encode() in seen
+    assert seen.rstrip().endswith(b"\x1b[?1049l")
