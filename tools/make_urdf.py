@@ -1,7 +1,8 @@
 """Write the URDF of every base and variant, and the meshes of their bodies: make_urdf.py [PACKAGE].
 
-They are n_robot_state_publisher/{urdf/<base>[.<variant>].urdf,meshes/<base>[.<variant>].stl} in the launch package; a
-variant whose body is that of the plain base has no mesh of its own. Files of bases that are no more are taken away.
+PACKAGE is a launch package, or `share/PACKAGE` of a workspace that adds bases to one (`ur.robot.base_search`). The files
+are n_robot_state_publisher/{urdf/<base>[.<variant>].urdf,meshes/<base>[.<variant>].stl}; a variant whose body is that of
+the plain base has no mesh of its own. Files of bases that are no more are taken away.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ import sys
 from pathlib import Path
 
 from ur.robot.base import list_bases, list_variants, load_base
+from ur.robot.base_search import MARKER
 from ur.robot.body_mesh import make_body, write_stl
 from ur.robot.urdf import write_urdf
 from ur.source.diagnostic import UserError, error
@@ -21,7 +23,7 @@ NODE = "n_robot_state_publisher"
 
 def make_urdfs(package: Path) -> dict[str, bytes]:
     """Path in the package to content, for every base and variant of a launch package."""
-    here = f"package://{find_name(package)}"
+    here = find_url(package)
     found: dict[str, bytes] = {}
     for name in list_bases(package):
         body = write_stl(make_body(load_base(package, name)))
@@ -35,13 +37,16 @@ def make_urdfs(package: Path) -> dict[str, bytes]:
     return found
 
 
-def find_name(package: Path) -> str:
-    """The name in a package's package.xml. Raises UserError: there is none."""
+def find_url(package: Path) -> str:
+    """Where RViz finds a package's files. Raises UserError: it is no package, nor what a workspace adds to one."""
     path = package / "package.xml"
     found = re.search(r"<name>\s*(\w+)\s*</name>", path.read_text(encoding="utf-8")) if path.is_file() else None
-    if not found:
-        raise UserError(error(f"{path}: no name of a package, expected a launch package", rule="bad-package"))
-    return found[1]
+    if found:
+        return f"package://{found[1]}"
+    folder = package.resolve()
+    if folder.parent.name == "share" and (folder.parents[1] / MARKER).is_file():
+        return folder.as_uri()  # package:// means the package itself
+    raise UserError(error(f"{path}: no name of a package, expected a launch package", rule="bad-package"))
 
 
 def list_urdfs(package: Path) -> set[str]:

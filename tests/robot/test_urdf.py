@@ -53,6 +53,19 @@ def test_tool_serves_another_package_and_takes_old_files_away(tmp_path: Path) ->
     assert "package://my_robots/n_robot_state_publisher/meshes/mine.stl" in text
 
 
+def test_tool_serves_a_workspace_that_adds_bases_to_a_package(tmp_path: Path) -> None:
+    added = tmp_path / "share" / "ubiquity_launches"
+    shutil.copytree(PACKAGE / "bases" / "stage", added / "bases" / "mine")
+    assert run_tool(added).returncode == 1
+    (tmp_path / ".catkin").touch()
+    done = run_tool(added)
+    assert (done.returncode, done.stderr) == (0, "")
+    text = (added / "n_robot_state_publisher" / "urdf" / "mine.urdf").read_text()
+    (mesh,) = {shape.get("filename", "") for shape in Xml.fromstring(text).iter("mesh")}
+    assert mesh.startswith("file:///")
+    assert Path(mesh.removeprefix("file://")).is_file()
+
+
 def test_tool_says_what_is_wrong_with_a_package_or_a_base(tmp_path: Path) -> None:
     done = run_tool(tmp_path)
     assert done.returncode == 1
