@@ -1,8 +1,8 @@
 """Write the URDF of every base and variant, and the meshes of their bodies: make_urdf.py [PACKAGE].
 
-PACKAGE is a launch package, or `share/PACKAGE` of a workspace that adds bases to one (`ur.robot.base_search`). The files
-are n_robot_state_publisher/{urdf/<base>[.<variant>].urdf,meshes/<base>[.<variant>].stl}; a variant whose body is that of
-the plain base has no mesh of its own. Files of bases that are no more are taken away.
+PACKAGE is a launch package, or `share/PACKAGE` of a workspace that adds bases to one (see `ur.robot.base_search`). The
+files are n_robot_state_publisher/{urdf/<base>[.<variant>].urdf,meshes/<base>[.<variant>].stl}; a variant whose body is
+that of the plain base has no mesh of its own. Files of bases that are no more are taken away.
 """
 
 from __future__ import annotations
