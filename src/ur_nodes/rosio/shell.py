@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
+import signal
 import sys
-from collections.abc import Callable
+import threading
+from collections.abc import Callable, Iterator
+from types import FrameType
 
 import rospy
 
@@ -25,7 +29,8 @@ def run_node(name: str, start: Callable[[], None], *, own_terminal: bool = False
         rospy.init_node(name, disable_signals=False)
         if own_terminal:
             silence_terminal()
-        start()
+        with shut_down_aside():
+            start()
     except UserError as problem:
         sys.stderr.write(render_human(problem.diagnostics))
         rospy.signal_shutdown("user error")
@@ -37,6 +42,25 @@ def run_node(name: str, start: Callable[[], None], *, own_terminal: bool = False
         return 0
     rospy.spin()
     return 0
+
+
+@contextlib.contextmanager
+def shut_down_aside() -> Iterator[None]:
+    """While a node registers with the master, have signals shut it down in a thread of its own.
+
+    rospy's handler speaks to the master on the main thread. Where that is in the middle of a call to the master it
+    waits for itself for ever: the proxy's lock is held until the call that it interrupts is done.
+    """
+
+    def shut_down(number: int, _frame: FrameType | None) -> None:
+        threading.Thread(target=rospy.signal_shutdown, args=(f"signal-{number}",), name="shutdown").start()
+
+    before = {number: signal.signal(number, shut_down) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 def silence_terminal() -> None:

@@ -70,19 +70,21 @@ class SimulatorNode:
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._run, name="simulation", daemon=True)
         rospy.on_shutdown(self._end)
-        self._thread.start()
+        if not rospy.is_shutdown():
+            self._thread.start()
 
     def _end(self) -> None:
         """Stop before rospy closes the topics."""
         self._ended.set()
-        if threading.current_thread() is not self._thread:
+        # The end may come before the beginning.
+        if self._thread.is_alive() and threading.current_thread() is not self._thread:
             self._thread.join(timeout=1.0)
         if self._camera:
             self._camera.close()
 
     def _run(self) -> None:
         try:
-            while not self._ended.is_set():
+            while not self._ended.is_set() and not rospy.is_shutdown():
                 if self._paused:
                     self._serve(_LONGEST_WAIT)
                     continue

@@ -1,0 +1,37 @@
+from __future__ import annotations
+
+import os
+import signal
+import threading
+
+import pytest
+import rospy
+
+from ur_nodes.rosio.shell import shut_down_aside
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_signal_during_registration_shuts_down_in_a_thread_of_its_own(
+    monkeypatch: pytest.MonkeyPatch, number: signal.Signals
+) -> None:
+    asked: list[tuple[str, str]] = []
+    done = threading.Event()
+
+    def shut_down(reason: str) -> None:
+        asked.append((reason, threading.current_thread().name))
+        done.set()
+
+    monkeypatch.setattr(rospy, "signal_shutdown", shut_down)
+    before = signal.getsignal(number)
+    with shut_down_aside():
+        os.kill(os.getpid(), number)
+        assert done.wait(60.0)  # the main thread goes on meanwhile
+    assert asked == [(f"signal-{number.value}", "shutdown")]
+    assert signal.getsignal(number) is before
+
+
+def test_handlers_are_put_back_after_an_error() -> None:
+    before = signal.getsignal(signal.SIGTERM)
+    with pytest.raises(ValueError, match="oops"), shut_down_aside():
+        raise ValueError("oops")
+    assert signal.getsignal(signal.SIGTERM) is before
