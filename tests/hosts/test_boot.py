@@ -24,6 +24,7 @@ def test_program_runs_after_a_reboot_and_with_a_late_network(pair: Bench) -> Non
     robot.run("systemctl reboot")
     robot.wait_rebooted(leader)
     laptop.wait_for(HEAR, user="pat", deadline=60)
+    assert laptop.run("rosparam get /ur/base_name", user="pat").check().out.strip() == "magni"  # from its robot.yaml
 
     # Its address comes only later: as on a WiFi that takes its time.
     robot.run("sed -i s/^Address/#Address/ /etc/systemd/network/10-host0.network").check()

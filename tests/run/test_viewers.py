@@ -1,0 +1,61 @@
+"""Windows where there is no display, and viewers that are not installed: left out, with a line that says why."""
+
+from __future__ import annotations
+
+import pytest
+
+from ur.launchfile.plan.load import load_plan
+from ur.launchfile.plan.model import NodeSpec
+from ur.launchfile.world import World
+from ur.launchfile.world.memory import MemoryWorld
+from ur.run.debian import describe_install
+from ur.run.placement import leave_out_viewers
+
+LAUNCH = """<launch>
+  <node name="map" pkg="rviz" type="rviz"/>
+  <node name="camera" pkg="image_view" type="image_view"/>
+  <node name="talker" pkg="talk" type="talker"/>
+</launch>
+"""
+DISPLAY = {"DISPLAY": ":0"}
+
+
+def make_world(*packages: str) -> tuple[tuple[NodeSpec, ...], World]:
+    programs = {"rviz": "rviz", "image_view": "image_view", "talk": "talker"}
+    paths = {f"/{name}/{programs[name]}": "" for name in packages}
+    world = MemoryWorld({"/x.launch": LAUNCH, **paths}, {name: f"/{name}" for name in packages}, executables=paths)
+    return load_plan(["/x.launch"], [], world).nodes, world
+
+
+def names(nodes: tuple[NodeSpec, ...]) -> list[str]:
+    return [node.full_name for node in nodes]
+
+
+def test_without_a_display_all_windows_are_left_out_in_one_line() -> None:
+    kept, notes = leave_out_viewers(*make_world("rviz", "image_view", "talk"), {})
+    assert names(kept) == ["/talker"]
+    assert notes == ("no display: /map, /camera left out",)
+
+
+@pytest.mark.parametrize("display", [DISPLAY, {"WAYLAND_DISPLAY": "wayland-0"}])
+def test_with_a_display_everything_is_started(display: dict[str, str]) -> None:
+    nodes, world = make_world("rviz", "image_view", "talk")
+    assert leave_out_viewers(nodes, world, display) == (nodes, ())
+
+
+def test_viewer_that_is_not_installed_is_left_out_alone() -> None:
+    kept, notes = leave_out_viewers(*make_world("rviz", "talk"), DISPLAY)
+    assert names(kept) == ["/map", "/talker"]
+    assert notes == (
+        "package image_view is not installed: /camera left out (sudo apt-get install ros-image-view libimage-view-dev)",
+    )
+
+
+def test_other_package_that_is_missing_is_no_viewer() -> None:
+    nodes, world = make_world("rviz", "image_view")
+    assert names(leave_out_viewers(nodes, world, DISPLAY)[0]) == ["/map", "/camera", "/talker"]
+
+
+def test_packages_that_debian_splits_are_named_as_debian_does() -> None:
+    assert describe_install("topic_tools") == "sudo apt-get install topic-tools libtopic-tools-dev"
+    assert "ros-my-nodes or my-nodes" in describe_install("my_nodes")
