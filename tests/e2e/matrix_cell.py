@@ -111,11 +111,14 @@ def _is_of(process: psutil.Process, master_uri: str) -> bool:
 
 def _look(cell: Cell, master_uri: str, result: Result, deadline: float) -> None:
     ears = Ears(parse_master_uri(master_uri), cell.topics)
+    right: set[str] = set()  # what came at its rate once does: this computer may have other things to do meanwhile
     try:
         while True:
             ears.connect()
             ears.listen(LOOK)
-            faults = [fault for topic in cell.topics if (fault := find_fault(topic, ears.heard[topic.name]))]
+            found = {topic.name: find_fault(topic, ears.heard[topic.name]) for topic in cell.topics}
+            right |= {name for name, fault in found.items() if not fault}
+            faults = [fault for name, fault in found.items() if name not in right]
             faults += find_tree_faults(ears.frames, cell.root, cell.frames)
             if not faults or time.monotonic() > deadline:
                 break
