@@ -13,6 +13,7 @@ from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 from tf2_msgs.msg import TFMessage
 
 from ur.source.diagnostic import UserError
+from ur_nodes.rosio.ending import quiet_at_end
 from ur_nodes.rosio.parameters import Parameters
 from ur_nodes.rosio.shell import run_node
 from ur_nodes.vision.detect import DICTIONARIES, CameraModel, Detection, Detector
@@ -60,6 +61,7 @@ class FiducialDetect:
             self._told = True
             rospy.logwarn("%s: the camera is not calibrated (K is 0): no poses", rospy.resolve_name("camera_info"))
 
+    @quiet_at_end
     def _take(self, message: Any) -> None:
         drawn = self._draw and bool(self._images.get_num_connections() or self._jpegs.get_num_connections())
         try:

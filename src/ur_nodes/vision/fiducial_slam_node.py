@@ -24,6 +24,7 @@ from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import MarkerArray
 
 from ur.source.diagnostic import UserError, error
+from ur_nodes.rosio.ending import quiet_at_end
 from ur_nodes.rosio.frames import Frames
 from ur_nodes.rosio.geometry import pose_message, pose_of_message, pose_of_transform, transform_message
 from ur_nodes.rosio.parameters import Parameters
@@ -107,11 +108,13 @@ class FiducialSlam:
     def _take_info(self, message: CameraInfo) -> None:
         self._camera = read_camera(message)
 
+    @quiet_at_end
     def _take(self, message: Any) -> None:
         with self._lock:
             self._waiting = message
         self._try()
 
+    @quiet_at_end
     def _try(self) -> None:
         """Use what was seen last, if the frames at that time are known by now."""
         settings = self._settings
@@ -185,6 +188,7 @@ class FiducialSlam:
         flat: list[float] = whole.ravel().tolist()
         return flat
 
+    @quiet_at_end
     def _publish_tf(self) -> None:
         settings = self._settings
         if self._correction is None or not settings.publish_tf:
@@ -248,6 +252,7 @@ class FiducialSlam:
         write_map(self._settings.map_file, entries)
         return len(entries)
 
+    @quiet_at_end
     def _show(self, *, always: bool = False) -> None:
         wanted = self._markers.get_num_connections() or self._map.get_num_connections()
         if not always and (self._settings.read_only or not wanted):
