@@ -7,16 +7,19 @@ import re
 import subprocess
 import time
 import uuid
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 
 
 class Terminal:
-    """`command` in `folder`, with `ur` on its PATH and the folder as home. `close` ends everything in it."""
+    """`command` in `folder`, with `ur` on its PATH and the folder as home. `close` ends everything in it.
 
-    def __init__(self, command: Sequence[str], folder: Path) -> None:
+    `more` are variables that it gets in addition.
+    """
+
+    def __init__(self, command: Sequence[str], folder: Path, more: Mapping[str, str] | None = None) -> None:
         self.name = f"ur-test-{uuid.uuid4().hex[:8]}"
         (folder / "ur").write_text(f'#!/bin/sh\nexec "{ROOT}/.venv/bin/python" -m ur "$@"\n')
         (folder / "ur").chmod(0o755)
@@ -26,6 +29,7 @@ class Terminal:
             "TERM": "screen",
             "LC_ALL": "C.UTF-8",
             "ROS_PACKAGE_PATH": str(folder),
+            **(more or {}),
         }
         self._run("new-session", "-d", "-x", "120", "-y", "40", *command, env=environment, cwd=folder)
 
@@ -33,9 +37,9 @@ class Terminal:
         """Press keys, as tmux names them; other words are typed as they are."""
         self._run("send-keys", *keys)
 
-    def until(self, text: str) -> str:
+    def until(self, text: str, seconds: float = 60.0) -> str:
         """Wait until a text is on the screen; the whole screen then."""
-        end = time.monotonic() + 60
+        end = time.monotonic() + seconds
         while text not in (screen := self.screen()):
             assert time.monotonic() < end, f"waited for {text!r}, saw:\n{screen}"
             time.sleep(0.05)
