@@ -19,6 +19,7 @@ test-all:
 docs:
     .venv/bin/python tools/make_worlds.py
     .venv/bin/python tools/make_urdf.py
+    ./ur docs ubiquity_launches
     .venv/bin/python tools/make_matrix.py
     .venv/bin/python tools/make_base_pictures.py
     .venv/bin/python tools/make_base_page.py

@@ -27,7 +27,8 @@ def walk_includes(started: Started, namespace: str = "/") -> Iterator[tuple[str,
 
 
 def whole_nodes(plan: Plan) -> list[tuple[str, str, str, str]]:
-    return sorted((n.full_name, n.package, n.type, n.args) for n in plan.nodes if n.name)
+    nodes = (*plan.nodes, *(test.node for test in plan.tests))
+    return sorted((n.full_name, n.package, n.type, n.args) for n in nodes if n.name)
 
 
 def is_loadable(plan: Plan) -> bool:

@@ -102,14 +102,15 @@ def _doc_attributes(repository: Repository) -> dict[Path, str]:
     return changed
 
 
-def _settle(files: Mapping[Path, str], check: bool) -> int:
+def _settle(files: Mapping[Path, str], check: bool, *, brief: bool = False) -> int:
     from ur.docs.difference import show_difference
 
     differences = []
     for path, text in sorted(files.items()):
         old = _read(path)
         if old != text:
-            differences.append(show_difference(_short(path), old, text))
+            name = _short(path)
+            differences.append(f"{name} is out of date\n" if brief else show_difference(name, old, text))
             if not check:
                 _write(path, text)
     if not check:
@@ -133,7 +134,7 @@ def _settle_site(repository: Repository, folder: Path, check: bool) -> int:
         _prepare(folder)
     before = _manifest(folder)
     stale = [name for name in before if name not in site]
-    code = _settle({folder / name: text for name, text in site.items()}, check)
+    code = _settle({folder / name: text for name, text in site.items()}, check, brief=True)
     if check:
         for name in stale:
             click.echo(f"{_short(folder / name)} belongs to nothing any more")

@@ -30,7 +30,7 @@ class Started:
 
     path: str
     plan: Plan
-    items: tuple[Item, ...] = ()
+    items: tuple[Item, ...] = ()  # tests are nodes among them
     cyclic: set[int] = field(default_factory=set)  # places of the includes that lead back
 
     @property
@@ -114,7 +114,7 @@ class Starter:
             return self._known.get(key)
         self._left -= 1
         started = Started(path, load_one_file(path, arguments, world, self._trees, passes_all=passes_all))
-        items: list[Item] = [*started.plan.nodes]
+        items: list[Item] = [*started.plan.nodes, *(test.node for test in started.plan.tests)]
         for include in started.plan.includes:
             child: Started | None = None
             if include.found:
@@ -209,10 +209,12 @@ def place_name(name: str, namespace: str) -> str:
 
 
 def _find_duplicates(started: Started) -> Iterator[Diagnostic]:
+    # The name of a test may be the name of a node: roslaunch never runs both.
     seen: dict[str, NodeSpec] = {}
     for (name, node), _ in zip(walk_nodes(started), range(MAX_FILES), strict=False):
-        first = seen.setdefault(name, node)
-        if first is not node and node.name:
+        is_test = node.origin.span.text == "<test"
+        first = node if is_test or not node.name else seen.setdefault(name, node)
+        if first is not node:
             yield error(f"a second node is named {name}", node.origin.span, rule="duplicate-node")
 
 

@@ -8,7 +8,11 @@ from ur.docs.model import Box, Edge, GraphDoc
 from ur.docs.vary import name_cases
 
 _SHAPES = {"node": ("(", ")"), "missing": ("{{", "}}"), "elsewhere": ("[/", "/]"), "unknown": ("[/", "/]")}
-_CLASSES = {"this": "stroke-width:3px", "missing": "stroke:#c00,color:#c00", "elsewhere": "stroke-dasharray:4"}
+_STYLES = {
+    "this": ("here", "stroke-width:3px"),
+    "missing": ("gone", "stroke:#c00,color:#c00"),
+    "elsewhere": ("other", "stroke-dasharray:4"),
+}
 
 
 def draw_mermaid(graph: GraphDoc) -> list[str]:
@@ -24,14 +28,14 @@ def _lines(graph: GraphDoc) -> Iterator[str]:
     for edge in graph.edges:
         yield _draw_edge(edge)
     kinds = {box.kind for box in graph.boxes}
-    for kind, style in _CLASSES.items():
+    for kind, (name, style) in _STYLES.items():
         if kind in kinds:
-            yield f"classDef {kind} {style}"
+            yield f"classDef {name} {style}"
 
 
 def _draw_box(box: Box) -> str:
     left, right = _SHAPES.get(box.kind, ("[", "]"))
-    name = f":::{box.kind}" if box.kind in _CLASSES else ""
+    name = f":::{_STYLES[box.kind][0]}" if box.kind in _STYLES else ""
     return f'{box.id}{left}"{_quote(box.label)}"{right}{name}'
 
 
