@@ -75,7 +75,7 @@ class Client:
         return self.truth[0]
 
     def call(self, service: str) -> str:
-        rospy.wait_for_service(service, 10.0)
+        rospy.wait_for_service(service, 60.0)
         answer = rospy.ServiceProxy(service, Trigger)()
         assert answer.success
         return str(answer.message)

@@ -132,7 +132,7 @@ def test_keyboard_drives_before_navigation_and_joystick_before_both(robot: Robot
     robot.ask("drive", topic="nav_vel", velocity=[0.0, 0.3])
     teleop = ROOT / "ubiquity_launches" / "n_teleop_twist_keyboard" / "bin" / "teleop_twist_keyboard.py"
     keys = subprocess.run(
-        [str(teleop), "cmd_vel:=key_vel"], env=robot.env, input="jj", text=True, capture_output=True, timeout=30
+        [str(teleop), "cmd_vel:=key_vel"], env=robot.env, input="jj", text=True, capture_output=True, timeout=120
     )
     assert keys.returncode == 0, keys.stderr
     robot.joystick.press(DEAD_MAN, True)
@@ -235,8 +235,8 @@ def test_nodes_refuse_what_they_cannot_use_in_one_clear_message(
     robot: Robot, program: str, parameters: tuple[str, ...], message: str
 ) -> None:
     command = [str(ROOT / "ubiquity_launches" / program), "__name:=cmd_vel_mux_2", *parameters]
-    done = subprocess.run(command, env=robot.env, text=True, capture_output=True, timeout=30)
+    done = subprocess.run(command, env=robot.env, text=True, capture_output=True, timeout=120)
     assert done.returncode == 2
     assert message in done.stderr
     assert "Traceback" not in done.stderr
-    subprocess.run(["/usr/bin/rosparam", "delete", "/cmd_vel_mux_2"], env=robot.env, capture_output=True, timeout=30)
+    subprocess.run(["/usr/bin/rosparam", "delete", "/cmd_vel_mux_2"], env=robot.env, capture_output=True, timeout=120)

@@ -61,11 +61,11 @@ def environment(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Environmen
     finally:
         for process in reversed(started):
             process.terminate()
-            process.wait(10)
+            process.wait(60)
 
 
 def wait_for_port(port: int) -> None:
-    deadline = time.monotonic() + 20
+    deadline = time.monotonic() + 60
     with contextlib.closing(socket.socket()) as probe:
         while probe.connect_ex(("localhost", port)):
             assert time.monotonic() < deadline, "no master"
@@ -73,7 +73,7 @@ def wait_for_port(port: int) -> None:
 
 
 def run_piped(program: Path, text: str, env: Environment, *arguments: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run([program, *arguments], input=text, env=env, text=True, capture_output=True, timeout=60)
+    return subprocess.run([program, *arguments], input=text, env=env, text=True, capture_output=True, timeout=120)
 
 
 def test_piped_goals_are_driven_and_reported(environment: Environment) -> None:
@@ -98,9 +98,9 @@ def test_failed_goal_and_malformed_line_exit_with_1(environment: Environment) ->
 
 
 def test_what_does_not_come_is_named_after_the_limit(environment: Environment) -> None:
-    done = run_piped(NAVIGATE, "g 1 1\n", environment, "map:=nowhere", "move_base/status:=no", "_start_timeout:=1.0")
+    done = run_piped(NAVIGATE, "g 1 1\n", environment, "map:=nowhere", "move_base/status:=no", "_start_timeout:=8.0")
     assert done.returncode == 2
-    assert "still waiting for the map (topic /nowhere) and navigation (action /move_base) after 1 s" in done.stderr
+    assert "still waiting for the map (topic /nowhere) and navigation (action /move_base) after 8 s" in done.stderr
 
 
 def test_bad_parameter_is_one_clear_line(environment: Environment) -> None:
@@ -129,13 +129,14 @@ def test_keys_of_a_pipe_drive(environment: Environment) -> None:
             done = run_piped(DRIVE, "io", environment, "cmd_vel:=keys", "_speed:=0.25", "_turn:=0.5")
             assert (done.returncode, done.stderr) == (0, "")
             assert heard.stdout is not None
-            lines = [heard.stdout.readline().strip() for _ in range(12)]
+            lines = [heard.stdout.readline().strip()]
+            while lines[-1] not in ("0.0 0.0", ""):
+                lines.append(heard.stdout.readline().strip())
         finally:
             heard.terminate()
-        lines += heard.stdout.read().split("\n")
     assert lines[0] == "0.25 0.0"
     assert "0.25 -0.5" in lines
-    assert lines[-2] == "0.0 0.0"
+    assert lines[-1] == "0.0 0.0"
 
 
 @pytest.mark.parametrize("program", [NAVIGATE, DRIVE], ids=lambda path: path.name)
@@ -148,7 +149,7 @@ def test_terminal_is_restored_after_a_signal(environment: Environment, program: 
         process = subprocess.Popen(
             [program], env=environment, stdin=terminal, stdout=terminal, stderr=terminal, start_new_session=True
         )
-        deadline = time.monotonic() + 30
+        deadline = time.monotonic() + 60
         while b"keyboard" not in screen:
             assert time.monotonic() < deadline, screen
             screen += os.read(user, 65536)
