@@ -8,7 +8,7 @@ from __future__ import annotations
 import os
 import shlex
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ur.launchfile.plan.model import NodeSpec, ReadyCondition
@@ -42,21 +42,27 @@ class Program:
         return (*prefix, *self.argv[start:])
 
 
-def find_programs(
-    nodes: Sequence[NodeSpec], world: World, first_number: int = 1
-) -> tuple[tuple[Program, ...], tuple[Diagnostic, ...]]:
+def find_programs(nodes: Sequence[NodeSpec], world: World) -> tuple[tuple[Program, ...], tuple[Diagnostic, ...]]:
     """The program of each node, and an error for each that does not exist. Nothing is started.
 
-    Numbers in log names count from `first_number` in the order of the plan.
+    Log names are numbered from 1 in the order of the plan.
     """
     programs = []
     problems: list[Diagnostic] = []
-    for number, node in enumerate(nodes, first_number):
+    for number, node in enumerate(nodes, 1):
         try:
             programs.append(find_program(node, world, number))
         except UserError as problem:  # noqa: PERF203 - every node that is missing is to be named
             problems.extend(problem.diagnostics)
     return tuple(programs), tuple(problems)
+
+
+def number_logs(programs: Sequence[Program], first: int) -> tuple[Program, ...]:
+    """The same programs, their log names numbered from `first`."""
+    return tuple(
+        replace(program, log_name=f"{program.log_name.rpartition('-')[0]}-{number}")
+        for number, program in enumerate(programs, first)
+    )
 
 
 def find_program(node: NodeSpec, world: World, number: int) -> Program:

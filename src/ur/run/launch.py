@@ -6,7 +6,7 @@ from pathlib import Path
 
 from ur.launchfile.plan.model import NodeSpec, ParamValue, Plan
 from ur.launchfile.world import World
-from ur.run.command import Program, find_programs
+from ur.run.command import Program, find_programs, number_logs
 from ur.run.console import Console
 from ur.run.core import await_master, core_parameters, find_core, find_master, read_run_id
 from ur.run.happenings import SetupFailed
@@ -41,6 +41,7 @@ def run_plan(plan: Plan, world: World, host: ProcessHost, console: Console, opti
     if options.timings is not None:
         options.timings.mark("master asked")
     core = find_core(master, world, options) if own_master else ()
+    programs = number_logs(programs, 2 if own_master else 1)  # as roslaunch, whose rosout is the first
     environment["ROS_MASTER_URI"] = master.uri
     folder = make_run_folder(environment, run_id or new_run_id())
     home = make_home(environment)
@@ -93,7 +94,7 @@ def _find_nodes(
     for note in notes:
         console.warn(note)
     nodes = tuple(force_options(node, options) for node in shown)
-    programs, missing = find_programs(nodes, world, first_number=2)
+    programs, missing = find_programs(nodes, world)
     problems = [*find_remote(plan, nodes), *missing]
     if problems:
         raise UserError(*problems)
