@@ -9,6 +9,7 @@ the plain base is left out.
 from __future__ import annotations
 
 import argparse
+import functools
 import math
 import os
 import shutil
@@ -34,7 +35,7 @@ PACKAGE = ROOT / "ubiquity_launches"
 URDFS = PACKAGE / "n_robot_state_publisher" / "urdf"
 CONFIG = PACKAGE / "rviz_robot" / "rviz" / "robot.rviz"
 BACKGROUND = (64, 68, 72)
-PATIENCE = 120.0  # s
+PATIENCE = 300.0  # s; a busy computer draws slowly
 LOOKS = ("footprint", "body", "height", "ground_clearance", "wheels", "casters", "lidar", "raspicam", "sonars", "imu")
 
 
@@ -117,17 +118,26 @@ def start_screen(folder: Path, width: int, height: int) -> Iterator[dict[str, st
 @contextmanager
 def start_master(env: dict[str, str]) -> Iterator[dict[str, str]]:
     """A ROS master; the environment in which nodes find it."""
-    with socket.socket() as probe:
-        probe.bind(("localhost", 0))
-        port = probe.getsockname()[1]
-    own = env | {"ROS_MASTER_URI": f"http://localhost:{port}"}
-    command = ["rosmaster", "--core", "-p", str(port)]
-    master = subprocess.Popen(command, env=own, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    try:
-        wait_until(lambda: is_open(port), "the ROS master")
-        yield own
-    finally:
-        end(master)
+    for _ in range(5):  # until nobody else has taken the port meanwhile
+        with socket.socket() as probe:
+            probe.bind(("localhost", 0))
+            port = probe.getsockname()[1]
+        own = env | {"ROS_MASTER_URI": f"http://localhost:{port}"}
+        command = ["rosmaster", "--core", "-p", str(port)]
+        master = subprocess.Popen(command, env=own, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        try:
+            wait_until(functools.partial(has_started, master, port), "the ROS master")
+            if master.poll() is None:
+                yield own
+                return
+        finally:
+            end(master)
+    raise SystemExit("error: no ROS master could be started, expected a free port")
+
+
+def has_started(master: subprocess.Popen[bytes], port: int) -> bool:
+    """Whether it answers, or has ended."""
+    return master.poll() is not None or is_open(port)
 
 
 def take_picture(name: str, folder: Path, env: dict[str, str], size: tuple[int, int]) -> Image.Image:
@@ -151,7 +161,15 @@ def take_picture(name: str, folder: Path, env: dict[str, str], size: tuple[int, 
         ]
         try:
             pictures: list[npt.NDArray[np.uint8]] = []
-            wait_until(lambda: is_drawn(pictures, env["DISPLAY"]), f"a picture of {name} (see {log})")
+
+            def is_ready() -> bool:
+                for process, command in zip(running, commands, strict=True):
+                    if process.poll() is not None:
+                        tail = "\n".join(log.read_text(errors="replace").splitlines()[-12:])
+                        raise SystemExit(f"error: {command[0]} has ended, expected it to run on\n{tail}")
+                return is_drawn(pictures, env["DISPLAY"])
+
+            wait_until(is_ready, f"a picture of {name}")
             return Image.fromarray(pictures[-1])
         finally:
             for process in running:

@@ -54,7 +54,7 @@ def test_unknown_base_gets_one_line(tmp_path: Path) -> None:
 
 
 @pytest.mark.ros
-@pytest.mark.timeout(200)
+@pytest.mark.timeout(400)
 def test_rviz_shows_a_base_as_it_is_pictured(tmp_path: Path) -> None:
     needs_rviz()
     done = run_tool("--only", "botvac.xv11", str(tmp_path))
