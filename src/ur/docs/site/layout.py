@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import posixpath
 import re
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
@@ -25,6 +26,7 @@ class Plan:
 
     title: str
     launch_pages: Mapping[str, str]
+    labels: Mapping[str, str]  # of launch files: the name where only one has it, else the path
     program_pages: Mapping[str, str]
     cases: tuple[Case, ...]
     navigation: tuple[tuple[str, tuple[tuple[str, str], ...]], ...]  # title, and (label, page) below it
@@ -41,6 +43,9 @@ def plan_site(documents: Documents) -> Plan:
     program_pages = {
         doc.path: _page_name("program", doc.path, taken) for package in documents.packages for doc in package.programs
     }
+    docs = [doc for package in documents.packages for doc in package.launch_files]
+    names = Counter(doc.name for doc in docs)
+    labels = {doc.path: doc.name if names[doc.name] == 1 else doc.path for doc in docs}
     cases = dict.fromkeys(
         each.case for package in documents.packages for doc in package.launch_files for each in doc.support
     )
@@ -51,7 +56,7 @@ def plan_site(documents: Documents) -> Plan:
     if sum(len(entries) for _, entries in navigation) > MAX_NAVIGATION:
         navigation = []
     title = documents.packages[0].name if len(documents.packages) == 1 else documents.title
-    return Plan(title, launch_pages, program_pages, tuple(cases), tuple(navigation))
+    return Plan(title, launch_pages, labels, program_pages, tuple(cases), tuple(navigation))
 
 
 def _page_name(folder: str, path: str, taken: set[str]) -> str:

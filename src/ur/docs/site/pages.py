@@ -53,7 +53,10 @@ class Pages:
             files = [path for each in package.directories if each.kind == kind for path in each.files]
             if files:
                 docs = [self.by_path[path] for path in files]
-                cards = [self.card(d.name, self.plan.launch_pages[d.path], d.summary, d.support) for d in docs]
+                cards = [
+                    self.card(self.plan.labels[d.path], self.plan.launch_pages[d.path], d.summary, d.support)
+                    for d in docs
+                ]
                 found.append((f"{kind}s", title, f'<ul class="cards">{"".join(cards)}</ul>'))
         if package.bases:
             found.append(("bases", "Bases", _bases_table(package)))
@@ -93,7 +96,7 @@ class Pages:
     def render_launch_file(self, doc: LaunchDoc) -> str:
         """The page of a launch file."""
         page = self.plan.launch_pages[doc.path]
-        head = [f"<h1>{escape(doc.name)}</h1>"]
+        head = [f"<h1>{escape(self.plan.labels[doc.path])}</h1>"]
         if doc.summary:
             head.append(f'<p class="summary">{inline(doc.summary)}</p>')
         head += [f'<p class="problem" role="alert"><strong>Broken:</strong> {inline(p)}</p>' for p in doc.problems]
@@ -113,7 +116,8 @@ class Pages:
         if drawn:
             sections.append(("graph", "Graph", f'<div class="canvas" tabindex="0">{drawn}</div>'))
         sections.append(("source", "Source", f"<p>{code(doc.path)}</p>{show_source(doc.source, xml=True)}"))
-        return self.finish(page, doc.name, head, sections, tuple(each.case for each in doc.support))
+        cases = tuple(each.case for each in doc.support)
+        return self.finish(page, self.plan.labels[doc.path], head, sections, cases)
 
     def finish(
         self,
@@ -136,7 +140,7 @@ class Pages:
 
     def link_to(self, path: str, page: str) -> str:
         """A launch file or program by its name."""
-        name = escape(path.rpartition("/")[2])
+        name = escape(self.plan.labels.get(path, path.rpartition("/")[2]))
         target = self.place(path, page)
         return link(target, name) if target else f"<code>{name}</code>"
 

@@ -27,7 +27,7 @@ def render_site(documents: Documents) -> dict[str, str]:
         for doc in package.launch_files:
             name = plan.launch_pages[doc.path]
             site[name] = pages.render_launch_file(doc)
-            entries.append((doc.name, name, "launch file", doc.summary, _words(doc)))
+            entries.append((plan.labels[doc.path], name, "launch file", doc.summary, _words(doc)))
     site["search.js"] = _search_index(entries)
     for asset in _ASSETS:
         site[asset] = (files("ur.docs.site") / asset).read_text(encoding="utf-8")
