@@ -92,7 +92,8 @@ def start_screen(folder: Path, width: int, height: int) -> Iterator[dict[str, st
     """A screen; the environment in which programs find it."""
     reader, writer = os.pipe()
     screen = subprocess.Popen(
-        ["Xvfb", "-displayfd", str(writer), "-screen", "0", f"{width}x{height}x24", "-nolisten", "tcp"],
+        # Without -noreset it begins anew, and refuses whoever comes then, each time a look at it ends.
+        ["Xvfb", "-displayfd", str(writer), "-screen", "0", f"{width}x{height}x24", "-nolisten", "tcp", "-noreset"],
         pass_fds=[writer],
         stderr=subprocess.DEVNULL,
     )
