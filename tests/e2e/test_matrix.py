@@ -11,7 +11,7 @@ import pytest
 from tests.e2e.matrix_cell import try_cell
 from tests.e2e.matrix_table import Cell, list_all_bases, load_cells
 
-SAMPLE = ("robot_base-stage", "raspicam-stage")  # one that runs and one that is refused: the default suite's
+SAMPLE = ("robot_base-stage", "rviz_sonar-stage")  # one that runs and one that is refused: the default suite's
 CELLS = load_cells(list_all_bases())
 
 
