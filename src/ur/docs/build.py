@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shlex
 from collections.abc import Iterator, Mapping
 
 from ur.check.model import LaunchView
@@ -115,7 +116,7 @@ class _Describer:
     def how_to_run(self, name: str, path: str, part: Part) -> str:
         if name.startswith("ur_") and self.repository.world.is_file(f"{part.package.folder}/bin/ur"):
             return f"ur run {name.removeprefix('ur_')}"
-        return f"rosrun {part.package.name} {name}" if part.is_package else self.show(path)
+        return f"rosrun {part.package.name} {name}" if part.is_package else shlex.quote(self.show(path))
 
 
 def _group_by_directory(launch_files: tuple[LaunchDoc, ...]) -> Iterator[DirectoryDoc]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Sequence
 from typing import Literal
 
@@ -87,7 +88,7 @@ def how_to_run(package: PackageDoc) -> list[str]:
         given = "".join(
             f" {arg.name}:={_example_value(arg.name, doc)}" for arg in doc.arguments if arg.kind == "required"
         )
-        address = f"{package.name} {doc.name}" if package.is_package else doc.path
+        address = f"{package.name} {doc.name}" if package.is_package else shlex.quote(doc.path)
         lines += [
             f"ur launch {address}{given}",
             f"roslaunch {address}{given}",
