@@ -20,7 +20,7 @@ def _parameters() -> list[object]:
 
 
 @pytest.mark.ros
-@pytest.mark.timeout(240)
+@pytest.mark.timeout(400)
 @pytest.mark.parametrize("cell", _parameters())
 def test_program_runs_on_base_or_says_what_it_lacks(cell: Cell, tmp_path: Path) -> None:
     result = try_cell(cell, tmp_path)
