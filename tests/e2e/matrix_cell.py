@@ -21,6 +21,7 @@ from tests.e2e.matrix_topics import Ears, find_fault, find_tree_faults, measure_
 from tests.office_fiducials import write_office_map
 
 from ur.cli.needs import describe_base, describe_need
+from ur.cli.robot_facts import read_facts
 from ur.run.master import parse_master_uri
 
 PATIENCE = 90.0  # s that a run gets to come up, and its topics to come at their rates
@@ -126,6 +127,10 @@ def _look(cell: Cell, master_uri: str, result: Result, deadline: float) -> None:
     finally:
         ears.close()
     result.faults += faults
+    if (facts := read_facts(master_uri)) != (cell.base.name, cell.base.variant):
+        result.faults.append(
+            f"the parameter server says that the robot is {facts}, expected {describe_base(cell.base)}"
+        )
     for topic in cell.topics:
         if topic.rate is not None and (rate := measure_rate(topic, ears.heard[topic.name])):
             result.rates[topic.name] = rate
