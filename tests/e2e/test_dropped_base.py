@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import os
+import subprocess
 from pathlib import Path
 
 import pytest
+import yaml
 from tests.e2e.dropped_base import NAME, drop_base
 from tests.e2e.matrix_cell import try_cell
 from tests.e2e.matrix_table import load_cells
@@ -43,3 +45,21 @@ def test_program_runs_on_a_base_that_was_dropped_in(program: str, tmp_path: Path
     prefixes = os.pathsep.join(filter(None, [str(workspace), os.environ.get("CMAKE_PREFIX_PATH", "")]))
     result = try_cell(cell, folder, environment={"CMAKE_PREFIX_PATH": prefixes})
     assert not result.faults, "\n".join(result.faults)
+
+
+def test_plain_roslaunch_finds_the_files_of_the_base_too(tmp_path: Path) -> None:
+    drop_base(tmp_path)
+    kept = {name: value for name, value in os.environ.items() if not name.startswith("ROS")}
+    env = kept | {
+        "CMAKE_PREFIX_PATH": str(tmp_path),
+        "ROS_PACKAGE_PATH": f"{PACKAGE}:/usr/share",
+        "ROS_HOME": str(tmp_path / "home"),
+        "PATH": f"/usr/bin:{kept['PATH']}",
+    }
+    words = [PACKAGE.name, "m_local_costmap.launch.xml", f"robot_base:={NAME}"]
+    command = ["/usr/bin/roslaunch", "--dump-params", *words]
+    done = subprocess.run(command, env=env, capture_output=True, text=True, check=True, timeout=90)
+    values = yaml.safe_load(done.stdout)
+    assert Path(values["/simulator/package"]).resolve() == (tmp_path / "share" / PACKAGE.name).resolve()
+    assert f'<robot name="{NAME}"' in values["/robot_description"]
+    assert "/local_costmap/costmap/footprint" in values
