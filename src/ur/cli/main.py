@@ -29,7 +29,7 @@ VERBS = {
     "stop": ("ur.cli.stop", "End a run, or one of its nodes."),
     "check": ("ur.cli.check", "Check launch files, YAML files and programs."),
     "new": ("ur.cli.new", "Write a new node, group, view, program, base or package."),
-    "package": ("ur.cli.package", "Compare package.xml and CMakeLists.txt with what launch files use."),
+    "package": ("ur.cli.package", "Check package.xml and CMakeLists.txt of launch files."),
     "format": ("ur.cli.format", "Put launch files in house order and layout."),
     "find": ("ur.cli.find", "Find where a name in launch files is defined and used."),
     "docs": ("ur.cli.docs", "Write documents of launch files: one page, or a web site."),
@@ -88,7 +88,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # Python flushes standard output once more when it ends
         return 141
     except Exception as problem:
-        return _report_defect(problem, words)
+        return report_defect(problem, words)
 
 
 def _dispatch(words: list[str]) -> int:
@@ -152,7 +152,8 @@ def _explain(problem: click.UsageError) -> int:
     return 2
 
 
-def _report_defect(problem: Exception, words: list[str]) -> int:
+def report_defect(problem: Exception, words: list[str]) -> int:
+    """Write down what only a developer can use, and tell where it is; returns the exit code."""
     from ur.cli.defects import write_defect
 
     path = write_defect(problem, words, os.environ)

@@ -11,7 +11,7 @@ import click
 @click.argument("path", default=".", metavar="[PATH]")
 @click.option("--write", is_flag=True, help="Add what is missing.")
 def command(path: str, write: bool) -> int:
-    """Compare package.xml and CMakeLists.txt with what launch files use.
+    """Check package.xml and CMakeLists.txt of launch files.
 
     Every package that a launch file or program takes something from has to be a dependency, and everything that it
     needs has to be installed. Dependencies that nothing here uses are named, and stay. A comment in package.xml names
