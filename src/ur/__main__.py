@@ -7,11 +7,12 @@ import sys
 
 def _run() -> int:
     if sys.argv[1:2] == ["launch"]:
-        from ur.cli.fast import answer_fast
+        from ur.cli.fast import answer_fast, launch_fast
 
-        code = answer_fast(sys.argv[1:])
-        if code is not None:
-            return code
+        for way in (answer_fast, launch_fast):
+            code = way(sys.argv[1:])
+            if code is not None:
+                return code
     if sys.argv[1:2] == ["__complete"]:
         from ur.cli.completing import answer_completion
 

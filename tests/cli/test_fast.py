@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from ur.cli.fast import read_question
+from ur.cli.fast import launch_fast, read_question
 
 SOURCE = str(Path(__file__).parents[2] / "src")
 
@@ -54,3 +54,18 @@ def test_what_is_wrong_is_said_once_and_as_ever(tmp_path: Path) -> None:
     missing = _run(["launch", "--nodes", str(tmp_path / "b.launch")], tmp_path)
     assert missing.returncode == 2
     assert missing.stderr.count("did you mean") == 1
+
+
+def test_plain_launch_needs_no_click_and_says_what_is_wrong(tmp_path: Path) -> None:
+    (tmp_path / "bad.launch").write_text("<launch><node/></launch>")
+    done = _run(["launch", str(tmp_path / "bad.launch")], tmp_path)
+    assert done.returncode == 1
+    assert "bad.launch:1:9: error: " in done.stderr
+    assert not [line for line in done.stderr.splitlines() if line.startswith("import time:") and "click" in line]
+
+
+def test_launch_with_an_option_goes_the_usual_way() -> None:
+    assert launch_fast(["launch", "a.launch", "--plain"]) is None
+    assert launch_fast(["launch", "-"]) is None
+    assert launch_fast(["launch"]) is None
+    assert launch_fast(["check", "a.launch"]) is None

@@ -1,7 +1,7 @@
-"""The way round click for roslaunch's questions: reading a large launch file takes less time than importing click does.
+"""The way round click, for plain command lines only: importing it takes longer than reading a large launch file.
 
-Only plain command lines are taken, and only good news is told here: for everything else the usual way is gone, from its
-start, and says what is wrong.
+To roslaunch's questions only good news is told here: for everything else the usual way is gone, from its start, and
+says what is wrong.
 """
 
 from __future__ import annotations
@@ -34,6 +34,27 @@ def answer_fast(words: Sequence[str]) -> int | None:
         return None
     finally:
         gc.enable()
+
+
+def launch_fast(words: Sequence[str]) -> int | None:
+    """Do `ur launch [PACKAGE] FILE [ARG:=VALUE]...` where there is no option; else None, and nothing has happened."""
+    if len(words) < 2 or words[0] != "launch" or any(word.startswith("-") for word in words):
+        return None
+    try:
+        from ur.cli.launch_act import act_on, explain_problem
+        from ur.cli.launch_wishes import Wishes
+        from ur.source.diagnostic import UserError
+
+        try:
+            return act_on(words[1:], Wishes())
+        except UserError as problem:
+            return explain_problem(problem)
+    except KeyboardInterrupt:
+        return 130
+    except Exception as problem:
+        from ur.cli.main import report_defect
+
+        return report_defect(problem, list(words))
 
 
 def read_question(words: Sequence[str]) -> tuple[tuple[str, str | None], list[str]] | None:

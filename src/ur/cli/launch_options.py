@@ -2,31 +2,16 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
+from ur.cli.launch_wishes import Wishes
 from ur.source.diagnostic import UserError, error
 
-if TYPE_CHECKING:
-    from ur.run.events import Severity
-
-Query = tuple[str, str | None]
 _OURS = {"dry-run", "dump"}
 _EXCLUSIVE = {"nodes", "find-node", "args", "ros-args"}
-_PRECEDENCE = (
-    "args",
-    "find-node",
-    "dump-params",
-    "files",
-    "ros-args",
-    "nodes",
-    "dry-run",
-    "dump",
-)  # as roslaunch's main
 # roslaunch 1.16's own; '--dump-params' may be written '--dump' there, which is an option of ours.
 ROSLAUNCH = (
     "--files", "--args", "--nodes", "--find-node", "--child", "--local", "--screen", "--required", "--log",
@@ -42,44 +27,6 @@ _REFUSED = {
     "-u": "ur has no child mode; it is how roslaunch starts itself on other computers",
     "--run_id": "the run id is the master's, or a new one where ur starts the master",
 }
-
-
-@dataclass(slots=True)
-class Wishes:
-    """The options of the command line, as click found them."""
-
-    core: bool = False
-    local: bool = False
-    verbose: bool = False
-    screen: bool = False
-    log: bool = False
-    required: bool = False
-    wait: bool = False
-    port: int | None = None
-    numworkers: int | None = None
-    timeout: float | None = None
-    master_logger_level: str | None = None
-    pid: str | None = None
-    sigint_timeout: float | None = None
-    sigterm_timeout: float | None = None
-    only: Sequence[str] = ()
-    except_: Sequence[str] = ()
-    prefix: Sequence[str] = ()
-    debug: Sequence[str] = ()
-    detach: bool = False
-    plain: bool = False
-    calm: bool = False
-    json: bool = False
-    timeout_ready: float = 30.0
-    respawn_limit: int | None = None
-    timings: bool = False
-    queries: Sequence[Query] = field(default=())
-    notes: list[tuple[Severity, str]] = field(default_factory=list)  # what was said so far, for the interface's log
-
-    def say(self, severity: Severity, text: str) -> None:
-        """Tell people something before anything starts."""
-        self.notes.append((severity, text))
-        sys.stderr.write(f"{text}\n")
 
 
 def make_parameters() -> list[click.Parameter]:
@@ -210,8 +157,3 @@ def check_wishes(words: Sequence[str], wishes: Wishes) -> None:
         raise UserError(
             error(f"{' and '.join(f'--{name}' for name in names)} exclude each other, expected one", rule="bad-options")
         )
-
-
-def choose_query(queries: Sequence[Query]) -> Query | None:
-    """The question that is answered, where roslaunch allows several; None without one."""
-    return min(queries, key=lambda query: _PRECEDENCE.index(query[0]), default=None)
