@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import os
 import select
+import signal
 import sys
 import threading
 import time
@@ -86,7 +87,10 @@ async def _end_with(end: Callable[[], None], ended: threading.Event) -> None:
 def _run_batch(navigator: RosNavigator, store_for: StoreFor, limits: Limits, ended: threading.Event) -> int:
     around = Surroundings(out=_write_out, err=_write_err, clock=time.monotonic, sleep=ended.wait)
     try:
-        missing = wait_until_ready(navigator, limits, around)
+        try:
+            missing = wait_until_ready(navigator, limits, around)
+        except InterruptedBatchError:
+            return 128 + signal.SIGINT  # there was no goal yet
         if missing is not None:
             around.err(f"error: {_NAME}: still waiting for {missing} after {limits.start:g} s")
             around.err("  help: 'ur run keyboard_navigate' starts all of it; parameter ~start_timeout sets the limit")
