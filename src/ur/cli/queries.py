@@ -18,6 +18,7 @@ from ur.launchfile.plan.load import load_plan
 from ur.launchfile.plan.model import NodeSpec, Plan
 from ur.launchfile.plan.names import join_names
 from ur.launchfile.query.items import all_nodes, find_node_file, list_files, list_nodes
+from ur.launchfile.syntax.parse import parse_launch_file
 from ur.launchfile.world.system import SystemWorld
 from ur.robot.selection import Selection
 from ur.source.diagnostic import Diagnostic, Severity, UserError, error
@@ -178,6 +179,9 @@ def _print_arguments(words: Sequence[str], world: SystemWorld) -> int:
 
     files = resolve_addresses(words, world)
     refuse_stray_words(files, declared_arguments(files, world), world)
+    broken = parse_launch_file(files[-1], world.read_bytes(files[-1])).diagnostics
+    if any(each.severity is Severity.ERROR for each in broken):
+        raise UserError(*broken)
     # roslaunch shows those of the last file
     sys.stdout.write(format_arguments(read_arguments(files[-1], [word for word in words if ":=" in word], world)))
     return 0
