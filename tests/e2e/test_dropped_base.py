@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 from pathlib import Path
 
@@ -45,6 +46,14 @@ def test_program_runs_on_a_base_that_was_dropped_in(program: str, tmp_path: Path
     prefixes = os.pathsep.join(filter(None, [str(workspace), os.environ.get("CMAKE_PREFIX_PATH", "")]))
     result = try_cell(cell, folder, environment={"CMAKE_PREFIX_PATH": prefixes})
     assert not result.faults, "\n".join(result.faults)
+
+
+def test_launch_files_name_no_folder_of_the_package_that_a_workspace_would_hide() -> None:
+    """roslaunch takes a whole folder from the workspace that has it: only files may be looked for."""
+    whole = re.compile(r"\$\(find ubiquity_launches\)/(?:[\w.]+/)*[\w]+\"")
+    for path in PACKAGE.glob("*/launch/*.xml"):
+        found = [text for text in whole.findall(path.read_text(encoding="utf-8")) if "." not in text.rpartition("/")[2]]
+        assert not found, f"{path}: {found}"
 
 
 def test_plain_roslaunch_finds_the_files_of_the_base_too(tmp_path: Path) -> None:
