@@ -88,7 +88,7 @@ def live(world: Any, dice: random.Random) -> None:
         end(world, run, how)
         run.wait(20)
         own = [line for line in run.text.splitlines() if not line.startswith(("[/", "  | "))]  # not what nodes print
-        if "init_import_site" not in run.text:  # Ctrl-C before Python itself had started
+        if "Fatal Python error: init" not in run.text:  # Ctrl-C before Python itself had started
             assert not any("Traceback" in line or "defect" in line for line in own), run.text
         wait_nothing_left(world.folder, 2.5, without=frozenset({master.pid}) if master else frozenset())
         if master is not None and how not in ("kill supervisor", "kill host"):
