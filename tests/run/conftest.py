@@ -80,7 +80,7 @@ class Launched:
         except psutil.NoSuchProcess:
             return
 
-    def until(self, *texts: str, limit: float = 20.0) -> None:
+    def until(self, *texts: str, limit: float = 60.0) -> None:
         """Wait until every text was printed."""
         end = time.monotonic() + limit
         while not all(text in self.text for text in texts):
@@ -88,7 +88,7 @@ class Launched:
             assert self.read() or self.output >= 0, f"ended without {texts}:\n{self.text}"
         self.look()
 
-    def wait(self, limit: float = 20.0) -> int:
+    def wait(self, limit: float = 60.0) -> int:
         """Wait for its end; return the exit code."""
         end = time.monotonic() + limit
         while self.process.poll() is None:
@@ -107,14 +107,14 @@ class Launched:
                     found.append(" ".join(each.cmdline()))
         return found
 
-    def until_running(self, command: str, count: int, limit: float = 20.0) -> None:
+    def until_running(self, command: str, count: int, limit: float = 60.0) -> None:
         """Wait until so many processes have this command line."""
         end = time.monotonic() + limit
         while self.survivors().count(command) < count:
             assert time.monotonic() < end, self.survivors()
             self.read(0.01)
 
-    def wait_nothing_left(self, limit: float = 2.0) -> None:
+    def wait_nothing_left(self, limit: float = 60.0) -> None:
         """Wait until no process that it ever had runs any more."""
         end = time.monotonic() + limit
         while left := self.survivors():
@@ -230,7 +230,7 @@ def start_master(world: World) -> subprocess.Popen[bytes]:
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
     )
-    end = time.monotonic() + 20
+    end = time.monotonic() + 60
     while True:
         with socket.socket() as probe:
             if probe.connect_ex(("localhost", world.port)) == 0:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import glob
+import importlib.util
 import os
 import shutil
 import socket
@@ -25,8 +26,7 @@ def look_around(environment: Mapping[str, str], *, terminal: bool, python: str =
     """What is there. `python` is the interpreter whose modules count, '' for that of this project."""
     path = environment.get("PATH")
     tools = {name for name in ("gdb", "xterm") if shutil.which(name, path=path)}
-    asked = python or sys.executable
-    tools |= {name for name in ("pudb", "debugpy") if _has_module(asked, name)}
+    tools |= _find_modules(python or sys.executable, ("pudb", "debugpy"))
     return Surroundings(
         terminal=terminal,
         tmux=bool(environment.get("TMUX")) and shutil.which("tmux", path=path) is not None,
@@ -103,15 +103,16 @@ def find_free_port(first: int = 5678) -> int:
     return first
 
 
-def _has_module(python: str, name: str) -> bool:
-    words = [python, "-c", f"import importlib.util as u; raise SystemExit(u.find_spec({name!r}) is None)"]
+def _find_modules(python: str, names: tuple[str, ...]) -> set[str]:
+    """Which modules an interpreter has; its own start is spared where it is ours."""
+    if python == sys.executable:
+        return {name for name in names if importlib.util.find_spec(name) is not None}
+    words = [python, "-c", f"import importlib.util as u; print(*(n for n in {names!r} if u.find_spec(n)))"]
     try:
-        return (
-            subprocess.run(words, stdin=subprocess.DEVNULL, capture_output=True, timeout=10, check=False).returncode
-            == 0
-        )
+        done = subprocess.run(words, stdin=subprocess.DEVNULL, capture_output=True, timeout=20, check=False, text=True)
     except (OSError, subprocess.TimeoutExpired):
-        return False
+        return set()
+    return set(done.stdout.split())
 
 
 def _coredumpctl_has(program: str) -> bool:

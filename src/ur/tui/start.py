@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 Mode = Literal["full", "calm", "plain"]
 LEAST_COLUMNS, LEAST_ROWS = 60, 15
-PATIENCE = 3.0  # s for the interface to leave the screen
+PATIENCE = 8.0  # s for the interface to leave the screen; a busy computer needs a few
 
 
 def choose_mode(*, terminal: bool, size: tuple[int, int], term: str, calm: bool, textual: bool) -> Mode:
