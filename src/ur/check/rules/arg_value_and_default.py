@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from ur.check.model import Group, Rule, launch_example
+from ur.check.example_parts import speed_example
+from ur.check.model import Group, Rule
 from ur.source.diagnostic import Severity
 
 RULE = Rule(
@@ -13,20 +14,6 @@ RULE = Rule(
     explanation="""
 `value` fixes an argument, `default` lets others change it: it is one or the other.
 """,
-    bad=(
-        launch_example("""
-<launch>
-  <arg name="speed" value="0.3" «default»="0.5"/>
-  <param name="speed" value="$(arg speed)"/>
-</launch>
-"""),
-    ),
-    good=(
-        launch_example("""
-<launch>
-  <arg name="speed" default="0.5"/>
-  <param name="speed" value="$(arg speed)"/>
-</launch>
-"""),
-    ),
+    bad=(speed_example('<arg name="speed" value="0.3" «default»="0.5"/>'),),
+    good=(speed_example(),),
 )

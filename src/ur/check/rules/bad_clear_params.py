@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from ur.check.model import Group, Rule, launch_example
+from ur.check.example_parts import group_example
+from ur.check.model import Group, Rule
 from ur.source.diagnostic import Severity
 
 RULE = Rule(
@@ -13,22 +14,6 @@ RULE = Rule(
     explanation="""
 `clear_params` deletes the parameters of a namespace, so `<group>` and `<include>` need `ns` beside it.
 """,
-    bad=(
-        launch_example("""
-<launch>
-  <group «clear_params»="true">
-    <node name="talker" pkg="demo_nodes" type="talker"/>
-  </group>
-</launch>
-"""),
-    ),
-    good=(
-        launch_example("""
-<launch>
-  <group clear_params="true" ns="left">
-    <node name="talker" pkg="demo_nodes" type="talker"/>
-  </group>
-</launch>
-"""),
-    ),
+    bad=(group_example('<group «clear_params»="true">'),),
+    good=(group_example('<group clear_params="true" ns="left">'),),
 )

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from ur.check.model import Group, Rule, launch_example
+from ur.check.example_parts import group_example
+from ur.check.model import Group, Rule
 from ur.source.diagnostic import Severity
 
 RULE = Rule(
@@ -13,22 +14,6 @@ RULE = Rule(
     explanation="""
 roslaunch refuses `ns=''`. Leave the attribute away, or write `/` for the root.
 """,
-    bad=(
-        launch_example("""
-<launch>
-  <group «ns»="">
-    <node name="talker" pkg="demo_nodes" type="talker"/>
-  </group>
-</launch>
-"""),
-    ),
-    good=(
-        launch_example("""
-<launch>
-  <group ns="left">
-    <node name="talker" pkg="demo_nodes" type="talker"/>
-  </group>
-</launch>
-"""),
-    ),
+    bad=(group_example('<group «ns»="">'),),
+    good=(group_example('<group ns="left">'),),
 )

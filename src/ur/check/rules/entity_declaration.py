@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from ur.check.example_parts import speed_example
 from ur.check.model import Group, Rule, launch_example
 from ur.source.diagnostic import Severity
 
@@ -24,12 +25,5 @@ used for.
 </launch>
 """),
     ),
-    good=(
-        launch_example("""
-<launch>
-  <arg name="speed" default="0.3"/>
-  <param name="speed" value="$(arg speed)"/>
-</launch>
-"""),
-    ),
+    good=(speed_example('<arg name="speed" default="0.3"/>'),),
 )

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from ur.check.example_parts import house_example, make_talk_launch
 from ur.check.house import heading_of, house_folder
-from ur.check.model import Found, Group, LaunchView, Rule, launch_example
+from ur.check.model import Found, Group, LaunchView, Rule
 from ur.check.survey import find_uses
 from ur.launchfile.syntax import Comment, Element
 from ur.source.diagnostic import Note, Severity
@@ -81,37 +82,27 @@ opens a file finds first what has to be given. A convenience argument that is co
 it.
 """,
     bad=(
-        launch_example(
-            """
-<launch>
-  <!--Summary: Say something.-->
-  <!--Overview: Once per second.-->
-  <arg name="rate" default="1"/>
-  <!--rate: How often, in Hz.-->
-  «<arg» name="word"/>
-  <!--word: What is said.-->
-  <node name="talker" pkg="demo_nodes" type="talker" args="$(arg word) $(arg rate)"/>
-</launch>
-""",
-            name="n_talker/launch/n_talker.launch",
+        house_example(
+            make_talk_launch(
+                '<arg name="rate" default="1"/>',
+                "<!--rate: How often, in Hz.-->",
+                '«<arg» name="word"/>',
+                "<!--word: What is said.-->",
+                says="$(arg word) $(arg rate)",
+            )
         ),
     ),
     good=(
-        launch_example(
-            """
-<launch>
-  <!--Summary: Say something.-->
-  <!--Overview: Once per second.-->
-  <arg name="word"/>
-  <!--word: What is said.-->
-  <arg name="rate" default="1"/>
-  <!--rate: How often, in Hz.-->
-  <arg name="words" value="$(arg word) $(arg rate)"/>
-  <!--words: The program's arguments.-->
-  <node name="talker" pkg="demo_nodes" type="talker" args="$(arg words)"/>
-</launch>
-""",
-            name="n_talker/launch/n_talker.launch",
+        house_example(
+            make_talk_launch(
+                '<arg name="word"/>',
+                "<!--word: What is said.-->",
+                '<arg name="rate" default="1"/>',
+                "<!--rate: How often, in Hz.-->",
+                '<arg name="words" value="$(arg word) $(arg rate)"/>',
+                "<!--words: The program's arguments.-->",
+                says="$(arg words)",
+            )
         ),
     ),
     house=True,

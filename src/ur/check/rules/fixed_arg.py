@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from ur.check.model import Group, Rule, launch_example
+from ur.check.example_parts import passing_example
+from ur.check.model import Group, Rule
 from ur.source.diagnostic import Severity
 
 RULE = Rule(
@@ -13,42 +14,6 @@ RULE = Rule(
     explanation="""
 An `<arg>` with `value=` cannot be given from outside. Where it is meant to be, it is written with `default=`.
 """,
-    bad=(
-        launch_example(
-            """
-<launch>
-  <include file="$(find my_robot)/launch/part.launch.xml">
-    <arg name="speed" value="0.3"/>
-  </include>
-</launch>
-""",
-            {
-                "launch/part.launch.xml": """
-<launch>
-  <arg name="«speed»" value="0.5"/>
-  <param name="speed" value="$(arg speed)"/>
-</launch>
-""",
-            },
-        ),
-    ),
-    good=(
-        launch_example(
-            """
-<launch>
-  <include file="$(find my_robot)/launch/part.launch.xml">
-    <arg name="speed" value="0.3"/>
-  </include>
-</launch>
-""",
-            {
-                "launch/part.launch.xml": """
-<launch>
-  <arg name="speed" default="0.5"/>
-  <param name="speed" value="$(arg speed)"/>
-</launch>
-""",
-            },
-        ),
-    ),
+    bad=(passing_example(declared='<arg name="«speed»" value="0.5"/>'),),
+    good=(passing_example(),),
 )

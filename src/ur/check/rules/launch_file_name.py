@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from ur.check.example_parts import MARKED_LAUNCH, house_example, make_talk_launch
 from ur.check.house import file_name, house_folder
-from ur.check.model import Found, Group, LaunchView, Rule, launch_example
+from ur.check.model import Found, Group, LaunchView, Rule
 from ur.source.diagnostic import Severity
 
 _SUFFIXES = (".launch.xml", ".launch")
@@ -24,14 +25,6 @@ def _find_other_name(view: LaunchView) -> Iterable[Found]:
         )
 
 
-_TEXT = """
-<launch>
-  <!--Summary: Say something.-->
-  <!--Overview: Once per second.-->
-  <node name="talker" pkg="demo_nodes" type="talker"/>
-</launch>
-"""
-
 RULE = Rule(
     id="launch-file-name",
     group=Group.HOUSE,
@@ -40,8 +33,8 @@ RULE = Rule(
     explanation="""
 A directory `n_x`, `m_x` or `rviz_x` holds one launch file of this name, so that each of the two tells the other.
 """,
-    bad=(launch_example(_TEXT.replace("<launch>", "«<launch»>"), name="n_talker/launch/talker.launch"),),
-    good=(launch_example(_TEXT, name="n_talker/launch/n_talker.launch"),),
+    bad=(house_example(make_talk_launch(tag=MARKED_LAUNCH), "talker.launch"),),
+    good=(house_example(make_talk_launch()),),
     house=True,
     launch_file=_find_other_name,
 )

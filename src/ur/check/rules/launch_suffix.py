@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from ur.check.example_parts import MARKED_LAUNCH, SUMMARY, lower_text, make_launch, make_talk_launch
 from ur.check.house import file_name, house_folder
 from ur.check.model import Example, Found, Group, PackageView, Rule
 from ur.source.diagnostic import Note, Severity
@@ -28,24 +29,12 @@ def _find_wrong_suffix(view: PackageView) -> Iterable[Found]:
             )
 
 
-_PART = """
-<launch>
-  <!--Summary: Say something.-->
-  <!--Overview: Once per second.-->
-  <node name="talker" pkg="demo_nodes" type="talker"/>
-</launch>
-"""
-
-
 def _example(suffix: str, part: str) -> Example:
-    whole = f"""
-<launch>
-  <!--Summary: Say something.-->
-  <!--Overview: Includes what says it.-->
-  <include file="$(find my_robot)/n_talker/launch/n_talker.{suffix}"/>
-</launch>
-"""
-    return Example({"m_talk/launch/m_talk.launch": whole, f"n_talker/launch/n_talker.{suffix}": part})
+    included = f"n_talker/launch/n_talker.{suffix}"
+    whole = make_launch(
+        SUMMARY, "<!--Overview: Includes what says it.-->", f'<include file="$(find my_robot)/{included}"/>'
+    )
+    return Example({"m_talk/launch/m_talk.launch": lower_text(whole), included: lower_text(part)})
 
 
 RULE = Rule(
@@ -56,8 +45,8 @@ RULE = Rule(
     explanation="""
 `.launch` files are started by people and complete with Tab; `.launch.xml` files are included by others.
 """,
-    bad=(_example("launch", _PART.replace("<launch>", "«<launch»>")),),
-    good=(_example("launch.xml", _PART),),
+    bad=(_example("launch", make_talk_launch(tag=MARKED_LAUNCH)),),
+    good=(_example("launch.xml", make_talk_launch()),),
     house=True,
     whole_package=_find_wrong_suffix,
 )

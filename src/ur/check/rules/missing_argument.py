@@ -2,8 +2,17 @@
 
 from __future__ import annotations
 
+from ur.check.example_parts import lower_text, make_speed_launch, passing_example
 from ur.check.model import Group, Rule, launch_example
 from ur.source.diagnostic import Severity
+
+_INCLUDES = """
+<launch>
+  «<include» file="$(find my_robot)/launch/part.launch.xml"/>
+</launch>
+"""
+_PART = "launch/part.launch.xml"
+_DECLARED = '<arg name="speed"/>'
 
 RULE = Rule(
     id="missing-argument",
@@ -15,29 +24,11 @@ An `<arg>` with neither `default` nor `value` has to be given by whoever include
 only where the argument is used, and accepts it silently where it is not.
 """,
     bad=(
+        launch_example(_INCLUDES, {_PART: lower_text(make_speed_launch(_DECLARED))}),
         launch_example(
-            """
-<launch>
-  «<include» file="$(find my_robot)/launch/part.launch.xml"/>
-</launch>
-""",
+            _INCLUDES,
             {
-                "launch/part.launch.xml": """
-<launch>
-  <arg name="speed"/>
-  <param name="speed" value="$(arg speed)"/>
-</launch>
-""",
-            },
-        ),
-        launch_example(
-            """
-<launch>
-  «<include» file="$(find my_robot)/launch/part.launch.xml"/>
-</launch>
-""",
-            {
-                "launch/part.launch.xml": """
+                _PART: """
 <launch>
   <arg name="speed"/>
   <group if="false">
@@ -48,23 +39,5 @@ only where the argument is used, and accepts it silently where it is not.
             },
         ),
     ),
-    good=(
-        launch_example(
-            """
-<launch>
-  <include file="$(find my_robot)/launch/part.launch.xml">
-    <arg name="speed" value="0.3"/>
-  </include>
-</launch>
-""",
-            {
-                "launch/part.launch.xml": """
-<launch>
-  <arg name="speed"/>
-  <param name="speed" value="$(arg speed)"/>
-</launch>
-""",
-            },
-        ),
-    ),
+    good=(passing_example(declared=_DECLARED),),
 )

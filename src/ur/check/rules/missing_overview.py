@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from ur.check.example_parts import MARKED_LAUNCH, SUMMARY, TALKER, house_example, make_launch, make_talk_launch
 from ur.check.house import find_heading, house_folder
-from ur.check.model import Found, Group, LaunchView, Rule, launch_example
+from ur.check.model import Found, Group, LaunchView, Rule
 from ur.source.diagnostic import Severity
 
 
@@ -27,29 +28,8 @@ RULE = Rule(
     explanation="""
 `<!--Overview: ...-->` is a few sentences, in Markdown, on how the file is used. The generated pages begin with it.
 """,
-    bad=(
-        launch_example(
-            """
-«<launch»>
-  <!--Summary: Say something.-->
-  <node name="talker" pkg="demo_nodes" type="talker"/>
-</launch>
-""",
-            name="n_talker/launch/n_talker.launch",
-        ),
-    ),
-    good=(
-        launch_example(
-            """
-<launch>
-  <!--Summary: Say something.-->
-  <!--Overview: Once per second.-->
-  <node name="talker" pkg="demo_nodes" type="talker"/>
-</launch>
-""",
-            name="n_talker/launch/n_talker.launch",
-        ),
-    ),
+    bad=(house_example(make_launch(SUMMARY, TALKER, tag=MARKED_LAUNCH)),),
+    good=(house_example(make_talk_launch()),),
     house=True,
     launch_file=_find_missing,
 )

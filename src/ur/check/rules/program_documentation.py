@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 
+from ur.check.example_parts import make_talk_launch
 from ur.check.model import Example, Found, Group, ProgramView, Rule
 from ur.source.diagnostic import Severity
 from ur.source.file import Span
@@ -25,12 +26,6 @@ def _find_undocumented(view: ProgramView) -> Iterable[Found]:
         )
 
 
-_LAUNCH = """<launch>
-  <!--Summary: Say something.-->
-  <!--Overview: Once per second.-->
-  <node name="talker" pkg="demo_nodes" type="talker"/>
-</launch>
-"""
 _GOOD = """#!/bin/bash
 ##Summary: Say something.
 ##Overview: Once per second, until
@@ -40,7 +35,7 @@ exec roslaunch my_robot n_talker.launch.xml "$@"
 
 
 def _example(program: str) -> Example:
-    return Example({"bin/ur_talk": program, "n_talker/launch/n_talker.launch.xml": _LAUNCH})
+    return Example({"bin/ur_talk": program, "n_talker/launch/n_talker.launch.xml": make_talk_launch()})
 
 
 RULE = Rule(

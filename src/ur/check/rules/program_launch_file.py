@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 
+from ur.check.example_parts import PROGRAM_HEAD, make_talk_launch
 from ur.check.model import Example, Found, Group, LaunchView, ProgramView, Rule
 from ur.source.diagnostic import Severity
 from ur.source.file import Span
@@ -51,22 +52,9 @@ def _check_arguments(command: re.Match[str], launch: LaunchView, view: ProgramVi
             )
 
 
-_LAUNCH = """<launch>
-  <!--Summary: Say something.-->
-  <!--Overview: Once per second.-->
-  <arg name="word" default="hello"/>
-  <!--word: What is said.-->
-  <node name="talker" pkg="demo_nodes" type="talker" args="$(arg word)"/>
-</launch>
-"""
-_HEAD = """#!/bin/bash
-##Summary: Say something.
-##Overview: Once per second.
-"""
-
-
 def _example(command: str) -> Example:
-    return Example({"bin/ur_talk": _HEAD + command, "n_talker/launch/n_talker.launch": _LAUNCH})
+    launch = make_talk_launch('<arg name="word" default="hello"/>', "<!--word: What is said.-->", says="$(arg word)")
+    return Example({"bin/ur_talk": PROGRAM_HEAD + command, "n_talker/launch/n_talker.launch": launch})
 
 
 RULE = Rule(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 
+from ur.check.example_parts import speed_example
 from ur.check.model import Found, Group, LaunchView, Rule, launch_example
 from ur.launchfile.syntax import Element, SubstitutionProblem, is_eval, parse_substitutions
 from ur.source.diagnostic import Severity
@@ -75,13 +76,6 @@ refuses the file as soon as the place takes part.
 </launch>
 """),
     ),
-    good=(
-        launch_example("""
-<launch>
-  <arg name="speed" default="0.3"/>
-  <param name="speed" value="$(arg speed)"/>
-</launch>
-"""),
-    ),
+    good=(speed_example('<arg name="speed" default="0.3"/>'),),
     element=_find_undeclared,
 )

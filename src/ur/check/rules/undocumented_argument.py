@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from ur.check.example_parts import house_example, make_talk_launch
 from ur.check.house import comments_after, heading_of, house_folder
-from ur.check.model import Found, Group, LaunchView, Rule, launch_example
+from ur.check.model import Found, Group, LaunchView, Rule
 from ur.launchfile.syntax import Element
 from ur.source.diagnostic import Severity
 
@@ -45,32 +46,15 @@ RULE = Rule(
     explanation="""
 After each `<arg>` follows `<!--name: ...-->`: what it means, in which unit, what it may be. `doc=` counts, too.
 """,
-    bad=(
-        launch_example(
-            """
-<launch>
-  <!--Summary: Say something.-->
-  <!--Overview: Once per second.-->
-  <arg name="«word»"/>
-  <node name="talker" pkg="demo_nodes" type="talker" args="$(arg word)"/>
-</launch>
-""",
-            name="n_talker/launch/n_talker.launch",
-        ),
-    ),
+    bad=(house_example(make_talk_launch('<arg name="«word»"/>', says="$(arg word)")),),
     good=(
-        launch_example(
-            """
-<launch>
-  <!--Summary: Say something.-->
-  <!--Overview: Once per second.-->
-  <arg name="word"/>
-  <!--word: What is said.-->
-  <arg name="rate" default="1" doc="How often, in Hz."/>
-  <node name="talker" pkg="demo_nodes" type="talker" args="$(arg word) $(arg rate)"/>
-</launch>
-""",
-            name="n_talker/launch/n_talker.launch",
+        house_example(
+            make_talk_launch(
+                '<arg name="word"/>',
+                "<!--word: What is said.-->",
+                '<arg name="rate" default="1" doc="How often, in Hz."/>',
+                says="$(arg word) $(arg rate)",
+            )
         ),
     ),
     house=True,

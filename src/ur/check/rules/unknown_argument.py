@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from ur.check.model import Group, Rule, launch_example
+from ur.check.example_parts import passing_example
+from ur.check.model import Group, Rule
 from ur.source.diagnostic import Severity
 
 RULE = Rule(
@@ -14,42 +15,6 @@ RULE = Rule(
 roslaunch refuses an argument that the included file does not declare. Most often it is misspelt, or the file
 has changed since.
 """,
-    bad=(
-        launch_example(
-            """
-<launch>
-  <include file="$(find my_robot)/launch/part.launch.xml">
-    <arg name="«sped»" value="0.3"/>
-  </include>
-</launch>
-""",
-            {
-                "launch/part.launch.xml": """
-<launch>
-  <arg name="speed" default="0.5"/>
-  <param name="speed" value="$(arg speed)"/>
-</launch>
-""",
-            },
-        ),
-    ),
-    good=(
-        launch_example(
-            """
-<launch>
-  <include file="$(find my_robot)/launch/part.launch.xml">
-    <arg name="speed" value="0.3"/>
-  </include>
-</launch>
-""",
-            {
-                "launch/part.launch.xml": """
-<launch>
-  <arg name="speed" default="0.5"/>
-  <param name="speed" value="$(arg speed)"/>
-</launch>
-""",
-            },
-        ),
-    ),
+    bad=(passing_example('<arg name="«sped»" value="0.3"/>'),),
+    good=(passing_example(),),
 )

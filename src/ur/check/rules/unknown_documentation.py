@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from ur.check.example_parts import house_example, make_talk_launch
 from ur.check.house import KNOWN_HEADINGS, heading_of, house_folder
-from ur.check.model import Found, Group, LaunchView, Rule, launch_example
+from ur.check.model import Found, Group, LaunchView, Rule
 from ur.launchfile.syntax import Comment, Element
 from ur.source.diagnostic import Severity
 from ur.source.file import Span
@@ -49,33 +50,23 @@ A comment `<!--name: ...-->` is about the argument `name`. Where there is none, 
 the comment is misspelt.
 """,
     bad=(
-        launch_example(
-            """
-<launch>
-  <!--Summary: Say something.-->
-  <!--Overview: Once per second.-->
-  <arg name="word"/>
-  <!--word: What is said.-->
-  <!--«volume»: How loud it is said.-->
-  <node name="talker" pkg="demo_nodes" type="talker" args="$(arg word)"/>
-</launch>
-""",
-            name="n_talker/launch/n_talker.launch",
+        house_example(
+            make_talk_launch(
+                '<arg name="word"/>',
+                "<!--word: What is said.-->",
+                "<!--«volume»: How loud it is said.-->",
+                says="$(arg word)",
+            )
         ),
     ),
     good=(
-        launch_example(
-            """
-<launch>
-  <!--Summary: Say something.-->
-  <!--Overview: Once per second.-->
-  <arg name="word"/>
-  <!--word: What is said.-->
-  <!-- Note: the rest is for listeners. -->
-  <node name="talker" pkg="demo_nodes" type="talker" args="$(arg word)"/>
-</launch>
-""",
-            name="n_talker/launch/n_talker.launch",
+        house_example(
+            make_talk_launch(
+                '<arg name="word"/>',
+                "<!--word: What is said.-->",
+                "<!-- Note: the rest is for listeners. -->",
+                says="$(arg word)",
+            )
         ),
     ),
     house=True,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from ur.check.example_parts import group_example
 from ur.check.model import Group, Rule, launch_example
 from ur.source.diagnostic import Severity
 
@@ -21,13 +22,5 @@ the file.
 </launch>
 """),
     ),
-    good=(
-        launch_example("""
-<launch>
-  <group if="false">
-    <node name="talker" pkg="demo_nodes" type="talker"/>
-  </group>
-</launch>
-"""),
-    ),
+    good=(group_example('<group if="false">'),),
 )

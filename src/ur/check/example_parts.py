@@ -1,0 +1,57 @@
+"""What the examples of several rules share: the same few launch files, to which each rule adds its own lines."""
+
+from __future__ import annotations
+
+from ur.check.model import Example, launch_example
+
+TALKER = '<node name="talker" pkg="demo_nodes" type="talker"/>'
+SUMMARY = "<!--Summary: Say something.-->"
+OVERVIEW = "<!--Overview: Once per second.-->"
+MARKED_LAUNCH = "«<launch»>"
+PROGRAM_HEAD = """#!/bin/bash
+##Summary: Say something.
+##Overview: Once per second.
+"""
+_SPEED = '<arg name="speed" default="0.5"/>'
+
+
+def make_launch(*lines: str, tag: str = "<launch>") -> str:
+    """The text of a launch file that begins with `tag` and holds these lines."""
+    return "\n".join((tag, *(f"  {line}" for line in lines), "</launch>", ""))
+
+
+def make_speed_launch(declared: str = _SPEED, value: str = "$(arg speed)") -> str:
+    """A launch file that declares the argument `speed` in the line `declared`, and sets a parameter to `value`."""
+    return make_launch(declared, f'<param name="speed" value="{value}"/>')
+
+
+def make_talk_launch(*lines: str, says: str | None = None, tag: str = "<launch>") -> str:
+    """A launch file of the house layout: Summary, Overview, these lines, a talker with the arguments `says`."""
+    talker = TALKER if says is None else TALKER.replace("/>", f' args="{says}"/>')
+    return make_launch(SUMMARY, OVERVIEW, *lines, talker, tag=tag)
+
+
+def lower_text(text: str) -> str:
+    """The text below an empty line, which the pages count and do not show."""
+    return "\n" + text
+
+
+def speed_example(declared: str = _SPEED, value: str = "$(arg speed)") -> Example:
+    """One launch file, `make_speed_launch`."""
+    return launch_example(make_speed_launch(declared, value))
+
+
+def passing_example(passed: str = '<arg name="speed" value="0.3"/>', declared: str = _SPEED) -> Example:
+    """A launch file that includes `make_speed_launch(declared)`, with the line `passed` inside of its `<include>`."""
+    include = ('<include file="$(find my_robot)/launch/part.launch.xml">', f"  {passed}", "</include>")
+    return launch_example(make_launch(*include), {"launch/part.launch.xml": lower_text(make_speed_launch(declared))})
+
+
+def group_example(tag: str) -> Example:
+    """A launch file with a talker in a group that begins with `tag`."""
+    return launch_example(make_launch(tag, f"  {TALKER}", "</group>"))
+
+
+def house_example(text: str, file: str = "n_talker.launch") -> Example:
+    """A launch file of the directory `n_talker` in a package that follows the house layout."""
+    return launch_example(text, name=f"n_talker/launch/{file}")
