@@ -23,7 +23,7 @@ def find_processes(folder: Path, *, without: frozenset[int] = frozenset()) -> di
     return found
 
 
-def wait_nothing_left(folder: Path, limit: float, *, without: frozenset[int] = frozenset()) -> None:
+def wait_nothing_left(folder: Path, limit: float = 60.0, *, without: frozenset[int] = frozenset()) -> None:
     """Wait until no process of a test's folder runs. The limit is in s."""
     end = time.monotonic() + limit
     while left := find_processes(folder, without=without):

@@ -38,8 +38,8 @@ def test_flood_of_lines_neither_stops_the_run_nor_grows_it(world: Any) -> None:
     run.until("[/flood] ", "[/ticker] tick")
     assert psutil.Process(run.process.pid).memory_info().rss < 100e6
     run.process.send_signal(signal.SIGINT)
-    assert run.wait(30) == 0
-    wait_nothing_left(world.folder, 2, without=frozenset({world.master_pid}))
+    assert run.wait() == 0
+    wait_nothing_left(world.folder, without=frozenset({world.master_pid}))
 
 
 @pytest.mark.usefixtures("master")
@@ -51,7 +51,7 @@ def test_nobody_reading_a_flood_does_not_hold_the_run_up(world: Any) -> None:
     while log.stat().st_size < size + 1_000_000:  # it goes on while we read nothing
         assert run.process.poll() is None
     run.process.send_signal(signal.SIGINT)
-    assert run.process.wait(15) == 0
+    assert run.process.wait(60) == 0
 
 
 @pytest.mark.usefixtures("master")
@@ -83,7 +83,7 @@ def test_full_disk_under_the_log_folder_loses_logs_not_the_run(world: Any) -> No
     run.process.send_signal(signal.SIGINT)
     assert run.wait() == 0
     assert "Traceback" not in run.text
-    wait_nothing_left(world.folder, 2)
+    wait_nothing_left(world.folder)
 
 
 def test_master_that_comes_back_gets_its_parameters_and_nodes_again(world: Any) -> None:
@@ -122,4 +122,4 @@ def test_nothing_of_50_nodes_survives_kill_9(world: Any) -> None:
     while sum("sleep 600" in line for line in find_processes(world.folder).values()) < 40:
         run.read()
     os.kill(run.process.pid, signal.SIGKILL)
-    wait_nothing_left(world.folder, 2, without=frozenset({world.master_pid}))
+    wait_nothing_left(world.folder, without=frozenset({world.master_pid}))

@@ -114,7 +114,7 @@ def test_nothing_survives_kill_9(world: Any, victims: tuple[str, ...]) -> None:
         found[victim].kill()
     if victims == ("guard",):  # one of three does not matter
         run.process.send_signal(signal.SIGINT)
-    run.wait_nothing_left(60 if "supervisor" not in victims else 2)
+    run.wait_nothing_left()
     codes = {("host",): 1, ("guard",): 0, PAIRS[0]: 1}
     assert run.wait() == codes.get(victims, -signal.SIGKILL)
 
@@ -138,7 +138,7 @@ def test_daemons_are_ended_with_the_run(world: Any) -> None:
     run.until_running("sleep 600", 2)
     run.process.send_signal(signal.SIGINT)
     assert run.wait() == 0
-    run.wait_nothing_left(0.5)
+    run.wait_nothing_left()
 
 
 @pytest.mark.usefixtures("master")

@@ -50,10 +50,8 @@ def end(world: Any, run: Any, how: str) -> None:
     if how == "stop verb":
         world.ur("stop", "--all").wait()
     elif how in ("kill host", "kill guard"):
-        with suppress(psutil.Error):
-            for child in psutil.Process(run.process.pid).children(recursive=True):
-                if how.replace("kill ", "ur-") in (child.name(), child.cmdline()[0]):
-                    child.kill()
+        while run.process.poll() is None and not kill_keeper(run, how.replace("kill ", "ur-")):
+            run.read(0.01)  # it has not come that far
         if how == "kill guard":  # one of three does not matter
             run.process.send_signal(signal.SIGINT)
     elif how == "kill supervisor":
@@ -63,6 +61,16 @@ def end(world: Any, run: Any, how: str) -> None:
         if "twice" in how:
             run.read(0.1)
             run.process.send_signal(signal.SIGINT)
+
+
+def kill_keeper(run: Any, name: str) -> bool:
+    """Kill the process host or the guard. False while there is none."""
+    with suppress(psutil.Error):
+        for child in psutil.Process(run.process.pid).children(recursive=True):
+            if name in (child.name(), *child.cmdline()[:1]):
+                child.kill()
+                return True
+    return False
 
 
 def live(world: Any, dice: random.Random) -> None:
@@ -76,7 +84,7 @@ def live(world: Any, dice: random.Random) -> None:
         how = dice.choice(ENDS)
         if dice.random() < 0.8 or how == "stop verb":  # which finds only what is registered already
             with suppress(AssertionError):  # it may end before: a required node did
-                run.until("[/last] started", limit=15)
+                run.until("[/last] started")
             disturb(world, run, dice)
         limit = time.monotonic() + dice.choice((0.0, 0.05, 0.3))
         while time.monotonic() < limit:
@@ -86,11 +94,11 @@ def live(world: Any, dice: random.Random) -> None:
             master.wait()
             master = None
         end(world, run, how)
-        run.wait(20)
+        run.wait()
         own = [line for line in run.text.splitlines() if not line.startswith(("[/", "  | "))]  # not what nodes print
         if "Fatal Python error: init" not in run.text:  # Ctrl-C before Python itself had started
             assert not any("Traceback" in line or "defect" in line for line in own), run.text
-        wait_nothing_left(world.folder, 2.5, without=frozenset({master.pid}) if master else frozenset())
+        wait_nothing_left(world.folder, without=frozenset({master.pid}) if master else frozenset())
         if master is not None and how not in ("kill supervisor", "kill host"):
             assert not {name for name in registered(world.port) if name.startswith(("/n", "/last"))}, (how, run.text)
         listed = subprocess.run(

@@ -17,7 +17,7 @@ from ur.run.parameters import check_sendable, start_commands
 from ur.run.placement import find_remote, find_terminals, force_options, leave_out_viewers
 from ur.run.places import make_home, make_run_folder, new_run_id
 from ur.run.presence import plan_watch, register
-from ur.run.processes import ProcessHost
+from ur.run.processes import HostLost, ProcessHost
 from ur.run.registry import unregister_run
 from ur.run.run import Run
 from ur.run.terminal import find_terminal, ignore_background_write
@@ -61,7 +61,12 @@ def run_plan(plan: Plan, world: World, host: ProcessHost, console: Console, opti
         entry, listener = register(
             plan, master, folder, environment, console, detached=options.call_started is not None
         )
-        host.begin(environment, keep_terminal=any(node.terminal for node in nodes))
+        try:
+            host.begin(environment, keep_terminal=any(node.terminal for node in nodes))
+        except HostLost:
+            unregister_run(entry)
+            message = "the process host was killed before anything was started"
+            raise UserError(error(message, rule="no-process-host", help="start it once more")) from None
         terminal = find_terminal() if options.call_started is None else None
         ignore_background_write()
         _announce(console, master, own_master=own_master, folder=folder, nodes=len(programs))
