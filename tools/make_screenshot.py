@@ -19,6 +19,7 @@ from skimage.graph import route_through_array
 
 from ur_nodes.navigation.map_file import load_map
 from ur_nodes.teleop.app import NavigateApp
+from ur_nodes.teleop.emergency import Wish
 from ur_nodes.teleop.navigator import GoalReport, GoalState, MapGrid, Place, Snapshot
 from ur_nodes.teleop.waypoints import WaypointStore
 
@@ -45,6 +46,9 @@ class StillNavigator:
         return 1
 
     def stop(self) -> None:
+        """Nothing."""
+
+    def ask_mux(self, _wish: Wish) -> None:
         """Nothing."""
 
     def set_pose(self, _place: Place) -> None:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from ur.check.computer import make_world
 from ur.check.run import check_paths
+from ur.cli.main import main
 from ur.source.render import render_human
 
 LIBRARY = str(Path(__file__).parents[2] / "ubiquity_launches")
@@ -19,3 +20,11 @@ def test_library_is_clean() -> None:
     findings = [found for found in report.findings if found.rule != "package-not-installed"]
     assert render_human(findings) == ""
     assert report.files >= 20
+
+
+def test_library_is_laid_out_as_ur_format_does() -> None:
+    assert main(["format", "--check", LIBRARY]) == 0
+
+
+def test_library_names_the_packages_it_uses_and_installs_what_it_needs() -> None:
+    assert main(["package", LIBRARY]) == 0

@@ -88,7 +88,7 @@ def start() -> None:
             read_locks(rospy.get_param("~locks", []), rospy.resolve_name("~locks")),
             period=1.0 / own.number("rate", 50.0, minimum=10.0, maximum=100.0),
             stop_time=own.number("stop_time", 0.3, minimum=0.1, maximum=2.0),
-            lag=own.number("lag", 0.11, minimum=0.0, maximum=0.5),
+            lag=own.number("lag", base.limits.lag, minimum=0.0, maximum=0.5),
         )
     )
 

@@ -31,7 +31,7 @@ class Limits:
     """What the base can do: m/s, rad/s, m/s^2, rad/s^2; `command_age` (s) is when an old command means stop.
 
     The accelerations hold while it speeds up, the decelerations (at least as high; the same unless given) while it
-    brakes.
+    brakes. `lag` (s) is what passes between a command and wheels that have obeyed it, beside the braking itself.
     """
 
     velocity: float
@@ -41,6 +41,7 @@ class Limits:
     deceleration: float
     angular_deceleration: float
     command_age: float
+    lag: float
 
 
 @dataclass(frozen=True, slots=True)
