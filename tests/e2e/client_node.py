@@ -5,10 +5,7 @@ rospy can be started only once in a process, so each test session's client is a 
 
 from __future__ import annotations
 
-import json
 import math
-import os
-import sys
 import time
 from collections.abc import Callable
 from typing import Any
@@ -24,6 +21,7 @@ from nav_msgs.srv import GetPlan, SetMap, SetMapRequest
 from sensor_msgs.msg import LaserScan
 from std_msgs.msg import Bool, String
 from std_srvs.srv import Empty, Trigger
+from tests.json_client import answer_requests, claim_output
 
 from ur_nodes.rosio.geometry import Pose2, pose_message, pose_of_message, pose_of_transform
 
@@ -200,18 +198,9 @@ def wait_until(condition: Callable[[], object], seconds: float, what: str, pause
 
 def main() -> None:
     """Answer requests until standard input ends."""
-    answers = os.fdopen(os.dup(1), "w")
-    os.dup2(2, 1)  # rospy prints there while it waits for the master
+    answers = claim_output()
     rospy.init_node("test_client", anonymous=True, disable_signals=True)
-    client = Client()
-    for line in sys.stdin:
-        request = json.loads(line)
-        try:
-            answer = getattr(client, "do_" + request.pop("do"))(**request)
-        except Exception as problem:  # the test that asked is told, whatever it was
-            answer = {"error": f"{type(problem).__name__}: {problem}"}
-        answers.write(json.dumps(answer) + "\n")
-        answers.flush()
+    answer_requests(answers, Client(), "do_")
     rospy.signal_shutdown("done")
 
 

@@ -76,10 +76,9 @@ class Robot:
         self.launch = launch
         self.env = env
         self.log = log
-        command = [str(PYTHON), str(Path(__file__).with_name("client_node.py"))]
-        self.client = subprocess.Popen(
-            command, env=env, text=True, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL
-        )
+        command = [str(PYTHON), "-m", "tests.e2e.client_node"]
+        pipe, nowhere = subprocess.PIPE, subprocess.DEVNULL
+        self.client = subprocess.Popen(command, cwd=ROOT, env=env, text=True, stdin=pipe, stdout=pipe, stderr=nowhere)
 
     def ask(self, do: str, **arguments: Any) -> dict[str, Any]:
         stdin, stdout = self._pipes()
@@ -90,7 +89,8 @@ class Robot:
         assert ready, f"{do}: no answer within {limit:g} s; launch log: {self.log.read_text()[-2000:]}"
         answer: dict[str, Any] = json.loads(stdout.readline())
         assert "error" not in answer, f"{do}: {answer['error']}; launch log: {self.log.read_text()[-2000:]}"
-        return answer
+        result: dict[str, Any] = answer["answer"]
+        return result
 
     def _pipes(self) -> tuple[IO[str], IO[str]]:
         assert self.client.stdin

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import json
-import os
-import sys
 import threading
 import time
 from typing import Any
@@ -14,6 +11,7 @@ from nav_msgs.msg import Odometry
 from roslib.message import get_message_class
 from sensor_msgs.msg import JointState, LaserScan
 from std_msgs.msg import Bool
+from tests.json_client import answer_requests, claim_output
 from tf2_msgs.msg import TFMessage
 
 
@@ -84,18 +82,9 @@ def brief(message: Any) -> Any:
 
 
 def main() -> None:
-    answers = os.fdopen(os.dup(1), "w")
-    os.dup2(2, 1)  # rospy prints there now and then
+    answers = claim_output()
     rospy.init_node("client", anonymous=True, disable_signals=True)
-    client = Client()
-    for line in sys.stdin:
-        request = json.loads(line)
-        try:
-            answer = {"answer": getattr(client, request.pop("do"))(**request)}
-        except (AssertionError, rospy.ROSException) as problem:
-            answer = {"error": str(problem)}
-        answers.write(json.dumps(answer) + "\n")
-        answers.flush()
+    answer_requests(answers, Client())
     rospy.signal_shutdown("done")
 
 

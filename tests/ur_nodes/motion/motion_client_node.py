@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import json
-import os
-import sys
 import threading
 import time
 from collections.abc import Callable
@@ -15,6 +12,7 @@ from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 from std_msgs.msg import Bool, String
 from std_srvs.srv import Trigger
+from tests.json_client import answer_requests, claim_output
 
 
 class Client:
@@ -118,18 +116,9 @@ def take(messages: list[Any]) -> list[Any]:
 
 
 def main() -> None:
-    answers = os.fdopen(os.dup(1), "w")
-    os.dup2(2, 1)  # rospy prints there while it waits for the master
+    answers = claim_output()
     rospy.init_node("motion_client")
-    client = Client()
-    for line in sys.stdin:
-        request = json.loads(line)
-        try:
-            answer = {"answer": getattr(client, request.pop("do"))(**request)}
-        except Exception as problem:  # it is raised again in the test
-            answer = {"error": repr(problem)}
-        answers.write(json.dumps(answer) + "\n")
-        answers.flush()
+    answer_requests(answers, Client())
 
 
 if __name__ == "__main__":

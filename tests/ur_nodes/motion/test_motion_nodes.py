@@ -29,8 +29,8 @@ class Robot:
         self.env = env
         self.joystick = joystick
         pipe = subprocess.PIPE
-        command = [str(PYTHON), str(HERE / "motion_client_node.py")]
-        self.client = subprocess.Popen(command, env=env, text=True, stdin=pipe, stdout=pipe)
+        command = [str(PYTHON), "-m", "tests.ur_nodes.motion.motion_client_node"]
+        self.client = subprocess.Popen(command, cwd=ROOT, env=env, text=True, stdin=pipe, stdout=pipe)
 
     def ask(self, do: str, **arguments: Any) -> Any:
         assert self.client.stdin

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import sys
 import threading
@@ -16,6 +15,7 @@ from nav_msgs.msg import MapMetaData, OccupancyGrid
 from nav_msgs.srv import GetMap
 from sensor_msgs.msg import LaserScan
 from std_srvs.srv import Empty
+from tests.json_client import answer_requests, claim_output
 from tests.ur_nodes.navigation.synthetic import ANGLES, LASER, RANGE_MAX, Drifter, cast_rays
 from tf2_msgs.msg import TFMessage
 
@@ -137,16 +137,9 @@ class Client:
 
 def main() -> None:
     """Answer questions on standard input until it ends."""
+    answers = claim_output()
     rospy.init_node("client", disable_signals=True)
-    client = Client(Path(sys.argv[1]))
-    for line in sys.stdin:
-        question = json.loads(line)
-        try:
-            answer = {"answer": getattr(client, question.pop("do"))(**question)}
-        except Exception as problem:  # the test shows it
-            answer = {"error": f"{type(problem).__name__}: {problem}"}
-        sys.stdout.write(json.dumps(answer) + "\n")
-        sys.stdout.flush()
+    answer_requests(answers, Client(Path(sys.argv[1])))
 
 
 if __name__ == "__main__":

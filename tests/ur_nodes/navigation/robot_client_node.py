@@ -6,9 +6,7 @@ a door (the map); its odometry is right, its localisation too.
 
 from __future__ import annotations
 
-import json
 import math
-import sys
 import threading
 import time
 from collections.abc import Callable
@@ -24,6 +22,7 @@ from nav_msgs.msg import OccupancyGrid, Path
 from nav_msgs.srv import GetPlan
 from sensor_msgs.msg import LaserScan, Range
 from std_srvs.srv import Empty
+from tests.json_client import answer_requests, claim_output
 from tests.ur_nodes.navigation.closed_loop import two_rooms
 from tf2_msgs.msg import TFMessage
 
@@ -208,17 +207,9 @@ def wait_until(condition: Callable[[], Any], seconds: float, what: str) -> None:
 
 
 def main() -> None:
-    answers, sys.stdout = sys.stdout, sys.stderr  # rospy prints while it waits for a master
+    answers = claim_output()
     rospy.init_node("robot_client", disable_signals=True, log_level=rospy.FATAL)
-    client = RobotClient()
-    for line in sys.stdin:
-        request = json.loads(line)
-        try:
-            answer = getattr(client, "do_" + request.pop("do"))(**request)
-        except Exception as problem:
-            answer = {"error": f"{type(problem).__name__}: {problem}"}
-        answers.write(json.dumps(answer) + "\n")
-        answers.flush()
+    answer_requests(answers, RobotClient(), "do_")
     rospy.signal_shutdown("no more requests")
 
 

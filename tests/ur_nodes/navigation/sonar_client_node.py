@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import json
 import math
-import os
-import sys
 import time
 from typing import Any
 
@@ -14,6 +11,7 @@ import rospy
 from geometry_msgs.msg import PolygonStamped, TransformStamped
 from nav_msgs.msg import OccupancyGrid
 from sensor_msgs.msg import Range
+from tests.json_client import answer_requests, claim_output
 from tf2_msgs.msg import TFMessage
 
 _TURN = (math.sin(math.pi / 4), math.cos(math.pi / 4))  # the sonar looks to the left
@@ -78,18 +76,9 @@ class Client:
 
 def main() -> None:
     """Answer requests until standard input ends."""
-    answers = os.fdopen(os.dup(1), "w")
-    os.dup2(2, 1)  # rospy prints there while it waits for the master
+    answers = claim_output()
     rospy.init_node("sonar_client", anonymous=True, disable_signals=True)
-    client = Client()
-    for line in sys.stdin:
-        request = json.loads(line)
-        try:
-            answer = {"answer": getattr(client, "do_" + request.pop("do"))(**request)}
-        except Exception as problem:  # the test that asked is told, whatever it was
-            answer = {"error": f"{type(problem).__name__}: {problem}"}
-        answers.write(json.dumps(answer) + "\n")
-        answers.flush()
+    answer_requests(answers, Client(), "do_")
 
 
 if __name__ == "__main__":

@@ -44,7 +44,8 @@ class Robot:
         assert ready, f"{do}: no answer"
         answer: dict[str, Any] = json.loads(self._client.stdout.readline())
         assert "error" not in answer, f"{do}: {answer['error']}"
-        return answer
+        result: dict[str, Any] = answer["answer"]
+        return result
 
 
 @pytest.fixture(scope="module")

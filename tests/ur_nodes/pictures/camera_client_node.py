@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 import io
-import json
-import os
-import sys
 import time
 from typing import Any
 
@@ -13,6 +10,7 @@ import numpy as np
 import rospy
 from PIL import Image as Picture
 from sensor_msgs.msg import CompressedImage, Image
+from tests.json_client import answer_requests, claim_output
 
 COLOUR = (200, 40, 90)
 
@@ -71,18 +69,9 @@ def make_jpeg() -> bytes:
 
 def main() -> None:
     """Answer requests until standard input ends."""
-    answers = os.fdopen(os.dup(1), "w")
-    os.dup2(2, 1)  # rospy prints there while it waits for the master
+    answers = claim_output()
     rospy.init_node("camera_client", anonymous=True, disable_signals=True)
-    client = Client()
-    for line in sys.stdin:
-        request = json.loads(line)
-        try:
-            answer = {"answer": getattr(client, "do_" + request.pop("do"))(**request)}
-        except Exception as problem:  # the test that asked is told, whatever it was
-            answer = {"error": f"{type(problem).__name__}: {problem}"}
-        answers.write(json.dumps(answer) + "\n")
-        answers.flush()
+    answer_requests(answers, Client(), "do_")
 
 
 if __name__ == "__main__":

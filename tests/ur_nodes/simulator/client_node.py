@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import json
-import os
-import sys
 import threading
 import time
 from typing import Any
@@ -17,6 +14,7 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import BatteryState, CameraInfo, CompressedImage, Image, Imu, JointState, LaserScan, Range
 from std_msgs.msg import Bool, Int32
 from std_srvs.srv import Empty, SetBool, Trigger
+from tests.json_client import answer_requests, claim_output
 from tf2_msgs.msg import TFMessage
 
 KINDS = {
@@ -175,19 +173,9 @@ def brief_reading(message: Any) -> dict[str, Any]:
 
 
 def main() -> None:
-    # rospy writes to standard output now and then: answers go where it cannot.
-    answers = os.fdopen(os.dup(1), "w")
-    os.dup2(2, 1)
+    answers = claim_output()
     rospy.init_node("client", anonymous=True, disable_signals=True)
-    client = Client()
-    for line in sys.stdin:
-        request = json.loads(line)
-        try:
-            answer = {"answer": getattr(client, request.pop("do"))(**request)}
-        except (AssertionError, rospy.ROSException, rospy.ServiceException) as problem:
-            answer = {"error": str(problem)}
-        answers.write(json.dumps(answer) + "\n")
-        answers.flush()
+    answer_requests(answers, Client())
     rospy.signal_shutdown("done")
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import sys
 import threading
 from typing import Any
@@ -12,6 +11,7 @@ import rospy
 from geometry_msgs.msg import PoseWithCovarianceStamped, TransformStamped
 from sensor_msgs.msg import Image
 from std_srvs.srv import Empty, Trigger
+from tests.json_client import claim_output
 from tests.ur_nodes.vision.synthetic import MOUNT
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import MarkerArray
@@ -21,8 +21,7 @@ from ur_nodes.vision.messages_node import message_classes
 
 
 def main() -> None:
-    answers = os.fdopen(os.dup(1), "w")
-    os.dup2(2, 1)  # rospy prints while it waits for a master
+    answers = claim_output()
     rospy.init_node("client", anonymous=True, disable_signals=True)
     mount = TransformStamped(child_frame_id="raspicam", transform=transform_of(MOUNT))
     mount.header.frame_id = "base_footprint"

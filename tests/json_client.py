@@ -1,0 +1,35 @@
+"""The tests' ROS clients answer a JSON request a line with a JSON answer a line: the half that runs in the client.
+
+rospy can be started only once in a process, so a client is a process of its own; `tests/ros_session.py` is the other
+half. A client is started with the root of this repository on its path.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from typing import TextIO
+
+
+def claim_output() -> TextIO:
+    """Standard output for answers alone: what prints from now on, as rospy does, goes to standard error."""
+    answers = os.fdopen(os.dup(1), "w")
+    os.dup2(2, 1)
+    return answers
+
+
+def answer_requests(answers: TextIO, client: object, prefix: str = "") -> None:
+    """Answer each line of standard input until it ends.
+
+    `{"do": name, ...}` calls the client's method `prefix` + name with the rest as keywords. The answer is
+    `{"answer": what it returned}`, or `{"error": "Type: text"}` of what it raised.
+    """
+    for line in sys.stdin:
+        request = json.loads(line)
+        try:
+            answer = {"answer": getattr(client, prefix + request.pop("do"))(**request)}
+        except Exception as problem:  # the test that asked is told, whatever it was
+            answer = {"error": f"{type(problem).__name__}: {problem}"}
+        answers.write(json.dumps(answer) + "\n")
+        answers.flush()
