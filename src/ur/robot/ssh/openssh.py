@@ -17,6 +17,8 @@ from ur.source.diagnostic import UserError, error
 
 CONNECT_SECONDS = 10
 _SUDO_REFUSED = re.compile(r"^sudo: (\d+ incorrect|no password|a password is required)", re.MULTILINE)
+# Where the shared connection is gone, ssh would make one of its own: ten seconds of silence, and without the password.
+_ONLY_SHARED = ("-o", "ProxyCommand=false")
 _USER = re.compile(r"[a-z_][a-z0-9_-]{0,31}")
 _HOST = re.compile(r"[A-Za-z0-9]([A-Za-z0-9.:-]*[A-Za-z0-9])?")
 
@@ -81,7 +83,7 @@ class SshShell:
         elif root:
             command = f"LC_ALL=C sudo -n -- {command}"
         done = run_process(
-            ["ssh", *self._options, self.place, command],
+            ["ssh", *_ONLY_SHARED, *self._options, self.place, command],
             stdin=Secret(text),
             timeout=timeout,
             what=f"a command on {self.place}",
@@ -147,7 +149,8 @@ def _common(socket: Path) -> list[str]:
 
 
 def _log_in(address: Address, common: Sequence[str], folder: Path, password: Secret | None) -> None:
-    master = ["ssh", *common, "-o", "ControlMaster=yes", "-o", "ControlPersist=60", "-f", "-N"]
+    # The first setting of an option counts. Below INFO, ssh does not tell that the other side closed the connection.
+    master = ["ssh", "-o", "LogLevel=INFO", *common, "-o", "ControlMaster=yes", "-o", "ControlPersist=60", "-f", "-N"]
     if password is None:
         master += ["-o", "BatchMode=yes"]
     else:
@@ -172,6 +175,8 @@ def _log_in(address: Address, common: Sequence[str], folder: Path, password: Sec
 def lost_connection(place: str, said: str) -> UserError:
     """The error of a connection that broke."""
     reason = said.strip().splitlines()[-1] if said.strip() else "it closed"
+    if reason.startswith("kex_exchange_identification"):  # the shared connection had ended before: see _ONLY_SHARED
+        reason = "it closed"
     return UserError(error(f"{place}: the connection is gone: {reason}", rule="lost-connection", help=_AGAIN))
 
 
