@@ -9,6 +9,7 @@ import pytest
 
 from ur.robot.doctor.observe import Side, parse_side
 from ur.robot.doctor.rules import Advertised, Pair, diagnose
+from ur.robot.doctor.wifi import Wifi
 from ur.robot.setup.there import PACKAGES
 
 UNITS = {"ssh.service": "active", "avahi-daemon.service": "active", "chrony.service": "active"}
@@ -36,6 +37,7 @@ ROBOT = replace(
     packages=frozenset(entry.split("|")[0] for entry in PACKAGES),
 )
 PAIR = Pair(LAPTOP, ROBOT, offset=0.0, way_back="", reaches_there=True, reaches_here=True)
+WIFI = Wifi("wlan0", 5180.0, -50.0, 400.0, power_save=False)
 NOBODY: frozenset[str] = frozenset()
 
 
@@ -67,11 +69,26 @@ def test_healthy_pair_has_no_findings() -> None:
         ("unresolvable-node", replace(PAIR, advertised=(Advertised("/x", "robot", NOBODY, frozenset({"10.0.0.2"})),))),
         ("unknown-host-key-there", replace(PAIR, way_back="Host key verification failed.")),
         ("no-login-there", replace(PAIR, way_back="pat@laptop.local: Permission denied (publickey).")),
+        ("weak-wifi", replace(PAIR, there=replace(ROBOT, wifi=(replace(WIFI, signal=-78.0, rate=6.0),)))),
+        ("slow-wifi", replace(PAIR, here=replace(LAPTOP, wifi=(replace(WIFI, rate=6.0, frequency=2437.0),)))),
+        ("wifi-power-save", replace(PAIR, there=replace(ROBOT, wifi=(replace(WIFI, power_save=True),)))),
         ("failed-service", replace(PAIR, there=replace(ROBOT, failed=("ubiquity-drive.service",)))),
     ],
 )
 def test_one_difference_is_one_finding(rule: str, pair: Pair) -> None:
     assert [finding.rule for finding in diagnose(pair)] == [rule]
+
+
+def test_good_or_unseen_wireless_link_has_no_findings() -> None:
+    for wifi in (WIFI, Wifi("wlan0")):
+        assert diagnose(replace(PAIR, here=replace(LAPTOP, wifi=(wifi,)), there=replace(ROBOT, wifi=(wifi,)))) == []
+
+
+def test_power_saving_is_switched_off_where_it_is_on() -> None:
+    (finding,) = diagnose(replace(PAIR, here=replace(LAPTOP, wifi=(replace(WIFI, power_save=True),))))
+    assert finding.fix
+    assert (finding.fix.where, finding.fix.root) == ("here", True)
+    assert finding.fix.script.endswith("iw dev wlan0 set power_save off")
 
 
 def test_findings_say_what_to_do() -> None:

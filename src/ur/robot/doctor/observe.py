@@ -6,6 +6,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from ur.robot.doctor.wifi import WIFI_SCRIPT, Wifi, parse_wifi
 from ur.robot.ssh.shell import quote
 
 _AVAHI = "org.freedesktop.Avahi"
@@ -39,6 +40,7 @@ class Side:
     throttled: int = 0
     messages: Mapping[str, str] = field(default_factory=dict)
     packages: frozenset[str] = frozenset()
+    wifi: tuple[Wifi, ...] = ()
 
 
 def observe_script(other: str) -> str:
@@ -58,6 +60,7 @@ def observe_script(other: str) -> str:
         "mark memory; grep MemAvailable /proc/meminfo",
         f"mark ping; ping -q -c 5 -i 0.2 -W 1 {name} 2>/dev/null",
         f"mark frame; ping -q -c 2 -i 0.2 -W 1 -M do -s {FULL_PING} {name} 2>&1",
+        f"mark wifi\n{WIFI_SCRIPT}",  # after the pings: the rate is that of the latest packets
         "mark throttled; vcgencmd get_throttled 2>/dev/null",
         "mark packages; dpkg-query -W -f='${db:Status-Status} ${Package} ${Version}\\n' 2>/dev/null",
         "mark end",
@@ -99,4 +102,5 @@ def parse_side(output: str) -> Side:
         throttled=int(throttled[1], 16) if throttled else 0,
         messages={name: version for name, version in packages.items() if re.search(r"-msgs$", name)},
         packages=frozenset(packages),
+        wifi=parse_wifi(parts.get("wifi", "")),
     )

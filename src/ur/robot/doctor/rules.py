@@ -11,6 +11,8 @@ from ur.robot.doctor.observe import Side
 from ur.robot.setup.there import PACKAGES
 from ur.robot.ssh.shell import quote
 
+WEAK_SIGNAL = -75.0  # dBm; below, rates fall and packets get lost
+SLOW_RATE = 12.0  # Mbit/s; a compressed camera image at 30 Hz needs about that
 CLOCK_SECONDS = 0.5  # tf's usual patience is about that
 Where = Literal["here", "there"]
 
@@ -242,6 +244,37 @@ def check_network(pair: Pair) -> Iterator[Finding]:
             )
 
 
+def check_wifi(pair: Pair) -> Iterator[Finding]:
+    """Signal, rate and power saving of wireless links; nothing where there are none."""
+    for where, side in _sides(pair):
+        for wifi in side.wifi:
+            if wifi.signal is not None and wifi.signal < WEAK_SIGNAL:
+                yield Finding(
+                    "weak-wifi",
+                    f"{side.name}: the signal at {wifi.device} is {wifi.signal:.0f} dBm, "
+                    f"expected above {WEAK_SIGNAL:.0f} dBm",
+                    "nearer to the access point, or an antenna outside of metal",
+                )
+            elif wifi.rate is not None and wifi.rate < SLOW_RATE:
+                band = f" in the {wifi.band} band" if wifi.band else ""
+                yield Finding(
+                    "slow-wifi",
+                    f"{side.name}: {wifi.device} sends with {wifi.rate:g} Mbit/s{band} although the signal is good, "
+                    f"expected {SLOW_RATE:g} Mbit/s or more",
+                    "another channel; "
+                    + ("5 GHz: a dual band (802.11ac) adapter" if wifi.band == "2.4 GHz" else "fewer computers on it"),
+                )
+            if wifi.power_save:
+                device = quote(wifi.device)
+                yield Finding(
+                    "wifi-power-save",
+                    f"{side.name}: {wifi.device} saves power, so what is sent to it may wait 100 ms and more",
+                    f"on {side.name}: sudo iw dev {device} set power_save off; for good: "
+                    "sudo nmcli connection modify NAME 802-11-wireless.powersave 2",
+                    Fix(where, f'PATH="$PATH:/usr/sbin:/sbin"; iw dev {device} set power_save off', True),
+                )
+
+
 def check_resources(pair: Pair) -> Iterator[Finding]:
     """Disk, memory, voltage."""
     for where, side in _sides(pair):
@@ -303,6 +336,7 @@ RULES: tuple[Callable[[Pair], Iterator[Finding]], ...] = (
     check_advertised,
     check_clock,
     check_network,
+    check_wifi,
     check_resources,
     check_services,
     check_packages,

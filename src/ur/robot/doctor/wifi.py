@@ -1,0 +1,65 @@
+"""The wireless links of a computer: one script, and its answer read. Both are pure.
+
+The formats are those of `iw dev DEVICE link`, `iw dev DEVICE get power_save` and of /proc/net/wireless (proc(5)).
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+# What belongs to each wireless device, after a line that names it; nothing where there is none.
+WIFI_SCRIPT = """\
+PATH=$PATH:/usr/sbin:/sbin; for p in /sys/class/net/*/wireless; do
+[ -e "$p" ] || continue; d=${p%/wireless}; d=${d##*/}; echo "device $d"
+iw dev "$d" link 2>/dev/null; iw dev "$d" get power_save 2>/dev/null; grep "^ *$d:" /proc/net/wireless 2>/dev/null
+done"""
+
+
+@dataclass(frozen=True, slots=True)
+class Wifi:
+    """A wireless link that is up: frequency (MHz), signal (dBm), rate (Mbit/s) of what it sends; None: not seen."""
+
+    device: str
+    frequency: float | None = None
+    signal: float | None = None
+    rate: float | None = None
+    power_save: bool | None = None
+
+    @property
+    def band(self) -> str:
+        """The band in people's words; '' when the frequency was not seen."""
+        if self.frequency is None:
+            return ""
+        return "2.4 GHz" if self.frequency < 3000 else "5 GHz" if self.frequency < 5925 else "6 GHz"
+
+
+def parse_wifi(text: str) -> tuple[Wifi, ...]:
+    """Read what the script printed: the devices that are connected, in its order."""
+    parts = re.split(r"^device (\S+)\n", text, flags=re.MULTILINE)[1:]
+    found = (_parse_device(device, said) for device, said in zip(parts[::2], parts[1::2], strict=True))
+    return tuple(wifi for wifi in found if wifi)
+
+
+def _parse_device(device: str, said: str) -> Wifi | None:
+    if re.search(r"^Not connected", said, re.MULTILINE):
+        return None
+    signal = _number(r"^\s*signal: (-?[\d.]+) dBm", said)
+    # Without iw: status, link quality, level. A level is in dBm where it is below 0.
+    level = _number(rf"^ *{re.escape(device)}: +\S+ +\S+ +(-[\d.]+)", said)
+    save = re.search(r"^\s*Power save: (on|off)", said, re.MULTILINE)
+    frequency = _number(r"^\s*freq: ([\d.]+)", said)
+    if signal is None and level is None and frequency is None:
+        return None
+    return Wifi(
+        device,
+        frequency,
+        level if signal is None else signal,
+        _number(r"^\s*tx bitrate: ([\d.]+) MBit/s", said),
+        save[1] == "on" if save else None,
+    )
+
+
+def _number(pattern: str, text: str) -> float | None:
+    found = re.search(pattern, text, re.MULTILINE)
+    return float(found[1]) if found else None
