@@ -196,5 +196,9 @@ def write_file(facts: Facts, path: str, text: str, mode: int, then: str = "") ->
 
 
 def _remove_file(facts: Facts, title: str, path: str, text: str | None, then: str = "") -> Change:
-    script = f"rm -f {quote(facts.resolve(path))}" + (f"; {then}" if then else "")
+    script = f"rm -f {quote(facts.resolve(path))}"
+    folder = path.removeprefix("~/").rpartition("/")[0]
+    if path.startswith("~/") and folder:  # folders that were made for it go as well, unless something else is in them
+        script += f"; cd {quote(facts.home)} && rmdir -p --ignore-fail-on-non-empty {quote(folder)} 2>/dev/null || :"
+    script += f"; {then}" if then else ""
     return Change(title, show_difference(path, text, None), (Command(script, root=not path.startswith("~/")),))
