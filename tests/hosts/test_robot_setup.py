@@ -120,6 +120,16 @@ def test_wrong_password_is_named_and_changes_nothing(pair: Bench) -> None:
     assert robot.read("/etc/hostname") == "robot\n"
 
 
+def test_password_that_must_be_changed_first_is_named_and_changes_nothing(pair: Bench) -> None:
+    laptop, robot = pair["laptop"], pair["robot"]
+    robot.run("chage -d 0 ros").check()
+    done = set_up(laptop)
+    assert done.code == 2
+    assert "has to be changed at the first login" in done.err
+    assert "ssh ros@robot.local" in done.err
+    assert robot.read("/etc/hostname") == "robot\n"
+
+
 def test_name_of_another_computer_is_refused(pair: Bench) -> None:
     done = set_up(pair["laptop"], name="laptop")
     assert done.code == 2

@@ -9,7 +9,14 @@ from pathlib import Path
 import pytest
 
 from ur.robot.ssh.askpass import answer_password
-from ur.robot.ssh.openssh import Address, explain_failure, lost_connection, parse_address
+from ur.robot.ssh.openssh import (
+    Address,
+    expired_password,
+    explain_failure,
+    is_expired,
+    lost_connection,
+    parse_address,
+)
 from ur.robot.ssh.secret import Secret
 from ur.robot.ssh.shell import LocalShell
 from ur.source import UserError
@@ -58,6 +65,15 @@ def test_shared_connection_that_ended_is_said_to_have_closed(said: str) -> None:
     diagnostic = lost_connection("ros@robot.local", said).diagnostics[0]
     assert diagnostic.message == "ros@robot.local: the connection is gone: it closed"
     assert diagnostic.help
+
+
+def test_expired_password_is_recognised_and_the_way_out_is_told() -> None:
+    said = "WARNING: Your password has expired.\nPassword change required but no TTY available.\n"
+    assert is_expired(said)
+    assert not is_expired("sudo: a password is required")
+    diagnostic = expired_password(Address("ubuntu", "robot.local")).diagnostics[0]
+    assert diagnostic.help
+    assert "ssh ubuntu@robot.local" in diagnostic.help
 
 
 def test_secret_shows_itself_to_nobody_who_does_not_ask() -> None:

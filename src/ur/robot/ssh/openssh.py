@@ -90,6 +90,8 @@ class SshShell:
         )
         if done.code == 255:
             raise lost_connection(self.place, done.err)
+        if done.code and is_expired(done.err):
+            raise expired_password(self.address)
         return done
 
     def find_sudo(self, candidates: Sequence[Secret]) -> bool:
@@ -178,6 +180,22 @@ def lost_connection(place: str, said: str) -> UserError:
     if reason.startswith("kex_exchange_identification"):  # the shared connection had ended before: see _ONLY_SHARED
         reason = "it closed"
     return UserError(error(f"{place}: the connection is gone: {reason}", rule="lost-connection", help=_AGAIN))
+
+
+def is_expired(said: str) -> bool:
+    """Whether sshd refused a command since the user has to choose a new password first."""
+    return "Password change required but no TTY available" in said
+
+
+def expired_password(address: Address) -> UserError:
+    """The error of a computer that wants a new password at the first login, as Ubuntu's images do."""
+    return UserError(
+        error(
+            f"{address}: its password has to be changed at the first login, expected one that lasts",
+            rule="expired-password",
+            help=f"run: ssh {address}; choose a password; then run this again with that one",
+        )
+    )
 
 
 def explain_failure(address: Address, said: str) -> UserError:
