@@ -31,11 +31,6 @@ def make_talk_launch(*lines: str, says: str | None = None, tag: str = "<launch>"
     return make_launch(SUMMARY, OVERVIEW, *lines, talker, tag=tag)
 
 
-def lower_text(text: str) -> str:
-    """The text below an empty line, which the pages count and do not show."""
-    return "\n" + text
-
-
 def speed_example(declared: str = _SPEED, value: str = "$(arg speed)") -> Example:
     """One launch file, `make_speed_launch`."""
     return launch_example(make_speed_launch(declared, value))
@@ -44,7 +39,7 @@ def speed_example(declared: str = _SPEED, value: str = "$(arg speed)") -> Exampl
 def passing_example(passed: str = '<arg name="speed" value="0.3"/>', declared: str = _SPEED) -> Example:
     """A launch file that includes `make_speed_launch(declared)`, with the line `passed` inside of its `<include>`."""
     include = ('<include file="$(find my_robot)/launch/part.launch.xml">', f"  {passed}", "</include>")
-    return launch_example(make_launch(*include), {"launch/part.launch.xml": lower_text(make_speed_launch(declared))})
+    return launch_example(make_launch(*include), {"launch/part.launch.xml": make_speed_launch(declared)})
 
 
 def group_example(tag: str) -> Example:

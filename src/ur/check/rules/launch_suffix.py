@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from ur.check.example_parts import MARKED_LAUNCH, SUMMARY, lower_text, make_launch, make_talk_launch
+from ur.check.example_parts import MARKED_LAUNCH, SUMMARY, make_launch, make_talk_launch
 from ur.check.house import file_name, house_folder
 from ur.check.model import Example, Found, Group, PackageView, Rule
 from ur.source.diagnostic import Note, Severity
@@ -34,7 +34,7 @@ def _example(suffix: str, part: str) -> Example:
     whole = make_launch(
         SUMMARY, "<!--Overview: Includes what says it.-->", f'<include file="$(find my_robot)/{included}"/>'
     )
-    return Example({"m_talk/launch/m_talk.launch": lower_text(whole), included: lower_text(part)})
+    return Example({"m_talk/launch/m_talk.launch": whole, included: part})
 
 
 RULE = Rule(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ur.check.example_parts import lower_text, make_speed_launch, passing_example
+from ur.check.example_parts import make_speed_launch, passing_example
 from ur.check.model import Group, Rule, launch_example
 from ur.source.diagnostic import Severity
 
@@ -24,12 +24,11 @@ An `<arg>` with neither `default` nor `value` has to be given by whoever include
 only where the argument is used, and accepts it silently where it is not.
 """,
     bad=(
-        launch_example(_INCLUDES, {_PART: lower_text(make_speed_launch(_DECLARED))}),
+        launch_example(_INCLUDES, {_PART: make_speed_launch(_DECLARED)}),
         launch_example(
             _INCLUDES,
             {
-                _PART: """
-<launch>
+                _PART: """<launch>
   <arg name="speed"/>
   <group if="false">
     <param name="speed" value="$(arg speed)"/>

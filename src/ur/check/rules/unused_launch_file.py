@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from ur.check.example_parts import MARKED_LAUNCH, PROGRAM_HEAD, lower_text, make_talk_launch
+from ur.check.example_parts import MARKED_LAUNCH, PROGRAM_HEAD, make_talk_launch
 from ur.check.house import file_name, house_folder
 from ur.check.model import Example, Found, Group, PackageView, Rule
 from ur.source.diagnostic import Severity
@@ -36,8 +36,8 @@ RULE = Rule(
 A `.launch.xml` file is there to be included, or to be started by a program in `bin`. One that nothing uses is not tried
 by anybody, and soon does not work. Only looked at when the whole package is checked.
 """,
-    bad=(Example({_PATH: lower_text(make_talk_launch(tag=MARKED_LAUNCH))}),),
-    good=(Example({_PATH: lower_text(make_talk_launch()), "bin/ur_talk": _PROGRAM}),),
+    bad=(Example({_PATH: make_talk_launch(tag=MARKED_LAUNCH)}),),
+    good=(Example({_PATH: make_talk_launch(), "bin/ur_talk": _PROGRAM}),),
     house=True,
     whole_package=_find_unused,
 )
