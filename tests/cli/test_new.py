@@ -23,7 +23,9 @@ def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def finds_nothing(capsys: pytest.CaptureFixture[str]) -> None:
     capsys.readouterr()
-    assert main(["check", "--strict", "."]) == 0, capsys.readouterr().out
+    # RViz need not be installed here.
+    check = ["check", "--strict", "--ignore", "unknown-package", "--ignore", "package-not-installed", "."]
+    assert main(check) == 0, capsys.readouterr().out
     assert main(["format", "--check", "."]) == 0
 
 
