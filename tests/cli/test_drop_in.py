@@ -127,7 +127,11 @@ def test_core_alone_runs_until_it_is_interrupted(world: World) -> None:  # noqa:
 def interrupt(command: list[str], world: World) -> int:  # noqa: F811 - a fixture's value
     """Start, wait for the last process that is to come, interrupt, wait for the end; return the exit code."""
     process = subprocess.Popen(
-        command, env=world.environment, cwd=world.folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT
+        command,
+        env={**world.environment, "PYTHONUNBUFFERED": "1"},  # else roslaunch keeps its words to itself
+        cwd=world.folder,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
     )
     try:
         assert process.stdout is not None
