@@ -8,6 +8,7 @@ import select
 import signal
 import socket
 import subprocess
+import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import IO, Any
@@ -51,10 +52,21 @@ def list_family(pid: int) -> list[int]:
         return []
 
 
-def end(process: subprocess.Popen[Any], seconds: float = 20.0) -> None:
-    """Interrupt as Ctrl-C would, and insist if that does not help. Fails when something is left."""
+def is_alive(pid: int) -> bool:
+    """Whether a process runs: one that only waits to be reaped does not."""
     import psutil
 
+    try:
+        return bool(psutil.Process(pid).status() != psutil.STATUS_ZOMBIE)
+    except psutil.NoSuchProcess:
+        return False
+
+
+def end(process: subprocess.Popen[Any], seconds: float = 60.0) -> None:
+    """Interrupt as Ctrl-C would, and insist if that does not help. Fails when something is left.
+
+    What has ended and is not reaped yet is not left: that is for the first process of the computer to do.
+    """
     family = list_family(process.pid)
     if process.poll() is None:
         process.send_signal(signal.SIGINT)
@@ -63,7 +75,9 @@ def end(process: subprocess.Popen[Any], seconds: float = 20.0) -> None:
         except subprocess.TimeoutExpired:
             process.kill()
             process.wait(5)
-    left = [pid for pid in family if psutil.pid_exists(pid)]
+    deadline = time.monotonic() + 20.0  # the guard of a run ends after it
+    while (left := [pid for pid in family if is_alive(pid)]) and time.monotonic() < deadline:
+        time.sleep(0.02)
     for pid in left:
         os.kill(pid, signal.SIGKILL)
     assert not left, f"still running after the end: {left}"
