@@ -4,11 +4,19 @@ from __future__ import annotations
 
 import signal
 
+import pytest
 from hypothesis import settings
+
+settings.register_profile("project", deadline=None, derandomize=True, database=None)
+settings.load_profile("project")
 
 # A shell without job control starts background jobs with these ignored, and programs under test would inherit that.
 signal.signal(signal.SIGINT, signal.default_int_handler)
 signal.signal(signal.SIGQUIT, signal.SIG_DFL)
 
-settings.register_profile("project", deadline=None, derandomize=True, database=None)
-settings.load_profile("project")
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """A long test has half an hour, unless it says otherwise."""
+    for item in items:
+        if item.get_closest_marker("long") and not item.get_closest_marker("timeout"):
+            item.add_marker(pytest.mark.timeout(1800))
