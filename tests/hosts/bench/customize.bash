@@ -43,6 +43,9 @@ chroot "$root" systemctl --quiet mask NetworkManager.service NetworkManager-wait
   systemd-networkd-wait-online.service apt-daily.timer apt-daily-upgrade.timer e2scrub_all.timer fstrim.timer console-getty.service
 chroot "$root" systemctl --quiet set-default multi-user.target
 
+# cloud-init is there as on an image, and sleeps: a test that wants its first boot takes the file away.
+touch "$root/etc/cloud/cloud-init.disabled"
+
 # A container may not set the clock of this computer: chrony runs, follows its sources, and only tells the difference.
 mkdir -p "$root/etc/systemd/system/chrony.service.d"
 printf '[Unit]\nConditionCapability=\n[Service]\nType=simple\nUser=root\nExecStart=\nExecStart=/usr/sbin/chronyd -d -x -F 0\n' >"$root/etc/systemd/system/chrony.service.d/container.conf"
