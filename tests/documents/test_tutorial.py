@@ -7,6 +7,7 @@ import re
 import shutil
 import socket
 import subprocess
+import uuid
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -54,9 +55,10 @@ def terminal(tmp_path: Path) -> Iterator[Terminal]:
 
 
 def run(terminal: Terminal, command: str) -> None:
-    terminal.type("clear; " + command + '; echo "code"=$?', "Enter")
-    screen = terminal.until("code=", 120.0)
-    assert "code=0" in screen, f"{command}:\n{screen}"
+    mark = uuid.uuid4().hex[:8]  # what the command before this one left on the screen is no answer to this one
+    terminal.type(f'clear; {command}; echo "{mark}"=$?', "Enter")
+    screen = terminal.until(f"{mark}=", 120.0)
+    assert f"{mark}=0" in screen, f"{command}:\n{screen}"
 
 
 def test_every_command_of_the_tutorial_works(terminal: Terminal, tmp_path: Path) -> None:

@@ -73,14 +73,14 @@ class Client:
             def late() -> list[Any]:
                 return [each for each in map(brief, self.heard[topic]) if each["stamp"] > stamp + 1e-6]
 
-            assert self.arrived.wait_for(lambda: len(late()) >= count, 10.0), topic
+            assert self.arrived.wait_for(lambda: len(late()) >= count, 60.0), topic
             return late()
 
     def command(self, linear: float, angular: float, times: int = 1, topic: str = "cmd_vel") -> None:
         """Publish, at 20 Hz when more than once."""
         if topic not in self.publishers:
             self.publishers[topic] = rospy.Publisher(f"/{topic}", Twist, queue_size=1, tcp_nodelay=True)
-            end = time.monotonic() + 10.0
+            end = time.monotonic() + 60.0
             while not self.publishers[topic].get_num_connections():
                 assert time.monotonic() < end, f"nobody listens to {topic}"
                 time.sleep(0.01)
@@ -104,7 +104,7 @@ class Client:
     def call(self, service: str, **values: Any) -> Any:
         kinds = {"pause": SetBool, "step": Trigger, "reset": Empty, "place": SetMap}
         name = f"/simulator/{service}"
-        rospy.wait_for_service(name, 10.0)
+        rospy.wait_for_service(name, 60.0)
         proxy = rospy.ServiceProxy(name, kinds[service])
         if service == "place":
             request = SetMapRequest()

@@ -76,16 +76,19 @@ def test_node_drives_and_stops_when_commands_cease(ros: Ros) -> None:
 def test_node_goes_step_by_step_and_repeats_itself_after_a_reset(ros: Ros) -> None:
     ros.simulate("_speed:=0", "_seed:=4")
     ros.ask("listen", topics=["odom", "scan"])
+    for topic in ("odom", "scan"):
+        ros.ask("collect", topic=topic, count=1, seconds=60)  # connected: nothing of the steps gets lost
     assert ros.ask("call", service="step")[0] is False  # not paused
     ros.ask("call", service="pause", data=True)
     runs = []
     for _ in range(2):
         before = simulated_time(ros.ask("call", service="step")[1])
         ros.ask("call", service="reset")
-        for _ in range(5):
+        for number in range(1, 6):
             after = simulated_time(ros.ask("call", service="step")[1])
+            scans = ros.ask("since", topic="scan", stamp=before, count=number)
         assert after - before == pytest.approx(0.5)
-        runs.append([scan["ranges"] for scan in ros.ask("since", topic="scan", stamp=before, count=5)])
+        runs.append([scan["ranges"] for scan in scans])
     assert runs[0] == runs[1]
     assert runs[0][0] != runs[0][1]
 
