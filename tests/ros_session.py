@@ -48,7 +48,7 @@ class RosSession:
     def stop(self, process: subprocess.Popen[str]) -> str:
         """End a process; what it wrote to standard error."""
         process.terminate()
-        _, errors = process.communicate(timeout=20)
+        _, errors = process.communicate(timeout=60)
         self.running.remove(process)
         return errors
 
@@ -74,7 +74,7 @@ class RosSession:
         return answer
 
     def _wait_for(self, port: int) -> None:
-        deadline = time.monotonic() + 20.0
+        deadline = time.monotonic() + 60.0
         while True:
             with socket.socket() as probe:
                 if probe.connect_ex(("localhost", port)) == 0:

@@ -75,10 +75,10 @@ class Chromium:
     ) -> None:
         os.close(self._write)  # ends it
         try:
-            self._process.wait(timeout=20)
+            self._process.wait(timeout=60)
         except subprocess.TimeoutExpired:
             os.killpg(self._process.pid, 9)
-            self._process.wait(timeout=20)
+            self._process.wait(timeout=60)
         os.close(self._read)
 
     def ask(self, method: str, **parameters: object) -> dict[str, Any]:

@@ -75,7 +75,7 @@ def end(process: subprocess.Popen[Any], seconds: float = 60.0) -> None:
         except subprocess.TimeoutExpired:
             process.kill()
             process.wait(5)
-    deadline = time.monotonic() + 20.0  # the guard of a run ends after it
+    deadline = time.monotonic() + 60.0  # the guard of a run ends after it
     while (left := [pid for pid in family if is_alive(pid)]) and time.monotonic() < deadline:
         time.sleep(0.02)
     for pid in left:

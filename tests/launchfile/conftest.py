@@ -50,7 +50,7 @@ class Reference:
         assert self._process.stdout is not None
         self._process.stdin.close()
         self._process.stdout.close()
-        self._process.wait(timeout=20)
+        self._process.wait(timeout=60)
 
 
 class PredictableWorld(SystemWorld):

@@ -210,7 +210,7 @@ def world(tmp_path: Path) -> Iterator[World]:
         if launched.process.poll() is None:
             launched.process.send_signal(signal.SIGTERM)
             try:
-                launched.process.wait(6)
+                launched.process.wait(60)
             except subprocess.TimeoutExpired:
                 launched.process.kill()
                 launched.process.wait()
@@ -246,4 +246,4 @@ def master(world: World) -> Iterator[int]:
     world.master_pid = process.pid
     yield world.port
     process.terminate()
-    process.wait(10)
+    process.wait(60)

@@ -27,7 +27,7 @@ class Tmux:
         environment = {name: value for name, value in os.environ.items() if name != "TMUX"}
         done = subprocess.run(
             ["tmux", "-S", self._socket, "-f", "/dev/null", *words],
-            capture_output=True, text=True, check=False, env=environment, timeout=20,
+            capture_output=True, text=True, check=False, env=environment, timeout=60,
         )  # fmt: skip
         return done.stdout
 

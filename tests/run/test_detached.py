@@ -155,7 +155,7 @@ class Viewer:
         self.nodes: dict[str, NodeChanged] = {}
 
     def until(self, wanted: Any) -> RunEvent:
-        end = time.monotonic() + 15
+        end = time.monotonic() + 60
         for event in self.events:
             if isinstance(event, NodeChanged):
                 self.nodes[event.name] = event

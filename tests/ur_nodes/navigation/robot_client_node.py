@@ -76,7 +76,7 @@ class RobotClient:
     def do_simple_goal(self, x: float, y: float) -> dict[str, Any]:
         message = PoseStamped(pose=pose_message(Pose2(x, y, 0.0)))
         message.header.frame_id = "map"
-        wait_until(lambda: self.simple.get_num_connections(), 10.0, "a listener to the simple goal")
+        wait_until(lambda: self.simple.get_num_connections(), 60.0, "a listener to the simple goal")
         self.simple.publish(message)
         return {}
 

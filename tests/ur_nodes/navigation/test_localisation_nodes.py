@@ -74,7 +74,7 @@ def test_amcl_follows_the_robot_and_finds_it_after_a_kidnapping_and_a_restart(ro
 @pytest.mark.ros
 def test_amcl_refuses_a_parameter_in_one_line(ros: RosSession) -> None:
     amcl = ros.start(str(AMCL), "__name:=amcl", "_odom_model_type:=dif")
-    _, errors = amcl.communicate(timeout=30)
+    _, errors = amcl.communicate(timeout=60)
     assert amcl.returncode == 2
     assert "parameter /amcl/odom_model_type: 'dif', expected one of diff, diff-corrected" in errors
     assert "Traceback" not in errors
@@ -89,7 +89,7 @@ def test_amcl_refuses_a_parameter_in_one_line(ros: RosSession) -> None:
     ],
 )
 def test_map_server_without_a_usable_map_ends_with_one_line(arguments: tuple[str, ...], words: str) -> None:
-    done = subprocess.run([str(MAP_SERVER), *arguments], capture_output=True, text=True, timeout=30, check=False)
+    done = subprocess.run([str(MAP_SERVER), *arguments], capture_output=True, text=True, timeout=60, check=False)
     assert done.returncode == 2
     assert words in done.stderr
     assert "Traceback" not in done.stderr

@@ -40,7 +40,7 @@ def ros(tmp_path: Path) -> Iterator[Ros]:
 def test_node_publishes_what_stage_ros_does_at_the_rates_of_the_base(ros: Ros) -> None:
     ros.simulate()
     ros.ask("listen", topics=["odom", "scan", "tf", "joint_states", "base_pose_ground_truth"])
-    scans = ros.ask("collect", topic="scan", count=12, seconds=20)
+    scans = ros.ask("collect", topic="scan", count=12, seconds=60)
     gaps = [b["stamp"] - a["stamp"] for a, b in pairwise(scans)]
     assert sorted(gaps)[len(gaps) // 2] == pytest.approx(0.1, abs=0.01)
     assert abs(scans[-1]["stamp"] - time.time()) < 10.0  # wall time
@@ -63,14 +63,14 @@ def test_node_publishes_what_stage_ros_does_at_the_rates_of_the_base(ros: Ros) -
 def test_node_drives_and_stops_when_commands_cease(ros: Ros) -> None:
     ros.simulate()
     ros.ask("listen", topics=["odom", "base_pose_ground_truth"])
-    ros.ask("collect", topic="base_pose_ground_truth", count=1, seconds=20)
+    ros.ask("collect", topic="base_pose_ground_truth", count=1, seconds=60)
     ros.ask("command", linear=0.4, angular=0.0, times=20)
     assert max(truth["v"] for truth in ros.ask("past", topic="base_pose_ground_truth")) > 0.1
-    end = time.monotonic() + 10.0
-    while abs((after := ros.ask("collect", topic="base_pose_ground_truth", count=5, seconds=5)[-1])["v"]) > 0.001:
+    end = time.monotonic() + 60.0
+    while abs((after := ros.ask("collect", topic="base_pose_ground_truth", count=5, seconds=60)[-1])["v"]) > 0.001:
         assert time.monotonic() < end, "it drives on without commands"
     assert 0.2 < after["x"] < 0.9
-    assert ros.ask("collect", topic="odom", count=1, seconds=5)[-1]["x"] == pytest.approx(after["x"], abs=0.05)
+    assert ros.ask("collect", topic="odom", count=1, seconds=60)[-1]["x"] == pytest.approx(after["x"], abs=0.05)
 
 
 def test_node_goes_step_by_step_and_repeats_itself_after_a_reset(ros: Ros) -> None:
@@ -103,9 +103,9 @@ def test_node_places_robot_and_obstacles_and_counts_collisions(ros: Ros) -> None
     ros.ask("listen", topics=["base_pose_ground_truth", "scan", "simulator/collisions"])
     assert ros.ask("call", service="place", x=2.0, y=0.0) is True
     # A message that was under way may still tell the old place.
-    assert ros.ask("collect", topic="base_pose_ground_truth", count=3, seconds=10)[-1]["x"] == pytest.approx(2.0)
+    assert ros.ask("collect", topic="base_pose_ground_truth", count=3, seconds=60)[-1]["x"] == pytest.approx(2.0)
     assert ros.ask("call", service="place", name="obstacle_1", x=3.0, y=0.0) is True
-    ahead = ros.ask("collect", topic="scan", count=2, seconds=10)[-1]["ranges"][180]
+    ahead = ros.ask("collect", topic="scan", count=2, seconds=60)[-1]["ranges"][180]
     assert float(ahead) == pytest.approx(3.0 - 0.15 - 2.1, abs=0.06)
     mistakes: list[tuple[dict[str, Any], str]] = [
         ({"x": -0.6, "y": 0.0}, "robot_0 cannot be at x -0.6, y 0: a wall, expected free floor"),
@@ -131,9 +131,9 @@ def test_node_at_another_speed_is_the_clock(ros: Ros) -> None:
 def test_node_gives_several_robots_names_of_their_own(ros: Ros) -> None:
     ros.simulate("_robots:=2", f"_world_file:={WORLDS / 'office.yaml'}")
     ros.ask("listen", topics=["robot_1/odom", "robot_1/scan", "robot_1/base_pose_ground_truth"])
-    odometry = ros.ask("collect", topic="robot_1/odom", count=1, seconds=20)[0]
+    odometry = ros.ask("collect", topic="robot_1/odom", count=1, seconds=60)[0]
     assert (odometry["frame"], odometry["child"]) == ("robot_1/odom", "robot_1/base_footprint")
-    assert ros.ask("collect", topic="robot_1/scan", count=1, seconds=5)[0]["frame"] == "robot_1/laser"
+    assert ros.ask("collect", topic="robot_1/scan", count=1, seconds=60)[0]["frame"] == "robot_1/laser"
     ros.ask("command", linear=0.5, angular=0.0, times=15, topic="robot_1/cmd_vel")
     assert max(truth["v"] for truth in ros.ask("past", topic="robot_1/base_pose_ground_truth")) > 0.1
 
@@ -153,7 +153,7 @@ def test_node_refuses_what_it_cannot_use_in_one_clear_message(
 ) -> None:
     (tmp_path / "broken.yaml").write_text("floor_plan: x.yaml\nboxes: [\n")
     node = ros.simulate(parameter.replace("BROKEN", str(tmp_path / "broken.yaml")))
-    _, errors = node.communicate(timeout=30)
+    _, errors = node.communicate(timeout=60)
     assert node.returncode == 2
     assert message in errors
     assert "Traceback" not in errors
@@ -162,9 +162,9 @@ def test_node_refuses_what_it_cannot_use_in_one_clear_message(
 def test_node_ends_when_told_to_even_at_full_speed(ros: Ros) -> None:
     node = ros.simulate("_speed:=0")
     ros.ask("listen", topics=["odom"])
-    ros.ask("collect", topic="odom", count=1, seconds=20)
+    ros.ask("collect", topic="odom", count=1, seconds=60)
     node.terminate()
-    _, errors = node.communicate(timeout=10)
+    _, errors = node.communicate(timeout=60)
     assert "Traceback" not in errors
 
 
@@ -174,11 +174,11 @@ def test_camera_publishes_as_raspicam_node_while_somebody_looks(ros: Ros) -> Non
     needs_renderer()
     process = ros.simulate("_base:=magni", "_camera_width:=160", "_camera_height:=120", "_camera_rate:=5.0")
     ros.ask("listen", topics=["odom"])
-    ros.ask("collect", topic="odom", count=1, seconds=20)
+    ros.ask("collect", topic="odom", count=1, seconds=60)
     assert not psutil.Process(process.pid).children()  # nobody looks: nothing draws
     topics = ["raspicam_node/image_raw", "raspicam_node/image/compressed", "raspicam_node/camera_info"]
     ros.ask("listen", topics=topics)
-    images = ros.ask("collect", topic=topics[0], count=3, seconds=30)
+    images = ros.ask("collect", topic=topics[0], count=3, seconds=60)
     assert images[0]["size"] == [160, 120, 480, 57600]
     assert images[0]["frame"] == "raspicam"
     assert images[1]["stamp"] - images[0]["stamp"] > 0.15
@@ -190,11 +190,11 @@ def test_camera_publishes_as_raspicam_node_while_somebody_looks(ros: Ros) -> Non
     drawing = psutil.Process(process.pid).children()
     assert len(drawing) == 1
     process.kill()
-    assert not psutil.wait_procs(drawing, timeout=10.0)[1], "it draws on without a simulator"
+    assert not psutil.wait_procs(drawing, timeout=60)[1], "it draws on without a simulator"
 
 
 def test_node_refuses_a_camera_rate_that_is_none(ros: Ros) -> None:
     process = ros.simulate("_base:=magni", "_camera_rate:=fast")
-    _, errors = process.communicate(timeout=30)
+    _, errors = process.communicate(timeout=60)
     assert process.returncode == 2
     assert "parameter /simulator/camera_rate: 'fast', expected a number from 0 to 200" in errors
