@@ -30,6 +30,7 @@ KINDS: dict[str, tuple[str, ...]] = {
     "run": ("program", "program arguments"),
     "shell": ("robot",),
     "stop": ("run",),
+    "sync": ("robot", "files", "..."),
     "unmount": ("robot",),
     "use": ("selection",),
     "wait": ("run",),

@@ -1,0 +1,154 @@
+"""What differs between two workspaces, and whose change it is: a comparison of three, with what both had last. Pure."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+
+from ur.robot.sync.model import SIDES, Agreed, Conflict, File, Identity, Manifest, Side, Step, SyncPlan
+from ur.robot.sync.side import is_ignored
+
+BOTH = "changed on both sides"
+FIRST = "different on both sides, and there was no sync before"
+DELETED = "changed on one side, deleted on the other"
+CLASH = "a file on one side, a folder on the other"
+
+
+def compare(
+    here: Manifest,
+    there: Manifest,
+    last: Mapping[str, Agreed],
+    *,
+    to: Collection[Side] = SIDES,
+    take: Side | None = None,
+    only: Sequence[str] = (),
+) -> SyncPlan:
+    """Plan a sync. A path that one side has as both had it follows the other side; where neither has, it is a conflict.
+
+    `to` are the sides that may be changed. `only` limits it to these paths and what is below them. `take` decides the
+    conflicts among them for one side; what the other side has there is kept. Paths that either side cannot carry stay
+    out. Without a path left on one side nothing is deleted: that workspace is a new one.
+    """
+    sides: dict[Side, Mapping[str, File]] = {"here": here.files, "there": there.files}
+    skipped = {path: f"there: {why}" for path, why in there.skipped.items()}
+    skipped |= {path: f"here: {why}" for path, why in here.skipped.items()}
+    notes = []
+    for side in SIDES:
+        if last and not sides[side] and any(sides.values()):
+            notes.append(f"everything is gone {side}: taken for a new workspace, so nothing is deleted")
+            last = {}
+    same: dict[str, Agreed] = {}
+    steps: list[Step] = []
+    conflicts: list[Conflict] = []
+    for path in sorted({*here.files, *there.files, *last}):
+        if _is_below(path, skipped) or (only and not _is_below(path, only)):
+            if path in last:
+                same[path] = last[path]
+            continue
+        mine, yours = here.files.get(path), there.files.get(path)
+        found = _compare_path(path, mine, yours, last.get(path), take)
+        if isinstance(found, Step):
+            steps.append(found)
+        elif isinstance(found, Conflict):
+            conflicts.append(found)
+        elif mine and yours:
+            same[path] = Agreed(mine, yours)
+        if found is not None and path in last:
+            same[path] = last[path]
+    waiting = [step for step in steps if step.to not in to]
+    steps, clashes = _part_clashes(sides, [step for step in steps if step.to in to])
+    return SyncPlan(
+        tuple(steps),
+        tuple(sorted([*conflicts, *clashes], key=lambda each: each.path)),
+        tuple(waiting),
+        same,
+        skipped,
+        tuple(notes),
+    )
+
+
+def _compare_path(
+    path: str, here: File | None, there: File | None, last: Agreed | None, take: Side | None
+) -> Step | Conflict | None:
+    mine, yours, old = (each.identity if each else None for each in (here, there, last))
+    if mine == yours:
+        return None
+    if mine == old:
+        return Step(path, "here", here, there)
+    if yours == old:
+        return Step(path, "there", there, here)
+    if take == "here":
+        return Step(path, "there", there, here, keep=there is not None)
+    if take == "there":
+        return Step(path, "here", here, there, keep=here is not None)
+    return Conflict(path, here, there, _reason(mine, yours, old))
+
+
+def _reason(mine: Identity | None, yours: Identity | None, old: Identity | None) -> str:
+    if mine is None or yours is None:
+        return DELETED
+    return BOTH if old else FIRST
+
+
+def _part_clashes(sides: Mapping[Side, Mapping[str, File]], steps: list[Step]) -> tuple[list[Step], list[Conflict]]:
+    """Take out steps that would put a file where the same side keeps a folder, or the other way round."""
+    clashes: dict[str, Conflict] = {}
+    while True:
+        after = {side: dict(sides[side]) for side in SIDES}
+        for step in steps:
+            if step.after is None:
+                after[step.to].pop(step.path, None)
+            else:
+                after[step.to][step.path] = step.after
+        folders = {side: {parent for path in after[side] for parent in _parents(path)} for side in SIDES}
+        bad = {
+            step.path
+            for step in steps
+            if step.after is not None and _clashes(step.path, step.after, after[step.to], folders[step.to])
+        }
+        if not bad:
+            return steps, list(clashes.values())
+        for path in bad:
+            clashes[path] = Conflict(path, sides["here"].get(path), sides["there"].get(path), CLASH)
+        steps = [step for step in steps if step.path not in bad]
+
+
+def _clashes(path: str, file: File, after: Mapping[str, File], folders: Collection[str]) -> bool:
+    inside_a_file = any(each in after and after[each].kind != "folder" for each in _parents(path))
+    return inside_a_file or (file.kind != "folder" and path in folders)
+
+
+def _parents(path: str) -> list[str]:
+    parts = path.split("/")
+    return ["/".join(parts[:count]) for count in range(1, len(parts))]
+
+
+def _is_below(path: str, places: Collection[str]) -> bool:
+    return bool(places) and ("" in places or path in places or any(each in places for each in _parents(path)))
+
+
+def drop_ignored(manifest: Manifest, patterns: Sequence[str]) -> Manifest:
+    """A side without what the other side ignores."""
+
+    def ignored(path: str) -> bool:
+        above = any(is_ignored(each, [*patterns], folder=True) for each in _parents(path))
+        return above or is_ignored(path, [*patterns])
+
+    return Manifest(
+        {path: file for path, file in manifest.files.items() if not ignored(path)},
+        {path: why for path, why in manifest.skipped.items() if not ignored(path)},
+    )
+
+
+def agree(plan: SyncPlan, done: Mapping[Side, Mapping[str, File | None]]) -> dict[str, Agreed]:
+    """What both sides have alike after the steps in `done`, with what the changed side has now (None: gone)."""
+    agreed = dict(plan.same)
+    for step in plan.steps:
+        if step.path not in done[step.to]:
+            continue
+        now = done[step.to][step.path]
+        if now is None or step.after is None:
+            agreed.pop(step.path, None)
+        else:
+            pair = (now, step.after) if step.to == "here" else (step.after, now)
+            agreed[step.path] = Agreed(*pair)
+    return agreed

@@ -1,0 +1,74 @@
+"""What was agreed with a robot at the last sync, kept on this computer."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from ur.robot.sync.model import Agreed, File
+from ur.source.diagnostic import UserError, error
+
+VERSION = 1
+
+
+@dataclass(frozen=True, slots=True)
+class Pair:
+    """Two workspaces. `machine` names the other computer's system: it changes when that one is flashed again."""
+
+    here: str
+    there: str
+    machine: str
+
+
+@dataclass(frozen=True, slots=True)
+class Memory:
+    """The last sync of a pair."""
+
+    pair: Pair
+    agreed: Mapping[str, Agreed] = field(default_factory=dict)
+
+
+def memory_path(robot: str, environment: Mapping[str, str]) -> Path:
+    """The file of a robot, below the user's state folder (XDG base directory specification)."""
+    folder = environment.get("XDG_STATE_HOME", "")
+    if not folder.startswith("/"):
+        folder = str(Path(environment.get("HOME") or Path.home()) / ".local" / "state")
+    return Path(folder) / "ubiquity_launches" / "sync" / f"{robot}.json"
+
+
+def load_memory(path: Path) -> Memory | None:
+    """The last sync; None when there was none. One that cannot be read counts as none: then nothing is deleted."""
+    try:
+        top = json.loads(path.read_text(encoding="utf-8"))
+        if top["version"] != VERSION:
+            return None
+        agreed = {name: Agreed(File(*row[0]), File(*row[1])) for name, row in top["agreed"].items()}
+        return Memory(Pair(**top["pair"]), agreed)
+    except (OSError, ValueError, TypeError, KeyError, IndexError, AttributeError):
+        return None
+
+
+def store_memory(path: Path, memory: Memory) -> None:
+    """Write it in one step. Raises UserError."""
+    rows = {name: [each.here.as_json(), each.there.as_json()] for name, each in memory.agreed.items()}
+    pair = {"here": memory.pair.here, "there": memory.pair.there, "machine": memory.pair.machine}
+    temporary = path.with_name(f"{path.name}.{os.getpid()}")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        temporary.write_text(json.dumps({"version": VERSION, "pair": pair, "agreed": rows}), encoding="utf-8")
+        temporary.replace(path)
+    except OSError as problem:
+        with suppress(OSError):
+            temporary.unlink()
+        reason = (problem.strerror or str(problem)).lower()
+        raise UserError(error(f"{path}: cannot be written: {reason}", rule="no-memory")) from None
+
+
+def known_files(agreed: Mapping[str, Agreed], side: str) -> dict[str, tuple[int, int, str]]:
+    """Size, time and hash of files as a side had them: with the same size and time they need not be read again."""
+    files = ((path, each.here if side == "here" else each.there) for path, each in agreed.items())
+    return {path: (file.size, file.time, file.content) for path, file in files if file.kind == "file"}

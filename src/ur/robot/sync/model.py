@@ -1,0 +1,96 @@
+"""What a workspace holds, what was agreed at the last sync, and what the next one would do. Values."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+Kind = Literal["file", "link", "folder"]
+Side = Literal["here", "there"]
+SIDES: tuple[Side, Side] = ("here", "there")
+
+
+@dataclass(frozen=True, slots=True)
+class File:
+    """A file of one side. `content` is its hash, or the target of a link; `time` is in ns since 1970."""
+
+    kind: Kind
+    size: int
+    time: int
+    executable: bool
+    content: str
+
+    @property
+    def identity(self) -> Identity:
+        """What makes it the same file on the other side."""
+        return self.kind, self.executable, self.content
+
+    def as_json(self) -> list[Any]:
+        """As `ur.robot.sync.side` writes and reads it."""
+        return [self.kind, self.size, self.time, self.executable, self.content]
+
+
+Identity = tuple[str, bool, str]
+
+
+@dataclass(frozen=True, slots=True)
+class Manifest:
+    """One side: its files by path, and the paths that cannot be carried, with the reasons."""
+
+    files: Mapping[str, File] = field(default_factory=dict)
+    skipped: Mapping[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class Agreed:
+    """A path that both had alike at the last sync. Size and time tell either side whether it was changed since."""
+
+    here: File
+    there: File
+
+    @property
+    def identity(self) -> Identity:
+        """What both had."""
+        return self.here.identity
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """A change of one side. `before` is what it has, `after` what it gets; None: nothing. `keep`: save what it has."""
+
+    path: str
+    to: Side
+    before: File | None
+    after: File | None
+    keep: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Conflict:
+    """A path that stays as it is on both sides."""
+
+    path: str
+    here: File | None
+    there: File | None
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class SyncPlan:
+    """What a sync would do: `steps`, `conflicts`, and `waiting` steps in the direction that was not asked for.
+
+    With the paths in `same`, which both have alike, the next sync begins. `skipped` says what is left out, and why.
+    """
+
+    steps: tuple[Step, ...] = ()
+    conflicts: tuple[Conflict, ...] = ()
+    waiting: tuple[Step, ...] = ()
+    same: Mapping[str, Agreed] = field(default_factory=dict)
+    skipped: Mapping[str, str] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+
+
+def read_files(rows: Mapping[str, list[Any]]) -> dict[str, File]:
+    """Files from their JSON. Raises TypeError or ValueError for what is none."""
+    return {path: File(*row) for path, row in rows.items()}
