@@ -15,7 +15,12 @@ from ur.complete.model import Candidate, Known, Option, Source
 from ur.complete.verbs import complete_line
 from ur.source.diagnostic import UserError
 
-_RUN_COMMANDS = {"robot command": "ur.cli.robot", "boot command": "ur.cli.boot", "new command": "ur.cli.new"}
+_RUN_COMMANDS = {
+    "robot command": "ur.cli.robot",
+    "boot command": "ur.cli.boot",
+    "new command": "ur.cli.new",
+    "image command": "ur.cli.image",
+}
 
 
 def answer_completion(words: Sequence[str]) -> int:

@@ -20,6 +20,7 @@ KINDS: dict[str, tuple[str, ...]] = {
     "find": ("", "files", "..."),
     "format": ("files", "..."),
     "graph": ("launch",),
+    "image": ("image command", "files"),
     "launch": ("launch",),
     "logs": ("node",),
     "mount": ("robot",),

@@ -1,0 +1,125 @@
+"""Copies of images: unpacked, with holes where there is nothing, and put in their place in one step."""
+
+from __future__ import annotations
+
+import bz2
+import gzip
+import lzma
+import os
+import shutil
+import zipfile
+import zlib
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import IO, cast
+
+from ur.robot.image.content import identify_packing
+from ur.source.diagnostic import UserError, error
+
+CHUNK = 1 << 20
+_DAMAGE = (lzma.LZMAError, zlib.error, gzip.BadGzipFile, zipfile.BadZipFile, EOFError, ValueError, NotImplementedError)
+_UNFINISHED = "ur-unfinished"
+# How many bytes of how many have been read.
+Progress = Callable[[int, int], None]
+
+
+def packing_of(path: Path) -> str | None:
+    """How a file is compressed; None when it is not. Raises UserError when it cannot be read."""
+    try:
+        with path.open("rb") as file:
+            return identify_packing(file.read(8))
+    except OSError as problem:
+        raise _unusable(path, "read", problem) from None
+
+
+@contextmanager
+def copied_image(source: Path, target: Path, progress: Progress) -> Iterator[tuple[Path, Callable[[], None]]]:
+    """A copy of an image beside `target`, unpacked; and what puts it in the place of `target`, once it is complete.
+
+    Without that, or when anything fails or ends this process, `target` is as it was. What a killed process left there
+    is removed by the next one. Raises UserError: unreadable, damaged, no room.
+    """
+    _remove_unfinished(target)
+    beside = target.with_name(f".{target.name}.{os.getpid()}.{_UNFINISHED}")
+
+    def finish() -> None:
+        with beside.open("rb") as file:
+            os.fsync(file.fileno())
+        os.replace(beside, target)  # noqa: PTH105 - what is left is a name, not the path that the caller was given
+
+    try:
+        _copy(source, beside, progress)
+        yield beside, finish
+    finally:
+        beside.unlink(missing_ok=True)
+
+
+def _copy(source: Path, beside: Path, progress: Progress) -> None:
+    try:
+        with source.open("rb") as packed, beside.open("xb") as copy:
+            shutil.copymode(source, beside)
+            _copy_sparsely(_unpack(packed, source), packed, copy, progress)
+    except _DAMAGE as problem:
+        raise UserError(
+            error(f"{source}: is damaged: {str(problem).lower()}", rule="damaged-image", help="download it again")
+        ) from None
+    except OSError as problem:
+        raise _unusable(beside.parent, "written", problem) from None
+
+
+def _unpack(packed: IO[bytes], source: Path) -> IO[bytes]:
+    kind = identify_packing(packed.read(8))
+    packed.seek(0)
+    if kind == "xz":
+        return lzma.open(packed)
+    if kind == "gzip":
+        return cast("IO[bytes]", gzip.open(packed))
+    if kind == "bzip2":
+        return bz2.open(packed)
+    if kind == "zip":
+        archive = zipfile.ZipFile(packed)
+        images = [name for name in archive.namelist() if name.endswith((".img", ".raw"))]
+        if len(images) != 1:
+            raise UserError(
+                error(
+                    f"{source}: holds {len(images)} images, expected one file that ends in .img",
+                    rule="unknown-image",
+                    help="unpack it, then prepare what is in it",
+                )
+            )
+        return archive.open(images[0])
+    if kind == "zstd":
+        raise UserError(
+            error(
+                f"{source}: is compressed with zstd, expected xz, gzip, bzip2, zip or none",
+                rule="unknown-image",
+                help=f"run: zstd -d {source}",
+            )
+        )
+    return packed
+
+
+def _copy_sparsely(unpacked: IO[bytes], packed: IO[bytes], copy: IO[bytes], progress: Progress) -> None:
+    total = os.fstat(packed.fileno()).st_size
+    length = 0
+    while chunk := unpacked.read(CHUNK):
+        if chunk.count(0) == len(chunk):
+            copy.seek(len(chunk), os.SEEK_CUR)
+        else:
+            copy.write(chunk)
+        length += len(chunk)
+        progress(os.lseek(packed.fileno(), 0, os.SEEK_CUR), total)
+    copy.truncate(length)
+
+
+def _remove_unfinished(target: Path) -> None:
+    for path in target.parent.glob(f".{target.name}.*.{_UNFINISHED}"):
+        number = path.name.split(".")[-2]
+        if not Path("/proc", number).exists():
+            path.unlink(missing_ok=True)
+
+
+def _unusable(path: Path, doing: str, problem: OSError) -> UserError:
+    reason = (problem.strerror or str(problem)).lower()
+    return UserError(error(f"{path}: cannot be {doing}: {reason}", rule="unwritable-file"))

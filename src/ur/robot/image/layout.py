@@ -1,0 +1,149 @@
+"""Which system an image holds, and where the seed of its first boot belongs. Found by looking, not by the file's name.
+
+Sources: cloud-init's data source NoCloud (cloudinit/sources/DataSourceNoCloud.py), Ubuntu's README on system-boot,
+Raspberry Pi OS: pi-gen (stage2/04-cloud-init) and raspberrypi-sys-mods (firstboot, init_config, sshswitch).
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from enum import Enum
+from pathlib import Path
+
+from ur.robot.image.content import FileSystem, describe_other, identify_filesystem
+from ur.robot.image.partitions import Partition, Read, read_partitions
+from ur.robot.image.volume import ExtVolume, FatVolume, Volume
+from ur.source.diagnostic import UserError, error
+
+SEED_FOLDER = "var/lib/cloud/seed/nocloud"
+_FIRST_BOOT = "init=/usr/lib/raspberrypi-sys-mods/firstboot"
+_EXPECTED = "expected an image of Ubuntu (Raspberry Pi or cloud), Debian (cloud) or Raspberry Pi OS"
+
+
+class Scheme(Enum):
+    """How a system is told what to do at its first boot."""
+
+    BOOT_SEED = "cloud-init reads a seed from the boot partition"
+    ROOT_SEED = "cloud-init reads a seed from a folder of the system"
+    CUSTOM_TOML = "Raspberry Pi OS 12 reads custom.toml from the boot partition"
+
+
+@dataclass(frozen=True, slots=True)
+class Layout:
+    """What an image holds. `boot` or `root` is None where the scheme does not need it.
+
+    `system` is what it calls itself, `raspberry` whether it is Raspberry Pi OS, `netplan` the version of what sets up
+    its network ('' when that is not known).
+    """
+
+    scheme: Scheme
+    system: str
+    boot: Volume | None
+    root: Volume | None
+    raspberry: bool = False
+    netplan: str = ""
+
+
+@contextmanager
+def open_reader(path: Path) -> Iterator[tuple[Read, int]]:
+    """Bytes of a file or device, and how many there are. Raises UserError."""
+    try:
+        with path.open("rb") as file:
+            size = file.seek(0, 2)
+
+            def read(offset: int, count: int) -> bytes:
+                file.seek(offset)
+                return file.read(count)
+
+            yield read, size
+    except OSError as problem:
+        reason = (problem.strerror or str(problem)).lower()
+        raise UserError(error(f"{path}: cannot be read: {reason}", rule="unreadable-file")) from None
+
+
+def find_layout(path: Path) -> Layout:
+    """Look into an image or device. Raises UserError, which says what it is when it is nothing we know."""
+    with open_reader(path) as (read, size):
+        partitions = read_partitions(read, size)
+        systems = [(each, identify_filesystem(read, each.start)) for each in partitions]
+        if not partitions:
+            whole = identify_filesystem(read, 0)
+            if whole.kind == "unknown":
+                raise _unknown(describe_other(read))
+            systems = [(Partition(0, 0, size), whole)]
+    fats = [(FatVolume(path, where.start), what) for where, what in systems if what.kind == "fat"]
+    roots = [(ExtVolume(path, where.start), what) for where, what in systems if what.kind == "ext"]
+    root = next(((volume, what) for volume, what in roots if volume.read("etc/os-release") or _os(volume)), None)
+    for boot, what in fats:
+        if found := _boot_layout(boot, what, root[0] if root else None):
+            return found
+    if root and root[0].read("etc/cloud/cloud.cfg") is not None:
+        if root[1].dirty:
+            raise _dirty()
+        return Layout(Scheme.ROOT_SEED, _name(root[0]), None, root[0], netplan=_netplan(root[0]))
+    raise _unknown(_describe(systems, root[0] if root else None))
+
+
+def _boot_layout(boot: FatVolume, what: FileSystem, root: ExtVolume | None) -> Layout | None:
+    names = boot.names()
+    raspberry = "issue.txt" in names or what.label == "bootfs"
+    if {"user-data", "meta-data"} <= names or what.label.lower() == "cidata":
+        name = _name(root) if root else "a system with cloud-init"
+        return Layout(Scheme.BOOT_SEED, name, boot, root, raspberry=raspberry, netplan=_netplan(root) if root else "")
+    command = boot.read("cmdline.txt")
+    if command is None or not raspberry:
+        return None
+    if _FIRST_BOOT.encode() not in command or root is None:
+        which = _name(root) if root else "without a system partition"
+        raise UserError(
+            error(
+                f"this is Raspberry Pi OS ({which}), without cloud-init or booted before, expected one with user-data "
+                "on its boot partition (13, since November 2025) or a fresh 12",
+                rule="unknown-image",
+                help="take a newer image, or flash it again",
+            )
+        )
+    return Layout(Scheme.CUSTOM_TOML, _name(root), boot, root, raspberry=True)
+
+
+def _os(root: ExtVolume) -> bytes | None:
+    return root.read("usr/lib/os-release")
+
+
+def _name(root: ExtVolume) -> str:
+    text = (_os(root) or b"").decode(errors="replace")
+    found = re.search(r'^PRETTY_NAME="?([^"\n]*)', text, re.MULTILINE)
+    return found[1] if found else "a Linux system"
+
+
+def _netplan(root: ExtVolume) -> str:
+    text = (root.read("var/lib/dpkg/status") or b"").decode(errors="replace")
+    found = re.search(r"^Package: netplan\.io\n(?:\S.*\n| .*\n)*?Version: (\S+)", text, re.MULTILINE)
+    return found[1] if found else ""
+
+
+def _describe(systems: list[tuple[Partition, FileSystem]], root: ExtVolume | None) -> str:
+    if root:
+        return f"{_name(root)} without cloud-init"
+    kinds = ", ".join(f"{where.number}: {what.kind}{' ' + what.label if what.label else ''}" for where, what in systems)
+    return f"a disk with partitions of another system ({kinds})"
+
+
+def _dirty() -> UserError:
+    return UserError(
+        error(
+            "its file system was not unmounted when it was last used, expected a clean one",
+            rule="damaged-image",
+            help="flash it again, or boot it and shut it down",
+        )
+    )
+
+
+def _unknown(what: str) -> UserError:
+    help = None
+    if "qcow2" in what:
+        help = "run: qemu-img convert -O raw IMAGE IMAGE.raw (package qemu-utils), then prepare IMAGE.raw"
+    return UserError(error(f"this is {what}, {_EXPECTED}", rule="unknown-image", help=help))

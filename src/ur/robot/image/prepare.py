@@ -1,0 +1,95 @@
+"""From a seed to what has to be written into an image; and back again."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+from ur.robot.image.layout import SEED_FOLDER, Layout, Scheme, find_layout
+from ur.robot.image.seed import MARK, SeedFile
+from ur.robot.image.volume import Volume
+from ur.robot.robot_file import ROBOT_FILE
+
+ORIGINAL = ".orig"
+_NAMES = ("network-config", "ssh", "meta-data", "user-data")  # user-data last: without it, a seed is none
+
+
+@dataclass(frozen=True, slots=True)
+class Write:
+    """A file of an image that has to become another one: what it holds now, and then. None: it is not there."""
+
+    volume: Literal["boot", "root"]
+    path: str
+    before: bytes | None
+    after: bytes | None
+
+
+def seed_places(layout: Layout) -> tuple[tuple[Literal["boot", "root"], str], ...]:
+    """Every file that a seed may have in such an image, in the order of writing."""
+    if layout.scheme is Scheme.CUSTOM_TOML:
+        return (("root", str(ROBOT_FILE).lstrip("/")), ("boot", "custom.toml"))
+    if layout.scheme is Scheme.ROOT_SEED:
+        return tuple(("root", f"{SEED_FOLDER}/{name}") for name in _NAMES if name != "ssh")
+    return tuple(("boot", name) for name in _NAMES if name != "ssh" or layout.raspberry)
+
+
+def read_seed(layout: Layout) -> dict[tuple[str, str], bytes | None]:
+    """What is there now: each place of a seed, and beside it the original that an earlier seed put aside."""
+    found: dict[tuple[str, str], bytes | None] = {}
+    for volume, path in seed_places(layout):
+        for name in (path, path + ORIGINAL):
+            found[volume, name] = _volume(layout, volume).read(name)
+    return found
+
+
+def plan_writes(layout: Layout, present: dict[tuple[str, str], bytes | None], seed: Iterable[SeedFile]) -> list[Write]:
+    """What has to be written for this seed; nothing when it is there. What the image brought is kept as NAME.orig."""
+    wanted = {(file.volume, file.path): file.text.encode() for file in seed}
+    return list(_plan(layout, present, wanted))
+
+
+def _plan(
+    layout: Layout,
+    present: dict[tuple[str, str], bytes | None],
+    wanted: dict[tuple[Literal["boot", "root"], str], bytes],
+) -> Iterator[Write]:
+    for place in seed_places(layout):
+        volume, path = place
+        before, original = present[volume, path], present[volume, path + ORIGINAL]
+        # Of an earlier seed of ours that this one does not have: back to what the image brought.
+        after = wanted.get(place, original if _is_ours(path, before) else before)
+        if place in wanted and before not in (None, original) and not _is_ours(path, before):
+            yield Write(volume, path + ORIGINAL, original, before)
+        if after != before:
+            yield Write(volume, path, before, after)
+        if place not in wanted and original is not None and _is_ours(path, before):
+            yield Write(volume, path + ORIGINAL, original, None)
+
+
+def plan_undo(layout: Layout, present: dict[tuple[str, str], bytes | None]) -> list[Write]:
+    """What takes a seed of ours away again and puts the image's own files back."""
+    return list(_plan(layout, present, {}))
+
+
+def write_all(path: Path, writes: Sequence[Write]) -> None:
+    """Write into an image or device. Raises UserError when something is not there afterwards."""
+    layout = find_layout(path)
+    for write in writes:
+        _volume(layout, write.volume).write(write.path, write.after)
+
+
+def _is_ours(path: str, content: bytes | None) -> bool:
+    if content is None:
+        return False
+    head = content[:200].decode(errors="replace")
+    return (
+        MARK in head or (path == "ssh" and content == b"") or (path.endswith("robot.yaml") and "Written by ur" in head)
+    )
+
+
+def _volume(layout: Layout, name: Literal["boot", "root"]) -> Volume:
+    volume = layout.boot if name == "boot" else layout.root
+    assert volume is not None, "a layout whose scheme has no such file system"
+    return volume

@@ -1,0 +1,228 @@
+"""The files from which a robot's first boot grows, as texts."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import yaml
+
+from ur.robot.image.layout import SEED_FOLDER, Layout, Scheme
+from ur.robot.robot_file import ROBOT_FILE
+from ur.robot.setup.there import Robot, announcement, robot_file
+from ur.robot.ssh.shell import quote
+from ur.source.diagnostic import UserError, error
+
+MARK = "# Written by ur image prepare.\n"
+# As `ur robot setup` writes it, so that it finds nothing to do there.
+KEEP_NAME = (
+    "/etc/cloud/cloud.cfg.d/99-ubiquity.cfg",
+    "# Written by ur robot setup.\npreserve_hostname: true\nmanage_etc_hosts: false\n",
+)
+_GROUPS = ("adm", "sudo", "dialout", "video", "plugdev", "input")
+_UNIT = "/etc/systemd/system/ubiquity-names.service"
+# What cloud-init's `packages` cannot: a first boot without internet is not held up, and it is tried until there is.
+_NAMES = """\
+# Written by ur image prepare: makes the robot answer to its name, as soon as it has internet to fetch what that needs.
+[Unit]
+Description=Install what the robot answers to its name with
+ConditionPathExists=|!/usr/sbin/avahi-daemon
+ConditionPathExists=|!/usr/sbin/sshd
+After=network.target
+
+[Service]
+Environment=DEBIAN_FRONTEND=noninteractive
+ExecStartPre=-/usr/bin/apt-get -q -o DPkg::Lock::Timeout=600 update
+ExecStart=/usr/bin/apt-get -q -y --no-install-recommends -o DPkg::Lock::Timeout=600 \\
+  install avahi-daemon libnss-mdns openssh-server
+TimeoutStartSec=infinity
+Restart=on-failure
+RestartSec=30
+
+[Install]
+WantedBy=multi-user.target
+"""
+
+
+@dataclass(frozen=True, slots=True)
+class Wifi:
+    """A wireless network: its name, its key as 64 hexadecimal digits ('' for an open one), country and interface."""
+
+    network: str
+    key: str
+    country: str
+    interface: str = "wlan0"
+
+
+@dataclass(frozen=True, slots=True)
+class Wish:
+    """What a robot shall be after its first boot. `password` is a hash of crypt(3); '' for a user who has none.
+
+    A user without a password may use sudo without one: whoever holds the key holds the robot. With one, sudo asks.
+    """
+
+    robot: Robot
+    user: str
+    keys: tuple[str, ...]
+    password: str = ""
+    wifi: Wifi | None = None
+    timezone: str = ""
+    locale: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class SeedFile:
+    """A file of the seed: on which of the image's file systems, its path there without a slash, its text."""
+
+    volume: Literal["boot", "root"]
+    path: str
+    text: str
+
+
+def make_seed(wish: Wish, layout: Layout) -> tuple[SeedFile, ...]:
+    """The files for an image. Raises UserError when the image cannot do what is wished."""
+    if layout.scheme is Scheme.CUSTOM_TOML:
+        return (
+            SeedFile("boot", "custom.toml", custom_toml(wish)),
+            SeedFile("root", str(ROBOT_FILE).lstrip("/"), robot_file(wish.robot)),
+        )
+    if wish.wifi:
+        _check_netplan(layout.netplan, wish.wifi.country)
+    user_data, network = user_data_text(wish, raspberry=layout.raspberry), network_text(wish.wifi) if wish.wifi else ""
+    texts = {"user-data": user_data, "meta-data": meta_data_text(user_data + network)}
+    if network:
+        texts["network-config"] = network
+    if layout.scheme is Scheme.ROOT_SEED:
+        return tuple(SeedFile("root", f"{SEED_FOLDER}/{name}", text) for name, text in texts.items())
+    if layout.raspberry:
+        texts["ssh"] = ""  # its mere presence starts the ssh server
+    return tuple(SeedFile("boot", name, text) for name, text in texts.items())
+
+
+def user_data_text(wish: Wish, *, raspberry: bool = False) -> str:
+    """cloud-init's user-data: who may log in, the name, and the robot's own file."""
+    name = wish.robot.name
+    user: dict[str, Any] = {
+        "name": wish.user,
+        "gecos": f"User of {name}",
+        "groups": list(_GROUPS),
+        "shell": "/bin/bash",
+        "lock_passwd": not wish.password,
+        **({"passwd": wish.password} if wish.password else {"sudo": "ALL=(ALL) NOPASSWD:ALL"}),
+        "ssh_authorized_keys": list(wish.keys),
+    }
+    files = (
+        (str(ROBOT_FILE), robot_file(wish.robot)),
+        ("/etc/avahi/services/ubiquity.service", announcement(wish.robot, wish.user)),
+        KEEP_NAME,
+        (_UNIT, _NAMES),
+    )
+    data: dict[str, Any] = {
+        "hostname": name,
+        "preserve_hostname": False,  # for this one boot; the file below keeps the name afterwards
+        "manage_etc_hosts": False,
+        "ssh_pwauth": False,
+        "users": [user],
+        "write_files": [{"path": path, "content": text, "permissions": "0644"} for path, text in files],
+        **({"timezone": wish.timezone} if wish.timezone else {}),
+        **({"locale": wish.locale} if wish.locale else {}),
+        "runcmd": [["sh", "-c", line] for line in _first_commands(wish, raspberry=raspberry)],
+    }
+    return f"#cloud-config\n{MARK}{_dump(data)}"
+
+
+def _first_commands(wish: Wish, *, raspberry: bool) -> list[str]:
+    name = wish.robot.name
+    lines = [
+        f"sed -i '/^127\\.0\\.1\\.1[[:space:]]/d' /etc/hosts; printf '127.0.1.1\\t%s\\n' {name} >>/etc/hosts",
+        "systemctl daemon-reload; systemctl enable --now --no-block ubiquity-names",
+        "systemctl enable --now --no-block ssh; systemctl --no-block try-restart avahi-daemon",
+    ]
+    if raspberry and wish.wifi:  # the radio is off until its country is known; NetworkManager does not tell it
+        country = quote(wish.wifi.country)
+        lines.append(f"raspi-config nonint do_wifi_country {country}; rfkill unblock wifi; nmcli radio wifi on")
+    return lines
+
+
+def network_text(wifi: Wifi) -> str:
+    """cloud-init's network-config, version 2, which is netplan's: any wired network, and this wireless one."""
+    point = {"password": wifi.key} if wifi.key else {}
+    data = {
+        "version": 2,
+        "ethernets": {"wired": {"match": {"name": "e*"}, "dhcp4": True, "optional": True}},
+        "wifis": {
+            wifi.interface: {
+                "dhcp4": True,
+                "optional": True,
+                "regulatory-domain": wifi.country,
+                "access-points": {wifi.network: point},
+            }
+        },
+    }
+    return f"{MARK}{_dump(data)}"
+
+
+def meta_data_text(rest: str) -> str:
+    """cloud-init's meta-data. Another seed is another instance: a robot that has booted takes it at its next boot."""
+    identity = hashlib.sha256(rest.encode()).hexdigest()[:16]
+    return f"{MARK}dsmode: local\ninstance-id: ur-{identity}\n"
+
+
+def custom_toml(wish: Wish) -> str:
+    """What Raspberry Pi OS 12 reads at its first boot (raspberrypi-sys-mods: init_config). Its user may use sudo."""
+    sections: list[tuple[str, dict[str, Any]]] = [
+        ("system", {"hostname": wish.robot.name}),
+        (
+            "user",
+            {
+                "name": wish.user,
+                **({"password": wish.password, "password_encrypted": True} if wish.password else {}),
+            },
+        ),
+        ("ssh", {"enabled": True, "password_authentication": False, "authorized_keys": list(wish.keys)}),
+    ]
+    if wish.wifi:
+        key = {"password": wish.wifi.key, "password_encrypted": True} if wish.wifi.key else {}
+        sections.append(("wlan", {"ssid": wish.wifi.network, **key, "country": wish.wifi.country}))
+    if wish.timezone:
+        sections.append(("locale", {"timezone": wish.timezone}))
+    # Strings, lists and truths are written alike in TOML and JSON.
+    parts = (
+        f"\n[{name}]\n" + "".join(f"{key} = {json.dumps(value)}\n" for key, value in rows.items())
+        for name, rows in sections
+    )
+    return f"{MARK}config_version = 1\n" + "".join(parts)
+
+
+def present_password(texts: Sequence[str]) -> str:
+    """The password's hash in files of an earlier seed; '' when there is none."""
+    found = (re.search(r"\$6\$[./A-Za-z0-9]{1,16}\$[./A-Za-z0-9]{86}", text) for text in texts)
+    return next((match[0] for match in found if match), "")
+
+
+def hide_secrets(text: str) -> str:
+    """The text without hashes of passwords and keys of networks, for a screen."""
+    text = re.sub(r"\$(?:6|5|y|1|2[aby])\$[./A-Za-z0-9$=,]+", "(hash, not shown)", text)
+    text = re.sub(r"\b[0-9a-fA-F]{64}\b", "(key, not shown)", text)
+    return re.sub(r"((?:plain_text_)?(?:passwd|password):\s*)(?!\(|true|false)\S.*", r"\1(not shown)", text)
+
+
+def _check_netplan(version: str, country: str) -> None:
+    found = re.match(r"(?:\d+:)?(\d+)\.(\d+)", version)
+    if found and (int(found[1]), int(found[2])) < (0, 105):
+        raise UserError(
+            error(
+                f"its netplan {version} knows no country ({country}) for WiFi, expected 0.105 or later",
+                rule="old-image",
+                help="take a newer image (Ubuntu 22.04.2 or later), or prepare it without --ssid",
+            )
+        )
+
+
+def _dump(data: Any) -> str:
+    text: str = yaml.safe_dump(data, sort_keys=False, allow_unicode=True, width=1000)
+    return text

@@ -1,0 +1,163 @@
+"""Files in file systems of an image or device, without mounting them: mtools for FAT, debugfs for ext4."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import tempfile
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Protocol
+
+from ur.source.diagnostic import UserError, error
+
+_SECONDS = 120.0
+_TOOLS = {"debugfs": "e2fsprogs", "openssl": "openssl"}
+# The administrator's tools are not on everybody's PATH.
+_PATH = os.pathsep.join((os.defpath, "/usr/local/sbin", "/usr/sbin", "/sbin"))
+
+
+class Volume(Protocol):
+    """A file system. Paths begin without a slash."""
+
+    def read(self, path: str) -> bytes | None:
+        """The content of a file; None when there is none. Raises UserError when the file system cannot be read."""
+
+    def write(self, path: str, content: bytes | None) -> None:
+        """Make a file have this content, or, with None, not be there. Raises UserError when it is not so afterwards."""
+
+
+@dataclass(frozen=True, slots=True)
+class FatVolume:
+    """A FAT file system that begins at byte `start` of a file or device."""
+
+    image: Path
+    start: int
+
+    def names(self) -> frozenset[str]:
+        """What is in its uppermost folder."""
+        return frozenset(
+            line.removeprefix("::/").rstrip("/") for line in self._run("mdir", "-b", "::/").decode().splitlines()
+        )
+
+    def read(self, path: str) -> bytes | None:
+        """The content of a file in the uppermost folder."""
+        return self._run("mcopy", "-n", f"::/{path}", "-") if path in self.names() else None
+
+    def write(self, path: str, content: bytes | None) -> None:
+        """Written beside it first, then renamed: cut off anywhere, no file is there in part."""
+        names = self.names()
+        beside = f"{path}.ur-new"
+        if beside in names:
+            self._run("mdel", f"::/{beside}")
+        if content is not None:
+            self._run("mcopy", "-o", "-", f"::/{beside}", stdin=content)
+        if path in names:
+            self._run("mdel", f"::/{path}")
+        if content is not None:
+            self._run("mren", f"::/{beside}", f"::/{path}")
+        _compare(path, self.read(path), content)
+
+    def _run(self, tool: str, *words: str, stdin: bytes = b"") -> bytes:
+        with self.image.open("rb") as file:  # its number stands for it: a path may hold what mtools takes for its own
+            place = f"/proc/self/fd/{file.fileno()}@@{self.start}"
+            settings = {"MTOOLSRC": os.devnull, "MTOOLS_SKIP_CHECK": "1"}
+            done = run_tool([tool, "-i", place, *words], stdin, pass_fds=[file.fileno()], settings=settings)
+        if done.returncode:
+            raise _failed(tool, done.stderr)
+        return done.stdout
+
+
+@dataclass(frozen=True, slots=True)
+class ExtVolume:
+    """An ext2, ext3 or ext4 file system that begins at byte `start` of a file or device. Not mounted, and clean.
+
+    What is written belongs to root; only root may read it.
+    """
+
+    image: Path
+    start: int
+
+    def read(self, path: str) -> bytes | None:
+        """The content of a file."""
+        said = self._run([f"stat {_quote(path)}"]).stderr
+        if b"not found" in said:
+            return None
+        return self._run([], "-R", f"cat {_quote(path)}").stdout
+
+    def write(self, path: str, content: bytes | None) -> None:
+        """Write or remove a file; folders that it needs are made."""
+        folder, _, name = path.rpartition("/")
+        parts = folder.split("/") if folder else []
+        commands = (
+            [f"mkdir {_quote('/'.join(parts[: i + 1]))}" for i in range(len(parts))] if content is not None else []
+        )
+        commands += [f"cd {_quote(folder)}", f'rm "{name}"']
+        with tempfile.NamedTemporaryFile(prefix="ur-") as source:
+            if content is not None:
+                source.write(content)
+                source.flush()
+                commands += [f'write "{source.name}" "{name}"']
+                commands += [f'sif "{name}" {field} {value}' for field, value in _OWNED]
+            self._run(commands, "-w")
+        _compare(path, self.read(path), content)
+
+    def _run(self, commands: Sequence[str], *options: str) -> subprocess.CompletedProcess[bytes]:
+        with self.image.open("r+b" if "-w" in options else "rb") as file:
+            place = f"/proc/self/fd/{file.fileno()}?offset={self.start}"
+            words = ["debugfs", *options, *(["-f", "-"] if commands else []), place]
+            done = run_tool(words, "\n".join([*commands, ""]).encode(), pass_fds=[file.fileno()])
+        if done.returncode or b"Filesystem not open" in done.stderr:
+            raise _failed("debugfs", done.stderr)
+        return done
+
+
+_OWNED = (("mode", "0100600"), ("uid", "0"), ("gid", "0"))
+
+
+def run_tool(
+    words: Sequence[str], stdin: bytes = b"", *, pass_fds: Sequence[int] = (), settings: Mapping[str, str] | None = None
+) -> subprocess.CompletedProcess[bytes]:
+    """Run a small program to its end. Raises UserError when it is not installed, or does not end."""
+    path = f"{os.environ.get('PATH', '')}{os.pathsep}{_PATH}"
+    try:
+        return subprocess.run(
+            words,
+            input=stdin,
+            capture_output=True,
+            pass_fds=pass_fds,
+            env={**os.environ, "PATH": path, "LC_ALL": "C", **(settings or {})},
+            timeout=_SECONDS,
+            check=False,
+        )
+    except FileNotFoundError:
+        package = _TOOLS.get(words[0], "mtools")
+        raise UserError(
+            error(
+                f"{words[0]} is not installed here, needed to look into images",
+                rule="missing-program",
+                help=f"run: sudo apt-get install {package}",
+            )
+        ) from None
+    except subprocess.TimeoutExpired:
+        raise _failed(words[0], b"no answer") from None
+
+
+def _quote(path: str) -> str:
+    return f'"/{path}"'
+
+
+def _compare(path: str, found: bytes | None, wanted: bytes | None) -> None:
+    if found != wanted:
+        raise UserError(
+            error(f"{path}: what was written is not there afterwards", rule="failed-change", help="is its disk full?")
+        )
+
+
+def _failed(tool: str, said: bytes) -> UserError:
+    lines = [line for line in said.decode(errors="replace").splitlines() if line.strip()]
+    lines = [line for line in lines if not line.startswith("debugfs 1.")] or ["no reason was given"]
+    return UserError(
+        error(f"its file system cannot be used: {tool}: {lines[0]}", rule="damaged-image", help="flash it again")
+    )
