@@ -7,8 +7,10 @@ import os
 import signal
 import socket
 import sys
+import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
@@ -26,6 +28,9 @@ from ur.robot.ssh.shell import LocalShell
 from ur.source.diagnostic import UserError, error
 from ur.source.render import render_human
 from ur.source.section import Section, read_section
+
+MASTER_PORT = 11311
+MASTER_SECONDS = 60.0
 
 
 @click.group("robot", invoke_without_command=True)
@@ -52,6 +57,11 @@ def command(context: click.Context) -> None:
     metavar="FD",
     help="Read the present password and the new one, a line each, from this file descriptor.",
 )
+@click.option(
+    "--master/--no-master",
+    default=True,
+    help="Keep a ROS master up from the robot's boot on, or leave that as it is. [default: --master]",
+)
 @click.option("--dry-run", is_flag=True, help="Show what would be changed on the robots, and change nothing there.")
 @click.option("--new-host-key", is_flag=True, help="It was flashed again: accept its new host key.")
 def setup(
@@ -61,6 +71,7 @@ def setup(
     variant: str | None,
     file: str | None,
     passwords_from: int | None,
+    master: bool,
     dry_run: bool,
     new_host_key: bool,
 ) -> int:
@@ -69,7 +80,8 @@ def setup(
     Asks for what it needs to know. Looks first and changes only what is missing; interrupted anywhere, a second run
     finishes. At the end it looks from both ends and prints what it saw.
 
-    FILE is YAML: `robots:`, a list of mappings with `host`, `name`, `base` and, if wanted, `user` and `variant`.
+    FILE is YAML: `robots:`, a list of mappings with `host`, `name`, `base` and, if wanted, `user`, `variant` and
+    `master: false`.
     """
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     if file and (hosts or name or base):
@@ -81,7 +93,16 @@ def setup(
     tasks = _read_tasks(Path(file)) if file else [_ask_task(host, name, base, variant) for host in hosts]
     _check_names(tasks)
     current, new = _passwords(tasks, passwords_from, dry_run=dry_run)
-    tasks = [replace(task, current=current, new=new, new_host_key=new_host_key) for task in tasks]
+    tasks = [
+        replace(
+            task,
+            robot=replace(task.robot, master=task.robot.master and master),
+            current=current,
+            new=new,
+            new_host_key=new_host_key,
+        )
+        for task in tasks
+    ]
     here = LocalShell()
     viewer = prepare_viewer(here, getpass.getuser())
     if dry_run:
@@ -94,7 +115,7 @@ def _set_up(task: Task, here: LocalShell, viewer: Viewer) -> int:
     count = set_up(task, here, viewer, say)
     # Looked at through the new name, by key, with strict host keys: as it will be used.
     with open_robot(replace(task, address=task.later, new_host_key=False), say) as there:
-        checks = verify(task, here, there, viewer)
+        checks = verify(task, here, there, viewer, wait_for_master)
     _print_checks(task, checks)
     bad = sum(not check.good for check in checks)
     if bad:
@@ -106,6 +127,19 @@ def _set_up(task: Task, here: LocalShell, viewer: Viewer) -> int:
         else f"ready after {count} changes; select it: ur use {task.robot.name}"
     )
     return 0
+
+
+def wait_for_master(host: str) -> bool:
+    """Whether the ROS master of a robot answers here, which it may do only a while after the boot."""
+    from ur.run.xml_rpc import Refused, Unanswered, call_method
+
+    end = time.monotonic() + MASTER_SECONDS
+    while time.monotonic() < end:
+        with suppress(Refused, Unanswered, OSError, ValueError, TypeError):
+            call_method((host, MASTER_PORT), "getPid", ["/ur"], 2.0)
+            return True
+        time.sleep(0.2)
+    return False
 
 
 def _preview(task: Task, viewer: Viewer) -> int:
@@ -189,7 +223,7 @@ def _read_tasks(path: Path) -> list[Task]:
 
 def _read_task(item: Section) -> Task:
     address = parse_address(item.text("host"), item.text("user", DEFAULT_USER))
-    robot = Robot(item.text("name"), item.text("base"), item.text("variant", ""))
+    robot = Robot(item.text("name"), item.text("base"), item.text("variant", ""), item.boolean("master", True))
     item.finish()
     load_base(PACKAGE, robot.base, robot.variant)
     return Task(address, robot)

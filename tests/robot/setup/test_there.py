@@ -8,7 +8,7 @@ from xml.etree import ElementTree as ET
 
 import pytest
 
-from ur.robot.robot_file import RobotFile, load_robot_file
+from ur.robot.robot_file import ROBOT_FILE, RobotFile, load_robot_file
 from ur.robot.setup.facts import ABSENT, Facts, FileState
 from ur.robot.setup.keys import HOST_KEY
 from ur.robot.setup.there import (
@@ -31,7 +31,7 @@ FACTS = Facts(
     "debian bookworm",
     "1",
     frozenset(),
-    files={HOST_KEY: FileState("ssh-ed25519 AAAA root@robot\n"), CLOUD: ABSENT},
+    files={HOST_KEY: FileState("ssh-ed25519 AAAA root@robot\n"), CLOUD: ABSENT, str(ROBOT_FILE): ABSENT},
 )
 VIEWER = Viewer("pat", "laptop", "ssh-ed25519 BBBB pat@laptop\n", "ssh-ed25519 CCCC\n")
 ROBOT = Robot("bob", "magni", "lidar")
@@ -52,7 +52,7 @@ def test_password_is_set_through_standard_input_only() -> None:
 
 
 def test_cloud_init_is_told_to_keep_the_name_only_where_it_is() -> None:
-    with_cloud = replace(FACTS, files={HOST_KEY: ABSENT, CLOUD: FileState("x")})
+    with_cloud = replace(FACTS, files={**FACTS.files, CLOUD: FileState("x")})
     assert "cloud-init" not in [item.title for item in wanted_there(FACTS, ROBOT, VIEWER, None)]
     assert "cloud-init" in [item.title for item in wanted_there(with_cloud, ROBOT, VIEWER, None)]
 
@@ -61,6 +61,23 @@ def test_cloud_init_is_told_to_keep_the_name_only_where_it_is() -> None:
 def test_robot_file_is_read_back_as_it_was_meant(robot: Robot, tmp_path: Path) -> None:
     (tmp_path / "robot.yaml").write_text(robot_file(robot))
     assert load_robot_file(tmp_path / "robot.yaml") == RobotFile(robot.name, robot.base, robot.variant)
+
+
+def test_robot_file_keeps_what_it_says_beside_name_and_base() -> None:
+    devices = "devices:\n  lidar: /dev/ttyUSB0\n"
+    before = robot_file(Robot("old", "loki", "big")) + devices
+    after = robot_file(ROBOT, before)
+    assert after == robot_file(ROBOT) + devices
+    assert robot_file(ROBOT, after) == after
+    assert robot_file(Robot("bob", "magni"), after) == robot_file(Robot("bob", "magni")) + devices
+
+
+def test_master_is_started_at_boot_unless_it_is_not_wanted() -> None:
+    def titles(robot: Robot) -> list[str]:
+        return [item.title for item in wanted_there(FACTS, robot, VIEWER, None)]
+
+    assert {"ROS master at boot", "ROS master"} <= set(titles(ROBOT))
+    assert not {"ROS master at boot", "ROS master"} & set(titles(replace(ROBOT, master=False)))
 
 
 def test_announcement_is_what_avahi_reads() -> None:

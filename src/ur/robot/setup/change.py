@@ -20,12 +20,15 @@ class Command:
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """What an item of the wanted state lacks. `difference` is for people: a unified diff or a few words."""
+    """What an item of the wanted state lacks. `difference` is for people: a unified diff or a few words.
+
+    `note` is a word on why it may take long.
+    """
 
     title: str
     difference: str
     commands: tuple[Command, ...]
-    undone: bool = True  # whether --undo takes it back
+    note: str = ""
 
 
 def show_difference(path: str, before: str | None, after: str | None) -> str:

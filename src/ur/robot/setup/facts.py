@@ -11,6 +11,12 @@ from ur.robot.ssh.shell import quote
 from ur.source.diagnostic import UserError, error
 
 _MARK = "\x1e"
+# Prints who holds a lock of dpkg or apt: proc_locks(5) has the process in column 5, the file's inode at the end of 6.
+APT_USERS = (
+    "for i in $(stat -c %i /var/lib/dpkg/lock-frontend /var/lib/dpkg/lock /var/lib/apt/lists/lock 2>/dev/null); do "
+    """awk -v i="$i" '{ split($6, a, ":"); if (a[3] == i) print $5 }' /proc/locks; done | """
+    "while read -r p; do cat /proc/$p/comm 2>/dev/null; done | head -n 1"
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,6 +60,7 @@ class Facts:
     """What is there. `packages` holds the versions of those that are installed.
 
     `addresses` are the computer's own, of scope global. `boot` names this boot: it changes when the computer reboots.
+    `apt_user` is the program that installs packages at this moment, '' when none does.
     """
 
     user: str
@@ -67,6 +74,7 @@ class Facts:
     packages: Mapping[str, str] = field(default_factory=dict)
     services: Mapping[str, ServiceState] = field(default_factory=dict)
     broken_packages: bool = False
+    apt_user: str = ""
 
     def file(self, path: str) -> FileState:
         """The state of a file that was asked for."""
@@ -98,6 +106,7 @@ def fact_script(request: Request) -> str:
         parts.append(
             f"mark packages; dpkg-query -W -f='${{db:Status-Status}} ${{Package}} ${{Version}}\\n' {names} 2>/dev/null"
         )
+        parts.append(f"mark apt; {APT_USERS}")
     show = "systemctl show -p ActiveState -p UnitFileState"
     parts += [f"mark {quote('service ' + u)}; {show} {quote(u)} 2>/dev/null" for u in sorted(request.services)]
     return "\n".join([*parts, "mark end"])
@@ -138,6 +147,7 @@ def parse_facts(request: Request, output: str) -> Facts:
         packages=dict(_parse_packages(sections.get("packages", ""))),
         services={name[8:]: _parse_service(text) for name, text in sections.items() if name.startswith("service ")},
         broken_packages=bool(sections["broken"].strip()),
+        apt_user=sections.get("apt", "").strip(),
     )
 
 

@@ -5,10 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ur.robot.setup.change import Change, Command
-from ur.robot.setup.facts import Facts, Request
+from ur.robot.setup.facts import APT_USERS, Facts, Request
 from ur.robot.ssh.shell import quote
 
 APT_SECONDS = 3600.0
+LOCK_SECONDS = 1800  # a freshly flashed Ubuntu upgrades itself first
 APT_LOG = "/var/log/ubiquity-setup.log"
 
 
@@ -33,7 +34,8 @@ class WantedPackages:
         if not missing:
             return None
         difference = "new packages: " + " ".join(entry.split("|")[0] for entry in missing)
-        return Change(self.title, difference, (install_packages(missing),), undone=False)
+        note = f"{facts.apt_user} installs something there: waiting for its end" if facts.apt_user else ""
+        return Change(self.title, difference, (install_packages(missing),), note=note)
 
     def undo(self, facts: Facts) -> Change | None:  # noqa: ARG002 - of the protocol
         """Packages stay: something else may need them by now."""
@@ -72,11 +74,22 @@ def install_packages(entries: list[str]) -> Command:
         else f'set -- "$@" {quote(entry)}; '
         for entry in entries
     )
-    options = "-q -y --no-install-recommends -o DPkg::Lock::Timeout=600"
+    # apt waits for dpkg's lock when it is told to, and for that of the lists not at all.
+    wait = f'n=0; while [ -n "$({APT_USERS})" ] && [ $n -lt {LOCK_SECONDS // 2} ]; do sleep 2; n=$((n + 1)); done'
+    lock = f"-q -o DPkg::Lock::Timeout={LOCK_SECONDS}"
     script = (
         f"exec 3>&1 >>{APT_LOG} 2>&1 </dev/null; trap '' HUP PIPE; export DEBIAN_FRONTEND=noninteractive LC_ALL=C; "
-        f"dpkg --configure -a; apt-get -q -o DPkg::Lock::Timeout=600 update; set --; {choose}"
-        f'apt-get {options} install "$@"; code=$?; '
-        f"[ $code -eq 0 ] || grep -E '^(E|Err|W):' {APT_LOG} | tail -n 4 >&3; exit $code"
+        f"from=$(($(wc -l <{APT_LOG}) + 1)); {wait}; dpkg --configure -a; apt-get {lock} update; set --; {choose}"
+        f'apt-get {lock} -y --no-install-recommends install "$@"; code=$?; [ $code -eq 0 ] || {{ '
+        f"said=$(tail -n +$from {APT_LOG}); {_EXPLAIN}; }} >&3; exit $code"
     )
     return Command(script, root=True, timeout=APT_SECONDS)
+
+
+# Without a network apt names a file that it cannot fetch; why, it says before.
+_EXPLAIN = (
+    'echo "$said" | grep -m 1 -oE \'(Temporary failure resolving|Could not resolve|Could not connect to|'
+    "Unable to connect to|Cannot initiate the connection to|Connection timed out).*' | "
+    "sed 's/^/it does not reach its package servers: /'; "
+    "echo \"$said\" | grep -E '^(E|Err|W):' | tail -n 4"
+)

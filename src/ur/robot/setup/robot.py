@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import fcntl
+import os
 import subprocess
-import tempfile
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
@@ -15,14 +16,19 @@ from ur.robot.setup.change import Change
 from ur.robot.setup.engine import bring_about, gather, look, plan_changes
 from ur.robot.setup.facts import Facts, Request
 from ur.robot.setup.keys import HOST_KEY, KEY, allowed_key, known_host, own_keys
+from ur.robot.setup.lock import hold_robot
 from ur.robot.setup.there import Robot, Viewer, WantedPassword, base_request, wanted_there
 from ur.robot.setup.wanted import Wanted, WantedFile
+from ur.robot.ssh.guard import private_folder
 from ur.robot.ssh.openssh import Address, SshShell, connect
 from ur.robot.ssh.secret import Secret
 from ur.robot.ssh.shell import Shell, quote
 from ur.source.diagnostic import UserError, error
 
 BOOT_SECONDS = 180.0
+AGAIN_SECONDS = 15.0
+QUICK_SECONDS = 3
+PAUSE_SECONDS = 0.5
 # The shadow hash and the password go in through standard input; crypt(3) knows every method of this system.
 _COMPARE = """\
 perl -e 'chomp(my ($user, $password) = <STDIN>); my $hash = (getpwnam $user)[1];
@@ -55,8 +61,8 @@ Report = Callable[[str], None]
 @contextmanager
 def open_robot(task: Task, report: Report) -> Iterator[SshShell]:
     """Log in to the robot: under its present name, or, where an earlier run was interrupted, under its new one."""
-    with tempfile.TemporaryDirectory(prefix="ur-") as name:
-        first_contact = Path(name) / "known_hosts"
+    with private_folder() as folder:
+        first_contact = folder / "known_hosts"
         silent: dict[str, UserError] = {}
         for address, known_hosts, password in _ways_in(task, first_contact):
             if address.host in silent:
@@ -76,7 +82,7 @@ def open_robot(task: Task, report: Report) -> Iterator[SshShell]:
         try:
             if first_contact.exists():
                 report(f"first contact, host key {_fingerprint(first_contact)}")
-            candidates = [secret for secret in (task.new, task.current) if secret]
+            candidates = _passwords(task)
             if not shell.find_sudo(candidates):
                 raise UserError(
                     error(
@@ -121,7 +127,8 @@ def prepare_viewer(shell: Shell, user: str) -> Viewer:
     def make(facts: Facts) -> list[Wanted]:
         return own_keys(user, facts.hostname, facts.file(HOST_KEY).text)
 
-    bring_about(shell, make, user, base, root=False, report=lambda _: None)
+    with _alone_here():
+        bring_about(shell, make, user, base, root=False, report=lambda _: None)
     facts = gather(shell, base)
     return Viewer(user, facts.hostname, facts.file(KEY + ".pub").text or "", facts.file(HOST_KEY).text)
 
@@ -140,7 +147,7 @@ def set_up(task: Task, here: Shell, viewer: Viewer, report: Report) -> int:
     Raises UserError, naming what failed, what to do, and leaving a robot that can be reached.
     """
     user = task.address.user
-    with open_robot(task, report) as shell:
+    with open_robot(task, report) as shell, hold_robot(shell, f"{viewer.user}@{viewer.name}", report):
         _check_name_is_free(task, shell)
         facts, count = bring_about(
             shell,
@@ -148,34 +155,53 @@ def set_up(task: Task, here: Shell, viewer: Viewer, report: Report) -> int:
             user,
             base_request(user),
             root=True,
-            report=lambda change: report(change.title),
+            report=lambda change: report(f"{change.title} ({change.note})" if change.note else change.title),
         )
         # Before the reboot: from then on the robot is known under its new name, strictly.
         count += _remember(task, here, viewer, facts, report)
-        if facts.hostname != task.robot.name:
-            report(f"reboot as {task.later.host}")
-            count += 1
-            with suppress(UserError):  # the connection does not outlive it
-                shell.run("systemctl reboot --no-block", root=True, timeout=20)
-    if facts.hostname != task.robot.name:
-        wait_for_boot(task, facts.boot)
-    return count
+        if facts.hostname == task.robot.name:
+            return count
+        at = shell.run('set -- $SSH_CONNECTION; echo "$3"').out.strip()
+        at = shell.address.host if "%" in at else at  # an address that means something over there only
+        report(f"reboot as {task.later.host}")
+        _reboot(shell)
+    report(f"waiting for {task.later.host}")
+    wait_for_boot(task, facts.boot, at, report)
+    return count + 1
 
 
-def wait_for_boot(task: Task, before: str, clock: Callable[[], float] = time.monotonic) -> None:
-    """Wait until the robot has booted again and answers to its new name and our key. Raises UserError."""
-    end = clock() + BOOT_SECONDS
+def wait_for_boot(
+    task: Task, before: str, at: str, report: Report, clock: Callable[[], float] = time.monotonic
+) -> None:
+    """Wait until the robot has booted again and answers to its new name and our key. Raises UserError.
+
+    `before` names the boot that shall end, `at` is the robot's address in it. A robot that is still in that boot did
+    not hear that it shall reboot: it is told again.
+    """
+    # Its new name is that of its host key, which is known, whatever it still calls itself.
+    old = ["-o", f"HostKeyAlias={task.later.host}", "-o", f"ConnectTimeout={QUICK_SECONDS}"]
+    ways = [(task.later, list[str]()), *([(Address(task.address.user, at), old)] if at else [])]
+    end, patience = clock() + BOOT_SECONDS, clock() + AGAIN_SECONDS
     reason = "it does not answer"
     while clock() < end:
-        try:
-            with connect(task.later) as shell:
-                said = shell.run("cat /proc/sys/kernel/random/boot_id /proc/sys/kernel/hostname").out.split()
-                if said[0] != before and said[1:] == [task.robot.name]:
-                    return
-                reason = f"it calls itself {' '.join(said[1:])}" if said[0] != before else "it has not gone down yet"
-        except UserError as problem:
-            reason = problem.diagnostics[0].message
-        time.sleep(1.0)
+        for address, options in ways:
+            try:
+                with connect(address, options=options) as shell:
+                    said = shell.run("cat /proc/sys/kernel/random/boot_id /proc/sys/kernel/hostname").out
+                    boot, _, name = said.strip().partition("\n")
+                    if boot != before:
+                        if name == task.robot.name and address == task.later:
+                            return
+                        reason = "its name leads elsewhere" if name == task.robot.name else f"it calls itself {name}"
+                        continue
+                    reason = "it has not gone down yet"
+                    if clock() > patience and shell.find_sudo(_passwords(task)):
+                        report(f"it has not gone down: reboot as {task.later.host} once more")
+                        reason = _reboot(shell) or reason
+                        patience = clock() + AGAIN_SECONDS
+            except UserError as problem:
+                reason = problem.diagnostics[0].message
+        time.sleep(PAUSE_SECONDS)
     raise UserError(
         error(
             f"{task.later}: not back {BOOT_SECONDS:g} s after its reboot: {reason}",
@@ -183,6 +209,18 @@ def wait_for_boot(task: Task, before: str, clock: Callable[[], float] = time.mon
             help="is it in the same network? then run this again: it goes on where it stopped",
         )
     )
+
+
+def _reboot(shell: SshShell) -> str:
+    """Tell it to reboot; why it refuses, if it does."""
+    with suppress(UserError):  # the connection does not outlive it
+        done = shell.run("systemctl reboot --no-block", root=True, timeout=20)
+        return done.err.strip().splitlines()[0] if done.code and done.err.strip() else ""
+    return ""
+
+
+def _passwords(task: Task) -> list[Secret]:
+    return [secret for secret in (task.current, task.new) if secret]
 
 
 def _remember(task: Task, here: Shell, viewer: Viewer, facts: Facts, report: Report) -> int:
@@ -201,10 +239,28 @@ def _remember(task: Task, here: Shell, viewer: Viewer, facts: Facts, report: Rep
             WantedFile("memory of it", f"~/.config/ubiquity_launches/robots/{record.name}.yaml", render_record(record)),
         ]
 
-    base = Request(viewer.user)
-    return bring_about(
-        here, make, viewer.user, base, root=False, report=lambda change: report(f"here: {change.title}")
-    )[1]
+    with _alone_here():
+        return bring_about(
+            here,
+            make,
+            viewer.user,
+            Request(viewer.user),
+            root=False,
+            report=lambda change: report(f"here: {change.title}"),
+        )[1]
+
+
+@contextmanager
+def _alone_here() -> Iterator[None]:
+    """While inside, no other set-up of this user changes files here, such as one for another robot at the same time."""
+    folder = Path.home() / ".ssh"
+    folder.mkdir(mode=0o700, exist_ok=True)
+    place = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+    try:
+        fcntl.flock(place, fcntl.LOCK_EX)
+        yield
+    finally:
+        os.close(place)
 
 
 def _password(task: Task, shell: SshShell) -> WantedPassword | None:

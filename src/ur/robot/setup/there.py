@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
+from ur.robot.boot import master_unit
 from ur.robot.robot_file import ROBOT_FILE
 from ur.robot.setup.change import Change, Command
 from ur.robot.setup.environment import robot_environment
@@ -18,10 +19,11 @@ SERVICE_TYPE = "_ubiquity-robot._tcp"
 PACKAGES = (
     *("openssh-server", "avahi-daemon", "libnss-mdns", "chrony", "xauth", "x11-apps", "rsync", "python3"),
     *("ros-core", "python3-rospy", "python3-roslaunch", "python3-rostopic", "python3-rosnode"),
-    "ros-robot-state-publisher|robot-state-publisher",
+    *("ros-robot-state-publisher|robot-state-publisher", "iw", "catkin", "cmake", "g++", "make"),
 )
 GROUPS = ("dialout", "video", "plugdev", "input", "gpio", "i2c")
 CLOUD = "/etc/cloud/cloud.cfg"
+KEEP_NAME = "# Written by ur robot setup.\npreserve_hostname: true\nmanage_etc_hosts: false\n"
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,11 +38,12 @@ class Viewer:
 
 @dataclass(frozen=True, slots=True)
 class Robot:
-    """What a robot is to be called and to be."""
+    """What a robot is to be called and to be. With `master`, it keeps a ROS master up from its boot on."""
 
     name: str
     base: str
     variant: str = ""
+    master: bool = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,7 +64,7 @@ class WantedPassword:
             return None
         line = Secret(f"{facts.user}:{self.password.reveal()}\n")
         command = Command("chpasswd", root=True, stdin=line)
-        return Change(self.title, f"new password for {facts.user}", (command,), undone=False)
+        return Change(self.title, f"new password for {facts.user}", (command,))
 
     def undo(self, facts: Facts) -> Change | None:  # noqa: ARG002 - of the protocol
         """It stays."""
@@ -75,7 +78,7 @@ def is_robot_name(text: str) -> bool:
 
 def base_request(user: str) -> Request:
     """The facts that `wanted_there` needs."""
-    return Request(user, files=frozenset({HOST_KEY, KEY + ".pub", CLOUD}))
+    return Request(user, files=frozenset({HOST_KEY, KEY + ".pub", CLOUD, str(ROBOT_FILE)}))
 
 
 def wanted_there(facts: Facts, robot: Robot, viewer: Viewer, password: WantedPassword | None) -> list[Wanted]:
@@ -87,7 +90,7 @@ def wanted_there(facts: Facts, robot: Robot, viewer: Viewer, password: WantedPas
     items: list[Wanted] = [
         WantedFolder("ssh folder", "~/.ssh", mode=0o700),
         allowed_key("login from the viewer", viewer.public_key),
-        WantedFile("robot file", str(ROBOT_FILE), robot_file(robot)),
+        WantedFile("robot file", str(ROBOT_FILE), robot_file(robot, facts.file(str(ROBOT_FILE)).text)),
         WantedPackages("packages", PACKAGES),
         WantedService("ssh server", "ssh.service"),
         WantedService("names ending in .local", "avahi-daemon.service"),
@@ -108,10 +111,12 @@ def wanted_there(facts: Facts, robot: Robot, viewer: Viewer, password: WantedPas
     ]
     if viewer.host_key:
         items.append(known_host("host key of the viewer", viewer.name, viewer.host_key))
+    if robot.master:
+        items += boot_master(facts.user)
     if password:
         items.append(password)
     if facts.file(CLOUD).text is not None:
-        items.append(WantedFile("cloud-init", "/etc/cloud/cloud.cfg.d/99-ubiquity.cfg", "preserve_hostname: true\n"))
+        items.append(WantedFile("cloud-init", "/etc/cloud/cloud.cfg.d/99-ubiquity.cfg", KEEP_NAME))
     items += [
         WantedLine("host name (hosts)", "/etc/hosts", f"127.0.1.1\t{robot.name}", old=("127.0.1.1",)),
         WantedFile("host name", "/etc/hostname", f"{robot.name}\n"),
@@ -119,14 +124,30 @@ def wanted_there(facts: Facts, robot: Robot, viewer: Viewer, password: WantedPas
     return items
 
 
-def robot_file(robot: Robot) -> str:
-    """The text of robot.yaml. Names and bases are plain words, which YAML may still take for numbers or truths."""
-    lines = [
-        f'name: "{robot.name}"',
-        f'base: "{robot.base}"',
-        *([f'variant: "{robot.variant}"'] if robot.variant else []),
+def boot_master(user: str) -> list[Wanted]:
+    """A ROS master that is kept up from the boot on, so that viewers and programs find one."""
+    unit = master_unit(user)
+    service = f"{unit.service}.service"
+    reload = f"systemctl daemon-reload; systemctl try-restart {service}"
+    return [
+        WantedFile("ROS master at boot", unit.path, unit.text, then=reload),
+        WantedService("ROS master", service),
     ]
-    return "# What this robot is; read by ur. Written by ur robot setup.\n" + "\n".join(lines) + "\n"
+
+
+def robot_file(robot: Robot, present: str | None = None) -> str:
+    """The text of robot.yaml. What else the present one holds, such as devices, stays.
+
+    Names and bases are plain words, which YAML may still take for numbers or truths: they stand in quotes.
+    """
+    head = "# What this robot is; read by ur. Written by ur robot setup.\n"
+    rows = {"name": robot.name, "base": robot.base, "variant": robot.variant}
+    ours = "".join(f'{key}: "{value}"\n' for key, value in rows.items() if value)
+    return (
+        head
+        + ours
+        + re.sub(r"(?m)^(?:(?:name|base|variant)[ \t]*:.*|# .* Written by ur robot setup\.)\n?", "", present or "")
+    )
 
 
 def announcement(robot: Robot, user: str) -> str:

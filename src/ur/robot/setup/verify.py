@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from ur.robot.robot_file import ROBOT_FILE
@@ -24,13 +25,16 @@ class Check:
     seen: str
 
 
-def verify(task: Task, here: Shell, there: SshShell, viewer: Viewer) -> list[Check]:
-    """All points, good or not. Raises UserError only when the connection is lost."""
+def verify(task: Task, here: Shell, there: SshShell, viewer: Viewer, find_master: Callable[[str], bool]) -> list[Check]:
+    """All points, good or not. Raises UserError only when the connection is lost.
+
+    `find_master` waits until a host's ROS master answers here; it starts after the network is there.
+    """
     name, user = task.robot.name, task.address.user
     robot, laptop = f"{name}.local", f"{viewer.name}.local"
     checks = [
         _expect(there, "host name", "cat /proc/sys/kernel/hostname /etc/hostname", f"{name}\n{name}"),
-        _expect(there, "robot file", f"cat {ROBOT_FILE}", robot_file(task.robot).strip(), shown="as wanted"),
+        _file(there, task),
         _succeed(here, f"name {robot}", f"getent ahostsv4 {quote(robot)}", first=True),
         _succeed(there, f"name {laptop}", f"getent ahostsv4 {quote(laptop)}", first=True),
         _expect(here, "login by key", f"{STRICT} {quote(f'{user}@{robot}')} cat /proc/sys/kernel/hostname", name),
@@ -44,6 +48,10 @@ def verify(task: Task, here: Shell, there: SshShell, viewer: Viewer) -> list[Che
             there, "announcement", f"systemctl is-active avahi-daemon && grep -o {SERVICE_TYPE} /etc/avahi/services/*"
         ),
     ]
+    if task.robot.master:
+        found = find_master(robot)
+        checks.append(Check("ROS master", here.place, found, f"http://{robot}:11311" if found else "no answer"))
+        checks.append(_expect(there, "ROS master at boot", "systemctl is-enabled ubiquity-master", "enabled"))
     if viewer.host_key:
         login = f"{STRICT} {quote(f'{viewer.user}@{laptop}')} cat /proc/sys/kernel/hostname"
         checks.append(_expect(there, "login by key", login, viewer.name))
@@ -52,11 +60,11 @@ def verify(task: Task, here: Shell, there: SshShell, viewer: Viewer) -> list[Che
     return checks
 
 
-def _expect(shell: Shell, title: str, script: str, wanted: str, shown: str = "") -> Check:
+def _expect(shell: Shell, title: str, script: str, wanted: str) -> Check:
     done = shell.run(script)
     said = done.out.strip()
     good = done.code == 0 and said == wanted
-    seen = (shown or _one_line(said)) if good else _one_line(done.err.strip() or said or f"exit code {done.code}")
+    seen = _one_line(said) if good else _one_line(done.err.strip() or said or f"exit code {done.code}")
     return Check(title, shell.place, good, seen)
 
 
@@ -66,6 +74,12 @@ def _succeed(shell: Shell, title: str, script: str, *, first: bool = False) -> C
     return Check(
         title, shell.place, done.code == 0, said if done.code == 0 else said or _one_line(done.err) or "nothing"
     )
+
+
+def _file(there: Shell, task: Task) -> Check:
+    done = there.run(f"cat {ROBOT_FILE}")
+    good = done.code == 0 and done.out == robot_file(task.robot, done.out)
+    return Check("robot file", there.place, good, "as wanted" if good else _one_line(done.err or done.out))
 
 
 def _ros(here: Shell, robot: str, wanted: str) -> Check:

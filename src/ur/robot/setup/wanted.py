@@ -169,7 +169,7 @@ class WantedGroups:
             return None
         script = f"usermod --append --groups {','.join(missing)} {quote(facts.user)}"
         difference = f"{facts.user} joins {', '.join(missing)}"
-        return Change(self.title, difference, (Command(script, root=True),), undone=False)
+        return Change(self.title, difference, (Command(script, root=True),))
 
     def undo(self, facts: Facts) -> Change | None:  # noqa: ARG002 - of the protocol
         """Groups stay: something else may need them by now."""

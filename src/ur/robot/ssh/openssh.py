@@ -4,18 +4,21 @@ from __future__ import annotations
 
 import os
 import re
-import tempfile
+import subprocess
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, nullcontext
+from contextlib import ExitStack, contextmanager, nullcontext, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
 from ur.robot.ssh.askpass import answer_password
+from ur.robot.ssh.guard import private_folder, run_guarded
 from ur.robot.ssh.secret import Secret
 from ur.robot.ssh.shell import Done, quote, run_process
 from ur.source.diagnostic import UserError, error
 
 CONNECT_SECONDS = 10
+ALIVE_SECONDS = 3
+_READY = "ubiquity: logged in"
 _SUDO_REFUSED = re.compile(r"^sudo: (\d+ incorrect|no password|a password is required)", re.MULTILINE)
 # Where the shared connection is gone, ssh would make one of its own: ten seconds of silence, and without the password.
 _ONLY_SHARED = ("-o", "ProxyCommand=false")
@@ -51,21 +54,17 @@ def parse_address(text: str, default_user: str) -> Address:
 class SshShell:
     """Scripts on another computer. Made by `connect`, which also ends it."""
 
-    def __init__(self, address: Address, options: Sequence[str], sudo_password: Secret | None = None) -> None:
+    def __init__(self, address: Address, options: Sequence[str], login_password: Secret | None = None) -> None:
         self.address = address
         self._options = options
-        self._sudo = sudo_password
+        self._login = login_password
+        self._sudo: Secret | None = None
         self._candidates: Sequence[Secret] = ()
 
     @property
     def place(self) -> str:
         """The address."""
         return str(self.address)
-
-    @property
-    def words(self) -> list[str]:
-        """The ssh command, up to the address, that uses this connection: for programs that start ssh themselves."""
-        return ["ssh", *_ONLY_SHARED, *self._options]
 
     def run(self, script: str, *, root: bool = False, stdin: str | Secret = "", timeout: float = 60.0) -> Done:
         """Run a script with sh there. With `root`, by sudo, which reads the password from the connection.
@@ -80,18 +79,9 @@ class SshShell:
     def _run(self, script: str, root: bool, stdin: str | Secret, timeout: float) -> Done:
         text = stdin.reveal() if isinstance(stdin, Secret) else stdin
         # 255 is what ssh itself says when the connection breaks, so no script may.
-        whole = f"({script}\n); code=$?; [ $code -ne 255 ] || code=254; exit $code"
-        command = quote("sh", "-c", whole)
-        if root and self._sudo is not None:
-            command = f"LC_ALL=C sudo -k -S -p '' -- {command}"
-            text = f"{self._sudo.reveal()}\n{text}"
-        elif root:
-            command = f"LC_ALL=C sudo -n -- {command}"
+        words = self._words(f"({script}\n); code=$?; [ $code -ne 255 ] || code=254; exit $code", root)
         done = run_process(
-            [*self.words, self.place, command],
-            stdin=Secret(text),
-            timeout=timeout,
-            what=f"a command on {self.place}",
+            words, stdin=Secret(self._preface(root) + text), timeout=timeout, what=f"a command on {self.place}"
         )
         if done.code == 255:
             raise lost_connection(self.place, done.err)
@@ -99,15 +89,44 @@ class SshShell:
             raise expired_password(self.address)
         return done
 
+    def start(self, script: str, *, root: bool = False) -> subprocess.Popen[str]:
+        """Start a script there that talks: its standard input and output are pipes. Whoever starts it ends it."""
+        process = subprocess.Popen(
+            self._words(script, root),
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            text=True,
+            start_new_session=True,
+        )
+        assert process.stdin
+        with suppress(BrokenPipeError):
+            process.stdin.write(self._preface(root))
+            process.stdin.flush()
+        return process
+
+    def _words(self, script: str, root: bool) -> list[str]:
+        command = quote("sh", "-c", script)
+        if root:
+            options = "-n" if self._sudo is None else "-k -S -p ''"
+            command = f"LC_ALL=C sudo {options} -- {command}"
+        return ["ssh", *_ONLY_SHARED, *self._options, self.place, command]
+
+    def _preface(self, root: bool) -> str:
+        """What sudo reads before the script does."""
+        return f"{self._sudo.reveal()}\n" if root and self._sudo else ""
+
     def find_sudo(self, candidates: Sequence[Secret]) -> bool:
         """Find which way of using sudo works: without a password, or with one of these. Whether there is one."""
         self._candidates = tuple(candidates)
         if self._run("sudo -k -n true", False, "", 30).code == 0:
             self._sudo = None
             return True
-        for candidate in candidates:
+        # A wrong one takes sudo seconds: that which logged in comes first, that which was refused just now last.
+        refused = self._sudo
+        for candidate in sorted(candidates, key=lambda one: (one == refused, one != self._login)):
             self._sudo = candidate
-            if self._run("true", True, "\n", 30).code == 0:
+            if self._run("true", True, "", 30).code == 0:
                 return True
         self._sudo = None
         return False
@@ -121,31 +140,28 @@ def connect(
     known_hosts: Path | None = None,
     options: Sequence[str] = (),
 ) -> Iterator[SshShell]:
-    """Log in, by key or, with `password`, by that alone; the connection ends with the context.
+    """Log in, by key or, with `password`, by that alone; the connection ends with the context, or with this process.
 
     Host keys must be known: in the user's own files, or in `known_hosts` alone, where an unknown one is then written.
-    Raises UserError, which says which of these failed: name, network, host key, login.
+    `options` are words for ssh that count before our own. Raises UserError, which says which of these failed: name,
+    network, host key, login.
     """
-    with tempfile.TemporaryDirectory(prefix="ur-") as name:
-        folder = Path(name)
-        common = [*_common(folder / "c"), *options]
+    with private_folder() as folder:
+        common = [*options, *_common(folder / "c")]
         if known_hosts:
             common += ["-o", f"UserKnownHostsFile={known_hosts}", "-o", "GlobalKnownHostsFile=/dev/null"]
             common += ["-o", "StrictHostKeyChecking=accept-new", "-o", "HashKnownHosts=no"]
         else:
             common += ["-o", "StrictHostKeyChecking=yes"]
-        _log_in(address, common, folder, password)
-        try:
-            yield SshShell(address, common)
-        finally:
-            run_process(["ssh", *common, "-O", "exit", str(address)], timeout=20, what="closing a connection")
+        with _share_connection(address, common, folder, password):
+            yield SshShell(address, common, login_password=password)
 
 
 def _common(socket: Path) -> list[str]:
     settings = (
         f"ControlPath={socket}",
         f"ConnectTimeout={CONNECT_SECONDS}",
-        "ServerAliveInterval=5",
+        f"ServerAliveInterval={ALIVE_SECONDS}",  # with the count: a connection that is cut is given up after 12 s
         "ServerAliveCountMax=3",
         "ForwardX11=no",
         "ClearAllForwardings=yes",
@@ -155,9 +171,10 @@ def _common(socket: Path) -> list[str]:
     return ["-T", *(word for setting in settings for word in ("-o", setting))]
 
 
-def _log_in(address: Address, common: Sequence[str], folder: Path, password: Secret | None) -> None:
+@contextmanager
+def _share_connection(address: Address, common: Sequence[str], folder: Path, password: Secret | None) -> Iterator[None]:
     # The first setting of an option counts. Below INFO, ssh does not tell that the other side closed the connection.
-    master = ["ssh", "-o", "LogLevel=INFO", *common, "-o", "ControlMaster=yes", "-o", "ControlPersist=60", "-f", "-N"]
+    master = ["ssh", "-o", "LogLevel=INFO", "-o", "ControlMaster=yes", "-o", "ControlPersist=no", *common]
     if password is None:
         master += ["-o", "BatchMode=yes"]
     else:
@@ -166,17 +183,16 @@ def _log_in(address: Address, common: Sequence[str], folder: Path, password: Sec
     answering = (
         nullcontext(dict(os.environ, LC_ALL="C")) if password is None else answer_password(folder, password.reveal())
     )
-    with answering as environment:
-        # The process in the background keeps its standard error open: a file, since a pipe would never end.
-        log = folder / "log"
-        done = run_process(
-            ["sh", "-c", 'exec "$@" >/dev/null 2>"$0"', str(log), *master, str(address)],
-            timeout=CONNECT_SECONDS * 3,
-            what=f"logging in to {address}",
-            environment=environment,
-        )
-    if done.code:
-        raise explain_failure(address, log.read_text(errors="replace"))
+    # Something has to run there as long as the connection shall last: cat, which ends by itself when that breaks.
+    script = quote("sh", "-c", f"echo; echo {_READY}; exec cat >/dev/null")
+    with ExitStack() as stack:
+        with answering as environment:
+            shared = stack.enter_context(run_guarded([*master, str(address), script], folder / "log", environment))
+            ready = shared.wait_for_line(_READY, CONNECT_SECONDS * 3)
+        if not ready:
+            said = shared.log.read_text(errors="replace") if shared.log.exists() else ""
+            raise expired_password(address) if is_expired(said) else explain_failure(address, said or "timed out")
+        yield
 
 
 def lost_connection(place: str, said: str) -> UserError:

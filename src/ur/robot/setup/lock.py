@@ -1,0 +1,85 @@
+"""One set-up of a robot at a time, also from two viewers: the robot keeps the lock while it hears from its holder."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+
+from ur.robot.ssh.guard import Lines
+from ur.robot.ssh.openssh import ALIVE_SECONDS, SshShell, lost_connection
+from ur.robot.ssh.shell import quote
+from ur.source.diagnostic import UserError, error
+
+LOCK_FILE = "/run/ubiquity-setup.lock"  # for root alone, and gone after a reboot
+WAIT_SECONDS = 30.0  # longer than SILENCE_SECONDS: the lock of somebody who was cut off is free by then
+SILENCE_SECONDS = 12
+# Whoever holds it sends a line now and then. After a silence the alarm ends this, and with it the lock.
+_HOLD = """\
+use strict; use Fcntl qw(:flock); $| = 1;
+my ($path, $who, $silence, $wait) = @ARGV;
+open(my $file, "+>>", $path) or do { print "failed $!\\n"; exit 1 };
+if (!flock($file, LOCK_EX | LOCK_NB)) {
+    seek $file, 0, 0; my $other = <$file> // "somebody"; chomp $other; print "held $other\\n";
+    alarm $wait; flock($file, LOCK_EX) or exit 1;
+}
+truncate $file, 0; print {$file} "$who\\n"; $file->flush; print "mine\\n";
+do { alarm $silence } while defined(my $line = <STDIN>);
+truncate $file, 0;
+"""
+
+
+@contextmanager
+def hold_robot(shell: SshShell, who: str, report: Callable[[str], None]) -> Iterator[None]:
+    """While inside, no other set-up of this robot can be. `who` is told to others; sudo has to work.
+
+    Waits for another one a little, since it may just be ending. Raises UserError, which names who has it.
+    """
+    numbers = [str(SILENCE_SECONDS), str(int(WAIT_SECONDS) + 5)]
+    keeper = shell.start("exec " + quote("perl", "-e", _HOLD, LOCK_FILE, who, *numbers), root=True)
+    done = threading.Event()
+    assert keeper.stdin
+    assert keeper.stdout
+
+    def beat() -> None:
+        assert keeper.stdin
+        with suppress(OSError, ValueError):  # the connection is gone: somebody else will say so
+            while not done.wait(ALIVE_SECONDS):
+                keeper.stdin.write("\n")
+                keeper.stdin.flush()
+
+    heart = threading.Thread(target=beat, daemon=True)
+    try:
+        lines = Lines(keeper.stdout.fileno())
+        word, _, rest = (lines.read(WAIT_SECONDS) or "").partition(" ")
+        if word == "held":
+            report(f"{rest} is setting it up: waiting for the end of that")
+            word = lines.read(WAIT_SECONDS) or word
+        if word == "held":
+            raise UserError(
+                error(
+                    f"{shell.place} is being set up already, by {rest}, expected one at a time",
+                    rule="busy-robot",
+                    help="wait until that is done, then run this again",
+                )
+            )
+        if word == "failed":
+            raise UserError(
+                error(f"{shell.place}: {LOCK_FILE}: {rest}", rule="failed-change", help="make room there: df tells")
+            )
+        if word != "mine":
+            raise lost_connection(shell.place, "")
+        heart.start()
+        yield
+    finally:
+        done.set()
+        if heart.is_alive():
+            heart.join()
+        with suppress(OSError):
+            keeper.stdin.close()
+        keeper.stdout.close()
+        with suppress(Exception):
+            keeper.wait(5)
+        if keeper.poll() is None:
+            keeper.kill()
+            keeper.wait()
