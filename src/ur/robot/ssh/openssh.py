@@ -66,6 +66,11 @@ class SshShell:
         """The address."""
         return str(self.address)
 
+    @property
+    def words(self) -> list[str]:
+        """The ssh command, up to the address, that uses this connection: for programs that start ssh themselves."""
+        return ["ssh", *_ONLY_SHARED, *self._options]
+
     def run(self, script: str, *, root: bool = False, stdin: str | Secret = "", timeout: float = 60.0) -> Done:
         """Run a script with sh there. With `root`, by sudo, which reads the password from the connection.
 
