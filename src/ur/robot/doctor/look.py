@@ -5,13 +5,18 @@ from __future__ import annotations
 import socket
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
 
-from ur.robot.doctor.observe import observe_script, parse_side
-from ur.robot.doctor.rules import Advertised, Pair
-from ur.robot.setup.verify import STRICT, clock_offset
+from ur.robot.doctor.model import Advertised, Owner, Pair, Where
+from ur.robot.doctor.observe import STRICT, observe_script, parse_side
+from ur.robot.doctor.side import Side
+from ur.robot.setup.verify import clock_offset
 from ur.robot.ssh.openssh import SshShell
 from ur.robot.ssh.shell import Shell, quote
 
+LOOK_SECONDS = 90.0
+JOURNAL_LINES = 4
+TWIN_SECONDS = 2  # zeroconf answers at once or never; nobody is asked after for long
 _LISTEN = """\
 import socket, sys
 server = socket.socket(); server.bind(("", 0)); server.listen(); server.settimeout(8)
@@ -20,35 +25,101 @@ server.accept()
 """
 
 
+@dataclass(frozen=True, slots=True)
+class Node:
+    """A node as the master knows it: its name, and host and port in its address."""
+
+    name: str
+    host: str
+    port: int
+
+
+def look_alone(here: Shell) -> Side:
+    """Look at this computer by itself."""
+    side = parse_side(here.run(observe_script(""), timeout=LOOK_SECONDS).out)
+    return _with_journals(here, side)
+
+
 def look_at_pair(
-    here: Shell, there: SshShell, user: str, nodes: Sequence[tuple[str, str]], *, key_refused: bool
+    here: Shell,
+    there: SshShell,
+    nodes: Sequence[Node],
+    *,
+    key_refused: bool = False,
+    known: bool = False,
+    selected: str = "",
 ) -> Pair:
-    """Look at both computers. `user` is the one of this computer; `nodes` are (name, host) as told to the master."""
-    name = socket.gethostname().split(".")[0]
-    other = there.address.host
-    with ThreadPoolExecutor(2) as pool:
-        left = pool.submit(here.run, observe_script(other))
-        right = pool.submit(there.run, observe_script(f"{name}.local"))
+    """Look at both computers. `selected` is the name of the selected robot; for the rest see Pair.
+
+    Raises UserError when the connection is lost.
+    """
+    mine = socket.gethostname().split(".")[0]
+    other = there.run("cat /proc/sys/kernel/hostname").out.strip().split(".")[0]
+    with ThreadPoolExecutor(8) as pool:
+        left = pool.submit(here.run, observe_script(f"{other}.local"), timeout=LOOK_SECONDS)
+        right = pool.submit(there.run, observe_script(f"{mine}.local"), timeout=LOOK_SECONDS)
+        twins = {name: pool.submit(_resolve, here, f"{name}-2.local", TWIN_SECONDS) for name in (mine, other)}
+        to_there = pool.submit(_reaches_there, there)
+        to_here = pool.submit(_reaches_here, there, f"{mine}.local")
+        advertised = pool.submit(_advertised, here, there, nodes)
         sides = parse_side(left.result().out), parse_side(right.result().out)
-    back = there.run(f"{STRICT} {quote(f'{user}@{name}.local')} true")
-    way_back = "" if back.code == 0 else (back.err.strip().splitlines() or ["ssh said nothing"])[-1]
-    hosts = sorted({host for _, host in nodes})
-    means = {host: (_resolve(here, host), _resolve(there, host)) for host in hosts}
+    back = there.run(f"{STRICT} {quote(f'{sides[0].user}@{mine}.local')} true")
     return Pair(
-        here=sides[0],
-        there=sides[1],
+        here=_with_journals(here, sides[0]),
+        there=_with_journals(there, sides[1]),
         offset=_offset(here, there),
-        way_back=way_back,
-        reaches_there=_reaches_there(there),
-        reaches_here=_reaches_here(there, f"{name}.local"),
+        way_back="" if back.code == 0 else (back.err.strip().splitlines() or ["ssh said nothing"])[-1],
+        reaches_there=to_there.result(),
+        reaches_here=to_here.result(),
         key_refused=key_refused,
-        advertised=tuple(Advertised(node, host, *means[host]) for node, host in nodes),
+        advertised=tuple(advertised.result()),
+        known=known,
+        selected=selected == other,
+        twins={name: found.result() for name, found in twins.items()},
+        login=f"{there.address.user}@{other}.local",
     )
 
 
-def _resolve(shell: Shell, host: str) -> frozenset[str]:
-    done = shell.run(f"timeout 8 getent ahostsv4 {quote(host)}")
+def _with_journals(shell: Shell, side: Side) -> Side:
+    """With the last words of units that do not work, as far as the user may read them."""
+    units = []
+    for unit in side.failing:
+        show = f"journalctl -q -n {JOURNAL_LINES} -o cat -u {quote(unit.name)}"
+        said = shell.run(f"sudo -n {show} 2>/dev/null || {show} 2>/dev/null").out
+        units.append(replace(unit, last=tuple(line.strip() for line in said.splitlines() if line.strip())))
+    return replace(side, failing=tuple(units))
+
+
+def _resolve(shell: Shell, host: str, seconds: int = 8) -> frozenset[str]:
+    done = shell.run(f"timeout {seconds} getent ahostsv4 {quote(host)}")
     return frozenset(line.split()[0] for line in done.out.splitlines() if line.strip())
+
+
+def _advertised(here: Shell, there: Shell, nodes: Sequence[Node]) -> list[Advertised]:
+    shells: tuple[tuple[Where, Shell], ...] = (("here", here), ("there", there))
+    means = {host: [_resolve(shell, host) for _, shell in shells] for host in sorted({node.host for node in nodes})}
+    found = []
+    for node in nodes:
+        lost = not all(means[node.host])
+        owners = (_find_owner(where, shell, node.port) for where, shell in shells) if lost else ()
+        owner = next((owner for owner in owners if owner), None)
+        mine, theirs = means[node.host]
+        found.append(Advertised(node.name, node.host, mine, theirs, owner))
+    return found
+
+
+def _find_owner(where: Where, shell: Shell, port: int) -> Owner | None:
+    """The process of the user that listens at a port."""
+    script = (
+        f"p=$(PATH=$PATH:/usr/sbin:/sbin ss -Hltnp 'sport = :{port}' | grep -o 'pid=[0-9]*' | head -n 1); "
+        "p=${p#pid=}; "
+        '[ -n "$p" ] || exit; echo "$p"; tr "\\0" " " <"/proc/$p/cmdline"; echo; '
+        'sed -n "s,.*/system.slice/\\([^/]*\\.service\\)$,\\1,p" "/proc/$p/cgroup"'
+    )
+    lines = shell.run(script).out.splitlines()
+    if len(lines) < 2 or not lines[0].isdigit():
+        return None
+    return Owner(where, int(lines[0]), lines[1].strip(), lines[2] if len(lines) > 2 else "")
 
 
 def _offset(here: Shell, there: Shell) -> float:

@@ -3,104 +3,177 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Mapping
 
-from ur.robot.doctor.wifi import WIFI_SCRIPT, Wifi, parse_wifi
+from ur.robot.doctor.messages import MESSAGES_SCRIPT, parse_messages
+from ur.robot.doctor.side import Disk, Setting, Side, Unit
+from ur.robot.doctor.wifi import WIFI_SCRIPT, parse_wifi
 from ur.robot.ssh.shell import quote
 
 _AVAHI = "org.freedesktop.Avahi"
 _MARK = "\x1e"
-UNITS = ("ssh.service", "avahi-daemon.service", "chrony.service")
+UNITS = ("ssh.service", "ssh.socket", "avahi-daemon.service", "chrony.service")
 SSH_PATHS = (".", ".ssh", ".ssh/authorized_keys", ".ssh/id_ed25519")
-FULL_PING = 1472  # bytes: with 28 of headers, one full Ethernet frame
-
-
-@dataclass(frozen=True, slots=True)
-class Side:
-    """One computer as it sees itself and the other. Times in s, sizes in MB; None where nothing could be seen.
-
-    `resolves` is what the other's full name means here; `ros` the environment that nodes get; `modes` the rights of
-    the files that ssh is strict about, relative to the home folder.
-    """
-
-    name: str
-    addresses: tuple[str, ...] = ()
-    resolves: frozenset[str] = frozenset()
-    ros: Mapping[str, str] = field(default_factory=dict)
-    modes: Mapping[str, int] = field(default_factory=dict)
-    active: Mapping[str, str] = field(default_factory=dict)
-    failed: tuple[str, ...] = ()
-    announced: str = ""
-    disk_free: float | None = None
-    memory_free: float | None = None
-    loss: float | None = None
-    latency: float | None = None
-    full_frames: bool | None = None
-    throttled: int = 0
-    messages: Mapping[str, str] = field(default_factory=dict)
-    packages: frozenset[str] = frozenset()
-    wifi: tuple[Wifi, ...] = ()
+PLACES = ("/", "/tmp", "/var", "/var/log", "/var/cache/apt")  # noqa: S108 - looked at, nothing is written there
+LARGE = ("~/.ros/log", "~/.cache", "/var/log/journal", "/var/cache/apt")
+SHELL_FILES = (
+    *(f"~/{name}" for name in (".ros_setup", ".bashrc", ".bash_aliases", ".profile", ".bash_profile", ".bash_login")),
+    *(f"~/{name}" for name in (".zshenv", ".zprofile", ".zshrc")),
+    *("/etc/environment", "/etc/profile", "/etc/bash.bashrc"),
+)
+VARIABLES = ("ROS_MASTER_URI", "ROS_HOSTNAME", "ROS_IP")
+STRICT = "ssh -T -o BatchMode=yes -o StrictHostKeyChecking=yes -o ConnectTimeout=5 -o LogLevel=ERROR"
+HEADERS = 28  # bytes of IP and ICMP
+# What a group of shells prints about itself; each way of starting one is asked.
+_TELL = 'for v in ROS_MASTER_URI ROS_HOSTNAME ROS_IP; do eval "w=\\${$v-}"; echo "$v=$w"; done'
+_SETTING = rf"^[[:space:]]*(export[[:space:]]+)?({'|'.join(VARIABLES)})="
+_FIREWALL = """\
+if grep -qs '^ENABLED=yes' /etc/ufw/ufw.conf; then echo ufw
+elif systemctl is-active --quiet firewalld; then echo firewalld
+elif command -v nft >/dev/null; then echo nft; elif command -v iptables >/dev/null; then echo iptables; fi"""
+# A boot service that ends is started again and again, and never counts as failed.
+_FAILING = """\
+systemctl --failed --plain --no-legend 2>/dev/null | cut -d' ' -f1 | sed 's/$/ 0/'
+systemctl list-units --all --plain --no-legend 'ubiquity-*.service' 2>/dev/null | cut -d' ' -f1 | while read -r u; do
+s=$(systemctl show -p SubState --value "$u"); n=$(systemctl show -p NRestarts --value "$u"); n=${n:-0}
+t=$(systemctl show -p ActiveEnterTimestampMonotonic --value "$u")
+t=$(($(cut -d. -f1 /proc/uptime) - ${t:-0} / 1000000))
+case $s in auto-restart*) echo "$u $n";; start-pre) [ "$n" = 0 ] || echo "$u $n";;
+running) [ "$n" -lt 3 ] || [ "$t" -gt 30 ] || echo "$u $n";; esac; done"""
+# Of Raspberry Pi: its own program, or what the kernel shows.
+_THROTTLED = """\
+vcgencmd get_throttled 2>/dev/null || \
+sed 's/^/0x/' /sys/devices/platform/soc/soc:firmware/get_throttled 2>/dev/null || \
+for d in /sys/class/hwmon/hwmon*; do [ "$(cat "$d/name" 2>/dev/null)" != rpi_volt ] || \
+sed 's/^/0x/' "$d/in0_lcrit_alarm"; done"""
 
 
 def observe_script(other: str) -> str:
-    """The script to be run on a computer, as the user, about itself and the OTHER computer's full name."""
-    name = quote(other)
+    """The script to be run on a computer, as the user, about itself and, unless '', the OTHER computer's full name."""
     parts = [
-        "mark() { printf '\\036%s\\n' \"$1\"; }; export LC_ALL=C",
-        "mark name; cat /proc/sys/kernel/hostname",
+        "mark() { printf '\\036%s\\n' \"$1\"; }; export LC_ALL=C; PATH=$PATH:/usr/sbin:/sbin; cd",
+        "mark name; cat /proc/sys/kernel/hostname; id -un",
         "mark addresses; ip -brief -4 address show scope global 2>/dev/null",
-        f"mark resolves; timeout 8 getent ahostsv4 {name}",
-        'mark ros; for v in ROS_MASTER_URI ROS_HOSTNAME ROS_IP; do eval "w=\\${$v-}"; echo "$v=$w"; done',
-        f'mark modes; cd; for p in {quote(*SSH_PATHS)}; do [ ! -e "$p" ] || stat -L -c "%a $p" "$p"; done',
+        f"mark ros; {_TELL}",
+        f'mark shell; timeout 10 "${{SHELL:-sh}}" -ic {quote(_TELL)} 2>/dev/null </dev/null',
+        f'mark settings; for f in {" ".join(SHELL_FILES)}; do [ ! -r "$f" ] || grep -HoE {quote(_SETTING)} "$f"; done',
+        "mark ros_setup; [ ! -r ~/.ros_setup ] || { cat ~/.ros_setup; echo end; }",
+        f'mark modes; for p in {quote(*SSH_PATHS)}; do [ ! -e "$p" ] || stat -L -c "%a $p" "$p"; done',
+        f'mark own; {STRICT} "$(cut -d. -f1 /proc/sys/kernel/hostname).local" true 2>&1 </dev/null || echo failed',
+        "mark host_key; cut -d' ' -f1,2 /etc/ssh/ssh_host_ed25519_key.pub 2>/dev/null",
+        "mark public_key; cat .ssh/id_ed25519.pub 2>/dev/null",
+        "mark x11; cat /etc/ssh/sshd_config.d/*.conf /etc/ssh/sshd_config 2>/dev/null | grep -iE '^ *x11forwarding'",
         f'mark active; for u in {quote(*UNITS)}; do echo "$u $(systemctl is-active $u 2>/dev/null)"; done',
-        "mark failed; systemctl --failed --plain --no-legend 2>/dev/null | cut -d' ' -f1",
+        f"mark failing; {_FAILING}",
         f"mark announced; timeout 5 busctl call {_AVAHI} / {_AVAHI}.Server GetHostName 2>/dev/null",
-        "mark disk; df -Pm / | tail -n 1",
+        f'mark disk; df -Pm {quote(*PLACES)} "$HOME" 2>/dev/null',
+        f'mark large; for f in {" ".join(LARGE)}; do timeout 5 du -sxm "$f" 2>/dev/null; done',
         "mark memory; grep MemAvailable /proc/meminfo",
-        f"mark ping; ping -q -c 5 -i 0.2 -W 1 {name} 2>/dev/null",
-        f"mark frame; ping -q -c 2 -i 0.2 -W 1 -M do -s {FULL_PING} {name} 2>&1",
-        f"mark wifi\n{WIFI_SCRIPT}",  # after the pings: the rate is that of the latest packets
-        "mark throttled; vcgencmd get_throttled 2>/dev/null",
+        f"mark firewall; {_FIREWALL}",
+        f"mark throttled; {_THROTTLED}",
+        'mark system; . /etc/os-release; echo "$PRETTY_NAME"; uname -m',
         "mark packages; dpkg-query -W -f='${db:Status-Status} ${Package} ${Version}\\n' 2>/dev/null",
-        "mark end",
+        "mark built; [ ! -e catkin_ws/devel ] || echo yes",
+        "mark workspace; find -L catkin_ws/src -maxdepth 4 -name package.xml 2>/dev/null",
+        f"mark messages; {MESSAGES_SCRIPT}",
     ]
-    return "\n".join(parts)
+    if other:
+        parts.append(_other_script(quote(other)))
+    # After the pings: the rate is that of the latest packets.
+    return "\n".join([*parts, f"mark wifi\n{WIFI_SCRIPT}", "mark end"])
+
+
+def _other_script(name: str) -> str:
+    return f"""\
+r=$(timeout 8 getent ahostsv4 {name}); a=$(echo "$r" | head -n 1 | cut -d' ' -f1); a=${{a:-x}}
+d=$(ip -4 route get "$a" 2>/dev/null | grep -o 'dev [^ ]*' | cut -d' ' -f2)
+m=$(cat "/sys/class/net/$d/mtu" 2>/dev/null)
+mark resolves; echo "$r"
+mark device; echo "$d $m"
+mark ping; ping -q -n -c 5 -i 0.2 -W 1 "$a" 2>/dev/null
+mark frame; ping -q -n -c 2 -i 0.2 -W 1 -M do -s $((${{m:-1500}} - {HEADERS})) "$a" 2>&1"""
 
 
 def parse_side(output: str) -> Side:
     """Read what the script printed; what is missing in it stays unknown."""
     parts = {name: text for name, _, text in (part.partition("\n") for part in output.split(_MARK)[1:])}
+    name, user = [*parts.get("name", "").split(), "", ""][:2]
     ping = parts.get("ping", "")
     loss = re.search(r"([\d.]+)% packet loss", ping)
     times = re.search(r"= [\d.]+/([\d.]+)/", ping)
     frame = re.search(r"([\d.]+)% packet loss", parts.get("frame", ""))
     rows = (line.split() for line in parts.get("packages", "").splitlines())
-    packages = {row[1]: row[2] for row in rows if len(row) == 3 and row[0] == "installed"}
     memory = re.search(r"(\d+) kB", parts.get("memory", ""))
     throttled = re.search(r"0x([0-9a-fA-F]+)", parts.get("throttled", ""))
     announced = re.search(r'"(.*)"', parts.get("announced", ""))
-    disk = parts.get("disk", "").split()
+    device, mtu = [*parts.get("device", "").split(), "", ""][:2]
+    x11 = re.search(r"(?i)x11forwarding\s+(\w+)", parts.get("x11", ""))  # sshd takes the first
+    own = parts.get("own", "").strip().splitlines()
     return Side(
-        name=parts.get("name", "").strip(),
+        name=name,
+        user=user,
         addresses=tuple(re.findall(r"\b(\d+\.\d+\.\d+\.\d+)/\d+", parts.get("addresses", ""))),
         resolves=frozenset(line.split()[0] for line in parts.get("resolves", "").splitlines() if line.strip()),
-        ros={
-            key: value for key, _, value in (line.partition("=") for line in parts.get("ros", "").splitlines()) if value
-        },
+        ros=_variables(parts.get("ros", "")),
+        shell=_variables(parts.get("shell", "")),
+        settings=tuple(_settings(parts.get("settings", "").splitlines())),
+        ros_setup=parts["ros_setup"].rpartition("end\n")[0] if parts.get("ros_setup") else None,
         modes={
             path: int(mode, 8) for mode, _, path in (row.partition(" ") for row in parts.get("modes", "").splitlines())
         },
+        own_login=[*own[:-1], "ssh said nothing"][0] if own[-1:] == ["failed"] else "",
+        host_key=parts.get("host_key", "").strip(),
+        public_key=parts.get("public_key", "").strip(),
+        x11=x11[1].lower() == "yes" if x11 else False if "x11" in parts else None,
         active={unit: state for unit, _, state in (row.partition(" ") for row in parts.get("active", "").splitlines())},
-        failed=tuple(parts.get("failed", "").split()),
+        failing=tuple(_failing(parts.get("failing", "").splitlines())),
         announced=announced[1] if announced else "",
-        disk_free=float(disk[3]) if len(disk) >= 6 else None,
+        disks=tuple(_disks(parts.get("disk", "").splitlines())),
+        large={
+            path: float(size) for size, _, path in (row.partition("\t") for row in parts.get("large", "").splitlines())
+        },
         memory_free=int(memory[1]) / 1024 if memory else None,
         loss=float(loss[1]) / 100 if loss else None,
         latency=float(times[1]) / 1000 if times else None,
+        device=device,
+        mtu=int(mtu) if mtu else None,
         full_frames=float(frame[1]) < 100 if frame else None,
+        firewall=parts.get("firewall", "").strip(),
         throttled=int(throttled[1], 16) if throttled else 0,
-        messages={name: version for name, version in packages.items() if re.search(r"-msgs$", name)},
-        packages=frozenset(packages),
+        packages={row[1]: row[2] for row in rows if len(row) == 3 and row[0] == "installed"},
+        messages=parse_messages(parts.get("messages", "")),
+        built=bool(parts.get("built", "").strip()),
+        workspace=frozenset(re.findall(r"([^/\n]+)/package\.xml", parts.get("workspace", ""))),
+        system=" ".join(parts.get("system", "").split("\n")).strip(),
         wifi=parse_wifi(parts.get("wifi", "")),
     )
+
+
+def _variables(text: str) -> Mapping[str, str]:
+    pairs = (line.partition("=") for line in text.splitlines())
+    return {key: value for key, _, value in pairs if value and key in VARIABLES}
+
+
+def _settings(lines: Iterable[str]) -> Iterable[Setting]:
+    for line in lines:
+        file, _, text = line.partition(":")
+        found = re.search(r"(ROS_\w+)=", text)
+        if found:
+            yield Setting(file, found[1])
+
+
+def _failing(lines: Iterable[str]) -> Iterable[Unit]:
+    for line in lines:
+        name, _, restarts = line.partition(" ")
+        if name and restarts.isdigit():
+            yield Unit(name, int(restarts))
+
+
+def _disks(lines: Iterable[str]) -> Iterable[Disk]:
+    found: dict[str, Disk] = {}
+    for line in lines:
+        row = line.split(None, 5)
+        if len(row) == 6 and row[1].isdigit():
+            size = float(row[1])
+            found[row[5]] = Disk(row[5], float(row[3]), 1 - float(row[3]) / size if size else 0.0)
+    return found.values()

@@ -23,11 +23,15 @@ def viewer_environment(repository: Path) -> list[Wanted]:
 
 def robot_environment() -> list[Wanted]:
     """Shells that use the robot's own master, under the name by which others reach it."""
-    text = _HEAD + (
+    return _shells(robot_setup_text())
+
+
+def robot_setup_text() -> str:
+    """The text of a robot's ~/.ros_setup."""
+    return _HEAD + (
         'read -r ROS_HOSTNAME </proc/sys/kernel/hostname\nexport ROS_HOSTNAME="${ROS_HOSTNAME%%.*}.local"\n'
         'export ROS_MASTER_URI="http://$ROS_HOSTNAME:11311"\n'
     )
-    return _shells(text)
 
 
 def _shells(text: str) -> list[Wanted]:

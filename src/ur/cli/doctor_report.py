@@ -1,0 +1,85 @@
+"""What `ur doctor` prints: findings with their commands, the way to a robot, tables; as text or as JSON."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field
+
+import click
+
+from ur.robot.doctor.model import Finding, Pair
+from ur.robot.doctor.summary import compare_packages, summarize
+from ur.robot.doctor.way import Step
+
+MARKS = {True: ("ok", "green"), False: ("NO", "red"), None: ("-", "bright_black")}
+
+
+@dataclass(slots=True)
+class Report:
+    """One run of the doctor. `names`: what the two computers are called in front of a command."""
+
+    names: Mapping[str, str]
+    findings: Sequence[Finding] = ()
+    steps: Sequence[Step] = ()
+    fixed: list[tuple[str, str]] = field(default_factory=list)
+
+
+def print_report(report: Report, *, fixable: str = "") -> None:
+    """The steps that were gone, when the robot was not reached; each finding with what to do. `fixable`: how to."""
+    for step in report.steps:
+        mark, colour = MARKS[step.good]
+        click.echo(f"  {_style(f'{mark:2}', colour)} {step.title}{f': {step.seen}' if step.seen else ''}")
+    for finding in report.findings:
+        click.echo(f"{_style('problem', 'red')}: {finding.message} [{finding.rule}]")
+        if finding.help:
+            click.echo(f"  {_style('help', 'green')}: {finding.help}")
+        for command in finding.commands:
+            who = f"on {report.names[command.where]}{' (--fix)' if command.safe else ''}"
+            click.echo(f"  {_style(who, 'green')}: {command.typed}")
+    mendable = sum(finding.fixable for finding in report.findings)
+    if not report.findings:
+        click.echo("all is well")
+    elif mendable and fixable:
+        click.echo(f"{mendable} of {len(report.findings)} can be mended by: {fixable}")
+
+
+def print_json(report: Report) -> None:
+    """The same for programs."""
+    findings = [
+        {
+            "rule": finding.rule,
+            "message": finding.message,
+            "help": finding.help,
+            "commands": [
+                {"on": report.names[each.where], "where": each.where, "command": each.typed, "fix": each.safe}
+                for each in finding.commands
+            ],
+        }
+        for finding in report.findings
+    ]
+    fixed = [{"rule": rule, "result": result} for rule, result in report.fixed]
+    whole = {"findings": findings, "steps": [asdict(step) for step in report.steps], "fixed": fixed}
+    click.echo(json.dumps(whole, indent=2))
+
+
+def print_seen(pair: Pair) -> None:
+    """Everything that was looked at, side by side."""
+    from rich.console import Console
+    from rich.table import Table
+
+    console = Console(soft_wrap=not sys.stdout.isatty())
+    titles = (("", pair.here.name, pair.there.name), ("package", pair.here.name, pair.there.name))
+    for title, rows in zip(titles, (summarize(pair), compare_packages(pair)), strict=True):
+        table = Table()
+        for column in title:
+            table.add_column(column, overflow="fold")
+        for row in rows:
+            table.add_row(*row)
+        if rows:
+            console.print(table)
+
+
+def _style(text: str, colour: str) -> str:
+    return click.style(text, fg=colour, bold=True) if sys.stdout.isatty() else text

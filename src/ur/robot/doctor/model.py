@@ -1,0 +1,101 @@
+"""What the doctor talks about: two computers, what is wrong with them, and the commands that cure it. Values only."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+from ur.robot.doctor.side import Side
+from ur.robot.ssh.shell import quote
+
+Where = Literal["here", "there"]
+_SHELL_SIGNS = re.compile(r"[;&|<>$`(){}*?~]")
+
+
+@dataclass(frozen=True, slots=True)
+class Command:
+    """One line for a POSIX shell that cures, or helps to: on this computer or on the robot, as its user or as root.
+
+    `safe`: it can do no harm, so that `--fix` runs it. What is printed and what `--fix` runs are the same text.
+    """
+
+    where: Where
+    line: str
+    root: bool = False
+    safe: bool = False
+
+    @property
+    def typed(self) -> str:
+        """As a person types it: with sudo where root is needed."""
+        if not self.root:
+            return self.line
+        return f"sudo sh -c {quote(self.line)}" if _SHELL_SIGNS.search(self.line) else f"sudo {self.line}"
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """Something that is wrong: its kind (a stable id), what is the matter, and advice or commands that cure it.
+
+    The commands are meant one after the other.
+    """
+
+    rule: str
+    message: str
+    help: str = ""
+    commands: tuple[Command, ...] = ()
+
+    @property
+    def fixable(self) -> bool:
+        """Whether `--fix` does something about it."""
+        return any(command.safe for command in self.commands)
+
+
+@dataclass(frozen=True, slots=True)
+class Owner:
+    """The process behind a node: where it runs, its number and command line, and its systemd unit, if it has one."""
+
+    where: Where
+    pid: int
+    words: str
+    unit: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Advertised:
+    """A node and the host in the address that it told the master, with what each computer takes that name for."""
+
+    node: str
+    host: str
+    here: frozenset[str]
+    there: frozenset[str]
+    owner: Owner | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Pair:
+    """Both computers. `offset` (s): how far the robot's clock is ahead.
+
+    `way_back` is what ssh said from there to here, '' when it logged in. `reaches_...` tell for each direction whether
+    a connection to a free port arrives. `key_refused`: the robot wanted a password although we have a key. `known`: the
+    robot was set up from here. `selected`: `ur use` means it. `twins`: by host name, the addresses of a computer to
+    which zeroconf gave the name with -2 since it was taken. `login`: USER@HOST by which the robot was reached.
+    """
+
+    here: Side
+    there: Side
+    offset: float
+    way_back: str
+    reaches_there: bool
+    reaches_here: bool
+    key_refused: bool = False
+    advertised: tuple[Advertised, ...] = ()
+    known: bool = False
+    selected: bool = False
+    twins: Mapping[str, frozenset[str]] = field(default_factory=dict)
+    login: str = ""
+
+    def sides(self) -> tuple[tuple[Where, Side, Side], tuple[Where, Side, Side]]:
+        """Both: where each is, itself, and the other."""
+        return ("here", self.here, self.there), ("there", self.there, self.here)

@@ -1,0 +1,41 @@
+"""The rules, by subject: what may be wrong with one computer or between two. Pure functions of what was seen."""
+
+from __future__ import annotations
+
+from ur.robot.doctor.model import Finding, Pair
+from ur.robot.doctor.rules import clock, environment, login, machine, names, network, nodes, packages, services, wifi
+from ur.robot.doctor.rules.registry import Rule, SideRule
+from ur.robot.doctor.side import Side
+
+# The most fundamental first: what comes later often follows from it.
+RULES: tuple[Rule, ...] = (
+    *names.RULES,
+    *login.RULES,
+    *network.RULES,
+    *environment.RULES,
+    *nodes.RULES,
+    *clock.RULES,
+    *wifi.RULES,
+    *machine.RULES,
+    *services.RULES,
+    *packages.RULES,
+)
+KINDS = {kind: meaning for rule in RULES for kind, meaning in rule.kinds.items()}
+
+__all__ = ["KINDS", "RULES", "diagnose", "diagnose_alone"]
+
+
+def diagnose(pair: Pair) -> list[Finding]:
+    """All findings about two computers; empty for a healthy pair."""
+    found: list[Finding] = []
+    for rule in RULES:
+        if isinstance(rule, SideRule):
+            found += [finding for where, side, _ in pair.sides() for finding in rule.check(where, side)]
+        else:
+            found += rule.check(pair)
+    return found
+
+
+def diagnose_alone(side: Side) -> list[Finding]:
+    """All findings about this computer by itself."""
+    return [finding for rule in RULES if isinstance(rule, SideRule) for finding in rule.check("here", side)]

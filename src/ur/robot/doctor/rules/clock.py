@@ -1,0 +1,45 @@
+"""Clocks: tf refuses what seems to come from the past or the future."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ur.robot.doctor.model import Command, Finding, Pair, Where
+from ur.robot.doctor.rules.registry import PairRule, Rule, SideRule
+from ur.robot.doctor.side import Side
+
+CLOCK_SECONDS = 0.5  # tf's usual patience is about that
+# Fresh after its start, chrony steps the clock by itself (makestep 1 3); otherwise it is told to.
+STEP = "systemctl restart chrony && { chronyc waitsync 15 0.3 0 1 || chronyc makestep; }"
+
+
+def check_offset(pair: Pair) -> Iterator[Finding]:
+    """Clocks that disagree."""
+    if abs(pair.offset) > CLOCK_SECONDS:
+        by = f"{abs(pair.offset):.1f} s {'ahead of' if pair.offset > 0 else 'behind'}"
+        yield Finding(
+            "clock-offset",
+            f"the clock of {pair.there.name} is {by} the one of {pair.here.name}",
+            "where it takes its time from: chronyc sources",
+            (Command("there", STEP, root=True, safe=True),),
+        )
+
+
+def check_daemon(where: Where, side: Side) -> Iterator[Finding]:
+    """What keeps a clock right."""
+    state = side.active.get("chrony.service")
+    if state not in ("active", None) and not any(unit.name == "chrony.service" for unit in side.failing):
+        installed = not side.packages or "chrony" in side.packages
+        line = "systemctl enable --now chrony" if installed else "apt-get install -y chrony"
+        yield Finding(
+            "no-time-synchronisation",
+            f"{side.name}: chrony does not run, so its clock drifts"
+            + (", and robots without internet get no time from it" if where == "here" else ""),
+            commands=(Command(where, line, root=True, safe=True),),
+        )
+
+
+RULES: tuple[Rule, ...] = (
+    PairRule({"clock-offset": "the clocks differ, and tf refuses data"}, check_offset),
+    SideRule({"no-time-synchronisation": "nothing keeps a clock right"}, check_daemon),
+)

@@ -1,0 +1,114 @@
+"""The variables of ROS in the shells of both computers: where the master is, and the name that nodes tell."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from urllib.parse import urlsplit
+
+from ur.robot.doctor.model import Command, Finding, Pair, Where
+from ur.robot.doctor.rules.registry import PairRule, Rule
+from ur.robot.doctor.side import Side
+from ur.robot.setup.environment import robot_setup_text
+from ur.robot.ssh.shell import quote
+
+_OWN_FILE = "/.ros_setup"
+
+
+def check_robot(pair: Pair) -> Iterator[Finding]:
+    """The robot's variables: of nodes that roslaunch starts there, and of terminals there."""
+    side = pair.there
+    for what, variables in _environments(side):
+        found = list(_check_variables(side, variables, what, f"http://{side.name}.local:11311", side))
+        for rule, variable, message in found:
+            yield Finding(rule, message, _advice(side, variable), tuple(_mend(side, variable)))
+        if found:
+            return
+
+
+def check_viewer(pair: Pair) -> Iterator[Finding]:
+    """This computer's, when the robot is the selected one: of the shell that asked, and of a new one."""
+    side = pair.here
+    if not pair.selected:
+        return
+    for what, variables in reversed(_environments(side)):
+        found = list(_check_variables(side, variables, what, f"http://{pair.there.name}.local:11311", pair.there))
+        for rule, variable, message in found:
+            files = _files(side, variable)
+            fresh = variables is side.shell
+            commands = tuple(_comment(file, variable, "here") for file in files) if fresh else ()
+            if not commands:
+                commands = (Command("here", "ur setup" if fresh else 'eval "$(ur env)"'),)
+            help = "" if fresh else "this shell was opened before the robot was selected, or has values of its own:"
+            yield Finding(rule, message, help, commands)
+        if found:
+            return
+
+
+def _environments(side: Side) -> list[tuple[str, Mapping[str, str]]]:
+    known = [("for nodes that roslaunch starts", side.ros), ("in a terminal", side.shell)]
+    return [(what, variables) for what, variables in known if variables] or known[:1]
+
+
+def _check_variables(
+    side: Side, variables: Mapping[str, str], what: str, wanted: str, master: Side
+) -> Iterator[tuple[str, str, str]]:
+    """(rule, variable, message) of each that is wrong on a computer whose master shall be on another, or itself."""
+    full = f"{side.name}.local"
+    uri = variables.get("ROS_MASTER_URI", "")
+    allowed = {f"{master.name}.local", master.name, *master.addresses, *(["localhost"] if side is master else [])}
+    if urlsplit(uri).hostname not in allowed:
+        yield (
+            "wrong-master",
+            "ROS_MASTER_URI",
+            f"{side.name}: ROS_MASTER_URI {what} is {uri or 'not set'}, expected {wanted}",
+        )
+    name, address = variables.get("ROS_HOSTNAME", ""), variables.get("ROS_IP", "")
+    if not name and address:
+        if address not in side.addresses:
+            yield (
+                "wrong-ros-ip",
+                "ROS_IP",
+                f"{side.name}: ROS_IP {what} is {address}, which is not its address ({', '.join(side.addresses)})",
+            )
+    elif name != full and name not in side.addresses:
+        yield (
+            "wrong-ros-hostname",
+            "ROS_HOSTNAME",
+            f"{side.name}: ROS_HOSTNAME {what} is {name or 'not set'}, which others do not know; expected {full}",
+        )
+
+
+def _files(side: Side, variable: str) -> list[str]:
+    """Files other than our own in which a variable is set."""
+    files = [each.file for each in side.settings if each.variable == variable and not each.file.endswith(_OWN_FILE)]
+    return list(dict.fromkeys(files))
+
+
+def _advice(side: Side, variable: str) -> str:
+    files = _files(side, variable)
+    return f"it is set in {', '.join(files)}; FILE.ur keeps the old text" if files else "~/.ros_setup is written again"
+
+
+def _mend(side: Side, variable: str) -> Iterator[Command]:
+    yield from (_comment(file, variable, "there") for file in _files(side, variable))
+    wanted = robot_setup_text()
+    if side.ros_setup != wanted or not _files(side, variable):
+        lines = quote(*wanted.splitlines())
+        yield Command("there", f"printf '%s\\n' {lines} >~/.ros_setup", safe=True)
+
+
+def _comment(file: str, variable: str, where: Where) -> Command:
+    pattern = f"/^[[:space:]]*(export[[:space:]]+)?{variable}=/s/^/# /"
+    return Command(where, f"sed -i.ur -E {quote(pattern)} {quote(file)}", root=file.startswith("/etc/"))
+
+
+RULES: tuple[Rule, ...] = (
+    PairRule(
+        {
+            "wrong-master": "shells look for the ROS master somewhere else",
+            "wrong-ros-ip": "nodes tell an address that is not their computer's",
+            "wrong-ros-hostname": "nodes tell a name that others do not know",
+        },
+        lambda pair: [*check_robot(pair), *check_viewer(pair)],
+    ),
+)

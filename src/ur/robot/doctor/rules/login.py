@@ -1,0 +1,142 @@
+"""Logins in both directions, and of each computer to itself: what roslaunch needs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ur.robot.doctor.model import Command, Finding, Pair, Where
+from ur.robot.doctor.rules.registry import PairRule, Rule, SideRule
+from ur.robot.doctor.side import Side
+from ur.robot.ssh.shell import quote
+
+_ALLOW = ">>~/.ssh/authorized_keys; chmod 600 ~/.ssh/authorized_keys"
+NEW_KEY = "[ -e ~/.ssh/id_ed25519 ] || { mkdir -p -m 700 ~/.ssh; ssh-keygen -q -t ed25519 -N '' -f ~/.ssh/id_ed25519; }"
+XFORWARD = (
+    "printf 'X11Forwarding yes\\nX11UseLocalhost yes\\n' >/etc/ssh/sshd_config.d/60-ubiquity.conf; systemctl reload ssh"
+)
+
+
+def check_rights(where: Where, side: Side) -> Iterator[Finding]:
+    """The rights that ssh insists on."""
+    loose = find_loose(side)
+    if loose:
+        paths = ", ".join("~" if path == "." else f"~/{path}" for path in loose)
+        present = [path for path in (".", ".ssh", ".ssh/authorized_keys") if path in side.modes]
+        line = "cd; chmod go-w " + " ".join(present)
+        if ".ssh/id_ed25519" in side.modes:
+            line += "; chmod 600 .ssh/id_ed25519"
+        yield Finding(
+            "loose-rights",
+            f"{side.name}: others may write or read {paths}, so ssh refuses keys",
+            commands=(Command(where, line, safe=True),),
+        )
+
+
+def find_loose(side: Side) -> list[str]:
+    """The files whose rights are too wide for ssh."""
+    return [path for path, mode in side.modes.items() if mode & (0o077 if path.endswith("id_ed25519") else 0o022)]
+
+
+def check_server(where: Where, side: Side) -> Iterator[Finding]:
+    """The ssh server, which roslaunch of the other computer logs in to."""
+    states = {side.active.get("ssh.service"), side.active.get("ssh.socket")}
+    if side.active and "active" not in states:
+        installed = not side.packages or "openssh-server" in side.packages
+        line = "systemctl enable --now ssh" if installed else "apt-get install -y openssh-server"
+        yield Finding(
+            "no-ssh-server",
+            f"{side.name} runs no ssh server, so nothing there can be started from the other computer",
+            commands=(Command(where, line, root=True, safe=installed),),
+        )
+
+
+def check_own_login(where: Where, side: Side) -> Iterator[Finding]:
+    """The login of a computer to itself by its full name, as roslaunch does for nodes with a machine of that name."""
+    if not side.own_login or find_loose(side) or side.active.get("avahi-daemon.service") != "active":
+        return
+    full = f"{side.name}.local"
+    allow = f"{NEW_KEY}; cat ~/.ssh/id_ed25519.pub {_ALLOW}"
+    commands = [Command(where, allow, safe=True)] if not _is_about_host_key(side.own_login) else []
+    if side.host_key:
+        commands.append(Command(where, know_host(side.name, side.host_key), safe=True))
+    yield Finding(
+        "no-login-to-itself",
+        f"{side.name} cannot log in to itself as {full}: {side.own_login}",
+        commands=tuple(commands),
+    )
+
+
+def check_keys(pair: Pair) -> Iterator[Finding]:
+    """The keys of each computer, at the other."""
+    here, there = pair.here, pair.there
+    if find_loose(there) or find_loose(here):
+        return  # said already, and ssh would refuse the keys anyway
+    if pair.key_refused:
+        add = f"mkdir -p -m 700 ~/.ssh; echo {quote(here.public_key)} {_ALLOW}"
+        yield Finding(
+            "key-refused",
+            f"{there.name} does not take the key of this computer",
+            "" if here.public_key else "this computer has no key (~/.ssh/id_ed25519); then --fix takes it there",
+            (Command("there", add, safe=True),) if here.public_key else (Command("here", NEW_KEY, safe=True),),
+        )
+    if (
+        not pair.way_back
+        or not there.resolves
+        or "active" not in (here.active.get("ssh.service"), here.active.get("ssh.socket"))
+    ):
+        return
+    stale = _is_about_host_key(pair.way_back)
+    commands: tuple[Command, ...]
+    if stale:
+        commands = (Command("there", know_host(here.name, here.host_key), safe=True),) if here.host_key else ()
+    else:
+        commands = (
+            Command("there", NEW_KEY, safe=True),
+            Command(
+                "here",
+                f"ssh {quote(pair.login)} cat .ssh/id_ed25519.pub {_ALLOW}",
+                safe=pair.known,
+            ),
+        )
+    yield Finding(
+        "unknown-host-key-there" if stale else "no-login-there",
+        f"{there.name} cannot log in to {here.name}: {pair.way_back}",
+        commands=commands,
+    )
+
+
+def know_host(name: str, host_key: str) -> str:
+    """The line that makes a user know a computer by this host key, and by no other."""
+    full = f"{name}.local"
+    entry = quote(f"{full},{name} {host_key}")
+    return f"ssh-keygen -R {quote(full)} >/dev/null 2>&1; mkdir -p -m 700 ~/.ssh; echo {entry} >>~/.ssh/known_hosts"
+
+
+def check_x11(where: Where, side: Side) -> Iterator[Finding]:
+    """Windows of programs on the robot open on this computer."""
+    if where == "there" and side.x11 is False:
+        yield Finding(
+            "x11-off",
+            f"{side.name}: its ssh server forwards no windows (X11Forwarding), so 'ur x' cannot show any",
+            commands=(Command(where, XFORWARD, root=True, safe=True),),
+        )
+
+
+def _is_about_host_key(said: str) -> bool:
+    return "host key" in said.lower() or "IDENTIFICATION" in said
+
+
+RULES: tuple[Rule, ...] = (
+    SideRule({"no-ssh-server": "nothing can be started there from the other computer"}, check_server),
+    SideRule({"loose-rights": "others may write the files of ssh, which therefore refuses keys"}, check_rights),
+    PairRule(
+        {
+            "key-refused": "the robot does not take this computer's key",
+            "no-login-there": "this computer does not take the robot's key",
+            "unknown-host-key-there": "the robot knows no host key of this computer, or an old one",
+        },
+        check_keys,
+    ),
+    SideRule({"no-login-to-itself": "a computer cannot log in to itself, as roslaunch does"}, check_own_login),
+    SideRule({"x11-off": "the robot's ssh server shows no windows here"}, check_x11),
+)

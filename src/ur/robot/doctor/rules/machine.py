@@ -1,0 +1,78 @@
+"""The computers themselves: disk, memory, voltage."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ur.robot.doctor.model import Command, Finding, Where
+from ur.robot.doctor.rules.registry import Rule, SideRule
+from ur.robot.doctor.side import Disk, Side
+
+FULL_FREE = 200.0  # MB
+FULL_USED = 0.9  # a small file system that is hardly used is not full
+MEMORY_FREE = 100.0  # MB
+LARGE = 5.0  # MB that are worth the trouble
+_NOW, _EVER = 0x1, 0x10000  # of the firmware's word: under-voltage now, and since boot
+# By folder: the command that empties it, as root or not, and whether nothing is lost by that.
+_EMPTY = {
+    "/var/cache/apt": ("apt-get clean", True, True),
+    "/var/log/journal": ("journalctl --rotate --vacuum-size=20M", True, True),
+    ".ros/log": ("rosclean purge -y", False, False),
+}
+
+
+def check_disks(where: Where, side: Side) -> Iterator[Finding]:
+    """File systems on which hardly anything is left."""
+    for disk in side.disks:
+        if disk.free < FULL_FREE and disk.used >= FULL_USED:
+            large = _large_on(disk, side)
+            what = ", ".join(f"{path} has {size:.0f} MB" for path, size in large)
+            commands = tuple(
+                Command(where, line, root=root, safe=safe)
+                for path, _ in large
+                for end, (line, root, safe) in _EMPTY.items()
+                if path.endswith(end)
+            )
+            yield Finding(
+                "full-disk",
+                f"{side.name}: {disk.free:.0f} MB are left on {disk.place}" + (f"; {what}" if what else ""),
+                "" if commands else f"what takes the room: sudo du -xhd 2 {disk.place} | sort -h | tail",
+                commands,
+            )
+
+
+def _large_on(disk: Disk, side: Side) -> list[tuple[str, float]]:
+    """Folders on this file system that may be emptied, the largest first."""
+
+    def mount_of(path: str) -> str:
+        places = [each.place for each in side.disks if f"{path}/".startswith(each.place.rstrip("/") + "/")]
+        return max(places, key=len, default="")
+
+    found = [(path, size) for path, size in side.large.items() if size >= LARGE and mount_of(path) == disk.place]
+    return sorted(found, key=lambda each: -each[1])
+
+
+def check_memory(where: Where, side: Side) -> Iterator[Finding]:  # noqa: ARG001 - of the protocol
+    """Memory that is left."""
+    if side.memory_free is not None and side.memory_free < MEMORY_FREE:
+        yield Finding(
+            "low-memory",
+            f"{side.name}: {side.memory_free:.0f} MB of memory are left, expected {MEMORY_FREE:.0f} MB or more",
+            "end programs there; the largest: ps -eo rss,args --sort=-rss | head",
+        )
+
+
+def check_voltage(where: Where, side: Side) -> Iterator[Finding]:  # noqa: ARG001 - of the protocol
+    """Under-voltage, as a Raspberry Pi notices it."""
+    if side.throttled & (_NOW | _EVER):
+        when = "now" if side.throttled & _NOW else "since it booted, not at this moment"
+        yield Finding(
+            "under-voltage", f"{side.name}: its supply was too weak {when}", "a stronger supply, a shorter cable"
+        )
+
+
+RULES: tuple[Rule, ...] = (
+    SideRule({"full-disk": "hardly anything is left on a disk"}, check_disks),
+    SideRule({"low-memory": "hardly any memory is left"}, check_memory),
+    SideRule({"under-voltage": "the robot's supply is too weak"}, check_voltage),
+)

@@ -1,0 +1,98 @@
+"""Names: who makes them, where they lead, and whether two have the same."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ur.robot.doctor.model import Command, Finding, Pair, Where
+from ur.robot.doctor.rules.registry import PairRule, Rule, SideRule
+from ur.robot.doctor.side import Side
+from ur.robot.ssh.shell import quote
+
+START = "systemctl unmask avahi-daemon.service avahi-daemon.socket; systemctl enable --now avahi-daemon"
+INSTALL = "apt-get install -y avahi-daemon libnss-mdns"
+
+
+def runs_avahi(side: Side) -> bool:
+    """Whether the daemon that makes .local names runs."""
+    return side.active.get("avahi-daemon.service") == "active"
+
+
+def check_avahi(where: Where, side: Side) -> Iterator[Finding]:
+    """The daemon that makes .local names."""
+    if not runs_avahi(side):
+        installed = not side.packages or "avahi-daemon" in side.packages
+        yield Finding(
+            "avahi-not-running",
+            f"{side.name}: avahi-daemon does not run, so nobody finds {side.name}.local",
+            commands=(Command(where, START if installed else INSTALL, root=True, safe=True),),
+        )
+
+
+def check_names(pair: Pair) -> Iterator[Finding]:
+    """Each computer's full name, as the other understands it."""
+    for where, side, other in pair.sides():
+        if not runs_avahi(side) or not runs_avahi(other):
+            continue  # said already
+        wrong = side.resolves - set(other.addresses)
+        if not side.resolves:
+            missing = bool(side.packages) and "libnss-mdns" not in side.packages
+            yield Finding(
+                "name-not-found",
+                f"{side.name} does not find {other.name}.local, so it gets no data from there",
+                "are both in one network, and does it let multicast through (port 5353)?",
+                (Command(where, INSTALL, root=True, safe=True),) if missing else (),
+            )
+        elif wrong and other.addresses:
+            name = quote(f"{other.name}.local")
+            yield Finding(
+                "name-is-wrong",
+                f"{side.name} takes {other.name}.local for {', '.join(sorted(wrong))}, "
+                f"expected {', '.join(other.addresses)}",
+                "the line of /etc/hosts that says so goes; /etc/hosts.ur keeps it",
+                (
+                    Command(
+                        where,
+                        f"cp -p /etc/hosts /etc/hosts.ur && grep -vwF -- {name} /etc/hosts.ur >/etc/hosts",
+                        root=True,
+                        safe=True,
+                    ),
+                ),
+            )
+
+
+def check_duplicates(pair: Pair) -> Iterator[Finding]:
+    """Two computers with one name: zeroconf gives the second another."""
+    named = set()
+    for _, side, _ in pair.sides():
+        if side.announced and side.announced != side.name:
+            named.add(side.name)
+            yield duplicate(side.name, side.announced, ", ".join(side.addresses), side.user)
+    for name, addresses in sorted(pair.twins.items()):
+        if addresses and name not in named:
+            yield duplicate(name, f"{name}-2", ", ".join(sorted(addresses)), pair.there.user)
+
+
+def duplicate(name: str, answers_to: str, address: str, user: str) -> Finding:
+    """Two computers are called NAME; the second one answers to another name, and that one shall be renamed."""
+    login = quote(f"{user}@{answers_to}.local")
+    return Finding(
+        "duplicate-name",
+        f"two computers are called {name}: the one at {address or 'another address'} answers to {answers_to}.local "
+        f"only, and ROS there says {name}.local, which is the other one",
+        "rename one of them; with its keys, if it is a robot:",
+        (Command("here", f"ur robot setup {login} --name {name}{answers_to.rpartition('-')[2]}"),),
+    )
+
+
+RULES: tuple[Rule, ...] = (
+    SideRule({"avahi-not-running": "nobody makes `.local` names on one of the two"}, check_avahi),
+    PairRule(
+        {
+            "name-not-found": "a name leads nowhere",
+            "name-is-wrong": "a name leads to another address, by `/etc/hosts`",
+        },
+        check_names,
+    ),
+    PairRule({"duplicate-name": "a third computer has the name of one of the two"}, check_duplicates),
+)

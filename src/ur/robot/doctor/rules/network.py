@@ -1,0 +1,109 @@
+"""What goes through between the two: ports, full frames, loss, latency."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ur.robot.doctor.model import Command, Finding, Pair, Where
+from ur.robot.doctor.rules.registry import PairRule, Rule, SideRule
+from ur.robot.doctor.side import Side
+from ur.robot.ssh.shell import quote
+
+LATENCY_SECONDS = 0.1
+# Into every chain that may drop what arrives, since each of them must let it pass.
+_NFT = (
+    'nft list chains | awk -v a={address} \'$1=="table"{{t=$2" "$3}} $1=="chain"{{c=$2}} '
+    '/hook input/&&t~/^(ip|inet) /{{print "insert rule",t,c,"ip saddr",a,"accept"}}\' | nft -f -'
+)
+_FIREWALLS = {
+    "ufw": "ufw allow from {address}",
+    "firewalld": "firewall-cmd --zone=trusted --add-source={address} && firewall-cmd --runtime-to-permanent",
+    "nft": _NFT,
+    "iptables": "iptables -I INPUT -s {address} -j ACCEPT",
+}
+
+
+def check_address(where: Where, side: Side) -> Iterator[Finding]:  # noqa: ARG001 - of the protocol
+    """Whether the computer is in a network at all."""
+    if side.name and not side.addresses:
+        yield Finding(
+            "no-network", f"{side.name} has no address in any network", "connect it; what there is: nmcli device status"
+        )
+
+
+def check_ports(pair: Pair) -> Iterator[Finding]:
+    """ROS nodes listen on ports that the system chooses: all above 1024 must be open both ways."""
+    ways: tuple[tuple[bool, Where, Side, Side], ...] = (
+        (pair.reaches_there, "there", pair.there, pair.here),
+        (pair.reaches_here, "here", pair.here, pair.there),
+    )
+    for reached, where, target, other in ways:
+        if not reached and other.resolves:
+            yield Finding(
+                "closed-port",
+                f"{target.name} lets no connection in from {other.name} at a free port, and ROS nodes use such ports",
+                "let the other computer through the firewall"
+                + (
+                    "; until the next boot, then its own file counts:"
+                    if target.firewall in ("nft", "iptables")
+                    else ":"
+                ),
+                _open(where, target.firewall, other),
+            )
+
+
+def _open(where: Where, firewall: str, other: Side) -> tuple[Command, ...]:
+    line = _FIREWALLS.get(firewall)
+    if not line or not other.addresses:
+        return ()
+    return tuple(Command(where, line.format(address=quote(address)), root=True) for address in other.addresses)
+
+
+def check_network(pair: Pair) -> Iterator[Finding]:
+    """Loss, latency, and whether full frames get through."""
+    frames = [side for _, side, _ in pair.sides() if side.full_frames is False and (side.loss is None or side.loss < 1)]
+    if frames:
+        yield _lost_frames(pair, frames[0])
+    for _, side, other in pair.sides():
+        if side.loss and side.resolves:
+            yield Finding(
+                "packet-loss",
+                f"{side.loss:.0%} of packets from {side.name} to {other.name} are lost",
+                f"nearer to the access point; 5 GHz; watch it while you walk: ur wifi {other.name} --watch",
+            )
+        if side.latency and side.latency > LATENCY_SECONDS:
+            yield Finding(
+                "latency",
+                f"{side.latency * 1000:.0f} ms from {side.name} to {other.name} and back, "
+                f"expected below {LATENCY_SECONDS * 1000:.0f} ms",
+                "switch power saving of the WiFi off (iw dev DEVICE set power_save off); 5 GHz",
+            )
+
+
+def _lost_frames(pair: Pair, side: Side) -> Finding:
+    other = pair.there if side is pair.here else pair.here
+    message = f"full frames from {side.name} to {other.name} are lost, and large messages with them"
+    if not (side.mtu and other.mtu and side.mtu != other.mtu):
+        return Finding("mtu", message, "something between the two takes only smaller ones: set a lower MTU on both")
+    # Both in one network: the one with the smaller frames is the odd one out.
+    where, odd = min(((where, side) for where, side, _ in pair.sides()), key=lambda each: each[1].mtu or 0)
+    mtu = max(side.mtu, other.mtu)
+    return Finding(
+        "mtu",
+        f"{message}: the MTU of {odd.device} on {odd.name} is {odd.mtu}, the other one's is {mtu}",
+        commands=(Command(where, f"ip link set {quote(odd.device)} mtu {mtu}", root=True, safe=True),),
+    )
+
+
+RULES: tuple[Rule, ...] = (
+    SideRule({"no-network": "a computer is in no network"}, check_address),
+    PairRule({"closed-port": "a firewall keeps connections out; ROS nodes use any port above 1024"}, check_ports),
+    PairRule(
+        {
+            "mtu": "large messages are lost, small ones are not",
+            "packet-loss": "packets are lost on the way",
+            "latency": "packets take too long",
+        },
+        check_network,
+    ),
+)

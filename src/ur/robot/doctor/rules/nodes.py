@@ -1,0 +1,59 @@
+"""The names that running nodes told the master: nobody gets data from a node whose name leads nowhere."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ur.robot.doctor.model import Advertised, Command, Finding, Pair
+from ur.robot.doctor.rules.registry import PairRule, Rule
+from ur.robot.ssh.shell import quote
+
+STUBBORN_SECONDS = 5
+
+
+def check_advertised(pair: Pair) -> Iterator[Finding]:
+    """Each node's name, as both computers understand it."""
+    addresses = {*pair.here.addresses, *pair.there.addresses}
+    for node in pair.advertised:
+        lost = [
+            (side.name, means)
+            for side, means in ((pair.here, node.here), (pair.there, node.there))
+            if not means & addresses
+        ]
+        if lost:
+            takes = " and ".join(
+                f"{name} takes that for {', '.join(sorted(means))}" if means else f"{name} does not know that name"
+                for name, means in lost
+            )
+            yield _explain(node, takes, pair)
+
+
+def _explain(node: Advertised, takes: str, pair: Pair) -> Finding:
+    message = f"node {node.node} says it is at {node.host}, and {takes}"
+    owner = node.owner
+    if owner is None:
+        return Finding(
+            "unresolvable-node", message, "start it again from a new shell, where ROS_HOSTNAME is right ('ur env')"
+        )
+    if owner.unit:
+        return Finding(
+            "unresolvable-node",
+            message,
+            "it was started before the name was as it is now:",
+            (Command(owner.where, f"systemctl restart {quote(owner.unit)}", root=True),),
+        )
+    side = pair.here if owner.where == "here" else pair.there
+    end = f"kill -INT {owner.pid}; timeout {STUBBORN_SECONDS} tail --pid={owner.pid} -f /dev/null || kill {owner.pid}"
+    return Finding(
+        "unresolvable-node",
+        message,
+        f"end it, then start it again from a new shell on {side.name}: {owner.words}",
+        (Command(owner.where, end),),
+    )
+
+
+RULES: tuple[Rule, ...] = (
+    PairRule(
+        {"unresolvable-node": "a running node advertises a name that one of the two does not know"}, check_advertised
+    ),
+)

@@ -1,0 +1,50 @@
+"""Services that do not work: those that failed, and what a robot starts at boot and that ends again and again."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ur.robot.boot import PREFIX
+from ur.robot.doctor.model import Command, Finding, Where
+from ur.robot.doctor.rules.registry import Rule, SideRule
+from ur.robot.doctor.side import Side
+from ur.robot.ssh.shell import quote
+
+KEPT = ("ssh.service", "avahi-daemon.service", "chrony.service")
+
+
+def check_services(where: Where, side: Side) -> Iterator[Finding]:
+    """Each unit that does not work; on this computer, those only that robots need."""
+    for unit in side.failing:
+        boot = unit.name.removesuffix(".service").removeprefix(PREFIX) if unit.name.startswith(PREFIX) else ""
+        if where == "here" and not boot and unit.name not in KEPT:
+            continue
+        last = f"; it said last: {' / '.join(unit.last)}" if unit.last else ""
+        if boot:
+            yield Finding(
+                "failing-boot-service",
+                f"{side.name}: {unit.name}, started at boot, has ended and is started again "
+                f"(so far {unit.restarts} times){last}",
+                f"mend the program and install it again (ur boot install); what it says: journalctl -u {unit.name}; "
+                "or start it no more:",
+                (Command("here", f"ur boot remove --robot {quote(side.name)} {quote(boot)}"),),
+            )
+        else:
+            name = quote(unit.name)
+            yield Finding(
+                "failed-service",
+                f"{side.name}: {unit.name} failed{last}",
+                f"what it says: journalctl -u {unit.name}",
+                (Command(where, f"systemctl restart {name} || systemctl reset-failed {name}", root=True),),
+            )
+
+
+RULES: tuple[Rule, ...] = (
+    SideRule(
+        {
+            "failing-boot-service": "a program that is started at boot ends again and again",
+            "failed-service": "a service of the robot failed",
+        },
+        check_services,
+    ),
+)

@@ -1,0 +1,82 @@
+"""One of two computers as it sees itself and the other. Values only."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from ur.robot.doctor.messages import Message
+from ur.robot.doctor.wifi import Wifi
+
+
+@dataclass(frozen=True, slots=True)
+class Disk:
+    """A file system by the place where it is mounted: what is left (MB) and which part of it is used (0..1)."""
+
+    place: str
+    free: float
+    used: float
+
+
+@dataclass(frozen=True, slots=True)
+class Unit:
+    """A systemd unit that does not work: how often it was started again, and its last words in the journal."""
+
+    name: str
+    restarts: int = 0
+    last: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Setting:
+    """A line of a file that shells read, which sets a variable of ROS. The file is as shells take it: ~/ is home."""
+
+    file: str
+    variable: str
+
+
+@dataclass(frozen=True, slots=True)
+class Side:
+    """One computer. Times in s, sizes in MB; None, or nothing, where nothing could be seen.
+
+    `resolves` is what the other's full name means here. `ros` is the environment that nodes get which roslaunch starts
+    (on this computer: of the shell that the doctor was called from), `shell` that of a new terminal; `settings` are the
+    lines that make them, `ros_setup` the text of ~/.ros_setup. `modes` are the rights of the files that ssh is strict
+    about, relative to the home folder. `own_login` is what ssh said when the computer logged in to itself by its full
+    name, '' when that worked. `large` are folders that may be emptied, with their sizes. `packages` are Debian's, with
+    their versions, `workspace` those below ~/catkin_ws/src, which is `built` or not. `device` leads to the other
+    computer.
+    """
+
+    name: str
+    user: str = ""
+    addresses: tuple[str, ...] = ()
+    resolves: frozenset[str] = frozenset()
+    ros: Mapping[str, str] = field(default_factory=dict)
+    shell: Mapping[str, str] = field(default_factory=dict)
+    settings: tuple[Setting, ...] = ()
+    ros_setup: str | None = None
+    modes: Mapping[str, int] = field(default_factory=dict)
+    own_login: str = ""
+    host_key: str = ""
+    public_key: str = ""
+    x11: bool | None = None
+    active: Mapping[str, str] = field(default_factory=dict)
+    failing: tuple[Unit, ...] = ()
+    announced: str = ""
+    disks: tuple[Disk, ...] = ()
+    large: Mapping[str, float] = field(default_factory=dict)
+    memory_free: float | None = None
+    loss: float | None = None
+    latency: float | None = None
+    device: str = ""
+    mtu: int | None = None
+    full_frames: bool | None = None
+    firewall: str = ""
+    throttled: int = 0
+    packages: Mapping[str, str] = field(default_factory=dict)
+    messages: Mapping[str, Message] = field(default_factory=dict)
+    built: bool = False
+    workspace: frozenset[str] = frozenset()
+    system: str = ""
+    wifi: tuple[Wifi, ...] = ()

@@ -1,0 +1,102 @@
+"""What was seen of two computers, side by side, for people; and which packages differ. Pure."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+
+from ur.robot.doctor.model import Pair
+from ur.robot.doctor.side import Side
+
+_ROS = re.compile(
+    r"^(ros-|python3-(ros|catkin|gen|actionlib|tf|rviz|message)|lib(ros|tf2?-|actionlib|xmlrpcpp|roscpp))"
+)
+
+
+def summarize(pair: Pair) -> list[tuple[str, str, str]]:
+    """(what, here, there) of everything that was looked at."""
+    here, there = pair.here, pair.there
+    rows = [(what, left, right) for what, left, right in zip(_TITLES, _cells(here), _cells(there), strict=True)]
+    arrives = {True: "yes", False: "no"}
+    rows += [
+        ("a free port is reached", arrives[pair.reaches_here], arrives[pair.reaches_there]),
+        ("clock", "", f"{pair.offset:+.3f} s"),
+        ("login from the other", pair.way_back or "by key", "refused" if pair.key_refused else "by key"),
+        *[(f"node {one.node} at {one.host}", _list(one.here), _list(one.there)) for one in pair.advertised],
+    ]
+    return rows
+
+
+_TITLES = (
+    *("computer", "system", "addresses", "the other's name means", "this shell", "a new terminal", "login to itself"),
+    *(
+        "full frames",
+        "latency",
+        "loss",
+        "WiFi",
+        "disk",
+        "memory",
+        "tool for the firewall",
+        "X11 over ssh",
+        "ROS",
+        "workspace",
+    ),
+)
+
+
+def _cells(side: Side) -> list[str]:
+    ms = "" if side.latency is None else f"{side.latency * 1000:.1f} ms"
+    return [
+        f"{side.user}@{side.name}",
+        side.system,
+        _list(side.addresses),
+        _list(side.resolves) or "nothing",
+        _variables(side.ros),
+        _variables(side.shell),
+        side.own_login or "by key",
+        f"{_yes(side.full_frames)} ({side.device}, MTU {side.mtu})" if side.mtu else _yes(side.full_frames),
+        ms,
+        "" if side.loss is None else f"{side.loss:.0%}",
+        ", ".join(f"{w.device} {w.band} {_number(w.signal, 'dBm')} {_number(w.rate, 'Mbit/s')}" for w in side.wifi)
+        or "none",
+        ", ".join(f"{disk.place} {disk.free:.0f} MB" for disk in side.disks),
+        "" if side.memory_free is None else f"{side.memory_free:.0f} MB",
+        side.firewall or "none",
+        _yes(side.x11),
+        side.packages.get("ros-core", "") or side.packages.get("python3-roslaunch", "none"),
+        f"{len(side.workspace)} packages{', built' if side.built else ''}",
+    ]
+
+
+def compare_packages(pair: Pair) -> list[tuple[str, str, str]]:
+    """(package, version here, version there) of what differs: Debian's packages of ROS, and those of workspaces.
+
+    A package of a workspace has no version that counts: it is there or not.
+    """
+    left, right = (_ros_packages(side) for side in (pair.here, pair.there))
+    return [
+        (name, left.get(name, "-"), right.get(name, "-"))
+        for name in sorted({*left, *right})
+        if left.get(name) != right.get(name)
+    ]
+
+
+def _ros_packages(side: Side) -> dict[str, str]:
+    debian = {name: version for name, version in side.packages.items() if _ROS.match(name)}
+    return {**debian, **dict.fromkeys(side.workspace, "in ~/catkin_ws")}
+
+
+def _variables(variables: Mapping[str, str]) -> str:
+    return " ".join(f"{name.removeprefix('ROS_')}={value}" for name, value in variables.items()) or "nothing of ROS"
+
+
+def _list(texts: frozenset[str] | tuple[str, ...]) -> str:
+    return ", ".join(sorted(texts))
+
+
+def _yes(value: bool | None) -> str:
+    return {True: "yes", False: "no", None: ""}[value]
+
+
+def _number(value: float | None, unit: str) -> str:
+    return "" if value is None else f"{value:g} {unit}"

@@ -1,0 +1,61 @@
+"""Where robots were seen last: a memory that outlives their absence, and helps when a name leads nowhere."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterable, Mapping
+from contextlib import suppress
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+
+@dataclass(frozen=True, slots=True)
+class Seen:
+    """A robot's full name without .local, its IPv4 address, and when that was (seconds since 1970)."""
+
+    name: str
+    address: str
+    time: float
+
+
+def seen_path(environment: Mapping[str, str]) -> Path:
+    """The file of the memory, below the user's state folder (XDG base directory specification)."""
+    folder = environment.get("XDG_STATE_HOME", "")
+    if not folder.startswith("/"):  # the specification: anything but an absolute path is to be ignored
+        folder = str(Path(environment.get("HOME") or Path.home()) / ".local" / "state")
+    return Path(folder) / "ubiquity_launches" / "seen.json"
+
+
+def load_seen(path: Path) -> dict[str, Seen]:
+    """What is remembered, by name; nothing when the file makes no sense: it is only a memory."""
+    try:
+        entries = json.loads(path.read_text(encoding="utf-8"))
+        found = [Seen(str(each["name"]), str(each["address"]), float(each["time"])) for each in entries]
+    except (OSError, ValueError, TypeError, KeyError):
+        return {}
+    return {each.name: each for each in found}
+
+
+def note_seen(path: Path, robots: Iterable[Seen]) -> None:
+    """Remember where robots are now. Whoever reads the file sees the old or the new one; a full disk does no harm."""
+    latest = {each.name: each for each in robots if each.address}
+    if not latest:
+        return
+    entries = {**load_seen(path), **latest}
+    temporary = path.with_name(f"{path.name}.{os.getpid()}")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        temporary.write_text(json.dumps([asdict(each) for _, each in sorted(entries.items())]), encoding="utf-8")
+        temporary.replace(path)
+    except OSError:
+        with suppress(OSError):
+            temporary.unlink()
+
+
+def describe_age(seconds: float) -> str:
+    """How long ago something was, in people's words."""
+    for unit, length in (("d", 86400.0), ("h", 3600.0), ("min", 60.0)):
+        if seconds >= length:
+            return f"{seconds / length:.0f} {unit} ago"
+    return "just now"

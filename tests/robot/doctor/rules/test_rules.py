@@ -1,0 +1,199 @@
+"""The doctor's rules on what was seen: silent on a healthy pair, one finding for one thing that differs."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from tests.robot.doctor.pairs import BOB, LAPTOP, NOBODY, PAIR, ROBOT, WIFI
+
+from ur.robot.doctor.messages import Message
+from ur.robot.doctor.model import Advertised, Owner, Pair
+from ur.robot.doctor.rules import KINDS, diagnose, diagnose_alone
+from ur.robot.doctor.side import Disk, Setting, Side, Unit
+from ur.robot.doctor.wifi import Wifi
+
+STOPPED = {"ssh.service": "active", "avahi-daemon.service": "inactive", "chrony.service": "active"}
+NO_CHRONY = {**STOPPED, "avahi-daemon.service": "active", "chrony.service": "inactive"}
+NO_SSH = {**NO_CHRONY, "chrony.service": "active", "ssh.service": "inactive", "ssh.socket": "inactive"}
+MASTER = {"ROS_MASTER_URI": "http://bob.local:11311"}
+OTHER = {"std_msgs/String.msg": Message("xyz", "/usr/share/std_msgs")}
+
+
+def there(**changes: object) -> Pair:
+    return replace(PAIR, there=replace(ROBOT, **changes))  # type: ignore[arg-type] # a test's own keywords
+
+
+def here(**changes: object) -> Pair:
+    return replace(PAIR, here=replace(LAPTOP, **changes))  # type: ignore[arg-type] # a test's own keywords
+
+
+CASES = [
+    ("no-network", here(addresses=())),
+    ("avahi-not-running", there(active=STOPPED)),
+    ("avahi-not-running", here(active=STOPPED)),
+    ("name-not-found", there(resolves=NOBODY)),
+    ("name-is-wrong", here(resolves=frozenset({"10.9.9.9"}))),
+    ("duplicate-name", there(announced="bob-2")),
+    ("duplicate-name", replace(PAIR, twins={"bob": frozenset({"10.0.0.3"}), "laptop": NOBODY})),
+    ("no-ssh-server", here(active=NO_SSH)),
+    ("loose-rights", there(modes={".": 0o777})),
+    ("loose-rights", here(modes={".ssh/id_ed25519": 0o644})),
+    ("key-refused", replace(PAIR, key_refused=True)),
+    ("unknown-host-key-there", replace(PAIR, way_back="Host key verification failed.")),
+    ("no-login-there", replace(PAIR, way_back="pat@laptop.local: Permission denied (publickey).")),
+    ("no-login-to-itself", there(own_login="ros@bob.local: Permission denied (publickey).")),
+    ("x11-off", there(x11=False)),
+    ("closed-port", replace(PAIR, reaches_here=False)),
+    ("closed-port", replace(PAIR, reaches_there=False)),
+    ("mtu", there(full_frames=False)),
+    ("mtu", here(full_frames=False, mtu=1300)),
+    ("packet-loss", there(loss=0.2)),
+    ("latency", there(latency=0.4)),
+    ("wrong-ros-ip", there(ros={**MASTER, "ROS_IP": "10.0.0.7"})),
+    ("wrong-ros-hostname", there(ros={**MASTER, "ROS_HOSTNAME": "robot"})),
+    ("wrong-ros-hostname", there(ros=MASTER)),
+    ("wrong-ros-hostname", there(shell={**MASTER, "ROS_HOSTNAME": "bob"})),
+    ("wrong-master", there(ros={"ROS_HOSTNAME": "bob.local"})),
+    ("wrong-master", here(ros={"ROS_HOSTNAME": "laptop.local", "ROS_MASTER_URI": "http://localhost:11311"})),
+    ("wrong-ros-hostname", here(ros={**MASTER, "ROS_HOSTNAME": "localhost"})),
+    ("unresolvable-node", replace(PAIR, advertised=(Advertised("/x", "robot", NOBODY, BOB),))),
+    ("clock-offset", replace(PAIR, offset=-5.0)),
+    ("no-time-synchronisation", there(active=NO_CHRONY)),
+    ("weak-wifi", there(wifi=(replace(WIFI, signal=-78.0, rate=6.0),))),
+    ("slow-wifi", here(wifi=(replace(WIFI, rate=6.0, frequency=2437.0),))),
+    ("wifi-power-save", there(wifi=(replace(WIFI, power_save=True),))),
+    ("full-disk", here(disks=(Disk("/", 12.0, 0.99),))),
+    ("low-memory", there(memory_free=40.0)),
+    ("under-voltage", there(throttled=0x50005)),
+    ("under-voltage", there(throttled=0x10000)),
+    ("failing-boot-service", there(failing=(Unit("ubiquity-drive.service", 7),))),
+    ("failed-service", there(failing=(Unit("a.service"),))),
+    ("missing-package", there(packages={name: "1" for name in ROBOT.packages if name != "xauth"})),
+    ("missing-package", here(packages={name: "1" for name in LAPTOP.packages if name != "sshfs"})),
+    ("different-messages", there(messages=OTHER)),
+]
+
+
+@pytest.mark.parametrize(("rule", "pair"), CASES)
+def test_one_difference_is_one_finding_with_something_to_do(rule: str, pair: Pair) -> None:
+    (finding,) = diagnose(pair)
+    assert finding.rule == rule
+    assert finding.help or finding.commands
+
+
+def test_every_kind_of_finding_is_tried_here_and_explained_to_users() -> None:
+    assert {rule for rule, _ in CASES} == set(KINDS)
+    page = Path(__file__).parents[4] / "docs" / "how-to" / "two-computers.md"
+    assert set(KINDS) <= set(re.findall(r"`([a-z0-9-]+)`", page.read_text(encoding="utf-8")))
+
+
+@pytest.mark.parametrize(
+    "pair",
+    [
+        PAIR,
+        replace(PAIR, selected=False, here=replace(LAPTOP, ros={"ROS_HOSTNAME": "localhost"})),
+        here(wifi=(WIFI,)),
+        here(wifi=(Wifi("wlan0"),)),
+        here(failing=(Unit("cups.service"),)),  # no business of robots
+        there(disks=(Disk("/var/log", 30.0, 0.4),)),  # small, and hardly used
+        there(shell=ROBOT.ros),
+        there(messages={"my_msgs/X.msg": Message("1", "~/catkin_ws/src/my_msgs")}),
+    ],
+)
+def test_healthy_pair_has_no_findings(pair: Pair) -> None:
+    assert diagnose(pair) == []
+
+
+def test_a_computer_alone_is_judged_by_itself() -> None:
+    assert diagnose_alone(replace(LAPTOP, resolves=NOBODY, loss=None, full_frames=None)) == []
+    (finding,) = diagnose_alone(replace(LAPTOP, active=STOPPED))
+    assert finding.commands[0].where == "here"
+
+
+def test_nothing_is_found_where_nothing_was_seen() -> None:
+    assert [finding.rule for finding in diagnose_alone(Side(""))] == ["avahi-not-running"]
+
+
+def commands(pair: Pair) -> list[tuple[str, str, bool]]:
+    (finding,) = diagnose(pair)
+    return [(command.where, command.typed, command.safe) for command in finding.commands]
+
+
+def test_power_saving_is_switched_off_where_it_is_on() -> None:
+    pair = here(wifi=(replace(WIFI, power_save=True),))
+    assert commands(pair) == [("here", "sudo iw dev wlan0 set power_save off", True)]
+
+
+def test_what_is_printed_is_one_line_for_a_shell() -> None:
+    ((_, typed, _),) = commands(here(active=NO_CHRONY))
+    assert typed == "sudo systemctl enable --now chrony"
+    ((_, typed, _),) = commands(replace(PAIR, offset=5.0))
+    assert typed.startswith("sudo sh -c 'systemctl restart chrony && ")
+
+
+def test_lines_of_the_user_are_only_taken_out_by_the_user() -> None:
+    settings = (Setting("/home/ros/.bashrc", "ROS_IP"), Setting("/home/ros/.ros_setup", "ROS_HOSTNAME"))
+    ((where, typed, safe),) = commands(there(shell={**MASTER, "ROS_IP": "10.0.0.7"}, settings=settings))
+    assert (where, safe) == ("there", False)
+    assert typed.endswith("/home/ros/.bashrc")
+
+
+def test_own_file_of_variables_is_written_again() -> None:
+    ((where, typed, safe),) = commands(there(ros={"ROS_HOSTNAME": "bob.local"}, ros_setup="export X=1\n"))
+    assert (where, safe) == ("there", True)
+    assert typed.endswith(">~/.ros_setup")
+
+
+def test_shell_that_is_older_than_the_selection_is_renewed() -> None:
+    good = dict(LAPTOP.ros)
+    old = {"ROS_HOSTNAME": "laptop.local", "ROS_MASTER_URI": "http://localhost:11311"}
+    assert commands(here(ros=old, shell=good)) == [("here", 'eval "$(ur env)"', False)]
+    assert commands(here(ros=old, shell=old)) == [("here", "ur setup", False)]
+
+
+def test_node_with_a_lost_name_is_ended_where_it_runs_or_its_service_restarted() -> None:
+    lost = Advertised("/x", "robot", NOBODY, NOBODY, Owner("there", 12, "rostopic pub /x"))
+    ((where, typed, safe),) = commands(replace(PAIR, advertised=(lost,)))
+    assert (where, safe) == ("there", False)
+    assert typed.startswith("kill -INT 12;")
+    unit = replace(lost, owner=Owner("there", 12, "x", "ubiquity-x.service"))
+    ((_, typed, _),) = commands(replace(PAIR, advertised=(unit,)))
+    assert typed == "sudo systemctl restart ubiquity-x.service"
+
+
+def test_smaller_frames_are_the_ones_to_be_changed() -> None:
+    assert commands(here(full_frames=False, mtu=1300)) == [("here", "sudo ip link set wlan0 mtu 1500", True)]
+    assert commands(there(full_frames=False)) == []
+
+
+@pytest.mark.parametrize("firewall", ["ufw", "firewalld", "nft", "iptables"])
+def test_firewall_lets_the_other_computer_in_and_nobody_else(firewall: str) -> None:
+    ((where, typed, safe),) = commands(replace(there(firewall=firewall), reaches_there=False))
+    assert (where, safe) == ("there", False)
+    assert "10.0.0.1" in typed
+
+
+def test_what_fills_a_disk_is_emptied_on_that_disk_only() -> None:
+    disks = (Disk("/", 9000.0, 0.5), Disk("/home/ros", 3.0, 0.99))
+    large = {"/home/ros/.ros/log": 70.0, "/var/cache/apt": 400.0, "/home/ros/.cache": 1.0}
+    assert commands(there(disks=disks, large=large)) == [("there", "rosclean purge -y", False)]
+
+
+def test_messages_of_workspaces_are_copied_and_those_of_packages_upgraded() -> None:
+    mine = here(messages={"my_msgs/X.msg": Message("1", "~/catkin_ws/src/my_msgs")})
+    theirs = {"my_msgs/X.msg": Message("2", "~/catkin_ws/src/my_msgs")}
+    pair = replace(mine, there=replace(ROBOT, messages=theirs, built=True))
+    assert commands(pair) == [
+        ("here", "rsync -a ~/catkin_ws/src/my_msgs/ ros@bob.local:catkin_ws/src/my_msgs/", False),
+        ("there", "cd ~/catkin_ws && catkin_make", False),
+    ]
+    assert [where for where, _, _ in commands(there(messages=OTHER))] == ["here", "there"]
+
+
+def test_robot_that_was_not_set_up_from_here_gets_no_login_by_itself() -> None:
+    pair = replace(PAIR, way_back="Permission denied (publickey).")
+    assert all(safe for _, _, safe in commands(pair))
+    assert [safe for _, _, safe in commands(replace(pair, known=False))] == [True, False]
