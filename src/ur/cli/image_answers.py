@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import getpass
-import os
 import re
 import socket
 import sys
@@ -80,7 +79,9 @@ def read_passwords(given: Given, descriptor: int | None) -> Passwords:
     user = wifi = ""
     if descriptor is not None:
         try:
-            with os.fdopen(descriptor, encoding="utf-8") as stream:
+            with open(
+                descriptor, encoding="utf-8", closefd=False
+            ) as stream:  # a file opened next must not become number 0
                 user, wifi, *_ = [*stream.read().split("\n"), "", ""]
         except (OSError, UnicodeDecodeError) as problem:
             raise UserError(

@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 from pathlib import Path
 
@@ -49,7 +49,7 @@ class Layout:
 
 @contextmanager
 def open_reader(path: Path) -> Iterator[tuple[Read, int]]:
-    """Bytes of a file or device, and how many there are. Raises UserError."""
+    """Bytes of a file or device, and how many there are. Raises UserError, which does not name it."""
     try:
         with path.open("rb") as file:
             size = file.seek(0, 2)
@@ -61,11 +61,18 @@ def open_reader(path: Path) -> Iterator[tuple[Read, int]]:
             yield read, size
     except OSError as problem:
         reason = (problem.strerror or str(problem)).lower()
-        raise UserError(error(f"{path}: cannot be read: {reason}", rule="unreadable-file")) from None
+        raise UserError(error(f"cannot be read: {reason}", rule="unreadable-file")) from None
 
 
 def find_layout(path: Path) -> Layout:
     """Look into an image or device. Raises UserError, which says what it is when it is nothing we know."""
+    try:
+        return _find_layout(path)
+    except UserError as problem:
+        raise UserError(*(replace(each, message=f"{path}: {each.message}") for each in problem.diagnostics)) from None
+
+
+def _find_layout(path: Path) -> Layout:
     with open_reader(path) as (read, size):
         partitions = read_partitions(read, size)
         systems = [(each, identify_filesystem(read, each.start)) for each in partitions]
@@ -78,7 +85,7 @@ def find_layout(path: Path) -> Layout:
     roots = [(ExtVolume(path, where.start), what) for where, what in systems if what.kind == "ext"]
     root = next(((volume, what) for volume, what in roots if volume.read("etc/os-release") or _os(volume)), None)
     for boot, what in fats:
-        if found := _boot_layout(boot, what, root[0] if root else None):
+        if found := _boot_layout(boot, what, *(root or (None, None))):
             return found
     if root and root[0].read("etc/cloud/cloud.cfg") is not None:
         if root[1].dirty:
@@ -87,7 +94,9 @@ def find_layout(path: Path) -> Layout:
     raise _unknown(_describe(systems, root[0] if root else None))
 
 
-def _boot_layout(boot: FatVolume, what: FileSystem, root: ExtVolume | None) -> Layout | None:
+def _boot_layout(
+    boot: FatVolume, what: FileSystem, root: ExtVolume | None, root_is: FileSystem | None
+) -> Layout | None:
     names = boot.names()
     raspberry = "issue.txt" in names or what.label == "bootfs"
     if {"user-data", "meta-data"} <= names or what.label.lower() == "cidata":
@@ -100,12 +109,14 @@ def _boot_layout(boot: FatVolume, what: FileSystem, root: ExtVolume | None) -> L
         which = _name(root) if root else "without a system partition"
         raise UserError(
             error(
-                f"this is Raspberry Pi OS ({which}), without cloud-init or booted before, expected one with user-data "
+                f"Raspberry Pi OS ({which}), without cloud-init or booted before, expected one with user-data "
                 "on its boot partition (13, since November 2025) or a fresh 12",
                 rule="unknown-image",
                 help="take a newer image, or flash it again",
             )
         )
+    if root_is and root_is.dirty:
+        raise _dirty()
     return Layout(Scheme.CUSTOM_TOML, _name(root), boot, root, raspberry=True)
 
 
@@ -146,4 +157,4 @@ def _unknown(what: str) -> UserError:
     help = None
     if "qcow2" in what:
         help = "run: qemu-img convert -O raw IMAGE IMAGE.raw (package qemu-utils), then prepare IMAGE.raw"
-    return UserError(error(f"this is {what}, {_EXPECTED}", rule="unknown-image", help=help))
+    return UserError(error(f"{what}, {_EXPECTED}", rule="unknown-image", help=help))

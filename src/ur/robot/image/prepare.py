@@ -77,16 +77,15 @@ def write_all(path: Path, writes: Sequence[Write]) -> None:
     """Write into an image or device. Raises UserError when something is not there afterwards."""
     layout = find_layout(path)
     for write in writes:
-        _volume(layout, write.volume).write(write.path, write.after)
+        mode = 0o644 if write.path.endswith(ROBOT_FILE.name) else 0o600  # seeds hold hashes and keys
+        _volume(layout, write.volume).write(write.path, write.after, mode)
 
 
 def _is_ours(path: str, content: bytes | None) -> bool:
     if content is None:
         return False
     head = content[:200].decode(errors="replace")
-    return (
-        MARK in head or (path == "ssh" and content == b"") or (path.endswith("robot.yaml") and "Written by ur" in head)
-    )
+    return MARK in head or (path.endswith(ROBOT_FILE.name) and "Written by ur" in head)
 
 
 def _volume(layout: Layout, name: Literal["boot", "root"]) -> Volume:

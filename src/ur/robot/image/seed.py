@@ -99,7 +99,7 @@ def make_seed(wish: Wish, layout: Layout) -> tuple[SeedFile, ...]:
     if layout.scheme is Scheme.ROOT_SEED:
         return tuple(SeedFile("root", f"{SEED_FOLDER}/{name}", text) for name, text in texts.items())
     if layout.raspberry:
-        texts["ssh"] = ""  # its mere presence starts the ssh server
+        texts["ssh"] = MARK  # its mere presence starts the ssh server
     return tuple(SeedFile("boot", name, text) for name, text in texts.items())
 
 
@@ -223,6 +223,16 @@ def _check_netplan(version: str, country: str) -> None:
         )
 
 
+class _Dumper(yaml.SafeDumper):
+    """Texts of several lines stand as they are, for people."""
+
+    def represent_str(self, text: str) -> yaml.ScalarNode:
+        return self.represent_scalar("tag:yaml.org,2002:str", text, style="|" if "\n" in text else None)
+
+
+_Dumper.add_representer(str, _Dumper.represent_str)
+
+
 def _dump(data: Any) -> str:
-    text: str = yaml.safe_dump(data, sort_keys=False, allow_unicode=True, width=1000)
+    text: str = yaml.dump(data, Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=1000)
     return text

@@ -24,8 +24,11 @@ class Volume(Protocol):
     def read(self, path: str) -> bytes | None:
         """The content of a file; None when there is none. Raises UserError when the file system cannot be read."""
 
-    def write(self, path: str, content: bytes | None) -> None:
-        """Make a file have this content, or, with None, not be there. Raises UserError when it is not so afterwards."""
+    def write(self, path: str, content: bytes | None, mode: int = 0o644) -> None:
+        """Make a file have this content, or, with None, not be there. FAT knows no mode.
+
+        Raises UserError when it is not so afterwards.
+        """
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,16 +39,17 @@ class FatVolume:
     start: int
 
     def names(self) -> frozenset[str]:
-        """What is in its uppermost folder."""
+        """What is in its uppermost folder, in small letters: FAT takes capital ones for the same."""
         return frozenset(
-            line.removeprefix("::/").rstrip("/") for line in self._run("mdir", "-b", "::/").decode().splitlines()
+            line.removeprefix("::/").rstrip("/").lower()
+            for line in self._run("mdir", "-b", "::/").decode().splitlines()
         )
 
     def read(self, path: str) -> bytes | None:
         """The content of a file in the uppermost folder."""
         return self._run("mcopy", "-n", f"::/{path}", "-") if path in self.names() else None
 
-    def write(self, path: str, content: bytes | None) -> None:
+    def write(self, path: str, content: bytes | None, mode: int = 0o644) -> None:  # noqa: ARG002 - of the protocol
         """Written beside it first, then renamed: cut off anywhere, no file is there in part."""
         names = self.names()
         beside = f"{path}.ur-new"
@@ -73,7 +77,7 @@ class FatVolume:
 class ExtVolume:
     """An ext2, ext3 or ext4 file system that begins at byte `start` of a file or device. Not mounted, and clean.
 
-    What is written belongs to root; only root may read it.
+    What is written belongs to root.
     """
 
     image: Path
@@ -86,7 +90,7 @@ class ExtVolume:
             return None
         return self._run([], "-R", f"cat {_quote(path)}").stdout
 
-    def write(self, path: str, content: bytes | None) -> None:
+    def write(self, path: str, content: bytes | None, mode: int = 0o644) -> None:
         """Write or remove a file; folders that it needs are made."""
         folder, _, name = path.rpartition("/")
         parts = folder.split("/") if folder else []
@@ -99,7 +103,8 @@ class ExtVolume:
                 source.write(content)
                 source.flush()
                 commands += [f'write "{source.name}" "{name}"']
-                commands += [f'sif "{name}" {field} {value}' for field, value in _OWNED]
+                owned = (("mode", f"0{0o100000 | mode:o}"), ("uid", "0"), ("gid", "0"))
+                commands += [f'sif "{name}" {field} {value}' for field, value in owned]
             self._run(commands, "-w")
         _compare(path, self.read(path), content)
 
@@ -111,9 +116,6 @@ class ExtVolume:
         if done.returncode or b"Filesystem not open" in done.stderr:
             raise _failed("debugfs", done.stderr)
         return done
-
-
-_OWNED = (("mode", "0100600"), ("uid", "0"), ("gid", "0"))
 
 
 def run_tool(
