@@ -41,6 +41,7 @@ VERBS = {
     "shell": ("ur.cli.shell", "Open a shell on a robot, or run one command there."),
     "x": ("ur.cli.x", "Run a program on a robot with its windows here."),
     "sync": ("ur.cli.sync", "Bring the workspaces here and on a robot in step."),
+    "build": ("ur.cli.build", "Build the catkin workspace here or on a robot."),
     "mount": ("ur.cli.mount", "Mount a folder of a robot here."),
     "unmount": ("ur.cli.unmount", "Take the mounted folders of a robot away again."),
     "doctor": ("ur.cli.doctor", "Find what is wrong between this computer and a robot."),

@@ -13,6 +13,7 @@ from ur.launchfile.world.protocol import World
 KINDS: dict[str, tuple[str, ...]] = {
     "attach": ("run",),
     "boot": ("boot command", "program"),
+    "build": ("robot",),
     "check": ("files", "..."),
     "doctor": ("robot",),
     "docs": ("files",),

@@ -93,7 +93,8 @@ def carry_out(
         _ask(places[side], {**request, "do": "prepare"})
         paths = [step.path for step in steps if step.after and step.after.kind == "file"]
         if paths:
-            report(f"{len(paths)} files to {'this computer' if side == 'here' else shell.place}")
+            count = f"{len(paths)} file{'' if len(paths) == 1 else 's'}"
+            report(f"{count} to {'this computer' if side == 'here' else shell.place} ...")
             _run_rsync(shell, side, roots, request["arriving"], paths, progress=progress)
         answer = _ask(places[side], {**request, "do": "apply", "steps": [_render_step(step) for step in steps]})
         done[side] = {**read_files({k: v for k, v in answer["done"].items() if v}), **_gone(answer["done"])}

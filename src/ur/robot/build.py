@@ -1,0 +1,98 @@
+"""Building a catkin workspace: what has to be known of its computer, and the command that follows. Pure."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from ur.robot.ssh.shell import quote
+from ur.source.diagnostic import UserError, error
+
+WORKSPACE = "catkin_ws"
+# g++ -O2 takes 333 MB for a node of five lines with ros/ros.h (Debian 12, 64 bits); larger ones take more. With
+# less memory than its compilers need a small computer swaps, and a build of minutes takes hours.
+MB_PER_JOB = 512
+TOOLS = ("catkin_make", "catkin", "cmake", "g++", "make")
+FACTS = f"""\
+cd "$HOME" || exit
+for tool in {" ".join(TOOLS)}; do command -v $tool >/dev/null && echo "tool $tool"; done
+[ -d {WORKSPACE}/src ] && echo "source $(find -L {WORKSPACE}/src -name package.xml -not -path '*/.*' | wc -l)"
+[ -d {WORKSPACE}/.catkin_tools ] && echo "tools yes"
+echo "processors $(nproc)"
+sed -n 's/^MemAvailable: *\\([0-9]*\\) kB/memory \\1/p' /proc/meminfo
+"""
+
+
+@dataclass(frozen=True, slots=True)
+class Builder:
+    """A computer that builds. `memory` is free, in MB; `packages` is how many its workspace has, None without one."""
+
+    tools: frozenset[str]
+    processors: int
+    memory: int
+    packages: int | None
+    catkin_tools: bool = False  # whether the workspace was made with `catkin build`
+
+
+def parse_builder(text: str) -> Builder:
+    """Read what FACTS printed, in a login shell."""
+
+    def number(word: str) -> int | None:
+        found = re.search(rf"^{word} (\d+)$", text, re.MULTILINE)
+        return int(found[1]) if found else None
+
+    memory = number("memory")
+    return Builder(
+        frozenset(re.findall(r"^tool (\S+)$", text, re.MULTILINE)),
+        number("processors") or 1,
+        (memory or 0) // 1024,
+        number("source"),
+        "tools yes" in text.splitlines(),
+    )
+
+
+def choose_jobs(builder: Builder, wanted: int | None) -> tuple[int, str]:
+    """How many compilers may run at once, and a line that says why when it is fewer than there are processors.
+
+    What a user wants is done; when it is more than memory allows, the line says so.
+    """
+    bound = max(1, builder.memory // MB_PER_JOB)
+    have = f"{builder.memory} MB of memory are free, and a compiler takes up to {MB_PER_JOB} MB"
+    if wanted is not None:
+        return wanted, f"warning: -j {wanted}: {have}: it may get very slow" if wanted > bound else ""
+    if bound < builder.processors:
+        return bound, f"-j {bound} on {builder.processors} processors: {have}"
+    return builder.processors, ""
+
+
+def check_builder(builder: Builder, place: str, *, here: bool) -> None:
+    """Raise UserError: something is missing to build with, or there is nothing to build."""
+    again = "ur setup" if here else "ur robot setup"
+    if builder.packages is None:
+        raise _problem(f"{place}: ~/{WORKSPACE}/src is not there, expected a workspace", f"run: {again}")
+    if not builder.packages:
+        raise _problem(
+            f"{place}: ~/{WORKSPACE}/src holds no package, expected at least one",
+            "put one there: ur new package" if here else "bring yours: ur sync",
+        )
+    command, package = ("catkin", "catkin-tools") if builder.catkin_tools else ("catkin_make", "catkin")
+    missing = [package] if command not in builder.tools else []
+    missing += [tool for tool in ("cmake", "g++", "make") if tool not in builder.tools]
+    if missing:
+        names = " ".join(missing)
+        raise _problem(f"{place}: {names} not installed, needed to build", f"there: sudo apt-get install {names}")
+
+
+def build_command(builder: Builder, packages: Sequence[str], jobs: int) -> str:
+    """A line for a login shell that builds the workspace, or only these packages of it."""
+    if builder.catkin_tools:
+        words = ["catkin", "build", "--no-status", "-p", "1", "-j", str(jobs), "--mem-limit", "90%", *packages]
+        words += ["--no-color"]
+    else:
+        words = ["catkin_make", f"-j{jobs}", "--no-color", *(["--pkg", *packages] if packages else [])]
+    return f"cd ~/{WORKSPACE} && exec env PYTHONUNBUFFERED=1 {quote(*words)}"
+
+
+def _problem(message: str, help: str) -> UserError:
+    return UserError(error(message, rule="no-build", help=help))

@@ -1,0 +1,60 @@
+"""Runs a command line in a login shell for as long as somebody holds its standard input, and ends all of it after that.
+
+It is sent to other computers, where nothing of this project need be installed: only the standard library, in one file.
+So a command over ssh ends with Ctrl-C, with ssh and with the terminal, and leaves nothing running, without needing a
+terminal over there. Run as a program: python -I build_attached.py COMMAND-LINE.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from contextlib import suppress
+
+STEPS = ((signal.SIGINT, 10.0), (signal.SIGTERM, 5.0), (signal.SIGKILL, 5.0))
+
+
+def main() -> int:
+    """Run it; its exit code, or 130 when it was ended."""
+    # A group of its own: what it starts is in it, too, and ends with it.
+    process = subprocess.Popen(["bash", "-lc", sys.argv[1]], stdin=subprocess.DEVNULL, start_new_session=True)
+    ended = threading.Event()
+
+    def watch() -> None:
+        with suppress(OSError):
+            while os.read(0, 4096):
+                pass
+        if not ended.is_set():
+            _end(process.pid)
+
+    # What ends us from outside ends the command first.
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, lambda *_: threading.Thread(target=_end, args=(process.pid,), daemon=True).start())
+    threading.Thread(target=watch, daemon=True).start()
+    code = process.wait()
+    ended.set()
+    _end(process.pid)  # what the command left behind
+    return code if code >= 0 else 128 - code
+
+
+def _end(group: int) -> None:
+    for number, patience in STEPS:
+        try:
+            os.killpg(group, number)
+        except (ProcessLookupError, PermissionError):
+            return
+        limit = time.monotonic() + patience
+        while time.monotonic() < limit:
+            try:
+                os.killpg(group, 0)
+            except ProcessLookupError:
+                return
+            time.sleep(0.05)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

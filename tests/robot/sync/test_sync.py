@@ -1,0 +1,28 @@
+"""How files are carried: rsync over the connection that is open, beside the workspace."""
+
+from __future__ import annotations
+
+from ur.robot.ssh.openssh import Address, SshShell
+from ur.robot.sync.sync import rsync_command
+
+ROOTS = {"here": "/home/pat/catkin_ws/src", "there": "/home/ros/catkin_ws/src"}
+SSH = SshShell(Address("ros", "bob.local"), ["-o", "ControlPath=/run/a b"])
+
+
+def test_open_connection_is_used_or_none() -> None:
+    assert SSH.words[0] == "ssh"
+    assert {"ProxyCommand=false", "ControlPath=/run/a b"} <= set(SSH.words)
+
+
+def test_files_arrive_beside_the_workspace_and_build_on_what_is_there() -> None:
+    words = rsync_command(SSH.words, "ros@bob.local", "there", ROOTS, "/home/ros/catkin_ws/.ur_sync/x", progress=False)
+    assert words[-2:] == ["/home/pat/catkin_ws/src/", "ros@bob.local:/home/ros/catkin_ws/.ur_sync/x/"]
+    assert "--copy-dest=/home/ros/catkin_ws/src" in words
+    assert not {"--delete", "--inplace"} & set(words)
+    assert "'ControlPath=/run/a b'" in words[words.index("-e") + 1]
+
+
+def test_other_direction_turns_source_and_target() -> None:
+    words = rsync_command(SSH.words, "ros@bob.local", "here", ROOTS, "/home/pat/catkin_ws/.ur_sync/x", progress=True)
+    assert words[-2:] == ["ros@bob.local:/home/ros/catkin_ws/src/", "/home/pat/catkin_ws/.ur_sync/x/"]
+    assert "--info=progress2" in words
