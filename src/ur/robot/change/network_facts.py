@@ -1,0 +1,155 @@
+"""What NetworkManager says of a robot's networks: one script, and its answer read. Both are pure.
+
+The format is that of `nmcli --terse` (nmcli(1)): fields with a colon between them, colons and backslashes escaped.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+_MARK = "\x1e"
+# Profiles and passwords are for root alone; whoever asks over ssh says which address that leads to.
+FACTS_SCRIPT = """\
+mark() { printf '\\036%s\\n' "$1"; }; export LC_ALL=C.UTF-8
+mark running; command -v nmcli >/dev/null && systemctl is-active NetworkManager
+mark devices; nmcli -t -f DEVICE,TYPE,STATE,CON-UUID device status 2>/dev/null
+mark profiles; nmcli -t -f UUID,TYPE,DEVICE,NAME connection show 2>/dev/null
+mark ssids; for u in $(nmcli -t -f UUID,TYPE connection show 2>/dev/null | sed -n 's/:802-11-wireless$//p'); do
+printf '%s:' "$u"; nmcli -e no -g 802-11-wireless.ssid connection show "$u"; done
+mark addresses; ip -brief address 2>/dev/null
+mark others; for u in systemd-networkd dhcpcd networking connman; do systemctl is-active --quiet $u && echo $u; done
+mark netplan; ls /etc/netplan/*.yaml 2>/dev/null
+"""
+SCAN_SCRIPT = """\
+mark seen; nmcli -t -f IN-USE,SIGNAL,FREQ,SECURITY,SSID device wifi list --rescan yes 2>/dev/null
+"""
+
+
+@dataclass(frozen=True, slots=True)
+class Device:
+    """A network device: nmcli's words for its type and state; its addresses, each with a prefix length."""
+
+    name: str
+    kind: str
+    state: str
+    profile: str = ""
+    addresses: tuple[str, ...] = ()
+
+    @property
+    def managed(self) -> bool:
+        """Whether NetworkManager may change it."""
+        return not self.state.startswith("unmanaged")
+
+
+@dataclass(frozen=True, slots=True)
+class Profile:
+    """What NetworkManager knows of one network; `ssid` is '' for a wired one, `device` says where it is used."""
+
+    uuid: str
+    kind: str
+    device: str
+    name: str
+    ssid: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Seen:
+    """A wireless network in reach: signal in %, bands it is on, nmcli's word for its security ('' is open)."""
+
+    ssid: str
+    signal: int
+    bands: tuple[str, ...]
+    security: str
+    used: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Networks:
+    """All of it. `running`: NetworkManager is there; `others`: what else manages networks there."""
+
+    running: bool
+    devices: tuple[Device, ...] = ()
+    profiles: tuple[Profile, ...] = ()
+    seen: tuple[Seen, ...] = ()
+    others: tuple[str, ...] = ()
+    netplan: tuple[str, ...] = ()
+
+    @property
+    def wireless(self) -> Device | None:
+        """The first wireless device that NetworkManager may use."""
+        return next((each for each in self.devices if each.kind == "wifi" and each.managed), None)
+
+    def device_with(self, address: str) -> Device | None:
+        """The device that has this address."""
+        bare = address.partition("%")[0]
+        return next((each for each in self.devices if bare in (one.split("/")[0] for one in each.addresses)), None)
+
+    def profile(self, uuid: str) -> Profile | None:
+        """The profile with this identity."""
+        return next((each for each in self.profiles if each.uuid == uuid), None)
+
+
+def parse_networks(output: str) -> Networks:
+    """Read what the scripts printed; a part that is missing is empty."""
+    parts = {name: text for name, _, text in (part.partition("\n") for part in output.split(_MARK)[1:])}
+    addresses = {
+        row[0].partition("@")[0]: tuple(row[2:])
+        for row in (line.split() for line in parts.get("addresses", "").splitlines())
+        if len(row) > 2
+    }
+    ssids = dict(line.partition(":")[::2] for line in parts.get("ssids", "").splitlines())
+    return Networks(
+        running=parts.get("running", "").strip() == "active",
+        devices=tuple(
+            Device(name, kind, state, profile, addresses.get(name, ()))
+            for name, kind, state, profile in _rows(parts.get("devices", ""), 4)
+        ),
+        profiles=tuple(
+            Profile(uuid, kind, device, name, ssids.get(uuid, ""))
+            for uuid, kind, device, name in _rows(parts.get("profiles", ""), 4)
+        ),
+        seen=_merge(_rows(parts.get("seen", ""), 5)),
+        others=tuple(parts.get("others", "").split()),
+        netplan=tuple(parts.get("netplan", "").split()),
+    )
+
+
+def _merge(rows: Iterator[list[str]]) -> tuple[Seen, ...]:
+    """One for each name, the used one and the best signal first: a network has many stations. No hidden ones."""
+    found: dict[str, Seen] = {}
+    for used, signal, frequency, security, ssid in rows:
+        if not ssid:
+            continue
+        known = found.get(ssid)
+        bands = {*(known.bands if known else ()), _band(frequency)}
+        strength = int(signal) if signal.isdigit() else 0
+        found[ssid] = Seen(
+            ssid,
+            max(strength, known.signal if known else 0),
+            tuple(sorted(bands)),
+            "" if security == "--" else security,
+            used == "*" or bool(known and known.used),
+        )
+    return tuple(sorted(found.values(), key=lambda one: (not one.used, -one.signal, one.ssid)))
+
+
+def _band(frequency: str) -> str:
+    number = re.match(r"\d+", frequency)
+    if not number:
+        return ""
+    return "2.4 GHz" if int(number[0]) < 3000 else "5 GHz" if int(number[0]) < 5925 else "6 GHz"
+
+
+def _rows(text: str, count: int) -> Iterator[list[str]]:
+    for line in text.splitlines():
+        fields = split_terse(line)
+        if len(fields) == count:
+            yield fields
+
+
+def split_terse(line: str) -> list[str]:
+    """The fields of a line of `nmcli --terse`."""
+    fields = re.findall(r"(?:^|(?<=:))(?:\\.|[^:\\])*", line)
+    return [re.sub(r"\\(.)", r"\1", field) for field in fields]

@@ -1,0 +1,146 @@
+"""The viewer's part of a guarded change: hand it over, come back over the new way, confirm."""
+
+from __future__ import annotations
+
+import secrets
+import time
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
+from typing import Protocol
+
+from ur.robot.change.guard import BUSY, EARLY, GONE, LATE, Ended, arm_script, confirm_script, look_script, parse_last
+from ur.robot.change.guarded import GuardedChange, Order, pack_order
+from ur.robot.setup.facts import Facts
+from ur.robot.ssh.openssh import Address, connect
+from ur.robot.ssh.secret import Secret
+from ur.robot.ssh.shell import Done, Shell
+from ur.source.diagnostic import UserError, error
+
+GRACE = 90.0  # s after the robot's own limit: it makes the change, goes back, and its network comes up again
+PAUSE = 1.0
+Report = Callable[[str], None]
+
+
+class Link(Shell, Protocol):
+    """A shell on another computer that can become root there."""
+
+    def find_sudo(self, candidates: Sequence[Secret]) -> bool:
+        """Whether there is a way."""
+
+
+Open = Callable[[Address], AbstractContextManager[Link]]
+
+
+@dataclass(frozen=True, slots=True)
+class Ways:
+    """How the robot may be reached after the change, best first, and how before it."""
+
+    after: tuple[Address, ...]
+    before: Address
+
+
+def open_as(host: str) -> Open:
+    """Connections that expect the host key that is known for `host`, whatever the robot is called or where it is."""
+
+    def open_link(address: Address) -> AbstractContextManager[Link]:
+        return connect(address, options=("-o", f"HostKeyAlias={host}", "-o", "CheckHostIP=no"))
+
+    return open_link
+
+
+def hand_over(shell: Shell, change: GuardedChange, facts: Facts, wait: int, who: str) -> str:
+    """Arm the robot's guard, which begins a second later; the identity of the attempt.
+
+    Raises UserError: another change is pending; the robot could not take it, and nothing has changed; the connection
+    broke, and nobody knows.
+    """
+    order = Order(secrets.token_hex(4), who, wait, change)
+    done = shell.run(
+        arm_script(order.identity, change.title), root=True, stdin=pack_order(order, facts), timeout=60 + GRACE
+    )
+    if done.code == BUSY:
+        title, by = [*done.out.splitlines(), "another change", "somebody"][:2]
+        raise UserError(
+            error(
+                f"{shell.place}: '{title}', begun by {by}, is not finished, expected one change at a time",
+                rule="change-pending",
+                help="it is confirmed or taken back by itself within a minute or two; then run this again",
+            )
+        )
+    if done.code:
+        said = (done.err or done.out).strip().splitlines()
+        raise UserError(
+            error(
+                f"{shell.place}: {change.title}: the robot could not prepare its way back, so nothing was changed: "
+                f"{said[-1] if said else f'exit code {done.code}'}",
+                rule="failed-change",
+                help="mend that and run this again",
+            )
+        )
+    return order.identity
+
+
+def come_back(
+    identity: str,
+    title: str,
+    ways: Ways,
+    wait: int,
+    sudo: Sequence[Secret],
+    open_link: Open,
+    *,
+    report: Report,
+    clock: Callable[[], float] = time.monotonic,
+    sleep: Callable[[float], None] = time.sleep,
+) -> Address:
+    """Reach the robot over a new way and confirm; the way that led to it.
+
+    Raises UserError when the robot took the change back, or is not seen again within `wait` seconds and GRACE.
+    """
+    end = clock() + wait + GRACE
+    doubt = ""
+    while clock() < end:
+        sleep(PAUSE)
+        for address in dict.fromkeys((*ways.after, ways.before)):
+            new = address in ways.after
+            try:
+                with open_link(address) as link:
+                    if not link.find_sudo(sudo):
+                        doubt = f"{address}: sudo refuses"
+                        continue
+                    done = link.run(confirm_script(identity) if new else look_script(identity), root=True)
+            except UserError as problem:
+                doubt = problem.diagnostics[0].message
+                continue
+            ended = _read(identity, done)
+            if ended and not ended.confirmed:
+                raise _taken_back(title, address, ended)
+            if ended:
+                report(f"{address}: answers, confirmed")
+                return address if new else ways.after[0]
+    raise UserError(
+        error(
+            f"{title}: {ways.before.host} is not seen again {wait + GRACE:g} s after it began: {doubt}",
+            rule="not-seen-again",
+            help="it goes back by itself; is this computer still in its network? if nothing else helps, switch the "
+            "robot off and on: it then starts as it was before",
+        )
+    )
+
+
+def _read(identity: str, done: Done) -> Ended | None:
+    if done.code in (EARLY, LATE):
+        return None
+    if done.code == GONE:
+        return parse_last(identity, done.out)
+    return Ended(done.code == 0, "") if done.code == 0 else None
+
+
+def _taken_back(title: str, address: Address, ended: Ended) -> UserError:
+    return UserError(
+        error(
+            f"{title}: the robot took it back: {ended.reason}",
+            rule="taken-back",
+            help=f"it is {address} as before, and nothing is lost; once the cause is mended, run this again",
+        )
+    )
