@@ -17,6 +17,8 @@ from pathlib import Path
 import click
 
 from ur.cli.environment import PACKAGE
+from ur.cli.robot_rename import rename
+from ur.cli.robot_wifi import network, wifi
 from ur.robot.base import list_bases, load_base
 from ur.robot.record import DEFAULT_USER
 from ur.robot.setup.robot import Task, open_robot, prepare_viewer, preview, set_up
@@ -271,3 +273,7 @@ def _ask_new() -> str:
         if new == "" or getpass.getpass("the same again: ") == new:
             return new
         click.echo("the two differ; once more")
+
+
+for _change in (rename, wifi, network):
+    command.add_command(_change)
