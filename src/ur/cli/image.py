@@ -207,7 +207,8 @@ def _show(writes: Sequence[Write]) -> None:
     changes = [
         Change(
             f"{write.volume} partition",
-            show_difference(f"/{write.path}", _text(write.before), _text(write.after)) or f"/{write.path}: new, empty",
+            show_difference(f"/{write.path}", _text(write.before), _text(write.after))
+            or f"/{write.path}: another password (not shown)",
             (),
         )
         for write in writes

@@ -59,8 +59,8 @@ def read_robots(path: Path, given: Given) -> list[tuple[Given, Path | None]]:
             given,
             name=item.text("name"),
             base=item.text("base"),
-            variant=item.text("variant", given.variant),
-            user=item.text("user", given.user),
+            variant=item.text("variant", given.variant or ""),
+            user=item.text("user", given.user or DEFAULT_USER),
         )
         found.append((robot, Path(item.text("output"))))
         item.finish()

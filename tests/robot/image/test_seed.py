@@ -1,0 +1,127 @@
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+import yaml
+from tests.robot.image.images import KEY
+
+from ur.robot.image.layout import Layout, Scheme
+from ur.robot.image.seed import (
+    Wifi,
+    Wish,
+    custom_toml,
+    hide_secrets,
+    make_seed,
+    meta_data_text,
+    network_text,
+    present_password,
+    user_data_text,
+)
+from ur.robot.setup.there import Robot
+from ur.source.diagnostic import UserError
+
+HASH = "$6$saltstring$svn8UoSVapNtMuq1ukKS4tPQd8iKwSMHWjl/O817G3uBnIFNjnQJuesI68u4OTLiBFdcbYEdFCoEOfaS35inz1"
+NETWORK_KEY = "1234567890" * 6 + "1234"
+WISH = Wish(Robot("bob", "magni"), "ros", (KEY,))
+WIFI = Wifi('My "WiFi": yes', NETWORK_KEY, "DE")
+LAYOUT = Layout(Scheme.BOOT_SEED, "a system", None, None)
+
+
+def test_user_without_a_password_logs_in_by_key_and_may_use_sudo() -> None:
+    data = yaml.safe_load(user_data_text(WISH))
+    (user,) = data["users"]
+    assert user["ssh_authorized_keys"] == [KEY]
+    assert (user["lock_passwd"], user["sudo"]) == (True, "ALL=(ALL) NOPASSWD:ALL")
+    assert data["ssh_pwauth"] is False
+
+
+def test_user_with_a_password_is_asked_for_it_by_sudo() -> None:
+    (user,) = yaml.safe_load(user_data_text(replace(WISH, password=HASH)))["users"]
+    assert (user["lock_passwd"], user["passwd"]) == (False, HASH)
+    assert "sudo" not in user
+    assert "sudo" in user["groups"]
+
+
+def test_name_is_set_once_and_kept_afterwards() -> None:
+    data = yaml.safe_load(user_data_text(WISH))
+    assert (data["hostname"], data["preserve_hostname"]) == ("bob", False)
+    files = {each["path"]: each["content"] for each in data["write_files"]}
+    assert yaml.safe_load(files["/etc/cloud/cloud.cfg.d/99-ubiquity.cfg"])["preserve_hostname"] is True
+    assert yaml.safe_load(files["/etc/ubiquity/robot.yaml"]) == {"name": "bob", "base": "magni"}
+    assert "<txt-record>user=ros</txt-record>" in files["/etc/avahi/services/ubiquity.service"]
+
+
+def test_first_boot_waits_for_no_package() -> None:
+    assert "packages" not in yaml.safe_load(user_data_text(WISH))
+
+
+def test_network_names_and_keys_survive_yaml() -> None:
+    data = yaml.safe_load(network_text(WIFI))
+    radio = data["wifis"]["wlan0"]
+    assert radio["access-points"] == {'My "WiFi": yes': {"password": NETWORK_KEY}}
+    assert radio["regulatory-domain"] == "DE"
+    assert data["version"] == 2
+    assert yaml.safe_load(network_text(replace(WIFI, country="NO")))["wifis"]["wlan0"]["regulatory-domain"] == "NO"
+
+
+def test_open_network_has_no_password() -> None:
+    radio = yaml.safe_load(network_text(replace(WIFI, key="")))["wifis"]["wlan0"]
+    assert radio["access-points"] == {'My "WiFi": yes': {}}
+
+
+def test_another_seed_is_another_instance_and_the_same_is_not() -> None:
+    one, again, other = (yaml.safe_load(meta_data_text(text))["instance-id"] for text in ("a", "a", "b"))
+    assert one == again != other
+
+
+def test_wired_robot_keeps_the_network_of_its_image() -> None:
+    assert {file.path for file in make_seed(WISH, LAYOUT)} == {"user-data", "meta-data"}
+
+
+def test_raspberry_pi_os_gets_an_ssh_server_and_its_radio_switched_on() -> None:
+    files = {file.path: file.text for file in make_seed(replace(WISH, wifi=WIFI), replace(LAYOUT, raspberry=True))}
+    assert set(files) == {"user-data", "meta-data", "network-config", "ssh"}
+    assert any("do_wifi_country DE" in line[2] for line in yaml.safe_load(files["user-data"])["runcmd"])
+
+
+def test_cloud_image_gets_its_seed_in_the_system() -> None:
+    files = make_seed(WISH, replace(LAYOUT, scheme=Scheme.ROOT_SEED))
+    assert {(file.volume, file.path) for file in files} == {
+        ("root", "var/lib/cloud/seed/nocloud/user-data"),
+        ("root", "var/lib/cloud/seed/nocloud/meta-data"),
+    }
+
+
+@pytest.mark.parametrize(
+    ("version", "good"), [("0.104-0ubuntu2", False), ("0.105-0ubuntu2~22.04.1", True), ("1.0", True), ("", True)]
+)
+def test_netplan_that_knows_no_country_is_refused(version: str, good: bool) -> None:
+    wish, layout = replace(WISH, wifi=WIFI), replace(LAYOUT, netplan=version)
+    if good:
+        assert make_seed(wish, layout)
+    else:
+        with pytest.raises(UserError, match=r"0\.105"):
+            make_seed(wish, layout)
+
+
+def test_custom_toml_holds_what_raspberry_pi_os_12_reads() -> None:
+    tomllib = pytest.importorskip("tomllib", reason="Python before 3.11 reads no TOML")
+    data = tomllib.loads(custom_toml(replace(WISH, password=HASH, wifi=WIFI, timezone="Europe/Berlin")))
+    assert data == {
+        "config_version": 1,
+        "system": {"hostname": "bob"},
+        "user": {"name": "ros", "password": HASH, "password_encrypted": True},
+        "ssh": {"enabled": True, "password_authentication": False, "authorized_keys": [KEY]},
+        "wlan": {"ssid": 'My "WiFi": yes', "password": NETWORK_KEY, "password_encrypted": True, "country": "DE"},
+        "locale": {"timezone": "Europe/Berlin"},
+    }
+
+
+def test_hashes_are_found_again_and_never_shown() -> None:
+    text = user_data_text(replace(WISH, password=HASH)) + network_text(WIFI) + "password: ubuntu\n"
+    assert present_password(["", text]) == HASH
+    shown = hide_secrets(text)
+    for secret in (HASH[3:], NETWORK_KEY, "ubuntu\n"):
+        assert secret not in shown
+    assert KEY in shown
