@@ -26,7 +26,7 @@ from ur.source.diagnostic import UserError, error
 @click.group("image", invoke_without_command=True)
 @click.pass_context
 def command(context: click.Context) -> None:
-    """Prepare images, so that a robot can be reached after its first boot."""
+    """Prepare images for the first boot of robots."""
     if context.invoked_subcommand is None:
         from ur.cli.help import show_help
 

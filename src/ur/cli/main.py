@@ -46,7 +46,7 @@ VERBS = {
     "unmount": ("ur.cli.unmount", "Take the mounted folders of a robot away again."),
     "doctor": ("ur.cli.doctor", "Find what is wrong between this computer and a robot."),
     "robot": ("ur.cli.robot", "Set robots up, over the network."),
-    "image": ("ur.cli.image", "Prepare images, so that a robot can be reached after its first boot."),
+    "image": ("ur.cli.image", "Prepare images for the first boot of robots."),
     "boot": ("ur.cli.boot", "Choose what a robot starts when it boots."),
     "completion": ("ur.cli.completion", "Print what makes a shell complete `ur` with Tab."),
     "env": ("ur.cli.env", "Print what makes a shell follow the selection."),
