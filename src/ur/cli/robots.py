@@ -2,94 +2,140 @@
 
 from __future__ import annotations
 
+import json
 import os
 import sys
 import threading
 import time
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from ur.cli.on_demand import need
-from ur.robot.discovery import Browser, Row, list_robots
+from ur.cli.robots_asked import Asked
+from ur.robot.discovery import Browser
+from ur.robot.listing import Row, list_robots
 from ur.robot.record import load_records, records_folder
+from ur.robot.seen import Seen, load_seen, note_seen, seen_path
 
 if TYPE_CHECKING:
-    from rich.table import Table
+    from rich.console import RenderableType
 
-MASTER_PORT = 11311
-Nodes = Callable[[Row], str]
+REFRESH = 1.0  # s between looks at what changed, while watching
+Look = Callable[[], list[Row]]
 
 
 @click.command("robots")
 @click.option("--watch", is_flag=True, help="Go on looking until Ctrl-C.")
 @click.option("--seconds", type=click.FloatRange(min=0.1), default=2.0, show_default=True, help="How long to look.")
-def command(watch: bool, seconds: float) -> int:
+@click.option("--json", "as_json", is_flag=True, help="Print JSON; with --watch, a line whenever something changed.")
+def command(watch: bool, seconds: float, as_json: bool) -> int:
     """List the robots on the network, and those known but away.
 
-    Robots announce themselves once `ur robot setup` has set them up. `runs` says how many nodes the robot's ROS master
-    knows.
+    Robots announce themselves once `ur robot setup` has set them up. `runs` is what the robot's ROS master knows and
+    what it starts at boot; `clock` how far its clock is ahead of ours. The two stay empty where our key is refused, or
+    no answer comes in time. The exit code is 1 when nobody is there, or two have one name.
     """
     need("zeroconf", "robot.lock")
-    records = load_records(records_folder(os.environ))
     changed = threading.Event()
-    with Browser(changed.set) as browser:
-        if watch:
-            _watch(lambda: list_robots(browser.sightings, records), changed)
-            return 0
-        time.sleep(seconds)  # how long the user wants to listen
-        rows = list_robots(browser.sightings, records)
-    if not rows:
-        sys.stdout.write("no robot announces itself here; set one up: ur robot setup HOST\n")
-        return 1
-    _print(rows)
-    return 1 if any(row.problem for row in rows) else 0
+    with Browser(changed.set) as browser, Asked(browser, seconds, changed.set) as asked:
+
+        def look() -> list[Row]:
+            asked.ask(browser.sightings)
+            memory = load_seen(seen_path(os.environ))
+            return list_robots(browser.sightings, load_records(records_folder(os.environ)), asked.answers, memory)
+
+        try:
+            rows = _watch(look, changed, as_json) if watch else _listen(look, changed, seconds)
+        finally:
+            note_seen(seen_path(os.environ), [Seen(one.name, one.address, time.time()) for one in browser.sightings])
+    if watch:
+        return 0
+    if as_json:
+        click.echo(json.dumps([_as_dict(row) for row in rows], indent=2))
+    elif rows:
+        _print(rows)
+    else:
+        click.echo("no robot announces itself here; set one up: ur robot setup HOST")
+    return 1 if any(row.problem for row in rows) or not any(row.address for row in rows) else 0
+
+
+def _listen(look: Look, changed: threading.Event, seconds: float) -> list[Row]:
+    """What is there after as long as the user wants to listen; whoever announces itself is asked at once."""
+    end = time.monotonic() + seconds
+    rows = look()
+    while (left := end - time.monotonic()) > 0:
+        changed.wait(left)
+        changed.clear()
+        rows = look()
+    return rows
+
+
+def _watch(look: Look, changed: threading.Event, as_json: bool) -> list[Row]:
+    show = _show_lines if as_json or not sys.stdout.isatty() else _show_live
+    rows: list[Row] = []
+    try:
+        show(look, changed, as_json)
+    except KeyboardInterrupt:
+        rows = look()  # the way to end it
+    return rows
+
+
+def _show_live(look: Look, changed: threading.Event, _: bool) -> None:
+    from rich.live import Live
+
+    with Live(_picture(look()), auto_refresh=False) as live:
+        while True:
+            changed.wait(REFRESH)
+            changed.clear()
+            live.update(_picture(look()), refresh=True)
+
+
+def _show_lines(look: Look, changed: threading.Event, as_json: bool) -> None:
+    before: list[Row] | None = None
+    while True:
+        rows = look()
+        if rows != before:
+            before = rows
+            if as_json:
+                click.echo(json.dumps([_as_dict(row) for row in rows]))
+            else:
+                _print(rows)
+        changed.wait(REFRESH)
+        changed.clear()
 
 
 def _print(rows: Sequence[Row]) -> None:
     from rich.console import Console
 
-    Console(soft_wrap=not sys.stdout.isatty()).print(_table(rows))
-    for row in rows:
-        if row.problem:
-            sys.stdout.write(f"warning: {row.problem}\n  help: {row.help}\n")
+    Console(soft_wrap=not sys.stdout.isatty()).print(_picture(rows))
     sys.stdout.flush()
 
 
-def _watch(rows: Callable[[], Sequence[Row]], changed: threading.Event) -> None:
-    from rich.live import Live
-
-    with Live(_table(rows()), auto_refresh=False) as live:
-        while True:
-            changed.wait(5.0)
-            changed.clear()
-            live.update(_table(rows()), refresh=True)
-
-
-def _table(rows: Sequence[Row]) -> Table:
+def _picture(rows: Sequence[Row]) -> RenderableType:
+    from rich.console import Group
     from rich.table import Table
+    from rich.text import Text
 
     table = Table()
-    for column in ("robot", "address", "base", "variant", "runs"):
-        table.add_column(column)
+    for column in ("robot", "address", "base", "variant", "runs", "clock", "version", "seen"):
+        table.add_column(column, overflow="fold")
+    now = time.time()
     for row in rows:
-        where = ", ".join(address for address in row.addresses if ":" not in address) or ", ".join(row.addresses)
-        name = f"[red]{row.name} (!)[/]" if row.problem else row.name
-        table.add_row(name, where or "[dim]away[/]", row.base, row.variant, count_nodes(row))
-    return table
+        name = Text(f"{row.name} (!)", "red") if row.problem else Text(row.name)
+        cells = (row.address, row.base, row.variant, row.runs, row.clock, row.version, row.when(now))
+        table.add_row(name, *map(Text, cells), style="" if row.address else "dim")
+    problems = [Text(f"warning: {row.problem}\n  help: {row.help}", "yellow") for row in rows if row.problem]
+    return Group(table, *problems)
 
 
-def count_nodes(row: Row) -> str:
-    """What the robot's master says: how many nodes there are; empty when no master answers."""
-    from ur.run.xml_rpc import Refused, Unanswered, call_method
-
-    for address in row.addresses:
-        if ":" not in address:
-            try:
-                _, _, state = call_method((address, MASTER_PORT), "getSystemState", ["/ur"], 1.0)
-            except (Refused, Unanswered, OSError, ValueError, TypeError):
-                continue
-            names = {node for group in state for _, nodes in group for node in nodes}
-            return f"{len(names)} nodes"
-    return ""
+def _as_dict(row: Row) -> dict[str, Any]:
+    plain = {key: getattr(row, key) for key in ("name", "address", "base", "variant", "version", "problem", "help")}
+    said = {
+        "nodes": row.answer.nodes,
+        "services": None if row.answer.services is None else dict(row.answer.services),
+        "clock_offset": row.answer.offset,
+        "seen": {"address": row.seen.address, "time": row.seen.time} if row.seen else None,
+    }
+    return {**plain, **said}

@@ -1,13 +1,11 @@
-"""Robots on the network: who announces itself, who is known and away, and which names are taken twice."""
+"""Robots on the network: who announces itself, and who took a name that another had first."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
-
-from ur.robot.record import Record
 
 SERVICE_TYPE = "_ubiquity-robot._tcp.local."
 
@@ -16,7 +14,8 @@ SERVICE_TYPE = "_ubiquity-robot._tcp.local."
 class Sighting:
     """A computer that announces itself. `host` is the name that its zeroconf daemon gave it, without .local.
 
-    `name` is what its robot file says: the two differ when another computer had the name first.
+    `name` is what its robot file says: the two differ when another computer had the name first. `version` is that of
+    the `ur` that set it up.
     """
 
     host: str
@@ -25,45 +24,20 @@ class Sighting:
     base: str = ""
     variant: str = ""
     user: str = ""
+    version: str = ""
 
-
-@dataclass(frozen=True, slots=True)
-class Row:
-    """A robot as it is listed. `addresses` is empty when it is away; `problem` is empty when there is none."""
-
-    name: str
-    addresses: tuple[str, ...]
-    base: str
-    variant: str
-    problem: str = ""
-    help: str = ""
-
-
-def list_robots(sightings: Iterable[Sighting], records: Sequence[Record]) -> list[Row]:
-    """Everybody who is there, then those known from earlier who are not; each group by name."""
-    seen = sorted(sightings, key=lambda one: (one.name, one.host))
-    names = [one.name for one in seen]
-    rows = [_row(one, names.count(one.name) > 1) for one in seen]
-    away = [record for record in records if record.name not in names]
-    return rows + [Row(record.name, (), record.base, record.variant) for record in away]
-
-
-def _row(one: Sighting, twice: bool) -> Row:
-    problem = help = ""
-    if twice or one.host != one.name:
-        problem = f"two computers are called {one.name}: this one answers to {one.host}.local"
-        help = f"ur robot setup {one.host}.local --name ANOTHER"
-    return Row(one.name, one.addresses, one.base, one.variant, problem, help)
+    @property
+    def address(self) -> str:
+        """The first IPv4 address, which ROS uses; '' where there is none."""
+        return next((address for address in self.addresses if ":" not in address), "")
 
 
 def parse_sighting(host: str, addresses: Sequence[str], texts: dict[str, str]) -> Sighting:
     """A sighting from an announcement's host name, addresses and text records."""
     host = host.rstrip(".").removesuffix(".local")
     base = re.sub(r"-\d+$", "", host)  # what avahi adds when a name is taken
-    name = texts.get("name") or base
-    return Sighting(
-        host, name, tuple(addresses), texts.get("base", ""), texts.get("variant", ""), texts.get("user", "")
-    )
+    known = {key: texts.get(key, "") for key in ("base", "variant", "user", "version")}
+    return Sighting(host, texts.get("name") or base, tuple(addresses), **known)
 
 
 @dataclass(slots=True)
@@ -88,6 +62,15 @@ class Browser:
     def sightings(self) -> list[Sighting]:
         """Who is there now."""
         return list(self._seen.values())
+
+    def find_twin(self, name: str, seconds: float) -> str:
+        """The address of a computer to which zeroconf gave NAME-2 since NAME was taken; '' when nobody answers."""
+        from zeroconf import AddressResolverIPv4
+
+        resolver = AddressResolverIPv4(f"{name}-2.local.")
+        if not resolver.request(self._zeroconf, seconds * 1000):
+            return ""
+        return next(iter(resolver.parsed_addresses()), "")
 
     def _notice(self, zeroconf: Any, service_type: str, name: str, state_change: Any) -> None:
         from zeroconf import ServiceStateChange

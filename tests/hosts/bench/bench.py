@@ -52,6 +52,12 @@ class Bench:
     def __getitem__(self, name: str) -> Machine:
         return self.machines[name]
 
+    def boot_stranger(self, name: str, number: int = 90) -> Machine:
+        """Boot one more computer on this network, which may have any host name; it goes with the bench."""
+        machine = _start(self.ledger, make_root(cache_folder()), name, f"10.77.0.{number}")
+        machine.wait_booted()
+        return machine
+
 
 @contextmanager
 def boot(names: Sequence[str] = ("laptop", "robot")) -> Iterator[Bench]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from importlib.metadata import version
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
@@ -87,6 +88,7 @@ def test_announcement_is_what_avahi_reads() -> None:
         "base=magni",
         "variant=lidar",
         "user=ros",
+        f"version={version('ubiquity-launches')}",
     ]
     assert group.findtext("service/type") == "_ubiquity-robot._tcp"
 

@@ -1,45 +1,54 @@
 """Which messages a computer knows, so that two can be compared: one script, and its answer read. Both are pure.
 
-Nodes connect when the MD5 sums of their messages agree, and those are made of the definitions without comments and
-blanks (genmsg, gentools). Here too; a message within a message is compared by itself.
+Nodes connect when the MD5 sums of their messages agree. These stand in the Python modules that genpy makes. Definitions
+that were not built yet are compared by their text without comments and blanks, which is what those sums are made of
+(gentools); a message within a message is compared by itself.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-# Python as every robot has it. A folder of the workspace counts before one of the system, as in ROS_PACKAGE_PATH.
+# Python as every robot has it. What lies in the workspace counts before what lies in the system, as it does for ROS.
 MESSAGES_SCRIPT = r"""
 timeout 20 python3 - <<'END' 2>/dev/null
-import glob, hashlib, os, re
-home = os.path.expanduser("~/catkin_ws/src")
-roots = [folder for folder, names, _ in os.walk(home) if "package.xml" in _]
-for path in os.environ.get("ROS_PACKAGE_PATH", "").split(":"):
-    roots += [os.path.dirname(each) for each in glob.glob(path + "/*/package.xml")] if path else []
-roots += [os.path.dirname(each) for each in glob.glob("/usr/share/*/package.xml")]
+import glob, hashlib, os, re, sys
+home = os.path.expanduser("~")
+work = home + "/catkin_ws"
 seen = set()
-for root in roots:
-    package = os.path.basename(root)
-    if package in seen:
-        continue
-    seen.add(package)
+def tell(name, digest, folder):
+    if name not in seen:
+        seen.add(name)
+        print(name, digest, "~" + folder[len(home):] if folder.startswith(home + "/") else folder)
+python = "lib/python%d/dist-packages" % sys.version_info[0]
+for place in [work + "/devel/" + python, *sys.path, *glob.glob("/opt/ros/*/" + python), "/usr/" + python]:
+    for path in place and sorted(glob.glob(place + "/*/msg/_*.py") + glob.glob(place + "/*/srv/_*.py")):
+        root, kind, file = path.rsplit("/", 2)
+        with open(path, errors="replace") as text:
+            sums = re.findall(r"^ *_md5sum *= *['\"](\w+)", text.read(), re.M)
+        if sums:
+            tell(os.path.basename(root) + "/" + file[1:-3], sums[-1][:12], root)
+roots = [folder for folder, _, files in os.walk(work + "/src") if "package.xml" in files]
+for path in filter(None, os.environ.get("ROS_PACKAGE_PATH", "").split(":")):
+    roots += [os.path.dirname(each) for each in glob.glob(path + "/*/package.xml")]
+for root in roots + [os.path.dirname(each) for each in glob.glob("/usr/share/*/package.xml")]:
     for path in sorted(glob.glob(root + "/msg/*.msg") + glob.glob(root + "/srv/*.srv")):
         with open(path, errors="replace") as file:
             lines = [" ".join(re.sub("#.*", "", line).split()) for line in file]
         digest = hashlib.md5("\n".join(filter(None, lines)).encode()).hexdigest()[:12]
-        print(package + "/" + os.path.basename(path), digest, root.replace(os.path.expanduser("~"), "~", 1))
+        tell(os.path.basename(root) + "/" + os.path.basename(path), digest, root)
 END"""
 
 
 @dataclass(frozen=True, slots=True)
 class Message:
-    """A message's definition: a digest of its text, and the folder of its package, with ~ for the user's home."""
+    """A message: a digest of its definition, and the folder of its package or module, with ~ for the user's home."""
 
     digest: str
     folder: str
 
 
 def parse_messages(text: str) -> dict[str, Message]:
-    """Read what the script printed: by PACKAGE/FILE."""
+    """Read what the script printed: by PACKAGE/TYPE of what was built, by PACKAGE/FILE of definitions."""
     rows = (line.split(" ", 2) for line in text.splitlines())
     return {row[0]: Message(row[1], row[2]) for row in rows if len(row) == 3}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from importlib.metadata import version
 
 from ur.robot.boot import master_unit
 from ur.robot.robot_file import ROBOT_FILE
@@ -151,8 +152,9 @@ def robot_file(robot: Robot, present: str | None = None) -> str:
 
 
 def announcement(robot: Robot, user: str) -> str:
-    """The avahi service by which viewers find the robot."""
-    records = {"name": robot.name, "base": robot.base, "variant": robot.variant, "user": user}
+    """The avahi service by which viewers find the robot. `version` is that of `ur`, which set it up."""
+    own = {"name": robot.name, "base": robot.base, "variant": robot.variant, "user": user}
+    records = {**own, "version": version("ubiquity-launches")}
     texts = "".join(f"    <txt-record>{key}={value}</txt-record>\n" for key, value in records.items() if value)
     return (
         '<?xml version="1.0" standalone="no"?>\n<!DOCTYPE service-group SYSTEM "avahi-service.dtd">\n'

@@ -190,7 +190,21 @@ def test_messages_of_workspaces_are_copied_and_those_of_packages_upgraded() -> N
         ("here", "rsync -a ~/catkin_ws/src/my_msgs/ ros@bob.local:catkin_ws/src/my_msgs/", False),
         ("there", "cd ~/catkin_ws && catkin_make", False),
     ]
-    assert [where for where, _, _ in commands(there(messages=OTHER))] == ["here", "there"]
+
+
+def test_messages_of_packages_are_upgraded_on_both() -> None:
+    names = {"python3-std-msgs": "1"}
+    mine, theirs = {**LAPTOP.packages, **names}, {**ROBOT.packages, **names}
+    pair = replace(here(packages=mine), there=replace(ROBOT, packages=theirs, messages=OTHER))
+    assert [where for where, _, _ in commands(pair)] == ["here", "there"]
+    assert "--only-upgrade python3-std-msgs" in commands(pair)[0][1]
+
+
+def test_definition_that_was_not_built_since_is_built() -> None:
+    built = "~/catkin_ws/devel/lib/python3/dist-packages/my_msgs"
+    mine = here(messages={"my_msgs/X": Message("1", built)})
+    pair = replace(mine, there=replace(ROBOT, messages={"my_msgs/X": Message("2", built)}, built=True))
+    assert commands(pair) == [("there", "cd ~/catkin_ws && catkin_make", False)]
 
 
 def test_robot_that_was_not_set_up_from_here_gets_no_login_by_itself() -> None:

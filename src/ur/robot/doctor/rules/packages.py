@@ -11,6 +11,7 @@ from ur.robot.setup import here, there
 from ur.robot.ssh.shell import quote
 
 SHOWN = 4
+BUILD = "cd ~/catkin_ws && catkin_make"
 
 
 def check_missing(where: Where, side: Side) -> Iterator[Finding]:
@@ -35,51 +36,57 @@ def _install(where: Where, missing: list[list[str]]) -> Command:
 def check_messages(pair: Pair) -> Iterator[Finding]:
     """Messages that both know, and not as the same."""
     differing: dict[str, list[str]] = {}
-    for name, message in sorted(pair.here.messages.items()):
+    for name, message in pair.here.messages.items():
         other = pair.there.messages.get(name)
         if other and other.digest != message.digest:
-            package, _, file = name.partition("/")
-            differing.setdefault(package, []).append(file)
-    for package, files in differing.items():
-        shown = ", ".join(files[:SHOWN]) + (" ..." if len(files) > SHOWN else "")
-        folders = [side.messages[f"{package}/{files[0]}"].folder for side in (pair.here, pair.there)]
-        places = [
-            f"{side.name}: {_version(side, package, folder)}"
-            for side, folder in zip((pair.here, pair.there), folders, strict=True)
-        ]
+            differing.setdefault(name.partition("/")[0], []).append(name)
+    for package, found in sorted(differing.items()):
+        types = sorted({name.partition("/")[2].partition(".")[0] for name in found})
+        shown = ", ".join(types[:SHOWN]) + (" ..." if len(types) > SHOWN else "")
+        # Of a definition and what was built from it, the definition is what can be copied.
+        name = max(found, key=lambda each: "." in each)
+        places = [f"{side.name}: {_version(side, package, side.messages[name].folder)}" for _, side, _ in pair.sides()]
         yield Finding(
             "different-messages",
             f"{package} is not the same on both ({shown}; {', '.join(places)}): topics of these types do not connect",
-            *_align(pair, package, folders[0], folders[1]),
+            *_align(pair, package, name),
         )
 
 
 def _version(side: Side, package: str, folder: str) -> str:
-    debian = _debian(package)
-    return f"{debian} {side.packages[debian]}" if not folder.startswith("~") and debian in side.packages else folder
+    names = _debian(side, package)
+    return f"{names[0]} {side.packages[names[0]]}" if names and not folder.startswith("~") else folder
 
 
-def _debian(package: str) -> str:
-    return f"ros-{package.replace('_', '-')}"
+def _debian(side: Side, package: str) -> list[str]:
+    """Debian's packages of a package of ROS, as far as they are installed."""
+    name = package.replace("_", "-")
+    return [each for each in (f"python3-{name}", f"lib{name}-dev", f"ros-{name}") if each in side.packages]
 
 
-def _align(pair: Pair, package: str, ours: str, theirs: str) -> tuple[str, tuple[Command, ...]]:
-    if not ours.startswith("~") and not theirs.startswith("~"):
-        line = f"apt-get update && apt-get install -y --only-upgrade {quote(_debian(package))}"
-        return "bring both to one release:", (Command("here", line, root=True), Command("there", line, root=True))
-    mine = ours.startswith("~")
-    folder = ours if mine else theirs
-    left, right = _path(folder), f"{quote(pair.login)}:{_path(folder.removeprefix('~/'))}"
+def _align(pair: Pair, package: str, name: str) -> tuple[str, tuple[Command, ...]]:
+    folders = [side.messages[name].folder for _, side, _ in pair.sides()]
+    if not any(folder.startswith("~") for folder in folders):
+        return "bring both to one release:", tuple(
+            Command(where, f"apt-get update && apt-get install -y --only-upgrade {quote(*names)}", root=True)
+            for where, side, _ in pair.sides()
+            if (names := _debian(side, package))
+        )
+    if "." not in name:
+        help = "the definitions are the same, and one was built before the last change: build both"
+        return help, tuple(Command(where, BUILD) for where, side, _ in pair.sides() if side.built)
+    mine = folders[0].startswith("~")
+    folder = folders[0] if mine else folders[1]
+    left, right = _path(folder), f"{quote(pair.login)}:{_path(folder).removeprefix('~/')}"
     if mine:
-        copy = f"rsync -a {left}/ {right}/"
-        help = f"if the one of {pair.here.name} is the right one, copy it (and build again):"
+        copy, help = (
+            f"rsync -a {left}/ {right}/",
+            f"if the one of {pair.here.name} is right, copy it (and build again):",
+        )
     else:
-        copy = f"rsync -a {right}/ {left}/"
-        help = f"the one of {pair.there.name} lies in its workspace; copy it here (and build again):"
-    commands = [Command("here", copy)]
-    if (pair.there if mine else pair.here).built:
-        commands.append(Command("there" if mine else "here", "cd ~/catkin_ws && catkin_make"))
-    return help, tuple(commands)
+        copy, help = f"rsync -a {right}/ {left}/", f"copy the one of {pair.there.name}, which lies in its workspace:"
+    where, target, _ = pair.sides()[1 if mine else 0]
+    return help, (Command("here", copy), *([Command(where, BUILD)] if target.built else []))
 
 
 def _path(folder: str) -> str:

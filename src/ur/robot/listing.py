@@ -1,0 +1,91 @@
+"""The list of robots: who is there and what each said of itself, who is known and away, and names taken twice. Pure."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+from ur.robot.discovery import Sighting
+from ur.robot.record import Record
+from ur.robot.seen import Seen, describe_age
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """What a robot said when it was asked; None where it did not say so in time.
+
+    `nodes`: how many its ROS master knows; `services`: what it starts at boot, and systemd's word for how that is;
+    `offset` (s): how far its clock is ahead; `twin`: the address of another computer with its name, '' when there is
+    none.
+    """
+
+    nodes: int | None = None
+    services: tuple[tuple[str, str], ...] | None = None
+    offset: float | None = None
+    twin: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """A robot as it is listed. `address` is empty when it is away; `problem` is empty when there is none."""
+
+    name: str
+    address: str
+    base: str = ""
+    variant: str = ""
+    version: str = ""
+    answer: Answer = Answer()
+    seen: Seen | None = None
+    problem: str = ""
+    help: str = ""
+
+    @property
+    def runs(self) -> str:
+        """What runs there, in a few words."""
+        words = [] if self.answer.nodes is None else [f"{self.answer.nodes} nodes"]
+        words += [name if state == "active" else f"{name} ({state})" for name, state in self.answer.services or ()]
+        return ", ".join(words)
+
+    @property
+    def clock(self) -> str:
+        """How far its clock is ahead."""
+        return "" if self.answer.offset is None else f"{self.answer.offset:+.3f} s"
+
+    def when(self, now: float) -> str:
+        """Since when it is away, and where it was; 'here' for one that is not away."""
+        if self.address:
+            return "here"
+        return f"away, {describe_age(now - self.seen.time)} at {self.seen.address}" if self.seen else "away"
+
+
+def list_robots(
+    sightings: Iterable[Sighting],
+    records: Sequence[Record],
+    answers: Mapping[str, Answer] | None = None,
+    memory: Mapping[str, Seen] | None = None,
+) -> list[Row]:
+    """Everybody who is there, then those known from earlier who are not; each group by name.
+
+    `answers` are by the host name of a sighting, `memory` by the name of a robot.
+    """
+    there = sorted(sightings, key=lambda one: (one.name, one.host))
+    names = [one.name for one in there]
+    rows = [_row(one, names.count(one.name) > 1, (answers or {}).get(one.host, Answer())) for one in there]
+    known = {record.name: record for record in records}
+    for name in sorted({*known, *(memory or {})} - {*names}):
+        record = known.get(name, Record(name, "", ""))
+        rows.append(Row(name, "", record.base, record.variant, seen=(memory or {}).get(name)))
+    return rows
+
+
+def _row(one: Sighting, twice: bool, answer: Answer) -> Row:
+    problem = help = ""
+    where = one.address or ", ".join(one.addresses)
+    if twice or one.host != one.name:
+        problem = f"two computers are called {one.name}: this one ({where}) answers to {one.host}.local"
+        # The one that kept the name may keep it.
+        help = f"ur robot setup {one.host}.local --name ANOTHER" if one.host != one.name else "rename the other one"
+    elif answer.twin and answer.twin not in one.addresses:
+        problem = f"two computers are called {one.name}: the other one ({answer.twin}) answers to {one.name}-2.local"
+        help = f"ur robot setup {one.name}-2.local --name ANOTHER"
+    return Row(one.name, where, one.base, one.variant, one.version, answer, problem=problem, help=help)

@@ -1,0 +1,59 @@
+"""Asking a robot for its clock and its services: as it answers, and when it does not."""
+
+from __future__ import annotations
+
+import threading
+import time
+from pathlib import Path
+
+import pytest
+
+from ur.robot.ask import ask_robot, best_offset, parse_services
+from ur.robot.listing import Answer
+
+LISTED = """\
+ubiquity-drive.service  loaded activating auto-restart ROS on this robot: drive
+ubiquity-master.service loaded active     running      ROS on this robot: master
+ubiquity-gone.service   not-found inactive dead        ubiquity-gone.service
+"""
+
+
+@pytest.fixture
+def ssh(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A program in place of ssh, which runs the last word."""
+    program = tmp_path / "ssh"
+    program.write_text('#!/bin/bash\nsystemctl() { :; }; eval "${@: -1}"\n')
+    program.chmod(0o755)
+    monkeypatch.setenv("PATH", f"{tmp_path}:/usr/bin:/bin")
+    return program
+
+
+def test_services_are_read_from_the_list_of_systemctl() -> None:
+    assert parse_services(LISTED.splitlines()) == (("drive", "starting"), ("master", "active"))
+
+
+def test_quickest_answer_tells_the_offset() -> None:
+    readings = [(0.0, 9.0, 4.0), (5.0, 10.01, 5.02), (6.0, 12.0, 8.0)]
+    assert best_offset(readings) == pytest.approx(4.99)
+    assert best_offset([]) is None
+
+
+def test_clock_that_differs_is_told_by_how_much(ssh: Path) -> None:
+    assert ssh.exists()
+    answer = ask_robot("ros@10.0.0.2", "bob", 60.0, lambda: time.time() - 100.0, threading.Event())
+    assert answer.services == ()
+    assert answer.offset is not None
+    assert 40.0 <= answer.offset <= 100.0
+
+
+@pytest.mark.parametrize("script", ["exit 255", "echo end", "echo end; read x; echo no number"])
+def test_robot_that_breaks_off_has_said_nothing_of_its_clock(ssh: Path, script: str) -> None:
+    ssh.write_text(f"#!/bin/bash\n{script}\n")
+    assert ask_robot("ros@10.0.0.2", "bob", 60.0, time.time, threading.Event()).offset is None
+
+
+def test_robot_that_says_nothing_is_not_waited_for_once_it_is_over(ssh: Path) -> None:
+    ssh.write_text("#!/bin/bash\nexec sleep 1000\n")
+    over = threading.Event()
+    over.set()
+    assert ask_robot("ros@10.0.0.2", "bob", 1000.0, time.time, over) == Answer()

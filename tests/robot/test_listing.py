@@ -1,0 +1,60 @@
+"""Listing robots: who is there, what they say, who is away, and whose name is taken twice."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from ur.robot.discovery import Sighting
+from ur.robot.listing import Answer, Row, list_robots
+from ur.robot.record import Record, find_user, load_records, render_record
+from ur.robot.seen import Seen
+
+NOW = 1_000_000.0
+
+
+def test_robots_that_are_there_come_before_those_that_are_away() -> None:
+    rows = list_robots(
+        [Sighting("zoe", "zoe", ("10.0.0.2",), "magni", version="1.0")],
+        [Record("abe", "ros", "stage"), Record("zoe", "ros", "magni")],
+        {"zoe": Answer(nodes=3)},
+        {"abe": Seen("abe", "10.0.0.7", NOW - 120.0), "ada": Seen("ada", "10.0.0.8", NOW), "zoe": Seen("zoe", "", 0.0)},
+    )
+    assert [(row.name, row.address, row.when(NOW)) for row in rows] == [
+        ("zoe", "10.0.0.2", "here"),
+        ("abe", "", "away, 2 min ago at 10.0.0.7"),
+        ("ada", "", "away, just now at 10.0.0.8"),
+    ]
+    assert (rows[0].version, rows[0].answer.nodes, rows[1].base) == ("1.0", 3, "stage")
+    assert Row("x", "").when(NOW) == "away"
+
+
+def test_two_robots_with_one_name_are_a_problem_of_both() -> None:
+    rows = list_robots([Sighting("bob", "bob", ("10.0.0.2",)), Sighting("bob-2", "bob", ("10.0.0.3",))], [])
+    assert [bool(row.problem) for row in rows] == [True, True]
+    assert "bob-2.local" in rows[1].problem
+    assert "bob-2.local" in rows[1].help
+
+
+@pytest.mark.parametrize(("twin", "named"), [("10.0.0.9", True), ("", False), ("10.0.0.2", False)])
+def test_computer_that_has_the_name_of_a_robot_and_is_none_is_named(twin: str, named: bool) -> None:
+    (row,) = list_robots([Sighting("bob", "bob", ("10.0.0.2",))], [], {"bob": Answer(twin=twin)})
+    assert bool(row.problem) is named
+    assert ("10.0.0.9" in row.problem) is named
+
+
+def test_what_runs_and_how_the_clock_is_are_said_when_they_are_known() -> None:
+    answer = Answer(2, (("master", "active"), ("drive", "failed")), -0.0123)
+    row = Row("bob", "10.0.0.2", answer=answer)
+    assert (row.runs, row.clock) == ("2 nodes, master, drive (failed)", "-0.012 s")
+    assert (Row("bob", "10.0.0.2").runs, Row("bob", "10.0.0.2").clock) == ("", "")
+
+
+def test_records_are_read_back_and_broken_ones_left_out(tmp_path: Path) -> None:
+    record = Record("bob", "pi", "magni", "lidar")
+    (tmp_path / "bob.yaml").write_text(render_record(record))
+    (tmp_path / "torn.yaml").write_text("name: [")
+    assert load_records(tmp_path) == [record]
+    assert find_user("bob", tmp_path) == "pi"
+    assert find_user("nobody", tmp_path) == "ros"
