@@ -82,11 +82,18 @@ def show_plan(change: GuardedChange, facts: Facts) -> None:
 
 def begin(shell: SshShell, change: GuardedChange, facts: Facts, wait: int) -> str:
     """Hand the change to the robot; the identity of the attempt. Raises UserError when it did not begin."""
-    from ur.robot.change.perform import hand_over
+    from ur.robot.change.guarded import Order
+    from ur.robot.change.perform import hand_over, is_doubtful, new_identity
 
-    identity = hand_over(shell, change, facts, wait, f"{getpass.getuser()}@{socket.gethostname()}")
-    say(f"{change.title}: the robot begins, and goes back by itself unless it is confirmed within {wait} s")
-    return identity
+    order = Order(new_identity(), f"{getpass.getuser()}@{socket.gethostname()}", wait, change)
+    try:
+        hand_over(shell, order, facts)
+        say(f"{change.title}: the robot begins, and goes back by itself unless it is confirmed within {wait} s")
+    except UserError as problem:
+        if not is_doubtful(problem):
+            raise
+        say(f"{change.title}: the connection broke while the robot was told; looking for it")
+    return order.identity
 
 
 def finish(

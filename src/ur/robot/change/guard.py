@@ -9,13 +9,15 @@ On the robot's disk, for root alone, below `FOLDER`:
 - `guard`: the script below. It runs under systemd, restarted when it is killed; and once more, while a change is
   pending, at each boot, before the network.
 
-Whenever the guard starts and finds a change that had begun before, it takes it back. Nothing of it stays at the end.
+While the guard runs it has the lock of `ur robot setup`. Whenever it starts and finds a change that had begun before,
+it takes that back. Nothing of it stays at the end.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ur.robot.setup.lock import LOCK_FILE
 from ur.robot.ssh.shell import quote
 
 FOLDER = "/var/lib/ubiquity/change"
@@ -66,6 +68,8 @@ elif [ "$this" != "$(cat "$p/boot")" ]; then take_back "the robot was switched o
 elif [ -n "$early" ]; then exit 0
 elif [ -e "$p/begun" ]; then take_back "what watches over this was killed"
 fi
+exec 8>>{LOCK_FILE}; flock -w 15 8 || take_back "it is being set up by $(head -n 1 {LOCK_FILE}) at the moment"
+cat "$p/who" >{LOCK_FILE}
 : >"$p/begun"; sync
 sleep 1 # so that whoever asked learns that it begins
 say "asked for by $(cat "$p/who"); begins, and goes back unless confirmed within $wait s"

@@ -74,7 +74,7 @@ def pack_order(order: Order, facts: Facts) -> Secret:
         "who": f"{order.who}\n",
         "wait": f"{order.wait}\n",
         "keeps": "".join(f"{path}\n" for path in list_kept(order.change, facts)),
-        "apply": apply_script(commands, facts.user),
+        "apply": apply_script(commands, facts),
         "live": order.change.live + "\n",
         "back": order.change.back + "\n",
         "early": order.change.early + "\n",
@@ -92,12 +92,12 @@ def pack_order(order: Order, facts: Facts) -> Secret:
     return Secret(base64.encodebytes(buffer.getvalue()).decode())
 
 
-def apply_script(commands: Sequence[Command], user: str) -> str:
+def apply_script(commands: Sequence[Command], facts: Facts) -> str:
     """The script, run by the guard, that makes the change; it stops at the first thing that fails."""
     lines = ["set -e", f"cd {FOLDER}/pending"]
     for number, command in enumerate(commands):
         # A user may not enter the folder: the script becomes a word, which holds no secret, and the input is open.
-        own = f'runuser -u {quote(user)} -- sh -c "$(cat step{number})"'
+        own = f'runuser -u {quote(facts.user)} -- env HOME={quote(facts.home)} sh -c "$(cat step{number})"'
         lines.append(f"{f'sh step{number}' if command.root else own} <step{number}.in")
     return "\n".join([*lines, "sh live", ""])
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from ur.robot.change.guard import BUSY, EARLY, GONE, LATE, Ended, arm_script, confirm_script, look_script, parse_last
-from ur.robot.change.guarded import GuardedChange, Order, pack_order
+from ur.robot.change.guarded import Order, pack_order
 from ur.robot.setup.facts import Facts
 from ur.robot.ssh.openssh import Address, connect
 from ur.robot.ssh.secret import Secret
@@ -19,6 +19,8 @@ from ur.source.diagnostic import UserError, error
 
 GRACE = 90.0  # s after the robot's own limit: it makes the change, goes back, and its network comes up again
 PAUSE = 1.0
+NEVER = 20.0  # s after which a robot that knows nothing of a change has not been told
+CONNECT_SECONDS = 4
 Report = Callable[[str], None]
 
 
@@ -42,20 +44,26 @@ class Ways:
 
 def open_as(host: str) -> Open:
     """Connections that expect the host key that is known for `host`, whatever the robot is called or where it is."""
+    settings = (f"HostKeyAlias={host}", "CheckHostIP=no", f"ConnectTimeout={CONNECT_SECONDS}")
 
     def open_link(address: Address) -> AbstractContextManager[Link]:
-        return connect(address, options=("-o", f"HostKeyAlias={host}", "-o", "CheckHostIP=no"))
+        return connect(address, options=[word for each in settings for word in ("-o", each)])
 
     return open_link
 
 
-def hand_over(shell: Shell, change: GuardedChange, facts: Facts, wait: int, who: str) -> str:
-    """Arm the robot's guard, which begins a second later; the identity of the attempt.
+def new_identity() -> str:
+    """What an attempt is called."""
+    return secrets.token_hex(4)
 
-    Raises UserError: another change is pending; the robot could not take it, and nothing has changed; the connection
-    broke, and nobody knows.
+
+def hand_over(shell: Shell, order: Order, facts: Facts) -> None:
+    """Arm the robot's guard, which begins a second later.
+
+    Raises UserError: another change is pending, or the robot could not take it, and nothing has changed; or the
+    connection broke (see `is_doubtful`), and nobody knows.
     """
-    order = Order(secrets.token_hex(4), who, wait, change)
+    change = order.change
     done = shell.run(
         arm_script(order.identity, change.title), root=True, stdin=pack_order(order, facts), timeout=60 + GRACE
     )
@@ -78,7 +86,11 @@ def hand_over(shell: Shell, change: GuardedChange, facts: Facts, wait: int, who:
                 help="mend that and run this again",
             )
         )
-    return order.identity
+
+
+def is_doubtful(problem: UserError) -> bool:
+    """Whether the connection broke while a change was handed over, so that it may have begun."""
+    return problem.diagnostics[0].rule in ("lost-connection", "no-answer")
 
 
 def come_back(
@@ -98,7 +110,7 @@ def come_back(
     Raises UserError when the robot took the change back, or is not seen again within `wait` seconds and GRACE.
     """
     end = clock() + wait + GRACE
-    doubt = ""
+    doubt, missing = "", None
     while clock() < end:
         sleep(PAUSE)
         for address in dict.fromkeys((*ways.after, ways.before)):
@@ -113,6 +125,12 @@ def come_back(
                 doubt = problem.diagnostics[0].message
                 continue
             ended = _read(identity, done)
+            if done.code != GONE or ended:
+                missing = None
+            elif missing is None:
+                missing = clock()
+            elif clock() > missing + NEVER:
+                raise _never_begun(title, address)
             if ended and not ended.confirmed:
                 raise _taken_back(title, address, ended)
             if ended:
@@ -134,6 +152,16 @@ def _read(identity: str, done: Done) -> Ended | None:
     if done.code == GONE:
         return parse_last(identity, done.out)
     return Ended(done.code == 0, "") if done.code == 0 else None
+
+
+def _never_begun(title: str, address: Address) -> UserError:
+    return UserError(
+        error(
+            f"{title}: {address} was not told, and nothing has changed: the connection broke too early",
+            rule="lost-connection",
+            help="check the network (ur doctor), then run this again",
+        )
+    )
 
 
 def _taken_back(title: str, address: Address, ended: Ended) -> UserError:
