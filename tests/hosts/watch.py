@@ -27,8 +27,8 @@ _PLACES = "/tmp /run /dev/shm"
 class Watcher:
     """Looks, while it is entered, for texts in the command line and environment of each process that starts a program.
 
-    The kernel tells of each at once, so that the short-lived ones are seen too; those that change their own are looked
-    at every tenth of a second. `seen` holds what was found, `looked` counts the programs.
+    The kernel tells of each at once, so that those that live for some milliseconds only are seen too. Everybody is
+    looked at twice a second: who changes the own command line. `seen` holds what was found, `looked` counts programs.
     """
 
     texts: tuple[str, ...]
@@ -65,7 +65,7 @@ class Watcher:
                 for entry in Path("/proc").iterdir():
                     if entry.name.isdigit():
                         self._look_at(int(entry.name))
-                everybody = time.monotonic() + 0.1
+                everybody = time.monotonic() + 0.5
 
     def _look_at(self, number: int) -> None:
         for part in ("cmdline", "environ"):

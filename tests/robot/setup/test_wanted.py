@@ -12,6 +12,7 @@ from ur.robot.setup.change import Change
 from ur.robot.setup.engine import apply_change
 from ur.robot.setup.facts import ABSENT, Facts, FileState, Request, fact_script, parse_facts
 from ur.robot.setup.keys import AUTHORIZED, KEY, WantedKeyPair, WantedOwnLogin
+from ur.robot.setup.made import RECORD, WantedRecord, kept_path
 from ur.robot.setup.packages import WantedPackages, WantedService
 from ur.robot.setup.wanted import Wanted, WantedFile, WantedFolder, WantedGroups, WantedLine
 from ur.robot.ssh.shell import LocalShell
@@ -22,7 +23,7 @@ LINE = ". ~/.ros_setup # ours"
 
 def with_file(path: str, text: str | None, mode: int = 0o644) -> Facts:
     state = ABSENT if text is None else FileState(text, mode, "pat")
-    return replace(FACTS, files={path: state})
+    return replace(FACTS, files={path: state, RECORD: ABSENT, kept_path(path): ABSENT})
 
 
 def written(change: Change | None) -> object:
@@ -56,7 +57,7 @@ def test_first_line_is_taken_back_without_a_trace(before: str | None) -> None:
     undo = item.undo(with_file("~/.bashrc", after))
     assert undo is not None
     if before is None:
-        assert undo.commands[0].script.startswith("rm ")
+        assert "; rm -f " in undo.commands[0].script
     else:
         assert undo.commands[0].stdin == before
     assert item.undo(with_file("~/.bashrc", before)) is None
@@ -111,6 +112,113 @@ def test_service_is_started_unless_it_runs(active: str, enabled: str, change: bo
     assert bool(WantedService("x", "x.service").plan(facts)) is change
 
 
+def look_at(home: Path, items: list[Wanted]) -> Facts:
+    """The facts of a home folder that nobody has."""
+    request = Request("nobody-else")
+    for item in items:
+        request |= item.request("nobody-else")
+    script = (
+        fact_script(request)
+        .replace("home=$(getent", f"home={home}; : $(getent")
+        .replace("id -nG nobody-else", f"id -nG {getpass.getuser()}")
+    )
+    return parse_facts(request, LocalShell().run(script).out)
+
+
+def snapshot(home: Path) -> dict[str, tuple[str, int, bytes | str]]:
+    """Everything below a folder: kind, rights and content."""
+    found: dict[str, tuple[str, int, bytes | str]] = {}
+    for path in sorted(home.rglob("*")):
+        name, mode = str(path.relative_to(home)), path.lstat().st_mode
+        if path.is_symlink():
+            found[name] = ("link", mode, str(path.readlink()))
+        else:
+            found[name] = ("folder", mode, "") if path.is_dir() else ("file", mode, path.read_bytes())
+    return found
+
+
+HOMES: dict[str, dict[str, str | None]] = {  # None: a folder
+    "nothing": {},
+    "Debian's": {".bashrc": "# mine\n", ".profile": "umask 022\n"},
+    "empty files": {".bashrc": "", ".zshenv": "", ".zshrc": ""},
+    "no end of the last line": {".bashrc": "mine", ".zshrc": "mine"},
+    "empty folders": {".config": None, ".config/fish": None, "catkin_ws": None, ".local/share": None},
+    "an empty workspace": {"catkin_ws/src": None},
+    "an environment of one's own": {".ros_setup": "export ROS_MASTER_URI=http://mine:11311\n"},
+    "links": {"dot/bashrc": "mine\n", ".bashrc": "-> dot/bashrc"},
+}
+
+
+@pytest.mark.parametrize("content", HOMES.values(), ids=HOMES)
+@pytest.mark.parametrize("times", [1, 2])
+def test_home_is_byte_for_byte_what_it_was_once_all_is_taken_back(
+    content: dict[str, str | None], times: int, tmp_path: Path
+) -> None:
+    for name, text in content.items():
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        if text is None:
+            (tmp_path / name).mkdir(parents=True, exist_ok=True)
+        elif text.startswith("-> "):
+            (tmp_path / name).symlink_to(text[3:])
+        else:
+            (tmp_path / name).write_text(text)
+            (tmp_path / name).chmod(0o640)
+    before = snapshot(tmp_path)
+    for version in range(times):
+        make(tmp_path, home_items(version))
+    assert snapshot(tmp_path) != before
+    take_back(tmp_path, home_items(times - 1))
+    assert snapshot(tmp_path) == before
+
+
+def test_what_the_user_wrote_in_between_stays_and_nothing_else(tmp_path: Path) -> None:
+    (tmp_path / ".bashrc").write_text("mine\n")
+    (tmp_path / ".zshrc").write_text("mine")
+    make(tmp_path, home_items(0))
+    for name in (".bashrc", ".zshrc", ".zshenv"):
+        with (tmp_path / name).open("a") as file:
+            file.write("later\n")
+    (tmp_path / "catkin_ws/src/package.xml").write_text("x")
+    take_back(tmp_path, home_items(0))
+    left = {name: content for name, (kind, _, content) in snapshot(tmp_path).items() if kind == "file"}
+    assert left == {
+        ".bashrc": b"mine\nlater\n",
+        ".zshrc": b"mine\nlater\n",
+        ".zshenv": b"later\n",
+        "catkin_ws/src/package.xml": b"x",
+    }
+
+
+def home_items(version: int) -> list[Wanted]:
+    return [
+        WantedRecord(),
+        WantedFile("environment", "~/.ros_setup", f"export A={version}\n"),
+        WantedLine("bash", "~/.bashrc", LINE, first=True),
+        WantedLine("zsh", "~/.zshenv", LINE, first=True),
+        WantedFolder("workspace", "~/catkin_ws/src"),
+        WantedFile("Tab in fish", "~/.config/fish/completions/ur.fish", f"# {version}\n"),
+        WantedLine("zsh reads it", "~/.zshrc", LINE),
+    ]
+
+
+def make(home: Path, items: list[Wanted]) -> None:
+    facts = look_at(home, items)  # once, since asking takes long
+    for item in items:
+        change = item.plan(facts)
+        if change:
+            apply_change(LocalShell(), change)
+    facts = look_at(home, items)
+    assert [item.title for item in items if item.plan(facts)] == []
+
+
+def take_back(home: Path, items: list[Wanted]) -> None:
+    facts = look_at(home, items)  # once, as `ur setup --undo` does
+    for item in reversed(items):
+        change = item.undo(facts)
+        if change:
+            apply_change(LocalShell(), change)
+
+
 def test_changes_bring_about_what_was_wanted_and_back(tmp_path: Path) -> None:
     (tmp_path / ".bashrc").write_bytes(b"# Latin-1 \xe9\nmine")
     items: list[Wanted] = [
@@ -125,15 +233,7 @@ def test_changes_bring_about_what_was_wanted_and_back(tmp_path: Path) -> None:
     shell = LocalShell()
 
     def look() -> Facts:
-        request = Request("nobody-else")
-        for item in items:
-            request |= item.request("nobody-else")
-        script = (
-            fact_script(request)
-            .replace("home=$(getent", f"home={tmp_path}; : $(getent")
-            .replace("id -nG nobody-else", f"id -nG {getpass.getuser()}")
-        )
-        return parse_facts(request, shell.run(script).out)
+        return look_at(tmp_path, items)
 
     for item in items:
         change = item.plan(look())
@@ -172,4 +272,4 @@ def test_text_that_did_not_arrive_whole_is_not_written(tmp_path: Path) -> None:
     assert change
     assert LocalShell().run(change.commands[0].script, stdin=LINE[:5]).code != 0
     assert (tmp_path / ".bashrc").read_text() == "mine\n"
-    assert [path.name for path in tmp_path.iterdir()] == [".bashrc"]
+    assert [path.name for path in tmp_path.glob(".bashrc*")] == [".bashrc"]

@@ -8,6 +8,7 @@ from pathlib import Path
 from ur.robot.setup.environment import viewer_environment
 from ur.robot.setup.facts import Facts, Request
 from ur.robot.setup.keys import HOST_KEY, own_keys
+from ur.robot.setup.made import WantedRecord
 from ur.robot.setup.packages import WantedPackages, WantedService
 from ur.robot.setup.wanted import Wanted, WantedFile, WantedGroups, WantedLine
 
@@ -59,7 +60,11 @@ def wanted_here(
             WantedService("time", "chrony.service"),
             WantedGroups("groups", GROUPS),
         ]
-    items += [*viewer_environment(repository), *own_keys(facts.user, facts.hostname, facts.file(HOST_KEY).text)]
+    items += [
+        WantedRecord(),
+        *viewer_environment(repository),
+        *own_keys(facts.user, facts.hostname, facts.file(HOST_KEY).text),
+    ]
     items += [WantedFile(f"Tab in {shell}", COMPLETIONS[shell], text) for shell, text in (completion or {}).items()]
     if completion and "zsh" in completion:
         items.append(WantedLine("zsh reads it", "~/.zshrc", ZSH_LINE))

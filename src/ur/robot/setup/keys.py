@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from ur.robot.setup.change import Change, Command
 from ur.robot.setup.facts import Facts, Request
+from ur.robot.setup.made import RECORD, note_script
 from ur.robot.setup.wanted import Wanted, WantedFolder, WantedLine
 from ur.robot.ssh.shell import quote
 
@@ -59,7 +60,7 @@ class WantedOwnLogin:
 
     def request(self, user: str) -> Request:
         """The key and who may log in."""
-        return Request(user, files=frozenset({KEY + ".pub", AUTHORIZED}))
+        return Request(user, files=frozenset({KEY + ".pub", AUTHORIZED, RECORD}))
 
     def plan(self, facts: Facts) -> Change | None:
         """Add the key, also one that is only being made."""
@@ -68,7 +69,8 @@ class WantedOwnLogin:
             return None
         key, place = quote(facts.resolve(KEY + ".pub")), quote(facts.resolve(AUTHORIZED))
         script = (
-            f'set -e; umask 077; f=$(readlink -m {place}); grep -qxF "$(cat {key})" "$f" 2>/dev/null && exit 0; '
+            f'set -e; umask 077; {note_script(facts)} own {place}; note "$f"; '
+            f'grep -qxF "$(cat {key})" "$f" 2>/dev/null && exit 0; '
             'new=$(mktemp "$f.XXXXXX"); trap \'rm -f "$new"\' EXIT; [ ! -e "$f" ] || sed -e \'$a\\\' "$f" >"$new"; '
             f'cat {key} >>"$new"; mv -f "$new" "$f"'
         )

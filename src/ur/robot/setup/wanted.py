@@ -11,6 +11,7 @@ from typing import Protocol
 
 from ur.robot.setup.change import Change, Command, show_difference
 from ur.robot.setup.facts import Facts, Request
+from ur.robot.setup.made import RECORD, is_made, kept_path, note_script, was_unended
 from ur.robot.ssh.shell import quote
 
 
@@ -45,22 +46,30 @@ class WantedFile:
     then: str = ""
 
     def request(self, user: str) -> Request:
-        """The file."""
-        return Request(user, files=frozenset({self.path}))
+        """The file, and what is known of the time before it."""
+        return Request(user, files=frozenset({self.path, RECORD, kept_path(self.path)}))
 
     def plan(self, facts: Facts) -> Change | None:
-        """Write it when text or mode differ."""
+        """Write it when text or mode differ. A file of the user that was there is put away."""
         state = facts.file(self.path)
         if state.text == self.text and state.mode == self.mode:
             return None
         difference = show_difference(self.path, state.text, self.text)
         difference = difference or f"{self.path}: mode {state.mode:o} -> {self.mode:o}"
-        return Change(self.title, difference, (write_file(facts, self.path, self.text, self.mode, self.then),))
+        return Change(
+            self.title, difference, (write_file(facts, self.path, self.text, self.mode, self.then, keep=True),)
+        )
 
     def undo(self, facts: Facts) -> Change | None:
-        """Remove it when it is still ours, unchanged."""
-        state = facts.file(self.path)
-        return _remove_file(facts, self.title, self.path, state.text, self.then) if state.text == self.text else None
+        """Remove it when it is still ours, unchanged; put back what was there."""
+        state, kept = facts.file(self.path), facts.file(kept_path(self.path)).text
+        if state.text != self.text:
+            return None
+        if kept is None:
+            return _remove_file(facts, self.title, self.path, state.text, self.then)
+        place = quote(facts.resolve(kept_path(self.path)))
+        script = f'{note_script(facts)} own {quote(facts.resolve(self.path))}; mv -f {place} "$f"'
+        return Change(self.title, show_difference(self.path, state.text, kept), (Command(script),))
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,8 +87,8 @@ class WantedLine:
     old: tuple[str, ...] = ()
 
     def request(self, user: str) -> Request:
-        """The file."""
-        return Request(user, files=frozenset({self.path}))
+        """The file, and what is known of the time before it."""
+        return Request(user, files=frozenset({self.path, RECORD}))
 
     def plan(self, facts: Facts) -> Change | None:
         """Put it where it belongs; elsewhere in the file it is taken away. A wrong mode is set right only if wider."""
@@ -100,13 +109,15 @@ class WantedLine:
         return Change(self.title, difference, (write_file(facts, self.path, text, mode),))
 
     def undo(self, facts: Facts) -> Change | None:
-        """Take the line away, and the file when nothing else is in it."""
+        """Take the line away, and the file when it was not there and nothing else is in it."""
         state = facts.file(self.path)
         if state.text is None or self.line not in state.text.split("\n"):
             return None
         rest = self._rest(state.text)
-        if not rest.strip():
+        if not rest and is_made(facts, self.path):
             return _remove_file(facts, self.title, self.path, state.text)
+        if not self.first and state.text == f"{rest}{self.line}\n" and was_unended(facts, self.path):
+            rest = rest.removesuffix("\n")
         difference = show_difference(self.path, state.text, rest)
         return Change(self.title, difference, (write_file(facts, self.path, rest, state.mode),))
 
@@ -127,27 +138,28 @@ class WantedFolder:
     mode: int = 0o755
 
     def request(self, user: str) -> Request:
-        """The folder."""
-        return Request(user, files=frozenset({self.path}))
+        """The folder, and whether it was there."""
+        return Request(user, files=frozenset({self.path, RECORD}))
 
     def plan(self, facts: Facts) -> Change | None:
-        """Make it, or take rights away that others should not have."""
+        """Make it. One that others shall not enter loses rights that are too wide."""
         state = facts.file(self.path)
-        if state.folder and not state.mode & ~self.mode:
+        strict = not self.mode & 0o077
+        if state.folder and not (strict and state.mode & ~self.mode):
             return None
         path = quote(facts.resolve(self.path))
-        script = f"mkdir -p -m {self.mode:o} {path} && chmod {self.mode:o} {path}"
-        difference = (
-            f"{self.path}: mode {state.mode:o} -> {self.mode:o}" if state.folder else f"{self.path}/: new folder"
-        )
-        return Change(self.title, difference, (Command(script),))
+        if state.folder:
+            difference = f"{self.path}: mode {state.mode:o} -> {self.mode:o}"
+            return Change(self.title, difference, (Command(f"chmod {self.mode:o} {path}"),))
+        script = f'{note_script(facts)} own {path}; note "$f"; mkdir -p -m {self.mode:o} "$f"'
+        return Change(self.title, f"{self.path}/: new folder", (Command(script),))
 
     def undo(self, facts: Facts) -> Change | None:
-        """Remove it when it is empty (that is seen when it is tried)."""
-        if not facts.file(self.path).folder or self.mode != 0o755:
+        """Remove it when it was made and is empty, which is seen when it is tried. A strict one stays: it holds keys."""
+        if not facts.file(self.path).folder or not self.mode & 0o077 or not is_made(facts, self.path):
             return None
-        path = quote(facts.resolve(self.path))
-        return Change(self.title, f"{self.path}/: removed if empty", (Command(f"rmdir -p {path} 2>/dev/null; true"),))
+        script = f'{note_script(facts)} own {quote(facts.resolve(self.path))}; prune "$f/."'
+        return Change(self.title, f"{self.path}/: removed if empty", (Command(script),))
 
 
 @dataclass(frozen=True, slots=True)
@@ -176,15 +188,20 @@ class WantedGroups:
         return None
 
 
-def write_file(facts: Facts, path: str, text: str, mode: int, then: str = "") -> Command:
+def write_file(facts: Facts, path: str, text: str, mode: int, then: str = "", *, keep: bool = False) -> Command:
     """Write a file in one step: who reads it sees the old one or the new one, whatever is killed when.
 
-    A file that is a symbolic link stays one: what it points to is written.
+    A file that is a symbolic link stays one: what it points to is written. With `keep`, a file of the user is put away.
     """
     own = path.startswith("~/")
     target = quote(facts.resolve(path))
+    if own:
+        find = f'{note_script(facts)} own {target}; note "$f"; '
+        find += f'keep "$f" {quote(facts.resolve(kept_path(path)))}; ' if keep else ""
+    else:
+        find = f"f=$(readlink -m {target}); "
     script = (
-        f'set -e; f=$(readlink -m {target}); (umask 022; mkdir -p "$(dirname "$f")"); umask 077; '
+        f'set -e; {find}(umask 022; mkdir -p "$(dirname "$f")"); umask 077; '
         'new=$(mktemp "$f.XXXXXX"); trap \'rm -f "$new"\' EXIT HUP INT TERM; cat >"$new"; '
         # A transmission that was cut off must not pass for the whole.
         f'[ "$(wc -c <"$new")" -eq {len(text.encode(errors="surrogateescape"))} ]; '
@@ -196,9 +213,8 @@ def write_file(facts: Facts, path: str, text: str, mode: int, then: str = "") ->
 
 
 def _remove_file(facts: Facts, title: str, path: str, text: str | None, then: str = "") -> Change:
-    script = f"rm -f {quote(facts.resolve(path))}"
-    folder = path.removeprefix("~/").rpartition("/")[0]
-    if path.startswith("~/") and folder:  # folders that were made for it go as well, unless something else is in them
-        script += f"; cd {quote(facts.home)} && rmdir -p --ignore-fail-on-non-empty {quote(folder)} 2>/dev/null || :"
+    own = path.startswith("~/")
+    target = quote(facts.resolve(path))
+    script = f'{note_script(facts)} own {target}; rm -f {target}; prune "$f"' if own else f"rm -f {target}"
     script += f"; {then}" if then else ""
-    return Change(title, show_difference(path, text, None), (Command(script, root=not path.startswith("~/")),))
+    return Change(title, show_difference(path, text, None), (Command(script, root=not own),))
