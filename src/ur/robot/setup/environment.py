@@ -12,6 +12,21 @@ _HEAD = """\
 # The ROS environment of this user's shells, written by `ur`: it is written again, so your own lines belong elsewhere.
 # Every shell reads it, scripts and remote commands too: it must say nothing and be quick.
 [ ! -r "$HOME/catkin_ws/devel/setup.sh" ] || . "$HOME/catkin_ws/devel/setup.sh"
+# Packages of the workspace are found before it is built, too: launch files need no building.
+case ":${ROS_PACKAGE_PATH-}:" in *:/usr/share:*) ;; *)
+  ROS_PACKAGE_PATH="${ROS_PACKAGE_PATH:+$ROS_PACKAGE_PATH:}/usr/share" ;; esac
+case ":$ROS_PACKAGE_PATH:" in *":$HOME/catkin_ws/src:"*) ;; *)
+  ROS_PACKAGE_PATH="$HOME/catkin_ws/src:$ROS_PACKAGE_PATH" ;; esac
+export ROS_PACKAGE_PATH
+"""
+# Where this project may be on a robot; one in the workspace comes before one in the home folder.
+_LIBRARY = """\
+for ubiquity in "$HOME/ubiquity_launches" "$HOME/catkin_ws/src/ubiquity_launches"; do
+  ubiquity="$ubiquity/ubiquity_launches"
+  [ ! -d "$ubiquity" ] || case ":$PATH:" in *":$ubiquity/bin:"*) ;; *)
+    PATH="$ubiquity/bin:$PATH" ROS_PACKAGE_PATH="$ubiquity:$ROS_PACKAGE_PATH" ;; esac
+done
+unset ubiquity
 """
 
 
@@ -28,7 +43,8 @@ def robot_environment() -> list[Wanted]:
 
 def robot_setup_text() -> str:
     """The text of a robot's ~/.ros_setup."""
-    return _HEAD + (
+    return (
+        f"{_HEAD}{_LIBRARY}"
         'read -r ROS_HOSTNAME </proc/sys/kernel/hostname\nexport ROS_HOSTNAME="${ROS_HOSTNAME%%.*}.local"\n'
         'export ROS_MASTER_URI="http://$ROS_HOSTNAME:11311"\n'
     )
