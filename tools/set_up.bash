@@ -20,6 +20,8 @@ packages=(
 )
 # EGL and Mesa render the simulated camera without a screen; the programs of the first drive have none.
 [[ $profile == test ]] && packages+=(git openssh-client tmux zsh fish xvfb liburdfdom-tools libegl1 libopengl0 libgl1-mesa-dri)
+# Images of systems are made and read back with the tools of others.
+[[ $profile == test ]] && packages+=(mtools dosfstools fdisk e2fsprogs openssl)
 # The site of ur docs is tried in Chromium. Ubuntu has it as a snap only, which tests cannot drive: they are left out.
 [[ $profile == test ]] && grep -qx 'ID=debian' /etc/os-release && packages+=("chromium-headless-shell|chromium" fonts-dejavu-core)
 

@@ -54,9 +54,15 @@ def make_image(path: Path, parts: Sequence[Part], table: Literal["dos", "gpt"] =
     for offset, part in zip(offsets, parts, strict=True):
         if part.kind != "none":
             content = make_filesystem(path.with_suffix(".part"), part)
-            with path.open("r+b") as file:
-                file.seek(offset * MIB)
-                file.write(content.read_bytes())
+            run(
+                "dd",
+                f"if={content}",
+                f"of={path}",
+                "bs=64K",
+                f"seek={offset * 16}",
+                "conv=notrunc,sparse",
+                "status=none",
+            )
             content.unlink()
     return path
 

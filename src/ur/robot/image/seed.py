@@ -13,16 +13,11 @@ import yaml
 
 from ur.robot.image.layout import SEED_FOLDER, Layout, Scheme
 from ur.robot.robot_file import ROBOT_FILE
-from ur.robot.setup.there import Robot, announcement, robot_file
+from ur.robot.setup.there import KEEP_NAME, Robot, announcement, robot_file
 from ur.robot.ssh.shell import quote
 from ur.source.diagnostic import UserError, error
 
 MARK = "# Written by ur image prepare.\n"
-# As `ur robot setup` writes it, so that it finds nothing to do there.
-KEEP_NAME = (
-    "/etc/cloud/cloud.cfg.d/99-ubiquity.cfg",
-    "# Written by ur robot setup.\npreserve_hostname: true\nmanage_etc_hosts: false\n",
-)
 _GROUPS = ("adm", "sudo", "dialout", "video", "plugdev", "input")
 _UNIT = "/etc/systemd/system/ubiquity-names.service"
 # What cloud-init's `packages` cannot: a first boot without internet is not held up, and it is tried until there is.
@@ -118,7 +113,7 @@ def user_data_text(wish: Wish, *, raspberry: bool = False) -> str:
     files = (
         (str(ROBOT_FILE), robot_file(wish.robot)),
         ("/etc/avahi/services/ubiquity.service", announcement(wish.robot, wish.user)),
-        KEEP_NAME,
+        ("/etc/cloud/cloud.cfg.d/99-ubiquity.cfg", KEEP_NAME),
         (_UNIT, _NAMES),
     )
     data: dict[str, Any] = {

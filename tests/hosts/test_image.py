@@ -1,0 +1,113 @@
+"""`ur image prepare`, and what a computer makes of it when it boots for the first time."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+from tests.hosts.bench import UR, Bench, Machine, boot
+from tests.hosts.test_robot_setup import SUDO
+from tests.robot.image.images import CLOUD_ROOT, make_cloud, needs_tools, read_ext
+
+pytestmark = [pytest.mark.long, needs_tools]
+SEED = "var/lib/cloud/seed/nocloud"
+NAMES = ("user-data", "meta-data", "network-config")
+
+
+@dataclass(frozen=True)
+class Booted:
+    """A laptop, and a robot that booted from the seed that the laptop wrote into an image."""
+
+    laptop: Machine
+    robot: Machine
+
+
+@pytest.fixture(scope="module")
+def pair(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Booted]:
+    with boot(("laptop", "robot")) as bench:
+        yield Booted(bench["laptop"], first_boot(bench, tmp_path_factory.mktemp("image")))
+
+
+def install_mtools(laptop: Machine) -> None:
+    """As the package does; its repository does not offer it. The laptop has the same release as this computer."""
+    program = Path(shutil.which("mcopy") or "").resolve()
+    shutil.copy(program, laptop.root / "usr/local/bin/mtools")
+    for name in ("mcopy", "mdir", "mdel", "mren"):
+        (laptop.root / "usr/local/bin" / name).symlink_to("mtools")
+
+
+def first_boot(bench: Bench, folder: Path) -> Machine:
+    laptop, robot = bench["laptop"], bench["robot"]
+    laptop.write("/etc/sudoers.d/pat", SUDO, mode=0o440)
+    laptop.run("mkdir -m 700 -p .ssh && ssh-keygen -q -t ed25519 -N '' -f .ssh/id_ed25519", user="pat").check()
+    install_mtools(laptop)
+    image = make_cloud(folder / "cloud.img")
+    target = laptop.root / "home/pat/cloud.img"
+    target.write_bytes(image.read_bytes())
+    laptop.run("chown pat: /home/pat/cloud.img").check()
+    line = (
+        f"{UR} image prepare cloud.img --name bob --base magni --user rob --ssid home --country DE --passwords-from 0"
+    )
+    laptop.run(line, user="pat", stdin="\nwifi-secret\n").check()
+    # What was written into the image becomes the robot's disk.
+    for name in NAMES:
+        robot.write(f"/{SEED}/{name}", read_ext(target, f"{SEED}/{name}", CLOUD_ROOT), mode=0o600)
+    robot.write(
+        "/etc/cloud/cloud.cfg.d/90-bench.cfg", "datasource_list: [NoCloud]\nlocale: false\n"
+    )  # it has no locales
+    (robot.root / "etc/cloud/cloud-init.disabled").unlink()
+    leader = robot.leader
+    robot.run("systemctl reboot --no-block")
+    robot.wait_rebooted(leader)
+    robot.wait_for("cloud-init status | grep done", deadline=120.0)
+    return robot
+
+
+def test_seed_is_what_cloud_init_wants(pair: Booted) -> None:
+    pair.robot.run(f"cloud-init schema --config-file /{SEED}/user-data").check()
+    assert "WARNING" not in pair.robot.read("/var/log/cloud-init.log")
+
+
+def test_robot_has_its_name_user_and_file_after_its_first_boot(pair: Booted) -> None:
+    robot = pair.robot
+    assert robot.run("cat /etc/hostname /proc/sys/kernel/hostname").out == "bob\nbob\n"
+    assert "127.0.1.1\tbob\n" in robot.read("/etc/hosts")
+    assert 'name: "bob"\nbase: "magni"\n' in robot.read("/etc/ubiquity/robot.yaml")
+    assert robot.run("getent shadow rob").out.startswith("rob:!")
+    assert "sudo" in robot.run("id -nG rob").out.split()
+
+
+def test_laptop_logs_in_by_name_and_key_without_a_password(pair: Booted) -> None:
+    laptop = pair.laptop
+    laptop.wait_for("getent ahostsv4 bob.local")
+    options = "-o BatchMode=yes -o StrictHostKeyChecking=accept-new -o UserKnownHostsFile=/dev/null -o LogLevel=ERROR"
+    done = laptop.run(
+        f"ssh {options} rob@bob.local 'id -un; sudo -n id -un; cat /proc/sys/kernel/hostname'", user="pat"
+    )
+    assert done.check().out == "rob\nroot\nbob\n"
+    refused = laptop.run(f"ssh {options} -o PubkeyAuthentication=no -v rob@bob.local true", user="pat")
+    assert refused.code == 255
+    assert "(publickey)" in refused.err
+
+
+def test_robot_is_known_and_announces_itself(pair: Booted) -> None:
+    seen = pair.laptop.wait_for(f"{UR} robots | grep {pair.robot.address}", user="pat")
+    assert "bob" in seen.out
+    assert "magni" in seen.out
+
+
+def test_set_up_finishes_by_key_and_the_name_stays(pair: Booted) -> None:
+    laptop, robot = pair.laptop, pair.robot
+    line = f"{UR} robot setup rob@bob.local --name bob --base magni --passwords-from 0"
+    done = laptop.run(line, user="pat", stdin="\n\n", timeout=400).check()
+    assert "ready after" in done.out
+    assert "robot file" not in done.out  # it was there already
+    leader = robot.leader
+    robot.run("systemctl reboot --no-block")
+    robot.wait_rebooted(leader)
+    laptop.wait_for(f"{UR} shell bob cat /etc/hostname", user="pat", deadline=60.0)
+    again = laptop.run(line, user="pat", stdin="\n\n", timeout=400).check()
+    assert "nothing to do" in again.out
