@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 
 from tests.hosts.bench import Bench, Machine, boot
 from tests.hosts.test_robot_setup import PASSWORD, prepare, set_up
@@ -33,7 +33,7 @@ TAKE_OVER = (
 PENDING = "/var/lib/ubiquity/change/pending"
 LEFT = (
     "ls -d /var/lib/ubiquity/change/[!l]* /etc/systemd/system/ur-* /etc/systemd/system/*.wants/ur-* 2>/dev/null; "
-    "systemctl list-units --all --plain --no-legend 'ur-change-*'"
+    "systemctl list-units --plain --no-legend 'ur-change-*' | grep -v ' inactive '"
 )
 # All that a change touches: rights, owners and contents.
 FILES = (
@@ -82,4 +82,20 @@ def wait_reached(laptop: Machine, name: str, address: str = "") -> None:
     laptop.wait_for(f'[ "$({login})" = {name} ] && {where}', user="pat", deadline=60)
 
 
-__all__ = ["PASSWORD", "PENDING", "SNAPSHOT", "managed_pair", "wait_reached", "wait_settled", "wait_up"]
+def has_other_leader(robot: Machine, leader: int) -> bool:
+    """Whether it has started again after `leader` was its init."""
+    with suppress(LookupError):
+        return robot.leader != leader
+    return False
+
+
+__all__ = [
+    "PASSWORD",
+    "PENDING",
+    "SNAPSHOT",
+    "has_other_leader",
+    "managed_pair",
+    "wait_reached",
+    "wait_settled",
+    "wait_up",
+]

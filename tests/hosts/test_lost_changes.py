@@ -11,7 +11,16 @@ from dataclasses import dataclass
 
 import pytest
 from tests.hosts.bench import UR, Bench, Machine, wait_until
-from tests.hosts.managed import PASSWORD, PENDING, SNAPSHOT, managed_pair, wait_reached, wait_settled, wait_up
+from tests.hosts.managed import (
+    PASSWORD,
+    PENDING,
+    SNAPSHOT,
+    has_other_leader,
+    managed_pair,
+    wait_reached,
+    wait_settled,
+    wait_up,
+)
 
 pytestmark = [pytest.mark.long, pytest.mark.timeout(1800)]
 SEED = 20
@@ -103,7 +112,7 @@ def strike(pair: Bench, blow: Blow) -> Callable[[], str]:
     process.stdin.close()
     number = int(process.stdout.readline())
     moments = {
-        "told": lambda: exists(robot, f"{PENDING}/../guard"),
+        "told": lambda: exists(robot, PENDING.replace("pending", "guard")),
         "begun": lambda: exists(robot, f"{PENDING}/begun"),
         "made": lambda: exists(robot, f"{PENDING}/applied"),
     }
@@ -129,9 +138,3 @@ def strike(pair: Bench, blow: Blow) -> Callable[[], str]:
 
 def exists(robot: Machine, path: str) -> bool:
     return (robot.root / path.lstrip("/")).exists()
-
-
-def has_other_leader(robot: Machine, leader: int) -> bool:
-    with suppress(LookupError):
-        return robot.leader != leader
-    return False

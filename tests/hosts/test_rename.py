@@ -1,0 +1,131 @@
+"""`ur robot rename`: the robot has the new name everywhere, or the old one everywhere."""
+
+from __future__ import annotations
+
+import subprocess
+
+import pytest
+from tests.hosts.bench import UR, Bench, Done, Machine, wait_until
+from tests.hosts.managed import PENDING, SNAPSHOT, wait_reached, wait_settled
+from tests.hosts.test_doctor import pair
+from tests.hosts.test_robot_setup import PASSWORD
+
+pytestmark = pytest.mark.long
+__all__ = ["pair"]
+
+
+def ur(laptop: Machine, words: str, password: str = PASSWORD) -> Done:
+    return laptop.run(f"{UR} {words} --password-from 0", user="pat", stdin=f"{password}\n", timeout=300)
+
+
+def test_robot_has_its_new_name_on_both_computers_and_after_a_reboot(pair: Bench) -> None:
+    laptop, robot = pair["laptop"], pair["robot"]
+    laptop.run(f"{UR} use bob", user="pat").check()
+    kept = laptop.run("tar c .ssh .config | base64", user="pat").check().out
+
+    preview = ur(laptop, "robot rename bob eve --dry-run").check().out
+    assert '+name: "eve"' in preview
+    assert robot.read("/etc/hostname") == "bob\n"
+
+    done = ur(laptop, "robot rename bob eve").check()
+    assert "bob is called eve now" in done.out
+    wait_settled(robot)
+    assert laptop.run(f"{UR} use", user="pat").check().out.strip() == "eve"
+    assert "bob" not in laptop.run("cat .ssh/known_hosts .config/ubiquity_launches/robots/*", user="pat").check().out
+    found = robot.run("grep -rlw bob /etc/host* /etc/ubiquity /etc/avahi/services /home/ros/.ssh/known_hosts").out
+    assert found == ""
+    laptop.wait_for(f"{UR} robots | grep -q eve", user="pat", deadline=60)
+    laptop.wait_for("rostopic list", user="pat", deadline=60)  # its master, under the name that is selected
+    laptop.wait_for(f"{UR} doctor eve", user="pat", deadline=60)
+
+    # This computer was stopped before it could take a note: a second run does that, and only that.
+    laptop.run("rm -rf .ssh .config; base64 -d | tar x", user="pat", stdin=kept).check()
+    again = ur(laptop, "robot rename bob eve").check()
+    assert "bob is called eve already" in again.out
+    assert "here: host key of eve" in again.out
+    wait_reached(laptop, "eve", robot.address)
+
+    leader = robot.leader
+    robot.run("systemctl reboot")
+    robot.wait_rebooted(leader)
+    wait_reached(laptop, "eve", robot.address)
+    ur(laptop, "robot rename eve bob").check()
+    wait_settled(robot)
+    laptop.wait_for(f"{UR} doctor bob", user="pat", deadline=60)
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("rename bob Eve!", "'Eve!' is not the name of a computer"),
+        ("rename bob laptop", "name 'laptop' is taken"),
+        ("rename bob bob", "the same name"),
+        ("rename nobody eve", "no computer answers to this name"),
+        ("network bob --address 10.77.0.99/24", "host0 is managed by systemd-networkd, expected NetworkManager"),
+    ],
+)
+def test_what_cannot_be_is_refused_in_a_line_and_changes_nothing(pair: Bench, words: str, said: str) -> None:
+    robot = pair["robot"]
+    before = robot.run(SNAPSHOT).check().out
+    done = ur(pair["laptop"], f"robot {words}")
+    assert done.code == 2
+    assert said in done.err
+    assert "Traceback" not in done.err
+    assert robot.run(SNAPSHOT).check().out == before
+    wait_settled(robot)
+
+
+def test_name_of_another_computer_is_refused(pair: Bench) -> None:
+    # Another name of the laptop's, as another robot would have it.
+    laptop = pair["laptop"]
+    publish = ["avahi-publish-address", "-R", "eve.local", laptop.address]
+    process = subprocess.Popen(laptop.command_line(" ".join(["exec", *publish])), stdout=subprocess.DEVNULL)
+    try:
+        pair["robot"].wait_for("getent ahostsv4 eve.local", deadline=60)
+        done = ur(laptop, "robot rename bob eve")
+    finally:
+        process.terminate()
+        process.wait(60)
+    assert done.code == 2
+    assert f"eve.local is another computer already ({laptop.address})" in done.err
+    assert pair["robot"].read("/etc/hostname") == "bob\n"
+    wait_until(lambda: laptop.run("getent ahostsv4 eve.local").code != 0, "eve.local is gone", 120)
+
+
+def test_wrong_password_of_the_robot_is_named(pair: Bench) -> None:
+    robot = pair["robot"]
+    robot.run("mv /etc/sudoers.d/ros /root/").check()
+    done = ur(pair["laptop"], "robot rename bob eve", password="wrong")
+    robot.run("mv /root/ros /etc/sudoers.d/").check()
+    assert done.code == 2
+    assert "sudo refuses this password" in done.err
+
+
+def test_second_change_is_refused_by_the_name_of_the_first(pair: Bench) -> None:
+    laptop, robot = pair["laptop"], pair["robot"]
+    robot.run(f"mkdir -p {PENDING}; echo rename bob to tom >{PENDING}/title; echo pat@desktop >{PENDING}/who").check()
+    done = ur(laptop, "robot rename bob eve")
+    robot.run(f"rm -r {PENDING}").check()
+    assert done.code == 2
+    assert "'rename bob to tom', begun by pat@desktop, is not finished, expected one change at a time" in done.err
+
+
+def test_rename_whose_viewer_was_killed_is_not_taken_for_done(pair: Bench) -> None:
+    laptop, robot = pair["laptop"], pair["robot"]
+    process = subprocess.Popen(
+        laptop.command_line(f"echo $$; exec {UR} robot rename bob eve --wait 30", user="pat"),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        text=True,
+    )
+    with process.stdout as said:  # type: ignore[union-attr]  # it is a pipe
+        number = int(said.readline())
+        assert "begins" in said.readline()
+        laptop.run(f"kill -KILL {number}").check()
+    process.wait(60)
+    done = ur(laptop, "robot rename bob eve")
+    assert done.code == 2
+    assert "not finished" in done.err
+    wait_settled(robot)
+    wait_reached(laptop, "bob", robot.address)
+    assert "nobody confirmed it within 30 s" in robot.journal()
