@@ -8,13 +8,13 @@ from pathlib import Path
 
 import pytest
 
-from ur.robot.boot import is_unit_name, master_unit, program_unit, tell_base_script
+from ur.robot.boot import command_line, is_unit_name, launch_line, master_unit, program_unit, tell_base_script
 
 WORDS = ("rostopic", "pub", "/x", "std_msgs/String", "data: 'it''s 100%'", "$HOME", 'a "b" \\c')
 
 
 def test_program_is_started_after_the_master_and_restarted_with_it() -> None:
-    text = program_unit("drive", ["roslaunch", "p", "f"], "ros").text
+    text = program_unit("drive", "exec roslaunch p f", "ros").text
     assert "After=network-online.target avahi-daemon.service ubiquity-master.service" in text
     assert "PartOf=ubiquity-master.service" in text
     assert "Restart=always" in text
@@ -29,7 +29,7 @@ def test_master_is_told_the_base_before_programs_start() -> None:
     text = master_unit("ros").text
     assert text.index("ExecStart=") < text.index("ExecStartPost=-") < text.index("[Install]")
     assert "/ur/base_name" in text
-    assert "ExecStartPost" not in program_unit("drive", ["roslaunch", "p", "f"], "ros").text
+    assert "ExecStartPost" not in program_unit("drive", "exec roslaunch p f", "ros").text
 
 
 def test_computer_without_a_robot_file_tells_nothing(tmp_path: Path) -> None:
@@ -49,7 +49,8 @@ def test_robot_file_that_cannot_be_used_is_named_in_one_line(tmp_path: Path, tex
 
 @pytest.mark.skipif(shutil.which("systemd-analyze") is None, reason="systemd-analyze is not installed")
 def test_units_are_what_systemd_expects(tmp_path: Path) -> None:
-    units = [master_unit("root"), program_unit("drive", WORDS, "root")]
+    units = [master_unit("root"), program_unit("drive", command_line(WORDS), "root")]
+    units.append(program_unit("talk", launch_line("p", "f.launch", ["a:=it's 100% $HOME"]), "root"))
     for unit in units:
         (tmp_path / f"{unit.service}.service").write_text(unit.text)
     paths = [str(tmp_path / f"{unit.service}.service") for unit in units]
@@ -65,3 +66,56 @@ def test_units_are_what_systemd_expects(tmp_path: Path) -> None:
 )
 def test_unit_names_are_plain_words(name: str, good: bool) -> None:
     assert is_unit_name(name) is good
+
+
+def back_off(folder: Path, *, restarts: int, uptime: int) -> tuple[str, int]:
+    """What the unit's own script says, and how long it pauses, started `restarts` times by itself at this uptime."""
+    unit = folder / "x.service"
+    unit.write_text(program_unit("x", "exec true", "ros").text)
+    line = unit.read_text().split("ExecStartPre=/bin/sh -c ")[2].split("\n")[0]
+    script = line[1:-1].replace("$$", "$").replace("\\n", "\n").replace('\\"', '"')
+    tools = {
+        "systemctl": f"echo {restarts}",
+        "cut": f"echo {uptime}",
+        "sleep": 'echo "$1" >slept',
+    }
+    for name, text in tools.items():
+        (folder / name).write_text(f"#!/bin/sh\n{text}\n")
+        (folder / name).chmod(0o755)
+    environment = {"PATH": f"{folder}:/usr/bin:/bin", "RUNTIME_DIRECTORY": str(folder)}
+    done = subprocess.run(["/bin/sh", "-c", script], env=environment, capture_output=True, text=True, check=True)
+    assert done.stderr == ""
+    return done.stdout, int((folder / "slept").read_text())
+
+
+def test_pauses_grow_while_it_keeps_ending_and_begin_anew_after_a_calm_time(tmp_path: Path) -> None:
+    uptime = 1000
+    pauses = []
+    for restarts in range(8):
+        said, pause = back_off(tmp_path, restarts=restarts, uptime=uptime)
+        assert bool(said) == bool(pause)
+        pauses.append(pause)
+        uptime += 5
+    assert pauses == [0, 2, 4, 8, 16, 32, 60, 60]
+    assert back_off(tmp_path, restarts=8, uptime=uptime + 60) == ("", 0)
+    assert back_off(tmp_path, restarts=9, uptime=uptime + 62)[1] == 2
+    assert back_off(tmp_path, restarts=0, uptime=uptime + 63) == ("", 0)  # started by hand
+
+
+@pytest.mark.parametrize("ready", [True, False])
+def test_launch_file_is_started_by_ur_where_it_is_set_up_else_by_roslaunch(tmp_path: Path, ready: bool) -> None:
+    home = tmp_path / "home"
+    for path, text in (
+        (home / "ubiquity_launches/.venv/bin/python", 'echo "ur: $*"'),
+        (tmp_path / "bin/roslaunch", 'echo "roslaunch: $*"'),
+    ):
+        path.parent.mkdir(parents=True)
+        path.write_text(f"#!/bin/sh\n{text}\n")
+        path.chmod(0o755)
+    if ready:
+        (home / "ubiquity_launches/.venv/ready-run").touch()
+    environment = {"HOME": str(home), "PATH": f"{tmp_path / 'bin'}:/usr/bin:/bin"}
+    line = launch_line("p", "f.launch", ["words:=it's $HOME"])
+    done = subprocess.run(["/bin/bash", "-c", line], env=environment, capture_output=True, text=True, check=True)
+    starter = "ur: -m ur launch --plain" if ready else "roslaunch:"
+    assert done.stdout == f"{starter} --wait p f.launch words:=it's $HOME\n"

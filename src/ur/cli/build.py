@@ -20,7 +20,7 @@ from ur.robot.ssh.openssh import connect
 from ur.robot.ssh.shell import LocalShell, Shell, quote
 from ur.source.diagnostic import UserError, error
 
-END_SECONDS = 25.0  # longer than build_attached takes over all its steps
+END_SECONDS = 15.0  # longer than build_attached takes over all its steps
 
 
 @click.command("build")

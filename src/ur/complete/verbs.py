@@ -36,6 +36,7 @@ KINDS: dict[str, tuple[str, ...]] = {
     "unmount": ("robot",),
     "use": ("selection",),
     "wait": ("run",),
+    "wifi": ("robot",),
     "x": ("robot",),
     "completion": ("shell",),
     "help": ("verb",),

@@ -15,7 +15,8 @@ import threading
 import time
 from contextlib import suppress
 
-STEPS = ((signal.SIGINT, 10.0), (signal.SIGTERM, 5.0), (signal.SIGKILL, 5.0))
+# Not SIGINT: catkin_make would print a traceback. make takes half-made files away at either.
+STEPS = ((signal.SIGTERM, 5.0), (signal.SIGKILL, 5.0))
 
 
 def main() -> int:

@@ -1,0 +1,94 @@
+"""Which launch file a boot service starts, as the robot has it, and with which arguments."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from ur.robot.robot_file import ROBOT_FILE
+from ur.robot.ssh.shell import Shell, quote
+from ur.source.diagnostic import UserError, error
+
+# Python that roslaunch itself rests on; the words are PACKAGE FILE.
+_FIND = """\
+import base64, os, sys
+import rospkg
+try:
+    top = rospkg.RosPack().get_path(sys.argv[1])
+except rospkg.ResourceNotFound:
+    sys.exit(3)
+for folder, folders, files in os.walk(top, followlinks=True):
+    folders[:] = sorted(name for name in folders if not name.startswith('.'))
+    if sys.argv[2] in files:
+        path = os.path.join(folder, sys.argv[2])
+        print(path)
+        print(base64.b64encode(open(path, 'rb').read()).decode())
+        sys.exit()
+sys.exit(4)
+"""
+
+
+@dataclass(frozen=True, slots=True)
+class RobotLaunch:
+    """A launch file on a robot: where it is, its bytes, and the text of the robot's own file ('': it has none)."""
+
+    path: str
+    data: bytes
+    robot_file: str
+
+
+def is_launch_name(word: str) -> bool:
+    """Whether a word of a command line names a launch file."""
+    return word.endswith((".launch", ".launch.xml")) and "/" not in word
+
+
+def find_launch(shell: Shell, package: str, file: str, robot: str) -> RobotLaunch:
+    """Look a launch file up as a login shell there does. Raises UserError: no such package or file on the robot."""
+    look = quote("/usr/bin/python3", "-c", _FIND, package, file)
+    done = shell.run(quote("bash", "-lc", f"exec {look}"))
+    if done.code == 3:
+        help_ = f"it lies in this computer's workspace? then: ur sync {robot}"
+        raise _problem(f"{robot}: package {package!r} is not there, expected it in ~/catkin_ws/src or installed", help_)
+    if done.code == 4:
+        raise _problem(f"{robot}: package {package!r} has no file {file!r} there", f"ur sync {robot}")
+    lines = done.out.splitlines()
+    if done.code or len(lines) < 2:
+        said = (done.err.strip().splitlines() or ["no reason was given"])[-1]
+        raise _problem(f"{robot}: {package} {file} cannot be looked up: {said}", f"ur doctor {robot}")
+    own = shell.run(f"cat {quote(str(ROBOT_FILE))} 2>/dev/null").out
+    return RobotLaunch(lines[-2], base64.b64decode(lines[-1]), own)
+
+
+def choose_arguments(
+    declared: Mapping[str, bool], given: Sequence[str], facts: Mapping[str, str], name: str
+) -> list[str]:
+    """The arguments of a launch file that starts when a robot boots: those given, and what the robot knows of itself.
+
+    `declared` says of each argument whether it has to be given; `facts` are `base` and `variant` of the robot. Raises
+    UserError: an argument is missing, or not known.
+    """
+    values = dict(word.split(":=", 1) for word in given if ":=" in word)
+    stray = [word for word in given if ":=" not in word]
+    if stray:
+        raise _problem(f"{stray[0]!r} is no argument of {name}, expected NAME:=VALUE", "ur boot install --help")
+    unknown = [each for each in values if each not in declared]
+    if unknown:
+        known = ", ".join(declared) or "(none)"
+        raise _problem(f"{name} has no argument {unknown[0]!r}, expected one of {known}", f"leave {unknown[0]} out")
+    own = {
+        "robot_base": facts.get("base", ""),
+        # A variant belongs to its base: with another base given by hand it means nothing.
+        "robot_variant": "" if "robot_base" in values else facts.get("variant", ""),
+        "simulate": "false",
+        "use_rviz": "false",
+    }
+    values |= {key: value for key, value in own.items() if value and key in declared and key not in values}
+    missing = [each for each, required in declared.items() if required and each not in values]
+    if missing:
+        raise _problem(f"{name} needs a value for {missing[0]}", f"add {missing[0]}:=...")
+    return [f"{key}:={value}" for key, value in values.items()]
+
+
+def _problem(message: str, help: str) -> UserError:
+    return UserError(error(message, rule="no-boot-service", help=help))

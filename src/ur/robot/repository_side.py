@@ -1,0 +1,92 @@
+"""Puts a copy of this project into a folder of a robot: only what differs, each file in one step, what it knows last.
+
+Sent to the robot, where nothing of this project is there yet: only the standard library, in one file. Reads JSON from
+standard input: `folder`, `digest`, and `files`, by path `[mode, content in base64]`; with mode 0 a link and its target.
+The copy remembers the hashes of what it wrote: a file that somebody changed since is kept beside the folder before it
+is replaced.
+"""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import json
+import os
+import sys
+from pathlib import Path
+
+STAMP = ".copy"
+HASHES = ".copy-files"
+
+
+def put(folder: Path, digest: str, files: dict[str, tuple[int, str]]) -> list[str]:
+    """Make the folder a copy; the paths of files that somebody had changed, and that were kept in FOLDER.changed."""
+    before = _load(folder / HASHES)
+    after = {}
+    kept = []
+    for path, (mode, text) in sorted(files.items()):
+        content = base64.b64decode(text)
+        after[path] = hashlib.sha256(content).hexdigest()
+        target = folder / path
+        now = _hash(target)
+        if now == after[path] and (mode == 0 or target.stat().st_mode & 0o777 == mode):
+            continue
+        if now is not None and now not in (before.get(path), after[path]):
+            _keep(folder, path)
+            kept.append(path)
+        _write(target, content, mode)
+    for path in sorted(before.keys() - after.keys()):
+        if _hash(folder / path) == before[path]:
+            (folder / path).unlink()
+    _write(folder / HASHES, json.dumps(after).encode(), 0o644)
+    _write(folder / STAMP, f"{digest}\n".encode(), 0o644)
+    return kept
+
+
+def _load(path: Path) -> dict[str, str]:
+    try:
+        return dict(json.loads(path.read_text()))
+    except (OSError, ValueError, TypeError):
+        return {}
+
+
+def _hash(path: Path) -> str | None:
+    try:
+        content = os.fsencode(path.readlink()) if path.is_symlink() else path.read_bytes()
+    except OSError:
+        return None
+    return hashlib.sha256(content).hexdigest()
+
+
+def _keep(folder: Path, path: str) -> None:
+    target = folder.with_name(f"{folder.name}.changed") / path
+    target.parent.mkdir(parents=True, exist_ok=True)
+    os.replace(folder / path, target)  # noqa: PTH105 - it says that it replaces
+
+
+def _write(target: Path, content: bytes, mode: int) -> None:
+    target.parent.mkdir(parents=True, exist_ok=True)
+    new = target.with_name(f"{target.name}.new")
+    new.unlink(missing_ok=True)
+    if mode == 0:
+        new.symlink_to(os.fsdecode(content))
+    else:
+        new.write_bytes(content)
+        new.chmod(mode)
+    os.replace(new, target)  # noqa: PTH105 - it says that it replaces
+
+
+def main() -> None:
+    """Do what standard input asks for, and say what was kept."""
+    request = json.load(sys.stdin)
+    folder = Path(os.path.expanduser(request["folder"]))  # noqa: PTH111 - Path.expanduser raises where HOME is unset
+    folder.mkdir(parents=True, exist_ok=True)
+    # From here on it is a copy, and not somebody's own: an interrupted one is finished by the next run.
+    if not (folder / STAMP).exists():
+        _write(folder / STAMP, b"incomplete\n", 0o644)
+    for path in put(folder, request["digest"], request["files"]):
+        sys.stdout.write(f"kept {path}\n")
+
+
+if __name__ == "__main__":
+    main()
