@@ -190,7 +190,9 @@ def _choose(networks: Networks, ssid: str, password: str, *, hidden: bool, band:
     secured = seen.security not in ("", "OWE") if seen else True
     if not password and secured and sys.stdin.isatty():
         password = getpass.getpass(f"password of {ssid}{' (empty: the one that the robot knows)' if known else ''}: ")
-    if not password and seen and secured and not known:
+    if known and not password:  # its profile knows how, also with a user name
+        return Wifi(ssid, None, "", hidden, band)
+    if not password and seen and secured:
         raise UserError(
             error(
                 f"{ssid}: it wants a password, and none is given",
