@@ -28,10 +28,12 @@ ssh-keygen -q -t ed25519 -N '' -f /root/stale <<<y >/dev/null
 sed -i '/^{name}.local/d' {home}/.ssh/known_hosts
 echo "{name}.local,{name} $(cut -d' ' -f1,2 /root/stale.pub)" >>{home}/.ssh/known_hosts
 """
-# A home on a disk of its own that the logs of ROS fill to the last byte.
+# A home on a disk of its own, of 60 MB, that the logs of ROS fill to the last byte.
 FULL = """\
-mount -t tmpfs -o size=60m,mode=755 tmpfs /mnt && cp -a /home/ros/. /mnt/ && chown ros:ros /mnt && mount --move /mnt /home/ros
-su ros -c 'mkdir -p ~/.ros/log/old; cat /dev/zero >~/.ros/log/old/rosout.log' 2>/dev/null; true
+set -e
+mount -t tmpfs -o size=60m,mode=755 tmpfs /mnt
+cp -a /home/ros/. /mnt/; chown ros:ros /mnt; mount --bind /mnt /home/ros
+su ros -c 'mkdir -p ~/.ros/log/old; head -c 70000000 /dev/zero >~/.ros/log/old/rosout.log' 2>/dev/null || true
 """
 # See other_clock.c: chrony can set this clock, and takes it for the computer's.
 OTHER_CLOCK = """\
@@ -157,7 +159,7 @@ FAULTS = (
         fix=False,
         machine="laptop",
     ),
-    Fault("full disk", "full-disk", FULL, fix=False, tidy="umount -l /home/ros"),
+    Fault("full disk", "full-disk", FULL, fix=False, tidy="umount -l /home/ros; umount -l /mnt"),
     Fault("wrong address of a name", "name-is-wrong", "echo 10.9.9.9 laptop.local >>/etc/hosts"),
     Fault("MTU", "mtu", "ip link set host0 mtu 1300"),
     Fault("dead avahi (the robot's)", "avahi-not-running", "systemctl stop avahi-daemon.socket avahi-daemon"),
