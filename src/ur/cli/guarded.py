@@ -64,7 +64,7 @@ def become_root(shell: SshShell, given: str) -> list[Secret]:
         error(
             f"{shell.place}: {said}, expected that of {shell.address.user}, who may use sudo",
             rule="no-root",
-            help="run this in a terminal, or hand the password over: ur robot --help",
+            help="run this in a terminal, or give --password-from FD (with wifi: --passwords-from FD)",
         )
     )
 

@@ -17,8 +17,9 @@ from pathlib import Path
 import click
 
 from ur.cli.environment import PACKAGE
+from ur.cli.robot_network import network
 from ur.cli.robot_rename import rename
-from ur.cli.robot_wifi import network, wifi
+from ur.cli.robot_wifi import wifi
 from ur.robot.base import list_bases, load_base
 from ur.robot.record import DEFAULT_USER
 from ur.robot.setup.robot import Task, open_robot, prepare_viewer, preview, set_up
