@@ -30,6 +30,13 @@ def test_robots_that_are_there_come_before_those_that_are_away() -> None:
     assert Row("x", "").when(NOW) == "away"
 
 
+def test_robot_that_is_announced_and_does_not_answer_is_away() -> None:
+    bob = Sighting("bob", "bob", ("10.0.0.2",), "magni")
+    (row,) = list_robots([bob], [], {"bob": Answer(answers=False)})
+    assert (row.name, row.address, row.base) == ("bob", "", "magni")
+    assert list_robots([bob], [], {"bob": Answer(answers=True)})[0].address == "10.0.0.2"
+
+
 def test_two_robots_with_one_name_are_a_problem_of_both() -> None:
     rows = list_robots([Sighting("bob", "bob", ("10.0.0.2",)), Sighting("bob-2", "bob", ("10.0.0.3",))], [])
     assert [bool(row.problem) for row in rows] == [True, True]

@@ -15,7 +15,7 @@ import click
 from ur.cli.on_demand import need
 from ur.cli.robots_asked import Asked
 from ur.robot.discovery import Browser
-from ur.robot.listing import Row, list_robots
+from ur.robot.listing import Answer, Row, list_robots
 from ur.robot.record import load_records, records_folder
 from ur.robot.seen import Seen, load_seen, note_seen, seen_path
 
@@ -49,7 +49,8 @@ def command(watch: bool, seconds: float, as_json: bool) -> int:
         try:
             rows = _watch(look, changed, as_json) if watch else _listen(look, changed, seconds)
         finally:
-            note_seen(seen_path(os.environ), [Seen(one.name, one.address, time.time()) for one in browser.sightings])
+            here = [one for one in browser.sightings if asked.answers.get(one.host, Answer()).answers]
+            note_seen(seen_path(os.environ), [Seen(one.name, one.address, time.time()) for one in here])
     if watch:
         return 0
     if as_json:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import socket
 import threading
 import time
 from collections.abc import Callable, Iterable
@@ -14,6 +15,7 @@ from ur.robot.discovery import Browser, Sighting
 from ur.robot.listing import Answer
 from ur.robot.record import DEFAULT_USER
 
+SSH_PORT = 22
 AGAIN = 5.0  # s after an answer until a robot is asked once more
 AT_ONCE = 16
 
@@ -45,8 +47,18 @@ class Asked:
         for one in sightings:
             if one.address and self._next.get(one.host, 0.0) <= now:
                 self._next[one.host] = float("inf")  # until this answer is there
-                for question in (self._nodes, self._services, self._twin):
+                for question in (self._answers, self._nodes, self._services, self._twin):
                     self._pool.submit(question, one).add_done_callback(self._notify)
+
+    def _answers(self, one: Sighting) -> None:
+        answers = True
+        try:
+            socket.create_connection((one.address, SSH_PORT), timeout=self._seconds).close()
+        except ConnectionRefusedError:
+            pass  # an answer, too
+        except OSError:
+            answers = False
+        self._note(one, answers=answers)
 
     def _nodes(self, one: Sighting) -> None:
         names = list_node_names(one.address, self._seconds)

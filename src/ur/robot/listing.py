@@ -16,13 +16,14 @@ class Answer:
 
     `nodes`: how many its ROS master knows; `services`: what it starts at boot, and systemd's word for how that is;
     `offset` (s): how far its clock is ahead; `twin`: the address of another computer with its name, '' when there is
-    none.
+    none. `answers` is False when nothing at all came back: what was announced is remembered for an hour and more.
     """
 
     nodes: int | None = None
     services: tuple[tuple[str, str], ...] | None = None
     offset: float | None = None
     twin: str = ""
+    answers: bool | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,10 +69,15 @@ def list_robots(
 
     `answers` are by the host name of a sighting, `memory` by the name of a robot.
     """
-    there = sorted(sightings, key=lambda one: (one.name, one.host))
+    said = answers or {}
+    heard = sorted(sightings, key=lambda one: (one.name, one.host))
+    there = [one for one in heard if said.get(one.host, Answer()).answers is not False]
     names = [one.name for one in there]
-    rows = [_row(one, names.count(one.name) > 1, (answers or {}).get(one.host, Answer())) for one in there]
-    known = {record.name: record for record in records}
+    rows = [_row(one, names.count(one.name) > 1, said.get(one.host, Answer())) for one in there]
+    known = {
+        **{one.name: Record(one.name, one.user, one.base, one.variant) for one in heard},
+        **{record.name: record for record in records},
+    }
     for name in sorted({*known, *(memory or {})} - {*names}):
         record = known.get(name, Record(name, "", ""))
         rows.append(Row(name, "", record.base, record.variant, seen=(memory or {}).get(name)))

@@ -1,0 +1,152 @@
+"""`ur robots` and `ur wifi` between two computers: what they tell, and what they make of a robot that drops away."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from tests.hosts.bench import UR, Bench, wait_until
+from tests.hosts.test_doctor import pair
+from tests.terminal import Terminal
+
+pytestmark = pytest.mark.long
+__all__ = ["pair"]
+SECONDS = 120.0
+
+
+def list_robots(pair: Bench) -> dict[str, Any]:
+    said = pair["laptop"].run(f"{UR} robots --json --seconds 4", user="pat").out
+    return {row["name"]: row for row in json.loads(said)}
+
+
+def until_listed(pair: Bench, key: str, value: object) -> dict[str, Any]:
+    """Bob's row once it says so."""
+    rows: dict[str, Any] = {}
+
+    def says_so() -> bool:
+        rows.update(list_robots(pair))
+        return "bob" in rows and rows["bob"][key] == value
+
+    wait_until(says_so, f"{key} is {value!r}", SECONDS)
+    row: dict[str, Any] = rows["bob"]
+    return row
+
+
+@pytest.fixture
+def terminal(pair: Bench, tmp_path: Path) -> Iterator[Terminal]:
+    """A shell of pat's on the laptop, with a terminal of its own, so that Ctrl-C reaches what runs in it."""
+    shell = "exec script -q -c 'bash --norc -i' /dev/null"
+    opened = Terminal(pair["laptop"].command_line(shell, user="pat", environment={"PS1": "$ "}), tmp_path)
+    try:
+        yield opened
+    finally:
+        opened.close()
+
+
+def test_list_tells_what_robots_are_how_their_clock_is_and_what_they_run(pair: Bench) -> None:
+    laptop = pair["laptop"]
+    laptop.run(f"{UR} boot install --robot bob", user="pat", timeout=120).check()
+    try:
+        row = until_listed(pair, "services", {"master": "active"})
+        assert (row["base"], row["address"], row["problem"]) == ("magni", pair["robot"].address, "")
+        assert abs(row["clock_offset"]) < 0.5
+        assert row["version"]
+        assert until_listed(pair, "nodes", 1)  # rosout
+        shown = laptop.run(f"{UR} robots", user="pat").check().out
+        assert "magni" in shown
+        assert "here" in shown
+    finally:
+        laptop.run(f"{UR} boot remove --robot bob", user="pat").check()
+
+
+def test_robot_that_is_away_is_listed_with_where_it_was(pair: Bench) -> None:
+    until_listed(pair, "address", pair["robot"].address)
+    pair["robot"].cut()
+    try:
+        row = until_listed(pair, "address", "")
+        assert row["seen"]["address"] == pair["robot"].address
+        assert "away" in pair["laptop"].run(f"{UR} robots", user="pat").out
+    finally:
+        pair["robot"].restore()
+    until_listed(pair, "address", pair["robot"].address)
+
+
+def test_live_list_notices_who_goes_and_comes_and_ends_with_control_c(pair: Bench, terminal: Terminal) -> None:
+    terminal.type(f"clear; {UR} robots --watch; echo en''ded", "Enter")
+    terminal.until("here", SECONDS)
+    pair["robot"].cut()
+    try:
+        terminal.until("away", SECONDS)
+    finally:
+        pair["robot"].restore()
+    terminal.until("here", SECONDS)
+    terminal.type("C-c")
+    assert "Traceback" not in terminal.until("ended", SECONDS)
+
+
+def test_link_is_measured_and_what_cannot_be_seen_is_said(pair: Bench) -> None:
+    done = pair["laptop"].run(f"{UR} wifi bob --seconds 3", user="pat").check()
+    assert "latency" in done.out
+    assert "no wireless interface at laptop and bob: latency and loss only" in done.out
+
+
+def test_gap_of_a_link_is_marked_and_measuring_goes_on(pair: Bench, terminal: Terminal) -> None:
+    terminal.type(f"clear; {UR} wifi bob --watch --log walk.csv; echo en''ded", "Enter")
+    terminal.until("good: ", SECONDS)
+    pair["robot"].cut()
+    try:
+        terminal.until("bob has not answered", SECONDS)
+    finally:
+        pair["robot"].restore()
+    terminal.until("good: ", SECONDS)
+    terminal.type("C-c")
+    screen = terminal.until("ended", SECONDS)
+    assert "away once" in screen
+    assert "Traceback" not in screen
+    head, *rows = pair["laptop"].read("/home/pat/walk.csv").splitlines()
+    names = head.split(",")
+    latencies = [row.split(",")[names.index("latency_ms")] for row in rows]
+    assert "" in latencies
+    assert latencies[0]
+    assert latencies[-1]
+    pair["laptop"].run("rm walk.csv", user="pat").check()
+    left = [words for _, words in pair["laptop"].processes() if words.startswith(("ping ", "ssh "))]
+    assert left == []
+
+
+def test_lines_are_printed_where_there_is_no_terminal(pair: Bench) -> None:
+    done = pair["laptop"].run(f"{UR} wifi bob --watch --seconds 2", user="pat").check()
+    assert done.out.count("  latency ") == 2
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("wifi nobody", "no computer answers to this name"),
+        ("wifi", "no robot is given"),
+        ("wifi bob --log /no/such/folder/x", "cannot be written"),
+        ("wifi 'b b'", "is not the address of a computer"),
+    ],
+)
+def test_what_cannot_be_done_is_said_in_one_line(pair: Bench, words: str, said: str) -> None:
+    done = pair["laptop"].run(f"{UR} {words}", user="pat")
+    assert done.code == 2
+    assert said in done.err
+    assert "Traceback" not in done.err
+
+
+def test_computer_that_took_the_name_of_a_robot_is_named(pair: Bench) -> None:
+    pair.boot_stranger("bob")
+    pair["laptop"].wait_for("getent ahostsv4 bob-2.local", deadline=60)
+    named: list[str] = []
+
+    def is_named() -> bool:
+        named[:] = [row["problem"] for row in list_robots(pair).values() if row["problem"]]
+        return bool(named)
+
+    wait_until(is_named, "the namesake is named", SECONDS)
+    assert "10.77.0.90" in named[0]
+    assert "bob-2.local" in named[0]
