@@ -63,6 +63,7 @@ def test_prefix_holds_for_one_start_and_takes_the_place_of_the_nodes_own(world: 
         first = runs_anew(client, 0)
         assert first.program == f"{world.folder}/little_nodes/nodes/sleeper"
         assert first.folder == f"{world.folder}/ros"
+        until_command(first.pid or 0, "sleep")
         assert psutil.Process(first.pid or 0).nice() == 1
         client.send(RestartNode("/one", ("env", "MARK=1")))
         second = runs_anew(client, first.pid or 0)
