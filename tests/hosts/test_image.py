@@ -14,7 +14,7 @@ from tests.robot.image.images import CLOUD_ROOT, make_cloud, needs_tools, read_e
 
 pytestmark = [pytest.mark.long, needs_tools]
 SEED = "var/lib/cloud/seed/nocloud"
-NAMES = ("user-data", "meta-data", "network-config")
+IMAGE = "home/pat/cloud.img"
 
 
 @dataclass(frozen=True)
@@ -44,31 +44,40 @@ def first_boot(bench: Bench, folder: Path) -> Machine:
     laptop.write("/etc/sudoers.d/pat", SUDO, mode=0o440)
     laptop.run("mkdir -m 700 -p .ssh && ssh-keygen -q -t ed25519 -N '' -f .ssh/id_ed25519", user="pat").check()
     install_mtools(laptop)
-    image = make_cloud(folder / "cloud.img")
-    target = laptop.root / "home/pat/cloud.img"
-    target.write_bytes(image.read_bytes())
-    laptop.run("chown pat: /home/pat/cloud.img").check()
-    line = (
-        f"{UR} image prepare cloud.img --name bob --base magni --user rob --ssid home --country DE --passwords-from 0"
-    )
-    laptop.run(line, user="pat", stdin="\nwifi-secret\n").check()
-    # What was written into the image becomes the robot's disk.
-    for name in NAMES:
-        robot.write(f"/{SEED}/{name}", read_ext(target, f"{SEED}/{name}", CLOUD_ROOT), mode=0o600)
-    robot.write(
-        "/etc/cloud/cloud.cfg.d/90-bench.cfg", "datasource_list: [NoCloud]\nlocale: false\n"
-    )  # it has no locales
+    shutil.copy(make_cloud(folder / "cloud.img"), laptop.root / IMAGE)
+    laptop.run(f"chown pat: /{IMAGE}").check()
+    laptop.run(command("bob"), user="pat", stdin="\nwifi-secret\n").check()
+    transfer(laptop, robot)
+    # Of this computer, not of its seed: where it looks for one, and that it has no locales.
+    robot.write("/etc/cloud/cloud.cfg.d/90-bench.cfg", "datasource_list: [NoCloud]\nlocale: 'off'\n")
     (robot.root / "etc/cloud/cloud-init.disabled").unlink()
+    reboot(robot)
+    return robot
+
+
+def command(name: str) -> str:
+    who = f"--name {name} --base magni --user rob"
+    return f"{UR} image prepare cloud.img {who} --ssid home --country DE --passwords-from 0"
+
+
+def transfer(laptop: Machine, robot: Machine) -> None:
+    """What was written into the image becomes the robot's disk."""
+    for name in ("user-data", "meta-data", "network-config"):
+        robot.write(f"/{SEED}/{name}", read_ext(laptop.root / IMAGE, f"{SEED}/{name}", CLOUD_ROOT), mode=0o600)
+
+
+def reboot(robot: Machine) -> None:
     leader = robot.leader
     robot.run("systemctl reboot --no-block")
-    robot.wait_rebooted(leader)
+    robot.wait_rebooted(leader, deadline=120.0)
     robot.wait_for("cloud-init status | grep done", deadline=120.0)
-    return robot
 
 
 def test_seed_is_what_cloud_init_wants(pair: Booted) -> None:
     pair.robot.run(f"cloud-init schema --config-file /{SEED}/user-data").check()
-    assert "WARNING" not in pair.robot.read("/var/log/cloud-init.log")
+    log = pair.robot.read("/var/log/cloud-init.log").splitlines()
+    # Networks are netplan's on every image that is supported; here there is none.
+    assert [line for line in log if "[WARNING]" in line and "distros with netplan" not in line] == []
 
 
 def test_robot_has_its_name_user_and_file_after_its_first_boot(pair: Booted) -> None:
@@ -104,10 +113,18 @@ def test_set_up_finishes_by_key_and_the_name_stays(pair: Booted) -> None:
     line = f"{UR} robot setup rob@bob.local --name bob --base magni --passwords-from 0"
     done = laptop.run(line, user="pat", stdin="\n\n", timeout=400).check()
     assert "ready after" in done.out
-    assert "robot file" not in done.out  # it was there already
-    leader = robot.leader
-    robot.run("systemctl reboot --no-block")
-    robot.wait_rebooted(leader)
+    assert "bob: robot file" not in done.out  # it was there already
+    reboot(robot)
     laptop.wait_for(f"{UR} shell bob cat /etc/hostname", user="pat", deadline=60.0)
     again = laptop.run(line, user="pat", stdin="\n\n", timeout=400).check()
     assert "nothing to do" in again.out
+
+
+def test_robot_that_has_booted_takes_another_seed(pair: Booted) -> None:
+    laptop, robot = pair.laptop, pair.robot
+    laptop.run(command("eve"), user="pat", stdin="\nwifi-secret\n").check()
+    transfer(laptop, robot)
+    for _ in range(2):  # and keeps it
+        reboot(robot)
+        assert robot.run("cat /etc/hostname /proc/sys/kernel/hostname").out == "eve\neve\n"
+    laptop.wait_for("getent ahostsv4 eve.local", deadline=60.0)
