@@ -86,14 +86,19 @@ def test_wrong_password_is_named_and_changes_nothing(pair: Bench) -> None:
     assert robot.read("/etc/hostname") == "robot\n"
 
 
-def test_password_that_must_be_changed_first_is_named_and_changes_nothing(pair: Bench) -> None:
+def test_password_that_must_be_changed_at_the_first_login_is_changed(pair: Bench) -> None:
     laptop, robot = pair["laptop"], pair["robot"]
     robot.run("chage -d 0 ros").check()
-    done = set_up(laptop)
-    assert done.code == 2
-    assert "has to be changed at the first login" in done.err
-    assert "ssh ros@robot.local" in done.err
+    without = set_up(laptop, new="")
+    assert without.code == 2
+    assert "has to be changed at the first login" in without.err
+    assert "ssh ros@robot.local" in without.err
     assert robot.read("/etc/hostname") == "robot\n"
+    short = set_up(laptop, new="x")
+    assert short.code == 2
+    assert "the new password is refused" in short.err
+    done = set_up(laptop).check()
+    assert "ready after" in done.out
 
 
 def test_reboot_that_the_robot_did_not_hear_of_is_told_again(pair: Bench) -> None:

@@ -69,7 +69,7 @@ class WantedOwnLogin:
             return None
         key, place = quote(facts.resolve(KEY + ".pub")), quote(facts.resolve(AUTHORIZED))
         script = (
-            f'set -e; umask 077; {note_script(facts)} own {place}; note "$f"; '
+            f'set -e; umask 077; {note_script(facts)} own {place}; note "$f" {place}; '
             f'grep -qxF "$(cat {key})" "$f" 2>/dev/null && exit 0; '
             'new=$(mktemp "$f.XXXXXX"); trap \'rm -f "$new"\' EXIT; [ ! -e "$f" ] || sed -e \'$a\\\' "$f" >"$new"; '
             f'cat {key} >>"$new"; mv -f "$new" "$f"'

@@ -22,9 +22,8 @@ def kept_path(path: str) -> str:
 
 
 def is_made(facts: Facts, path: str) -> bool:
-    """Whether this file or folder was not there before; also when nothing is known of that."""
-    record = facts.file(RECORD).text
-    return record is None or facts.resolve(path) in record.split("\n")
+    """Whether it is known that this file or folder was not there before."""
+    return facts.resolve(path) in (facts.file(RECORD).text or "").split("\n")
 
 
 def was_unended(facts: Facts, path: str) -> bool:
@@ -35,8 +34,8 @@ def was_unended(facts: Facts, path: str) -> bool:
 def note_script(facts: Facts) -> str:
     """Shell functions. `own PATH` sets f to what PATH is without symbolic links, for the others.
 
-    `note PATH` is to be called before PATH is made or changed, `keep PATH PLACE` before a file of the user is replaced:
-    it is put away there; `prune PATH` after PATH was removed: folders that were made for it go, too.
+    `note PATH NAME` is to be called before PATH is made or changed; NAME is what its user calls it. `keep PATH PLACE`
+    puts a file of the user away that will be replaced. `prune PATH` removes folders that were made for PATH.
     """
     home, record = quote(facts.home), quote(facts.resolve(RECORD))
     return (
@@ -45,11 +44,11 @@ def note_script(facts: Facts) -> str:
         'case $f in "$H"/*) f=$h${f#"$H"};; esac; }; '
         f'r={record}; made() {{ grep -qxF -- "$1" "$r" 2>/dev/null; }}; '
         'miss() { case $1 in "$h"/*) miss "${1%/*}"; [ -e "$1" ] || printf "%s\\n" "$1";; esac; }; '
-        'note() { new=$(miss "$r"; miss "$1"; if [ -f "$1" ] && [ -n "$(tail -c 1 "$1" | tr -d "\\n\\0")" ]; then '
-        'printf "unended %s\\n" "$1"; fi); [ -z "$new" ] || { (umask 077; mkdir -p "${r%/*}"); '
-        'printf "%s\\n" "$new" >>"$r"; }; }; '
+        'note() { new=$(miss "$r"; miss "$1"; [ "$1" = "$2" ] || [ -e "$1" ] || printf "%s\\n" "$2"; '
+        'if [ -f "$1" ] && [ -n "$(tail -c 1 "$1" | tr -d "\\n\\0")" ]; then printf "unended %s\\n" "$2"; fi); '
+        '[ -z "$new" ] || { (umask 077; mkdir -p "${r%/*}"); printf "%s\\n" "$new" >>"$r"; }; }; '
         'keep() { [ ! -f "$1" ] || [ -e "$2" ] || made "$1" || { cp -p "$1" "$2.new" && mv "$2.new" "$2"; }; }; '
-        'prune() { d=${1%/*}; while [ "$d" != "$h" ] && { [ ! -e "$r" ] || made "$d"; } && rmdir "$d" 2>/dev/null; '
+        'prune() { d=${1%/*}; while [ "$d" != "$h" ] && made "$d" && rmdir "$d" 2>/dev/null; '
         "do d=${d%/*}; done; :; }; "
     )
 

@@ -19,8 +19,9 @@ from ur.robot.setup.keys import HOST_KEY, KEY, allowed_key, known_host, own_keys
 from ur.robot.setup.lock import hold_robot
 from ur.robot.setup.there import Robot, Viewer, WantedPassword, base_request, wanted_there
 from ur.robot.setup.wanted import Wanted, WantedFile
+from ur.robot.ssh.expired import renew_password
 from ur.robot.ssh.guard import private_folder
-from ur.robot.ssh.openssh import Address, SshShell, connect
+from ur.robot.ssh.openssh import Address, SshShell, connect, host_key_options
 from ur.robot.ssh.secret import Secret
 from ur.robot.ssh.shell import Shell, quote
 from ur.source.diagnostic import UserError, error
@@ -73,9 +74,16 @@ def open_robot(task: Task, report: Report) -> Iterator[SshShell]:
                 break
             except UserError as problem:
                 failure = problem
-                if problem.diagnostics[0].rule in ("changed-host-key", "missing-program"):
+                rule = problem.diagnostics[0].rule
+                if rule in ("changed-host-key", "missing-program"):
                     raise
-                if problem.diagnostics[0].rule != "refused":
+                if rule == "expired-password":
+                    if not task.current or not task.new:
+                        raise
+                    report("its password has to be changed at the first login")
+                    renew_password(address, task.current, task.new, host_key_options(known_hosts))
+                    continue  # there are more ways in: the new password
+                if rule != "refused":
                     silent[address.host] = problem
         else:
             raise silent.get(task.address.host, failure)

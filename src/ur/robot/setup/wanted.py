@@ -151,11 +151,11 @@ class WantedFolder:
         if state.folder:
             difference = f"{self.path}: mode {state.mode:o} -> {self.mode:o}"
             return Change(self.title, difference, (Command(f"chmod {self.mode:o} {path}"),))
-        script = f'{note_script(facts)} own {path}; note "$f"; mkdir -p -m {self.mode:o} "$f"'
+        script = f'{note_script(facts)} own {path}; note "$f" {path}; mkdir -p -m {self.mode:o} "$f"'
         return Change(self.title, f"{self.path}/: new folder", (Command(script),))
 
     def undo(self, facts: Facts) -> Change | None:
-        """Remove it when it was made and is empty, which is seen when it is tried. A strict one stays: it holds keys."""
+        """Remove it when it was made and is empty, which is seen in trying. A strict one stays: it holds keys."""
         if not facts.file(self.path).folder or not self.mode & 0o077 or not is_made(facts, self.path):
             return None
         script = f'{note_script(facts)} own {quote(facts.resolve(self.path))}; prune "$f/."'
@@ -196,7 +196,7 @@ def write_file(facts: Facts, path: str, text: str, mode: int, then: str = "", *,
     own = path.startswith("~/")
     target = quote(facts.resolve(path))
     if own:
-        find = f'{note_script(facts)} own {target}; note "$f"; '
+        find = f'{note_script(facts)} own {target}; note "$f" {target}; '
         find += f'keep "$f" {quote(facts.resolve(kept_path(path)))}; ' if keep else ""
     else:
         find = f"f=$(readlink -m {target}); "
@@ -215,6 +215,6 @@ def write_file(facts: Facts, path: str, text: str, mode: int, then: str = "", *,
 def _remove_file(facts: Facts, title: str, path: str, text: str | None, then: str = "") -> Change:
     own = path.startswith("~/")
     target = quote(facts.resolve(path))
-    script = f'{note_script(facts)} own {target}; rm -f {target}; prune "$f"' if own else f"rm -f {target}"
+    script = f'{note_script(facts)} own {target}; rm -f "$f"; prune "$f"' if own else f"rm -f {target}"
     script += f"; {then}" if then else ""
     return Change(title, show_difference(path, text, None), (Command(script, root=not own),))

@@ -152,14 +152,23 @@ def connect(
     network, host key, login.
     """
     with private_folder() as folder:
-        common = [*options, *_common(folder / "c")]
-        if known_hosts:
-            common += ["-o", f"UserKnownHostsFile={known_hosts}", "-o", "GlobalKnownHostsFile=/dev/null"]
-            common += ["-o", "StrictHostKeyChecking=accept-new", "-o", "HashKnownHosts=no"]
-        else:
-            common += ["-o", "StrictHostKeyChecking=yes"]
+        common = [*options, *_common(folder / "c"), *host_key_options(known_hosts)]
         with _share_connection(address, common, folder, password):
             yield SshShell(address, common, login_password=password)
+
+
+def host_key_options(known_hosts: Path | None) -> list[str]:
+    """Words for ssh: which host keys are taken. See `connect`."""
+    if known_hosts is None:
+        return ["-o", "StrictHostKeyChecking=yes"]
+    files = ["-o", f"UserKnownHostsFile={known_hosts}", "-o", "GlobalKnownHostsFile=/dev/null"]
+    return [*files, "-o", "StrictHostKeyChecking=accept-new", "-o", "HashKnownHosts=no"]
+
+
+def password_options() -> list[str]:
+    """Words for ssh: log in by a password alone, and try it once."""
+    once = ["-o", "NumberOfPasswordPrompts=1", "-o", "PubkeyAuthentication=no"]
+    return [*once, "-o", "PreferredAuthentications=password,keyboard-interactive"]
 
 
 def _common(socket: Path) -> list[str]:
@@ -180,11 +189,7 @@ def _common(socket: Path) -> list[str]:
 def _share_connection(address: Address, common: Sequence[str], folder: Path, password: Secret | None) -> Iterator[None]:
     # The first setting of an option counts. Below INFO, ssh does not tell that the other side closed the connection.
     master = ["ssh", "-o", "LogLevel=INFO", "-o", "ControlMaster=yes", "-o", "ControlPersist=no", *common]
-    if password is None:
-        master += ["-o", "BatchMode=yes"]
-    else:
-        master += ["-o", "NumberOfPasswordPrompts=1", "-o", "PubkeyAuthentication=no"]
-        master += ["-o", "PreferredAuthentications=password,keyboard-interactive"]
+    master += ["-o", "BatchMode=yes"] if password is None else password_options()
     answering = (
         nullcontext(dict(os.environ, LC_ALL="C")) if password is None else answer_password(folder, password.reveal())
     )

@@ -1,0 +1,85 @@
+"""A password that has to be changed at the first login, as Ubuntu's images want it: a talk with passwd over there."""
+
+from __future__ import annotations
+
+import os
+import re
+import select
+import subprocess
+import time
+from collections.abc import Sequence
+from contextlib import suppress
+
+from ur.robot.ssh.askpass import answer_password
+from ur.robot.ssh.guard import private_folder
+from ur.robot.ssh.openssh import Address, lost_connection, password_options
+from ur.robot.ssh.secret import Secret
+from ur.source.diagnostic import UserError, error
+
+PATIENCE = 60.0
+# passwd asks for the present one once, and for the new one twice; in these words since PAM 1.1, in the C locale.
+_QUESTION = re.compile(rb"password: ?$", re.IGNORECASE)
+_DONE = "password updated successfully"
+
+
+def renew_password(address: Address, current: Secret, new: Secret, options: Sequence[str]) -> None:
+    """Log in with the present password and choose the new one, which sshd then asks for. `options` are words for ssh.
+
+    Raises UserError: the connection broke, or the new password is refused, with passwd's reason.
+    """
+    with private_folder() as folder, answer_password(folder, current.reveal()) as environment:
+        # A terminal over there, for passwd asks nobody else; here there are only pipes.
+        process = subprocess.Popen(
+            ["ssh", "-tt", *password_options(), *options, str(address)],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            env=environment,
+            start_new_session=True,
+        )
+        try:
+            said = _converse(process, [current, new, new])
+        finally:
+            process.kill()
+            process.communicate()
+    if _DONE not in said:
+        raise _explain(address, said)
+
+
+def _converse(process: subprocess.Popen[bytes], answers: Sequence[Secret]) -> str:
+    """Answer each question for a password; all that was said."""
+    assert process.stdin
+    assert process.stdout
+    waiting = list(answers)
+    said = part = b""
+    end = time.monotonic() + PATIENCE
+    while (left := end - time.monotonic()) > 0 and _DONE.encode() not in said:
+        ready, _, _ = select.select([process.stdout], [], [], left)
+        more = os.read(process.stdout.fileno(), 4096) if ready else b""
+        if not more:
+            break
+        said, part = said + more, part + more
+        if _QUESTION.search(part):
+            if not waiting:  # it refuses the new one and asks for another
+                break
+            with suppress(BrokenPipeError):
+                process.stdin.write(waiting.pop(0).reveal().encode() + b"\n")
+                process.stdin.flush()
+            part, end = b"", time.monotonic() + PATIENCE
+    return said.decode(errors="replace")
+
+
+def _explain(address: Address, said: str) -> UserError:
+    lines = [line.strip() for line in said.replace("\r", "\n").splitlines()]
+    lines = [
+        line for line in lines if line and not re.search(r"(?i)password:$|^warning|^changing password|now and", line)
+    ]
+    if not lines:
+        return lost_connection(str(address), "")
+    return UserError(
+        error(
+            f"{address}: the new password is refused: {lines[0].removeprefix('passwd: ')}",
+            rule="refused-password",
+            help="its password has to be changed at the first login: run this again with another new one",
+        )
+    )
