@@ -35,7 +35,7 @@ def test_service_that_runs_says_since_when_and_its_last_words() -> None:
     [
         ("active", "running", 3, "8", "started again 3 times"),
         ("activating", "start-pre", 0, "", "waits for the robot's own address"),
-        ("activating", "start-pre", 4, "16", "pauses for 16 s before its next start (it ended with code 2)"),
+        ("activating", "start-pre", 4, "16", "pauses for 16 s before its next start, started again 4 times"),
         ("activating", "auto-restart", 1, "0", "ended with code 2; it is started again"),
         ("failed", "failed", 0, "", "does not run (failed)"),
         ("inactive", "dead", 0, "", "does not run (inactive)"),

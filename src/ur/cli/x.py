@@ -6,7 +6,8 @@ import os
 
 import click
 
-from ur.cli.shell import robot_address
+from ur.cli.shell import STRICT, robot_address, run_ssh
+from ur.robot.ssh.openssh import explain_failure
 from ur.robot.ssh.shell import quote, run_process
 from ur.source.diagnostic import UserError, error
 
@@ -22,27 +23,35 @@ STILL_OPEN = 124  # timeout(1)
 def command(robot: str, words: tuple[str, ...], check: bool) -> int:
     """Run a program on a robot with its windows here.
 
-    For instance: ur x bob xterm. The exit code is that of the program.
+    For instance: ur x bob xterm. The exit code is that of the program. One word is a line for the shell there, several
+    words arrive as they are.
     """
     if not words and not check:
         raise click.UsageError("expected PROGRAM, or --check")
     if not os.environ.get("DISPLAY"):
         raise UserError(
             error(
-                "there is no display here, expected DISPLAY to be set", rule="no-display", help="run this on a desktop"
+                "there is no display here, expected DISPLAY to be set",
+                rule="no-display",
+                help="run this in a terminal of your desktop",
             )
         )
     address = robot_address(robot)
     # Trusted forwarding: OpenGL, and with it RViz, needs extensions that untrusted clients are refused.
-    ssh = ["ssh", "-Y", "-o", "StrictHostKeyChecking=yes", "-o", "ExitOnForwardFailure=yes", "-o", "ConnectTimeout=10"]
+    options = ["-Y", "-o", "ExitOnForwardFailure=yes"]
     if not check:
-        os.execvp("ssh", [*ssh, str(address), *words])  # noqa: S606 - no shell
+        return run_ssh(address, options, words)
     script = quote("timeout", str(OPEN_SECONDS), WINDOW)
-    done = run_process([*ssh, "-o", "BatchMode=yes", str(address), script], timeout=30, what=f"a window of {address}")
+    command = ["ssh", *options, *STRICT, "-o", "BatchMode=yes", str(address), script]
+    done = run_process(command, timeout=30, what=f"a window of {address}")
     if done.code == STILL_OPEN:
         click.echo(f"a window of {address.host} opened here and was closed again")
         return 0
+    if done.code == 255:
+        raise explain_failure(address, done.err)
     said = (done.err.strip().splitlines() or ["no reason was given"])[-1]
-    raise UserError(
-        error(f"{address}: no window opened: {said}", rule="no-window", help=f"ur robot setup {address.host}")
-    )
+    if "not found" in said or "No such file" in said:
+        help_ = f"ur robot setup {address.host}"
+    else:
+        help_ = f"is the display here open to you? 'xauth list' and 'echo $DISPLAY'; then ur doctor {address.host}"
+    raise UserError(error(f"{address}: no window opened: {said}", rule="no-window", help=help_))

@@ -18,7 +18,9 @@ for f in {FOLDER}/{PREFIX}*.service; do
   [ -e "$f" ] || continue
   u=${{f##*/}}; printf '\\036'; systemctl show -p {_PROPERTIES} "$u"
   pause=$(cat "/run/${{u%.service}}/pause" 2>/dev/null); echo "Pause=$pause"
-  journalctl -q -u "$u" -n {LAST_LINES} -o cat --no-pager 2>/dev/null | sed 's/^/Said=/'
+  # Of one that runs, what it said since it was started; of others, also what they said before they ended.
+  only=; systemctl -q is-active "$u" && only=_SYSTEMD_INVOCATION_ID=$(systemctl show -P InvocationID "$u")
+  journalctl -q -u "$u" $only -n {LAST_LINES} -o cat --no-pager 2>/dev/null | sed 's/^/Said=/'
 done
 """
 
@@ -76,7 +78,6 @@ def _describe_state(status: ServiceStatus) -> str:
     elif status.active == "activating" and status.sub == "start-pre":
         pauses = status.restarts and status.pause
         text = f"pauses for {status.pause} s before its next start" if pauses else "waits for the robot's own address"
-        text += f" (it ended with code {status.code})" if pauses else ""
         text += again
     elif status.active == "activating":
         text = f"ended with code {status.code}; it is started again{again}"
