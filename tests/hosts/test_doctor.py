@@ -248,7 +248,7 @@ def test_boot_service_that_fails_is_named_with_its_last_words_and_removed(pair: 
         typed = carry_out(pair, finding)
         wait_until_well(pair)
     finally:
-        laptop.run(f"{UR} boot remove --robot bob", user="pat").check()
+        laptop.run(f"{UR} boot remove --robot bob drive", user="pat").check()
     table.append(("boot service failing", "failing-boot-service", typed))
 
 

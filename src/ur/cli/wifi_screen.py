@@ -66,13 +66,13 @@ def render_screen(samples: Sequence[Sample], names: Names, note: str, width: int
     for (name, signals), colour in zip(radios, ("cyan", "magenta"), strict=False):
         link = latest.here if name == names[0] else latest.there
         _section(text, f"signal at {name}", _link(link) if link else "not heard", colour)
-        _plot(text, plot(signals, *SIGNALS, wide, tall), [f"{SIGNALS[1]:.0f} dBm", f"{SIGNALS[0]:.0f} dBm"], colour)
+        _plot(text, plot(signals, *SIGNALS, wide, tall), ["-30 dBm", "-60 dBm", "-90 dBm"], colour)
     now = "no answer" if latest.latency is None else f"{latest.latency * 1000:.1f} ms"
     _section(text, "latency", now, "red" if latest.gap else "green")
     _plot(
         text,
         plot(log_scale([sample.latency for sample in samples]), *LATENCIES, wide, tall),
-        ["1 s", "0.1 ms"],
+        ["1 s", "10 ms", "0.1 ms"],
         "green",
     )
     _section(text, "loss", f"{latest.loss:.0%}", "red" if latest.lost else "green")
@@ -132,7 +132,8 @@ def _section(text: Text, title: str, now: str, colour: str) -> None:
 
 def _plot(text: Text, lines: Sequence[str], scale: Sequence[str], colour: str) -> None:
     for index, line in enumerate(lines):
-        label = scale[0] if index == 0 else scale[-1] if index == len(lines) - 1 else ""
+        label = {0: scale[0], len(lines) // 2: scale[len(scale) // 2]}.get(index, "")
+        label = scale[-1] if index and index == len(lines) - 1 else label
         text.append(f"{label:>{EDGE - 1}} ", "dim")
         for sign in line:
             text.append(sign, "bold red" if sign == "×" else colour)  # noqa: RUF001 - the sign of a gap

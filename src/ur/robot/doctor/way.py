@@ -149,8 +149,8 @@ def _explain_login(address: Address, way: Way, record: Record | None, name: str)
     if way.rule == "refused":
         return Finding(
             "key-refused",
-            f"{host} takes neither the key of this computer nor a password was given for {address.user}",
-            "is that the user there? Then, with the password of that user:",
+            f"{host} refuses the login of {address.user}: it does not take this computer's key, and no password was given",
+            "is that the user there? Then, once, with the password of that user:",
             (Command("here", f"ssh-copy-id -i ~/.ssh/id_ed25519.pub {quote(str(address))}"),),
         )
     return Finding("no-login", f"{address}: {way.said}", "run this again; at the robot itself: journalctl -u ssh -n 20")

@@ -17,7 +17,7 @@ _OWN_FILE = "/.ros_setup"
 def check_robot(pair: Pair) -> Iterator[Finding]:
     """The robot's variables: of nodes that roslaunch starts there, and of terminals there."""
     side = pair.there
-    for what, variables in _environments(side):
+    for what, variables in _environments(side, ("for nodes that roslaunch starts", "in a terminal")):
         found = list(_check_variables(side, variables, what, f"http://{side.name}.local:11311", side))
         for rule, variable, message in found:
             yield Finding(rule, message, _advice(side, variable), tuple(_mend(side, variable)))
@@ -30,7 +30,7 @@ def check_viewer(pair: Pair) -> Iterator[Finding]:
     side = pair.here
     if not pair.selected:
         return
-    for what, variables in reversed(_environments(side)):
+    for what, variables in reversed(_environments(side, ("in this shell", "in a new terminal"))):
         found = list(_check_variables(side, variables, what, f"http://{pair.there.name}.local:11311", pair.there))
         for rule, variable, message in found:
             files = _files(side, variable)
@@ -44,8 +44,9 @@ def check_viewer(pair: Pair) -> Iterator[Finding]:
             return
 
 
-def _environments(side: Side) -> list[tuple[str, Mapping[str, str]]]:
-    known = [("for nodes that roslaunch starts", side.ros), ("in a terminal", side.shell)]
+def _environments(side: Side, names: tuple[str, str]) -> list[tuple[str, Mapping[str, str]]]:
+    """By its name, each set of variables that was seen; where none was, the first, which is empty."""
+    known = list(zip(names, (side.ros, side.shell), strict=True))
     return [(what, variables) for what, variables in known if variables] or known[:1]
 
 
