@@ -149,7 +149,7 @@ def _explain_login(address: Address, way: Way, record: Record | None, name: str)
     if way.rule == "refused":
         return Finding(
             "key-refused",
-            f"{host} refuses the login of {address.user}: it does not take this computer's key, and no password was given",
+            f"{host} refuses {address.user}: it does not take this computer's key, and no password was given",
             "is that the user there? Then, once, with the password of that user:",
             (Command("here", f"ssh-copy-id -i ~/.ssh/id_ed25519.pub {quote(str(address))}"),),
         )
