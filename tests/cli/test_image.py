@@ -245,3 +245,43 @@ def test_what_is_missing_is_named_where_nobody_can_be_asked(place: Place) -> Non
     assert "give --name" in err
     _, err = place.run("ubuntu.img", "--key", "key.pub", "--ssid", "home", code=2)
     assert "give --passwords-from FD" in err
+
+
+@pytest.fixture
+def card(place: Place) -> Iterator[str]:
+    """A device that holds the image, as a card in a reader does."""
+    done = subprocess.run(
+        ["losetup", "--find", "--show", str(place.image)], capture_output=True, text=True, check=False
+    )
+    if done.returncode:
+        pytest.skip(f"no loop device: {done.stderr.strip()}")
+    device = done.stdout.strip()
+    yield device
+    subprocess.run(["losetup", "--detach", device], check=True)
+
+
+@pytest.mark.skipif(os.geteuid() != 0, reason="only root makes loop devices")
+def test_device_is_written_in_place_and_only_when_that_is_wished(place: Place, card: str) -> None:
+    content = place.image.read_bytes()
+    _, err = place.prepare(card, code=2)
+    assert f"write 4 files onto {card} (no model name, 0.0 GB)?" in err
+    assert "give --yes" in err
+    assert place.image.read_bytes() == content
+    place.prepare(card, "--yes")
+    assert "hostname: bob\n" in read_fat(place.image, "user-data")
+    out, _ = place.prepare(card)
+    assert "nothing to do" in out
+    place.run(card, "--undo", "--yes")
+    assert read_fat(place.image, "user-data") == "#cloud-config\npassword: ubuntu\n"
+
+
+def test_tab_offers_what_there_is_and_files() -> None:
+    for line, offered in (("ur image ", "prepare"), ("ur image prepare READ", "README.md")):
+        done = subprocess.run(
+            [sys.executable, "-m", "ur", "__complete", "bash", line],
+            cwd=REPOSITORY,
+            capture_output=True,
+            text=True,
+            check=True,
+        )
+        assert offered in done.stdout

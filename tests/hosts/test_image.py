@@ -69,7 +69,7 @@ def transfer(laptop: Machine, robot: Machine) -> None:
 def reboot(robot: Machine) -> None:
     leader = robot.leader
     robot.run("systemctl reboot --no-block")
-    robot.wait_rebooted(leader, deadline=120.0)
+    robot.wait_rebooted(leader, deadline=180.0)  # a stop may wait out its 90 s
     robot.wait_for("cloud-init status | grep done", deadline=120.0)
 
 

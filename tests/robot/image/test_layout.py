@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 from tests.robot.image.images import (
+    BOOT,
     MIB,
     Part,
     make_cloud,
@@ -14,6 +15,7 @@ from tests.robot.image.images import (
     make_ubuntu,
     needs_tools,
     os_release,
+    run,
 )
 
 from ur.robot.image.layout import Scheme, find_layout
@@ -32,6 +34,12 @@ def test_ubuntu_for_raspberry_pi_has_its_seed_on_system_boot(tmp_path: Path) -> 
     found = find_layout(make_ubuntu(tmp_path / "x.img", netplan="1.0-2ubuntu1"))
     assert (found.scheme, found.system, found.raspberry) == (Scheme.BOOT_SEED, "Ubuntu 24.04.3 LTS", False)
     assert found.netplan == "1.0-2ubuntu1"
+
+
+def test_writing_that_was_cut_off_between_two_names_is_recognized(tmp_path: Path) -> None:
+    path = make_ubuntu(tmp_path / "x.img")
+    run("mren", "-i", f"{path}@@{BOOT}M", "::/user-data", "::/user-data.ur-new")
+    assert find_layout(path).scheme is Scheme.BOOT_SEED
 
 
 def test_raspberry_pi_os_13_has_cloud_init(tmp_path: Path) -> None:

@@ -15,7 +15,7 @@ from pathlib import Path
 
 from ur.robot.image.content import FileSystem, describe_other, identify_filesystem
 from ur.robot.image.partitions import Partition, Read, read_partitions
-from ur.robot.image.volume import ExtVolume, FatVolume, Volume
+from ur.robot.image.volume import ExtVolume, FatVolume, Volume, unfinished_names
 from ur.source.diagnostic import UserError, error
 
 SEED_FOLDER = "var/lib/cloud/seed/nocloud"
@@ -99,7 +99,7 @@ def _boot_layout(
 ) -> Layout | None:
     names = boot.names()
     raspberry = "issue.txt" in names or what.label == "bootfs"
-    if {"user-data", "meta-data"} <= names or what.label.lower() == "cidata":
+    if {"user-data", "meta-data"} <= unfinished_names(names) or what.label.lower() == "cidata":
         name = _name(root) if root else "a system with cloud-init"
         return Layout(Scheme.BOOT_SEED, name, boot, root, raspberry=raspberry, netplan=_netplan(root) if root else "")
     command = boot.read("cmdline.txt")

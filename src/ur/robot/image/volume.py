@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
@@ -16,6 +16,14 @@ _SECONDS = 120.0
 _TOOLS = {"debugfs": "e2fsprogs", "openssl": "openssl"}
 # The administrator's tools are not on everybody's PATH.
 _PATH = os.pathsep.join((os.defpath, "/usr/local/sbin", "/usr/sbin", "/sbin"))
+
+
+_BESIDE = ".ur-new"
+
+
+def unfinished_names(names: Iterable[str]) -> frozenset[str]:
+    """Names of files, with those that a writing would have had that was cut off before its end."""
+    return frozenset(name.removesuffix(_BESIDE) for name in names)
 
 
 class Volume(Protocol):
@@ -52,7 +60,7 @@ class FatVolume:
     def write(self, path: str, content: bytes | None, mode: int = 0o644) -> None:  # noqa: ARG002 - of the protocol
         """Written beside it first, then renamed: cut off anywhere, no file is there in part."""
         names = self.names()
-        beside = f"{path}.ur-new"
+        beside = path + _BESIDE
         if beside in names:
             self._run("mdel", f"::/{beside}")
         if content is not None:
