@@ -46,6 +46,7 @@ def offer(line: str, world: SystemWorld) -> list[str]:
         Option(("--only",), "one node", takes_value=True),
         Option(("-v", "--verbose"), "more"),
         Option(("--form",), "which", takes_value=True, choices=("json", "text")),
+        Option(("--robot",), "whose", takes_value=True),
     ]
     known = Known(
         {
@@ -76,7 +77,7 @@ def offer(line: str, world: SystemWorld) -> list[str]:
         ("ur launch here.launch robot_base:=x l", ["loud:="]),
         ("ur launch here.launch robot_base:=m", ["robot_base:=magni"]),
         ("ur launch here.launch loud:=", ["loud:=true", "loud:=false"]),
-        ("ur launch here.launch --", ["--only", "--verbose", "--form"]),
+        ("ur launch here.launch --", ["--only", "--verbose", "--form", "--robot"]),
         ("ur launch --form ", ["json", "text"]),
         ("ur launch --form json here.launch lo", ["loud:="]),
         ("ur run d", ["drive", "dance"]),
@@ -103,3 +104,7 @@ def test_arguments_come_with_their_documentation(world: SystemWorld) -> None:
 
 def test_every_verb_with_words_has_its_kinds() -> None:
     assert set(KINDS) - {"docs", "graph", "help", "new"} <= set(VERBS)
+
+
+def test_option_that_names_a_robot_offers_robots(world: SystemWorld) -> None:
+    assert offer("ur boot install --robot ", world) == ["loki"]

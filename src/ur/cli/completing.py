@@ -91,6 +91,8 @@ def _options(verb: str) -> tuple[Option, ...]:
 
     if verb not in VERBS:
         return ()
+    command = load_verb(verb)
+    commands = list(command.commands.values()) if isinstance(command, click.Group) else []
     found = [
         Option(
             (*parameter.opts, *parameter.secondary_opts),
@@ -98,7 +100,7 @@ def _options(verb: str) -> tuple[Option, ...]:
             not parameter.is_flag and not parameter.count,
             tuple(map(str, parameter.type.choices)) if isinstance(parameter.type, click.Choice) else (),
         )
-        for parameter in load_verb(verb).params
+        for parameter in {each.name: each for one in (command, *commands) for each in one.params}.values()
         if isinstance(parameter, click.Option) and not parameter.hidden
     ]
     return (*found, Option(("--help",), "Show this page."))

@@ -63,7 +63,9 @@ def _complete(line: Line, world: World, known: Known) -> Iterator[Candidate]:
     options = known.options(verb) if any(word.startswith("-") for word in (*words, line.prefix)) else ()
     if words and (option := _awaiting(words[-1], options)):
         yield from (Candidate(choice) for choice in option.choices)
-        if not option.choices:
+        if "--robot" in option.names:
+            yield from _named("robot", known)
+        elif not option.choices:
             yield from complete_paths(line.prefix, world, every=True)
         return
     if line.prefix.startswith("-"):
