@@ -2,20 +2,42 @@
 
 from __future__ import annotations
 
-from tests.hosts.bench import REPOSITORY, UR, Bench, Machine
+from collections.abc import Iterator
+
+import pytest
+from tests.hosts.bench import REPOSITORY, UR, Machine, boot
+from tests.hosts.test_robot_setup_interrupted import run_until
+
+from ur.robot.setup.here import GROUPS, PACKAGES
 
 SUDO = "pat ALL=(ALL) NOPASSWD: ALL\n"
+# Home folders as people have them, made by pat: each computer is used for all of them.
+MINE = """\
+mkdir -p .config catkin_ws/src dot && printf 'export A=1' >dot/zshrc && ln -s dot/zshrc .zshrc
+: >.zshenv; printf 'mine\\n\\n' >>.bashrc
+printf 'export ROS_MASTER_URI=http://mine:11311\\n' >.ros_setup; chmod 600 .ros_setup
+"""
 
 
-def snapshot(laptop: Machine) -> str:
-    return laptop.run("cd /home/pat; md5sum .bashrc .profile .zshenv .ros_setup 2>/dev/null; ls -A").check().out
+@pytest.fixture(scope="module")
+def laptop() -> Iterator[Machine]:
+    with boot(("laptop",)) as bench:
+        bench["laptop"].write("/etc/sudoers.d/pat", SUDO, mode=0o440)
+        yield bench["laptop"]
 
 
-def test_setup_prepares_shells_keys_and_packages_once_and_takes_them_back(bench: Bench) -> None:
-    laptop = bench["laptop"]
-    laptop.write("/etc/sudoers.d/pat", SUDO, mode=0o440)
+def snapshot(laptop: Machine) -> list[str]:
+    """All of a home folder, byte for byte, but keys, which stay, and sudo's own mark."""
+    script = (
+        "cd /home/pat; "
+        "find . -path ./.ssh -prune -o ! -name .sudo_as_admin_successful -printf '%M %u %p %l\\n' | sort; "
+        "find . -path ./.ssh -prune -o -type f ! -name .sudo_as_admin_successful -exec sha256sum {} + | sort"
+    )
+    return laptop.run(script).check().out.splitlines()
+
+
+def test_setup_prepares_shells_keys_and_packages_once_and_takes_them_back(laptop: Machine) -> None:
     fresh = snapshot(laptop)
-
     shown = laptop.run(f"{UR} setup --dry-run", user="pat").check()
     assert "+++ ~/.bashrc" in shown.out
     assert snapshot(laptop) == fresh
@@ -26,15 +48,55 @@ def test_setup_prepares_shells_keys_and_packages_once_and_takes_them_back(bench:
     inside = "ssh -o BatchMode=yes -o StrictHostKeyChecking=yes laptop.local 'echo $ROS_MASTER_URI; command -v ur'"
     said = laptop.run(inside, user="pat").check().out
     assert said.split() == ["http://localhost:11311", f"{REPOSITORY}/ubiquity_launches/bin/ur"]
-    assert "installed" in laptop.run("dpkg-query -W -f='${db:Status-Status}' sshfs").out
+    said = laptop.run("zsh -c 'echo $ROS_MASTER_URI; command -v ur'", user="pat").check().out
+    assert said.split() == ["http://localhost:11311", f"{REPOSITORY}/ubiquity_launches/bin/ur"]
+    installed = laptop.run("dpkg-query -W -f='${db:Status-Status} ${Package}\\n'").out.splitlines()
+    assert [entry for entry in PACKAGES if not any(f"installed {name}" in installed for name in entry.split("|"))] == []
+    existing = {line.split(":")[0] for line in laptop.read("/etc/group").splitlines()}
+    assert existing & set(GROUPS) <= set(laptop.run("id -nG pat").out.split())
 
+    taken = laptop.run(f"{UR} setup --undo --yes", user="pat").check()
+    assert "Traceback" not in taken.err
+    assert snapshot(laptop) == fresh
+    assert laptop.run(f"{UR} setup --undo --yes", user="pat").check().out == "nothing to take back\n"
+    keys = set(laptop.run("cd /home/pat/.ssh; ls").out.split())
+    assert {"id_ed25519", "id_ed25519.pub"} <= keys  # ssh itself may have learnt further host keys
+    assert "authorized_keys" not in keys
+
+
+def test_setup_of_a_home_with_own_files_is_taken_back_byte_for_byte(laptop: Machine) -> None:
+    laptop.run(MINE, user="pat").check()
+    before = snapshot(laptop)
+    for _ in range(2):
+        laptop.run(f"{UR} setup --yes", user="pat", timeout=300).check()
+        laptop.run("sed -i s/ubiquity_launches/edited/ ~/.bashrc", user="pat").check()  # ours, which comes back
+    laptop.run(f"{UR} setup --yes", user="pat", timeout=300).check()
+    assert "http://localhost:11311" in laptop.run("bash -ic 'echo $ROS_MASTER_URI'", user="pat").out
+    laptop.run("sed -i /edited/d ~/.bashrc", user="pat").check()
     laptop.run(f"{UR} setup --undo --yes", user="pat").check()
-    left = {line for line in snapshot(laptop).splitlines() if line not in fresh.splitlines()}
-    assert left <= {".ssh", ".sudo_as_admin_successful"}
+    assert snapshot(laptop) == before
 
 
-def test_setup_without_the_right_to_use_sudo_says_so(bench: Bench) -> None:
-    laptop = bench["laptop"]
+def test_setup_killed_at_every_change_is_finished_by_the_next_and_taken_back(laptop: Machine) -> None:
+    before = snapshot(laptop)
+
+    def kill(number: int) -> None:
+        laptop.run(f"kill -KILL {number}")
+
+    shown = laptop.run(f"{UR} setup --dry-run", user="pat").check().out
+    titles = [line.removesuffix(":") for line in shown.splitlines() if line and not line.startswith(" ")]
+    assert len(titles) >= 8
+    for title in titles:
+        said, _ = run_until(laptop, f"{UR} setup --yes", "", {f"{title} ...": kill})
+        assert "Traceback" not in "".join(said)
+    laptop.run(f"{UR} setup --yes", user="pat", timeout=300).check()
+    for _ in titles:
+        said, _code = run_until(laptop, f"{UR} setup --undo --yes", "", {f"{titles[-1]} ...": kill})
+    laptop.run(f"{UR} setup --undo --yes", user="pat").check()
+    assert snapshot(laptop) == before
+
+
+def test_setup_without_the_right_to_use_sudo_says_so(laptop: Machine) -> None:
     laptop.run("rm -f /etc/sudoers.d/pat; apt-get -y remove rsync xauth").check()
     done = laptop.run(f"{UR} setup --yes", user="pat")
     assert done.code == 2
@@ -42,8 +104,7 @@ def test_setup_without_the_right_to_use_sudo_says_so(bench: Bench) -> None:
     assert "Traceback" not in done.err
 
 
-def test_setup_without_a_package_source_names_what_failed(bench: Bench) -> None:
-    laptop = bench["laptop"]
+def test_setup_without_a_package_source_names_what_failed(laptop: Machine) -> None:
     laptop.write("/etc/sudoers.d/pat", SUDO, mode=0o440)
     laptop.run("mv /srv/offered /srv/away; rm -rf /var/lib/apt/lists/*").check()
     done = laptop.run(f"{UR} setup --yes", user="pat")
