@@ -31,7 +31,8 @@ _FIREWALL = """\
 if grep -qs '^ENABLED=yes' /etc/ufw/ufw.conf; then echo ufw
 elif systemctl is-active --quiet firewalld; then echo firewalld
 elif command -v nft >/dev/null; then echo nft; elif command -v iptables >/dev/null; then echo iptables; fi"""
-# The scope of a login that was over too soon fails, too, and means nothing. A boot service that ends is started again and again, and never counts as failed.
+# The scope of a login that was over too soon fails, too, and means nothing. A boot service that ends is started again
+# and again, and never counts as failed.
 _FAILING = """\
 systemctl --failed --type=service,mount --plain --no-legend 2>/dev/null | cut -d' ' -f1 | sed 's/$/ 0/'
 systemctl list-units --all --plain --no-legend 'ubiquity-*.service' 2>/dev/null | cut -d' ' -f1 | while read -r u; do
