@@ -49,3 +49,21 @@ def test_broken_selection_file_says_how_to_repair_it(config: Path, capsys: pytes
     assert main(["use"]) == 2
     assert "'ur use sim' selects the simulated robot again" in capsys.readouterr().err
     assert main(["use", "sim"]) == 0
+
+
+def test_robot_that_was_never_set_up_from_here_is_selected_with_a_note(
+    config: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = config / "ubiquity_launches" / "robots"
+    folder.mkdir(parents=True)
+    (folder / "bob.yaml").write_text('name: "bob"\nuser: "ros"\nbase: "magni"\n')
+    for word, note in (
+        ("bob", ""),
+        ("bobb", "did you mean 'ur use bob'?"),
+        ("unlike", "'ur robots' shows who is there"),
+    ):
+        assert main(["use", word]) == 0
+        said = capsys.readouterr()
+        assert said.out == f"{word}\n"
+        assert note in said.err
+        assert bool(said.err) is bool(note)

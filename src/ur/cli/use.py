@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import os
+import socket
 import sys
 
 import click
 
 from ur.cli.environment import PACKAGE, current_selection
 from ur.robot.selection import Selection, parse_selection, selection_path, store_selection
+from ur.source.suggest import did_you_mean
 
 
 @click.command("use")
@@ -27,7 +29,22 @@ def command(selection: str | None) -> int:
     check_base(chosen)
     store_selection(selection_path(os.environ), chosen)
     sys.stdout.write(f"{chosen}\n")
+    sys.stdout.flush()
+    if not chosen.simulated:
+        warn_of_stranger(chosen.robot)
     return 0
+
+
+def warn_of_stranger(robot: str) -> None:
+    """Say so when a robot of this name was never set up from here: it may be one of somebody else, or a slip."""
+    from ur.robot.record import load_records, records_folder
+
+    names = [record.name for record in load_records(records_folder(os.environ))]
+    if robot.lower() in (*names, socket.gethostname().split(".")[0].lower()):
+        return
+    near = did_you_mean(robot, names)
+    help_ = f"did you mean 'ur use {near}'?" if near else "'ur robots' shows who is there"
+    sys.stderr.write(f"note: robot {robot!r} was not set up from this computer\n  help: {help_}\n")
 
 
 def check_base(chosen: Selection) -> None:

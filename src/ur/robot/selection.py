@@ -76,7 +76,8 @@ def load_selection(path: Path) -> Selection:
     except FileNotFoundError:
         return Selection()
     except (OSError, UnicodeDecodeError) as problem:
-        raise UserError(error(f"{path}: cannot be read: {problem}", rule="bad-selection", help=_HELP)) from None
+        reason = ((problem.strerror if isinstance(problem, OSError) else None) or "it is no text").lower()
+        raise UserError(error(f"{path}: cannot be read: {reason}", rule="bad-selection", help=_HELP)) from None
     try:
         return parse_selection(text)
     except UserError as problem:

@@ -11,7 +11,10 @@ SETUP_LINE = '[ ! -r "$HOME/.ros_setup" ] || . "$HOME/.ros_setup" # ubiquity_lau
 _HEAD = """\
 # The ROS environment of this user's shells, written by `ur`: it is written again, so your own lines belong elsewhere.
 # Every shell reads it, scripts and remote commands too: it must say nothing and be quick.
+ubiquity="${ROS_MASTER_URI-}"
 [ ! -r "$HOME/catkin_ws/devel/setup.sh" ] || . "$HOME/catkin_ws/devel/setup.sh"
+[ -n "$ubiquity" ] || unset ROS_MASTER_URI # catkin fills in localhost, which nobody chose
+unset ubiquity
 # Packages of the workspace are found before it is built, too: launch files need no building.
 case ":${ROS_PACKAGE_PATH-}:" in *:/usr/share:*) ;; *)
   ROS_PACKAGE_PATH="${ROS_PACKAGE_PATH:+$ROS_PACKAGE_PATH:}/usr/share" ;; esac
