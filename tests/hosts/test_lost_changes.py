@@ -91,7 +91,7 @@ def look(pair: Bench) -> list[str]:
     robot, laptop = pair["robot"], pair["laptop"]
     return [
         robot.run(SNAPSHOT).check().out,
-        robot.run("cat /proc/sys/kernel/hostname; ip -brief -4 address show host0").check().out,
+        robot.run("cat /proc/sys/kernel/hostname; ip -brief -4 address show host0 | awk '{print $3}'").check().out,
         laptop.run("cat .ssh/known_hosts .config/ubiquity_launches/robots/*", user="pat").check().out,
     ]
 
