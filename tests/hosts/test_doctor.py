@@ -90,11 +90,18 @@ def find(pair: Bench) -> list[Any]:
 
 
 def name(pair: Bench, rule: str) -> Any:
-    """The finding that names a fault."""
-    found = find(pair)
-    named = [finding for finding in found if finding["rule"] == rule]
-    assert len(named) == 1, found
-    return named[0]
+    """The finding that names a fault, once it shows."""
+    found: list[Any] = []
+
+    def is_named() -> bool:
+        found[:] = find(pair)
+        return [finding["rule"] for finding in found].count(rule) == 1
+
+    try:
+        wait_until(is_named, f"{rule} is found", SECONDS)
+    except AssertionError as problem:
+        raise AssertionError(f"{problem}: {found}") from None
+    return next(finding for finding in found if finding["rule"] == rule)
 
 
 def carry_out(pair: Bench, finding: Any, *, added: str = "", stdin: str = "") -> str:

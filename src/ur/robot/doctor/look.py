@@ -15,7 +15,7 @@ from ur.robot.ssh.openssh import SshShell
 from ur.robot.ssh.shell import Shell, quote
 
 LOOK_SECONDS = 90.0
-JOURNAL_LINES = 4
+JOURNAL_LINES = 5
 TWIN_SECONDS = 2  # zeroconf answers at once or never; nobody is asked after for long
 _LISTEN = """\
 import socket, sys
@@ -84,8 +84,12 @@ def _with_journals(shell: Shell, side: Side) -> Side:
     """With the last words of units that do not work, as far as the user may read them."""
     units = []
     for unit in side.failing:
-        show = f"journalctl -q -n {JOURNAL_LINES} -o cat -u {quote(unit.name)}"
-        said = shell.run(f"sudo -n {show} 2>/dev/null || {show} 2>/dev/null").out
+        # What its processes said; what systemd says of them comes in only where they said nothing.
+        for choice in (f"_SYSTEMD_UNIT={unit.name}", f"--unit={unit.name}"):
+            show = f"journalctl -q -n {JOURNAL_LINES} -o cat {quote(choice)}"
+            said = shell.run(f"sudo -n {show} 2>/dev/null || {show} 2>/dev/null").out
+            if said.strip():
+                break
         units.append(replace(unit, last=tuple(line.strip() for line in said.splitlines() if line.strip())))
     return replace(side, failing=tuple(units))
 
