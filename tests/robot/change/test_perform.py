@@ -102,6 +102,8 @@ def test_change_that_was_taken_back_is_told_with_its_reason(way: Address) -> Non
     (problem,) = caught.value.diagnostics
     assert problem.message == "rename bob to eve: the robot took it back: nobody confirmed it within 60 s"
     assert problem.rule == "taken-back"
+    seen = [] if way == NEW else ["seen from here: no computer answers to this name"]
+    assert [note.message for note in problem.notes] == seen
 
 
 def test_robot_that_was_never_told_has_not_changed() -> None:
@@ -118,6 +120,13 @@ def test_robot_that_is_not_seen_again_is_told_with_what_to_do() -> None:
     assert "bob.local is not seen again" in problem.message
     assert "goes back by itself" in (problem.help or "")
     assert network.now >= 60 + GRACE
+
+
+def test_change_that_failed_there_is_not_blamed_on_the_way_from_here() -> None:
+    failed = Done(GONE, "abc\ntaken-back\nsecrets were required\n", "")
+    with pytest.raises(UserError) as caught:
+        Network({NEW: [AWAY], OLD: [failed]}).come_back()
+    assert caught.value.diagnostics[0].notes == ()
 
 
 def test_other_change_that_is_pending_is_named() -> None:

@@ -22,6 +22,7 @@ from ur.robot.ssh.shell import quote
 
 FOLDER = "/var/lib/ubiquity/change"
 BOOT_UNIT = "ur-change-boot.service"
+UNCONFIRMED = "nobody confirmed it"
 BUSY, GONE, LATE, EARLY = 71, 72, 73, 74  # exit codes of the scripts below
 
 GUARD = f"""\
@@ -81,7 +82,7 @@ up() {{ read -r now _ </proc/uptime; now=${{now%%.*}}; }}
 up; end=$((now+wait))
 while [ -e "$p/open" ] && [ "$now" -lt "$end" ]; do sleep 0.2; up; done
 [ ! -e "$p/confirmed" ] || {{ say "confirmed"; leave confirmed ''; }}
-take_back "nobody confirmed it within $wait s"
+take_back "{UNCONFIRMED} within $wait s"
 """
 UNIT = f"""\
 # Written by ur while a change of name or network is pending; removed afterwards.

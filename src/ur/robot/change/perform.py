@@ -4,18 +4,29 @@ from __future__ import annotations
 
 import secrets
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from typing import Protocol
 
-from ur.robot.change.guard import BUSY, EARLY, GONE, LATE, Ended, arm_script, confirm_script, look_script, parse_last
+from ur.robot.change.guard import (
+    BUSY,
+    EARLY,
+    GONE,
+    LATE,
+    UNCONFIRMED,
+    Ended,
+    arm_script,
+    confirm_script,
+    look_script,
+    parse_last,
+)
 from ur.robot.change.guarded import Order, pack_order
 from ur.robot.setup.facts import Facts
 from ur.robot.ssh.openssh import Address, connect
 from ur.robot.ssh.secret import Secret
 from ur.robot.ssh.shell import Done, Shell
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import Note, UserError, error
 
 GRACE = 90.0  # s after the robot's own limit: it makes the change, goes back, and its network comes up again
 PAUSE = 1.0
@@ -110,7 +121,8 @@ def come_back(
     Raises UserError when the robot took the change back, or is not seen again within `wait` seconds and GRACE.
     """
     end = clock() + wait + GRACE
-    doubt, missing = "", None
+    doubts: dict[Address, str] = {}
+    missing = None
     while clock() < end:
         sleep(PAUSE)
         for address in dict.fromkeys((*ways.after, ways.before)):
@@ -118,11 +130,11 @@ def come_back(
             try:
                 with open_link(address) as link:
                     if not link.find_sudo(sudo):
-                        doubt = f"{address}: sudo refuses"
+                        doubts[address] = f"{address}: sudo refuses"
                         continue
                     done = link.run(confirm_script(identity) if new else look_script(identity), root=True)
             except UserError as problem:
-                doubt = problem.diagnostics[0].message
+                doubts[address] = problem.diagnostics[0].message
                 continue
             ended = _read(identity, done)
             if done.code != GONE or ended:
@@ -132,16 +144,17 @@ def come_back(
             elif clock() > missing + NEVER:
                 raise _never_begun(title, address)
             if ended and not ended.confirmed:
-                raise _taken_back(title, address, ended)
+                raise _taken_back(title, address, ended, [doubts[each] for each in ways.after if each in doubts])
             if ended:
                 report(f"{address}: answers, confirmed")
                 return address if new else ways.after[0]
     raise UserError(
         error(
-            f"{title}: {ways.before.host} is not seen again {wait + GRACE:g} s after it began: {doubt}",
+            f"{title}: {ways.before.host} is not seen again {wait + GRACE:g} s after it began",
             rule="not-seen-again",
             help="it goes back by itself; is this computer still in its network? if nothing else helps, switch the "
             "robot off and on: it then starts as it was before",
+            notes=_seen(doubts.values()),
         )
     )
 
@@ -164,11 +177,16 @@ def _never_begun(title: str, address: Address) -> UserError:
     )
 
 
-def _taken_back(title: str, address: Address, ended: Ended) -> UserError:
+def _taken_back(title: str, address: Address, ended: Ended, doubts: Sequence[str]) -> UserError:
     return UserError(
         error(
             f"{title}: the robot took it back: {ended.reason}",
             rule="taken-back",
             help=f"it is {address} as before, and nothing is lost; once the cause is mended, run this again",
+            notes=_seen(doubts) if ended.reason.startswith(UNCONFIRMED) else (),
         )
     )
+
+
+def _seen(doubts: Iterable[str]) -> tuple[Note, ...]:
+    return tuple(Note(f"seen from here: {doubt}") for doubt in doubts)
