@@ -92,18 +92,22 @@ def open_robot(task: Task, report: Report) -> Iterator[SshShell]:
                 report(f"first contact, host key {_fingerprint(first_contact)}")
             candidates = _passwords(task)
             if not shell.find_sudo(candidates):
-                raise UserError(
-                    error(
-                        f"{shell.place}: sudo refuses this password"
-                        if candidates
-                        else f"{shell.place}: sudo wants a password",
-                        rule="no-root",
-                        help=f"expected the password of {shell.address.user}, who may use sudo",
-                    )
-                )
+                raise explain_sudo(shell.address, shell.sudo_said, given=bool(candidates))
             yield shell
         finally:
             connection.__exit__(None, None, None)
+
+
+def explain_sudo(address: Address, said: str, *, given: bool) -> UserError:
+    """What sudo's words mean; `given` tells whether a password was tried."""
+    user = address.user
+    message = "sudo refuses this password" if given else "sudo wants a password"
+    help = f"expected the password of {user}, who may use sudo"
+    if "not in the sudoers file" in said or "may not run sudo" in said or "not allowed to" in said:
+        message, help = f"{user} may not use sudo there", f"as root there: usermod --append --groups sudo {user}"
+    elif "sudo: not found" in said or "sudo: command not found" in said:
+        message, help = "sudo is not installed there", "as root there: apt-get install sudo"
+    return UserError(error(f"{address}: {message}", rule="no-root", help=help))
 
 
 def _ways_in(task: Task, first_contact: Path) -> Iterator[tuple[Address, Path | None, Secret | None]]:

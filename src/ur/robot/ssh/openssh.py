@@ -60,6 +60,7 @@ class SshShell:
         self._login = login_password
         self._sudo: Secret | None = None
         self._candidates: Sequence[Secret] = ()
+        self.sudo_said = ""  # why the latest try of find_sudo failed
 
     @property
     def place(self) -> str:
@@ -112,7 +113,7 @@ class SshShell:
 
     def _words(self, script: str, root: bool) -> list[str]:
         command = quote("sh", "-c", script)
-        if root:
+        if root and self.address.user != "root":
             options = "-n" if self._sudo is None else "-k -S -p ''"
             command = f"LC_ALL=C sudo {options} -- {command}"
         return ["ssh", *_ONLY_SHARED, *self._options, self.place, command]
@@ -124,16 +125,20 @@ class SshShell:
     def find_sudo(self, candidates: Sequence[Secret]) -> bool:
         """Find which way of using sudo works: without a password, or with one of these. Whether there is one."""
         self._candidates = tuple(candidates)
-        if self._run("sudo -k -n true", False, "", 30).code == 0:
+        self.sudo_said = ""
+        tried = self._run("true" if self.address.user == "root" else "LC_ALL=C sudo -k -n true", False, "", 30)
+        if tried.code == 0:
             self._sudo = None
             return True
         # A wrong one takes sudo seconds: that which logged in comes first, that which was refused just now last.
         refused = self._sudo
         for candidate in sorted(candidates, key=lambda one: (one == refused, one != self._login)):
             self._sudo = candidate
-            if self._run("true", True, "", 30).code == 0:
+            tried = self._run("true", True, "", 30)
+            if tried.code == 0:
                 return True
         self._sudo = None
+        self.sudo_said = tried.err
         return False
 
 
