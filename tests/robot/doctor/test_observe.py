@@ -48,6 +48,7 @@ def test_side_is_read_from_the_answer_of_a_computer() -> None:
         built=True,
         workspace=frozenset({"my_msgs"}),
         system="Debian GNU/Linux 12 aarch64",
+        ur="0.1.0",
     )
 
 

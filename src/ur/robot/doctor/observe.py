@@ -73,6 +73,7 @@ def observe_script(other: str) -> str:
         f"mark firewall; {_FIREWALL}",
         f"mark throttled; {_THROTTLED}",
         'mark system; . /etc/os-release; echo "$PRETTY_NAME"; uname -m',
+        "mark ur; cat /etc/avahi/services/ubiquity.service 2>/dev/null",
         "mark packages; dpkg-query -W -f='${db:Status-Status} ${Package} ${Version}\\n' 2>/dev/null",
         "mark built; [ ! -e catkin_ws/devel ] || echo yes",
         "mark workspace; find -L catkin_ws/src -maxdepth 4 -name package.xml 2>/dev/null",
@@ -145,6 +146,7 @@ def parse_side(output: str) -> Side:
         messages=parse_messages(parts.get("messages", "")),
         built=bool(parts.get("built", "").strip()),
         workspace=frozenset(re.findall(r"([^/\n]+)/package\.xml", parts.get("workspace", ""))),
+        ur=ur[1] if (ur := re.search(r"version=([^<]+)", parts.get("ur", ""))) else "",
         system=" ".join(parts.get("system", "").split("\n")).strip(),
         wifi=parse_wifi(parts.get("wifi", "")),
     )

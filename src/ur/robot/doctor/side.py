@@ -44,7 +44,8 @@ class Side:
     lines that make them, `ros_setup` the text of ~/.ros_setup. `modes` are the rights of the files that ssh is strict
     about, relative to the home folder. `own_login` is what ssh said when the computer logged in to itself by its full
     name, '' when that worked. `large` are folders that may be emptied, with their sizes. `packages` are Debian's, with
-    their versions, `workspace` those below ~/catkin_ws/src, which is `built` or not. `device` leads to the other
+    their versions, `workspace` those below ~/catkin_ws/src, which is `built` or not; `ur` is the version that set
+    a robot up. `device` leads to the other
     computer.
     """
 
@@ -79,4 +80,5 @@ class Side:
     built: bool = False
     workspace: frozenset[str] = frozenset()
     system: str = ""
+    ur: str = ""
     wifi: tuple[Wifi, ...] = ()

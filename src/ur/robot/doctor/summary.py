@@ -22,7 +22,10 @@ def summarize(pair: Pair) -> list[tuple[str, str, str]]:
         ("a free port is reached", arrives[pair.reaches_here], arrives[pair.reaches_there]),
         ("clock", "", f"{pair.offset:+.3f} s"),
         ("login from the other", pair.way_back or "by key", "refused" if pair.key_refused else "by key"),
-        *[(f"node {one.node} at {one.host}", _list(one.here), _list(one.there)) for one in pair.advertised],
+        *[
+            (f"node {one.node} at {one.host}", _list(one.here) or "nothing", _list(one.there) or "nothing")
+            for one in pair.advertised
+        ],
     ]
     return rows
 
@@ -39,6 +42,7 @@ _TITLES = (
         "tool for the firewall",
         "X11 over ssh",
         "ROS",
+        "set up by ur",
         "workspace",
     ),
 )
@@ -64,6 +68,7 @@ def _cells(side: Side) -> list[str]:
         side.firewall or "none",
         _yes(side.x11),
         side.packages.get("ros-core", "") or side.packages.get("python3-roslaunch", "none"),
+        side.ur,
         f"{len(side.workspace)} packages{', built' if side.built else ''}",
     ]
 

@@ -1,0 +1,47 @@
+"""Two computers side by side, as people read it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from tests.robot.doctor.pairs import LAPTOP, NOBODY, PAIR, ROBOT, WIFI
+
+from ur.robot.doctor.model import Advertised
+from ur.robot.doctor.side import Side
+from ur.robot.doctor.summary import compare_packages, summarize
+
+
+def test_everything_that_was_seen_is_shown_for_both() -> None:
+    pair = replace(
+        PAIR,
+        offset=0.25,
+        there=replace(ROBOT, wifi=(WIFI,), ur="0.1.0"),
+        advertised=(Advertised("/x", "nobody", NOBODY, NOBODY),),
+    )
+    rows = {what: cells for what, *cells in summarize(pair)}
+    assert rows["computer"] == ["pat@laptop", "ros@bob"]
+    assert rows["clock"] == ["", "+0.250 s"]
+    assert rows["WiFi"] == ["none", "wlan0 5 GHz -50 dBm 400 Mbit/s"]
+    assert rows["full frames"] == ["yes (wlan0, MTU 1500)"] * 2
+    assert rows["set up by ur"] == ["", "0.1.0"]
+    assert rows["node /x at nobody"] == ["nothing", "nothing"]
+
+
+def test_what_was_not_seen_is_shown_as_such() -> None:
+    rows = {what: cells for what, *cells in summarize(replace(PAIR, there=Side("bob")))}
+    assert (rows["latency"][1], rows["loss"][1], rows["memory"][1]) == ("", "", "")
+    assert rows["the other's name means"][1] == "nothing"
+
+
+def test_packages_of_ros_and_of_workspaces_that_differ_are_compared_and_others_are_not() -> None:
+    here = replace(
+        LAPTOP, packages={"ros-std-msgs": "1", "python3-rospy": "1", "vim": "1"}, workspace=frozenset({"mine"})
+    )
+    there = replace(
+        ROBOT, packages={"ros-std-msgs": "1", "python3-rospy": "2", "libtf2-2d": "3"}, workspace=frozenset()
+    )
+    assert compare_packages(replace(PAIR, here=here, there=there)) == [
+        ("libtf2-2d", "-", "3"),
+        ("mine", "in ~/catkin_ws", "-"),
+        ("python3-rospy", "1", "2"),
+    ]
