@@ -73,7 +73,7 @@ def place(tmp_path: Path) -> Place:
 def test_image_is_prepared_and_its_robot_is_remembered(place: Place) -> None:
     out, _ = place.prepare("ubuntu.img", "--ssid", "home", "--country", "de", stdin="secret\nwifi-secret\n")
     assert "ubuntu.img: Ubuntu 24.04.3 LTS\n" in out
-    assert "then: ur robot setup ros@bob.local --name bob --base magni\n" in out
+    assert "then: ur robot setup ros@bob.local --name bob --base magni" in out
     data = yaml.safe_load(read_fat(place.image, "user-data"))
     assert data["users"][0]["ssh_authorized_keys"] == [KEY]
     assert load_records(place.folder / "home/.config/ubiquity_launches/robots") == [Record("bob", "ros", "magni")]
@@ -243,7 +243,10 @@ def test_short_wifi_password_is_refused(place: Place) -> None:
 def test_what_is_missing_is_named_where_nobody_can_be_asked(place: Place) -> None:
     _, err = place.run("ubuntu.img", "--key", "key.pub", code=2)
     assert "give --name" in err
-    _, err = place.run("ubuntu.img", "--key", "key.pub", "--ssid", "home", code=2)
+    who = ("--name", "bob", "--base", "magni", "--key", "key.pub", "--ssid", "home")
+    _, err = place.run("ubuntu.img", *who, code=2)
+    assert "give --country" in err
+    _, err = place.run("ubuntu.img", *who, "--country", "DE", code=2)
     assert "give --passwords-from FD" in err
 
 

@@ -122,7 +122,10 @@ def test_set_up_finishes_by_key_and_the_name_stays(pair: Booted) -> None:
 
 def test_robot_that_has_booted_takes_another_seed(pair: Booted) -> None:
     laptop, robot = pair.laptop, pair.robot
-    laptop.run(command("eve"), user="pat", stdin="\nwifi-secret\n").check()
+    again = laptop.run(command("bob"), user="pat", stdin="\nwifi-secret\n").check()
+    assert "--new-host-key" in again.out  # bob is known: flashed again, it is another one
+    new = laptop.run(command("eve"), user="pat", stdin="\nwifi-secret\n").check()
+    assert "--new-host-key" not in new.out
     transfer(laptop, robot)
     for _ in range(2):  # and keeps it
         reboot(robot)

@@ -6,18 +6,19 @@ import os
 import signal
 import sys
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import click
 
-from ur.cli.image_answers import Given, Passwords, make_wish, read_passwords, read_robots
+from ur.cli.image_answers import Given, Passwords, add_passwords, make_wish, read_passwords, read_robots
 from ur.cli.setup import show_changes
 from ur.robot.image.copy import copied_image, packing_of
 from ur.robot.image.device import Device, check_device, is_device
 from ur.robot.image.layout import find_layout
 from ur.robot.image.prepare import Write, plan_undo, plan_writes, read_seed, write_all
 from ur.robot.image.seed import Wish, hide_secrets, make_seed, present_password
+from ur.robot.image.volume import run_tool
 from ur.robot.record import Record, records_folder, render_record
 from ur.robot.setup.change import Change, show_difference
 from ur.source.diagnostic import UserError, error
@@ -100,9 +101,10 @@ def prepare(
             layout = find_layout(path)
             _say(f"{image}: {layout.system}")
             present = read_seed(layout)
-            passwords = passwords or read_passwords(each, passwords_from)
+            wish = make_wish(each)
+            passwords = passwords or read_passwords(wish, passwords_from)
             old = present_password([(text or b"").decode(errors="replace") for text in present.values()])
-            wish = make_wish(each, passwords, old)
+            wish = add_passwords(wish, passwords, old)
             writes = plan_writes(layout, present, make_seed(wish, layout))
             if dry_run:
                 _show(writes)
@@ -254,6 +256,9 @@ def _tell(wish: Wish) -> None:
     name = wish.robot.name
     choices = f"--name {name} --base {wish.robot.base}"
     choices += f" --variant {wish.robot.variant}" if wish.robot.variant else ""
+    with suppress(UserError):  # no ssh here
+        if run_tool(["ssh-keygen", "-F", f"{name}.local"]).returncode == 0:  # of what had this name before
+            choices += " --new-host-key"
     _say(f"boot {name} from it, then: ur robot setup {wish.user}@{name}.local {choices}")
 
 

@@ -74,54 +74,67 @@ def read_robots(path: Path, given: Given) -> list[tuple[Given, Path | None]]:
     return found
 
 
-def read_passwords(given: Given, descriptor: int | None) -> Passwords:
-    """From a descriptor, or asked without an echo where there is a terminal. Raises UserError."""
-    user = wifi = ""
-    if descriptor is not None:
-        try:
-            with open(
-                descriptor, encoding="utf-8", closefd=False
-            ) as stream:  # a file opened next must not become number 0
-                user, wifi, *_ = [*stream.read().split("\n"), "", ""]
-        except (OSError, UnicodeDecodeError) as problem:
-            raise UserError(
-                error(f"--passwords-from {descriptor}: cannot be read: {problem}", rule="bad-descriptor")
-            ) from None
-    elif sys.stdin.isatty():
-        user = _ask_twice(f"password of {given.user or DEFAULT_USER} (empty: none, the key alone)")
-        wifi = getpass.getpass(f"password of the WiFi {given.ssid} (empty: it is open): ") if given.ssid else ""
-    elif given.ssid:
-        raise _missing(f"the password of {given.ssid}", "passwords-from FD")
-    return Passwords(Secret(user) if user else None, Secret(wifi) if wifi else None)
-
-
-def make_wish(given: Given, passwords: Passwords, present: str) -> Wish:
-    """What the robot shall be. `present` is the hash of an earlier seed, kept when it is of the same password.
+def make_wish(given: Given) -> Wish:
+    """What the robot shall be, but for its passwords.
 
     Asks for name, base and country where they are not given and there is a terminal. Raises UserError.
     """
     name = given.name or _ask("name", "name of the robot")
-    base = given.base or _ask("base", f"base of {name} ({', '.join(list_bases(PACKAGE))})")
-    variant = given.variant or ""
-    load_base(PACKAGE, base, variant)
     user = given.user or DEFAULT_USER
     if not is_robot_name(name) or name in (socket.gethostname().split(".")[0], "localhost", "sim"):
         expected = "expected up to 63 lower case letters, digits and -, and no name of another computer"
         raise _bad(f"{name!r} cannot be the robot's name", expected)
     if not _USER.fullmatch(user) or user == "root":
         raise _bad(f"{user!r} cannot be its user", "expected lower case letters, digits and -, and not root")
+    base = given.base or _ask("base", f"base of {name} ({', '.join(list_bases(PACKAGE))})")
+    variant = given.variant or ""
+    load_base(PACKAGE, base, variant)
     return Wish(
         Robot(name, base, variant),
         user,
         _read_keys(given.key),
-        _hash(passwords.user, present),
-        _wifi(given, passwords.wifi) if given.ssid else None,
-        _check_zone(given.timezone),
-        _check_locale(given.locale),
+        wifi=_wifi(given) if given.ssid else None,
+        timezone=_check_zone(given.timezone),
+        locale=_check_locale(given.locale),
     )
 
 
-def _wifi(given: Given, password: Secret | None) -> Wifi:
+def read_passwords(wish: Wish, descriptor: int | None) -> Passwords:
+    """From a descriptor, or asked without an echo where there is a terminal. Raises UserError."""
+    user = wifi = ""
+    if descriptor is not None:
+        try:
+            # A file that is opened next must not become number 0: left open.
+            with open(descriptor, encoding="utf-8", closefd=False) as stream:
+                user, wifi, *_ = [*stream.read().split("\n"), "", ""]
+        except (OSError, UnicodeDecodeError) as problem:
+            raise UserError(
+                error(f"--passwords-from {descriptor}: cannot be read: {problem}", rule="bad-descriptor")
+            ) from None
+    elif sys.stdin.isatty():
+        user = _ask_twice(f"password of {wish.user} (empty: none, the key alone)")
+        if wish.wifi:
+            wifi = getpass.getpass(f"password of the WiFi {wish.wifi.network} (empty: it is open): ")
+    elif wish.wifi:
+        raise _missing(f"the password of {wish.wifi.network}", "passwords-from FD")
+    return Passwords(Secret(user) if user else None, Secret(wifi) if wifi else None)
+
+
+def add_passwords(wish: Wish, passwords: Passwords, present: str) -> Wish:
+    """The wish with what is written in place of passwords. Raises UserError for one that cannot be.
+
+    `present` is the hash of an earlier seed: kept when it is of the same password, since each new one differs.
+    """
+    password, wifi = "", wish.wifi
+    if passwords.user:
+        kept = present and is_hash_of(present, passwords.user)
+        password = present if kept else hash_password(passwords.user)
+    if wifi and passwords.wifi:
+        wifi = replace(wifi, key=derive_network_key(passwords.wifi, wifi.network))
+    return replace(wish, password=password, wifi=wifi)
+
+
+def _wifi(given: Given) -> Wifi:
     network = given.ssid or ""
     if len(network.encode()) > 32 or not network.isprintable():
         raise _bad(f"{network!r} cannot be the name of a WiFi network", "expected up to 32 bytes that can be printed")
@@ -130,13 +143,7 @@ def _wifi(given: Given, password: Secret | None) -> Wifi:
         raise _bad(f"{country!r} is not a country", "expected two letters, for instance DE (ISO 3166-1)")
     if not re.fullmatch(r"[a-z][a-z0-9]{0,14}", given.interface):
         raise _bad(f"{given.interface!r} cannot be the name of a radio", "expected one such as wlan0")
-    return Wifi(network, derive_network_key(password, network) if password else "", country, given.interface)
-
-
-def _hash(password: Secret | None, present: str) -> str:
-    if password is None:
-        return ""
-    return present if present and is_hash_of(present, password) else hash_password(password)
+    return Wifi(network, "", country, given.interface)
 
 
 def _read_keys(given: str | None) -> tuple[str, ...]:
