@@ -9,6 +9,7 @@ import click
 import pytest
 
 from ur.cli import main as cli
+from ur.cli.help import SECTIONS
 from ur.cli.main import VERBS, load_verb, main
 
 
@@ -56,6 +57,10 @@ def test_help_names_every_verb(capsys: pytest.CaptureFixture[str]) -> None:
         assert summary.replace("`", "") in page.replace("`", "")
     assert main(["--help"]) == 0
     assert capsys.readouterr().out == page
+
+
+def test_every_verb_stands_in_one_section_of_the_help() -> None:
+    assert sorted(verb for verbs in SECTIONS.values() for verb in verbs) == sorted(VERBS)
 
 
 @pytest.mark.parametrize("verb", VERBS)

@@ -5,11 +5,23 @@ from __future__ import annotations
 from typing import Any
 
 import click
-from rich_click import RichCommand, RichContext, RichGroup
+from rich_click import RichCommand, RichContext, RichGroup, RichHelpConfiguration
 
 from ur.cli.main import EPILOG, HELP, VERBS, load_verb
 from ur.source.diagnostic import UserError, error
 from ur.source.suggest import did_you_mean
+
+# What people come for, in the order in which they come for it. Each verb stands in one of them; a test looks.
+SECTIONS = {
+    "Drive": ("run", "list", "use"),
+    "Launch": ("launch", "ps", "attach", "logs", "restart", "wait", "stop"),
+    "Write": ("check", "new", "package", "format", "find", "docs", "graph", "explain"),
+    "This computer": ("setup", "completion", "env"),
+    "Robots": (
+        *("robots", "robot", "image", "doctor", "wifi", "shell", "x", "boot"),
+        *("sync", "build", "mount", "unmount"),
+    ),
+}
 
 
 def show_help(words: list[str]) -> None:
@@ -63,5 +75,6 @@ def _overview() -> RichGroup:
 
 
 def _print(page: Any, name: str) -> None:
-    context = RichContext(page, info_name=name)
+    sections = [{"name": title, "commands": list(verbs)} for title, verbs in SECTIONS.items()] if name == "ur" else []
+    context = RichContext(page, info_name=name, rich_help_config=RichHelpConfiguration(command_groups={"ur": sections}))
     click.echo(page.get_help(context))

@@ -46,7 +46,7 @@ VERBS = {
     "unmount": ("ur.cli.unmount", "Take the mounted folders of a robot away again."),
     "doctor": ("ur.cli.doctor", "Find what is wrong between this computer and a robot."),
     "wifi": ("ur.cli.wifi", "Measure the way to a robot: signal of both, latency, loss."),
-    "robot": ("ur.cli.robot", "Set robots up, over the network."),
+    "robot": ("ur.cli.robot", "Set robots up and change them, over the network."),
     "image": ("ur.cli.image", "Prepare images for the first boot of robots."),
     "boot": ("ur.cli.boot", "Choose what a robot starts when it boots."),
     "completion": ("ur.cli.completion", "Print what makes a shell complete `ur` with Tab."),

@@ -39,7 +39,7 @@ MASTER_SECONDS = 60.0
 @click.group("robot", invoke_without_command=True)
 @click.pass_context
 def command(context: click.Context) -> None:
-    """Set robots up, over the network."""
+    """Set robots up and change them, over the network."""
     if context.invoked_subcommand is None:
         from ur.cli.help import show_help
 
