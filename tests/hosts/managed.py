@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 
-from tests.hosts.bench import Bench, Machine, boot
+from tests.hosts.bench import Bench, Machine, boot, wait_until
 from tests.hosts.test_robot_setup import PASSWORD, prepare, set_up
 
 PROFILE_UUID = "6b3c0bd1-07ad-4d0f-a8f1-6ad8cd0e3c11"
@@ -89,7 +89,20 @@ def has_other_leader(robot: Machine, leader: int) -> bool:
     return False
 
 
+def find_command(machine: Machine, line: str) -> int:
+    """The number, as seen from here, of the process that runs this command line: for signals that are there at once."""
+    found: list[int] = []
+
+    def find() -> bool:
+        found[:] = [number for number, words in machine.processes() if words.startswith(line)]
+        return bool(found)
+
+    wait_until(find, f"{machine.name}: {line} runs", 60)
+    return found[0]
+
+
 __all__ = [
+    "find_command",
     "PASSWORD",
     "PENDING",
     "SNAPSHOT",

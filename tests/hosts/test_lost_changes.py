@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import random
+import signal
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
@@ -15,6 +17,7 @@ from tests.hosts.managed import (
     PASSWORD,
     PENDING,
     SNAPSHOT,
+    find_command,
     has_other_leader,
     managed_pair,
     wait_reached,
@@ -44,6 +47,11 @@ class Blow:
         return f"{'rename' if self.change == RENAME else 'network'}, {' and '.join(parts)} when {self.moment}"
 
 
+MOMENTS = {
+    "told": PENDING.replace("pending", "guard"),
+    "begun": f"{PENDING}/begun",
+    "made": f"{PENDING}/applied",
+}
 BLOWS = tuple(
     blow
     for change in (RENAME, NETWORK)
@@ -100,7 +108,7 @@ def strike(pair: Bench, blow: Blow) -> Callable[[], str]:
     """Begin a change and let the blow fall; gives what waits for the end of the command and tells what it said."""
     laptop, robot = pair["laptop"], pair["robot"]
     process = subprocess.Popen(
-        laptop.command_line(f"echo $$; exec {blow.change}", user="pat"),
+        laptop.command_line(f"exec {blow.change}", user="pat"),
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
@@ -110,17 +118,13 @@ def strike(pair: Bench, blow: Blow) -> Callable[[], str]:
     assert process.stdout
     process.stdin.write(f"{PASSWORD}\n")
     process.stdin.close()
-    number = int(process.stdout.readline())
-    moments = {
-        "told": lambda: exists(robot, PENDING.replace("pending", "guard")),
-        "begun": lambda: exists(robot, f"{PENDING}/begun"),
-        "made": lambda: exists(robot, f"{PENDING}/applied"),
-    }
-    wait_until(moments[blow.moment], f"{blow}", 60)
+    number = find_command(laptop, blow.change)
+    wait_until(lambda: exists(robot, MOMENTS["told"]), f"{blow}", 60)
+    os.kill(number, signal.SIGSTOP)  # so that it cannot confirm before the blow falls
+    wait_until(lambda: exists(robot, MOMENTS[blow.moment]), f"{blow}", 60)
     if blow.cut:
         robot.cut()
-    if blow.kill:
-        laptop.run(f"kill -KILL {number}").check()
+    os.kill(number, signal.SIGKILL if blow.kill else signal.SIGCONT)
     if blow.power:
         leader = robot.leader
         with suppress(subprocess.TimeoutExpired):

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import os
+import signal
 import subprocess
 
 import pytest
 from tests.hosts.bench import UR, Bench, Done, Machine, wait_until
-from tests.hosts.managed import PENDING, SNAPSHOT, wait_reached, wait_settled
+from tests.hosts.managed import PENDING, SNAPSHOT, find_command, wait_reached, wait_settled
 from tests.hosts.test_doctor import pair
 from tests.hosts.test_robot_setup import PASSWORD
 
@@ -110,16 +112,17 @@ def test_second_change_is_refused_by_the_name_of_the_first(pair: Bench) -> None:
 
 def test_rename_whose_viewer_was_killed_is_not_taken_for_done(pair: Bench) -> None:
     laptop, robot = pair["laptop"], pair["robot"]
+    line = f"{UR} robot rename bob eve --wait 30"
     process = subprocess.Popen(
-        laptop.command_line(f"echo $$; exec {UR} robot rename bob eve --wait 30", user="pat"),
+        laptop.command_line(f"exec {line}", user="pat"),
         stdout=subprocess.PIPE,
         stderr=subprocess.DEVNULL,
         text=True,
     )
     with process.stdout as said:  # type: ignore[union-attr]  # it is a pipe
-        number = int(said.readline())
+        number = find_command(laptop, line)
         assert "begins" in said.readline()
-        laptop.run(f"kill -KILL {number}").check()
+        os.kill(number, signal.SIGKILL)
     process.wait(60)
     done = ur(laptop, "robot rename bob eve")
     assert done.code == 2
