@@ -6,6 +6,7 @@ from typing import Any
 
 import click
 from rich_click import RichCommand, RichContext, RichGroup, RichHelpConfiguration
+from rich_click.utils import CommandGroupDict
 
 from ur.cli.main import EPILOG, HELP, VERBS, load_verb
 from ur.source.diagnostic import UserError, error
@@ -75,6 +76,7 @@ def _overview() -> RichGroup:
 
 
 def _print(page: Any, name: str) -> None:
-    sections = [{"name": title, "commands": list(verbs)} for title, verbs in SECTIONS.items()] if name == "ur" else []
-    context = RichContext(page, info_name=name, rich_help_config=RichHelpConfiguration(command_groups={"ur": sections}))
+    sections: list[CommandGroupDict] = [{"name": title, "commands": list(verbs)} for title, verbs in SECTIONS.items()]
+    settings = RichHelpConfiguration(command_groups={"ur": sections} if name == "ur" else {})
+    context = RichContext(page, info_name=name, rich_help_config=settings)
     click.echo(page.get_help(context))
