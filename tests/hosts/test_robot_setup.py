@@ -21,6 +21,14 @@ def pair() -> Iterator[Bench]:
         yield bench
 
 
+@pytest.fixture(scope="module")
+def untouched() -> Iterator[Bench]:
+    """The same, for those who change nothing."""
+    with boot(("laptop", "robot")) as bench:
+        prepare(bench["laptop"])
+        yield bench
+
+
 def prepare(laptop: Machine) -> None:
     laptop.write("/etc/sudoers.d/pat", SUDO, mode=0o440)
     laptop.run(f"{UR} setup --yes", user="pat", timeout=300).check()
@@ -37,14 +45,18 @@ def set_up(
 
 
 def set_up_two(
-    laptop: Machine, hosts: tuple[str, str] = ("robot", "robot2"), current: str = "ros", new: str = PASSWORD
+    laptop: Machine,
+    hosts: tuple[str, str] = ("robot", "robot2"),
+    current: str = "ros",
+    new: str = PASSWORD,
+    option: str = "",
 ) -> Done:
     """Two robots with one command."""
     robots = "".join(
         f"- {{host: {old}.local, name: {name}, base: magni}}\n" for old, name in zip(hosts, ("bob", "eve"), strict=True)
     )
     laptop.write("/home/pat/robots.yaml", f"robots:\n{robots}")
-    line = f"{UR} robot setup --from robots.yaml --passwords-from 0"
+    line = f"{UR} robot setup --from robots.yaml --passwords-from 0 {option}"
     return laptop.run(line, user="pat", stdin=f"{current}\n{new}\n", timeout=400).check()
 
 
@@ -63,6 +75,13 @@ def test_fresh_robot_becomes_ready_and_a_second_run_changes_nothing(pair: Bench)
         assert (robot.run("su -c true ros", user="pat", stdin=f"{word}\n").code == 0) is good
 
 
+def test_robot_takes_the_time_from_the_viewer(pair: Bench) -> None:
+    laptop, robot = pair["laptop"], pair["robot"]
+    set_up(laptop).check()
+    # ^ is a server; * one that is followed.
+    robot.wait_for(f"chronyc -n sources | grep -q '^^\\* {laptop.address}'", deadline=120)
+
+
 def test_topics_arrive_both_ways_between_laptop_and_robot(pair: Bench) -> None:
     laptop, robot = pair["laptop"], pair["robot"]
     set_up(laptop).check()
@@ -77,12 +96,21 @@ def test_topics_arrive_both_ways_between_laptop_and_robot(pair: Bench) -> None:
             assert f"hello from {speaker.name}" in said.out
 
 
-def test_wrong_password_is_named_and_changes_nothing(pair: Bench) -> None:
-    laptop, robot = pair["laptop"], pair["robot"]
+def test_wrong_password_is_named_and_changes_nothing(untouched: Bench) -> None:
+    laptop, robot = untouched["laptop"], untouched["robot"]
     done = set_up(laptop, current="not-it", new="")
     assert done.code == 2
     assert "the login was refused" in done.err
     assert "Traceback" not in done.err
+    assert robot.read("/etc/hostname") == "robot\n"
+
+
+def test_user_who_may_not_use_sudo_is_named_and_nothing_is_changed(untouched: Bench) -> None:
+    laptop, robot = untouched["laptop"], untouched["robot"]
+    robot.run("useradd -m guest && chpasswd", stdin="guest:guest\n").check()
+    done = set_up(laptop, host="guest@robot.local", current="guest", new="")
+    assert done.code == 2
+    assert "guest may not use sudo there" in done.err
     assert robot.read("/etc/hostname") == "robot\n"
 
 
@@ -110,8 +138,8 @@ def test_reboot_that_the_robot_did_not_hear_of_is_told_again(pair: Bench) -> Non
     assert "ready after" in done.out
 
 
-def test_name_of_another_computer_is_refused(pair: Bench) -> None:
-    done = set_up(pair["laptop"], name="laptop")
+def test_name_of_another_computer_is_refused(untouched: Bench) -> None:
+    done = set_up(untouched["laptop"], name="laptop")
     assert done.code == 2
     assert "taken" in done.err
 
@@ -133,6 +161,11 @@ def test_two_robots_are_set_up_at_once() -> None:
     with boot(("laptop", "robot", "robot2")) as bench:
         laptop = bench["laptop"]
         prepare(laptop)
+        shown = set_up_two(laptop, option="--dry-run")
+        for robot, name in (("robot", "bob"), ("robot2", "eve")):
+            assert f"{name} (ros@{robot}.local):" in shown.out
+            assert f'+name: "{name}"' in shown.out
+            assert bench[robot].run("cat /etc/ubiquity/robot.yaml; ls -d /home/ros/.ssh").out == ""
         done = set_up_two(laptop)
         assert done.out.count("ready after") == 2
         seen = laptop.wait_for(f"{UR} robots", user="pat")

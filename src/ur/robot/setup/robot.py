@@ -30,6 +30,7 @@ BOOT_SECONDS = 180.0
 AGAIN_SECONDS = 15.0
 QUICK_SECONDS = 3
 PAUSE_SECONDS = 0.5
+CLOCK_SECONDS = 120.0
 # The shadow hash and the password go in through standard input; crypt(3) knows every method of this system.
 _COMPARE = """\
 perl -e 'chomp(my ($user, $password) = <STDIN>); my $hash = (getpwnam $user)[1];
@@ -161,6 +162,7 @@ def set_up(task: Task, here: Shell, viewer: Viewer, report: Report) -> int:
     user = task.address.user
     with open_robot(task, report) as shell, hold_robot(shell, f"{viewer.user}@{viewer.name}", report):
         _check_name_is_free(task, shell)
+        set_clock(shell, time.time, report)
         facts, count = bring_about(
             shell,
             lambda facts: wanted_there(facts, task.robot, viewer, _password(task, shell)),
@@ -180,6 +182,21 @@ def set_up(task: Task, here: Shell, viewer: Viewer, report: Report) -> int:
     report(f"waiting for {task.later.host}")
     wait_for_boot(task, facts.boot, at, report)
     return count + 1
+
+
+def set_clock(shell: Shell, now: Callable[[], float], report: Report) -> None:
+    """Set a clock that is minutes off, as that of a computer without a battery for it: apt and keys look at dates.
+
+    `now` is this computer's time (s since 1970). Smaller differences are left to chrony. Nothing happens where the
+    clock cannot be set.
+    """
+    said = shell.run("date +%s").out.strip()
+    ahead = int(said) - now() if said.isdigit() else 0.0
+    if abs(ahead) > CLOCK_SECONDS:
+        days, seconds = divmod(round(abs(ahead)), 86400)
+        much = f"{days} days" if days else f"{seconds} s"
+        report(f"clock, which is {much} {'ahead' if ahead > 0 else 'behind'}")
+        shell.run(f"date -u -s @{now():.0f}", root=True)
 
 
 def wait_for_boot(
