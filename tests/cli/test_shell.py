@@ -96,3 +96,18 @@ def test_robot_is_the_selected_one_unless_it_is_named(tmp_path: Path, monkeypatc
     (tmp_path / "ubiquity_launches/selection").write_text("eve\n")
     assert robot_address(None) == Address("ros", "eve.local")
     assert robot_address("pat@bob") == Address("pat", "bob.local")
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
+def test_what_ends_us_ends_ssh(ssh: Path, number: signal.Signals) -> None:
+    (ssh / "ssh").write_text(
+        "#!/bin/bash\ntrap 'echo ended; exit 9' TERM HUP\necho ready\nwhile :; do read -t 0.1 <> <(:); done\n"
+    )
+    program = "from ur.cli.shell import run_ssh; from ur.robot.ssh.openssh import Address; import sys; "
+    program += "sys.exit(run_ssh(Address('ros', 'bob.local'), [], ['x']))"
+    with subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout
+        assert process.stdout.readline() == "ready\n"
+        process.send_signal(number)
+        assert process.stdout.readline() == "ended\n"
+        assert process.wait(60) == 9

@@ -2,24 +2,61 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
+from pathlib import Path
+
 import pytest
-from tests.hosts.bench import UR, Bench
+from tests.hosts.bench import UR, Bench, wait_until
 from tests.hosts.test_doctor import pair
 from tests.hosts.test_robot_setup import running
 
 pytestmark = pytest.mark.long
 __all__ = ["pair"]
 SCREEN = {"DISPLAY": ":7"}
+# Without -noreset the server forgets its screen when the last window closes.
+XVFB = "Xvfb :7 -screen 0 640x480x24 -nolisten tcp -noreset"
 
 
-def test_window_of_the_robot_opens_on_the_laptop(pair: Bench) -> None:
+def test_window_of_the_robot_is_seen_on_the_laptop(pair: Bench, tmp_path: Path) -> None:
     laptop = pair["laptop"]
-    with running(laptop, "Xvfb :7 -screen 0 640x480x24 -nolisten tcp", "pat"):
-        laptop.wait_for("[ -S /tmp/.X11-unix/X7 ]")
+    with running(laptop, XVFB, "pat"):
+        laptop.wait_for("[ -S /tmp/.X11-unix/X7 ]", deadline=60)
         done = laptop.run(f"{UR} x --check bob", user="pat", environment=SCREEN).check()
         assert "opened" in done.out
-        with running(laptop, f"env DISPLAY=:7 {UR} x bob xlogo", "pat"):
-            pair["robot"].wait_for("pgrep -u ros -x xlogo")
+        empty = take_picture(pair)
+        with running(laptop, f"env DISPLAY=:7 {UR} x bob xlogo -geometry 300x200+50+40", "pat"):
+            # The window itself, by its name, and drawn: 60,000 pixels, of which the logo takes more than half.
+            laptop.wait_for("xwd -silent -name xlogo >w", user="pat", environment=SCREEN, deadline=60)
+            wait_until(lambda: count_pixels(take_picture(pair), empty) > 20_000, "the window is drawn", 60)
+            shown = take_picture(pair)
+            pair["robot"].wait_for("pgrep -u ros -x xlogo", deadline=60)
+        sys.stdout.write(f"a window of the robot on the laptop's screen: {count_pixels(shown, empty)} pixels differ\n")
+        (tmp_path / "screen.xwd").write_bytes(shown)
+    # It went with its program, and the program with `ur x`.
+    pair["robot"].wait_for("! pgrep -u ros -x xlogo", deadline=60)
+
+
+def take_picture(pair: Bench) -> bytes:
+    """What is on the laptop's screen, as xwd writes it."""
+    line = pair["laptop"].command_line("xwd -silent -root", user="pat", environment=SCREEN)
+    return subprocess.run(line, capture_output=True, check=True, timeout=60).stdout
+
+
+def count_pixels(picture: bytes, other: bytes) -> int:
+    """How many pixels differ, of four bytes each; the head of the file is as long as a whole number of them."""
+    assert len(picture) == len(other)
+    return sum(picture[at : at + 4] != other[at : at + 4] for at in range(len(picture) % 4, len(picture), 4))
+
+
+def test_words_arrive_as_they_are_and_the_exit_code_comes_back(pair: Bench) -> None:
+    laptop = pair["laptop"]
+    with running(laptop, XVFB, "pat"):
+        laptop.wait_for("[ -S /tmp/.X11-unix/X7 ]", deadline=60)
+        line = f"{UR} x bob sh -c 'echo \"$0\" $DISPLAY; exit 5' 'a  b'"
+        done = laptop.run(line, user="pat", environment=SCREEN)
+    assert done.code == 5
+    assert done.out.startswith("a  b localhost:1")
 
 
 def test_window_without_a_screen_is_explained(pair: Bench) -> None:
@@ -29,3 +66,11 @@ def test_window_without_a_screen_is_explained(pair: Bench) -> None:
     done = pair["laptop"].run(f"{UR} x --check bob", user="pat", environment={"DISPLAY": ":9"})
     assert done.code == 2
     assert "no window opened" in done.err
+    assert "ur doctor" in done.err
+
+
+def test_robot_that_is_away_is_explained(pair: Bench) -> None:
+    for words in ("x --check nobody", "x nobody xlogo"):
+        done = pair["laptop"].run(f"{UR} {words}", user="pat", environment=SCREEN)
+        assert done.code == 2
+        assert "no computer answers to this name" in done.err

@@ -9,7 +9,8 @@ import click
 
 from ur.cli.shell import robot_address
 from ur.robot.mount import REMOTE, Mount, default_target, mount_command, mounts_of, parse_mounts
-from ur.robot.ssh.shell import run_process
+from ur.robot.ssh.openssh import connect
+from ur.robot.ssh.shell import quote, run_process
 from ur.source.diagnostic import UserError, error
 
 SECONDS = 30.0
@@ -39,9 +40,14 @@ def command(robot: str | None, at: Path | None, over: bool, folder: str) -> int:
         raise _problem(
             f"{target}: {mounted[0].source} is mounted there", "ur unmount, or choose another place with --at"
         )
-    _make_folder(target, hide=over)
+    with connect(address) as shell:  # for its words, which are better than those of sshfs
+        if shell.run(f"cd && [ -d {quote(folder)} ]").code:
+            raise _problem(f"{address}: {folder} is not there, expected a folder", "name another one with --folder")
+    made = _make_folder(target, hide=over)
     done = run_process(mount_command(address, folder, target), timeout=SECONDS, what=f"mounting a folder of {address}")
     if done.code:
+        if made:
+            target.rmdir()
         said = (done.err.strip().splitlines() or ["sshfs said nothing"])[-1]
         raise _problem(f"{address}: {folder} could not be mounted: {said}", f"ur doctor {address}")
     click.echo(f"{target}: {folder} of {address}")
@@ -53,7 +59,9 @@ def read_mounts() -> list[Mount]:
     return parse_mounts(Path("/proc/self/mounts").read_text(encoding="utf-8"))
 
 
-def _make_folder(target: Path, *, hide: bool) -> None:
+def _make_folder(target: Path, *, hide: bool) -> bool:
+    """Make sure of a place to mount at; whether it had to be made. Raises UserError: it cannot be used."""
+    made = not target.exists()
     try:
         target.mkdir(parents=True, exist_ok=True)
         used = any(os.scandir(target)) and not hide
@@ -63,6 +71,7 @@ def _make_folder(target: Path, *, hide: bool) -> None:
         ) from None
     if used:
         raise _problem(f"{target} is not empty, expected an empty folder", "choose another place with --at")
+    return made
 
 
 def _problem(message: str, help: str) -> UserError:

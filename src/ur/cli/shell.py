@@ -44,21 +44,42 @@ def run_ssh(address: Address, options: Sequence[str], words: Sequence[str]) -> i
     with tempfile.TemporaryDirectory(prefix="ur-") as folder:
         log = Path(folder) / "log"
         log.touch()
-        # Ctrl-C is for ssh, which hands it on. A handler of ours is not inherited, as ignoring it would be.
-        before = signal.signal(signal.SIGINT, lambda *_: None)
-        try:
-            code = subprocess.run(
-                ["ssh", *STRICT, "-E", str(log), *options, str(address), *script], check=False
-            ).returncode
-        except FileNotFoundError:
-            raise UserError(error("ssh is not installed here", rule="missing-program", help="run: ur setup")) from None
-        finally:
-            signal.signal(signal.SIGINT, before)
+        code = _run_in_front(["ssh", *STRICT, "-E", str(log), *options, str(address), *script])
         said = log.read_text(encoding="utf-8", errors="replace")
     if code == 255 and said.strip():
         raise explain_failure(address, said)
     sys.stderr.writelines(line for line in said.splitlines(keepends=True) if not line.startswith("Connection to "))
     return code if code >= 0 else 128 - code
+
+
+def _run_in_front(command: Sequence[str]) -> int:
+    """Run a program with this terminal; what ends us ends it, and Ctrl-C is its own business. Its exit code."""
+    running: list[subprocess.Popen[bytes]] = []
+    early: list[int] = []
+
+    def hand_on(number: int, _: object) -> None:
+        if number == signal.SIGINT:  # that one comes from the terminal, to both
+            return
+        if running:
+            running[0].send_signal(number)
+        else:
+            early.append(number)
+
+    numbers = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+    # Before it starts, so that nothing ends us alone. It does not inherit them: handlers end with exec.
+    before = [signal.signal(number, hand_on) for number in numbers]
+    try:
+        running.append(subprocess.Popen(command))
+        for number in early:
+            running[0].send_signal(number)
+        return running[0].wait()
+    except FileNotFoundError:
+        raise UserError(
+            error(f"{command[0]} is not installed here", rule="missing-program", help="run: ur setup")
+        ) from None
+    finally:
+        for number, handler in zip(numbers, before, strict=True):
+            signal.signal(number, handler)
 
 
 def robot_address(robot: str | None) -> Address:
