@@ -89,6 +89,9 @@ def begin(shell: SshShell, change: GuardedChange, facts: Facts, wait: int) -> st
     try:
         hand_over(shell, order, facts)
         say(f"{change.title}: the robot begins, and goes back by itself unless it is confirmed within {wait} s")
+    except KeyboardInterrupt:
+        say(f"{change.title}: stopped; if the robot was told already, it goes back by itself within {wait} s")
+        raise
     except UserError as problem:
         if not is_doubtful(problem):
             raise

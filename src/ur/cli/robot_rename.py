@@ -49,9 +49,9 @@ def rename(robot: str, name: str, wait: int, password_from: int | None, dry_run:
         with connect(address) as shell:
             made = _begin(shell, name, password, wait, dry_run=dry_run)
     except UserError as problem:
-        if problem.diagnostics[0].rule in AWAY and (old := _is_renamed(later, address)):
-            remember(old, name)
-            say(f"{old} is called {name} already")
+        if problem.diagnostics[0].rule in AWAY and _is_there(later, address):
+            remember(address.host.removesuffix(".local"), name)
+            say(f"no computer answers to {address.host}, and {name} is there: nothing more to do")
             return 0
         raise
     if made is None:
@@ -111,6 +111,7 @@ def _check_free(there: Shell, here: Shell, name: str, facts: Facts) -> None:
     """Raises UserError where another computer answers to the name, for the robot or for us."""
     from concurrent.futures import ThreadPoolExecutor
 
+    say(f"looking whether {name}.local is free")
     with ThreadPoolExecutor(2) as pool:  # each waits for seconds until nobody has answered
         answers = list(pool.map(lambda shell: shell.run(f"getent ahostsv4 {name}.local").out, (there, here)))
     own = {*facts.addresses, "127.0.1.1"}
@@ -125,8 +126,8 @@ def _check_free(there: Shell, here: Shell, name: str, facts: Facts) -> None:
         )
 
 
-def _is_renamed(later: Address, before: Address) -> str | None:
-    """The old name, where the robot that had it has the new one: an earlier run ended after its success.
+def _is_there(later: Address, before: Address) -> bool:
+    """Whether a robot that we know has the new name: an earlier run ended after its success.
 
     Raises UserError where that is not decided yet.
     """
@@ -139,7 +140,7 @@ def _is_renamed(later: Address, before: Address) -> str | None:
                 done = link.run(f"cat /proc/sys/kernel/hostname; [ ! -e /etc/systemd/system/{BOOT_UNIT} ]")
         except UserError as problem:
             if problem.diagnostics[0].rule in AWAY:
-                return None
+                return False
             continue
         if done.code:
             raise UserError(
@@ -150,8 +151,8 @@ def _is_renamed(later: Address, before: Address) -> str | None:
                 )
             )
         if done.out.strip() == later.host.removesuffix(".local"):
-            return before.host.removesuffix(".local")
-    return None
+            return True
+    return False
 
 
 def remember(old: str, new: str) -> None:
