@@ -55,7 +55,7 @@ class Bench:
     def boot_stranger(self, name: str, number: int = 90) -> Machine:
         """Boot one more computer on this network, which may have any host name; it goes with the bench."""
         machine = _start(self.ledger, make_root(cache_folder()), name, f"10.77.0.{number}")
-        machine.wait_booted()
+        machine.wait_booted(180.0)
         return machine
 
 
