@@ -15,6 +15,7 @@ from tests.robot.image.images import CLOUD_ROOT, make_cloud, needs_tools, read_e
 pytestmark = [pytest.mark.long, needs_tools]
 SEED = "var/lib/cloud/seed/nocloud"
 IMAGE = "home/pat/cloud.img"
+FIRST_CONTACT = "-o BatchMode=yes -o StrictHostKeyChecking=accept-new -o UserKnownHostsFile=/dev/null -o LogLevel=ERROR"
 
 
 @dataclass(frozen=True)
@@ -55,8 +56,8 @@ def first_boot(bench: Bench, folder: Path) -> Machine:
     return robot
 
 
-def command(name: str) -> str:
-    who = f"--name {name} --base magni --user rob"
+def command(name: str, user: str = "rob") -> str:
+    who = f"--name {name} --base magni --user {user}"
     return f"{UR} image prepare cloud.img {who} --ssid home --country DE --passwords-from 0"
 
 
@@ -76,6 +77,7 @@ def reboot(robot: Machine) -> None:
 def test_seed_is_what_cloud_init_wants(pair: Booted) -> None:
     pair.robot.run(f"cloud-init schema --config-file /{SEED}/user-data").check()
     log = pair.robot.read("/var/log/cloud-init.log").splitlines()
+    pair.robot.run("systemd-analyze verify ubiquity-names.service").check()
     # Networks are netplan's on every image that is supported; here there is none.
     assert [line for line in log if "[WARNING]" in line and "distros with netplan" not in line] == []
 
@@ -91,19 +93,18 @@ def test_robot_has_its_name_user_and_file_after_its_first_boot(pair: Booted) -> 
 
 def test_laptop_logs_in_by_name_and_key_without_a_password(pair: Booted) -> None:
     laptop = pair.laptop
-    laptop.wait_for("getent ahostsv4 bob.local")
-    options = "-o BatchMode=yes -o StrictHostKeyChecking=accept-new -o UserKnownHostsFile=/dev/null -o LogLevel=ERROR"
+    laptop.wait_for("getent ahostsv4 bob.local", deadline=60.0)
     done = laptop.run(
-        f"ssh {options} rob@bob.local 'id -un; sudo -n id -un; cat /proc/sys/kernel/hostname'", user="pat"
+        f"ssh {FIRST_CONTACT} rob@bob.local 'id -un; sudo -n id -un; cat /proc/sys/kernel/hostname'", user="pat"
     )
     assert done.check().out == "rob\nroot\nbob\n"
-    refused = laptop.run(f"ssh {options} -o PubkeyAuthentication=no -v rob@bob.local true", user="pat")
+    refused = laptop.run(f"ssh {FIRST_CONTACT} -o PubkeyAuthentication=no -v rob@bob.local true", user="pat")
     assert refused.code == 255
     assert "(publickey)" in refused.err
 
 
 def test_robot_is_known_and_announces_itself(pair: Booted) -> None:
-    seen = pair.laptop.wait_for(f"{UR} robots | grep {pair.robot.address}", user="pat")
+    seen = pair.laptop.wait_for(f"{UR} robots | grep {pair.robot.address}", user="pat", deadline=60.0)
     assert "bob" in seen.out
     assert "magni" in seen.out
 
@@ -124,10 +125,16 @@ def test_robot_that_has_booted_takes_another_seed(pair: Booted) -> None:
     laptop, robot = pair.laptop, pair.robot
     again = laptop.run(command("bob"), user="pat", stdin="\nwifi-secret\n").check()
     assert "--new-host-key" in again.out  # bob is known: flashed again, it is another one
-    new = laptop.run(command("eve"), user="pat", stdin="\nwifi-secret\n").check()
+    new = laptop.run(command("eve", "kim"), user="pat", stdin="robot-secret\nwifi-secret\n").check()
     assert "--new-host-key" not in new.out
     transfer(laptop, robot)
     for _ in range(2):  # and keeps it
         reboot(robot)
         assert robot.run("cat /etc/hostname /proc/sys/kernel/hostname").out == "eve\neve\n"
     laptop.wait_for("getent ahostsv4 eve.local", deadline=60.0)
+    # A user with a password logs in by key, too, and sudo asks for the password.
+    login = f"ssh {FIRST_CONTACT} kim@eve.local"
+    assert laptop.run(f"{login} sudo -n true", user="pat").code != 0
+    for password, good in (("another", False), ("robot-secret", True)):
+        done = laptop.run(f"{login} sudo -k -S true", user="pat", stdin=f"{password}\n")
+        assert (done.code == 0) is good, done
