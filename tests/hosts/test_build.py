@@ -67,8 +67,12 @@ def test_same_package_is_built_and_runs_on_both_computers(workspaces: Bench) -> 
             .check()
         )
         assert said.out.split() == ["built", "said", "build", "devel", "src"]
+    # What catkin fills in does not keep shells from following the selection.
+    laptop = workspaces["laptop"]
+    laptop.run(f"{UR} use bob", user="pat").check()
+    assert laptop.run("echo $ROS_MASTER_URI", user="pat").out == "http://bob.local:11311\n"
     # Carrying on: what was built stays where it was built, and so does what catkin made for itself.
-    done = workspaces["laptop"].run(f"{UR} sync bob --dry-run", user="pat").check()
+    done = laptop.run(f"{UR} sync bob --dry-run", user="pat").check()
     assert done.out == "in step with bob\n"
 
 

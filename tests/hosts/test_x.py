@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import subprocess
 import sys
-from pathlib import Path
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 import pytest
-from tests.hosts.bench import UR, Bench, wait_until
+from tests.hosts.bench import UR, Bench, Machine, wait_until
 from tests.hosts.test_doctor import pair
-from tests.hosts.test_robot_setup import running
 
 pytestmark = pytest.mark.long
 __all__ = ["pair"]
@@ -18,23 +18,45 @@ SCREEN = {"DISPLAY": ":7"}
 XVFB = "Xvfb :7 -screen 0 640x480x24 -nolisten tcp -noreset"
 
 
-def test_window_of_the_robot_is_seen_on_the_laptop(pair: Bench, tmp_path: Path) -> None:
-    laptop = pair["laptop"]
-    with running(laptop, XVFB, "pat"):
-        laptop.wait_for("[ -S /tmp/.X11-unix/X7 ]", deadline=60)
-        done = laptop.run(f"{UR} x --check bob", user="pat", environment=SCREEN).check()
-        assert "opened" in done.out
-        empty = take_picture(pair)
-        with running(laptop, f"env DISPLAY=:7 {UR} x bob xlogo -geometry 300x200+50+40", "pat"):
-            # The window itself, by its name, and drawn: 60,000 pixels, of which the logo takes more than half.
-            laptop.wait_for("xwd -silent -name xlogo >w", user="pat", environment=SCREEN, deadline=60)
-            wait_until(lambda: count_pixels(take_picture(pair), empty) > 20_000, "the window is drawn", 60)
-            shown = take_picture(pair)
-            pair["robot"].wait_for("pgrep -u ros -x xlogo", deadline=60)
-        sys.stdout.write(f"a window of the robot on the laptop's screen: {count_pixels(shown, empty)} pixels differ\n")
-        (tmp_path / "screen.xwd").write_bytes(shown)
-    # It went with its program, and the program with `ur x`.
-    pair["robot"].wait_for("! pgrep -u ros -x xlogo", deadline=60)
+@contextmanager
+def started(machine: Machine, line: str, user: str) -> Iterator[None]:
+    """A program that runs inside meanwhile, and is told to end there."""
+    process = subprocess.Popen(
+        machine.command_line(f"echo $$; exec {line} >/dev/null 2>&1", user=user), stdout=subprocess.PIPE, text=True
+    )
+    assert process.stdout
+    with process.stdout:
+        number = int(process.stdout.readline())
+    try:
+        yield
+    finally:
+        machine.run(f"kill {number}")
+        wait_until(lambda: process.poll() is not None, f"{line} ends", 60)
+
+
+@pytest.fixture(scope="module")
+def screen(pair: Bench) -> Iterator[Bench]:
+    """The laptop has a screen, :7."""
+    with started(pair["laptop"], XVFB, "pat"):
+        pair["laptop"].wait_for("[ -S /tmp/.X11-unix/X7 ]", deadline=60)
+        yield pair
+
+
+def test_window_of_the_robot_is_seen_on_the_laptop(screen: Bench) -> None:
+    laptop, robot = screen["laptop"], screen["robot"]
+    done = laptop.run(f"{UR} x --check bob", user="pat", environment=SCREEN).check()
+    assert "opened" in done.out
+    empty = take_picture(screen)
+    with started(laptop, f"env DISPLAY=:7 {UR} x bob xlogo -geometry 300x200+50+40", "pat"):
+        # The window itself, by its name, and drawn: 60,000 pixels, of which the logo leaves more than half.
+        laptop.wait_for("xwd -silent -name xlogo >w", user="pat", environment=SCREEN, deadline=60)
+        wait_until(lambda: count_pixels(take_picture(screen), empty) > 20_000, "the window is drawn", 60)
+        shown = count_pixels(take_picture(screen), empty)
+        robot.wait_for("pgrep -u ros -x xlogo", deadline=60)
+    sys.stdout.write(f"a window of the robot on the laptop's screen: {shown} pixels differ\n")
+    # The program over there ended with `ur x`, and its window with it.
+    robot.wait_for("! pgrep -u ros -x xlogo", deadline=60)
+    wait_until(lambda: count_pixels(take_picture(screen), empty) == 0, "the window is gone", 60)
 
 
 def take_picture(pair: Bench) -> bytes:
@@ -49,12 +71,9 @@ def count_pixels(picture: bytes, other: bytes) -> int:
     return sum(picture[at : at + 4] != other[at : at + 4] for at in range(len(picture) % 4, len(picture), 4))
 
 
-def test_words_arrive_as_they_are_and_the_exit_code_comes_back(pair: Bench) -> None:
-    laptop = pair["laptop"]
-    with running(laptop, XVFB, "pat"):
-        laptop.wait_for("[ -S /tmp/.X11-unix/X7 ]", deadline=60)
-        line = f"{UR} x bob sh -c 'echo \"$0\" $DISPLAY; exit 5' 'a  b'"
-        done = laptop.run(line, user="pat", environment=SCREEN)
+def test_words_arrive_as_they_are_and_the_exit_code_comes_back(screen: Bench) -> None:
+    line = f"{UR} x bob sh -c 'echo \"$0\" $DISPLAY; exit 5' 'a  b'"
+    done = screen["laptop"].run(line, user="pat", environment=SCREEN)
     assert done.code == 5
     assert done.out.startswith("a  b localhost:1")
 
