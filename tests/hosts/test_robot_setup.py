@@ -166,6 +166,7 @@ def test_two_robots_are_set_up_at_once() -> None:
             assert f"{name} (ros@{robot}.local):" in shown.out
             assert f'+name: "{name}"' in shown.out
             assert bench[robot].run("cat /etc/ubiquity/robot.yaml; ls -d /home/ros/.ssh").out == ""
+        interrupt_two(laptop)
         done = set_up_two(laptop)
         assert done.out.count("ready after") == 2
         seen = laptop.wait_for(f"{UR} robots", user="pat")
@@ -175,6 +176,25 @@ def test_two_robots_are_set_up_at_once() -> None:
         assert said.out == "eve\n"
         again = set_up_two(laptop, ("bob", "eve"), current=PASSWORD, new="")
         assert again.out.count("nothing to do") == 2
+
+
+def interrupt_two(laptop: Machine) -> None:
+    """Ctrl-C ends a set-up of two robots at once, and all that it has started."""
+    line = f"{UR} robot setup --from robots.yaml --passwords-from 0"
+    words = laptop.command_line(f"echo $$; exec {line}", user="pat")
+    with subprocess.Popen(words, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdin
+        assert process.stdout
+        process.stdin.write(f"ros\n{PASSWORD}\n")
+        process.stdin.close()
+        number = process.stdout.readline().strip()
+        while "packages" not in process.stdout.readline():
+            pass
+        laptop.run(f"kill -INT {number}").check()
+        process.stdout.read()
+        assert process.wait(60) == 130
+    wait_until(lambda: not laptop.run("ls -d /tmp/ur-*").out, "its folders go", 60)
+    wait_until(lambda: laptop.run("pgrep -u pat -x ssh").code != 0, "its connections end", 60)
 
 
 class running:  # noqa: N801 - used as a function

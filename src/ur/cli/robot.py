@@ -10,7 +10,6 @@ import sys
 import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
@@ -32,7 +31,6 @@ from ur.source.diagnostic import UserError, error
 from ur.source.render import render_human
 from ur.source.section import Section, read_section
 
-MASTER_PORT = 11311
 MASTER_SECONDS = 60.0
 
 
@@ -134,12 +132,11 @@ def _set_up(task: Task, here: LocalShell, viewer: Viewer) -> int:
 
 def wait_for_master(host: str) -> bool:
     """Whether the ROS master of a robot answers here, which it may do only a while after the boot."""
-    from ur.run.xml_rpc import Refused, Unanswered, call_method
+    from ur.cli.master import list_node_names
 
     end = time.monotonic() + MASTER_SECONDS
     while time.monotonic() < end:
-        with suppress(Refused, Unanswered, OSError, ValueError, TypeError):
-            call_method((host, MASTER_PORT), "getPid", ["/ur"], 2.0)
+        if list_node_names(host, 2.0) is not None:
             return True
         time.sleep(0.2)
     return False
@@ -167,8 +164,16 @@ def _for_each(tasks: Sequence[Task], work: Callable[[Task], int]) -> int:
 
     if len(tasks) == 1:
         return guarded(tasks[0])
-    with ThreadPoolExecutor(len(tasks)) as pool:
+    pool = ThreadPoolExecutor(len(tasks))
+    try:
         return max(pool.map(guarded, tasks))
+    except KeyboardInterrupt:
+        # The others wait for their robots, maybe for long. What they have started ends with this process.
+        sys.stderr.write("interrupted; the same command goes on where it stopped\n")
+        sys.stderr.flush()
+        os._exit(130)
+    finally:
+        pool.shutdown()
 
 
 def _reporter(task: Task) -> Callable[[str], None]:

@@ -13,6 +13,7 @@ from ur.robot.robot_file import ROBOT_FILE, RobotFile, load_robot_file
 from ur.robot.setup.facts import ABSENT, Facts, FileState
 from ur.robot.setup.keys import HOST_KEY
 from ur.robot.setup.there import (
+    AVAHI,
     CLOUD,
     Robot,
     Viewer,
@@ -23,6 +24,7 @@ from ur.robot.setup.there import (
     wanted_there,
 )
 from ur.robot.setup.verify import clock_offset
+from ur.robot.setup.wanted import WantedFile
 from ur.robot.ssh.secret import Secret
 
 FACTS = Facts(
@@ -32,7 +34,7 @@ FACTS = Facts(
     "debian bookworm",
     "1",
     frozenset(),
-    files={HOST_KEY: FileState("ssh-ed25519 AAAA root@robot\n"), CLOUD: ABSENT, str(ROBOT_FILE): ABSENT},
+    files={HOST_KEY: FileState("ssh-ed25519 AAAA root@robot\n"), CLOUD: ABSENT, AVAHI: ABSENT, str(ROBOT_FILE): ABSENT},
 )
 VIEWER = Viewer("pat", "laptop", "ssh-ed25519 BBBB pat@laptop\n", "ssh-ed25519 CCCC\n")
 ROBOT = Robot("bob", "magni", "lidar")
@@ -56,6 +58,16 @@ def test_cloud_init_is_told_to_keep_the_name_only_where_it_is() -> None:
     with_cloud = replace(FACTS, files={**FACTS.files, CLOUD: FileState("x")})
     assert "cloud-init" not in [item.title for item in wanted_there(FACTS, ROBOT, VIEWER, None)]
     assert "cloud-init" in [item.title for item in wanted_there(with_cloud, ROBOT, VIEWER, None)]
+
+
+def test_avahi_tells_no_other_name_than_that_of_the_computer() -> None:
+    settings = "[server]\n#host-name=foo\n"
+    own = replace(FACTS, files={**FACTS.files, AVAHI: FileState(settings.replace("#", ""))})
+    (item,) = (item for item in wanted_there(own, ROBOT, VIEWER, None) if item.title == "host name (avahi)")
+    assert isinstance(item, WantedFile)
+    assert item.text == settings
+    plain = replace(FACTS, files={**FACTS.files, AVAHI: FileState(settings)})
+    assert "host name (avahi)" not in [item.title for item in wanted_there(plain, ROBOT, VIEWER, None)]
 
 
 @pytest.mark.parametrize("robot", [ROBOT, Robot("yes", "stage"), Robot("007", "1e3")])

@@ -24,6 +24,7 @@ PACKAGES = (
 )
 GROUPS = ("dialout", "video", "plugdev", "input", "gpio", "i2c")
 CLOUD = "/etc/cloud/cloud.cfg"
+AVAHI = "/etc/avahi/avahi-daemon.conf"
 KEEP_NAME = "# Written by ur robot setup.\npreserve_hostname: true\nmanage_etc_hosts: false\n"
 
 
@@ -79,7 +80,7 @@ def is_robot_name(text: str) -> bool:
 
 def base_request(user: str) -> Request:
     """The facts that `wanted_there` needs."""
-    return Request(user, files=frozenset({HOST_KEY, KEY + ".pub", CLOUD, str(ROBOT_FILE)}))
+    return Request(user, files=frozenset({HOST_KEY, KEY + ".pub", CLOUD, AVAHI, str(ROBOT_FILE)}))
 
 
 def wanted_there(facts: Facts, robot: Robot, viewer: Viewer, password: WantedPassword | None) -> list[Wanted]:
@@ -118,11 +119,19 @@ def wanted_there(facts: Facts, robot: Robot, viewer: Viewer, password: WantedPas
         items.append(password)
     if facts.file(CLOUD).text is not None:
         items.append(WantedFile("cloud-init", "/etc/cloud/cloud.cfg.d/99-ubiquity.cfg", KEEP_NAME))
+    avahi = facts.file(AVAHI).text or ""
+    if follow_host_name(avahi) != avahi:
+        items.append(WantedFile("host name (avahi)", AVAHI, follow_host_name(avahi)))
     items += [
         WantedLine("host name (hosts)", "/etc/hosts", f"127.0.1.1\t{robot.name}", old=("127.0.1.1",)),
         WantedFile("host name", "/etc/hostname", f"{robot.name}\n"),
     ]
     return items
+
+
+def follow_host_name(settings: str) -> str:
+    """Avahi's settings without a host name of their own, which would be told to others in place of the computer's."""
+    return re.sub(r"(?m)^([ \t]*host-name[ \t]*=)", r"#\1", settings)
 
 
 def boot_master(user: str) -> list[Wanted]:
