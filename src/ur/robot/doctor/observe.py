@@ -68,7 +68,8 @@ def observe_script(other: str) -> str:
         f"mark failing; {_FAILING}",
         f"mark announced; timeout 5 busctl call {_AVAHI} / {_AVAHI}.Server GetHostName 2>/dev/null",
         f'mark disk; df -Pm {quote(*PLACES)} "$HOME" 2>/dev/null',
-        f'mark large; for f in {" ".join(LARGE)}; do timeout 5 du -sxm "$f" 2>/dev/null; done',
+        f'mark large; df -Pm {quote(*PLACES)} "$HOME" 2>/dev/null | grep -qE " (9[0-9]|100)% " && '
+        f'for f in {" ".join(LARGE)}; do timeout 5 du -sxm "$f" 2>/dev/null; done',
         "mark memory; grep MemAvailable /proc/meminfo",
         f"mark firewall; {_FIREWALL}",
         f"mark throttled; {_THROTTLED}",
