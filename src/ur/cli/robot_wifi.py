@@ -66,7 +66,7 @@ def wifi(
         assert device is not None
         if ssid is not None:
             wanted = _choose(networks, ssid, network_password, hidden=hidden, band=band or "")
-            say(f"join {ssid} with this computer, too, if it is in another network now")
+            say(f"while the robot waits, this computer has to be in {ssid}, or in a network that leads there")
             return plan_join(networks, wanted, device)
         if forget is not None:
             return plan_forget(networks, _find_known(networks, forget))
@@ -94,6 +94,8 @@ def _choose(networks: Networks, ssid: str, password: str, *, hidden: bool, band:
         )
     known = find_profile(networks, ssid) is not None
     secured = seen.security not in ("", "OWE") if seen else True
+    if not known:
+        choose_management(seen, with_password=True)  # nobody is asked for what cannot be used
     if not password and secured and sys.stdin.isatty():
         password = getpass.getpass(f"password of {ssid}{' (empty: the one that the robot knows)' if known else ''}: ")
     if known and not password:  # its profile knows how, also with a user name
