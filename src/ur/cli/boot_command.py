@@ -6,8 +6,6 @@ import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import click
-
 from ur.cli.environment import PACKAGE, REPOSITORY, know_own_package
 from ur.cli.setup import show_changes
 from ur.robot.boot import LIBRARIES, command_line, launch_line
@@ -65,7 +63,10 @@ def make_line(wish: Wish, shell: Shell, robot: str) -> str:
 
 
 def bring_library(wish: Wish, shell: SshShell, user: str) -> int:
-    """Copy this project to the robot when a launch file of it is wanted; how many changes that took."""
+    """Copy this project to the robot when a launch file of it is wanted; how many changes that took.
+
+    Raises UserError when it is not set up there: its nodes could not run.
+    """
     if wish.package != PACKAGE.name:
         return 0
     wanted = read_repository(REPOSITORY)
@@ -73,9 +74,9 @@ def bring_library(wish: Wish, shell: SshShell, user: str) -> int:
         shell, lambda _: [wanted], user, Request(user), root=False, report=lambda change: show_changes([change])
     )
     if shell.run(f"for d in {' '.join(LIBRARIES)}; do [ -r $d/.venv/ready-run ] && exit; done; exit 1").code:
-        click.echo(
-            f"note: {wish.package} is not set up on {shell.address.host}, and its own nodes need that: run once, with "
-            f"internet there: ssh -t {shell.place} {LIBRARIES[1]}/ur --version"
+        raise _problem(
+            f"{shell.address.host}: {wish.package} is there and not set up, and its nodes need that",
+            f"once, while it has internet: ssh -t {shell.place} {LIBRARIES[1]}/ur --version; then run this again",
         )
     return count
 
