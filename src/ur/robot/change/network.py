@@ -192,19 +192,23 @@ def _guard(networks: Networks, title: str, wanted: tuple[WantedProfile, ...], li
         (each.profile, each.name) for each in networks.devices if each.profile and each.kind in ("wifi", "ethernet")
     ]
     # A network that is not in reach at the moment must not keep the others from coming up.
-    back = [f"{_bring_up(*pair)} || failed=1" for pair in used]
+    first = [f"{_bring_up(*pair)} || failed=1" for pair in used]
+    again = [f"{_bring_up(*pair, wait=5)} || :" for pair in used]
     script = [
-        "nmcli connection reload",
-        "up() { failed=; " + "; ".join([*back, ":"]) + "; }",
-        'up; if [ -n "$failed" ]; then systemctl restart NetworkManager; nm-online -q -s -t 30; up; fi; :',
+        "nmcli connection reload; failed=",
+        *first,
+        # A profile that NetworkManager makes by itself comes back with it only.
+        '[ -n "$failed" ] || exit 0',
+        "systemctl restart NetworkManager; nm-online -q -s -t 15",
+        *again,
     ]
     return GuardedChange(
         title, wanted, live="\n".join(["set -e", *live]), back="\n".join(script), also_kept=KEPT, words=tuple(live)
     )
 
 
-def _bring_up(identity: str, device: str) -> str:
-    return f"nmcli --wait {UP_SECONDS} connection up uuid {quote(identity)} ifname {quote(device)}"
+def _bring_up(identity: str, device: str, wait: int = UP_SECONDS) -> str:
+    return f"nmcli --wait {wait} connection up uuid {quote(identity)} ifname {quote(device)}"
 
 
 def find_profile(networks: Networks, ssid: str) -> Profile | None:
