@@ -37,6 +37,12 @@ def test_robot_that_is_announced_and_does_not_answer_is_away() -> None:
     assert list_robots([bob], [], {"bob": Answer(answers=True)})[0].address == "10.0.0.2"
 
 
+def test_former_name_of_a_robot_is_not_listed() -> None:
+    memory = {"robot": Seen("robot", "10.0.0.2", NOW)}
+    rows = list_robots([Sighting("bob", "bob", ("10.0.0.2",))], [], {}, memory)
+    assert [row.name for row in rows] == ["bob"]
+
+
 def test_two_robots_with_one_name_are_a_problem_of_both() -> None:
     rows = list_robots([Sighting("bob", "bob", ("10.0.0.2",)), Sighting("bob-2", "bob", ("10.0.0.3",))], [])
     assert [bool(row.problem) for row in rows] == [True, True]

@@ -28,6 +28,14 @@ def test_torn_memory_is_none(tmp_path: Path, text: str) -> None:
     assert load_seen(path) == {"bob": BOB}
 
 
+def test_what_was_not_seen_for_months_is_forgotten(tmp_path: Path) -> None:
+    path = tmp_path / "seen.json"
+    note_seen(path, [BOB])
+    late = Seen("eve", "10.0.0.3", BOB.time + 100 * 86400.0)
+    note_seen(path, [late])
+    assert load_seen(path) == {"eve": late}
+
+
 def test_folder_that_cannot_be_made_is_no_failure(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     note_seen(tmp_path / "file" / "seen.json", [BOB])

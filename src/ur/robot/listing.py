@@ -78,7 +78,10 @@ def list_robots(
         **{one.name: Record(one.name, one.user, one.base, one.variant) for one in heard},
         **{record.name: record for record in records},
     }
-    for name in sorted({*known, *(memory or {})} - {*names}):
+    taken = {address for one in there for address in one.addresses}
+    # Who was seen where another robot is now, and was never set up from here, is that robot by its former name.
+    remembered = {name for name, seen in (memory or {}).items() if seen.address not in taken}
+    for name in sorted({*known, *remembered} - {*names}):
         record = known.get(name, Record(name, "", ""))
         rows.append(Row(name, "", record.base, record.variant, seen=(memory or {}).get(name)))
     return rows

@@ -9,6 +9,8 @@ from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
+KEPT = 90 * 86400.0  # s
+
 
 @dataclass(frozen=True, slots=True)
 class Seen:
@@ -38,11 +40,15 @@ def load_seen(path: Path) -> dict[str, Seen]:
 
 
 def note_seen(path: Path, robots: Iterable[Seen]) -> None:
-    """Remember where robots are now. Whoever reads the file sees the old or the new one; a full disk does no harm."""
+    """Remember where robots are now, and forget those that were not seen for long.
+
+    Whoever reads the file sees the old or the new one; a full disk does no harm.
+    """
     latest = {each.name: each for each in robots if each.address}
     if not latest:
         return
-    entries = {**load_seen(path), **latest}
+    oldest = max(each.time for each in latest.values()) - KEPT
+    entries = {name: each for name, each in load_seen(path).items() if each.time >= oldest} | latest
     temporary = path.with_name(f"{path.name}.{os.getpid()}")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
