@@ -30,10 +30,13 @@ def test_what_is_given_or_not_declared_is_left_alone() -> None:
     assert selected_arguments(selection, ("robot_variant",), [], here=True) == ["robot_variant:=lidar"]
 
 
-def test_robot_that_is_another_computer_is_refused_rather_than_simulated() -> None:
+def test_robot_that_is_another_computer_is_a_machine_of_its_name() -> None:
     selection = Selection("robbie", "", "")
-    with pytest.raises(UserError, match="robot 'robbie' is selected, which is another computer"):
-        selected_arguments(selection, ALL, [], here=False)
+    assert selected_arguments(selection, ALL, [], here=False) == [
+        "robot_machine:=robbie",
+        "viewer_machine:=localhost",
+        "simulate:=false",
+    ]
     assert selected_arguments(selection, ("viewer_machine",), [], here=False) == ["viewer_machine:=localhost"]
 
 

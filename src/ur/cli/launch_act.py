@@ -46,8 +46,8 @@ def _dry_run(words: Sequence[str], selection: Selection, wishes: Wishes, shell: 
     from ur.cli.dry_run import print_dry_run
     from ur.cli.launch_run import load_wanted
 
-    plan, world = load_wanted(words, selection, wishes)
-    return 1 if plan is None else print_dry_run(plan, world, shell, words)
+    loaded = load_wanted(words, selection, wishes)
+    return 1 if loaded.plan is None else print_dry_run(loaded.plan, loaded.world, shell, words)
 
 
 def _start(words: Sequence[str], selection: Selection, wishes: Wishes) -> int:

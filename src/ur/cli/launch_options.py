@@ -56,6 +56,9 @@ def make_parameters() -> list[click.Parameter]:
             help="Start this node under a debugger: pudb, gdb or debugpy; may be repeated.",
         ),
         flag("--local", help="Leave nodes for other computers out."),
+        # How the laptop starts what belongs to the robot: see ur.run.part_side. NAME is this computer's there.
+        click.Option(["--part"], hidden=True, metavar="NAME"),
+        click.Option(["--runs-already"], hidden=True, multiple=True, metavar="NODE"),
         flag("--core", help="Start only a master and rosout, as roscore does."),
         flag("-v", "verbose", help="Say which files, parameters and nodes there are before they are started."),
         flag("--detach", help="Start it, and let it run on without this terminal: ur ps, attach, logs, stop."),

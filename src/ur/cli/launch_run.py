@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -13,8 +13,8 @@ from ur.robot.selection import Selection
 from ur.source.diagnostic import Diagnostic, Severity, UserError, error
 
 if TYPE_CHECKING:
+    from ur.cli.plan_files import Loaded
     from ur.launchfile.plan.model import Plan
-    from ur.launchfile.world.protocol import World
     from ur.run.console import Console
     from ur.run.detach import LetGo
     from ur.run.events import Severity as EventSeverity
@@ -24,21 +24,22 @@ if TYPE_CHECKING:
     from ur.tui.start import Viewer
 
 
-def load_wanted(words: Sequence[str], selection: Selection, wishes: Wishes) -> tuple[Plan | None, World]:
-    """The plan behind a command line with the options that choose nodes; None when it has errors, which are shown.
+def load_wanted(words: Sequence[str], selection: Selection, wishes: Wishes) -> Loaded:
+    """What a command line means with the options that choose nodes; errors in it are shown.
 
     Raises UserError, as `load_words` does, and for nodes that options name wrongly.
     """
-    from ur.cli.plan_files import load_words
+    from ur.cli.plan_files import Loaded, load_words
 
     if wishes.core:
         from ur.launchfile.plan.model import Plan
         from ur.launchfile.world.system import SystemWorld
 
-        return Plan((), (), (), (), (), ("core",)), SystemWorld(os.environ)
-    plan, world = load_words(words, selection)
+        return Loaded(Plan((), (), (), (), (), ("core",)), SystemWorld(os.environ))
+    loaded = load_words(words, selection, wishes.part)
+    plan = loaded.plan
     if plan is None:
-        return None, world
+        return loaded
     if wishes.local:
         from ur.run.machines import split_plan
         from ur.run.places import is_local_address
@@ -57,7 +58,13 @@ def load_wanted(words: Sequence[str], selection: Selection, wishes: Wishes) -> t
             raise UserError(error(message, node.origin.span, rule="required-respawn"))
     if wishes.verbose:
         wishes.say("info", "\n".join(_list_contents(plan)))
-    return plan, world
+    if wishes.part is not None:
+        from ur.run.machines import take_part
+
+        mine = {node.full_name for node in plan.nodes if node.machine == wishes.part} - set(wishes.runs_already)
+        plan = take_part(plan, mine)
+        plan = replace(plan, commands=tuple(each for each in plan.commands if each.command != "dump"))
+    return replace(loaded, plan=plan)
 
 
 def _list_contents(plan: Plan) -> Iterator[str]:
@@ -79,16 +86,25 @@ def run_launch(words: Sequence[str], selection: Selection, wishes: Wishes, let_g
     from ur.run.processes import start_host  # now, not before: help and completion need none of it
 
     host = start_host()  # its start overlaps with the reading of the launch file
+    stack = ExitStack()
     try:
         from ur.cli.preparation import prepare
         from ur.run.launch import run_plan
 
-        plan, world = load_wanted(words, selection, wishes)
+        loaded = load_wanted(words, selection, wishes)
+        plan, world = loaded.plan, loaded.world
         if plan is None:
             return 1
         if wishes.core:
             _refuse_second_master()
         prepare(plan, world)
+        if loaded.robot and any(node.machine == loaded.robot for node in plan.nodes):
+            from ur.cli.on_robot import start_there  # ssh, and what comes with it: only where it is needed
+
+            part = stack.enter_context(start_there(replace(loaded, plan=plan), words, wishes))
+            plan = part.here
+            if not plan.nodes:
+                return part.follow()
         if wishes.debug:
             from ur.cli import debugging
 
@@ -107,6 +123,7 @@ def run_launch(words: Sequence[str], selection: Selection, wishes: Wishes, let_g
                 console.finish(1.0)
     finally:
         host.close()
+        stack.close()
 
 
 def _refuse_second_master() -> None:

@@ -29,6 +29,8 @@ class Wishes:
 
     core: bool = False
     local: bool = False
+    part: str | None = None  # only the nodes of this machine, which is this computer
+    runs_already: Sequence[str] = ()  # nodes of that part that are not to be started again
     verbose: bool = False
     screen: bool = False
     log: bool = False

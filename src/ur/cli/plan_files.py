@@ -6,39 +6,59 @@ import os
 import socket
 import sys
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 from ur.launchfile.address import resolve_addresses
 from ur.launchfile.plan.load import load_plan
-from ur.launchfile.plan.model import Plan
+from ur.launchfile.plan.model import MachineSpec, Origin, Plan
 from ur.launchfile.syntax.parse import parse_launch_file
 from ur.launchfile.world.protocol import World
 from ur.launchfile.world.system import SystemWorld
 from ur.robot.selection import Selection
 from ur.source.diagnostic import Diagnostic, Severity, UserError, error
+from ur.source.file import SourceFile, Span
 from ur.source.suggest import did_you_mean
 
 
-def load_words(words: Sequence[str], selection: Selection) -> tuple[Plan | None, World]:
-    """The plan behind `[PACKAGE] FILE [ARG:=VALUE]...`; None when it has errors, which are then on standard error.
+@dataclass(frozen=True, slots=True)
+class Loaded:
+    """What a command line means. `plan` is None when it has errors; `files` and `arguments` are what it was made of.
 
-    Arguments about the robot that the file declares and nobody gave come from the selection.
-    Raises UserError: no such file, a word that is neither a file nor an argument, a robot that is another computer, a
-    base that is not known or lacks what the file needs, a driver whose package is not installed.
+    `robot` is the machine whose nodes belong to the selected robot, which is another computer; '' where there is none.
+    """
+
+    plan: Plan | None
+    world: World
+    files: tuple[str, ...] = ()
+    arguments: tuple[str, ...] = ()
+    robot: str = ""
+
+
+def load_words(words: Sequence[str], selection: Selection, part: str | None = None) -> Loaded:
+    """What `[PACKAGE] FILE [ARG:=VALUE]...` means; errors in it are then on standard error.
+
+    Arguments about the robot that the file declares and nobody gave come from the selection; not so with `part`: then
+    the words are complete, and `part` is a machine that the file need not define: this computer.
+    Raises UserError: no such file, a word that is neither a file nor an argument, a base that is not known or lacks
+    what the file needs, a driver whose package is not installed.
     """
     world = SystemWorld(os.environ, standard_input=lambda: sys.stdin.buffer.read())
     files = resolve_addresses(words, world)
     given = [word for word in words if ":=" in word]
     declared = declared_arguments(files, world)
     refuse_stray_words(files, declared, world)
-    here = selection.simulated or is_this_computer(selection.robot)
-    arguments = [*given, *selected_arguments(selection, declared, given, here=here)]
+    here = part is not None or selection.simulated or is_this_computer(selection.robot)
+    arguments = given if part is not None else [*given, *selected_arguments(selection, declared, given, here=here)]
+    there = not here and f"robot_machine:={selection.robot}" in arguments
     values = dict(word.split(":=", 1) for word in arguments)
     if "robot_base" in values and "robot_base" in declared:
         from ur.cli.base_argument import check_base  # reads YAML, which most launch files do without
 
         check_base(files, values, world)
-    arguments += localisation_argument(files, declared, arguments)
-    plan = load_plan(files, arguments, world)
+    arguments = [*arguments, *localisation_argument(files, declared, arguments)]
+    computers = [describe_computer(selection.robot, f"{selection.robot}.local")] if there else []
+    computers += [describe_computer(part, "localhost")] if part is not None else []
+    plan = load_plan(files, arguments, world, computers=computers)
     findings = plan.diagnostics
     if any(node.terminal for node in plan.nodes):
         findings = tuple(map(_harden, findings))
@@ -47,11 +67,19 @@ def load_words(words: Sequence[str], selection: Selection) -> tuple[Plan | None,
 
         sys.stderr.write(render_human(findings, colour=sys.stderr.isatty()))
         sys.stderr.flush()
-    if values.get("simulate") == "false" and "robot_base" in declared:
+    if values.get("simulate") == "false" and "robot_base" in declared and not there:
         from ur.cli.driver_packages import check_drivers
 
         check_drivers(files, values, plan.nodes, world)
-    return (None if any(each.severity is Severity.ERROR for each in findings) else plan), world
+    good = not any(each.severity is Severity.ERROR for each in findings)
+    robot = selection.robot if there else ""
+    return Loaded(plan if good else None, world, tuple(files), tuple(arguments), robot)
+
+
+def describe_computer(name: str, address: str) -> MachineSpec:
+    """A machine that no launch file has to define."""
+    origin = Origin(Span(SourceFile("<selection>", name), 0, len(name)))
+    return MachineSpec(name, address, user=None, env_loader=None, ssh_port=22, timeout=10.0, origin=origin)
 
 
 def declared_arguments(files: Sequence[str], world: World) -> tuple[str, ...]:
@@ -88,22 +116,14 @@ def refuse_stray_words(files: Sequence[str], declared: Sequence[str], world: Wor
 def selected_arguments(selection: Selection, declared: Sequence[str], given: Sequence[str], *, here: bool) -> list[str]:
     """What the selection says about arguments that are declared and not given. `here`: this computer is the robot.
 
-    Raises UserError where nodes would have to run on a robot that is another computer.
+    A robot that is another computer is a machine of its name.
     """
     taken = {word.partition(":=")[0] for word in given}
-    if not here and "robot_machine" in declared and "robot_machine" not in taken:
-        raise UserError(
-            error(
-                f"robot {selection.robot!r} is selected, which is another computer, and nodes start on this one only",
-                rule="remote-robot",
-                help="'ur use sim' selects the simulated robot; on the robot itself this command works too",
-            )
-        )
     values = {
         "robot_base": selection.base,
         # A variant belongs to its base: with another base given by hand it means nothing.
         "robot_variant": "" if "robot_base" in taken else selection.variant,
-        "robot_machine": "localhost",
+        "robot_machine": "localhost" if here else selection.robot,
         "viewer_machine": "localhost",
         "simulate": "" if selection.simulated else "false",
     }

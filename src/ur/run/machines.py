@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, replace
 
 from ur.launchfile.plan.model import MachineSpec, NodeSpec, Plan
@@ -35,3 +35,22 @@ def split_plan(plan: Plan, is_here: Callable[[str], bool]) -> tuple[Plan, tuple[
         before = away.get(key, Away(machine, ()))
         away[key] = replace(before, nodes=(*before.nodes, node))
     return replace(plan, nodes=tuple(here)), tuple(away.values())
+
+
+def take_part(plan: Plan, names: Collection[str]) -> Plan:
+    """The plan with these nodes alone (full names), for a computer whose nodes share a master with the others'.
+
+    It neither sets private parameters of the others' nodes nor clears a namespace that holds one of them.
+    """
+    nodes = tuple(node for node in plan.nodes if node.full_name in names)
+    others = [node.full_name + "/" for node in plan.nodes if node.full_name not in names]
+    return replace(
+        plan,
+        nodes=nodes,
+        params=tuple(each for each in plan.params if not any(each.name.startswith(other) for other in others)),
+        clear_params=tuple(
+            space
+            for space in plan.clear_params
+            if not any(other.startswith(space.rstrip("/") + "/") for other in others)
+        ),
+    )

@@ -50,6 +50,13 @@ class Master:
             if isinstance(result, Refused):
                 raise Refused(f"{name}: {result}")
 
+    def find_live_nodes(self, names: Sequence[str]) -> list[str]:
+        """Those of these nodes that are registered, and answer."""
+        found = self.call_many([("lookupNode", (name,)) for name in names])
+        return [
+            name for name, uri in zip(names, found, strict=True) if isinstance(uri, str) and _answers(uri, self.timeout)
+        ]
+
     def remove_dead_nodes(self, names: Sequence[str]) -> None:
         """Take nodes off the master that are registered but do not answer any more, as `rosnode cleanup` does."""
         found = self.call_many([("lookupNode", (name,)) for name in names])

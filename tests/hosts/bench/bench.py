@@ -60,11 +60,14 @@ class Bench:
 
 
 @contextmanager
-def boot(names: Sequence[str] = ("laptop", "robot")) -> Iterator[Bench]:
+def boot(
+    names: Sequence[str] = ("laptop", "robot"), *, with_repository: Sequence[str] = ("laptop",)
+) -> Iterator[Bench]:
     """Boot computers with these host names and wait for their ssh servers; remove everything at the end.
 
-    The laptop has this repository where it is here, to read only, and its environment. What an earlier bench that
-    was killed left behind is removed first. SIGTERM and SIGHUP end this one as Ctrl-C does (in the main thread).
+    Those `with_repository` have this repository where it is here, to read only, and its environment. What an earlier
+    bench that was killed left behind is removed first. SIGTERM and SIGHUP end this one as Ctrl-C does (in the main
+    thread).
     """
     remove_stale()
     root = make_root(cache_folder())
@@ -74,7 +77,10 @@ def boot(names: Sequence[str] = ("laptop", "robot")) -> Iterator[Bench]:
     with _ended_by_signals():
         try:
             _make_bridge(ledger.bridge)
-            machines = {name: _start(ledger, root, name, f"10.77.0.{10 + index}") for index, name in enumerate(names)}
+            machines = {
+                name: _start(ledger, root, name, f"10.77.0.{10 + index}", repository=name in with_repository)
+                for index, name in enumerate(names)
+            }
             for machine in machines.values():
                 machine.wait_booted()
             yield Bench(ledger, machines)
@@ -91,7 +97,7 @@ def _make_bridge(name: str) -> None:
         subprocess.run(["ip", *words], check=True, capture_output=True)
 
 
-def _start(ledger: Ledger, shared: Path, name: str, address: str) -> Machine:
+def _start(ledger: Ledger, shared: Path, name: str, address: str, *, repository: bool = False) -> Machine:
     folder = Path(ledger.folder, name)
     root = folder / "root"
     for part in ("upper", "work", "root"):
@@ -121,7 +127,7 @@ def _start(ledger: Ledger, shared: Path, name: str, address: str) -> Machine:
         "--timezone=off",
         "--console=pipe",
         "--quiet",
-        *([f"--bind-ro={REPOSITORY}"] if name == "laptop" else []),
+        *([f"--bind-ro={REPOSITORY}"] if repository else []),
         "systemd.show_status=0",
     ]
     console = folder / "console"

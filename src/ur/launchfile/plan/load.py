@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from ur.launchfile.plan.arguments import warn_missing
 from ur.launchfile.plan.body import check_launch_tag, resolve_body
 from ur.launchfile.plan.draft import Draft, TooMuch
-from ur.launchfile.plan.model import Plan, TraceStep
+from ur.launchfile.plan.model import MachineSpec, Plan, TraceStep
 from ur.launchfile.plan.names import initial_namespace, read_assignments
 from ur.launchfile.plan.problems import Refused, refuse
 from ur.launchfile.plan.scope import Scope
@@ -26,6 +26,7 @@ def load_plan(
     world: World,
     trace: list[TraceStep] | None = None,
     trees: dict[str, LaunchFile] | None = None,
+    computers: Sequence[MachineSpec] = (),
 ) -> Plan:
     """What launch files mean, all of them together, with `NAME:=VALUE` arguments.
 
@@ -33,6 +34,7 @@ def load_plan(
     diagnostics hold an error for everything that roslaunch would refuse, and warnings for what it silently accepts.
     Nothing is executed; see `run_commands` for the parameters that programs print. A `trace` is filled with how values
     came about, in order. `trees`, by absolute path, spare files from being parsed again, and gain those that are.
+    `computers` are machines that need no `<machine>` tag; the tag of a file goes before one of the same name.
     """
     draft = Draft(world, trace, trees)
     try:
@@ -41,6 +43,8 @@ def load_plan(
         for path in sorted(files, key=STANDARD_INPUT.__eq__):  # roslaunch loads it after the files
             _load_file(path, values, arguments, draft, declared)
         _check_arguments(values, ignored, declared, arguments, draft)
+        for computer in computers:
+            draft.machines.setdefault(computer.name, computer)
         _check_machines(draft)
     except TooMuch:
         pass

@@ -1,0 +1,22 @@
+from __future__ import annotations
+
+import pytest
+
+from ur.robot.remote_run import NOT_READY, NOT_THERE, explain_failure
+from ur.robot.ssh.shell import Done
+
+
+@pytest.mark.parametrize(
+    ("done", "message", "help_"),
+    [
+        (Done(NOT_THERE, "", ""), "bob: ubiquity_launches is not there", "ur boot install --robot bob robot_base"),
+        (Done(NOT_READY, "", ""), "bob: ubiquity_launches is not set up there", "ssh -t ros@bob.local ubiquity_launc"),
+        (Done(1, "", "x: No module named ur.run.part_side\n"), "bob: ubiquity_launches there is older", "git pull"),
+        (Done(1, "", "disk full\n"), "bob: its nodes cannot be started: disk full", "ur doctor bob"),
+        (Done(0, "", ""), "bob: its nodes cannot be started: exit code 0", "ur doctor bob"),
+    ],
+)
+def test_robot_that_cannot_start_nodes_is_explained(done: Done, message: str, help_: str) -> None:
+    (found,) = explain_failure("ros@bob.local", done).diagnostics
+    assert found.message.startswith(message)
+    assert help_ in (found.help or "")
