@@ -34,7 +34,7 @@ LAUNCH = """\
 
 
 def boot(pair: Bench, words: str) -> Done:
-    return pair["laptop"].run(f"{UR} boot {words}", user="pat", timeout=120)
+    return pair["laptop"].run(f"{UR} boot {words}", user="pat", timeout=240)
 
 
 @pytest.fixture
@@ -57,26 +57,26 @@ def reboot(pair: Bench) -> None:
     robot = pair["robot"]
     leader = robot.leader
     robot.run("systemctl reboot")
-    robot.wait_rebooted(leader)
+    robot.wait_rebooted(leader, deadline=180)
 
 
 def test_program_runs_after_a_reboot_and_with_a_late_network(empty: Bench) -> None:
     laptop, robot = empty["laptop"], empty["robot"]
     boot(empty, f"install --name talk {TALK}").check()
     assert "nothing to do" in boot(empty, f"install --name talk {TALK}").check().out
-    said = laptop.wait_for(HEAR, user="pat", deadline=60)
+    said = laptop.wait_for(HEAR, user="pat", deadline=120)
     assert "it's 100% $HOME" in said.out
 
     reboot(empty)
-    laptop.wait_for(HEAR, user="pat", deadline=60)
+    laptop.wait_for(HEAR, user="pat", deadline=120)
     assert laptop.run("rosparam get /ur/base_name", user="pat").check().out.strip() == "magni"  # from its robot.yaml
 
     # Its address comes only later: as on a WiFi that takes its time.
     robot.run("sed -i s/^Address/#Address/ /etc/systemd/network/10-host0.network").check()
     reboot(empty)
-    robot.wait_for("systemctl show -p SubState ubiquity-master | grep -q start-pre", deadline=60)
+    robot.wait_for("systemctl show -p SubState ubiquity-master | grep -q start-pre", deadline=120)
     robot.run("sed -i s/^#Address/Address/ /etc/systemd/network/10-host0.network; networkctl reload").check()
-    laptop.wait_for(HEAR, user="pat", deadline=60)
+    laptop.wait_for(HEAR, user="pat", deadline=120)
 
     shown = boot(empty, "status").check().out
     assert "talk: runs since" in shown
@@ -94,12 +94,12 @@ def test_launch_file_of_the_workspace_is_started_with_what_the_robot_knows(empty
     assert "ur sync bob" in missing.err
     bring_package(empty)
     boot(empty, "install talkers talk.launch 'more:=a b'").check()
-    said = laptop.wait_for(HEAR, user="pat", deadline=60)
+    said = laptop.wait_for(HEAR, user="pat", deadline=120)
     assert "magni, simulated false, a b" in said.out.lower()
 
     # A new master: the program starts again and registers there.
     robot.run("pkill -KILL -u ros -f '[r]osmaster'").check()
-    laptop.wait_for(HEAR, user="pat", deadline=60)
+    laptop.wait_for(HEAR, user="pat", deadline=120)
     assert "talk: runs" in boot(empty, "status").check().out
     wrong = boot(empty, "install talkers talk.launch mroe:=1")
     assert (wrong.code, "no argument 'mroe'" in wrong.err) == (2, True)
@@ -133,7 +133,7 @@ def test_launch_file_is_started_by_ur_where_it_is_set_up(empty: Bench) -> None:
     set_up_library(robot)
     assert "needs the terminal" in boot(empty, "install keyboard_drive").err
     boot(empty, "install talkers talk.launch").check()
-    said = laptop.wait_for(HEAR, user="pat", deadline=60)
+    said = laptop.wait_for(HEAR, user="pat", deadline=120)
     assert "magni, simulated false" in said.out
     assert robot.run("pgrep -u ros -f '[m] ur launch --plain --wait talkers'").code == 0
     boot(empty, "remove talk").check()
@@ -157,7 +157,7 @@ def set_up_library(robot: Machine) -> None:
 def test_program_that_keeps_ending_pauses_longer_and_longer_and_is_told(empty: Bench) -> None:
     robot = empty["robot"]
     boot(empty, "install --name failing ls /nowhere").check()
-    robot.wait_for("journalctl -q -u ubiquity-failing -o cat | grep -q 'next start is in 8 s'", deadline=60)
+    robot.wait_for("journalctl -q -u ubiquity-failing -o cat | grep -q 'next start is in 8 s'", deadline=120)
     done = boot(empty, "status")
     assert done.code == 1
     assert "failing: " in done.out
