@@ -85,7 +85,8 @@ def summarise(plan: SyncPlan, robot: str) -> str:
 
 
 def _arrow(to: Side, robot: str) -> str:
-    return f"-> {robot}" if to == "there" else "<- here".ljust(3 + len(robot))
+    text = f"-> {robot}" if to == "there" else "<- here"
+    return text.ljust(3 + max(len("here"), len(robot)))
 
 
 def _what(step: Step) -> str:
