@@ -188,8 +188,9 @@ def interrupt_two(laptop: Machine) -> None:
         process.stdin.write(f"ros\n{PASSWORD}\n")
         process.stdin.close()
         number = process.stdout.readline().strip()
-        while "packages" not in process.stdout.readline():
-            pass
+        for said in process.stdout:
+            if "packages" in said:
+                break
         laptop.run(f"kill -INT {number}").check()
         process.stdout.read()
         assert process.wait(60) == 130
