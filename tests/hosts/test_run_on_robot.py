@@ -52,10 +52,10 @@ from std_msgs.msg import String
 rospy.init_node("talk")
 text = rospy.get_param("~text") + ", " + rospy.get_param("/shared", "") + " from " + socket.gethostname()
 out = rospy.Publisher("words", String, queue_size=1, latch=True)
-print("it says " + text, flush=True)
 number = 0
 while not rospy.is_shutdown():
     number += 1
+    print("it says " + text, flush=True)
     out.publish("%d: %s" % (number, text))
     try:
         rospy.sleep(0.2)

@@ -133,11 +133,12 @@ def end(request: Request) -> Answer:
     entry = _find(request)
     if entry is None:
         return Answer()
+    until = time.monotonic() + END_SECONDS
     with suppress(subprocess.TimeoutExpired):
         command = [sys.executable, "-m", "ur", "stop", entry.run]
         subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, timeout=END_SECONDS, check=False)
-    left = read_birth(entry.pid) == entry.born
-    return Answer(entry.run, problem=f"error: it has not ended within {END_SECONDS:g} s" if left else "")
+    gone = _wait_exit(entry, until)  # its process ends a little later than its last word
+    return Answer(entry.run, problem="" if gone else f"error: it has not ended within {END_SECONDS:g} s")
 
 
 def _find(request: Request) -> RunEntry | None:
@@ -160,8 +161,13 @@ def _wait_gone(entry: RunEntry) -> bool:
                     return False
     except RunGone:
         pass
-    until = time.monotonic() + END_SECONDS
-    while read_birth(entry.pid) == entry.born and time.monotonic() < until:
+    return _wait_exit(entry, time.monotonic() + END_SECONDS)
+
+
+def _wait_exit(entry: RunEntry, until: float) -> bool:
+    while read_birth(entry.pid) == entry.born:
+        if time.monotonic() > until:
+            return False
         time.sleep(0.05)
     return True
 
