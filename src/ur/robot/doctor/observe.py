@@ -34,7 +34,7 @@ elif command -v nft >/dev/null; then echo nft; elif command -v iptables >/dev/nu
 # The scope of a login that was over too soon fails, too, and means nothing. A boot service that ends is started again
 # and again, and never counts as failed.
 _FAILING = """\
-systemctl --failed --type=service,mount --plain --no-legend 2>/dev/null | cut -d' ' -f1 | sed 's/$/ 0/'
+systemctl --failed --type=service,mount --plain --no-legend 2>/dev/null | awk '$2 == "loaded" { print $1, 0 }'
 systemctl list-units --all --plain --no-legend 'ubiquity-*.service' 2>/dev/null | cut -d' ' -f1 | while read -r u; do
 s=$(systemctl show -p SubState --value "$u"); n=$(systemctl show -p NRestarts --value "$u"); n=${n:-0}
 t=$(systemctl show -p ActiveEnterTimestampMonotonic --value "$u")
