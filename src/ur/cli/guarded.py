@@ -49,15 +49,21 @@ def read_lines(descriptor: int | None, option: str, count: int) -> list[str]:
 
 
 def become_root(shell: SshShell, given: str) -> list[Secret]:
-    """Find a way to be root on the robot; what sudo may be told from now on. Raises UserError."""
+    """Find a way to be root on the robot; what sudo may be told from now on.
+
+    Raises UserError: there is none, or another change is pending there.
+    """
+    from ur.robot.change.perform import refuse_pending
     from ur.robot.ssh.secret import Secret
 
     candidates = [Secret(given)] if given else []
     if shell.find_sudo(candidates):
+        refuse_pending(shell)
         return candidates
     if not given and sys.stdin.isatty():
         candidates = [Secret(getpass.getpass(f"password of {shell.place}: "))]
         if shell.find_sudo(candidates):
+            refuse_pending(shell)
             return candidates
     said = "sudo refuses this password" if candidates else "sudo wants a password"
     raise UserError(

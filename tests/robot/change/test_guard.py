@@ -21,6 +21,7 @@ from ur.robot.change.guard import (
     confirm_script,
     look_script,
     parse_last,
+    pending_script,
 )
 from ur.robot.change.guarded import GuardedChange, Order, pack_order
 from ur.robot.setup.facts import Facts, FileState
@@ -144,6 +145,7 @@ def test_all_of_it_is_for_root_alone(robot: Robot) -> None:
 
 
 def test_change_that_nobody_confirms_is_taken_back(robot: Robot) -> None:
+    assert robot.run(pending_script()).returncode == 0
     robot.arm()
     said = robot.guard()
     assert "rename bob to eve: asked for by pat@laptop; begins" in said
@@ -219,6 +221,8 @@ def test_change_that_was_armed_only_is_not_begun_after_a_boot(robot: Robot) -> N
 
 def test_second_change_is_refused_by_the_name_of_the_first(robot: Robot) -> None:
     robot.arm()
+    asked = robot.run(pending_script())
+    assert (asked.returncode, asked.stdout) == (BUSY, "rename bob to eve\npat@laptop\n")
     done = robot.arm(identity="def")
     assert done.returncode == BUSY
     assert done.stdout == "rename bob to eve\npat@laptop\n"

@@ -10,7 +10,7 @@ import pytest
 
 from ur.robot.change.guard import BUSY, EARLY, GONE, LATE
 from ur.robot.change.guarded import GuardedChange, Order
-from ur.robot.change.perform import GRACE, Link, Ways, come_back, hand_over, is_doubtful
+from ur.robot.change.perform import GRACE, Link, Ways, come_back, hand_over, is_doubtful, refuse_pending
 from ur.robot.setup.facts import Facts
 from ur.robot.ssh.openssh import Address, lost_connection
 from ur.robot.ssh.secret import Secret
@@ -134,6 +134,12 @@ def test_other_change_that_is_pending_is_named() -> None:
         hand_over(_Link(OLD, Done(BUSY, "rename bob to tom\npat@desktop\n", ""), []), order(), FACTS)
     assert "'rename bob to tom', begun by pat@desktop, is not finished" in str(caught.value)
     assert not is_doubtful(caught.value)
+
+
+def test_change_that_is_pending_is_named_before_anything_is_looked_at() -> None:
+    with pytest.raises(UserError, match="'rename bob to tom', begun by pat@desktop, is not finished"):
+        refuse_pending(_Link(OLD, Done(BUSY, "rename bob to tom\npat@desktop\n", ""), []))
+    refuse_pending(_Link(OLD, Done(0, "", ""), []))
 
 
 def test_robot_that_cannot_hold_the_way_back_is_not_changed() -> None:

@@ -164,6 +164,11 @@ def arm_script(identity: str, title: str) -> str:
     return script.replace("@ID@", quote(identity)).replace("@TITLE@", quote(title))
 
 
+def pending_script() -> str:
+    """Asks whether a change is pending, of whomever: exit code BUSY, as with `arm_script`."""
+    return f"cd {FOLDER}/pending 2>/dev/null || exit 0; cat title who; exit {BUSY}"
+
+
 def confirm_script(identity: str) -> str:
     """Confirms a change.
 

@@ -20,6 +20,7 @@ from ur.robot.change.guard import (
     confirm_script,
     look_script,
     parse_last,
+    pending_script,
 )
 from ur.robot.change.guarded import Order, pack_order
 from ur.robot.setup.facts import Facts
@@ -79,14 +80,7 @@ def hand_over(shell: Shell, order: Order, facts: Facts) -> None:
         arm_script(order.identity, change.title), root=True, stdin=pack_order(order, facts), timeout=60 + GRACE
     )
     if done.code == BUSY:
-        title, by = [*done.out.splitlines(), "another change", "somebody"][:2]
-        raise UserError(
-            error(
-                f"{shell.place}: '{title}', begun by {by}, is not finished, expected one change at a time",
-                rule="change-pending",
-                help="it is confirmed or taken back by itself within a minute or two; then run this again",
-            )
-        )
+        raise _pending(shell.place, done.out)
     if done.code:
         said = (done.err or done.out).strip().splitlines()
         raise UserError(
@@ -97,6 +91,24 @@ def hand_over(shell: Shell, order: Order, facts: Facts) -> None:
                 help="mend that and run this again",
             )
         )
+
+
+def refuse_pending(shell: Shell) -> None:
+    """Raises UserError, which names it, while another change is pending: what is seen of the robot may not last."""
+    done = shell.run(pending_script(), root=True)
+    if done.code == BUSY:
+        raise _pending(shell.place, done.out)
+
+
+def _pending(place: str, said: str) -> UserError:
+    title, by = [*said.splitlines(), "another change", "somebody"][:2]
+    return UserError(
+        error(
+            f"{place}: '{title}', begun by {by}, is not finished, expected one change at a time",
+            rule="change-pending",
+            help="it is confirmed or taken back by itself within a minute or two; then run this again",
+        )
+    )
 
 
 def is_doubtful(problem: UserError) -> bool:
