@@ -15,12 +15,13 @@ from pathlib import Path
 
 import click
 
-from ur.cli.environment import PACKAGE
+from ur.cli.environment import PACKAGE, REPOSITORY
 from ur.cli.robot_network import network
 from ur.cli.robot_rename import rename
 from ur.cli.robot_wifi import wifi
 from ur.robot.base import list_bases, load_base
 from ur.robot.record import DEFAULT_USER
+from ur.robot.repository import read_repository
 from ur.robot.setup.robot import Task, open_robot, prepare_viewer, preview, set_up
 from ur.robot.setup.there import Robot, Viewer, is_robot_name
 from ur.robot.setup.verify import Check, verify
@@ -94,10 +95,12 @@ def setup(
     tasks = _read_tasks(Path(file)) if file else [_ask_task(host, name, base, variant) for host in hosts]
     _check_names(tasks)
     current, new = _passwords(tasks, passwords_from, dry_run=dry_run)
+    library = read_repository(REPOSITORY)
     tasks = [
         replace(
             task,
             robot=replace(task.robot, master=task.robot.master and master),
+            library=library,
             current=current,
             new=new,
             new_host_key=new_host_key,

@@ -110,14 +110,14 @@ class Machine:
             raise AssertionError(f"{problem}\n{done.out}\n{done.err}") from None
         return done
 
-    def wait_booted(self, deadline: float = 60.0) -> None:
+    def wait_booted(self, deadline: float = 180.0) -> None:
         """Wait until its ssh server and its avahi daemon run."""
         units = ("ssh", "avahi-daemon", "systemd-networkd")  # is-active is content with one of several
         self.wait_for(" && ".join(f"systemctl is-active --quiet {unit}" for unit in units), deadline=deadline)
         # A device of its own for sshfs: the one of this computer may be for root alone.
         self.run("[ -e /dev/fuse ] || mknod -m 666 /dev/fuse c 10 229").check()
 
-    def wait_rebooted(self, leader: int, deadline: float = 60.0) -> None:
+    def wait_rebooted(self, leader: int, deadline: float = 180.0) -> None:
         """Wait until it has booted again after `leader` was its init."""
 
         def other() -> bool:

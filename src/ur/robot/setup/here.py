@@ -15,6 +15,7 @@ from ur.robot.setup.wanted import Wanted, WantedFile, WantedGroups, WantedLine
 PACKAGES = (
     *("openssh-client", "openssh-server", "avahi-daemon", "libnss-mdns", "chrony"),
     *("sshfs", "rsync", "xauth", "x11-apps", "bash-completion", "iw", "catkin", "cmake", "g++", "make"),
+    "mtools",  # ur image prepare
     *("gdb", "xterm", "python3-pudb", "python3-debugpy|python3-pudb"),  # ur launch --debug; some lack the last
 )
 GROUPS = ("dialout", "video", "plugdev", "input")

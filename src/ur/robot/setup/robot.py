@@ -43,6 +43,7 @@ class Task:
     """One robot to be set up: where it is now, what it shall be, and the passwords that may be needed on the way.
 
     `current` is None when the user gave none: login by key, sudo without a password. `new` is None: the password stays.
+    `library` is the copy of this project that it gets.
     """
 
     address: Address
@@ -50,6 +51,7 @@ class Task:
     current: Secret | None = None
     new: Secret | None = None
     new_host_key: bool = False
+    library: Wanted | None = None
 
     @property
     def later(self) -> Address:
@@ -150,8 +152,12 @@ def preview(task: Task, shell: SshShell, viewer: Viewer) -> list[Change]:
     """What would be changed on the robot."""
     user = task.address.user
     base = base_request(user)
-    items = wanted_there(gather(shell, base, root=True), task.robot, viewer, _password(task, shell))
+    items = _wanted(task, shell, viewer, gather(shell, base, root=True))
     return plan_changes(items, look(shell, items, user, base, root=True))
+
+
+def _wanted(task: Task, shell: SshShell, viewer: Viewer, facts: Facts) -> list[Wanted]:
+    return wanted_there(facts, task.robot, viewer, _password(task, shell), library=task.library)
 
 
 def set_up(task: Task, here: Shell, viewer: Viewer, report: Report) -> int:
@@ -165,7 +171,7 @@ def set_up(task: Task, here: Shell, viewer: Viewer, report: Report) -> int:
         set_clock(shell, time.time, report)
         facts, count = bring_about(
             shell,
-            lambda facts: wanted_there(facts, task.robot, viewer, _password(task, shell)),
+            lambda facts: _wanted(task, shell, viewer, facts),
             user,
             base_request(user),
             root=True,

@@ -83,8 +83,12 @@ def base_request(user: str) -> Request:
     return Request(user, files=frozenset({HOST_KEY, KEY + ".pub", CLOUD, AVAHI, str(ROBOT_FILE)}))
 
 
-def wanted_there(facts: Facts, robot: Robot, viewer: Viewer, password: WantedPassword | None) -> list[Wanted]:
+def wanted_there(
+    facts: Facts, robot: Robot, viewer: Viewer, password: WantedPassword | None, *, library: Wanted | None = None
+) -> list[Wanted]:
     """The robot's wanted states, in the order of their making: the way in first, the name last.
+
+    `library` is the copy of this project that it is to have.
 
     The new name takes effect with the next boot. Until then, wherever this is interrupted, the robot answers to the old
     one; and from the first change on to the viewer's key.
@@ -109,6 +113,7 @@ def wanted_there(facts: Facts, robot: Robot, viewer: Viewer, password: WantedPas
         WantedService("time", "chrony.service"),
         WantedGroups("groups", GROUPS),
         *robot_environment(),
+        *([library] if library else []),
         *own_keys(facts.user, robot.name, facts.file(HOST_KEY).text),
     ]
     if viewer.host_key:
