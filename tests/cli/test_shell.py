@@ -25,6 +25,17 @@ printf "$SAYS" >"$2"
 exit "$ENDS"
 """
 
+# Waits for what ends it, without a moment in which a signal could get lost.
+WAITS = """#!{python}
+import signal, sys
+ends = {{signal.SIGINT, signal.SIGTERM, signal.SIGHUP}}
+signal.pthread_sigmask(signal.SIG_BLOCK, ends)
+print("ready", flush=True)
+signal.sigwait(ends)
+print("ended", flush=True)
+sys.exit({code})
+"""
+
 
 @pytest.fixture
 def ssh(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
@@ -70,7 +81,7 @@ def test_closing_words_of_ssh_are_left_out(
 
 
 def test_interrupt_is_for_ssh_and_not_for_us(ssh: Path) -> None:
-    (ssh / "ssh").write_text("#!/bin/bash\ntrap 'exit 7' INT\necho ready\nwhile :; do read -t 0.1 <> <(:); done\n")
+    (ssh / "ssh").write_text(WAITS.format(python=sys.executable, code=7))
     program = "from ur.cli.shell import run_ssh; from ur.robot.ssh.openssh import Address; import sys; "
     program += "sys.exit(run_ssh(Address('ros', 'bob.local'), [], ['x']))"
     with subprocess.Popen(
@@ -100,9 +111,7 @@ def test_robot_is_the_selected_one_unless_it_is_named(tmp_path: Path, monkeypatc
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
 def test_what_ends_us_ends_ssh(ssh: Path, number: signal.Signals) -> None:
-    (ssh / "ssh").write_text(
-        "#!/bin/bash\ntrap 'echo ended; exit 9' TERM HUP\necho ready\nwhile :; do read -t 0.1 <> <(:); done\n"
-    )
+    (ssh / "ssh").write_text(WAITS.format(python=sys.executable, code=9))
     program = "from ur.cli.shell import run_ssh; from ur.robot.ssh.openssh import Address; import sys; "
     program += "sys.exit(run_ssh(Address('ros', 'bob.local'), [], ['x']))"
     with subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, text=True) as process:
