@@ -153,7 +153,7 @@ make_environment() {
 
 install_python() {
   local locks=(-r requirements/run.lock)
-  [[ $profile == test ]] && locks+=(-r requirements/dev.lock -r requirements/vision.lock) # those: 260 MB, 20 s
+  [[ $profile == test ]] && locks+=(-r requirements/dev.lock -r requirements/vision.lock -r requirements/robot.lock) # those: 260 MB, 20 s
   # PYTHONPATH of a shell that sourced another ROS would make pip think that its packages are ours.
   run_step "Python packages" env -u PYTHONPATH .venv/bin/python -m pip install --progress-bar off \
     --disable-pip-version-check --require-hashes --only-binary :all: "${locks[@]}" ||
