@@ -43,9 +43,16 @@ class Client:
         self.publishers: dict[str, rospy.Publisher] = {}
 
     def listen(self, topics: list[str]) -> None:
+        """Hear all that is said on these topics from now on. Fails when nobody speaks on one."""
         for topic in topics:
             self.heard[topic] = []
-            rospy.Subscriber(f"/{topic}", KINDS[topic.removeprefix("robot_1/")], self.hear, topic)
+        kinds = {topic: KINDS[topic.removeprefix("robot_1/")] for topic in topics}
+        heard = {topic: rospy.Subscriber(f"/{topic}", kind, self.hear, topic) for topic, kind in kinds.items()}
+        end = time.monotonic() + 60.0
+        for topic, subscriber in heard.items():
+            while not subscriber.get_num_connections():
+                assert time.monotonic() < end, f"nobody speaks on {topic}"
+                time.sleep(0.01)
 
     def hear(self, message: Any, topic: str) -> None:
         with self.arrived:
