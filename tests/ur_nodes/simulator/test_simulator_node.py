@@ -123,7 +123,7 @@ def test_node_at_another_speed_is_the_clock(ros: Ros) -> None:
     ros.ask("listen", topics=["clock", "scan"])
     scans = ros.ask("collect", topic="scan", count=30, seconds=60)
     assert scans[-1]["stamp"] - scans[0]["stamp"] == pytest.approx(2.9, abs=0.001)
-    ros.ask("since", topic="clock", stamp=scans[-1]["stamp"], count=1)  # the clock's last message may come after the scan
+    ros.ask("since", topic="clock", stamp=scans[-1]["stamp"], count=1)  # it may come after the scan
     assert {scan["stamp"] for scan in scans} <= {each["stamp"] for each in ros.ask("past", topic="clock")}
 
 
