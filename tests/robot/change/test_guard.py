@@ -61,6 +61,7 @@ class Robot:
     def move(self, script: str) -> str:
         for path, name in (
             (FOLDER, "change"),
+            (FOLDER.rpartition("/")[0], ""),
             ("/etc/systemd/system", "units"),
             (LOCK_FILE, "lock"),
             (BOOT_ID, "boot_id"),

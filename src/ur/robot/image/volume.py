@@ -141,7 +141,7 @@ def run_tool(
             timeout=_SECONDS,
             check=False,
         )
-    except FileNotFoundError:
+    except (FileNotFoundError, PermissionError):  # the latter where a folder of PATH is somebody else's
         package = _TOOLS.get(words[0], "mtools")
         raise UserError(
             error(
