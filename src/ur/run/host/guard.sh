@@ -18,14 +18,16 @@ list_children() { # those that are not just waiting to be reaped
   done 2>/dev/null
 }
 
-kill_children() { # one generation after the other: the children of who dies are ours next
+# One generation after the other: the children of who dies are ours next. That may happen while a list is made, between the
+# look at a child and the look at its parent, and neither is on it then: only the second empty list in a row is the end.
+kill_children() {
   rounds=100
-  while [ $rounds -gt 0 ]; do
-    killed=
+  empty=0
+  while [ $rounds -gt 0 ] && [ $empty -lt 2 ]; do
+    empty=$((empty + 1))
     for pid in $(list_children); do
-      kill -9 "$pid" && killed=yes # fails for the subshell that has listed them: it is gone
+      kill -9 "$pid" && empty=0 # fails for the subshell that has listed them: it is gone
     done 2>/dev/null
-    [ -n "$killed" ] || break
     rounds=$((rounds - 1))
   done
 }
