@@ -1,0 +1,1 @@
+"""Planar poses, rigid transforms, transform history, occupancy grids and map files, without ROS."""
