@@ -1,0 +1,198 @@
+"""Adaptive Monte Carlo localisation as a state machine without ROS: odometry and beams in, estimates out."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ur_nodes.geometry.pose import Pose2, wrap_angle
+from ur_nodes.localisation.likelihood import LikelihoodField, draw_free_poses, score_poses
+from ur_nodes.localisation.motion_model import MotionModel, move_poses
+from ur_nodes.localisation.particle_filter import (
+    Cluster,
+    Particles,
+    SampleSize,
+    draw_gaussian,
+    effective_size,
+    even_particles,
+    find_best_cluster,
+    keep_needed,
+    resample,
+    weigh,
+)
+from ur_nodes.localisation.relocalise import propose_poses
+from ur_nodes.localisation.scan_match import MatchSettings, match_scan
+
+INDEPENDENT_BEAMS = 20.0  # neighbouring beams err together: a scan is worth no more than so many
+INDEPENDENT_STEP = 0.25  # m, rad: scans taken nearer to one another err together, too
+SEARCH_UPDATES = 40  # after the robot was said to be anywhere: how long places are sought that fit the scan
+SEARCH_SHARE = 0.3  # of the particles come from there
+LEAST_SHARE = 0.3  # of the particles must keep an effective weight in one update
+LEAST_LOST = 0.1  # the averages differ as much when a person walks by
+LEAST_BEAMS = 8  # fewer say too little about a pose
+FARTHEST_MATCH = 0.4  # m, rad: a refined pose farther from its cluster has slipped to other walls
+
+
+@dataclass(frozen=True, slots=True)
+class FilterSettings:
+    """How the filter works. Distances in m, angles in rad; names are those of amcl's parameters.
+
+    `recovery_alpha_slow` and `_fast` are the rates of the averages whose ratio says how many random particles to add;
+    0 adds none. `refine` matches the scan to the map from the best cluster's pose.
+    """
+
+    size: SampleSize
+    motion: MotionModel
+    max_beams: int = 30
+    update_min_d: float = 0.2
+    update_min_a: float = math.pi / 6.0
+    resample_interval: int = 2
+    recovery_alpha_slow: float = 0.0
+    recovery_alpha_fast: float = 0.0
+    selective_resampling: bool = False
+    refine: bool = True
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Estimate:
+    """Where the robot is: pose in the map, covariance (3, 3) of its cluster, the cluster's share of all weight."""
+
+    pose: Pose2
+    covariance: NDArray[np.float64]
+    share: float
+
+
+class Localiser:
+    """A particle filter on one map. Deterministic for the same generator, calls and arguments."""
+
+    def __init__(self, field: LikelihoodField, settings: FilterSettings, rng: np.random.Generator) -> None:
+        self._field = field
+        self._settings = settings
+        self._rng = rng
+        self._match = MatchSettings()
+        self._particles = even_particles(np.zeros((1, 3)))
+        self._odometry: Pose2 | None = None  # at the last update; None: the next scan updates in any case
+        self._forced = False
+        self._updates = 0
+        self._search = 0  # updates left in which to seek places that fit the scan
+        self._slow = self._fast = 0.0  # averages of how well scans fit
+
+    @property
+    def particles(self) -> Particles:
+        """The particles after the last update. Not to be written to."""
+        return self._particles
+
+    def place(self, pose: Pose2, covariance: NDArray[np.float64]) -> None:
+        """The robot is about here: start again round a pose, covariance (3, 3)."""
+        self._restart(draw_gaussian(pose, covariance, self._settings.size.maximum, self._rng))
+
+    def scatter(self) -> bool:
+        """The robot may be anywhere: start again with particles on all free cells. False if the map has none."""
+        if not len(self._field.free):
+            return False
+        self._restart(draw_free_poses(self._field, self._settings.size.maximum, self._rng))
+        self._search = SEARCH_UPDATES
+        return True
+
+    def request_update(self) -> None:
+        """Use the next scan even when the robot has not moved."""
+        self._forced = True
+
+    def update(self, odometry: Pose2, points: NDArray[np.float64]) -> Estimate | None:
+        """A scan: the ends (m, 2) of its beams in the robot's frame, and the odometry's pose at its stamp.
+
+        Returns None, and changes nothing, when the robot has moved less than update_min_d and turned less than
+        update_min_a since the last update.
+        """
+        if not self._is_due(odometry):
+            return None
+        settings = self._settings
+        particles = self._moved(odometry)
+        novelty = self._novelty(odometry)
+        chosen = points[_evenly(len(points), settings.max_beams)]
+        if len(chosen) >= LEAST_BEAMS:
+            beams = min(INDEPENDENT_BEAMS, float(len(chosen))) * novelty
+            if self._search == SEARCH_UPDATES:
+                particles = even_particles(self._propose(chosen, len(particles)))
+            scores = score_poses(self._field, particles.poses, chosen)
+            self._average(float(particles.weights @ np.exp(scores)))
+            particles, _ = weigh(particles, scores, beams, LEAST_SHARE)
+        cluster = find_best_cluster(particles)
+        estimate = self._refined(cluster, points)
+        self._particles = self._resampled(particles, chosen)
+        self._odometry = odometry
+        self._forced = False
+        self._updates += 1
+        self._search = max(0, self._search - 1)
+        return estimate
+
+    def _restart(self, poses: NDArray[np.float64]) -> None:
+        self._particles = even_particles(keep_needed(poses, self._settings.size))
+        self._odometry = None
+        self._updates = self._search = 0
+        self._slow = self._fast = 0.0
+
+    def _is_due(self, odometry: Pose2) -> bool:
+        last = self._odometry
+        if last is None or self._forced:
+            return True
+        moved = math.hypot(odometry.x - last.x, odometry.y - last.y)
+        turned = abs(wrap_angle(odometry.yaw - last.yaw))
+        return moved >= self._settings.update_min_d or turned >= self._settings.update_min_a
+
+    def _moved(self, odometry: Pose2) -> Particles:
+        old = self._particles
+        if self._odometry is None:
+            return old
+        poses = move_poses(old.poses, self._odometry, odometry, self._settings.motion, self._rng)
+        return Particles(poses, old.weights)
+
+    def _average(self, likelihood: float) -> None:
+        settings = self._settings
+        if not self._slow:
+            self._slow = self._fast = likelihood
+        self._slow += settings.recovery_alpha_slow * (likelihood - self._slow)
+        self._fast += settings.recovery_alpha_fast * (likelihood - self._fast)
+
+    def _refined(self, cluster: Cluster, points: NDArray[np.float64]) -> Estimate:
+        raw = Estimate(cluster.pose, cluster.covariance, cluster.share)
+        if not self._settings.refine or len(points) < LEAST_BEAMS:
+            return raw
+        match = match_scan(self._field, cluster.pose, cluster.covariance, points, self._match)
+        far = math.hypot(match.pose.x - cluster.pose.x, match.pose.y - cluster.pose.y)
+        turned = abs(wrap_angle(match.pose.yaw - cluster.pose.yaw))
+        if far > FARTHEST_MATCH or turned > FARTHEST_MATCH:
+            return raw
+        return Estimate(match.pose, cluster.covariance, cluster.share)
+
+    def _novelty(self, odometry: Pose2) -> float:
+        """What a scan here is worth after the last one, 0.1 to 1."""
+        last = self._odometry
+        if last is None:
+            return 1.0
+        moved = math.hypot(odometry.x - last.x, odometry.y - last.y) + abs(wrap_angle(odometry.yaw - last.yaw))
+        return min(1.0, max(0.1, moved / INDEPENDENT_STEP))
+
+    def _resampled(self, particles: Particles, points: NDArray[np.float64]) -> Particles:
+        settings = self._settings
+        if self._updates % settings.resample_interval:
+            return particles
+        if settings.selective_resampling and effective_size(particles.weights) > 0.5 * len(particles):
+            return particles
+        share = 0.0
+        if len(self._field.free) and len(points) >= LEAST_BEAMS:
+            lost = 1.0 - self._fast / self._slow if self._slow else 0.0
+            share = max(lost - LEAST_LOST, SEARCH_SHARE if self._search else 0.0)
+        return resample(particles, settings.size, self._rng, share, lambda count: self._propose(points, count))
+
+    def _propose(self, points: NDArray[np.float64], count: int) -> NDArray[np.float64]:
+        return propose_poses(self._field, points, count, INDEPENDENT_BEAMS, self._rng)
+
+
+def _evenly(count: int, wanted: int) -> NDArray[np.intp]:
+    """Indices of at most `wanted` of `count` things, evenly apart, the first and the last among them."""
+    chosen: NDArray[np.intp] = np.linspace(0, count - 1, min(count, wanted)).round().astype(np.intp)
+    return chosen

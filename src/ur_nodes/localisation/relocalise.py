@@ -1,0 +1,44 @@
+"""Where might a robot be that is lost? Places all over the map that fit one scan.
+
+Sensor resetting (Lenser and Veloso, 2000), with the places found by scoring many poses coarsely and matching the scan
+at the best of them.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ur_nodes.localisation.likelihood import LikelihoodField, draw_free_poses, score_poses
+from ur_nodes.localisation.motion_model import wrap_angles
+from ur_nodes.localisation.scan_match import MatchSettings, match_many
+
+POOL = 20000  # poses looked at, once over lightly
+CANDIDATES = 300  # of which so many are matched to the scan
+REACH = 0.6  # m: a beam that ends farther from a wall is simply wrong
+SPREAD = (0.04, 0.04, 0.02)  # m, m, rad: of the particles round a matched pose
+COARSE = MatchSettings(outlier=0.4, iterations=5)
+FINE = MatchSettings(outlier=0.1, iterations=4)
+
+
+def propose_poses(
+    field: LikelihoodField, points: NDArray[np.float64], count: int, beams: float, rng: np.random.Generator
+) -> NDArray[np.float64]:
+    """Poses (count, 3) near places where beams would end at points (m, 2) in the robot's frame.
+
+    Drawn by likelihood, as if `beams` of the beams were independent. The map must have a free cell.
+    """
+    pool = draw_free_poses(field, POOL, rng)
+    closeness = np.maximum(-np.abs(field.distances), -np.float32(REACH))
+    scores = score_poses(field, pool, points, closeness)
+    best = np.argpartition(scores, -CANDIDATES)[-CANDIDATES:]
+    matched = match_many(field, match_many(field, pool[best], points, COARSE), points, FINE)
+    matched = matched[field.grid.values_at(matched[:, :2]) == 0]
+    if not len(matched):
+        return pool[:count]
+    fits = score_poses(field, matched, points)
+    weights = np.exp(beams * (fits - fits.max()))
+    drawn: NDArray[np.float64] = matched[rng.choice(len(matched), count, p=weights / weights.sum())]
+    drawn += rng.standard_normal((count, 3)) * SPREAD
+    drawn[:, 2] = wrap_angles(drawn[:, 2])
+    return drawn

@@ -1,0 +1,138 @@
+"""Refine a pose until the ends of the beams lie on the walls of the map: Gauss-Newton on the distance field."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ur_nodes.geometry.pose import Pose2, wrap_angle
+from ur_nodes.localisation.likelihood import LikelihoodField
+from ur_nodes.localisation.motion_model import wrap_angles
+
+
+@dataclass(frozen=True, slots=True)
+class MatchSettings:
+    """`sigma` (m): spread of a beam's end about the wall, larger than the lidar's noise because neighbours err alike.
+
+    Ends farther than about `outlier` (m) from any wall count less and less: they hit what the map does not have.
+    """
+
+    sigma: float = 0.05
+    outlier: float = 0.1
+    iterations: int = 6
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Match:
+    """A refined pose, its covariance (3, 3), and the share (0..1) of the beams that lie on walls there."""
+
+    pose: Pose2
+    covariance: NDArray[np.float64]
+    agreement: float
+
+
+def match_scan(
+    field: LikelihoodField,
+    prior: Pose2,
+    covariance: NDArray[np.float64],
+    points: NDArray[np.float64],
+    settings: MatchSettings,
+) -> Match:
+    """The most likely pose given a Gaussian prior and beams that end at points (m, 2) in the robot's frame.
+
+    Residuals are signed distances to walls, read with bilinear interpolation; weights are Geman-McClure's, and none
+    for ends on the far side of a wall. Along
+    directions that the scan says nothing about (a long corridor) the prior decides.
+    """
+    information = np.linalg.inv(covariance + np.diag((1e-8, 1e-8, 1e-8)))
+    pose = np.array(prior, dtype=np.float64)
+    hessian, agreement = information, 0.0
+    for _ in range(settings.iterations):
+        offset = pose - np.asarray(prior)
+        offset[2] = wrap_angle(offset[2])
+        normal, gradient, share = _normal_equations(field, pose[None], points, settings)
+        hessian, agreement = information + normal[0], float(share[0])
+        step = np.linalg.solve(hessian, information @ offset + gradient[0])
+        pose -= step
+        if abs(step[0]) + abs(step[1]) < 5e-4 and abs(step[2]) < 5e-4:
+            break
+    return Match(Pose2(float(pose[0]), float(pose[1]), wrap_angle(float(pose[2]))), np.linalg.inv(hessian), agreement)
+
+
+def match_many(
+    field: LikelihoodField, poses: NDArray[np.float64], points: NDArray[np.float64], settings: MatchSettings
+) -> NDArray[np.float64]:
+    """Poses (n, 3) moved to the nearest place each where the scan fits; steps are damped as there is no prior."""
+    damping = len(points) / settings.sigma**2 * np.diag((1e-2, 1e-2, 1e-2))
+    moved: NDArray[np.float64] = poses.copy()
+    for _ in range(settings.iterations):
+        normal, gradient, _ = _normal_equations(field, moved, points, settings)
+        moved -= np.linalg.solve(normal + damping, gradient[..., None])[..., 0]
+    moved[:, 2] = wrap_angles(moved[:, 2])
+    return moved
+
+
+def _normal_equations(
+    field: LikelihoodField, poses: NDArray[np.float64], points: NDArray[np.float64], settings: MatchSettings
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """For poses (n, 3): Gauss-Newton's matrix (n, 3, 3), gradient (n, 3), and the share (n) of beams on walls."""
+    residuals, slopes = _linearise(field, poses, points)
+    trust = np.square(1.0 / (1.0 + np.square(residuals / settings.outlier)))
+    trust *= _faces_robot(poses, points, slopes)
+    weighted = slopes * (trust / (settings.sigma * settings.sigma))[:, None, :]
+    return (
+        weighted @ slopes.transpose(0, 2, 1),
+        (weighted @ residuals[..., None])[..., 0],
+        trust.mean(axis=1),
+    )
+
+
+def _faces_robot(
+    poses: NDArray[np.float64], points: NDArray[np.float64], slopes: NDArray[np.float64]
+) -> NDArray[np.bool_]:
+    """Which beams' ends (n, m) belong to a wall's near side: going on along the beam leads into the wall.
+
+    An end on the far half of a thin wall would be drawn to the back of it, which no beam can see.
+    """
+    c, s = np.cos(poses[:, 2, None]), np.sin(poses[:, 2, None])
+    x, y = points.T
+    towards: NDArray[np.bool_] = slopes[:, 0] * (c * x - s * y) + slopes[:, 1] * (s * x + c * y) < 0.0
+    return towards
+
+
+def _linearise(
+    field: LikelihoodField, poses: NDArray[np.float64], points: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Signed distances (n, m) to walls of the beams' ends, and how they change (n, 3, m) with x, y and yaw."""
+    grid = field.grid
+    c, s = np.cos(poses[:, 2, None]), np.sin(poses[:, 2, None])
+    x, y = points.T
+    turned_x, turned_y = c * x - s * y, s * x + c * y
+    ends = np.stack((turned_x + poses[:, 0, None], turned_y + poses[:, 1, None]), axis=-1)
+    cells = grid.fractions_of_points(ends) + 0.5  # 0.5: the border, less half a cell to its centre
+    values, down, right = _interpolate(field.distances, cells)
+    down, right = down / grid.resolution, right / grid.resolution
+    if grid.origin.yaw:
+        co, so = math.cos(grid.origin.yaw), math.sin(grid.origin.yaw)
+        down, right = so * right + co * down, co * right - so * down
+    return values, np.stack((right, down, down * turned_x - right * turned_y), axis=1)
+
+
+def _interpolate(
+    table: NDArray[np.float32], cells: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Values (...) between the entries of a table at cells (..., 2), and their slopes per row and per column."""
+    height, width = table.shape
+    row = np.clip(cells[..., 0], 0.0, height - 1.001)
+    column = np.clip(cells[..., 1], 0.0, width - 1.001)
+    top, left = row.astype(np.intp), column.astype(np.intp)
+    fr, fc = row - top, column - left
+    index = top * width + left
+    flat = table.ravel()
+    a, b = flat.take(index).astype(np.float64), flat.take(index + 1)
+    d, e = flat.take(index + width), flat.take(index + width + 1)
+    upper, lower = a + fc * (b - a), d + fc * (e - d)
+    return upper + fr * (lower - upper), lower - upper, (1.0 - fr) * (b - a) + fr * (e - d)
