@@ -1,0 +1,126 @@
+"""The obstacle layer: what the scan has seen, marked and cleared by tracing its rays."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ur_nodes.costmap.costmap import Costmap
+from ur_nodes.geometry.pose import Pose2, Pose3, rotate
+
+
+@dataclass(frozen=True, slots=True)
+class Ranges:
+    """How far a scan counts, in m: obstacles nearer than `obstacle` are marked, rays clear up to `raytrace`."""
+
+    obstacle: float
+    raytrace: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Beams:
+    """A scan as rays in its sensor's frame: `angles` (n) in rad, `ranges` (n) in m, `hits` (n): there is something.
+
+    A ray without a hit is free up to its range. Rays that say nothing (too near, not a number) are left out.
+    """
+
+    angles: NDArray[np.float64]
+    ranges: NDArray[np.float64]
+    hits: NDArray[np.bool_]
+
+
+def level_beams(mount: Pose3, beams: Beams) -> tuple[Pose2, Beams]:
+    """Return a sensor's planar pose and its beams as seen from above; a sensor upside down turns clockwise."""
+    upright = rotate(mount.rotation, (0.0, 0.0, 1.0))[2] >= 0.0
+    return mount.planar(), beams if upright else Beams(-beams.angles, beams.ranges, beams.hits)
+
+
+def beams_of_scan(
+    ranges: NDArray[np.floating],
+    angle_min: float,
+    increment: float,
+    range_min: float,
+    range_max: float,
+    *,
+    inf_is_valid: bool,
+) -> Beams:
+    """Rays of a sensor_msgs/LaserScan (REP 117: +inf is nothing in range, -inf too near, NaN no measurement)."""
+    values = np.asarray(ranges, dtype=np.float64)
+    angles = angle_min + increment * np.arange(len(values))
+    hits = (values >= range_min) & (values < range_max)
+    keep = hits | (values == math.inf) if inf_is_valid else hits
+    far = np.where(hits, values, range_max).astype(np.float64)
+    return Beams(angles[keep].astype(np.float64), far[keep], hits[keep])
+
+
+def trace_beams(
+    occupied: NDArray[np.bool_],
+    frame: Costmap,
+    sensor: Pose2,
+    beams: Beams,
+    reach: Ranges,
+    *,
+    clear: bool = True,
+    mark: bool = True,
+    ignore: NDArray[np.bool_] | None = None,
+) -> tuple[slice, slice] | None:
+    """Clear the cells that rays pass through, then mark those they end in. Changes `occupied` (height, width).
+
+    `frame` places the cells; `sensor` is the sensor's pose in its frame. Rays are sampled every 0.7 cells and stop
+    half a cell before their end. Cells of `ignore` are not marked (they are known already).
+    Returns the box (rows, columns) of the cells that changed, or None.
+    """
+    height, width = occupied.shape
+    bearing = beams.angles + sensor.yaw
+    directions = np.stack((np.cos(bearing), np.sin(bearing)), axis=-1)
+    touched: list[NDArray[np.intp]] = []
+    flat = occupied.reshape(-1)
+    before = flat.copy()
+    if clear and len(bearing):
+        free = np.minimum(beams.ranges - frame.resolution / 2, reach.raytrace)
+        steps = np.arange(0.0, max(float(free.max()), frame.resolution), 0.7 * frame.resolution)
+        points = (sensor.x, sensor.y) + steps[:, None, None] * directions
+        cells = np.floor(frame.fractions_of_points(points)).astype(np.intp)
+        rows, columns = cells[..., 0], cells[..., 1]
+        good = (steps[:, None] < free) & (rows >= 0) & (rows < height) & (columns >= 0) & (columns < width)
+        index = (rows * width + columns)[good]
+        index = index[flat[index]]
+        touched.append(index)
+        flat[index] = False
+    if mark:
+        near = beams.hits & (beams.ranges <= reach.obstacle)
+        points = (sensor.x, sensor.y) + beams.ranges[near, None] * directions[near]
+        cells = np.floor(frame.fractions_of_points(points)).astype(np.intp)
+        rows, columns = cells[:, 0], cells[:, 1]
+        good = (rows >= 0) & (rows < height) & (columns >= 0) & (columns < width)
+        index = (rows * width + columns)[good]
+        if ignore is not None:
+            index = index[~ignore.reshape(-1)[index]]
+        touched.append(index)
+        flat[index] = True
+    return _changed(flat, before, width, touched)
+
+
+def _changed(
+    flat: NDArray[np.bool_], before: NDArray[np.bool_], width: int, touched: list[NDArray[np.intp]]
+) -> tuple[slice, slice] | None:
+    index = np.concatenate(touched) if touched else np.empty(0, np.intp)
+    index = index[flat[index] != before[index]]
+    if not len(index):
+        return None
+    rows, columns = index // width, index % width
+    return slice(int(rows.min()), int(rows.max()) + 1), slice(int(columns.min()), int(columns.max()) + 1)
+
+
+def shift_cells(occupied: NDArray[np.bool_], rows: int, columns: int) -> NDArray[np.bool_]:
+    """The cells of a window that moved by whole cells over what it looks at; what comes into view is free."""
+    height, width = occupied.shape
+    moved = np.zeros_like(occupied)
+    if abs(rows) < height and abs(columns) < width:
+        source = occupied[max(0, rows) : height + min(0, rows), max(0, columns) : width + min(0, columns)]
+        top, left = max(0, -rows), max(0, -columns)
+        moved[top : top + source.shape[0], left : left + source.shape[1]] = source
+    return moved

@@ -1,0 +1,77 @@
+"""The local costmap: a window that rolls along with the robot and knows what the scan has seen, or the map says."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ur_nodes.costmap.costmap import FREE, LETHAL, Costmap, Inflation, inflate
+from ur_nodes.costmap.layers import Beams, Ranges, shift_cells, trace_beams
+from ur_nodes.geometry.pose import Pose2
+
+
+class RollingCostmap:
+    """A square window of side `side` (m) in the odometry frame, always aligned with whole cells of it."""
+
+    def __init__(self, side: float, resolution: float, reach: Ranges, inflation: Inflation) -> None:
+        cells = max(4, round(side / resolution))
+        self._resolution = resolution
+        self._reach = reach
+        self._inflation = inflation
+        self._occupied = np.zeros((cells, cells), bool)
+        self._mapped = np.zeros((cells, cells), bool)
+        self._corner: tuple[int, int] | None = None
+
+    def update(self, robot: Pose2, sensor: Pose2, beams: Beams) -> None:
+        """Roll the window to the robot, then clear and mark with a scan taken from `sensor`; poses in its frame."""
+        self._roll(robot)
+        trace_beams(self._occupied, self._frame(), sensor, beams, self._reach)
+
+    def lay(self, robot: Pose2, known: Costmap, place: Pose2) -> None:
+        """Roll the window to the robot and take obstacles from a map that lies at `place` in the window's frame.
+
+        For a robot without a scan: what was laid before goes, and clearing leaves the map's obstacles.
+        """
+        self._roll(robot)
+        frame = self._frame()
+        centres = frame.points_of_cells(np.moveaxis(np.indices(self._mapped.shape), 0, -1))
+        c, s = math.cos(place.yaw), math.sin(place.yaw)
+        in_map = (centres - (place.x, place.y)) @ np.array(((c, -s), (s, c)))
+        self._mapped = known.costs_at(in_map, outside=FREE) == LETHAL
+
+    def clear(self, keep: Pose2 | None = None, distance: float = 0.0) -> None:
+        """Forget all obstacles, or those outside a square of half side `distance` round a place."""
+        if keep is None or self._corner is None:
+            self._occupied[:] = False
+            return
+        row, column = self._frame().fractions_of_points(np.array((keep.x, keep.y)))
+        reach = distance / self._resolution
+        rows = slice(max(0, math.floor(row - reach)), max(0, math.ceil(row + reach)))
+        columns = slice(max(0, math.floor(column - reach)), max(0, math.ceil(column + reach)))
+        kept = self._occupied[rows, columns].copy()
+        self._occupied[:] = False
+        self._occupied[rows, columns] = kept
+
+    def occupied(self) -> Costmap:
+        """The window with obstacles (254) and nothing else: what a footprint must not touch."""
+        costs = np.where(self._occupied | self._mapped, np.uint8(LETHAL), np.uint8(FREE)).astype(np.uint8)
+        frame = self._frame()
+        return Costmap(costs, frame.resolution, frame.origin)
+
+    def inflated(self) -> Costmap:
+        """The window with the slopes round obstacles, as people look at it."""
+        plain = self.occupied()
+        return Costmap(inflate(plain.costs, plain.resolution, self._inflation), plain.resolution, plain.origin)
+
+    def _roll(self, robot: Pose2) -> None:
+        half = self._occupied.shape[0] // 2
+        corner = (math.floor(robot.y / self._resolution) - half, math.floor(robot.x / self._resolution) - half)
+        if self._corner is not None and corner != self._corner:
+            self._occupied = shift_cells(self._occupied, corner[0] - self._corner[0], corner[1] - self._corner[1])
+        self._corner = corner
+
+    def _frame(self) -> Costmap:
+        row, column = self._corner or (0, 0)
+        origin = Pose2(column * self._resolution, row * self._resolution, 0.0)
+        return Costmap(self._occupied.view(np.uint8), self._resolution, origin)
