@@ -6,11 +6,14 @@ import io
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image, UnidentifiedImageError
+from PIL import Image
+
+from ur.source.picture_file import open_picture
 
 Pixels = NDArray[np.uint8]
 """(rows, columns, 3), red, green, blue; rows from the top."""
 
+_FORMATS = ("JPEG", "PNG")
 _CHANNELS = {"rgb8": 3, "bgr8": 3, "mono8": 1, "8UC1": 1, "8UC3": 3, "rgba8": 4, "bgra8": 4}
 
 
@@ -24,21 +27,21 @@ def decode_picture(data: bytes, smallest: tuple[int, int] | None = None) -> Pixe
     Raises BadPictureError.
     """
     try:
-        with Image.open(io.BytesIO(data)) as picture:
+        with open_picture(io.BytesIO(data), _FORMATS) as picture:
             if smallest is not None:
                 picture.draft("RGB", smallest)
             return np.asarray(picture.convert("RGB"), np.uint8)
-    except (UnidentifiedImageError, OSError, ValueError, SyntaxError) as problem:
+    except (OSError, ValueError, SyntaxError, EOFError, LookupError, TypeError, OverflowError) as problem:
         raise BadPictureError(f"{len(data)} bytes that are neither JPEG nor PNG: {problem}") from None
 
 
 def read_size(data: bytes) -> tuple[int, int]:
     """Columns and rows of a JPEG or PNG, without decoding it. Raises BadPictureError."""
     try:
-        with Image.open(io.BytesIO(data)) as picture:
+        with open_picture(io.BytesIO(data), _FORMATS) as picture:
             columns, rows = picture.size
             return int(columns), int(rows)
-    except (UnidentifiedImageError, OSError, ValueError, SyntaxError) as problem:
+    except (OSError, ValueError, SyntaxError, EOFError, LookupError, TypeError, OverflowError) as problem:
         raise BadPictureError(f"{len(data)} bytes that are neither JPEG nor PNG: {problem}") from None
 
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ur_nodes.rosio.pose import Pose2
+from ur_nodes.geometry.pose import Pose2
+from ur_nodes.geometry.rigid import Floats
 from ur_nodes.vision.graph import OdometryNoise
-from ur_nodes.vision.rigid import Floats
 
 _VAGUE = np.diag(np.square([0.5, 0.5, 0.5]))  # m, m, rad: of a first guess
 _ERRORS = np.diag(np.square([0.02, 0.02, 0.02]))  # of a wheel base that nobody has calibrated

@@ -11,7 +11,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from ur_nodes.vision.rigid import Floats
+from ur_nodes.geometry.rigid import Floats
 
 _STEP = 0.25  # pixels between samples across an edge
 _REACH = 3.0  # pixels to either side of it at most, and at most nine tenths of a cell

@@ -14,8 +14,8 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from ur_nodes.geometry.rigid import Floats, make_rigid, skew
 from ur_nodes.vision.corners import refine_corners
-from ur_nodes.vision.rigid import Floats, make_rigid, skew
 
 DICTIONARIES: tuple[str, ...] = tuple(sorted(name[5:] for name in dir(cv2.aruco) if name.startswith("DICT_")))
 

@@ -16,7 +16,8 @@ import numpy as np
 
 from ur.source.diagnostic import UserError, error
 from ur.source.file import SourceFile, Span
-from ur_nodes.vision.rigid import Floats, from_angles, to_angles
+from ur.source.replace import replace_file
+from ur_nodes.geometry.rigid import Floats, from_angles, to_angles
 
 _UPPER = np.triu_indices(6)
 _TURN_VARIANCE = math.radians(2.0) ** 2  # of a map without covariances
@@ -60,10 +61,7 @@ def write_map(path: str | Path, entries: Iterable[MapEntry]) -> None:
     """Write a map file, folders included; an interrupted write leaves the old file. Raises UserError."""
     target = Path(path)
     try:
-        target.parent.mkdir(parents=True, exist_ok=True)
-        half = target.with_name(f".{target.name}.new")
-        half.write_text(format_map(entries), encoding="utf-8")
-        half.replace(target)
+        replace_file(target, format_map(entries), parents=True)
     except OSError as problem:
         reason = f"{target}: cannot be written: {problem.strerror}, expected a place for the map of fiducials"
         raise UserError(error(reason, rule="cannot-write")) from None

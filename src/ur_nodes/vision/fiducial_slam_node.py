@@ -24,22 +24,22 @@ from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import MarkerArray
 
 from ur.source.diagnostic import UserError, error
+from ur_nodes.geometry.pose import Pose2
+from ur_nodes.geometry.rigid import Floats, from_pose, to_angles
 from ur_nodes.rosio.ending import quiet_at_end
 from ur_nodes.rosio.frames import Frames
-from ur_nodes.rosio.geometry import pose_message, pose_of_message, pose_of_transform, transform_message
+from ur_nodes.rosio.geometry import pose_message, pose_of_message, transform_message
 from ur_nodes.rosio.parameters import Parameters
-from ur_nodes.rosio.pose import Pose2
 from ur_nodes.rosio.shell import run_node
 from ur_nodes.vision.detect import CameraModel, Sizes, estimate_poses
 from ur_nodes.vision.fiducial_map import MapEntry, read_map, write_map
 from ur_nodes.vision.fiducial_parameters_node import read_sizes
-from ur_nodes.vision.image_message import read_camera, rigid_of
+from ur_nodes.vision.image_message import read_camera
 from ur_nodes.vision.localise import Localiser
 from ur_nodes.vision.mapping import Mapper
 from ur_nodes.vision.marker_message import make_markers
 from ur_nodes.vision.messages_node import message_classes
 from ur_nodes.vision.observation import Observation, make_observation
-from ur_nodes.vision.rigid import Floats, to_angles
 from ur_nodes.vision.search import without_twins
 
 _PIXEL_NOISE = 0.5
@@ -122,13 +122,13 @@ class FiducialSlam:
             message = self._waiting
             if message is None or self._camera is None:
                 return
-            odometry = self._frames.lookup(settings.odom_frame, settings.base_frame, message.header.stamp)
-            mount = self._frames.lookup(settings.base_frame, message.header.frame_id, rospy.Time(0))
+            odometry = self._frames.find(settings.odom_frame, settings.base_frame, message.header.stamp)
+            mount = self._frames.find(settings.base_frame, message.header.frame_id, rospy.Time(0))
             if odometry is None or mount is None:
                 return
             self._waiting = None
-            observed = [self._observe(each, self._camera, rigid_of(mount)) for each in message.fiducials]
-            self._update(message.header.stamp, pose_of_transform(odometry), [each for each in observed if each])
+            observed = [self._observe(each, self._camera, from_pose(mount)) for each in message.fiducials]
+            self._update(message.header.stamp, odometry.planar(), [each for each in observed if each])
 
     def _observe(self, fiducial: Any, camera: CameraModel, mount: Floats) -> Observation | None:
         number = fiducial.fiducial_id

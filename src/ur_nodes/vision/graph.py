@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import gtsam
 import numpy as np
 
-from ur_nodes.rosio.pose import Pose2
+from ur_nodes.geometry.pose import Pose2
+from ur_nodes.geometry.rigid import Floats, from_planar, invert, make_rigid
 from ur_nodes.vision.observation import Sighting
-from ur_nodes.vision.rigid import Floats, from_planar, invert, make_rigid
 
 _FREE = 1e3  # m or rad: no knowledge
 _LEVEL = (0.005, 0.005, _FREE, _FREE, _FREE, 0.005)  # how well the floor holds roll, pitch and height

@@ -9,8 +9,8 @@ from geometry_msgs.msg import Point, Pose, Quaternion, Transform, Vector3
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 
 from ur.source.diagnostic import UserError, error
+from ur_nodes.geometry.rigid import Floats, to_quaternion
 from ur_nodes.vision.detect import CameraModel
-from ur_nodes.vision.rigid import Floats, from_quaternion, to_quaternion
 
 Pixels = npt.NDArray[np.uint8]
 _CHANNELS = {"rgb8": 3, "bgr8": 3, "mono8": 1, "8UC1": 1, "8UC3": 3, "rgba8": 4, "bgra8": 4}
@@ -64,12 +64,6 @@ def read_camera(message: CameraInfo) -> CameraModel | None:
         return None
     distortion = np.asarray(message.D, np.float64) if len(message.D) in (4, 5, 8, 12, 14) else np.zeros(5)
     return CameraModel(np.asarray(message.K, np.float64).reshape(3, 3), distortion)
-
-
-def rigid_of(transform: Transform) -> Floats:
-    """A geometry_msgs/Transform as a matrix (4, 4)."""
-    t, r = transform.translation, transform.rotation
-    return from_quaternion((t.x, t.y, t.z), (r.x, r.y, r.z, r.w))
 
 
 def transform_of(rigid: Floats) -> Transform:

@@ -8,7 +8,8 @@ from collections.abc import Iterable, Sequence
 import gtsam
 import numpy as np
 
-from ur_nodes.rosio.pose import Pose2
+from ur_nodes.geometry.pose import Pose2
+from ur_nodes.geometry.rigid import Floats, from_planar, invert, to_planar
 from ur_nodes.vision.belief import UNKNOWN_ERRORS, Belief, Errors, guess
 from ur_nodes.vision.fiducial_map import MapEntry
 from ur_nodes.vision.graph import (
@@ -21,7 +22,6 @@ from ur_nodes.vision.graph import (
     sighting_factor,
 )
 from ur_nodes.vision.observation import Observation, Sighting, choose_sighting
-from ur_nodes.vision.rigid import Floats, from_planar, invert, to_planar
 from ur_nodes.vision.search import GATE, disagreement, find_robot
 
 _CONTRADICTIONS = 5  # pictures in a row in which several fiducials contradict: then the robot was moved by hand

@@ -8,7 +8,8 @@ from collections.abc import Iterable
 import gtsam
 import numpy as np
 
-from ur_nodes.rosio.pose import Pose2
+from ur_nodes.geometry.pose import Pose2
+from ur_nodes.geometry.rigid import Floats, from_planar, invert, to_planar
 from ur_nodes.vision.fiducial_map import MapEntry
 from ur_nodes.vision.graph import (
     DEFAULT_NOISE,
@@ -23,7 +24,6 @@ from ur_nodes.vision.graph import (
     start_factor,
 )
 from ur_nodes.vision.observation import Observation, Sighting, choose_sighting
-from ur_nodes.vision.rigid import Floats, from_planar, invert, to_planar
 from ur_nodes.vision.search import GATE, deviation
 from ur_nodes.vision.unsettled import Unsettled, View
 

@@ -8,8 +8,8 @@ from geometry_msgs.msg import Vector3
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 
+from ur_nodes.geometry.rigid import Floats
 from ur_nodes.vision.image_message import pose_of
-from ur_nodes.vision.rigid import Floats
 
 
 def make_markers(poses: Mapping[int, Floats], sizes: Mapping[int, float], frame: str) -> MarkerArray:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ur_nodes.vision.rigid import Floats, angle_between
+from ur_nodes.geometry.rigid import Floats, angle_between
 
 # Beside the noise of corners: calibration, size of the print, mounting of the camera, rolling of the base.
 _TURN_FLOOR = 0.01  # rad

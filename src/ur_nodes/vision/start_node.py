@@ -21,7 +21,7 @@ def main(arguments: list[str]) -> int:
     if missing := [_NAMES[library] for library in _NEEDS[name] if find_spec(library) is None]:
         sys.stderr.write(
             f"error: {name}: {' and '.join(missing)} not installed, expected in {sys.prefix}\n"
-            f"  help: {sys.executable} -m pip install --require-hashes -r {_LOCK}\n"
+            f"  help: {sys.executable} -I -m pip install --require-hashes -r {_LOCK}\n"
         )
         return 2
     node = importlib.import_module(f"ur_nodes.vision.{name}_node")

@@ -19,6 +19,8 @@ from tests.ros_session import RosSession
 pytestmark = [pytest.mark.ros, pytest.mark.timeout(300)]
 
 LIMIT = 60.0  # s
+LIBRARY = Path(__file__).parents[3] / "ubiquity_launches"
+SIMULATOR = LIBRARY / "n_simulator" / "bin" / "simulator"
 
 
 @pytest.fixture(scope="module")
@@ -72,7 +74,7 @@ def test_republish_in_other_words_is_refused_in_a_line(session: RosSession) -> N
 
 def test_without_a_terminal_lines_tell_how_pictures_come(session: RosSession) -> None:
     node = session.start(
-        *(sys.executable, "-m", "ur_nodes", "ur_nodes.teleop.image_terminal_node", "_image:=camera/image")
+        *(sys.executable, "-m", "ur_nodes", "ur_nodes.teleop.camera.image_terminal_node", "_image:=camera/image")
     )
     assert node.stdout
     assert node.stdin
@@ -80,7 +82,7 @@ def test_without_a_terminal_lines_tell_how_pictures_come(session: RosSession) ->
     with publishing(session):
         line = node.stdout.readline()
         while "x" not in line:
-            assert line.startswith(topic), line
+            assert topic in line, line
             line = node.stdout.readline()
     assert line.startswith(f"{topic}   64 x 48   ")
     node.stdin.write("q\n")
@@ -93,7 +95,7 @@ def test_without_a_terminal_lines_tell_how_pictures_come(session: RosSession) ->
 def test_picture_fills_the_terminal_until_q_is_pressed(session: RosSession) -> None:
     user, screen = pty.openpty()
     node = subprocess.Popen(
-        [sys.executable, "-m", "ur_nodes", "ur_nodes.teleop.image_terminal_node", "_image:=camera/image"],
+        [sys.executable, "-m", "ur_nodes", "ur_nodes.teleop.camera.image_terminal_node", "_image:=camera/image"],
         env=session.env | {"COLORTERM": "truecolor", "TERM": "xterm-256color"},
         stdin=screen,
         stdout=screen,
@@ -120,3 +122,23 @@ def test_picture_fills_the_terminal_until_q_is_pressed(session: RosSession) -> N
     assert errors == b""
     assert "▀".encode() in seen
     assert seen.rstrip().endswith(b"\x1b[?1049l")
+
+
+def test_viewer_shows_why_the_simulated_camera_sends_no_picture(session: RosSession) -> None:
+    session.env["PYOPENGL_PLATFORM"] = "none"  # which neither EGL nor OSMesa accepts
+    simulator = session.start(str(SIMULATOR), "__name:=simulator", "_base:=magni", f"_package:={LIBRARY}")
+    viewer = session.start(
+        *(sys.executable, "-m", "ur_nodes", "ur_nodes.teleop.camera.image_terminal_node", "_image:=raspicam_node/image")
+    )
+    assert viewer.stdout
+    expected = "no picture on /raspicam_node/image/compressed for "
+    line = viewer.stdout.readline()
+    while "cannot draw" not in line:
+        assert line, "the viewer has ended"
+        line = viewer.stdout.readline()
+    assert line.startswith(expected)
+    assert " s: /simulator: the simulated camera cannot draw (" in line
+    assert "sudo apt-get install libegl1" in line
+    session.stop(viewer)
+    session.stop(simulator)
+    del session.env["PYOPENGL_PLATFORM"]

@@ -9,10 +9,10 @@ from itertools import pairwise
 
 import numpy as np
 
-from ur_nodes.rosio.pose import Pose2, wrap_angle
+from ur_nodes.geometry.pose import Pose2, wrap_angle
+from ur_nodes.geometry.rigid import Floats, from_angles, from_planar, invert
 from ur_nodes.vision.detect import CameraModel, corner_points, estimate_poses
 from ur_nodes.vision.observation import Observation, make_observation
-from ur_nodes.vision.rigid import Floats, from_angles, from_planar, invert
 
 WIDTH, HEIGHT, FOCAL = 640, 480, 531.0
 CAMERA = CameraModel(

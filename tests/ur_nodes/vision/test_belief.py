@@ -8,7 +8,7 @@ from tests.ur_nodes.vision.synthetic import drift, drive, look
 from tests.ur_nodes.vision.test_mapping import markers
 from tests.ur_nodes.vision.test_robustness import known
 
-from ur_nodes.rosio.pose import Pose2
+from ur_nodes.geometry.pose import Pose2
 from ur_nodes.vision.belief import UNKNOWN_ERRORS, Belief, guess
 from ur_nodes.vision.graph import DEFAULT_NOISE
 from ur_nodes.vision.localise import Localiser

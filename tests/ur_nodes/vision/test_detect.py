@@ -10,8 +10,8 @@ import numpy.typing as npt
 import pytest
 from tests.ur_nodes.vision.synthetic import CAMERA, HEIGHT, WIDTH
 
+from ur_nodes.geometry.rigid import Floats, angle_between, from_angles
 from ur_nodes.vision.detect import CameraModel, Detector, Sizes, corner_points, estimate_poses
-from ur_nodes.vision.rigid import Floats, angle_between, from_angles
 
 SIZE = 0.2
 FRONT = from_angles((0.1, -0.05, 1.0), (math.pi + 0.5, 0.2, 0.3))

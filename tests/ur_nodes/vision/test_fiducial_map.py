@@ -7,8 +7,8 @@ import pytest
 
 from ur.source.diagnostic import UserError
 from ur.source.file import SourceFile
+from ur_nodes.geometry.rigid import from_angles
 from ur_nodes.vision.fiducial_map import MapEntry, format_map, parse_map, read_map, write_map
-from ur_nodes.vision.rigid import from_angles
 
 half = np.random.default_rng(0).normal(0.0, 0.01, (6, 6))
 ENTRIES = (

@@ -12,7 +12,7 @@ import pytest
 from tests.ros_session import RosSession
 from tests.ur_nodes.simulator.renderer import needs_renderer
 
-from ur_nodes.simulator.world import read_world
+from ur.worlds.world_file import read_world
 from ur_nodes.vision.fiducial_map import read_map, write_map
 
 ROOT = Path(__file__).resolve().parents[3]

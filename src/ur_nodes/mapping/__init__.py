@@ -1,0 +1,1 @@
+"""Maps as files and topics: the stand-in for `map_server`."""

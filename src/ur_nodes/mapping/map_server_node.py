@@ -1,0 +1,59 @@
+"""The node `map_server`: a map file as the latched topic `map` and the service `static_map`."""
+
+from __future__ import annotations
+
+import sys
+
+import rospy
+from nav_msgs.msg import MapMetaData, OccupancyGrid
+from nav_msgs.srv import GetMap, GetMapRequest, GetMapResponse
+
+from ur.source.diagnostic import UserError
+from ur.source.render import render_human
+from ur_nodes.geometry.grid import Grid
+from ur_nodes.geometry.map_file import load_map
+from ur_nodes.rosio.grid_message import grid_message, metadata_message
+from ur_nodes.rosio.parameters import Parameters
+from ur_nodes.rosio.shell import run_node
+
+USAGE = "usage: map_server FILE.yaml\n"
+
+
+class MapServer:
+    """Offers one grid in the frame `~frame_id` (default `map`) for as long as it lives."""
+
+    def __init__(self, grid: Grid) -> None:
+        now = rospy.Time.now()
+        self._message = grid_message(grid, Parameters().text("frame_id", "map"), now)
+        self._service = rospy.Service("static_map", GetMap, self._answer)
+        self._metadata = rospy.Publisher("map_metadata", MapMetaData, queue_size=1, latch=True)
+        self._metadata.publish(metadata_message(grid, now))
+        self._map = rospy.Publisher("map", OccupancyGrid, queue_size=1, latch=True)
+        self._map.publish(self._message)
+
+    def _answer(self, _request: GetMapRequest) -> GetMapResponse:
+        return GetMapResponse(self._message)
+
+
+def main() -> int:
+    """Read the map file that the command line names, then serve it. Exit code 2 when it cannot be used."""
+    arguments = rospy.myargv(sys.argv)[1:]
+    if arguments and arguments[0] in ("-h", "--help"):
+        sys.stdout.write(USAGE)
+        return 0
+    if len(arguments) != 1:
+        found = f"{len(arguments)} arguments" if arguments else "no argument"
+        sys.stderr.write(f"error: map_server: {found}, expected one map file\n  {USAGE}")
+        return 2
+    try:
+        grid = load_map(arguments[0])
+    except UserError as problem:
+        sys.stderr.write(render_human(problem.diagnostics))
+        return 2
+
+    servers: list[MapServer] = []
+    return run_node("map_server", lambda: servers.append(MapServer(grid)))
+
+
+if __name__ == "__main__":
+    sys.exit(main())
