@@ -1,1 +1,1 @@
-"""What stands between a commander and the wheels: who may drive, how fast, and when to stop. Joysticks, too."""
+"""Velocity commands between the commanders and the base: the mux, the limits of the base, and a velocity smoother."""

@@ -3,9 +3,15 @@
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Callable
 
 _POLL = 0.005  # s: simulated time cannot be waited for
+
+
+def read_steady_time() -> float:
+    """Seconds of a clock that nobody sets and that also runs while the computer sleeps."""
+    return time.clock_gettime(time.CLOCK_BOOTTIME)
 
 
 class Clock:
@@ -13,10 +19,10 @@ class Clock:
 
     def __init__(self, read: Callable[[], float], *, steady: bool) -> None:
         self.read = read
-        self._steady = steady
+        self.steady = steady
 
     def wait(self, condition: threading.Condition, until: float) -> None:
         """Give `condition` (which is held) back until it is notified or the moment `until` may have come."""
         left = until - self.read()
         if left > 0.0:
-            condition.wait(None if left == float("inf") else left if self._steady else min(left, _POLL))
+            condition.wait(None if left == float("inf") else left if self.steady else min(left, _POLL))

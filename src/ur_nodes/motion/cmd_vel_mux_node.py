@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import math
 import sys
 from pathlib import Path
 
 import rospy
-from geometry_msgs.msg import Twist
 from std_msgs.msg import Bool, String
 from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 
 from ur.robot.base import load_base
-from ur_nodes.motion.mux import Command, Event, LockSaid, MuxSettings, MuxState, Release, Stop, Velocity, start_mux
+from ur_nodes.motion.admission.admission_node import AdmissionRunner
+from ur_nodes.motion.challenge.freshness import FRESHNESS
+from ur_nodes.motion.mux import Event, MuxSettings, MuxState, Release, Stop, start_mux
 from ur_nodes.motion.mux_runner_node import MuxRunner, make_clock
 from ur_nodes.motion.ramp import axes_of
 from ur_nodes.motion.sources import read_locks, read_sources
@@ -26,32 +26,25 @@ _SEEN = "~emergency_stop"  # on the parameter server, so that an emergency outli
 class MuxNode:
     """Topics and services round a MuxRunner."""
 
-    def __init__(self, settings: MuxSettings) -> None:
+    def __init__(self, settings: MuxSettings, own: Parameters) -> None:
         self._settings = settings
         self._active = rospy.Publisher("~active", String, queue_size=1, latch=True)
         self._stopped = rospy.Publisher("~stopped", Bool, queue_size=1, latch=True)
         stopped = rospy.get_param(_SEEN, False) is True
         if stopped:
             rospy.logwarn("emergency stop is still on; call %s to end it", rospy.resolve_name("~release"))
-        self._runner = MuxRunner(start_mux(settings, stopped=stopped), "cmd_vel_out", make_clock(), self._tell)
-        for index, source in enumerate(settings.sources):
-            rospy.Subscriber(source.topic, Twist, self._on_command, index, queue_size=1, tcp_nodelay=True)
-        for index, lock in enumerate(settings.locks):
-            rospy.Subscriber(lock.topic, Bool, self._on_lock, index, queue_size=1, tcp_nodelay=True)
+        clock = make_clock()
+        self._runner = MuxRunner(start_mux(settings, stopped=stopped), "cmd_vel_out", clock, self._tell)
+        self._admission = AdmissionRunner(
+            settings,
+            self._runner.handle,
+            rate=own.number("challenge_rate", 50.0, minimum=20.0, maximum=100.0),
+            freshness=own.number("freshness", FRESHNESS, minimum=0.05, maximum=0.5),
+            lease_timeout=own.number("lease_timeout", 3.0, minimum=1.0, maximum=60.0),
+            steady=clock.steady,
+        )
         rospy.Service("~stop", Trigger, self._on_stop)
         rospy.Service("~release", Trigger, self._on_release)
-
-    def _on_command(self, message: Twist, index: int) -> None:
-        velocity = Velocity(message.linear.x, message.angular.z)
-        if not (math.isfinite(velocity.forward) and math.isfinite(velocity.turn)):
-            source = self._settings.sources[index]
-            rospy.logwarn_throttle(
-                5.0, f"{source.name}: a command on {source.topic} is not finite, expected numbers; taken as stop"
-            )
-        self._runner.handle(Command(index, velocity))
-
-    def _on_lock(self, message: Bool, index: int) -> None:
-        self._runner.handle(LockSaid(index, bool(message.data)))
 
     def _on_stop(self, _request: TriggerRequest) -> TriggerResponse:
         return self._switch(Stop(), stopped=True)
@@ -89,7 +82,8 @@ def start() -> None:
             period=1.0 / own.number("rate", 50.0, minimum=10.0, maximum=100.0),
             stop_time=own.number("stop_time", 0.3, minimum=0.1, maximum=2.0),
             lag=own.number("lag", base.limits.lag, minimum=0.0, maximum=0.5),
-        )
+        ),
+        own,
     )
 
 

@@ -81,10 +81,14 @@ STILL = Velocity()
 
 @dataclass(frozen=True, slots=True)
 class Command:
-    """The source with this index says how to move. What is not finite means stand still."""
+    """A command of the source with this index, `age` seconds old on arrival. What is not finite means stand still.
+
+    A command that is older than the newest of its source is ignored.
+    """
 
     source: int
     velocity: Velocity
+    age: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,7 +114,7 @@ Event = Command | LockSaid | Stop | Release
 
 @dataclass(frozen=True, slots=True)
 class Heard:
-    """The newest command of a source, when it came, and when the source last asked for motion."""
+    """The newest command of a source, when it was given, and when the source last asked for motion."""
 
     velocity: Velocity = STILL
     at: float = -math.inf
@@ -178,7 +182,7 @@ def _take(state: MuxState, event: Event | None, now: float) -> MuxState:
     if isinstance(event, Command):
         timeout = state.settings.sources[event.source].timeout
         heard = list(state.heard)
-        heard[event.source] = _hear(heard[event.source], event.velocity, timeout, now)
+        heard[event.source] = _hear(heard[event.source], event.velocity, timeout, now - max(0.0, event.age))
         return replace(state, heard=tuple(heard))
     if isinstance(event, LockSaid):
         locks = list(state.locks)
@@ -193,12 +197,14 @@ def _take(state: MuxState, event: Event | None, now: float) -> MuxState:
     return state
 
 
-def _hear(before: Heard, velocity: Velocity, timeout: float, now: float) -> Heard:
+def _hear(before: Heard, velocity: Velocity, timeout: float, at: float) -> Heard:
+    if at < before.at:
+        return before
     if velocity.still or not (math.isfinite(velocity.forward) and math.isfinite(velocity.turn)):
         velocity = STILL  # what is too slow to count as motion must not be sent on as motion either
-    paused = velocity.still or now - before.at > timeout
-    moved_at = before.moved_at if velocity.still else now
-    return Heard(velocity, now, moved_at, before.barred and not paused)
+    paused = velocity.still or at - before.at > timeout
+    moved_at = before.moved_at if velocity.still else at
+    return Heard(velocity, at, moved_at, before.barred and not paused)
 
 
 def _choose(state: MuxState, now: float) -> int | None:

@@ -9,7 +9,7 @@ from collections.abc import Callable
 import rospy
 from geometry_msgs.msg import Twist, Vector3
 
-from ur_nodes.motion.clock import Clock
+from ur_nodes.motion.clock import Clock, read_steady_time
 from ur_nodes.motion.mux import STILL, Event, MuxState, Velocity, step
 
 _END_ZEROS = 3
@@ -19,7 +19,7 @@ def make_clock() -> Clock:
     """The clock of this node: real time, or the simulator's where that is the clock of all nodes."""
     if rospy.get_param("/use_sim_time", False) is True:
         return Clock(rospy.get_time, steady=False)
-    return Clock(time.monotonic, steady=True)
+    return Clock(read_steady_time, steady=True)
 
 
 class _Greeter(rospy.SubscribeListener):  # type: ignore[misc]  # rospy has no types

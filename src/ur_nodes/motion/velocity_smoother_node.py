@@ -1,4 +1,7 @@
-"""Make velocity commands gentle: the stand-in for yujin's velocity smoother, a mux of one source."""
+"""Make velocity commands gentle: the stand-in for yujin's velocity smoother, a mux of one source.
+
+Commands have to arrive at a steady rate, as before a mux: what a network has held back must not leave here as new.
+"""
 
 from __future__ import annotations
 
@@ -7,6 +10,8 @@ import sys
 import rospy
 from geometry_msgs.msg import Twist
 
+from ur_nodes.motion.admission.probation import Probation, hear_plain
+from ur_nodes.motion.clock import read_steady_time
 from ur_nodes.motion.mux import Command, MuxSettings, Source, Velocity, start_mux
 from ur_nodes.motion.mux_runner_node import MuxRunner, make_clock
 from ur_nodes.motion.ramp import Axis
@@ -14,6 +19,7 @@ from ur_nodes.rosio.parameters import Parameters
 from ur_nodes.rosio.shell import run_node
 
 _TIMEOUT = 0.5  # s, as upstream at its longest
+_QUEUE = 100  # a cluster of commands has to be seen as one
 _NEVER = 1e9  # s: here nothing has to stand within a time
 
 
@@ -29,10 +35,16 @@ def start() -> None:
     settings = MuxSettings((source,), forward, turn, period=period, brake_period=period, stop_time=_NEVER, lag=0.0)
     runner = MuxRunner(start_mux(settings), "~smooth_cmd_vel", make_clock(), lambda _state: None)
 
-    def on_command(message: Twist) -> None:
-        runner.handle(Command(0, Velocity(message.linear.x, message.angular.z)))
+    rhythm = Probation(_TIMEOUT)
 
-    rospy.Subscriber(source.topic, Twist, on_command, queue_size=1, tcp_nodelay=True)
+    def on_command(message: Twist) -> None:
+        nonlocal rhythm
+        velocity = Velocity(message.linear.x, message.angular.z)
+        rhythm = hear_plain(rhythm, read_steady_time(), motion=not velocity.still)
+        if rhythm.accepted or velocity.still:
+            runner.handle(Command(0, velocity))
+
+    rospy.Subscriber(source.topic, Twist, on_command, queue_size=_QUEUE, tcp_nodelay=True)
 
 
 def _read_axis(own: Parameters, letter: str, braking: float) -> Axis:

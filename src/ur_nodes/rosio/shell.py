@@ -14,6 +14,7 @@ import rospy
 
 from ur.source.diagnostic import UserError
 from ur.source.render import render_human
+from ur_nodes.rosio.connections import bound_connections
 
 
 def run_node(name: str, start: Callable[[], None], *, own_terminal: bool = False) -> int:
@@ -25,6 +26,7 @@ def run_node(name: str, start: Callable[[], None], *, own_terminal: bool = False
     """
     if own_terminal:
         os.environ.pop("ROSCONSOLE_CONFIG_FILE", None)
+    bound_connections()
     try:
         rospy.init_node(name, disable_signals=False)
         if own_terminal:

@@ -15,7 +15,7 @@ from typing import Any
 import psutil
 import pytest
 from tests.e2e.conftest import PYTHON, ROOT, end, list_family, make_environment
-from tests.ur_nodes.motion.virtual_joystick import UINPUT, PipeJoystick, UinputJoystick, VirtualJoystick
+from tests.ur_nodes.motion.joystick.virtual_joystick import UINPUT, PipeJoystick, UinputJoystick, VirtualJoystick
 
 pytestmark = pytest.mark.ros
 

@@ -8,10 +8,10 @@ from pathlib import Path
 import pytest
 
 from ur.robot.base import Base, list_bases, load_base
+from ur.worlds.world_file import World, read_world
 from ur_nodes.motion.mux import Command, MuxSettings, Source, Velocity, start_mux, step
 from ur_nodes.motion.ramp import axes_of
 from ur_nodes.simulator.simulation import Simulation
-from ur_nodes.simulator.world import World, read_world
 
 PACKAGE = Path(__file__).resolve().parents[3] / "ubiquity_launches"
 MESSAGE = 0.005  # s: what a message may take

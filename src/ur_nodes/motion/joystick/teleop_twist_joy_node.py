@@ -11,7 +11,10 @@ from geometry_msgs.msg import Twist, Vector3
 from sensor_msgs.msg import Joy
 from std_srvs.srv import Trigger
 
-from ur_nodes.motion.joy_teleop import (
+from ur_nodes.motion.joystick.device import JoystickState
+from ur_nodes.motion.joystick.joy_commander_node import JoyCommander, make_joy_commander
+from ur_nodes.motion.joystick.joy_origin_node import JoyOrigin
+from ur_nodes.motion.joystick.joy_teleop import (
     ANGULAR,
     LINEAR,
     JoyTeleopSettings,
@@ -20,28 +23,36 @@ from ur_nodes.motion.joy_teleop import (
     Wish,
     step_joy_teleop,
 )
-from ur_nodes.motion.joystick import JoystickState
 from ur_nodes.rosio.parameters import Parameters
 from ur_nodes.rosio.shell import run_node
 
 
 class TeleopTwistJoy:
-    """Turns each `joy` into at most one `cmd_vel`: it never repeats what it has not heard again."""
+    """Turns each `joy` into at most one command: it never repeats what it has not heard again.
 
-    def __init__(self, settings: JoyTeleopSettings, mux: str) -> None:
+    A command is as new as the `joy` that it is made of, so reader and teleop have to run on the same computer.
+    """
+
+    def __init__(self, settings: JoyTeleopSettings, mux: str, commander: JoyCommander, origin: JoyOrigin) -> None:
         """`mux` is the name of the node that offers `stop` and `release`."""
         self._state = JoyTeleopState(settings)
         self._mux = mux
         self._lock = threading.Lock()
-        self._publisher = rospy.Publisher("cmd_vel", Twist, queue_size=1, tcp_nodelay=True)
+        self._commander = commander
+        self._origin = origin
         rospy.Subscriber("joy", Joy, self._on_joy, queue_size=1, tcp_nodelay=True)
 
     def _on_joy(self, message: Joy) -> None:
+        publisher = str((getattr(message, "_connection_header", None) or {}).get("callerid", ""))
         with self._lock:
+            accepted = self._origin.accepts(publisher)
             joystick = JoystickState(tuple(message.axes), tuple(message.buttons))
             self._state, twist, wish = step_joy_teleop(self._state, joystick)
+            if not accepted:  # a stop may be late, nothing else
+                twist, wish = None, wish if wish == "stop" else None
             if twist is not None:
-                self._publisher.publish(Twist(Vector3(*twist.linear), Vector3(*twist.angular)))
+                message = Twist(Vector3(*twist.linear), Vector3(*twist.angular))
+                self._commander.publish(message, held=self._state.held)
         if wish is not None:
             threading.Thread(target=self._ask, args=(wish,), daemon=True).start()
 
@@ -96,7 +107,9 @@ def _by_name(own: Parameters, key: str, names: Sequence[str], usual: str, defaul
 def start() -> None:
     """Read the parameters and run. Raises UserError."""
     own = Parameters()
-    TeleopTwistJoy(read_settings(own), own.text("mux", "cmd_vel_mux"))
+    mux = own.text("mux", "cmd_vel_mux")
+    origin = JoyOrigin(remote=own.boolean("remote_joy", False))
+    TeleopTwistJoy(read_settings(own), mux, make_joy_commander(own, mux), origin)
 
 
 def main() -> int:

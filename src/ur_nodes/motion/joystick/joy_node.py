@@ -12,7 +12,7 @@ import time
 import rospy
 from sensor_msgs.msg import Joy
 
-from ur_nodes.motion.joystick import RECORD, JoystickSettings, JoystickState, let_go, take_records
+from ur_nodes.motion.joystick.device import RECORD, JoystickSettings, JoystickState, let_go, take_records
 from ur_nodes.rosio.parameters import Parameters
 from ur_nodes.rosio.shell import run_node
 

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ur_nodes.motion.joystick import RECORD, JoystickSettings, JoystickState, let_go, scale_axis, take_records
+from ur_nodes.motion.joystick.device import RECORD, JoystickSettings, JoystickState, let_go, scale_axis, take_records
 
 SETTINGS = JoystickSettings()
 

@@ -4,7 +4,8 @@ from dataclasses import replace
 
 import pytest
 
-from ur_nodes.motion.joy_teleop import (
+from ur_nodes.motion.joystick.device import JoystickState
+from ur_nodes.motion.joystick.joy_teleop import (
     JoyTeleopSettings,
     JoyTeleopState,
     JoyTwist,
@@ -12,7 +13,6 @@ from ur_nodes.motion.joy_teleop import (
     Wish,
     step_joy_teleop,
 )
-from ur_nodes.motion.joystick import JoystickState
 
 ENABLE, TURBO, STOP, RELEASE = 4, 5, 1, 7
 SETTINGS = JoyTeleopSettings(

@@ -11,7 +11,7 @@ import struct
 import time
 from pathlib import Path
 
-from ur_nodes.motion.joystick import RECORD
+from ur_nodes.motion.joystick.device import RECORD
 
 UINPUT = Path("/dev/uinput")
 _EV_SYN, _EV_KEY, _EV_ABS = 0, 1, 3

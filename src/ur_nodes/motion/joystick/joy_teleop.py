@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
-from ur_nodes.motion.joystick import JoystickState
+from ur_nodes.motion.joystick.device import JoystickState
 
 LINEAR = ("x", "y", "z")
 ANGULAR = ("roll", "pitch", "yaw")
@@ -54,6 +54,11 @@ class JoyTeleopState:
     settings: JoyTeleopSettings
     zeros_left: int = 0
     pressed: frozenset[int] = field(default_factory=frozenset)
+
+    @property
+    def held(self) -> bool:
+        """Return whether a dead-man button is held."""
+        return _held_speeds(self.settings, self.pressed) is not None
 
 
 def step_joy_teleop(

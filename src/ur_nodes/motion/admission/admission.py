@@ -1,0 +1,88 @@
+"""Admission of velocity commands: which of those that arrive the mux hears, and how old each is.
+
+A *stamped* command answers a challenge and names its client: it is admitted when the answer is fresh and the client may
+drive, and its age counts from the issue of the challenge. A *plain* command has no proof of its age: it is admitted by
+its publisher's rhythm, counts from its arrival, and is ignored while stamped commands come from the same source.
+
+All functions are pure; `now` is in seconds of a steady clock, `unix` in seconds since 1970.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, replace
+from typing import Literal
+
+from ur_nodes.motion.admission.probation import Probation, hear_plain, too_slow
+from ur_nodes.motion.challenge.freshness import FRESHNESS, REQUEST_FRESHNESS, Challenges, Stamp, age_of, issue
+from ur_nodes.motion.lease.record import Drove, LeaseRecord, may_drive, step_lease
+from ur_nodes.motion.lease.text import Request, is_client
+
+_MOST_PUBLISHERS = 32
+
+Refusal = Literal["late", "not the driver", "no client", "on probation", "displaced"]
+Publisher = tuple[int, str]  # of plain commands: index of the source, name of the node
+
+
+@dataclass(frozen=True, slots=True)
+class Admission:
+    """Challenges, lease, the publishers of plain commands, and when each source last had a stamped command."""
+
+    challenges: Challenges
+    lease: LeaseRecord
+    timeouts: tuple[float, ...]  # s, of the sources
+    freshness: float = FRESHNESS
+    plain: dict[Publisher, Probation] = field(default_factory=dict)
+    stamped_at: dict[int, float] = field(default_factory=dict)
+
+
+def admit_stamped(
+    admission: Admission, source: int, answer: Stamp, client: str, now: float, unix: float, *, motion: bool
+) -> tuple[Admission, float | Refusal]:
+    """The age (s) of a stamped command, or why it is refused."""
+    if client and not is_client(client):
+        return admission, "no client"
+    age = age_of(admission.challenges, answer, now, admission.freshness)
+    if age is None:
+        return admission, "late"
+    lease = step_lease(admission.lease, Drove(client, motion), now, unix)
+    admission = replace(admission, lease=lease)
+    if not may_drive(lease, client):
+        return admission, "not the driver"
+    return replace(admission, stamped_at={**admission.stamped_at, source: now}), age
+
+
+def admit_plain(
+    admission: Admission, source: int, publisher: str, now: float, *, motion: bool
+) -> tuple[Admission, float | Refusal]:
+    """The age (s) of a plain command, which is 0, or why it is refused."""
+    key = (source, publisher)
+    state = hear_plain(admission.plain.get(key, Probation(admission.timeouts[source])), now, motion=motion)
+    plain = {each: before for each, before in admission.plain.items() if each != key}
+    plain[key] = state
+    while len(plain) > _MOST_PUBLISHERS:
+        del plain[next(iter(plain))]
+    admission = replace(admission, plain=plain)
+    if not state.accepted:
+        return admission, "on probation"
+    if now - admission.stamped_at.get(source, -math.inf) <= admission.timeouts[source]:
+        return admission, "displaced"
+    return admission, 0.0
+
+
+def admit_request(admission: Admission, request: Request, now: float, unix: float) -> tuple[Admission, bool]:
+    """The admission after a request about the lease; whether the request was fresh, and so counted."""
+    if age_of(admission.challenges, request.answers, now, REQUEST_FRESHNESS) is None:
+        return admission, False
+    return replace(admission, lease=step_lease(admission.lease, request, now, unix)), True
+
+
+def challenge(admission: Admission, now: float, unix: float) -> tuple[Admission, Stamp, tuple[Publisher, ...]]:
+    """Issue a challenge, let time pass for the lease, and name the publishers that turn out to be too slow to drive."""
+    challenges, stamp = issue(admission.challenges, now)
+    checked = {key: too_slow(state, now) for key, state in admission.plain.items()}
+    slow = tuple(key for key, (_, is_slow) in checked.items() if is_slow)
+    if slow:
+        admission = replace(admission, plain={key: state for key, (state, _) in checked.items()})
+    lease = step_lease(admission.lease, None, now, unix)
+    return replace(admission, challenges=challenges, lease=lease), stamp, slow

@@ -1,0 +1,103 @@
+"""Acceptance of velocity commands that carry no proof of their age: plain Twist, by its rhythm.
+
+Commands that a network has held back arrive in clusters, and after a gap. So a publisher drives only while its commands
+keep arriving one by one:
+
+- A publisher that has been silent for longer than the source's timeout is on *probation*: its commands are ignored
+  until `PROOF` of them in a row have arrived, each at least `TOO_CLOSE` and at most the timeout after the one before.
+- Two that arrive closer together than `TOO_CLOSE` begin the probation again.
+- A publisher that drives is put on probation again by a cluster: `CLUSTER` commands within `TOO_CLOSE` after a silence
+  of `HELD_BACK` or more.
+
+So a single command never drives, and neither does a publisher that is slower than its source's timeout allows. Each
+publisher proves its own rhythm. These rules are a filter, not a proof: a commander that can should answer challenges
+(see `freshness`). All functions are pure; `now` is in seconds of a steady clock.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+PROOF = 5
+TOO_CLOSE = 0.005  # s
+CLUSTER = 4
+HELD_BACK = 0.08  # s
+
+
+@dataclass(frozen=True, slots=True)
+class Probation:
+    """A publisher of plain commands to a source whose commands age within `timeout` (s).
+
+    `count` is how many have arrived in a row as they should, at most PROOF: then the publisher is accepted.
+    `cluster` is how many have arrived together right after the last silence.
+    """
+
+    timeout: float
+    count: int = 0
+    at: float = -math.inf
+    silence_ended_at: float = -math.inf
+    cluster: int = 0
+    wants_motion: bool = False
+    reported: bool = False
+
+    @property
+    def accepted(self) -> bool:
+        """Return whether the publisher's commands are obeyed."""
+        return self.count >= PROOF
+
+
+def hear_plain(state: Probation, now: float, *, motion: bool) -> Probation:
+    """The state after a command at `now` that asks for motion or for none. Obey the command if it is `accepted`."""
+    gap = now - state.at
+    if gap < 0.0 or gap > state.timeout:
+        return replace(
+            state, count=1, at=now, silence_ended_at=now, cluster=1, wants_motion=motion, reported=state.reported
+        )
+    wants = state.wants_motion or motion
+    if gap >= HELD_BACK:
+        state = replace(state, silence_ended_at=now, cluster=0)
+    cluster = state.cluster + 1 if now - state.silence_ended_at < TOO_CLOSE else 0
+    state = replace(state, at=now, cluster=cluster, wants_motion=wants)
+    if state.accepted:
+        return replace(state, count=0) if cluster >= CLUSTER else state
+    if gap < TOO_CLOSE:
+        return replace(state, count=1)
+    count = state.count + 1
+    return replace(state, count=count, reported=state.reported and count < PROOF)
+
+
+def too_slow(state: Probation, now: float) -> tuple[Probation, bool]:
+    """Return whether the publisher asked for motion and fell silent on probation; reported once until it drives."""
+    if state.reported or state.accepted or not state.wants_motion or now - state.at <= state.timeout:
+        return state, False
+    return replace(state, reported=True), True
+
+
+def rate_needed(timeout: float) -> int:
+    """The lowest whole rate (Hz) at which plain commands drive."""
+    return math.floor(1.0 / timeout) + 1
+
+
+@dataclass(frozen=True, slots=True)
+class LockRelease:
+    """A publisher of a lock whose `false` would let others drive. `timeout` (s) is the lock's, 0 for none."""
+
+    timeout: float
+    rhythm: Probation = Probation(1.0)
+
+
+def hear_lock(state: LockRelease, now: float, *, locked: bool, new: bool) -> tuple[LockRelease, bool]:
+    """The state after a message of a lock at `now`, and whether to obey it. `new`: the first of its publisher.
+
+    `true` is obeyed whatever its age. `false` is obeyed when it is the first message of a publisher that has just begun
+    (as of `rostopic pub`), and when it is repeated with a steady rhythm like plain commands. A publisher that connects
+    again after a cut may send what it said long ago, so its name is remembered.
+    """
+    if locked:
+        return LockRelease(state.timeout), True
+    limit = min(1.0, state.timeout) if state.timeout > 0.0 else 1.0
+    rhythm = hear_plain(replace(state.rhythm, timeout=limit), now, motion=True)
+    if new:
+        rhythm = replace(rhythm, count=PROOF)
+    return LockRelease(state.timeout, rhythm), rhythm.accepted

@@ -1,0 +1,50 @@
+"""Reports of commands that were dropped: one line for each source and reason, not one for each command."""
+
+from __future__ import annotations
+
+import math
+
+from ur_nodes.motion.admission.admission import Refusal
+from ur_nodes.motion.lease.text import Lease
+from ur_nodes.motion.mux import Source
+
+_EVERY = 5.0  # s
+
+
+class Reports:
+    """Counts dropped commands, and makes lines of the counts from time to time."""
+
+    def __init__(self, freshness: float) -> None:
+        """`freshness` (s) is how old a command may be."""
+        self._freshness = freshness
+        self._counts: dict[tuple[Source, Refusal, bool], int] = {}
+        self._said_at: dict[tuple[Source, Refusal, bool], float] = {}
+
+    def count(self, source: Source, refusal: Refusal, *, stamped: bool) -> None:
+        """Count a command. One on probation is not counted: the publisher may be about to drive."""
+        if refusal != "on probation":
+            key = (source, refusal, stamped)
+            self._counts[key] = self._counts.get(key, 0) + 1
+
+    def lines(self, now: float, lease: Lease) -> list[str]:
+        """Return the lines that are due, one for each source and reason."""
+        due = [key for key in self._counts if now - self._said_at.get(key, -math.inf) >= _EVERY]
+        lines = []
+        for key in due:
+            source, refusal, stamped = key
+            self._said_at[key] = now
+            number = self._counts.pop(key)
+            topic = f"{source.topic}_stamped" if stamped else source.topic
+            what = "1 command" if number == 1 else f"{number} commands"
+            lines.append(f"{source.name}: dropped {what} on {topic}: {self._explain(refusal, lease)}")
+        return lines
+
+    def _explain(self, refusal: Refusal, lease: Lease) -> str:
+        if refusal == "late":
+            return f"older than {self._freshness:g} s or without an answer to a challenge of this mux"
+        if refusal == "not the driver":
+            program = f" ({lease.program})" if lease.program else ""
+            return f"{lease.name or 'another client'}{program} drives"
+        if refusal == "displaced":
+            return "a program that answers challenges drives by the same source"
+        return "frame_id is not the id of a client"

@@ -1,0 +1,1 @@
+"""Challenges of a mux and the answers to them, which bound the age of velocity commands and requests."""

@@ -1,0 +1,60 @@
+"""Age of what commanders send, measured by one clock: that of the computer that obeys them.
+
+The mux issues *challenges*, one every 20 ms, each a number that is never issued again. A commander puts the newest
+challenge that it has received into its message. So the message was written after that challenge was issued, and its
+age is at most the time since then, whatever delayed the message and whatever the commander's clock shows. An answer
+that the mux did not issue within the horizon has no age: nobody knows how old it is.
+
+All functions are pure; `now` is in seconds of a steady clock that also runs while the computer sleeps.
+"""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from dataclasses import dataclass, field
+
+FRESHNESS = 0.15  # s: how old the challenge may be that a velocity command answers
+REQUEST_FRESHNESS = 1.0  # s: likewise for a request about the lease, which sets nothing in motion by itself
+_NANO = 1_000_000_000
+_MOST_SECONDS = 2**32  # a ROS time has 32 bits for the seconds
+
+Stamp = tuple[int, int]  # seconds and nanoseconds, as in a ROS time
+NO_STAMP: Stamp = (0, 0)  # what a message has whose sender sets no stamp: never issued
+
+
+@dataclass(frozen=True, slots=True)
+class Challenges:
+    """The challenges of the last `horizon` seconds, each with the time of its issue, oldest first."""
+
+    offset: int  # ns: where the count begins; random, so that a mux that is started again repeats none
+    horizon: float = REQUEST_FRESHNESS
+    issued: OrderedDict[Stamp, float] = field(default_factory=OrderedDict)
+    last: int = 0  # ns: the newest
+
+    def __post_init__(self) -> None:
+        """Refuse an offset that the stamps have no room for."""
+        if not 0 < self.offset < _MOST_SECONDS * _NANO // 2:
+            raise ValueError(f"offset: {self.offset}, expected a positive number of nanoseconds within 68 years")
+
+
+def issue(challenges: Challenges, now: float) -> tuple[Challenges, Stamp]:
+    """Issue a challenge at `now`: greater than all before it, and unlike any that the same mux has issued."""
+    number = max(challenges.offset + max(0, round(now * _NANO)), challenges.last + 1) % (_MOST_SECONDS * _NANO)
+    stamp = divmod(number, _NANO)
+    kept = OrderedDict(
+        (each, at) for each, at in challenges.issued.items() if -_ROUNDING <= now - at <= challenges.horizon
+    )
+    kept[stamp] = now
+    return Challenges(challenges.offset, challenges.horizon, kept, number), stamp
+
+
+_ROUNDING = 1e-6
+
+
+def age_of(challenges: Challenges, answer: Stamp, now: float, limit: float = FRESHNESS) -> float | None:
+    """Seconds since the challenge `answer` was issued; None if it was not, or longer ago than `limit`."""
+    at = challenges.issued.get(answer)
+    if at is None:
+        return None
+    age = now - at
+    return max(0.0, age) if age <= limit and age >= -_ROUNDING else None

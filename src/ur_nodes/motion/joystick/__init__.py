@@ -1,0 +1,1 @@
+"""Joysticks: the device, its origin, and the velocity commands that follow from it."""

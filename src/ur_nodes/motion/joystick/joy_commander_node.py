@@ -1,0 +1,90 @@
+"""Destination of a joystick's velocities: stamped commands for a mux with a lease, or plain ones for any subscriber."""
+
+from __future__ import annotations
+
+from typing import Any, Protocol
+
+import rospy
+from geometry_msgs.msg import Twist
+
+from ur_nodes.motion.challenge.challenge_node import AdaptivePublisher, FreshPublisher
+from ur_nodes.motion.lease.client_node import LeaseClient
+from ur_nodes.rosio.parameters import Parameters
+
+
+class JoyCommander(Protocol):
+    """Publishes velocities while the dead-man button is held and for a moment afterwards. No call blocks."""
+
+    def publish(self, twist: Twist, *, held: bool) -> None:
+        """Publish a velocity; `held` says whether the dead-man button is."""
+
+
+class PlainJoyCommander:
+    """Twist, for a base without a mux of ours."""
+
+    def __init__(self) -> None:
+        self._publisher: Any = rospy.Publisher("cmd_vel", Twist, queue_size=1, tcp_nodelay=True)
+
+    def publish(self, twist: Twist, *, held: bool) -> None:  # noqa: ARG002 - see JoyCommander
+        """Publish a velocity."""
+        self._publisher.publish(twist)
+
+
+class LeasedJoyCommander:
+    """Stamped commands for a mux.
+
+    The joystick drives while its dead-man button is held: pressing it requests the lease as UR_LEASE says, and letting
+    it go releases a lease that was got in that way. A lease that the run had before, by its keyboard, is kept.
+    """
+
+    def __init__(self, mux: str, *, adaptive: bool) -> None:
+        """With `adaptive`, publish plain commands where there is no mux of ours: see AdaptivePublisher."""
+        self._lease = LeaseClient(mux, "joystick", conduct="watch")
+        self._conduct = self._lease.identity.conduct
+        publisher = AdaptivePublisher if adaptive else FreshPublisher
+        self._publisher = publisher("cmd_vel", self._lease.link, self._lease.client)
+        self._held = False
+        self._borrowed = False
+        self._sent: tuple[Any, Twist] | None = None
+
+    def publish(self, twist: Twist, *, held: bool) -> None:
+        """Publish a velocity, unless another client drives. What the mux has already is not sent again."""
+        if isinstance(self._publisher, AdaptivePublisher) and self._publisher.plain:
+            self._publisher.publish(twist)
+            return
+        view = self._lease.view()
+        if held and not self._held:
+            self._begin(mine=view.mine)
+        if view.mine or (view.state == "free" and self._conduct != "watch"):
+            what = (self._lease.answer(), twist)
+            if what != self._sent or not held:
+                self._publisher.publish(twist)
+                self._sent = what
+        elif held:
+            program = f" ({view.program})" if view.program else ""
+            other = f"{view.holder}{program} drives" if view.state in ("held", "lost") else "no mux has sent a lease"
+            rospy.logwarn_throttle(5.0, f"the joystick does not drive: {other}; UR_LEASE=take lets it take over")
+        if self._held and not held and self._borrowed:
+            self._borrowed = False
+            self._lease.release(final=False)
+        self._held = held
+
+    def _begin(self, *, mine: bool) -> None:
+        """Request the lease at the press of the button."""
+        self._borrowed = not mine and self._conduct != "watch"
+        if mine or self._conduct == "watch":
+            return
+        {"drive": self._lease.acquire, "take": self._lease.take, "ask": self._lease.ask}[self._conduct]()
+
+
+def make_joy_commander(parameters: Parameters, mux: str) -> JoyCommander:
+    """The commander that the parameter `lease` asks for. Raises UserError.
+
+    It is `true`, `false` or `auto`: yes if there is a mux of ours, unless the commands go to a topic that is called
+    cmd_vel, a base's own.
+    """
+    lease = parameters.text("lease", "auto", choices=("auto", "true", "false"))
+    on_base = rospy.resolve_name("cmd_vel").rsplit("/", 1)[-1] == "cmd_vel"
+    if lease == "true" or (lease == "auto" and not on_base):
+        return LeasedJoyCommander(mux, adaptive=lease == "auto")
+    return PlainJoyCommander()

@@ -1,0 +1,175 @@
+"""Lease of the robot: which client drives, as a step function without clock or topics.
+
+A *client* is a run of a program, with an id of its own; all nodes of a run are one client. At most one client holds the
+lease. It keeps it by renewing it or by driving; a holder that has not been heard for `timeout` is *lost*, stays named,
+and holds the lease again as soon as it is heard, unless another client has acquired it meanwhile.
+
+- `acquire` succeeds when the lease is free or lost, or is the client's own.
+- `take` always succeeds.
+- `ask` puts the client on the list of those who ask; where nobody holds the lease it acquires it. Who asks has to renew
+  that too.
+- `grant` by the holder gives the lease to the first who asks.
+- `release` by the client that has the lease gives it to the first who asks, or frees it. By one who asks it withdraws
+  that.
+- A command for motion from a client acquires a free lease.
+- Whoever gets the lease of another without a grant or a release has taken it from that client (`taken_from`).
+
+A request counts only with a challenge that is not too old: a late `take` takes nothing. A client without an id takes no
+part: it is a node on the robot that follows the lease by itself, such as move_base.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, replace
+
+from ur_nodes.motion.lease.text import FREE, MOST_ASKING, Lease, Person, Request
+
+_MOST_KNOWN = 64  # clients whose names are remembered
+
+
+@dataclass(frozen=True, slots=True)
+class Drove:
+    """A fresh velocity command of a client has arrived; `motion` says whether it asks for any."""
+
+    client: str
+    motion: bool
+
+
+@dataclass(frozen=True, slots=True)
+class LeaseRecord:
+    """All that is known. `heard` is when the holder, and each client that asks, was heard last."""
+
+    lease: Lease = FREE
+    timeout: float = 3.0
+    heard: float = -math.inf
+    asked: tuple[float, ...] = ()  # as lease.asking
+    known: dict[str, Request] = field(default_factory=dict)  # the last request of each client, newest last
+
+
+LeaseEvent = Request | Drove
+
+
+def start_lease(before: Lease | None = None, timeout: float = 3.0) -> LeaseRecord:
+    """A record in which nobody drives; or, after a mux that died, one whose holder is lost until it is heard."""
+    if before is None or before.state == "free":
+        return LeaseRecord(timeout=timeout)
+    return LeaseRecord(replace(before, state="lost", asking=()), timeout)
+
+
+def step_lease(record: LeaseRecord, event: LeaseEvent | None, now: float, unix: float) -> LeaseRecord:
+    """The record after an event (None: time has passed).
+
+    `now` is in seconds of a steady clock, `unix` in seconds since 1970. Requests must have been checked for freshness.
+    """
+    record = _expire(record, now)
+    if isinstance(event, Drove):
+        return _drive(record, event, now, unix)
+    return record if event is None else _request(_remember(record, event), event, now, unix)
+
+
+def may_drive(record: LeaseRecord, client: str) -> bool:
+    """Return whether commands of this client are to be obeyed."""
+    return not client or record.lease.client in ("", client)
+
+
+def _request(record: LeaseRecord, request: Request, now: float, unix: float) -> LeaseRecord:
+    lease, own = record.lease, record.lease.client == request.client
+    if own and request.action in ("renew", "acquire", "ask", "take"):
+        return _hear(record, request, now)
+    if request.action == "take" or (request.action in ("acquire", "ask") and lease.state != "held"):
+        return _give(record, request, now, unix, taken=True)
+    if request.action == "release":
+        return _release(record, now, unix) if own else _withdraw(record, request.client)
+    if request.action == "grant" and own and lease.asking:
+        return _give_to_first(record, now, unix)
+    if request.action in ("ask", "renew"):
+        return _ask(record, request, now)
+    return record
+
+
+def _drive(record: LeaseRecord, event: Drove, now: float, unix: float) -> LeaseRecord:
+    if not event.client:
+        return record
+    if record.lease.client == event.client:
+        return replace(record, lease=replace(record.lease, state="held"), heard=now)
+    if record.lease.state == "free" and event.motion:
+        known = record.known.get(event.client) or Request(event.client, event.client[:8], "", "acquire")
+        return _give(record, known, now, unix, taken=False)
+    return record
+
+
+def _hear(record: LeaseRecord, request: Request, now: float) -> LeaseRecord:
+    lease = replace(record.lease, state="held", attended=request.attended, name=request.name, program=request.program)
+    return replace(record, lease=lease, heard=now)
+
+
+def _give(record: LeaseRecord, request: Request, now: float, unix: float, *, taken: bool) -> LeaseRecord:
+    before = record.lease
+    record = _withdraw(record, request.client)
+    lease = Lease(
+        "held",
+        request.client,
+        request.name,
+        request.program,
+        unix,
+        request.attended,
+        record.lease.asking,
+        Person(before.client, before.name) if taken and before.client else None,
+        unix if taken and before.client else None,
+    )
+    return replace(record, lease=lease, heard=now)
+
+
+def _give_to_first(record: LeaseRecord, now: float, unix: float) -> LeaseRecord:
+    """Give the lease to the first who asks for it."""
+    first = record.lease.asking[0]
+    heir = record.known.get(first.client) or Request(first.client, first.name, "", "ask")
+    return _give(record, heir, now, unix, taken=False)
+
+
+def _release(record: LeaseRecord, now: float, unix: float) -> LeaseRecord:
+    if record.lease.asking:
+        return _give_to_first(record, now, unix)
+    return replace(record, lease=FREE, heard=-math.inf)
+
+
+def _ask(record: LeaseRecord, request: Request, now: float) -> LeaseRecord:
+    """Add a client to those who ask, or note that it still does."""
+    clients = [each.client for each in record.lease.asking]
+    if request.client in clients:
+        index = clients.index(request.client)
+        return replace(record, asked=(*record.asked[:index], now, *record.asked[index + 1 :]))
+    if request.action != "ask" or len(clients) >= MOST_ASKING:
+        return record
+    asking = (*record.lease.asking, Person(request.client, request.name))
+    return replace(record, lease=replace(record.lease, asking=asking), asked=(*record.asked, now))
+
+
+def _withdraw(record: LeaseRecord, client: str) -> LeaseRecord:
+    pairs = [pair for pair in zip(record.lease.asking, record.asked, strict=True) if pair[0].client != client]
+    return _with_asking(record, pairs)
+
+
+def _expire(record: LeaseRecord, now: float) -> LeaseRecord:
+    pairs = [
+        pair for pair in zip(record.lease.asking, record.asked, strict=True) if 0.0 <= now - pair[1] <= record.timeout
+    ]
+    if len(pairs) != len(record.asked):
+        record = _with_asking(record, pairs)
+    if record.lease.state == "held" and not 0.0 <= now - record.heard <= record.timeout:
+        return replace(record, lease=replace(record.lease, state="lost"))
+    return record
+
+
+def _with_asking(record: LeaseRecord, pairs: list[tuple[Person, float]]) -> LeaseRecord:
+    asking, asked = tuple(person for person, _ in pairs), tuple(at for _, at in pairs)
+    return replace(record, lease=replace(record.lease, asking=asking), asked=asked)
+
+
+def _remember(record: LeaseRecord, request: Request) -> LeaseRecord:
+    known = {client: each for client, each in record.known.items() if client != request.client}
+    known[request.client] = request
+    while len(known) > _MOST_KNOWN:
+        del known[next(iter(known))]
+    return replace(record, known=known)

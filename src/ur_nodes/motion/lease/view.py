@@ -1,0 +1,117 @@
+"""A client's view of the lease, and how a client behaves: what to request next, as pure functions."""
+
+from __future__ import annotations
+
+import re
+import secrets
+import socket
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal, cast, get_args
+
+from ur_nodes.motion.lease.text import Action, Lease, clean_name, is_client
+
+Conduct = Literal["drive", "take", "ask", "watch"]
+_LOST_LINK = 1.0  # s: after that silence the robot is out of reach
+
+
+@dataclass(frozen=True, slots=True)
+class Identity:
+    """The identity of a client, and its conduct at its start: `drive` acquires the lease if nobody holds it."""
+
+    client: str
+    name: str
+    program: str
+    conduct: Conduct = "drive"
+    attended: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class LeaseView:
+    """The lease as a client sees it now.
+
+    `state` is `unknown` until a mux is heard. `holder` names the computer that drives, `program` its program, `since`
+    is in seconds since 1970. `mine`: this client drives, even while it is `lost`. `asking` names who would like to
+    drive, `asks` says that this client does. After a take-over `taken_by` and `taken_at` say who took over and when,
+    until this client drives again. `link_age` is the time since the last challenge (s), infinite before the first.
+    """
+
+    state: Literal["unknown", "free", "held", "lost"] = "unknown"
+    holder: str = ""
+    program: str = ""
+    since: float = 0.0
+    mine: bool = False
+    attended: bool = True
+    asking: tuple[str, ...] = ()
+    asks: bool = False
+    taken_by: str = ""
+    taken_at: float | None = None
+    link_age: float = float("inf")
+
+    @property
+    def other(self) -> bool:
+        """Return whether another client holds the lease."""
+        return self.state == "held" and not self.mine
+
+    @property
+    def out_of_reach(self) -> bool:
+        """Return whether the lease is known but challenges do not arrive."""
+        return self.state != "unknown" and self.link_age > _LOST_LINK
+
+
+def identify(environment: Mapping[str, str], program: str) -> Identity:
+    """The identity that the environment gives (UR_CLIENT, UR_CLIENT_NAME, UR_LEASE, UR_ATTENDED), or one of its own.
+
+    `program` is used where UR_PROGRAM is not set.
+    """
+    client, conduct = environment.get("UR_CLIENT", ""), environment.get("UR_LEASE", "drive")
+    return Identity(
+        client if is_client(client) else secrets.token_hex(8),
+        clean_name(environment.get("UR_CLIENT_NAME")) or _host_name(),
+        clean_name(environment.get("UR_PROGRAM")) or program,
+        cast("Conduct", conduct) if conduct in get_args(Conduct) else "drive",
+        environment.get("UR_ATTENDED", "1") != "0",
+    )
+
+
+def first_action(conduct: Conduct) -> Action | None:
+    """The request that a client of this conduct begins with."""
+    if conduct == "drive":
+        return "acquire"
+    return conduct if conduct in ("take", "ask") else None
+
+
+def is_settled(action: Action, lease: Lease, client: str) -> bool:
+    """Return whether an action has taken effect, so that nothing more has to be sent for it."""
+    own, asks = lease.client == client, any(each.client == client for each in lease.asking)
+    if action in ("acquire", "take"):
+        return own and lease.state == "held"
+    if action == "ask":
+        return (own and lease.state == "held") or asks
+    return not own and (action == "grant" or not asks)
+
+
+def view_lease(lease: Lease | None, client: str, taken: Lease | None, link_age: float) -> LeaseView:
+    """The view of `client`; `taken` is the lease as it was when another took it over from this client."""
+    if lease is None:
+        return LeaseView(link_age=link_age)
+    if taken is not None and taken.client != lease.client:
+        taken = None  # somebody else drives by now
+    return LeaseView(
+        lease.state,
+        lease.name,
+        lease.program,
+        lease.since,
+        lease.client == client,
+        lease.attended,
+        tuple(each.name or each.client[:8] for each in lease.asking if each.client != client),
+        any(each.client == client for each in lease.asking),
+        taken.name if taken else "",
+        taken.taken_at if taken else None,
+        link_age,
+    )
+
+
+def _host_name() -> str:
+    """The name of this computer, as people know it."""
+    return re.sub(r"[.].*", "", clean_name(socket.gethostname())) or "a computer"

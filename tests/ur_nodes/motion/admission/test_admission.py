@@ -1,0 +1,227 @@
+"""Admission and mux together: what is late never moves the robot, and one client drives at a time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from ur_nodes.motion.admission.admission import (
+    Admission,
+    Refusal,
+    admit_plain,
+    admit_request,
+    admit_stamped,
+    challenge,
+)
+from ur_nodes.motion.challenge.freshness import FRESHNESS, NO_STAMP, Challenges, Stamp
+from ur_nodes.motion.lease.record import start_lease
+from ur_nodes.motion.lease.text import Action, Request
+from ur_nodes.motion.mux import Command, MuxSettings, MuxState, Source, Velocity, start_mux, step
+from ur_nodes.motion.ramp import Axis
+
+KEYBOARD, NAVIGATION = 0, 1
+SOURCES = (Source("keyboard", "key_vel", 90, 0.15), Source("navigation", "nav_vel", 10, 0.2))
+AXIS = Axis(0.5, 1.0, 4.0)
+SETTINGS = MuxSettings(SOURCES, AXIS, AXIS)
+AHEAD = Velocity(0.5, 0.0)
+PERIOD = 0.02
+
+
+@dataclass
+class Robot:
+    """Admission and mux, with challenges that are issued on time."""
+
+    admission: Admission = field(
+        default_factory=lambda: Admission(Challenges(1), start_lease(), tuple(source.timeout for source in SOURCES))
+    )
+    mux: MuxState = field(default_factory=lambda: start_mux(SETTINGS))
+    now: float = 0.0
+    challenge_at: float = 0.0
+    issued: list[tuple[float, Stamp]] = field(default_factory=list)
+    outputs: list[tuple[float, float]] = field(default_factory=list)
+    slow: list[str] = field(default_factory=list)
+
+    def until(self, end: float) -> None:
+        while (due := min(self.mux.next_at, self.challenge_at)) <= end:
+            self.now = due
+            if due == self.challenge_at:
+                self.challenge_at += PERIOD
+                self.admission, stamp, slow = challenge(self.admission, due, due)
+                self.issued.append((due, stamp))
+                self.slow += [name for _, name in slow]
+            else:
+                self.step(None)
+        self.now = end
+
+    def step(self, command: Command | None) -> None:
+        self.mux, output = step(self.mux, command, self.now)
+        if output is not None:
+            self.outputs.append((self.now, output.forward))
+
+    def stamped(self, stamp: Stamp, client: str = "a", source: int = KEYBOARD) -> float | Refusal:
+        self.admission, verdict = admit_stamped(self.admission, source, stamp, client, self.now, self.now, motion=True)
+        if isinstance(verdict, float):
+            self.step(Command(source, AHEAD, verdict))
+        return verdict
+
+    def plain(self, publisher: str = "/p", source: int = KEYBOARD) -> float | Refusal:
+        self.admission, verdict = admit_plain(self.admission, source, publisher, self.now, motion=True)
+        if isinstance(verdict, float):
+            self.step(Command(source, AHEAD, verdict))
+        return verdict
+
+    def request(self, client: str, action: Action, stamp: Stamp | None = None) -> bool:
+        request = Request(client, client, "p", action, answers=stamp or self.newest)
+        self.admission, counted = admit_request(self.admission, request, self.now, self.now)
+        return counted
+
+    @property
+    def newest(self) -> Stamp:
+        return self.issued[-1][1]
+
+    @property
+    def driver(self) -> str:
+        return self.admission.lease.lease.client
+
+
+@pytest.fixture
+def robot() -> Robot:
+    robot = Robot()
+    robot.until(0.1)
+    return robot
+
+
+def test_stamped_command_is_as_old_as_its_challenge(robot: Robot) -> None:
+    at, stamp = robot.issued[-2]
+    robot.until(0.13)
+    assert robot.stamped(stamp) == pytest.approx(0.13 - at)
+    assert robot.driver == "a"
+
+
+def test_robot_stops_within_the_budget_of_the_challenge_however_late_the_command_arrived(robot: Robot) -> None:
+    for _ in range(40):
+        at, stamp = robot.issued[-1]
+        robot.until(robot.now + 0.06)
+        robot.stamped(stamp)
+    robot.until(robot.now + 1.0)
+    moving = [when for when, speed in robot.outputs if speed > 0.0]
+    assert len(moving) > 40
+    assert moving[-1] - at < SETTINGS.stop_time - SETTINGS.lag
+
+
+def test_late_and_unknown_answers_are_refused(robot: Robot) -> None:
+    _, stamp = robot.issued[-1]
+    robot.until(0.3)
+    assert [robot.stamped(each) for each in (stamp, NO_STAMP, (3, 4))] == ["late"] * 3
+    assert robot.driver == ""
+
+
+def test_commands_of_another_client_are_refused_while_one_drives(robot: Robot) -> None:
+    robot.stamped(robot.newest, "a")
+    assert robot.stamped(robot.newest, "b") == "not the driver"
+    assert robot.stamped(robot.newest, "not an id") == "no client"
+    robot.request("b", "take")
+    assert robot.stamped(robot.newest, "b") == pytest.approx(0.0, abs=PERIOD)
+    assert robot.stamped(robot.newest, "a") == "not the driver"
+    assert isinstance(robot.stamped(robot.newest, "", NAVIGATION), float)
+
+
+def test_refused_command_of_another_client_does_not_renew_the_lease(robot: Robot) -> None:
+    robot.stamped(robot.newest, "a")
+    for _ in range(40):
+        robot.until(robot.now + 0.1)
+        robot.stamped(robot.newest, "b")
+    assert (robot.admission.lease.lease.state, robot.driver) == ("lost", "a")
+
+
+def test_late_request_does_not_count(robot: Robot) -> None:
+    _, stamp = robot.issued[-1]
+    robot.until(0.9)
+    assert robot.request("a", "take", stamp)
+    robot.until(1.3)
+    assert not robot.request("b", "take", stamp)
+    assert robot.driver == "a"
+
+
+def test_plain_commands_are_ignored_while_stamped_ones_come_by_the_same_source(robot: Robot) -> None:
+    verdicts = []
+    for _ in range(20):
+        robot.until(robot.now + 0.03)
+        robot.stamped(robot.newest)
+        verdicts.append(robot.plain())
+    assert set(verdicts[5:]) == {"displaced"}
+    for _ in range(10):
+        robot.until(robot.now + 0.03)
+        verdicts.append(robot.plain())
+    assert verdicts[-1] == 0.0
+
+
+def test_each_publisher_of_plain_commands_proves_its_own_rhythm(robot: Robot) -> None:
+    for _ in range(10):
+        robot.until(robot.now + 0.03)
+        verdict = robot.plain("/a")
+    assert verdict == 0.0
+    assert robot.plain("/b") == "on probation"
+    for n in range(200):
+        robot.plain(f"/flood{n}")
+    assert len(robot.admission.plain) <= 32
+
+
+def test_publisher_that_is_too_slow_is_named_once(robot: Robot) -> None:
+    for _ in range(5):
+        robot.plain("/slow")
+        robot.until(robot.now + 0.5)
+    assert robot.slow == ["/slow"]
+
+
+kinds = st.sampled_from(["stamped", "plain", "take", "acquire", "renew"])
+delays = st.floats(FRESHNESS + 0.001, 30.0)
+bursts = st.lists(st.tuples(st.floats(0.0, 30.0), st.integers(1, 40), kinds, delays), max_size=12)
+
+
+@given(bursts)
+@settings(max_examples=150, deadline=None)
+def test_no_sequence_of_late_commands_moves_the_robot(bursts: list[tuple[float, int, str, float]]) -> None:
+    """Each burst arrives after a silence, its commands together, all written `delay` s before."""
+    robot = Robot()
+    robot.until(0.1)
+    for silence, count, kind, delay in bursts:
+        robot.until(robot.now + max(0.25, silence / 10.0))
+        written_at = robot.now - delay
+        stamp = next((stamp for at, stamp in reversed(robot.issued) if at <= written_at), NO_STAMP)
+        for n in range(count):
+            robot.until(robot.now + 0.0005)
+            if kind == "stamped":
+                assert robot.stamped(stamp) == "late"
+            elif kind == "plain":
+                robot.plain(f"/p{n % 2}")
+            else:
+                robot.request("b", "take" if kind == "take" else "acquire", stamp)
+    robot.until(robot.now + 1.0)
+    assert robot.outputs == []
+
+
+clients = st.sampled_from(["a", "b", "c"])
+moves = st.lists(
+    st.tuples(st.floats(0.0, 0.1), clients, st.sampled_from(["drive", "take", "acquire", "release", "ask", "grant"])),
+    max_size=60,
+)
+
+
+@given(moves)
+@settings(max_examples=150, deadline=None)
+def test_one_client_drives_at_a_time(moves: list[tuple[float, str, str]]) -> None:
+    robot = Robot()
+    robot.until(0.1)
+    for pause, client, action in moves:
+        robot.until(robot.now + pause)
+        before = robot.driver
+        if action == "drive":
+            admitted = isinstance(robot.stamped(robot.newest, client), float)
+            assert admitted == (before in ("", client))
+            assert robot.driver == (before or client)
+        else:
+            robot.request(client, action)  # type: ignore[arg-type]

@@ -1,0 +1,136 @@
+"""Several clients of a mux in one process, for the tests: a JSON request a line in, a JSON answer a line out."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable
+from typing import Any
+
+import rospy
+from geometry_msgs.msg import Twist, TwistStamped, Vector3
+from std_msgs.msg import Bool, String, Time
+from tests.json_client import answer_requests, claim_output
+
+from ur_nodes.motion.challenge.challenge_node import FreshPublisher
+from ur_nodes.motion.lease.client_node import LeaseClient
+
+AHEAD = Twist(Vector3(0.3, 0.0, 0.0), Vector3())
+
+
+class Clients:
+    def __init__(self) -> None:
+        self.clients: dict[str, LeaseClient] = {}
+        self.fresh: dict[str, FreshPublisher] = {}
+        self.speeds: list[float] = []
+        self.raw = rospy.Publisher("key_vel_stamped", TwistStamped, queue_size=1000)
+        self.plain = rospy.Publisher("key_vel", Twist, queue_size=1000)
+        self.navigation = rospy.Publisher("nav_vel", Twist, queue_size=1)
+        self.pause = rospy.Publisher("pause_driving", Bool, queue_size=1)
+        self.requests = rospy.Publisher("cmd_vel_mux/lease_request", String, queue_size=1)
+        self.challenges: list[Any] = []
+        rospy.Subscriber("cmd_vel", Twist, lambda message: self.speeds.append(message.linear.x), queue_size=100)
+        rospy.Subscriber("cmd_vel_mux/challenge", Time, lambda message: self.challenges.append(message.data))
+
+    def ready(self) -> None:
+        """Once a mux is there, with all its connections."""
+        before = len(self.challenges)
+        publishers = (self.raw, self.plain, self.navigation, self.pause, self.requests)
+        wait(lambda: len(self.challenges) > before + 5 and all(each.get_num_connections() for each in publishers))
+
+    def join(self, client: str, conduct: str) -> dict[str, Any]:
+        """A client begins."""
+        os.environ |= {"UR_CLIENT": client, "UR_CLIENT_NAME": f"{client}-host", "UR_LEASE": conduct}
+        self.clients[client] = joined = LeaseClient("cmd_vel_mux", "test")
+        self.fresh[client] = FreshPublisher("key_vel", joined.link, client)
+        wait(lambda: bool(self.fresh[client].listeners()) and joined.view().state != "unknown")
+        return self.view(client)
+
+    def view(self, client: str) -> dict[str, Any]:
+        seen = self.clients[client].view()
+        told = {name: getattr(seen, name) for name in ("state", "holder", "program", "mine", "taken_by")}
+        return told | {"asking": list(seen.asking)}
+
+    def becomes(self, client: str, **expected: Any) -> dict[str, Any]:
+        """Once the client's view is so."""
+        wait(lambda: all(self.view(client)[name] == value for name, value in expected.items()), str(expected))
+        return self.view(client)
+
+    def request(self, client: str, action: str) -> None:
+        getattr(self.clients[client], action)()
+
+    def leave(self, client: str) -> None:
+        """The client releases what it has and is silent from now on."""
+        self.clients[client].release()
+
+    def vanish(self, client: str) -> None:
+        """The client is silent from now on, like one that was killed."""
+        self.clients[client]._released = True
+
+    def drive(self, client: str, count: int) -> list[float]:
+        """Fresh commands of a client; what came of them."""
+        del self.speeds[:]
+        for _ in range(count):
+            self.fresh[client].publish(AHEAD)
+            time.sleep(1.0 / 30.0)
+        return self.rest()
+
+    def drive_plain(self, count: int, pause: float) -> list[float]:
+        """Plain commands; what came of them."""
+        del self.speeds[:]
+        for _ in range(count):
+            self.plain.publish(AHEAD)
+            time.sleep(pause)
+        return self.rest()
+
+    def drive_late(self, client: str, count: int, age: float) -> list[float]:
+        """A burst of commands that answer an old challenge; what came of them."""
+        challenge = self.challenges[-1]
+        time.sleep(age)
+        del self.speeds[:]
+        for _ in range(count):
+            message = TwistStamped(twist=AHEAD)
+            message.header.stamp, message.header.frame_id = challenge, client
+            self.raw.publish(message)
+        return self.rest()
+
+    def navigate(self, count: int) -> list[float]:
+        """Plain commands of another source; what came of them."""
+        del self.speeds[:]
+        for _ in range(count):
+            self.navigation.publish(AHEAD)
+            time.sleep(1.0 / 30.0)
+        return self.rest()
+
+    def lock(self, value: bool, count: int = 1) -> None:
+        for _ in range(count):
+            self.pause.publish(Bool(value))
+            time.sleep(0.05)
+
+    def rest(self) -> list[float]:
+        """Once nothing is commanded any more: what was."""
+        count = -1
+        while count != len(self.speeds):
+            count = len(self.speeds)
+            time.sleep(0.4)
+        return self.speeds[:]
+
+    def parameter(self) -> str:
+        return str(rospy.get_param("/ur/lease"))
+
+    def mirrored(self, client: str) -> None:
+        """Once the parameter server names the client, too: a mux that is started reads the lease there."""
+        wait(lambda: f'"client": "{client}"' in str(rospy.get_param("/ur/lease", "")), "the parameter")
+
+
+def wait(condition: Callable[[], bool], what: str = "the mux") -> None:
+    end = time.monotonic() + 60.0
+    while not condition():
+        assert time.monotonic() < end, f"not so within 60 s: {what}"
+        time.sleep(0.01)
+
+
+if __name__ == "__main__":
+    ANSWERS = claim_output()
+    rospy.init_node("clients")
+    answer_requests(ANSWERS, Clients())

@@ -1,0 +1,215 @@
+"""Clients and a mux over a real master: who drives, and that what is late does not move the robot."""
+
+from __future__ import annotations
+
+import json
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+from tests.e2e.terminal import Terminal
+from tests.ros_session import ROOT, RosSession
+
+pytestmark = pytest.mark.ros
+
+PACKAGE = ROOT / "ubiquity_launches"
+MUX = str(PACKAGE / "n_cmd_vel_mux" / "bin" / "twist_mux")
+KEYBOARD = str(PACKAGE / "n_teleop_twist_keyboard" / "bin" / "teleop_twist_keyboard.py")
+SOURCES = PACKAGE / "n_cmd_vel_mux" / "params" / "sources.yaml"
+
+
+class Session(RosSession):
+    """A mux without a robot, and clients."""
+
+    def __init__(self, folder: Path) -> None:
+        super().__init__(folder, (sys.executable, "-m", "tests.ur_nodes.motion.lease.lease_test_node"))
+        load = ["/usr/bin/rosparam", "load", str(SOURCES), "/cmd_vel_mux"]
+        subprocess.run(load, env=self.env, check=True, timeout=60)
+        self.mux = self.start_mux()
+
+    def start_mux(self) -> subprocess.Popen[str]:
+        return self.start(MUX, "__name:=cmd_vel_mux", "cmd_vel_out:=cmd_vel", "_base:=stage")
+
+    def join(self, client: str, conduct: str = "drive") -> Any:
+        return self.ask("join", client=client, conduct=conduct)
+
+    def becomes(self, client: str, **expected: Any) -> Any:
+        return self.ask("becomes", client=client, **expected)
+
+    def request(self, client: str, action: str) -> None:
+        self.ask("request", client=client, action=action)
+
+    def keys(self, text: str, **environment: str) -> subprocess.CompletedProcess[str]:
+        command = [KEYBOARD, "cmd_vel:=key_vel", "__name:=keys"]
+        env = self.env | environment
+        return subprocess.run(command, env=env, input=text, text=True, capture_output=True, timeout=120, check=False)
+
+    def keyboard(self, name: str) -> Terminal:
+        return Terminal([KEYBOARD, "cmd_vel:=key_vel", f"__name:=keys_{name}"], self.env | {"UR_CLIENT_NAME": name})
+
+
+@pytest.fixture(scope="module")
+def session(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Session]:
+    started = Session(tmp_path_factory.mktemp("lease"))
+    try:
+        started.ask("ready")
+        yield started
+    finally:
+        started.close()
+
+
+@pytest.fixture(autouse=True)
+def unused(session: Session) -> Iterator[None]:
+    """Each test ends with a lease that is free."""
+    yield
+    session.join("cleaner", "take")
+    session.becomes("cleaner", mine=True, state="held")
+    session.ask("leave", client="cleaner")
+    session.ask("becomes", client="cleaner", state="free")
+
+
+def test_fresh_commands_drive_and_late_ones_do_not(session: Session) -> None:
+    session.join("a")
+    session.becomes("a", mine=True)
+    speeds = session.ask("drive", client="a", count=30)
+    assert max(speeds) == pytest.approx(0.3)
+    assert speeds[-3:] == [0.0, 0.0, 0.0]
+    assert session.ask("drive_late", client="a", count=250, age=0.3) == []
+    session.ask("leave", client="a")
+
+
+def test_plain_commands_drive_at_a_steady_rate_only(session: Session) -> None:
+    assert max(session.ask("drive_plain", count=30, pause=1.0 / 30.0)) == pytest.approx(0.3)
+    assert session.ask("drive_plain", count=1, pause=0.0) == []
+    assert session.ask("drive_plain", count=5, pause=0.4) == []
+    assert session.ask("drive_plain", count=250, pause=0.0) == []
+
+
+def test_one_client_drives_until_another_takes_over_and_each_is_told(session: Session) -> None:
+    session.join("a")
+    assert session.becomes("a", mine=True)["program"] == "test"
+    view = session.join("b")
+    assert (view["state"], view["holder"], view["mine"]) == ("held", "a-host", False)
+    assert session.ask("drive", client="b", count=10) == []
+    session.request("b", "take")
+    session.becomes("b", mine=True)
+    assert session.becomes("a", mine=False, taken_by="b-host")["holder"] == "b-host"
+    assert session.ask("drive", client="a", count=10) == []
+    assert max(session.ask("drive", client="b", count=10)) > 0.0
+    session.request("a", "ask")
+    session.becomes("b", asking=["a-host"])
+    session.request("b", "grant")
+    session.becomes("a", mine=True, taken_by="")
+    session.ask("leave", client="b")
+    session.ask("leave", client="a")
+
+
+def test_client_that_vanishes_is_lost_and_can_be_replaced(session: Session) -> None:
+    session.join("a")
+    session.becomes("a", mine=True)
+    session.ask("vanish", client="a")
+    session.join("b", "watch")
+    session.becomes("b", state="lost", holder="a-host")
+    session.request("b", "acquire")
+    session.becomes("b", mine=True, state="held")
+    session.ask("leave", client="b")
+
+
+def test_lease_is_on_the_parameter_server_too(session: Session) -> None:
+    session.join("a")
+    session.becomes("a", mine=True)
+    lease = json.loads(session.ask("parameter"))
+    assert (lease["state"], lease["client"], lease["name"]) == ("held", "a", "a-host")
+    session.ask("leave", client="a")
+
+
+def test_keys_of_a_pipe_drive_only_where_nobody_else_does(session: Session) -> None:
+    session.join("a")
+    session.becomes("a", mine=True)
+    refused = session.keys("i")
+    assert refused.returncode == 1
+    assert "a-host (test) drives the robot since" in refused.stderr
+    assert len(refused.stderr.splitlines()) == 1
+    taken = session.keys("i", UR_LEASE="take", UR_CLIENT_NAME="laptop2")
+    assert (taken.returncode, taken.stderr) == (0, "")
+    session.becomes("a", mine=False)
+    session.ask("leave", client="a")
+
+
+def test_screens_of_two_keyboards_say_who_drives(session: Session) -> None:
+    with session.keyboard("laptop") as first:
+        first.wait_for("■ stopped")
+        with session.keyboard("desktop") as second:
+            second.wait_for("laptop (keyboard_drive) drives the robot since")
+            second.type("i")
+            second.wait_for("not driving")
+            second.type("a")
+            first.wait_for("desktop asks to drive; y: hand over")
+            second.wait_for("asked to hand over")
+            first.type("y")
+            first.wait_for("desktop (keyboard_drive) drives the robot since")
+            second.type("i")
+            second.wait_for("▲ driving")
+            first.type("d")
+            second.wait_for("laptop took over at")
+            first.type("i")
+            first.wait_for("▲ driving")
+            second.type("\x03")
+            assert second.process.wait(60) == 0
+        first.type("i")
+        first.wait_for("▲ driving")
+        session.join("a", "watch")
+        session.becomes("a", state="held", holder="laptop")
+        first.type("\x03")
+        assert first.process.wait(60) == 0
+        session.becomes("a", state="free")  # the end of the program releases the lease
+
+
+def test_screen_says_when_the_robot_is_out_of_reach_and_recovers(session: Session) -> None:
+    with session.keyboard("laptop") as keys:
+        keys.wait_for("■ stopped")
+        session.join("a", "watch")
+        session.becomes("a", state="held", holder="laptop")  # so challenges reach the keyboard
+        session.mux.send_signal(signal.SIGSTOP)  # connections stay open, nothing comes any more
+        try:
+            keys.wait_for("no word from the robot for 1.")
+        finally:
+            session.mux.send_signal(signal.SIGCONT)
+        keys.type("i")
+        keys.wait_for("▲ driving")
+
+
+def test_lock_is_released_by_a_repeated_false_only(session: Session) -> None:
+    session.ask("lock", value=True)
+    assert not any(session.ask("navigate", count=15))
+    session.ask("lock", value=False)
+    assert not any(session.ask("navigate", count=15))
+    session.ask("lock", value=False, count=6)
+    assert max(session.ask("navigate", count=15)) > 0.0
+
+
+def test_lease_outlives_a_mux_that_is_killed(session: Session) -> None:
+    session.join("a")
+    session.becomes("a", mine=True)
+    session.ask("mirrored", client="a")
+    session.mux.kill()
+    session.mux.communicate(timeout=60)
+    session.running.remove(session.mux)
+    session.mux = session.start_mux()
+    session.ask("ready")
+    session.becomes("a", mine=True, state="held")
+    assert max(session.ask("drive", client="a", count=10)) > 0.0
+    session.ask("leave", client="a")
+
+
+def test_sources_of_the_library_are_read() -> None:
+    assert [each["topic"] for each in yaml.safe_load(SOURCES.read_text())["topics"]] == [
+        "joy_vel",
+        "key_vel",
+        "nav_vel",
+    ]

@@ -1,0 +1,41 @@
+from __future__ import annotations
+
+import io
+import math
+
+import numpy as np
+import pytest
+import rospy
+from nav_msgs.msg import OccupancyGrid
+
+from ur.source.diagnostic import UserError
+from ur_nodes.geometry.grid import Grid
+from ur_nodes.geometry.pose import Pose2
+from ur_nodes.rosio.grid_message import grid_message, grid_of_message
+
+
+def test_grid_survives_the_way_through_a_message() -> None:
+    grid = Grid(np.array([[0, 100, -1], [50, 1, 99]], dtype=np.int8), 0.05, Pose2(-1.5, 2.0, 0.5))
+    wire = io.BytesIO()
+    grid_message(grid, "map", rospy.Time(3, 4)).serialize(wire)
+    message = OccupancyGrid().deserialize(wire.getvalue())
+
+    got = grid_of_message(message)
+
+    assert np.array_equal(got.values, grid.values)
+    assert got.resolution == 0.05  # not 0.0500000007
+    assert math.dist(got.origin, grid.origin) < 1e-12
+    assert (message.header.frame_id, message.header.stamp) == ("map", rospy.Time(3, 4))
+
+
+def test_grid_of_message_refuses_data_of_another_size() -> None:
+    message = OccupancyGrid()
+    message.info.width, message.info.height, message.info.resolution = 3, 2, 0.1
+    message.data = [0] * 5
+    with pytest.raises(UserError, match="3 x 2 cells with 5 values"):
+        grid_of_message(message)
+
+
+def test_grid_of_message_refuses_a_resolution_of_zero() -> None:
+    with pytest.raises(UserError, match="resolution 0"):
+        grid_of_message(OccupancyGrid())
