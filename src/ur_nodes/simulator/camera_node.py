@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import queue
 import threading
+import time
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -15,10 +16,12 @@ from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 
 from ur.robot.base import Base, Camera
 from ur.source.diagnostic import UserError
+from ur.worlds.world_file import World
 from ur_nodes.rosio.parameters import Parameters
 from ur_nodes.simulator.camera_process import CameraProcess
 from ur_nodes.simulator.frame_rate import FrameCount
-from ur_nodes.simulator.world import World
+
+_TRY_EVERY = 10.0  # s: packages may be installed meanwhile
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,7 +36,8 @@ class CameraTopics:
 
     Nothing is started or drawn before somebody subscribes. A picture that is due while the last one is still being
     drawn is left out, unless the simulation goes as fast as it can: then it waits (`wait`). When many are left out that
-    is said once.
+    is said once. Where nothing can draw, an error in the log says why, and it is tried again every 10 s: the
+    subscribers' own messages repeat it (`ur_nodes.rosio.silence`).
     """
 
     def __init__(self, world: World, base: Base, camera: Camera, prefixes: list[str], wait: bool, quality: int) -> None:
@@ -43,15 +47,16 @@ class CameraTopics:
         self._robots = [_Robot(camera, prefix) for prefix in prefixes]
         self._jobs: queue.Queue[_Job | None] = queue.Queue(maxsize=1)
         self._busy = threading.Event()
-        self._failed = False
+        self._ended = False
+        self._try_at = 0.0
         self._count = FrameCount(camera.rate)
         self._thread = threading.Thread(target=self._run, name="camera", daemon=True)
         self._thread.start()
 
     @property
     def wanted(self) -> bool:
-        """Whether somebody listens."""
-        return not self._failed and any(robot.wanted for robot in self._robots)
+        """Return whether pictures are to be drawn: somebody has subscribed, and the last failure is a while ago."""
+        return not self._ended and time.monotonic() >= self._try_at and any(robot.wanted for robot in self._robots)
 
     def offer(self, stamp: rospy.Time, state: npt.NDArray[np.float64]) -> None:
         """A moment at which a picture is due; called between ticks."""
@@ -77,19 +82,28 @@ class CameraTopics:
         try:
             while (job := self._jobs.get()) is not None:
                 try:
-                    process = process or self._open()
-                    self._publish(process, job)
+                    process = self._draw(process, job)
                 finally:
                     self._busy.clear()
                     job.done.set()
-        except UserError as problem:
-            self._failed = True
-            rospy.logerr("%s", problem)
         except rospy.ROSException:
-            self._failed = True  # topics were closed meanwhile: the node is ending
+            self._ended = True  # topics were closed meanwhile: the node is ending
         finally:
             if process:
                 process.close()
+
+    def _draw(self, process: CameraProcess | None, job: _Job) -> CameraProcess | None:
+        """Publish the pictures of a moment; returns the process for the next ones, None where this one cannot draw."""
+        try:
+            process = process or self._open()
+            self._publish(process, job)
+        except UserError as problem:
+            self._try_at = time.monotonic() + _TRY_EVERY
+            if process:
+                process.close()
+            rospy.logerr("%s", "; ".join([str(problem), *(each.help for each in problem.diagnostics if each.help)]))
+            return None
+        return process
 
     def _open(self) -> CameraProcess:
         process = CameraProcess(self._world, self._base, self.camera, len(self._robots), quality=self._quality)

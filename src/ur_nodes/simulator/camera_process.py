@@ -24,15 +24,16 @@ import numpy as np
 import numpy.typing as npt
 
 from ur.robot.base import Base, Camera
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import Diagnostic, UserError, error
+from ur.worlds.world_file import Fiducial, World
 from ur_nodes.simulator.model import build_model
 from ur_nodes.simulator.scenery import build_scenery, draw_textures
-from ur_nodes.simulator.world import Fiducial, World
 
 _REQUEST = struct.Struct("<iiiq")  # robot, pixels wanted, JPEG wanted, bytes of state
 _ANSWER = struct.Struct("<qq")
 _WAYS = ("egl", "osmesa")  # how MuJoCo can draw without a screen, the quicker to start first
-_PACKAGES = "libegl1 libopengl0 libgl1-mesa-dri (or libosmesa6)"
+_ABSENT = "not installed"
+_INSTALL = "sudo apt-get install libegl1 libopengl0 libgl1-mesa-dri"
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,21 +67,15 @@ class CameraProcess:
             "quality": quality,
         }
         chosen = environment.get("MUJOCO_GL")
-        reasons = []
+        reasons: dict[str, str] = {}
         for way in (chosen,) if chosen else _WAYS:
             self._process = _start(way, environment)
             answer = self._begin(json.dumps(job).encode() + b"\n")
             if answer == "ok":
                 return
             self.close()
-            reasons.append(f"{way}: {answer}")
-        raise UserError(
-            error(
-                f"the simulated camera cannot draw ({'; '.join(reasons)}), expected OpenGL without a screen",
-                rule="no-renderer",
-                help=f"install the Debian packages {_PACKAGES}",
-            )
-        )
+            reasons[way] = answer
+        raise UserError(_explain(reasons))
 
     @property
     def pid(self) -> int:
@@ -124,6 +119,16 @@ class CameraProcess:
         return answer or "it ended at once"
 
 
+def _explain(reasons: Mapping[str, str]) -> Diagnostic:
+    """The reasons why nothing can draw, by renderer, as one error."""
+    if set(reasons.values()) == {_ABSENT}:
+        message = "the simulated camera cannot draw: OpenGL is not installed"
+    else:
+        each = "; ".join(f"{way}: {reason}" for way, reason in reasons.items())
+        message = f"the simulated camera cannot draw ({each}), expected OpenGL without a screen"
+    return error(message, rule="no-renderer", help=_INSTALL)
+
+
 def _drawable(fiducials: tuple[Fiducial, ...]) -> tuple[tuple[Fiducial, ...], str]:
     """The fiducials that can be drawn here, and what to say about those that cannot."""
     from importlib.util import find_spec
@@ -131,15 +136,15 @@ def _drawable(fiducials: tuple[Fiducial, ...]) -> tuple[tuple[Fiducial, ...], st
     if not fiducials or find_spec("cv2"):
         return fiducials, ""
     return (), (
-        f"the {len(fiducials)} fiducials of this world are left out: OpenCV is not installed,"
-        " expected requirements/vision.lock"
+        f"the {len(fiducials)} fiducials of this world are not drawn: OpenCV is not installed;"
+        " 'ur run fiducial_slam' installs it"
     )
 
 
 def _start(way: str, environment: Mapping[str, str]) -> subprocess.Popen[bytes]:
     # A session of its own: Ctrl-C in a terminal ends the simulator, and that ends this one.
     return subprocess.Popen(
-        [sys.executable, "-m", __name__],
+        [sys.executable, "-I", "-m", __name__],
         env={**environment, "MUJOCO_GL": way},
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
@@ -161,7 +166,10 @@ def serve(requests: BinaryIO, answers: BinaryIO) -> int:
     job = json.loads(requests.readline())
     renderer: Any = None
     try:
-        import mujoco
+        try:
+            import mujoco
+        except (AttributeError, ImportError):  # PyOpenGL's, where the library that it wraps is missing
+            raise RuntimeError(_ABSENT) from None
 
         textures = draw_textures(Fiducial(**fiducial) for fiducial in job["fiducials"])
         model = mujoco.MjModel.from_xml_string(job["model"], textures)

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from xml.sax.saxutils import quoteattr
 
 from ur.robot.base import Base, Caster
+from ur.worlds.world_file import Box, World
 from ur_nodes.simulator.rectangles import merge_cells
-from ur_nodes.simulator.world import Box, World
 
 TIME_STEP = 0.005
 GRAVITY = 9.81

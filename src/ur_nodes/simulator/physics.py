@@ -9,9 +9,9 @@ import numpy as np
 import numpy.typing as npt
 
 from ur.robot.base import Base
-from ur_nodes.simulator.imu import Motion
-from ur_nodes.simulator.lidar import RayCaster
-from ur_nodes.simulator.sonar import SonarRing
+from ur_nodes.simulator.sensors.imu import Motion
+from ur_nodes.simulator.sensors.lidar import RayCaster
+from ur_nodes.simulator.sensors.sonar import SonarRing
 
 Pose = tuple[float, float, float]
 _STATE = mujoco.mjtState.mjSTATE_INTEGRATION

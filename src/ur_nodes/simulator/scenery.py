@@ -6,8 +6,8 @@ import math
 from collections.abc import Iterable, Sequence
 
 from ur.robot.base import Camera
+from ur.worlds.world_file import DICTIONARIES, Fiducial
 from ur_nodes.simulator.model import Scenery
-from ur_nodes.simulator.world import DICTIONARIES, Fiducial
 
 _CELL_PIXELS = 16
 
@@ -43,12 +43,15 @@ def plate_cells(fiducial: Fiducial) -> int:
 
 
 def draw_textures(fiducials: Iterable[Fiducial]) -> dict[str, bytes]:
-    """PNG files of the plates by name (`<texture_name>.png`). Raises ImportError where OpenCV is not installed."""
+    """PNG files of the plates by name (`<texture_name>.png`). Raises ImportError for plates without OpenCV."""
+    plates = tuple(fiducials)
+    if not plates:
+        return {}
     import cv2
     import numpy as np
 
     files = {}
-    for fiducial in fiducials:
+    for fiducial in plates:
         dictionary = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, f"DICT_{fiducial.dictionary}"))
         cells = plate_cells(fiducial)
         marker = cv2.aruco.generateImageMarker(dictionary, fiducial.id, (cells - 2) * _CELL_PIXELS)

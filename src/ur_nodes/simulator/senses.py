@@ -6,11 +6,11 @@ import numpy as np
 import numpy.typing as npt
 
 from ur.robot.base import Base
-from ur_nodes.simulator.battery import BatteryCharge
-from ur_nodes.simulator.bumpers import BumperRing
-from ur_nodes.simulator.imu import InertialUnit, Reading
 from ur_nodes.simulator.physics import Physics
-from ur_nodes.simulator.sonar import Floats
+from ur_nodes.simulator.sensors.battery import BatteryCharge
+from ur_nodes.simulator.sensors.bumpers import BumperRing
+from ur_nodes.simulator.sensors.imu import InertialUnit, Reading
+from ur_nodes.simulator.sensors.sonar import Floats
 
 BATTERY_RATE = 1.0  # Hz
 

@@ -11,13 +11,13 @@ import numpy.typing as npt
 from ur.robot.base import Base
 from ur.source.diagnostic import UserError, error
 from ur.source.suggest import did_you_mean
+from ur.worlds.world_file import World
 from ur_nodes.simulator.drive import Drive
 from ur_nodes.simulator.model import TIME_STEP, build_model
-from ur_nodes.simulator.odometry import EncoderOdometry
 from ur_nodes.simulator.physics import Physics, Pose
 from ur_nodes.simulator.schedule import Schedule
 from ur_nodes.simulator.senses import BATTERY_RATE, Senses
-from ur_nodes.simulator.world import World
+from ur_nodes.simulator.sensors.odometry import EncoderOdometry
 
 CONTROL_RATE = 50.0  # Hz
 COLLISION_PAUSE = 0.5  # s

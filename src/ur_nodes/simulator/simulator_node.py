@@ -28,6 +28,7 @@ from tf2_msgs.msg import TFMessage
 
 from ur.robot.base import load_base
 from ur.source.diagnostic import UserError
+from ur.worlds.world_file import World, read_world
 from ur_nodes.rosio.geometry import pose_of_message
 from ur_nodes.rosio.parameters import Parameters
 from ur_nodes.rosio.shell import run_node
@@ -38,7 +39,6 @@ from ur_nodes.simulator.robot_topics_node import RobotTopics
 from ur_nodes.simulator.sensor_topics_node import SensorTopics
 from ur_nodes.simulator.settings import Frames, Settings
 from ur_nodes.simulator.simulation import Simulation
-from ur_nodes.simulator.world import World, read_world
 
 _PACKAGE = Path(__file__).resolve().parents[3] / "ubiquity_launches"
 _ANSWER_WITHIN = 10.0  # s

@@ -10,8 +10,8 @@ import pytest
 from PIL import Image
 
 from ur.robot.base import Base, load_base
+from ur.worlds.world_file import World, read_world
 from ur_nodes.simulator.simulation import Simulation
-from ur_nodes.simulator.world import World, read_world
 
 PACKAGE = Path(__file__).resolve().parents[3] / "ubiquity_launches"
 MakeWorld = Callable[[str], World]

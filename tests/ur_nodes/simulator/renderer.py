@@ -9,9 +9,9 @@ import pytest
 
 from ur.robot.base import Camera
 from ur.source.diagnostic import UserError
+from ur.worlds.floor_plan import FloorPlan
+from ur.worlds.world_file import World
 from ur_nodes.simulator.camera_process import CameraProcess
-from ur_nodes.simulator.floor_plan import FloorPlan
-from ur_nodes.simulator.world import World
 
 
 @functools.cache

@@ -3,6 +3,7 @@ from __future__ import annotations
 import io
 import math
 import os
+import sys
 from dataclasses import replace
 
 import numpy as np
@@ -15,6 +16,7 @@ from tests.ur_nodes.simulator.renderer import needs_renderer
 from ur.robot.base import Base
 from ur.source.diagnostic import UserError
 from ur_nodes.simulator.camera_process import CameraProcess
+from ur_nodes.simulator.scenery import draw_textures
 from ur_nodes.simulator.simulation import Simulation
 
 # A plate on the wall that the robot faces, 5 m ahead, and the camera looking straight at its height.
@@ -96,3 +98,8 @@ def test_pictures_do_not_change_the_motion(magni: Base, make_world: MakeWorld) -
             due += simulation.advance().picture
     assert due == 60
     assert np.array_equal(plain.state(), watched.state())
+
+
+def test_world_without_fiducials_is_drawn_where_opencv_is_not_installed(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "cv2", None)  # importing it fails
+    assert draw_textures([]) == {}

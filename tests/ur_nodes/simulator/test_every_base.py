@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from ur.robot.base import Base, list_bases, list_variants, load_base
+from ur.worlds.world_file import World
 from ur_nodes.simulator.simulation import Simulation
-from ur_nodes.simulator.world import World
 
 PACKAGE = Path(__file__).resolve().parents[3] / "ubiquity_launches"
 EVERY = [(name, variant) for name in list_bases(PACKAGE) for variant in ("", *list_variants(PACKAGE, name))]

@@ -114,8 +114,8 @@ def test_node_places_robot_and_obstacles_and_counts_collisions(ros: Ros) -> None
     for values, message in mistakes:
         assert message in ros.try_to("call", service="place", **values)["error"]
     assert ros.ask("past", topic="simulator/collisions", count=1) == [{"count": 0}]
-    ros.ask("command", linear=0.5, angular=0.0, times=30)
-    assert ros.ask("past", topic="simulator/collisions", count=2)[-1] == {"count": 1}
+    ros.ask("drive_until", topic="simulator/collisions", count=2, linear=0.5, seconds=60)
+    assert ros.ask("past", topic="simulator/collisions", count=2)[1] == {"count": 1}
 
 
 def test_node_at_another_speed_is_the_clock(ros: Ros) -> None:

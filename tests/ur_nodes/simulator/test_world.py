@@ -11,7 +11,7 @@ from PIL import Image
 from scipy import ndimage
 
 from ur.source.diagnostic import UserError
-from ur_nodes.simulator.world import World, read_world
+from ur.worlds.world_file import World, read_world
 
 ROOT = Path(__file__).resolve().parents[3]
 PACKAGE = ROOT / "ubiquity_launches"

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from ur.robot.base import Base, Odometry
-from ur_nodes.simulator.odometry import EncoderOdometry
+from ur_nodes.simulator.sensors.odometry import EncoderOdometry
 
 
 def roll(base: Base, seed: int, left: float, right: float, steps: int = 100) -> EncoderOdometry:

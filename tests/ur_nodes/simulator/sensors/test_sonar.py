@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 from tests.ur_nodes.simulator.conftest import MakeWorld
 
 from ur.robot.base import Base, Sonar, Sonars
+from ur.worlds.world_file import World
+from ur_nodes.simulator.sensors.sonar import SonarRing, cone_rays
 from ur_nodes.simulator.simulation import Simulation
-from ur_nodes.simulator.sonar import SonarRing, cone_rays
-from ur_nodes.simulator.world import World
 
 VIEW = 0.4363
 

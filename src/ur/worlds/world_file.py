@@ -1,4 +1,8 @@
-"""A world of the simulator: a file `n_simulator/worlds/<world>.yaml`, read and checked."""
+"""A world of the simulator: a YAML file, read and checked.
+
+The file names its floor plan, a map in map_server's format, or holds the keys of one itself: so every such map is a
+world, and a world file of that kind is a map.
+"""
 
 from __future__ import annotations
 
@@ -6,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ur.source.section import Section, read_section
-from ur_nodes.simulator.floor_plan import FloorPlan, read_floor_plan
+from ur.worlds.floor_plan import FloorPlan, parse_floor_plan, read_floor_plan
 
 # Name: cells along an edge without the black border, number of markers.
 DICTIONARIES = {f"{n}X{n}_{count}": (n, count) for n in (4, 5, 6, 7) for count in (50, 100, 250, 1000)}
@@ -53,18 +57,13 @@ class World:
 
 
 def read_world(path: str | Path) -> World:
-    """Read a world file and the floor plan it names. Raises UserError with file, line and column."""
+    """Read a world file and its floor plan. Raises UserError with file, line and column."""
     top = read_section(path, "a world file")
-    plan = Path(path).parent / top.text("floor_plan")
-    if not plan.is_file():
-        top.fail(
-            "floor_plan",
-            f"floor_plan: {plan} does not exist, expected a map file relative to {Path(path).name}",
-        )
+    floor_plan = _floor_plan(top, Path(path))
     start = top.numbers("start", 3, (0.0, 0.0, 0.0))
     seen: set[str] = set()
     world = World(
-        floor_plan=read_floor_plan(plan),
+        floor_plan=floor_plan,
         wall_height=top.number("wall_height", 1.0, minimum=0.05, maximum=100.0),
         floor_friction=top.number("floor_friction", 0.9, minimum=0.05, maximum=5.0),
         boxes=tuple(_box(part, movable=False, seen=seen) for part in top.sections("boxes")),
@@ -74,6 +73,17 @@ def read_world(path: str | Path) -> World:
     )
     top.finish()
     return world
+
+
+def _floor_plan(top: Section, path: Path) -> FloorPlan:
+    if top.has("image") and top.has("floor_plan"):
+        top.fail("floor_plan", f"floor_plan: {path.name} has an image of its own, expected one of them")
+    if top.has("image"):
+        return parse_floor_plan(top, path.parent)
+    plan = path.parent / top.text("floor_plan")
+    if not plan.is_file():
+        top.fail("floor_plan", f"floor_plan: {plan} does not exist, expected a map file relative to {path.name}")
+    return read_floor_plan(plan)
 
 
 def _box(part: Section, *, movable: bool, seen: set[str]) -> Box:

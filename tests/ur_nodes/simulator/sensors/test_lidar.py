@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from ur.robot.base import Base
+from ur.worlds.world_file import World
 from ur_nodes.simulator.simulation import Simulation
-from ur_nodes.simulator.world import World
 
 
 def analytic(x: float, y: float, angle: float) -> float:

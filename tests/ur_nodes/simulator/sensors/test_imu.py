@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from ur.robot.base import Base, Imu
-from ur_nodes.simulator.imu import InertialUnit, Motion, Reading, quaternion, specific_force
+from ur.worlds.world_file import World
 from ur_nodes.simulator.model import GRAVITY
+from ur_nodes.simulator.sensors.imu import InertialUnit, Motion, Reading, quaternion, specific_force
 from ur_nodes.simulator.simulation import Simulation
-from ur_nodes.simulator.world import World
 
 PERIOD = 0.02
 LEVEL = (0.0,) * 6

@@ -10,9 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ur.robot.base import Base, Bumper, Bumpers
-from ur_nodes.simulator.bumpers import HOLD, BumperRing, arcs_meet, span_arc
+from ur.worlds.world_file import World
+from ur_nodes.simulator.sensors.bumpers import HOLD, BumperRing, arcs_meet, span_arc
 from ur_nodes.simulator.simulation import Simulation
-from ur_nodes.simulator.world import World
 
 RING = Bumpers(
     "bumper",

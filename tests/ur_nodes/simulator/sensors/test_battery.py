@@ -8,9 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ur.robot.base import Base, Battery
-from ur_nodes.simulator.battery import BatteryCharge
+from ur.worlds.world_file import World
+from ur_nodes.simulator.sensors.battery import BatteryCharge
 from ur_nodes.simulator.simulation import Simulation
-from ur_nodes.simulator.world import World
 
 BATTERY = Battery("battery_state", "lead-acid", 7.0, 25.6, 21.0, 1.0, 4.0)
 Drive = Callable[..., None]

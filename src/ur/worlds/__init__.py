@@ -1,0 +1,3 @@
+"""World files and floor plans of the simulator: read, checked, and made from pictures."""
+
+from __future__ import annotations

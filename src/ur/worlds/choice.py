@@ -1,0 +1,82 @@
+"""The arguments of launch files that choose a world or a map: names, and paths of files."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+
+from ur.source.diagnostic import UserError, error
+from ur.source.suggest import did_you_mean
+
+WORLD = "world"
+PATHS = (WORLD, "world_file", "map_file")
+"""Arguments whose relative paths start at the working folder of whoever gives them."""
+
+_MAKE = "'ur new world NAME' makes a world of your own"
+_PICTURES = frozenset({".png", ".jpg", ".jpeg", ".pgm", ".bmp", ".gif", ".tif", ".tiff", ".webp"})
+_MARKS = ("./", "../", "~/")
+
+
+def is_path(value: str) -> bool:
+    """Return whether a value of `world` is the path of a file: other values are names of worlds."""
+    return "/" in value or value.endswith((".yaml", ".yml"))
+
+
+def resolve_paths(words: Sequence[str], folder: Path, *, always: bool = False) -> list[str]:
+    """Replace relative paths in arguments `NAME:=VALUE` by absolute ones.
+
+    Without `always` only values that name an existing file, or begin with `./`, `../` or `~/`: launch files of others
+    may mean something else by the same argument.
+    """
+    return [_resolve(word, folder, always) for word in words]
+
+
+def _resolve(word: str, folder: Path, always: bool) -> str:
+    name, assigned, value = word.partition(":=")
+    if not assigned or name not in PATHS or not value or (name == WORLD and not is_path(value)):
+        return word
+    path = folder / Path(value).expanduser()
+    if not (always or value.startswith(_MARKS) or path.is_file()):
+        return word
+    return f"{name}:={os.path.normpath(path)}"
+
+
+def list_worlds(package: Path) -> tuple[str, ...]:
+    """The names of the worlds that a launch package holds, sorted."""
+    return tuple(sorted(path.stem for path in (package / "n_simulator" / "worlds").glob("*.yaml")))
+
+
+def explain_missing_world(path: str, package: Path) -> UserError:
+    """The error about a world file that does not exist: by its name where the launch library was to hold it."""
+    names = list_worlds(package)
+    folder = package / "n_simulator" / "worlds"
+    if Path(path).parent == folder:
+        name = Path(path).name.removesuffix(".yaml")
+        message = f"unknown world {name!r}, expected one of {', '.join(names)} or the path of a world file"
+        near = did_you_mean(name, names)
+        help_ = f"did you mean world:={near}?" if near else _MAKE
+        if Path(name).suffix.lower() in _PICTURES:
+            help_ = f"a picture becomes a world by: ur new world NAME --picture {name} --width METRES"
+    else:
+        problem = "is a folder" if os.path.isdir(path) else "does not exist"  # noqa: PTH112 - fails nowhere
+        message = f"world file {path!r} {problem}, expected the path of a YAML file or one of {', '.join(names)}"
+        near = did_you_mean(Path(path).name, _files_beside(path))
+        help_ = f"did you mean {near!r}?" if near else _MAKE
+    return UserError(error(message, rule="unknown-world", help=help_))
+
+
+def explain_missing_map(path: str) -> UserError:
+    """The error about a map file that does not exist."""
+    near = did_you_mean(Path(path).name, _files_beside(path))
+    help_ = f"did you mean {near!r}?" if near else "a map is a YAML file in the format of map_server"
+    problem = "is a folder" if os.path.isdir(path) else "does not exist"  # noqa: PTH112 - fails nowhere
+    message = f"map file {path!r} {problem}, expected the path of a map's YAML file"
+    return UserError(error(message, rule="unknown-map", help=help_))
+
+
+def _files_beside(path: str) -> list[str]:
+    try:
+        return [each.name for each in Path(path).parent.iterdir() if each.suffix in (".yaml", ".yml")]
+    except OSError:
+        return []

@@ -1,0 +1,152 @@
+"""Map files: a floor plan image and the YAML file beside it, in the format of map_server.
+
+Format: https://wiki.ros.org/map_server. Where its text and the behaviour of map_server differ (transparency), this
+follows the behaviour; both places are marked below.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ur.source.picture_file import MAP_FORMATS, open_picture
+from ur.source.section import Section, read_section
+
+UNKNOWN = -1
+FREE = 0
+OCCUPIED = 100
+
+if TYPE_CHECKING:
+    from PIL import Image
+
+Mode = Literal["trinary", "scale", "raw"]
+_MODES: tuple[Mode, ...] = ("trinary", "scale", "raw")
+
+
+@dataclass(frozen=True, slots=True)
+class MapFile:
+    """The contents of a map's YAML file.
+
+    Thresholds are probabilities; `resolution` is in m per pixel; `origin` is x, y, yaw (m, rad) of the outer corner of
+    the lower left pixel in the map frame.
+    """
+
+    image: Path
+    resolution: float
+    origin: tuple[float, float, float]
+    negate: bool
+    occupied_thresh: float
+    free_thresh: float
+    mode: Mode
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MapImage:
+    """A map file with its cells: int8 (height, width), row 0 at the bottom, -1 unknown, 0 free to 100 occupied."""
+
+    file: MapFile
+    values: NDArray[np.int8]
+
+    @property
+    def walls(self) -> NDArray[np.bool_]:
+        """The occupied cells. Of mode raw, values above `occupied_thresh` (as a share of 100) up to 100."""
+        if self.file.mode == "raw":
+            walls: NDArray[np.bool_] = (self.values > 100.0 * self.file.occupied_thresh) & (self.values <= OCCUPIED)
+            return walls
+        return np.asarray(self.values == OCCUPIED)
+
+
+def read_map(path: str | Path) -> MapImage:
+    """Read a map's YAML file, or the one that a world file of the simulator names as its floor plan, and its image.
+
+    Raises UserError, with file, line and column where there is one: no such file, broken YAML, a value that cannot be
+    used, an image that is missing or damaged.
+    """
+    section = read_section(path, "a map file")
+    if section.has("floor_plan") and not section.has("image"):
+        path = Path(path).parent / section.text("floor_plan")
+        section = read_section(path, "a map file")
+    return read_map_section(section, Path(path).parent)
+
+
+def read_map_section(section: Section, folder: Path) -> MapImage:
+    """Read a map from a file that may hold other keys. Raises as `read_map`."""
+    file = parse_map_file(section, folder)
+    return MapImage(file, occupancy_of_pixels(_read_pixels(file.image, section), file))
+
+
+def parse_map_file(section: Section, folder: Path) -> MapFile:
+    """Parse the keys of a map file, and ignore others. `folder` holds a relative image. Raises UserError."""
+    image = section.text("image")
+    if not image:
+        section.fail("image", "image: '' in a map file, expected the path of an image")
+    resolution = section.number("resolution")
+    if resolution <= 0.0:
+        section.fail("resolution", f"resolution: {resolution:g} in a map file, expected more than 0 m per pixel")
+    origin = section.numbers("origin", 3)
+    negate = section.boolean("negate")
+    occupied = section.number("occupied_thresh", minimum=0.0, maximum=1.0)
+    free = section.number("free_thresh", minimum=0.0, maximum=1.0)
+    if free > occupied:
+        section.fail(
+            "free_thresh", f"free_thresh: {free:g} in a map file, expected at most occupied_thresh, {occupied:g}"
+        )
+    wanted = section.text("mode", "trinary", choices=_MODES)
+    mode = next(mode for mode in _MODES if mode == wanted)
+    return MapFile(folder / image, resolution, (origin[0], origin[1], origin[2]), negate, occupied, free, mode)
+
+
+def occupancy_of_pixels(pixels: NDArray[np.uint8], file: MapFile) -> NDArray[np.int8]:
+    """Return cell values (height, width), row 0 at the bottom, of pixels (height, width, channels), row 0 on top.
+
+    1 channel is grey, 3 are colours, 4 are colours and alpha. Channels are averaged, alpha with them in mode trinary.
+    With p the darkness of a pixel from 0 to 1 (its brightness with `negate`): trinary gives 100 above
+    `occupied_thresh`, 0 below `free_thresh`, -1 between; scale gives 1 to 99 between, and -1 there where the pixel is
+    wholly transparent (the documentation says "any transparency, anywhere"); raw gives the average itself, as a
+    signed byte.
+    """
+    has_alpha = pixels.shape[2] == 4
+    colours = pixels[..., :3] if has_alpha and file.mode != "trinary" else pixels
+    average = colours.mean(axis=2, dtype=np.float64)
+    if file.negate:
+        average = 255.0 - average
+    if file.mode == "raw":
+        return np.ascontiguousarray(average[::-1].astype(np.uint8)).view(np.int8)
+    dark = (255.0 - average) / 255.0
+    between = np.full(dark.shape, UNKNOWN, dtype=np.int8)
+    if file.mode == "scale" and file.occupied_thresh > file.free_thresh:
+        share = (dark - file.free_thresh) / (file.occupied_thresh - file.free_thresh)
+        between = (1.0 + 98.0 * np.clip(share, 0.0, 1.0)).astype(np.int8)
+        if has_alpha:
+            between[pixels[..., 3] == 0] = UNKNOWN
+    values = np.where(dark > file.occupied_thresh, OCCUPIED, np.where(dark < file.free_thresh, FREE, between))
+    return np.ascontiguousarray(values[::-1], dtype=np.int8)
+
+
+def _read_pixels(path: Path, section: Section) -> NDArray[np.uint8]:
+    from PIL import UnidentifiedImageError
+
+    try:
+        with open_picture(path, MAP_FORMATS) as image:
+            image.load()
+            return _pixels(image)
+    except FileNotFoundError:
+        section.fail("image", f"image: {path} is missing, expected an image", "the path is relative to the map file")
+    except UnidentifiedImageError:
+        section.fail("image", f"image: {path} is not an image, expected one, for example PNG or PGM")
+    except (OSError, ValueError, SyntaxError, EOFError, LookupError, TypeError, OverflowError) as problem:
+        section.fail("image", f"image: {path} cannot be read: {problem}; expected an undamaged image")
+
+
+def _pixels(image: Image.Image) -> NDArray[np.uint8]:
+    """The pixels (height, width, 1, 3 or 4); palettes are looked up, 16 bits become the upper 8."""
+    if image.mode.startswith("I") or image.mode == "F":
+        return (np.asarray(image).astype(np.int64) >> 8).clip(0, 255).astype(np.uint8)[..., None]
+    if image.mode in ("1", "L"):
+        return np.asarray(image.convert("L"))[..., None]
+    transparent = image.mode in ("LA", "PA", "RGBA", "La", "RGBa") or "transparency" in image.info
+    return np.asarray(image.convert("RGBA" if transparent else "RGB"))

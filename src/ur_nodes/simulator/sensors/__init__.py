@@ -1,0 +1,1 @@
+"""Simulated sensors: lidar, sonars, bumpers, inertial unit, odometry, battery, camera."""
