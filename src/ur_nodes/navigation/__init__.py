@@ -1,1 +1,1 @@
-"""Where am I, and how do I get there: stand-ins for map_server, amcl and move_base."""
+"""Global and local planning, recovery and goals: the stand-in for `move_base`."""

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from skimage.graph import MCP_Geometric
 
-from ur_nodes.navigation.costmap import INSCRIBED, LETHAL, UNKNOWN, Costmap
+from ur_nodes.costmap.costmap import INSCRIBED, LETHAL, UNKNOWN, Costmap
 from ur_nodes.navigation.path_geometry import Points, arc_lengths, resample
 from ur_nodes.navigation.path_smooth import Bending, pull_straight, smooth
 

@@ -12,11 +12,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ur_nodes.navigation.costmap import LETHAL, Costmap, look_up
-from ur_nodes.navigation.footprint import Footprint
+from ur_nodes.costmap.costmap import LETHAL, Costmap, look_up
+from ur_nodes.costmap.footprint import Footprint
+from ur_nodes.geometry.pose import Pose2
 from ur_nodes.navigation.path_geometry import Points, headings
 from ur_nodes.navigation.speed_profile import Limits, speed_profile
-from ur_nodes.rosio.pose import Pose2
 
 Floats = NDArray[np.float64]
 

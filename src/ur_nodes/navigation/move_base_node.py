@@ -3,29 +3,32 @@
 from __future__ import annotations
 
 import itertools
-import math
 import sys
 import threading
 from typing import Any
 
 import rospy
 from actionlib import ActionServer
-from geometry_msgs.msg import PoseStamped, Twist
+from geometry_msgs.msg import PoseStamped
 from move_base_msgs.msg import MoveBaseAction, MoveBaseActionGoal, MoveBaseFeedback, MoveBaseResult
 from nav_msgs.srv import GetPlan, GetPlanRequest, GetPlanResponse
 from std_msgs.msg import Bool
 from std_srvs.srv import Empty, EmptyRequest, EmptyResponse
 
-from ur_nodes.navigation.frame_history import FrameError
+from ur_nodes.geometry.pose import Pose2
+from ur_nodes.navigation.attendance import Act
 from ur_nodes.navigation.global_plan import path_is_free
+from ur_nodes.navigation.goal_pose_node import goal_in_map, make_plan
+from ur_nodes.navigation.goal_watch_node import GoalWatch, read_watch_settings
 from ur_nodes.navigation.local_plan import FollowSettings
 from ur_nodes.navigation.move_base_parameters_node import read_settings
-from ur_nodes.navigation.move_base_view_node import MoveBaseView, path_message
+from ur_nodes.navigation.move_base_view_node import MoveBaseView
 from ur_nodes.navigation.navigator import Ending, Inputs, Navigator, Outputs, Phase, PlanAnswer
-from ur_nodes.navigation.plan_worker_node import PlanRequest, PlanWorker, answer_request
+from ur_nodes.navigation.plan_worker_node import PlanRequest, PlanWorker
 from ur_nodes.navigation.recovery import Behaviour
+from ur_nodes.navigation.velocity_output_node import VelocityOutput
 from ur_nodes.navigation.world_view_node import WorldView
-from ur_nodes.rosio.geometry import Pose2, pose_message, pose_of_message
+from ur_nodes.rosio.geometry import pose_message
 from ur_nodes.rosio.shell import run_node
 
 
@@ -34,6 +37,7 @@ class MoveBase:
 
     def __init__(self) -> None:
         self._settings = read_settings()
+        watch = read_watch_settings(self._settings.mux)
         self._view = MoveBaseView(self._settings.world.frame, self._settings.local.frame)
         self._world = WorldView(self._settings)
         self._navigator = Navigator(
@@ -53,7 +57,8 @@ class MoveBase:
         self._tick = 0
         self._shown = (0, 0)
         self._worker = PlanWorker(self._settings.planner, self._take_answer)
-        self._cmd_vel = rospy.Publisher("cmd_vel", Twist, queue_size=1, tcp_nodelay=True)
+        self._watch = GoalWatch(self._settings.mux, watch)
+        self._output = VelocityOutput(self._watch.link, stamped=self._settings.stamped)
         self._action_goal = rospy.Publisher("move_base/goal", MoveBaseActionGoal, queue_size=1)
         rospy.Subscriber("move_base_simple/goal", PoseStamped, self._take_simple_goal, queue_size=1)
         rospy.Subscriber(f"{self._settings.mux}/stopped", Bool, self._take_stopped, queue_size=1)
@@ -61,6 +66,7 @@ class MoveBase:
         rospy.Service("~clear_costmaps", Empty, self._clear_costmaps)
         rospy.on_shutdown(self._shut_down)
         self._server.start()
+        self._server.status_list_timeout = rospy.Duration(self._settings.status_kept)
         threading.Thread(target=self._run, name="control", daemon=True).start()
 
     def _run(self) -> None:
@@ -98,7 +104,7 @@ class MoveBase:
             self._world.update()
         if self._clear is not None:
             self._forget_obstacles(self._clear)
-        if idle:
+        if self._handle is None or not self._may_drive(now):
             return
         odom = self._world.odom()
         trouble = self._world.trouble(now)
@@ -124,6 +130,35 @@ class MoveBase:
             self._view.show_drive(self._navigator.path, out.ahead)
             self._give_feedback()
 
+    def _may_drive(self, now: float) -> bool:
+        """Hold, cancel or let go on the goal, as the watch says; whether the navigator is to be stepped."""
+        verdict = self._watch.judge()
+        if verdict.act is Act.CANCEL:
+            rospy.logwarn("the goal is cancelled: %s", verdict.text)
+            self._halt()
+            self._take_handle().set_canceled(MoveBaseResult(), verdict.text)
+            return False
+        self._handle.status_tracker.status.text = verdict.text
+        idle = self._navigator.phase is Phase.IDLE
+        if verdict.act is Act.DRIVE:
+            if idle and self._goal is not None:
+                rospy.loginfo("the goal goes on")
+                self._navigator.start(self._goal, now)
+            return True
+        if not idle:
+            rospy.logwarn("the goal is %s", verdict.text)
+            self._halt(keep_goal=True)
+            self._server.publish_status()
+        if self._tick % 2 == 0:
+            self._give_feedback()
+        return False
+
+    def _take_handle(self) -> Any:
+        """The goal's handle, which is to end now."""
+        handle, self._handle = self._handle, None
+        self._watch.finish()
+        return handle
+
     def _obey(self, out: Outputs) -> None:
         if out.say:
             rospy.logwarn("%s", out.say)
@@ -138,12 +173,10 @@ class MoveBase:
 
     def _send(self, speed: float, turn: float) -> None:
         self._sent = (speed, turn)
-        message = Twist()
-        message.linear.x, message.angular.z = speed, turn
-        self._cmd_vel.publish(message)
+        self._output.send(speed, turn)
 
     def _finish(self, ending: Ending, text: str) -> None:
-        handle, self._handle, self._goal = self._handle, None, None
+        handle, self._goal = self._take_handle(), None
         if ending is Ending.REACHED:
             rospy.loginfo("%s", text)
             handle.set_succeeded(MoveBaseResult(), text)
@@ -166,17 +199,26 @@ class MoveBase:
 
     def _take_goal(self, handle: Any) -> None:
         target = handle.get_goal().target_pose
-        goal = self._goal_in_map(target)
+        goal = goal_in_map(target, self._world.frames, self._settings.world.frame)
         with self._lock:
+            before = self._watch.judge() if self._handle is not None else None  # it may be somebody else's by now
+            refusal = self._watch.accept(handle.get_goal_id().id)
+            if refusal:  # it changes nothing for the goal that is pursued
+                rospy.logerr("goal refused: %s", refusal)
+                handle.set_accepted()
+                handle.set_aborted(MoveBaseResult(), refusal)
+                return
             old, self._handle = self._handle, None
             if old is not None:
-                old.set_canceled(MoveBaseResult(), "a new goal has replaced this one")
+                taken = before.text if before is not None and before.act is Act.CANCEL else ""
+                old.set_canceled(MoveBaseResult(), taken or "a new goal has replaced this one")
             if self._stopped:
                 goal = "emergency stop is on; release it first"
             if isinstance(goal, str):
                 rospy.logerr("goal refused: %s", goal)
                 handle.set_accepted()
                 handle.set_aborted(MoveBaseResult(), goal)
+                self._watch.finish()
                 self._halt()
                 return
             handle.set_accepted()
@@ -186,31 +228,11 @@ class MoveBase:
             self._navigator.start(goal, rospy.get_time())
             self._view.show_goal(goal)
 
-    def _goal_in_map(self, target: PoseStamped) -> Pose2 | str:
-        """The goal's pose in the map, or why it cannot be used."""
-        position, turn = target.pose.position, target.pose.orientation
-        numbers = (position.x, position.y, turn.x, turn.y, turn.z, turn.w)
-        if not all(math.isfinite(number) for number in numbers):
-            return "a number of the goal is not finite, expected a pose"
-        if abs(math.hypot(*numbers[2:]) - 1.0) > 0.1:
-            return "the goal's orientation is not a unit quaternion, expected one (for no rotation: w = 1)"
-        frame = target.header.frame_id.lstrip("/")
-        goal: Pose2 = pose_of_message(target.pose)
-        if not frame:
-            return f"the goal has no frame_id, expected {self._settings.world.frame}"
-        if frame == self._settings.world.frame:
-            return goal
-        stamp = target.header.stamp.to_sec() or None
-        try:
-            return self._world.frames.pose(self._settings.world.frame, frame, stamp).compose(goal)
-        except FrameError as problem:
-            return f"the goal is in the frame {frame}: {problem}"
-
     def _take_cancel(self, handle: Any) -> None:
         with self._lock:
             if self._handle is None or handle.get_goal_id().id != self._handle.get_goal_id().id:
                 return
-            self._handle = None
+            self._take_handle()
             self._halt()
             handle.set_canceled(MoveBaseResult(), "cancelled")
 
@@ -219,14 +241,14 @@ class MoveBase:
         with self._lock:
             self._stopped = bool(message.data)
             if self._stopped and self._handle is not None:
-                handle, self._handle = self._handle, None
                 self._halt()
-                handle.set_aborted(MoveBaseResult(), "emergency stop")
+                self._take_handle().set_aborted(MoveBaseResult(), "emergency stop")
 
-    def _halt(self) -> None:
+    def _halt(self, *, keep_goal: bool = False) -> None:
         moving = self._navigator.phase is not Phase.IDLE
         self._navigator.stop()
-        self._goal = None
+        self._goal = self._goal if keep_goal else None
+        self._answer = None
         self._key += 1
         if moving:
             self._send(0.0, 0.0)
@@ -252,23 +274,10 @@ class MoveBase:
         return path is not None and world is not None and not path_is_free(world.costmap, path)
 
     def _make_plan(self, request: GetPlanRequest) -> GetPlanResponse:
-        response = GetPlanResponse()
-        response.plan.header.frame_id = self._settings.world.frame
         with self._lock:
             self._world.update()
             costs, here = self._world.costmaps(), self._world.robot_in_map()
-        goal = self._goal_in_map(request.goal)
-        start = self._goal_in_map(request.start) if request.start.header.frame_id else here
-        if costs is None or not isinstance(goal, Pose2) or not isinstance(start, Pose2):
-            problems = [x for x in (goal, start) if isinstance(x, str)]
-            rospy.logerr("make_plan: %s", problems[0] if problems else "no map or no pose yet")
-            return response
-        answer = answer_request(PlanRequest(0, (start.x, start.y), (goal.x, goal.y), *costs), self._settings.planner)
-        if answer.path is None:
-            rospy.logerr("make_plan: %s", answer.reason)
-        else:
-            response.plan = path_message(answer.path, self._settings.world.frame)
-        return response
+        return make_plan(request, self._world.frames, self._settings, costs, here)
 
     def _clear_costmaps(self, _request: EmptyRequest) -> EmptyResponse:
         with self._lock:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ur.source.diagnostic import UserError, error
-from ur_nodes.navigation.costmap import Inflation
-from ur_nodes.navigation.footprint import Footprint, footprint_of_outline, footprint_of_radius
+from ur_nodes.costmap.costmap import Inflation
+from ur_nodes.costmap.footprint import Footprint
+from ur_nodes.costmap.footprint_parameters_node import read_footprint
+from ur_nodes.costmap.layers import Ranges
 from ur_nodes.navigation.global_plan import PlanSettings
-from ur_nodes.navigation.layers import Ranges
 from ur_nodes.navigation.navigator import NavigatorSettings
 from ur_nodes.navigation.speed_profile import Limits
 from ur_nodes.rosio.parameters import Parameters
@@ -47,7 +47,11 @@ class CostmapSettings:
 
 @dataclass(frozen=True, slots=True)
 class MoveBaseSettings:
-    """Everything `move_base` reads from the parameter server. A command is sent `repeats` times a control period."""
+    """Everything `move_base` reads from the parameter server, but for `attendance.Settings`.
+
+    A command is sent `repeats` times a control period, with the mux's challenge if `stamped`. A goal that has ended is
+    in the status list for `status_kept` seconds, so that a client that was cut off learns how it ended.
+    """
 
     base_frame: str
     tolerance: float
@@ -62,6 +66,8 @@ class MoveBaseSettings:
     reset_distance: float
     mux: str
     repeats: int
+    stamped: bool
+    status_kept: float
     navigator: NavigatorSettings
     planner: PlanSettings
     limits: Limits
@@ -90,27 +96,12 @@ def read_settings() -> MoveBaseSettings:
         reset_distance=top.number("conservative_reset_dist", 3.0, minimum=0.0),
         mux=top.text("mux", "cmd_vel_mux"),
         repeats=max(1, round(commands * navigator.period)),
+        stamped=top.boolean("stamped_commands", True),
+        status_kept=top.number("status_list_timeout", 600.0, minimum=0.0, maximum=86400.0),
         navigator=navigator,
         planner=_planner(top, footprint, resolution),
         limits=_limits(top.below("DWAPlannerROS")),
     )
-
-
-def read_footprint(part: Parameters, resolution: float) -> Footprint:
-    """The outline of the robot, or its radius, from a costmap's parameters. Raises UserError."""
-    padding = part.number("footprint_padding", 0.01, minimum=0.0)
-    points = part.points("footprint", ())
-    if not points:
-        return footprint_of_radius(part.number("robot_radius", 0.25, minimum=0.02), resolution, padding)
-    try:
-        return footprint_of_outline(points, resolution, padding)
-    except ValueError as problem:
-        raise UserError(
-            error(
-                f"parameter footprint: {problem}, expected at least three corners, in order, round the base's origin",
-                rule="bad-parameter",
-            )
-        ) from None
 
 
 def _costmap(part: Parameters, frame: str, footprint: Footprint) -> CostmapSettings:

@@ -9,12 +9,13 @@ from geometry_msgs.msg import Point32, PolygonStamped, PoseStamped
 from nav_msgs.msg import OccupancyGrid, Path
 from numpy.typing import NDArray
 
-from ur_nodes.navigation.costmap import Costmap, occupancy_of_costs
-from ur_nodes.navigation.footprint import Footprint
-from ur_nodes.navigation.grid import Grid
-from ur_nodes.navigation.grid_message import grid_message
+from ur_nodes.costmap.costmap import Costmap, occupancy_of_costs
+from ur_nodes.costmap.footprint import Footprint
+from ur_nodes.geometry.grid import Grid
+from ur_nodes.geometry.pose import Pose2
 from ur_nodes.navigation.path_geometry import headings
-from ur_nodes.rosio.geometry import Pose2, pose_message
+from ur_nodes.rosio.geometry import pose_message
+from ur_nodes.rosio.grid_message import grid_message
 
 
 class MoveBaseView:

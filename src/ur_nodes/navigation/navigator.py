@@ -8,13 +8,13 @@ from enum import Enum
 
 import numpy as np
 
-from ur_nodes.navigation.costmap import Costmap
-from ur_nodes.navigation.footprint import Footprint
+from ur_nodes.costmap.costmap import Costmap
+from ur_nodes.costmap.footprint import Footprint
+from ur_nodes.geometry.pose import Pose2, wrap_angle
 from ur_nodes.navigation.local_plan import FollowSettings, Motion, Way, follow_way, make_way, sweep_is_free
 from ur_nodes.navigation.path_geometry import Points, nearest_index
 from ur_nodes.navigation.recovery import Behaviour, Recovery, move_to_recover
 from ur_nodes.navigation.speed_profile import Limits, approach, turn_rate
-from ur_nodes.rosio.pose import Pose2, wrap_angle
 
 
 class Phase(Enum):

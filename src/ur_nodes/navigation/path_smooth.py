@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.linalg import cho_solve_banded, cholesky_banded
 from scipy.ndimage import gaussian_filter
 
-from ur_nodes.navigation.costmap import Costmap
+from ur_nodes.costmap.costmap import Costmap
 from ur_nodes.navigation.path_geometry import Points, arc_lengths, resample
 
 

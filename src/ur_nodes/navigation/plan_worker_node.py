@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import rospy
 
-from ur_nodes.navigation.costmap import Costmap
+from ur_nodes.costmap.costmap import Costmap
 from ur_nodes.navigation.global_plan import NoPathError, PlanSettings, plan_path
 from ur_nodes.navigation.navigator import PlanAnswer
 

@@ -9,11 +9,11 @@ from enum import Enum
 import numpy as np
 from scipy.ndimage import distance_transform_edt
 
-from ur_nodes.navigation.costmap import LETHAL, Costmap
-from ur_nodes.navigation.footprint import Footprint
+from ur_nodes.costmap.costmap import LETHAL, Costmap
+from ur_nodes.costmap.footprint import Footprint
+from ur_nodes.geometry.pose import Pose2, wrap_angle
 from ur_nodes.navigation.local_plan import Motion, sweep_is_free
 from ur_nodes.navigation.speed_profile import Limits, approach
-from ur_nodes.rosio.pose import Pose2, wrap_angle
 
 
 class Behaviour(Enum):

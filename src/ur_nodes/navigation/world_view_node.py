@@ -3,30 +3,40 @@
 from __future__ import annotations
 
 from collections import deque
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import rospy
 from nav_msgs.msg import OccupancyGrid
 from sensor_msgs.msg import LaserScan, Range
-from tf2_msgs.msg import TFMessage
 
 from ur.source.diagnostic import UserError
-from ur_nodes.navigation.costmap import Costmap
-from ur_nodes.navigation.frame_history import FrameError, FrameHistory
-from ur_nodes.navigation.grid_message import grid_of_message
-from ur_nodes.navigation.layers import Beams, beams_of_scan
+from ur_nodes.costmap.costmap import Costmap
+from ur_nodes.costmap.layers import Beams, beams_of_scan, level_beams
+from ur_nodes.costmap.map_costmap import MapCostmap
+from ur_nodes.costmap.rolling_costmap import RollingCostmap
+from ur_nodes.costmap.sonar import beams_of_range, without_walls
+from ur_nodes.geometry.pose import Pose2
+from ur_nodes.geometry.transform_tree import ExtrapolationError, TransformError
 from ur_nodes.navigation.local_plan import Motion
-from ur_nodes.navigation.map_costmap import MapCostmap
 from ur_nodes.navigation.move_base_parameters_node import MoveBaseSettings
-from ur_nodes.navigation.rolling_costmap import RollingCostmap
-from ur_nodes.navigation.sonar import beams_of_range, without_walls
-from ur_nodes.rosio.geometry import Pose2, pose_of_transform
+from ur_nodes.rosio.frames import Frames
+from ur_nodes.rosio.grid_message import grid_of_message
 
 _WAITING = 100  # ranges that are not worked in yet
+_PATIENCE = 0.2  # s for which a range waits for the odometry of its time
+_SLACK = 0.02  # s by which the newest odometry may be older than a scan
 
 LOCALISER_SILENCE = 3.0
 """How old (s) the newest transform from the odometry frame to the map may be."""
+
+
+class _Place(NamedTuple):
+    """The robot's newest pose in the odometry frame, and its poses in odometry frame and map at the time of a scan."""
+
+    newest: Pose2
+    in_odom: Pose2
+    in_map: Pose2 | None
 
 
 class WorldView:
@@ -34,7 +44,7 @@ class WorldView:
 
     def __init__(self, settings: MoveBaseSettings) -> None:
         self._settings = settings
-        self.frames = FrameHistory()
+        self.frames = Frames()
         self.local = RollingCostmap(
             settings.local_side, settings.local_resolution, settings.local.reach, settings.local.inflation
         )
@@ -43,9 +53,6 @@ class WorldView:
         self._scan: LaserScan | None = None
         self._used: float | None = None
         self._new_map: OccupancyGrid | None = None
-        # Transforms that nobody asks for (wheels turn all the time) are not kept.
-        rospy.Subscriber("/tf_static", TFMessage, self._take_fixed, queue_size=100)
-        rospy.Subscriber("/tf", TFMessage, self._take_moving, queue_size=100, tcp_nodelay=True)
         rospy.Subscriber(settings.map_topic, OccupancyGrid, self._take_map, queue_size=1)
         self._ranges: deque[Range] = deque(maxlen=_WAITING)
         if settings.local.scan:
@@ -67,26 +74,27 @@ class WorldView:
         if scan is None or scan.header.stamp.to_sec() == self._used:
             return
         stamp = scan.header.stamp.to_sec()
-        newest = self.frames.newest(self._settings.base_frame)
-        if newest is not None and newest < stamp - 0.02 and stamp - newest < 0.2:
-            return  # the odometry of that moment is still on its way
-        self._used = stamp
-        beams = _beams(scan, inf_is_valid=source.inf_is_valid)
         try:
-            sensor = self.frames.pose(self._settings.local.frame, scan.header.frame_id, stamp)
-            robot = self.frames.pose(self._settings.local.frame, self._settings.base_frame)
-            self.local.update(robot, sensor, beams)
-            if self.world is not None:
-                self.world.update(self.frames.pose(self._settings.world.frame, scan.header.frame_id, stamp), beams)
-        except FrameError:
+            mount = self.frames.lookup(self._settings.base_frame, scan.header.frame_id)
+            robot = self._place(stamp)
+        except ExtrapolationError as problem:
+            if not problem.ahead:  # else the odometry of that moment is still on its way
+                self._used = stamp
             return
+        except TransformError:
+            return
+        self._used = stamp
+        sensor, beams = level_beams(mount, _beams(scan, inf_is_valid=source.inf_is_valid))
+        self.local.update(robot.newest, robot.in_odom.compose(sensor), beams)
+        if self.world is not None and robot.in_map is not None:
+            self.world.update(robot.in_map.compose(sensor), beams)
 
     def motion(self, sent: tuple[float, float], now: float) -> Motion | None:
         """Where the robot is by now in the odometry frame: its newest pose, carried on with the command sent."""
         try:
             pose = self.frames.pose(self._settings.local.frame, self._settings.base_frame)
             age = self.frames.age(self._settings.local.frame, self._settings.base_frame, now)
-        except FrameError:
+        except TransformError:
             return None
         ahead = min(max(age, 0.0), 0.1)
         return Motion(pose.compose(Pose2(sent[0] * ahead, 0.0, sent[1] * ahead)), *sent)
@@ -95,14 +103,14 @@ class WorldView:
         """The map's pose in the odometry frame."""
         try:
             return self.frames.pose(self._settings.world.frame, self._settings.local.frame).inverse()
-        except FrameError:
+        except TransformError:
             return None
 
     def robot_in_map(self) -> Pose2 | None:
         """The newest pose of the robot in the map."""
         try:
             return self.frames.pose(self._settings.world.frame, self._settings.base_frame)
-        except FrameError:
+        except TransformError:
             return None
 
     def trouble(self, now: float) -> str:
@@ -121,7 +129,7 @@ class WorldView:
                 return f"not localised: {settings.local.frame} in {settings.world.frame} is {old:.1f} s old"
             if self._scan is not None:
                 self.frames.pose(settings.base_frame, self._scan.header.frame_id)
-        except FrameError as problem:
+        except TransformError as problem:
             return str(problem)
         return ""
 
@@ -169,28 +177,45 @@ class WorldView:
             self.local.lay(robot, self.world.static, place)
 
     def _use_range(self, message: Range) -> None:
-        """What one sonar hears: an obstacle, unless the map has a wall there."""
-        frames, local, base = self.frames, self._settings.local.frame, self._settings.base_frame
-        stamp, source = message.header.stamp.to_sec(), message.header.frame_id
-        newest = frames.newest(base)
-        if newest is not None and newest < stamp < newest + 0.2:
-            self._ranges.append(message)  # the odometry of that moment is still on its way
-            return
+        """Mark an echo as an obstacle, unless the map has a wall there."""
         beams = beams_of_range(message.range, message.field_of_view, message.min_range, message.max_range)
         if self.world is None or not len(beams.angles):
             return
+        stamp = message.header.stamp.to_sec()
         try:
-            sensor = frames.pose(self._settings.world.frame, source, stamp)
-            beams = without_walls(beams, sensor, self.world.static)
-            self.local.update(frames.pose(local, base), frames.pose(local, source, stamp), beams)
-            self.world.update(sensor, beams)
-        except FrameError:
+            mount = self.frames.pose(self._settings.base_frame, message.header.frame_id)
+            robot = self._place(stamp)
+        except ExtrapolationError as problem:
+            if problem.ahead and rospy.get_time() - stamp < _PATIENCE:
+                self._ranges.append(message)  # the odometry of that moment is still on its way
             return
+        except TransformError:
+            return
+        if robot.in_map is None:
+            return
+        sensor = robot.in_map.compose(mount)
+        beams = without_walls(beams, sensor, self.world.static)
+        self.local.update(robot.newest, robot.in_odom.compose(mount), beams)
+        self.world.update(sensor, beams)
+
+    def _place(self, stamp: float) -> _Place:
+        """Return where the robot was at a time. Raises TransformError when its odometry is not known at that time.
+
+        A correction of the localiser counts for a while: it comes from a scan of before.
+        """
+        settings = self._settings
+        newest = self.frames.pose(settings.local.frame, settings.base_frame)
+        in_odom = self.frames.pose(settings.local.frame, settings.base_frame, stamp, hold=_SLACK)
+        try:
+            odom = self.frames.pose(settings.world.frame, settings.local.frame, stamp, hold=LOCALISER_SILENCE)
+        except TransformError:
+            return _Place(newest, in_odom, None)
+        return _Place(newest, in_odom, odom.compose(in_odom))
 
     def _robot_in_odom(self) -> Pose2 | None:
         try:
             return self.frames.pose(self._settings.local.frame, self._settings.base_frame)
-        except FrameError:
+        except TransformError:
             return None
 
     def _take_map(self, message: OccupancyGrid) -> None:
@@ -198,17 +223,6 @@ class WorldView:
 
     def _take_scan(self, message: LaserScan) -> None:
         self._scan = message
-
-    def _take_fixed(self, message: TFMessage) -> None:
-        self._take(message, fixed=True)
-
-    def _take_moving(self, message: TFMessage) -> None:
-        self._take(message, fixed=False)
-
-    def _take(self, message: TFMessage, *, fixed: bool) -> None:
-        for item in message.transforms:
-            pose = pose_of_transform(item.transform)
-            self.frames.add(item.header.frame_id, item.child_frame_id, item.header.stamp.to_sec(), pose, fixed=fixed)
 
 
 def _beams(scan: Any, *, inf_is_valid: bool) -> Beams:

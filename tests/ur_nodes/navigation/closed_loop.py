@@ -9,18 +9,18 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ur_nodes.navigation.costmap import LETHAL, Costmap, Inflation
-from ur_nodes.navigation.footprint import Footprint, footprint_of_outline
+from ur_nodes.costmap.costmap import LETHAL, Costmap, Inflation
+from ur_nodes.costmap.footprint import Footprint, footprint_of_outline
+from ur_nodes.costmap.layers import Ranges, beams_of_scan
+from ur_nodes.costmap.map_costmap import MapCostmap
+from ur_nodes.costmap.rolling_costmap import RollingCostmap
+from ur_nodes.geometry.grid import Grid
+from ur_nodes.geometry.pose import Pose2
 from ur_nodes.navigation.global_plan import NoPathError, PlanSettings, path_is_free, plan_path
-from ur_nodes.navigation.grid import Grid
-from ur_nodes.navigation.layers import Ranges, beams_of_scan
 from ur_nodes.navigation.local_plan import FollowSettings, Motion
-from ur_nodes.navigation.map_costmap import MapCostmap
 from ur_nodes.navigation.navigator import Ending, Inputs, Navigator, NavigatorSettings, PlanAnswer
 from ur_nodes.navigation.recovery import Behaviour
-from ur_nodes.navigation.rolling_costmap import RollingCostmap
 from ur_nodes.navigation.speed_profile import Limits
-from ur_nodes.rosio.pose import Pose2
 
 STAGE = (
     (0.20, 0.15),

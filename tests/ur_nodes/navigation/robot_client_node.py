@@ -6,7 +6,9 @@ a door (the map); its odometry is right, its localisation too.
 
 from __future__ import annotations
 
+import json
 import math
+import sys
 import threading
 import time
 from collections.abc import Callable
@@ -15,28 +17,30 @@ from typing import Any
 import actionlib
 import numpy as np
 import rospy
-from actionlib_msgs.msg import GoalStatus
-from geometry_msgs.msg import PoseStamped, TransformStamped, Twist
-from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
+from actionlib_msgs.msg import GoalID, GoalStatus, GoalStatusArray
+from geometry_msgs.msg import PoseStamped, TransformStamped, Twist, TwistStamped
+from move_base_msgs.msg import MoveBaseAction, MoveBaseActionGoal, MoveBaseGoal
 from nav_msgs.msg import OccupancyGrid, Path
 from nav_msgs.srv import GetPlan
 from sensor_msgs.msg import LaserScan, Range
+from std_msgs.msg import String, Time
 from std_srvs.srv import Empty
 from tests.json_client import answer_requests, claim_output
 from tests.ur_nodes.navigation.closed_loop import two_rooms
 from tf2_msgs.msg import TFMessage
 
-from ur_nodes.navigation.grid_message import grid_message
-from ur_nodes.rosio.geometry import Pose2, pose_message, transform_message
+from ur_nodes.geometry.pose import Pose2
+from ur_nodes.rosio.geometry import pose_message, transform_message
+from ur_nodes.rosio.grid_message import grid_message
 
 BEAMS = 180
 CONE, HEARD, THICK = 0.5, 3.0, 0.12  # a sonar: rad, m; the radius of a pillar, m
 
 
 class RobotClient:
-    """The robot (20 Hz odometry, 10 Hz scans) and the requests that tests make."""
+    """The robot (20 Hz odometry, 10 Hz scans), with `mux` one that issues challenges, and the requests of tests."""
 
-    def __init__(self) -> None:
+    def __init__(self, *, mux: bool) -> None:
         self.grid = two_rooms()
         self.occupied = self.grid.values >= 65
         self.pose = Pose2(0.0, 0.0, 0.0)
@@ -53,7 +57,16 @@ class RobotClient:
         self.map = rospy.Publisher("map", OccupancyGrid, queue_size=1, latch=True)
         self.map.publish(grid_message(self.grid, "map", rospy.Time.now()))
         self.simple = rospy.Publisher("move_base_simple/goal", PoseStamped, queue_size=1)
-        rospy.Subscriber("cmd_vel", Twist, self._take_command)
+        self.mux = FakeMux() if mux else None
+        if mux:
+            rospy.Subscriber("cmd_vel_stamped", TwistStamped, self._take_stamped)
+        else:
+            rospy.Subscriber("cmd_vel", Twist, self._take_command)
+        self.statuses: list[Any] = []
+        self.direct = rospy.Publisher("move_base/goal", MoveBaseActionGoal, queue_size=5)
+        self.cancels = rospy.Publisher("move_base/cancel", GoalID, queue_size=5)
+        self.continues = rospy.Publisher("move_base/continue", GoalID, queue_size=5)
+        rospy.Subscriber("move_base/status", GoalStatusArray, self._take_statuses)
         rospy.Subscriber("move_base/NavfnROS/plan", Path, self._take_plan)
         rospy.Subscriber("move_base/global_costmap/costmap", OccupancyGrid, self._take_costmap)
         self.costmap_size = 0
@@ -71,6 +84,60 @@ class RobotClient:
         goal.target_pose.pose.orientation.z *= norm
         goal.target_pose.pose.orientation.w *= norm
         self.goals[name] = self.action.send_goal(goal)
+        return {}
+
+    def do_claim(self, client: str, x: float, y: float, age: float = 0.0, number: int = 0) -> dict[str, Any]:
+        """Send a goal as our clients do: its id says who sends it and answers a challenge, `age` seconds old."""
+        mux = self.mux
+        assert mux
+        wait_until(lambda: self.direct.get_num_connections() > 0, 60.0, "a listener to goals")
+        topics = (mux.challenges, mux.lease)
+        wait_until(lambda: all(topic.get_num_connections() for topic in topics), 60.0, "a subscriber of the mux")
+        first = mux.issued[-1]
+        wait_until(lambda: mux.issued[-1] - first > 0.1, 60.0, "a challenge")
+        answered = mux.stamp
+        wait_until(lambda: mux.issued[-1] - answered.to_sec() > 0.1, 60.0, "challenges after the one that is answered")
+        stamp = rospy.Time.from_sec(mux.issued[-1] - age) if age else answered
+        goal = MoveBaseActionGoal()
+        goal.goal_id.id = f"test-{number}@{client}@{stamp.secs}.{stamp.nsecs:09d}"
+        goal.goal.target_pose.header.frame_id = "map"
+        goal.goal.target_pose.pose = pose_message(Pose2(x, y, 0.0))
+        self.direct.publish(goal)
+        return {"id": goal.goal_id.id}
+
+    def do_lease(self, **lease: Any) -> dict[str, Any]:
+        """Publish a lease as the mux's from now on."""
+        assert self.mux
+        self.mux.lease.publish(json.dumps(lease))
+        return {}
+
+    def do_mute(self, mute: bool) -> dict[str, Any]:
+        """The mux issues no challenges, or goes on."""
+        assert self.mux
+        self.mux.mute = mute
+        return {}
+
+    def do_status(self, id: str, text: str, state: str, seconds: float) -> dict[str, Any]:
+        """Wait until the status list has this goal in this state with a text that begins like this."""
+        number = getattr(GoalStatus, state)
+
+        def is_so() -> bool:
+            return any(s.goal_id.id == id and s.status == number and s.text.startswith(text) for s in self.statuses)
+
+        try:
+            wait_until(is_so, seconds, "")
+        except TimeoutError:
+            said = [(s.goal_id.id, GoalStatus.to_string(s.status), s.text) for s in self.statuses]
+            raise TimeoutError(f"waited for {id} {state} {text!r}, the list is {said}") from None
+        return self._place()
+
+    def do_cancel_id(self, id: str) -> dict[str, Any]:
+        self.cancels.publish(GoalID(id=id))
+        return {}
+
+    def do_continue(self, id: str = "", late: bool = False) -> dict[str, Any]:
+        wait_until(lambda: self.continues.get_num_connections() > 0, 60.0, "a listener to continue")
+        self.continues.publish(GoalID(id=id, stamp=rospy.Time(1, 1) if late else rospy.Time()))
         return {}
 
     def do_simple_goal(self, x: float, y: float) -> dict[str, Any]:
@@ -139,6 +206,17 @@ class RobotClient:
         self.command, self.commanded = (message.linear.x, message.angular.z), time.monotonic()
         self.commands += 1
 
+    def _take_stamped(self, message: TwistStamped) -> None:
+        assert self.mux
+        if not message.header.frame_id and any(
+            abs(message.header.stamp.to_sec() - each) < 1e-6 and self.mux.issued[-1] - each < 0.15
+            for each in self.mux.issued
+        ):
+            self._take_command(message.twist)
+
+    def _take_statuses(self, message: GoalStatusArray) -> None:
+        self.statuses = message.status_list
+
     def _take_plan(self, _message: Path) -> None:
         self.plans += 1
 
@@ -192,6 +270,24 @@ class RobotClient:
         return scan
 
 
+class FakeMux:
+    """Issues challenges at 30 Hz and publishes the lease that the test wants."""
+
+    def __init__(self) -> None:
+        self.mute = False
+        self.stamp = rospy.Time()
+        self.issued = [0.0]
+        self.challenges = rospy.Publisher("cmd_vel_mux/challenge", Time, queue_size=1, tcp_nodelay=True)
+        self.lease = rospy.Publisher("cmd_vel_mux/lease", String, queue_size=1, latch=True)
+        rospy.Timer(rospy.Duration(1 / 30), self._issue)
+
+    def _issue(self, _event: Any) -> None:
+        if not self.mute:
+            self.stamp = rospy.Time.from_sec(1000.0 + time.monotonic())
+            self.issued = [*self.issued[-60:], self.stamp.to_sec()]
+            self.challenges.publish(Time(self.stamp))
+
+
 def _link(parent: str, child: str, pose: Pose2, now: rospy.Time) -> TransformStamped:
     link = TransformStamped(child_frame_id=child, transform=transform_message(pose))
     link.header.frame_id, link.header.stamp = parent, now
@@ -209,7 +305,7 @@ def wait_until(condition: Callable[[], Any], seconds: float, what: str) -> None:
 def main() -> None:
     answers = claim_output()
     rospy.init_node("robot_client", disable_signals=True, log_level=rospy.FATAL)
-    answer_requests(answers, RobotClient(), "do_")
+    answer_requests(answers, RobotClient(mux="mux" in sys.argv), "do_")
     rospy.signal_shutdown("no more requests")
 
 

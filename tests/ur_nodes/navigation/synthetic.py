@@ -7,8 +7,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from ur_nodes.navigation.grid import Grid
-from ur_nodes.rosio.pose import Pose2
+from ur_nodes.geometry.grid import Grid
+from ur_nodes.geometry.pose import Pose2
 
 LASER = Pose2(0.1, 0.0, 0.0)
 ANGLES: NDArray[np.float64] = np.arange(180, dtype=np.float64) * (2.0 * math.pi / 180.0) - math.pi

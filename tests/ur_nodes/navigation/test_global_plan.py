@@ -5,11 +5,11 @@ import math
 import numpy as np
 import pytest
 
-from ur_nodes.navigation.costmap import INSCRIBED, Costmap, Inflation, costs_of_grid, inflate
+from ur_nodes.costmap.costmap import INSCRIBED, Costmap, Inflation, costs_of_grid, inflate
+from ur_nodes.geometry.grid import Grid
+from ur_nodes.geometry.pose import Pose2
 from ur_nodes.navigation.global_plan import NoPathError, PlanSettings, path_is_free, path_length, plan_path
-from ur_nodes.navigation.grid import Grid
 from ur_nodes.navigation.path_geometry import arc_lengths, curvatures, resample
-from ur_nodes.rosio.pose import Pose2
 
 INFLATION = Inflation(0.2, 0.55, 25.0)
 

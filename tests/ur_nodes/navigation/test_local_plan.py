@@ -7,12 +7,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests.ur_nodes.navigation.closed_loop import LIMITS, STAGE
 
-from ur_nodes.navigation.costmap import LETHAL, Costmap
-from ur_nodes.navigation.footprint import footprint_of_outline
+from ur_nodes.costmap.costmap import LETHAL, Costmap
+from ur_nodes.costmap.footprint import footprint_of_outline
+from ur_nodes.geometry.pose import Pose2
 from ur_nodes.navigation.local_plan import FollowSettings, Motion, follow_way, make_way, sweep_is_free
 from ur_nodes.navigation.path_geometry import nearest_index, resample
 from ur_nodes.navigation.speed_profile import speed_profile, turn_rate
-from ur_nodes.rosio.pose import Pose2
 
 FOOTPRINT = footprint_of_outline(STAGE, 0.05, 0.01)
 CORNER = resample(np.array([(0.0, 0.0), (1.5, 0.0), (1.5, 1.5)]), 0.05)

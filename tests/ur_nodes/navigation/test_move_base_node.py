@@ -23,6 +23,7 @@ LAUNCH = """<launch>
     <arg name="scan" value="{scan}"/>
   </include>
   <param name="move_base/controller_patience" value="1.0"/>
+  <param name="move_base/on_return" value="{on_return}"/>
 </launch>
 """
 
@@ -63,7 +64,7 @@ def blind_robot(tmp_path: Path) -> Iterator[Robot]:
 
 
 @contextmanager
-def start_robot(folder: Path, scan: str) -> Iterator[Robot]:
+def start_robot(folder: Path, scan: str, *client_arguments: str, on_return: str = "resume") -> Iterator[Robot]:
     with socket.socket() as probe:
         probe.bind(("localhost", 0))
         port = probe.getsockname()[1]
@@ -75,7 +76,7 @@ def start_robot(folder: Path, scan: str) -> Iterator[Robot]:
         "ROS_PACKAGE_PATH": f"{ROOT / 'ubiquity_launches'}:/usr/share",
         "PYTHONPATH": f"{ROOT}:{ROOT / 'src'}",
     }
-    (folder / "test.launch").write_text(LAUNCH.format(root=ROOT, scan=scan))
+    (folder / "test.launch").write_text(LAUNCH.format(root=ROOT, scan=scan, on_return=on_return))
     with (folder / "launch.log").open("w") as log:
         launch = subprocess.Popen(
             ["/usr/bin/roslaunch", "-p", str(port), str(folder / "test.launch")],
@@ -84,7 +85,7 @@ def start_robot(folder: Path, scan: str) -> Iterator[Robot]:
             stderr=log,
         )
     client = subprocess.Popen(
-        [sys.executable, str(Path(__file__).with_name("robot_client_node.py"))],
+        [sys.executable, str(Path(__file__).with_name("robot_client_node.py")), *client_arguments],
         env=environment,
         text=True,
         stdin=subprocess.PIPE,

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from tests.ur_nodes.navigation.closed_loop import LIMITS, MAGNI, STAGE, ClosedLoop, Drive, two_rooms
 
-from ur_nodes.navigation.costmap import Costmap
-from ur_nodes.navigation.footprint import footprint_of_outline
-from ur_nodes.navigation.grid import Grid
+from ur_nodes.costmap.costmap import Costmap
+from ur_nodes.costmap.footprint import footprint_of_outline
+from ur_nodes.geometry.grid import Grid
+from ur_nodes.geometry.pose import Pose2, wrap_angle
 from ur_nodes.navigation.local_plan import FollowSettings, Motion
 from ur_nodes.navigation.navigator import Ending, Inputs, Navigator, NavigatorSettings, Outputs, Phase, PlanAnswer
 from ur_nodes.navigation.recovery import SEQUENCE, Behaviour
 from ur_nodes.navigation.speed_profile import Limits
-from ur_nodes.rosio.pose import Pose2, wrap_angle
 
 STRAIGHT = np.stack((np.arange(0.0, 3.01, 0.05), np.zeros(61)), axis=-1)
 HOME = Pose2(0.0, 0.0, 0.0)

@@ -5,11 +5,11 @@ import math
 import numpy as np
 from tests.ur_nodes.navigation.closed_loop import LIMITS, STAGE
 
-from ur_nodes.navigation.costmap import LETHAL, Costmap
-from ur_nodes.navigation.footprint import footprint_of_outline
+from ur_nodes.costmap.costmap import LETHAL, Costmap
+from ur_nodes.costmap.footprint import footprint_of_outline
+from ur_nodes.geometry.pose import Pose2, wrap_angle
 from ur_nodes.navigation.local_plan import Motion
 from ur_nodes.navigation.recovery import SEQUENCE, Behaviour, Recovery, find_way_out, move_to_recover
-from ur_nodes.rosio.pose import Pose2, wrap_angle
 
 FOOTPRINT = footprint_of_outline(STAGE, 0.05, 0.01)
 

@@ -1,0 +1,81 @@
+"""Sender and age of a goal without synchronised clocks, from the text that our clients write into goal ids.
+
+The mux publishes a new value (a challenge, in ns of its steady clock) about 30 times a second. A client writes the
+newest one that it has received into the id of its goal, with its own id: `<any>@<client>@<secs>.<nsecs>`. The receiver
+remembers when each challenge arrived, so the age of the goal is at most the time since then.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+REMEMBERED = 2.0
+"""Seconds for which a challenge is remembered."""
+
+_SUFFIX = re.compile(r"@([0-9A-Za-z_.:-]{1,64})@(\d{1,10})\.(\d{1,9})\Z", re.ASCII)
+_NANO = 1_000_000_000
+_LONGEST_ID = 1024
+
+
+@dataclass(frozen=True, slots=True)
+class Claim:
+    """The client that sent a goal, and the challenge (ns) that it answered."""
+
+    client: str
+    answer: int
+
+
+@dataclass(frozen=True, slots=True)
+class Challenges:
+    """The challenges (ns) of the last `REMEMBERED` seconds, each with the time (s) it arrived; oldest first."""
+
+    heard: tuple[tuple[int, float], ...] = ()
+    newest_at: float | None = None
+
+    def silence(self, now: float) -> float | None:
+        """Seconds since the last challenge; None when there was none at all."""
+        return None if self.newest_at is None else now - self.newest_at
+
+
+def note_challenge(challenges: Challenges, value: int, now: float) -> Challenges:
+    """A challenge has arrived."""
+    kept = tuple(item for item in challenges.heard if now - item[1] <= REMEMBERED)
+    return Challenges((*kept, (value, now)), now)
+
+
+def age_of_answer(challenges: Challenges, answer: int, now: float) -> float | None:
+    """Age (s) of what answers a challenge; None when that challenge is not among those remembered.
+
+    Challenges that were held up on their way arrive together: what is older than the newest by their own values is
+    that old, whenever it arrived.
+    """
+    if not challenges.heard:
+        return None
+    behind = (challenges.heard[-1][0] - answer) / _NANO
+    for value, at in challenges.heard:
+        if value == answer and now - at <= REMEMBERED:
+            return max(now - at, behind)
+    return None
+
+
+def lag_of_answer(challenges: Challenges, answer: int, now: float) -> float | None:
+    """A guess at the age (s) of an answer that is not remembered any more, for messages; None when there is none."""
+    if not challenges.heard:
+        return None
+    value, at = challenges.heard[-1]
+    lag = (value - answer) / _NANO + now - at
+    return lag if 0.0 < lag < 86400.0 else None
+
+
+def write_goal_id(start: str, client: str, answer: int) -> str:
+    """An id that says who sent the goal, and which challenge it answers (ns)."""
+    return f"{start}@{client}@{answer // _NANO}.{answer % _NANO:09d}"
+
+
+def read_claim(goal_id: str) -> Claim | None:
+    """The claim in an id; None where there is none, as in ids of other programs."""
+    found = _SUFFIX.search(goal_id) if len(goal_id) <= _LONGEST_ID else None
+    if found is None:
+        return None
+    return Claim(found[1], int(found[2]) * _NANO + int(found[3]))

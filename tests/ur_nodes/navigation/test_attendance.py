@@ -1,0 +1,228 @@
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from ur_nodes.motion.lease.text import FREE, Lease
+from ur_nodes.navigation.attendance import (
+    Act,
+    Attendance,
+    Settings,
+    Verdict,
+    attend_goal,
+    clock_time,
+    continue_goal,
+    refuse_goal,
+    step_attendance,
+)
+from ur_nodes.navigation.goal_claim import Challenges, Claim, note_challenge
+
+SECOND = 1_000_000_000
+HELD = Lease("held", "aa", "laptop", since=50.0)
+LOST = replace(HELD, state="lost")
+OTHER = Lease("held", "bb", "laptop2", since=60.0)
+MINE = Claim("aa", SECOND)
+SETTINGS = Settings()
+ASK = Settings(ask=True)
+
+
+@dataclass
+class Goal:
+    """A goal under observation: `at` steps it."""
+
+    attendance: Attendance
+    settings: Settings = SETTINGS
+
+    def at(self, now: float, lease: Lease | None, silence: float | None = 0.0) -> Verdict:
+        self.attendance, verdict = step_attendance(self.attendance, lease, silence, self.settings, now)
+        return verdict
+
+
+def test_goal_of_the_driver_is_held_as_soon_as_the_mux_has_lost_the_driver_and_goes_on_when_back() -> None:
+    goal = Goal(attend_goal(MINE))
+    assert goal.at(0.0, HELD) == Verdict(Act.DRIVE)
+    assert goal.at(1.0, LOST) == Verdict(Act.HOLD, "held: no word from laptop for 3 s")
+    assert goal.at(8.0, LOST).text == "held: no word from laptop for 10 s"
+    assert goal.at(8.1, HELD) == Verdict(Act.DRIVE)
+
+
+def test_goal_waits_for_an_answer_where_that_is_configured() -> None:
+    goal = Goal(attend_goal(MINE), ASK)
+    goal.at(-1.0, HELD)
+    goal.at(0.0, LOST)
+    assert goal.at(1.0, HELD) == Verdict(Act.ASK, "held: laptop is back; continue or cancel")
+    assert goal.at(2.0, LOST).act is Act.HOLD
+    assert goal.at(3.0, HELD).act is Act.ASK
+    goal.attendance = continue_goal(goal.attendance)
+    assert goal.at(4.0, HELD) == Verdict(Act.DRIVE)
+
+
+def test_nobody_can_continue_a_goal_whose_attendant_is_away() -> None:
+    goal = Goal(attend_goal(MINE), ASK)
+    goal.at(-1.0, HELD)
+    goal.at(0.0, LOST)
+    goal.attendance = continue_goal(goal.attendance)
+    assert goal.at(1.0, LOST).act is Act.HOLD
+
+
+@pytest.mark.parametrize("before", [HELD, LOST, FREE])
+@pytest.mark.parametrize("claim", [MINE, None])
+def test_goal_is_cancelled_when_another_client_takes_over(before: Lease, claim: Claim | None) -> None:
+    goal = Goal(attend_goal(claim))
+    goal.at(0.0, HELD)
+    goal.at(0.1, before)
+    expected = Act.DRIVE if before is FREE and claim is None else Act.CANCEL
+    verdict = goal.at(0.2, OTHER)
+    assert verdict.act is expected
+    assert verdict.text == ("laptop2 took over" if expected is Act.CANCEL else "")
+
+
+def test_goal_that_was_sent_unattended_goes_on() -> None:
+    goal = Goal(attend_goal(MINE))
+    goal.at(0.0, replace(HELD, attended=False))
+    assert goal.at(1.0, replace(LOST, attended=False)).act is Act.DRIVE
+    assert goal.at(100.0, FREE).act is Act.DRIVE
+
+
+@pytest.mark.parametrize("lease", [None, FREE])
+def test_goal_of_a_script_drives_while_nobody_holds_the_lease(lease: Lease | None) -> None:
+    goal = Goal(attend_goal(None))
+    for now in range(0, 1000, 7):
+        assert goal.at(float(now), lease, None if lease is None else 0.0) == Verdict(Act.DRIVE)
+    assert goal.attendance.unattended
+
+
+def test_goal_of_a_script_belongs_to_who_drives_and_is_nobodys_again_after_the_release() -> None:
+    goal = Goal(attend_goal(None))
+    goal.at(0.0, HELD)
+    assert goal.at(1.0, LOST).act is Act.HOLD
+    assert goal.at(2.0, HELD).act is Act.DRIVE
+    assert goal.at(3.0, FREE).act is Act.DRIVE
+    assert goal.at(30.0, FREE).act is Act.DRIVE
+
+
+def test_goal_of_a_client_that_is_back_drives_before_the_lease_says_so_and_asks_nothing() -> None:
+    goal = Goal(attend_goal(MINE), ASK)
+    assert goal.at(0.0, LOST).act is Act.DRIVE
+    assert goal.at(0.2, HELD).act is Act.DRIVE
+    assert goal.at(0.4, LOST).act is Act.HOLD
+    lone = Goal(attend_goal(MINE), ASK)
+    lone.at(0.0, LOST)
+    assert lone.at(3.1, LOST).act is Act.HOLD
+
+
+def test_goal_of_a_script_that_comes_while_the_driver_is_lost_is_not_held_until_the_driver_was_back() -> None:
+    goal = Goal(attend_goal(None))
+    assert goal.at(0.0, LOST).act is Act.DRIVE
+    assert goal.attendance.unattended
+    assert goal.at(1.0, HELD).act is Act.DRIVE
+    assert goal.at(2.0, LOST).act is Act.HOLD
+
+
+def test_held_goal_does_not_go_on_because_the_mux_was_restarted() -> None:
+    goal = Goal(attend_goal(None))
+    goal.at(0.0, HELD)
+    goal.at(1.0, LOST)
+    assert goal.at(2.0, FREE).act is Act.HOLD
+    assert goal.at(3.0, HELD).act is Act.DRIVE
+
+
+def test_goal_survives_a_short_restart_of_the_mux() -> None:
+    goal = Goal(attend_goal(MINE))
+    goal.at(0.0, HELD)
+    assert goal.at(0.1, FREE).act is Act.DRIVE
+    assert goal.at(2.0, HELD).act is Act.DRIVE
+    assert goal.at(3.0, FREE).act is Act.DRIVE
+    assert goal.at(6.1, FREE) == Verdict(Act.HOLD, "held: no word from laptop for 3 s")
+
+
+def test_goal_that_overtook_the_lease_of_its_sender_is_driven_and_held_without_one() -> None:
+    goal = Goal(attend_goal(Claim("bb", SECOND)))
+    assert goal.at(0.0, LOST).act is Act.DRIVE
+    assert goal.at(0.2, OTHER).act is Act.DRIVE
+    late = Goal(attend_goal(Claim("cc", SECOND)))
+    assert late.at(0.0, FREE).act is Act.DRIVE
+    assert late.at(3.1, FREE).text == "held: no word from the program that sent the goal for 3 s"
+
+
+@pytest.mark.parametrize("claim", [MINE, None])
+def test_goal_is_held_while_the_mux_is_silent(claim: Claim | None) -> None:
+    goal = Goal(attend_goal(claim))
+    goal.at(0.0, HELD)
+    assert goal.at(2.0, HELD, 2.0).act is Act.DRIVE
+    assert goal.at(4.0, HELD, 4.0) == Verdict(Act.HOLD, "held: no word from the mux for 4 s")
+    assert goal.at(5.0, HELD, 0.1).act is Act.DRIVE
+
+
+def test_held_goal_is_cancelled_after_the_limit_unless_there_is_none() -> None:
+    goal, patient = (Goal(attend_goal(MINE), Settings(limit=limit)) for limit in (60.0, 0.0))
+    for each in (goal, patient):
+        each.at(-1.0, HELD)
+        each.at(0.0, LOST)
+        assert each.at(59.0, LOST).act is Act.HOLD
+    assert goal.at(60.5, LOST) == Verdict(Act.CANCEL, "held for 60 s: no word from laptop")
+    assert patient.at(1e6, LOST).act is Act.HOLD
+
+
+def challenges(*arrivals: tuple[float, float]) -> Challenges:
+    made = Challenges()
+    for value, at in arrivals:
+        made = note_challenge(made, round(value * SECOND), at)
+    return made
+
+
+def test_late_goal_is_refused_with_its_age() -> None:
+    heard = challenges((1.0, 10.0), (4.1, 13.1))
+    assert refuse_goal(MINE, HELD, heard, 13.2) == "the goal arrived late (3.2 s), send it again"
+    assert refuse_goal(MINE, HELD, challenges((1.0, 10.0)), 10.9) == ""
+    assert refuse_goal(MINE, HELD, challenges((1.0, 10.0)), 11.1).startswith("the goal arrived late (1.1 s)")
+    assert refuse_goal(MINE, HELD, Challenges(), 0.0) == "the goal arrived late, send it again"
+
+
+def test_goal_of_a_client_that_does_not_drive_is_refused_while_another_does() -> None:
+    heard = challenges((1.0, 10.0))
+    assert refuse_goal(MINE, OTHER, heard, 10.1) == f"laptop2 drives since {clock_time(60.0)}"
+    for lease in (None, FREE, HELD, LOST, replace(OTHER, state="lost")):
+        assert refuse_goal(MINE, lease, heard, 10.1) == ""
+    assert refuse_goal(None, OTHER, heard, 99.0) == ""
+
+
+LEASES = st.one_of(
+    st.just(FREE),
+    st.builds(Lease, st.sampled_from(["held", "lost"]), st.sampled_from(["aa", "bb"]), attended=st.booleans()),
+)
+STEPS = st.lists(st.tuples(st.floats(0.0, 5.0), LEASES, st.floats(0.0, 6.0), st.booleans()), max_size=40)
+
+
+@given(st.sampled_from([MINE, None]), st.booleans(), STEPS)
+def test_robot_drives_only_while_nothing_forbids_it(
+    claim: Claim | None, ask: bool, steps: list[tuple[float, Lease, float, bool]]
+) -> None:
+    settings = Settings(ask=ask)
+    attendance, now, absent_since, held = attend_goal(claim), 0.0, None, False
+    for gap, lease, silence, answered in steps:
+        now += gap
+        answer = answered and attendance.asking
+        if answered:
+            attendance = continue_goal(attendance)
+        before = attendance
+        attendance, verdict = step_attendance(attendance, lease, silence, settings, now)
+        owner = attendance.client
+        other = lease.state == "held" and lease.client != before.client and bool(before.client)
+        assert (verdict.act is Act.CANCEL and verdict.text.endswith("took over")) == other
+        if verdict.act is Act.CANCEL:
+            return
+        away = bool(owner) and attendance.attended and (lease.client != owner or lease.state == "lost")
+        absent_since = (now if absent_since is None else absent_since) if away else None
+        if verdict.act is Act.DRIVE:
+            assert silence < settings.grace
+            proven = attendance.claimed and not attendance.present  # by the answer in the goal's id, a moment ago
+            assert proven or not (lease.state == "lost" and lease.client == owner and lease.attended)
+            assert absent_since is None or now - absent_since < settings.grace
+            assert not (held and ask and owner and attendance.attended and not answer)
+        else:
+            assert verdict.text
+        held = verdict.act in (Act.HOLD, Act.ASK)
