@@ -1,4 +1,7 @@
-"""Run a node's module: python -m ur_nodes MODULE [ARG ...].
+"""Run a node's module: python -I -m ur_nodes MODULE [ARG ...].
+
+Nodes start isolated (`-I`), so that nothing in the current folder or in PYTHONPATH replaces their modules. Messages of
+a workspace are found all the same: the folders of PYTHONPATH are searched last.
 
 An interrupt while the module is still importing ends it without a word; rospy sets its own handler once it starts.
 """
@@ -15,6 +18,11 @@ def _leave(_number: int, _frame: FrameType | None) -> None:
     os._exit(128 + signal.SIGINT)
 
 
+def list_message_folders(python_path: str) -> list[str]:
+    """List the absolute folders of PYTHONPATH. Relative and empty entries depend on the current folder: left out."""
+    return [folder for folder in python_path.split(os.pathsep) if folder.startswith("/")]
+
+
 if __name__ == "__main__":
     signal.signal(signal.SIGINT, _leave)
     import runpy
@@ -22,5 +30,7 @@ if __name__ == "__main__":
     from ur_nodes.rosio.log_link import leave_log_link
 
     leave_log_link()
+    if sys.flags.isolated:
+        sys.path += list_message_folders(os.environ.get("PYTHONPATH", ""))
     del sys.argv[0]
     runpy.run_module(sys.argv[0], run_name="__main__", alter_sys=True)

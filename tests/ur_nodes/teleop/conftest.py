@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 
 from ur.source.diagnostic import UserError, error
-from ur_nodes.teleop.emergency import Wish
-from ur_nodes.teleop.navigator import GoalReport, GoalState, MapGrid, Place, Snapshot
-from ur_nodes.teleop.waypoints import WaypointStore
+from ur_nodes.teleop.mux.driver_text import DriverRequest
+from ur_nodes.teleop.mux.emergency import MuxRequest
+from ur_nodes.teleop.navigate.waypoints import WaypointStore
+from ur_nodes.teleop.navigator.model import GoalReport, GoalState, MapGrid, Place, Snapshot
 
 
 def make_grid() -> MapGrid:
@@ -29,12 +30,17 @@ class FakeNavigator:
         self.stops = 0
         self.searches = 0
         self.offers_search = True
-        self.asked: list[Wish] = []
+        self.asked: list[MuxRequest] = []
+        self.requests: list[DriverRequest] = []
+        self.resumes = 0
+        self.problem: UserError | None = None
 
     def snapshot(self) -> Snapshot:
         return self.seen
 
     def go(self, place: Place) -> int:
+        if self.problem:
+            raise self.problem
         self.goals.append(place)
         number = self.seen.goal.number + 1
         self.seen = replace(self.seen, goal=GoalReport(number, place, GoalState.DRIVING))
@@ -45,9 +51,16 @@ class FakeNavigator:
         if not self.seen.goal.over:
             self.end(GoalState.STOPPED)
 
-    def ask_mux(self, wish: Wish) -> None:
-        self.asked.append(wish)
-        self.seen = replace(self.seen, mux=replace(self.seen.mux, stopped=wish == "stop"))
+    def resume(self) -> None:
+        self.resumes += 1
+        self.seen = replace(self.seen, goal=replace(self.seen.goal, state=GoalState.DRIVING, text=""))
+
+    def request_lease(self, request: DriverRequest) -> None:
+        self.requests.append(request)
+
+    def ask_mux(self, request: MuxRequest) -> None:
+        self.asked.append(request)
+        self.seen = replace(self.seen, mux=replace(self.seen.mux, stopped=request == "stop"))
 
     def set_pose(self, place: Place) -> None:
         self.poses.append(place)

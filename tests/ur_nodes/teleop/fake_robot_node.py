@@ -12,8 +12,8 @@ from nav_msgs.msg import OccupancyGrid, Path
 from sensor_msgs.msg import LaserScan
 from tf2_msgs.msg import TFMessage
 
+from ur_nodes.geometry.pose import Pose2
 from ur_nodes.rosio.geometry import pose_message, pose_of_message, transform_message
-from ur_nodes.rosio.pose import Pose2
 
 STEP = 0.05  # s
 SPEED = 4.0  # m/s

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import re
 import signal
 import socket
 import subprocess
@@ -17,6 +18,7 @@ import pytest
 import yaml
 
 from ur.robot.base import list_bases, load_base
+from ur.source.crash import EXIT_CODE
 
 ROOT = Path(__file__).parents[3]
 PACKAGE = ROOT / "ubiquity_launches"
@@ -82,7 +84,7 @@ def test_piped_goals_are_driven_and_reported(environment: Environment) -> None:
     assert done.returncode == 0
     lines = done.stdout.splitlines()
     assert lines[0].startswith("g 2 3 90: reached, 0.0")
-    assert lines[1] == "w corner: remembered 2.00 3.00 90"
+    assert lines[1] == "w corner: saved at 2.00 3.00 90"
     assert lines[3].startswith("m corner: reached")
     assert (Path(environment["XDG_DATA_HOME"]) / "ubiquity_launches/waypoints/test.yaml").is_file()
 
@@ -170,6 +172,144 @@ def test_terminal_is_restored_after_a_signal(environment: Environment, program: 
     finally:
         os.close(terminal)
         os.close(user)
+
+
+class OnTerminal:
+    """A program on a pseudo-terminal, with what it has written there so far."""
+
+    def __init__(self, command: list[str | Path], env: Environment) -> None:
+        self.user, self.terminal = os.openpty()
+        self.before = termios.tcgetattr(self.terminal)
+        self.written = b""
+        self.process = subprocess.Popen(
+            command, env=env, stdin=self.terminal, stdout=self.terminal, stderr=self.terminal, start_new_session=True
+        )
+        os.set_blocking(self.user, False)
+
+    def read(self) -> str:
+        with contextlib.suppress(BlockingIOError):
+            while True:
+                self.written += os.read(self.user, 65536)
+        return self.written.decode(errors="replace")
+
+    def wait_for(self, text: str) -> None:
+        deadline = time.monotonic() + 60
+        while text not in self.read():
+            assert time.monotonic() < deadline, self.read()
+            assert self.process.poll() is None or text in self.read(), self.read()
+            time.sleep(0.02)
+
+    def type(self, text: str) -> None:
+        os.write(self.user, text.encode())
+
+    def wait_end(self) -> int:
+        deadline = time.monotonic() + 60
+        while self.process.poll() is None:
+            assert time.monotonic() < deadline, self.read()
+            self.read()
+            time.sleep(0.02)
+        return self.process.returncode
+
+    def close(self) -> None:
+        self.process.kill()
+        self.process.wait(60)
+        os.close(self.terminal)
+        os.close(self.user)
+
+
+def crash_in(where: str) -> list[str | Path]:
+    """A program that owns the screen and fails there."""
+    lines = [
+        "import sys, threading",
+        "from ur_nodes.teleop.terminal.foreground_node import run_in_foreground",
+        "from ur_nodes.teleop.terminal.raw import own_terminal",
+        "def body(ended):",
+        "    with own_terminal(0, 1):",
+        f"        {where}",
+        "    return 0",
+        "sys.exit(run_in_foreground('crasher', body))",
+    ]
+    return [sys.executable, "-c", "\n".join(lines)]
+
+
+@pytest.mark.parametrize(
+    "where",
+    ["{}['gone']", "thread = threading.Thread(target=lambda: {}['gone']); thread.start(); thread.join()"],
+    ids=["main thread", "other thread"],
+)
+def test_exception_leaves_the_terminal_as_it_was_and_one_line_that_names_the_traceback(
+    environment: Environment, where: str
+) -> None:
+    program = OnTerminal(crash_in(where), environment)
+    try:
+        assert program.wait_end() == EXIT_CODE
+        shown = program.read()
+        assert termios.tcgetattr(program.terminal) == program.before
+        after = shown[shown.rindex("\x1b[?1049l") + len("\x1b[?1049l") :]
+        assert after.count("\n") == 1
+        assert "error: internal error in 'crasher': KeyError: 'gone'; please report it with the file " in after
+        report = Path(after.split("with the file ")[1].strip())
+        assert report.parent == Path(environment["ROS_LOG_DIR"])
+        assert "Traceback" in report.read_text()
+        assert "Traceback" not in shown
+    finally:
+        program.close()
+
+
+@pytest.mark.parametrize("program", [NAVIGATE, DRIVE], ids=lambda path: path.name)
+def test_program_whose_name_another_one_takes_says_so(environment: Environment, program: Path) -> None:
+    first = OnTerminal([program, "__name:=twin"], environment)
+    second = None
+    try:
+        first.wait_for("keyboard")
+        second = OnTerminal([program, "__name:=twin"], environment)
+        assert first.wait_end() == 1
+        assert "ended, because another node registered as /twin" in first.read()
+    finally:
+        first.close()
+        if second:
+            second.close()
+
+
+def test_dumb_terminal_gets_lines_and_a_goal_can_be_stopped_by_one(environment: Environment) -> None:
+    program = OnTerminal([NAVIGATE, "__name:=lines"], environment | {"TERM": "dumb"})
+    try:
+        program.wait_for("one command a line")
+        program.type("foo\ng 4 4\nc\nx\n")
+        program.wait_for("unknown command 'foo'")
+        program.wait_for("g 4 4: stopped after")
+        program.type("q\n")
+        assert program.wait_end() == 1, "one line was not understood"
+        assert "\x1b" not in program.read()
+    finally:
+        program.close()
+
+
+def test_keys_drive_on_a_dumb_terminal_without_escape_sequences(environment: Environment) -> None:
+    program = OnTerminal([DRIVE, "__name:=dumb_keys"], environment | {"TERM": "dumb"})
+    try:
+        program.wait_for("stopped")
+        program.type("i")
+        program.wait_for("driving   +0.50 m/s")
+        program.type("\x03")
+        assert program.wait_end() == 0
+        assert "\x1b" not in program.read()
+        assert termios.tcgetattr(program.terminal) == program.before
+    finally:
+        program.close()
+
+
+@pytest.mark.parametrize("program", [NAVIGATE, DRIVE], ids=lambda path: path.name)
+def test_no_color_is_obeyed(environment: Environment, program: Path) -> None:
+    shown = OnTerminal([program, "__name:=grey"], environment | {"NO_COLOR": "1"})
+    try:
+        shown.wait_for("subscriber" if program == DRIVE else "m/s")
+        shown.type("\x03")
+        assert shown.wait_end() == 0
+        styles = set(re.findall(r"\x1b\[([0-9;]*)m", shown.read()))
+        assert program == NAVIGATE or not {code for style in styles for code in style.split(";") if len(code) > 1}
+    finally:
+        shown.close()
 
 
 def test_parameters_obey_the_limits_of_each_base() -> None:

@@ -1,0 +1,135 @@
+"""A picture and a status line as lines of text for a terminal: half-blocks, two pixels to a cell. Pure."""
+
+from __future__ import annotations
+
+import textwrap
+from collections import deque
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ur_nodes.pictures.decode import Pixels
+
+_OFF, _REVERSE = "\x1b[0m", "\x1b[7m"
+_WINDOW = 2.0  # s over which the rate is reckoned
+_STALE = 2.0  # s
+_SILENT = 3.0  # s after which the reason is shown
+_LEVELS = np.array([0, 95, 135, 175, 215, 255])  # of the 6 x 6 x 6 cube that terminals of 256 colours have
+
+
+@dataclass(slots=True)
+class Feed:
+    """Arrivals on a topic: sizes in pixels and bytes, and when, in s of any steady clock; it waits since `began`."""
+
+    topic: str
+    began: float = 0.0
+    size: tuple[int, int] = (0, 0)
+    length: int = 0
+    times: deque[float] = field(default_factory=lambda: deque(maxlen=400))
+
+    def take(self, now: float, size: tuple[int, int], length: int) -> None:
+        """A picture has come."""
+        self.size, self.length = size, length
+        self.times.append(now)
+
+    def rate(self, now: float) -> float:
+        """Pictures a second of late; 0 when none has come lately."""
+        recent = [time for time in self.times if now - time <= _WINDOW]
+        if len(recent) < 2:
+            return 0.0
+        return (len(recent) - 1) / max(recent[-1] - recent[0], 1e-6)
+
+    def silence(self, now: float) -> float:
+        """Return for how long nothing has come, in s."""
+        return now - (self.times[-1] if self.times else self.began)
+
+    def is_silent(self, now: float) -> bool:
+        """Return whether nothing has come for so long that the reason is shown."""
+        return self.silence(now) >= _SILENT
+
+
+def describe_silence(feed: Feed, reason: str, now: float) -> str:
+    """Describe for how long nothing has come, and why as far as that is known; empty while pictures come."""
+    if not feed.is_silent(now):
+        return ""
+    return f"no picture on {feed.topic} for {feed.silence(now):.0f} s" + (f": {reason}" if reason else "")
+
+
+def describe_feed(feed: Feed, publishers: int, now: float) -> str:
+    """How the pictures come, in one line."""
+    if not feed.times:
+        return f"{feed.topic}: {'waiting for the first picture' if publishers else 'waiting for a publisher'}"
+    columns, rows = feed.size
+    if feed.silence(now) > _STALE:
+        return f"{feed.topic}: no picture for {feed.silence(now):.0f} s"
+    size = f"{columns} x {rows}"
+    return f"{feed.topic}   {size}   {feed.rate(now):.1f} pictures a second   {feed.length / 1000:.0f} kB each"
+
+
+def draw_picture_screen(
+    picture: Pixels | None, status: str, columns: int, rows: int, *, rich: bool, notice: str = ""
+) -> list[str]:
+    """`rows` lines of `columns` cells: the picture in the middle, the status below it.
+
+    The picture is at most `columns` wide and 2 * (rows - 1) high. `rich`: the terminal knows 24-bit colours. `notice`
+    is text that is wrapped and shown in the middle, in place of the picture's lines there.
+    """
+    room = rows - 1
+    lines = [] if picture is None else _draw_cells(picture, columns, rich=rich)
+    body = _centre(lines, room)
+    if notice:
+        width = max(1, columns - 4)
+        words = ["", *(f"  {line}" for line in textwrap.wrap(notice, width)), ""][:room]
+        above = (room - len(words)) // 2
+        body[above : above + len(words)] = words
+    right = "q quits "
+    left = f" {status}"[: max(0, columns - len(right) - 1)]
+    return [*body, f"{_REVERSE}{left}{' ' * max(0, columns - len(left) - len(right))}{right[:columns]}{_OFF}"]
+
+
+def _centre(lines: list[str], room: int) -> list[str]:
+    above = max(0, (room - len(lines)) // 2)
+    return ([""] * above + lines + [""] * room)[:room]
+
+
+def _draw_cells(picture: Pixels, columns: int, *, rich: bool) -> list[str]:
+    if picture.shape[0] % 2:
+        picture = np.concatenate([picture, np.zeros_like(picture[:1])])
+    indent = " " * max(0, (columns - picture.shape[1]) // 2)
+    codes = _pack(picture) if rich else _palette(picture)
+    write = _write_rich if rich else _write_plain
+    lines = []
+    for upper, lower in zip(codes[0::2].tolist(), codes[1::2].tolist(), strict=True):
+        parts, front, back = [indent], -1, -1
+        for top, bottom in zip(upper, lower, strict=True):
+            if top != front:
+                parts.append(write(38, top))
+                front = top
+            if bottom != back:
+                parts.append(write(48, bottom))
+                back = bottom
+            parts.append("▀")
+        lines.append("".join([*parts, _OFF]))
+    return lines
+
+
+def _pack(picture: Pixels) -> NDArray[np.int64]:
+    wide: NDArray[np.int64] = picture.astype(np.int64)
+    packed: NDArray[np.int64] = wide[..., 0] << 16 | wide[..., 1] << 8 | wide[..., 2]
+    return packed
+
+
+def _palette(picture: Pixels) -> NDArray[np.int64]:
+    # The nearest level of the cube for each of red, green and blue (xterm's 256 colours: 16 + 36 r + 6 g + b).
+    levels = np.abs(picture[..., None].astype(np.int64) - _LEVELS).argmin(axis=-1)
+    codes: NDArray[np.int64] = 16 + 36 * levels[..., 0] + 6 * levels[..., 1] + levels[..., 2]
+    return codes
+
+
+def _write_rich(kind: int, colour: int) -> str:
+    return f"\x1b[{kind};2;{colour >> 16};{colour >> 8 & 255};{colour & 255}m"
+
+
+def _write_plain(kind: int, colour: int) -> str:
+    return f"\x1b[{kind};5;{colour}m"

@@ -1,0 +1,131 @@
+"""Map, path, scan and robot as pixels. Pure: arrays in, arrays out."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ur_nodes.teleop.map_view.palette import Colour, Palette
+from ur_nodes.teleop.map_view.viewport import Viewport
+from ur_nodes.teleop.navigator.model import MapGrid, Place, Snapshot
+
+Pixels = NDArray[np.uint8]
+"""(rows, columns, 3), red, green, blue."""
+
+ROBOT_LENGTH = 0.45
+"""The diameter of the robot in m when it is large enough to be drawn to scale."""
+
+_OCCUPIED = 50
+_FAINTEST = 0.55  # of a wall's colour: what a pixel over many cells shows at the least when one of them is a wall
+SMALL_ROBOT = 6.0
+"""Pixels below which the robot is one arrow character."""
+
+
+@dataclass(frozen=True, eq=False)
+class GridIndex:
+    """A grid with running sums, so that the share of walls in any box of cells costs four look-ups."""
+
+    grid: MapGrid
+    walls: NDArray[np.int32]  # (height + 1, width + 1): occupied cells below and left
+    known: NDArray[np.int32]
+
+
+def index_grid(grid: MapGrid) -> GridIndex:
+    """Prepare a grid for drawing; once per map."""
+    return GridIndex(grid, _running_sum(grid.cells >= _OCCUPIED), _running_sum(grid.cells >= 0))
+
+
+def draw_map(index: GridIndex | None, view: Viewport, palette: Palette) -> Pixels:
+    """The bare map, (view.height, view.width, 3). A pixel with any wall in it shows it, brighter with more of them."""
+    picture = np.empty((view.height, view.width, 3), dtype=np.uint8)
+    picture[:] = palette.unknown
+    if index is None or not picture.size:
+        return picture
+    grid = index.grid
+    xs, ys = np.meshgrid(
+        view.x + (np.arange(view.width) + 0.5 - view.width / 2) * view.scale - grid.origin.x,
+        view.y - (np.arange(view.height) + 0.5 - view.height / 2) * view.scale - grid.origin.y,
+    )
+    c, s = math.cos(grid.origin.yaw), math.sin(grid.origin.yaw)
+    columns = (c * xs + s * ys) / grid.resolution
+    rows = (c * ys - s * xs) / grid.resolution
+    # Boxes along the grid's axes; on a turned map they overlap, so that they leave no cell out.
+    half = view.scale / grid.resolution / 2 * (abs(c) + abs(s))
+    height, width = grid.cells.shape
+    left, right = _span(columns, half, width)
+    bottom, top = _span(rows, half, height)
+    area = np.maximum((right - left) * (top - bottom), 1)
+    walls = _box_sum(index.walls, left, right, bottom, top) / area
+    known = _box_sum(index.known, left, right, bottom, top) / area
+    faintest = 1.0 if palette.few_colours else _FAINTEST
+    shade = np.where(walls > 0.0, np.clip(walls * max(1.0, half / 0.8), faintest, 1.0), 0.0)[..., None]
+    ground = np.where((known >= 0.5)[..., None], palette.free, palette.unknown)
+    blend: NDArray[np.float64] = ground + (np.array(palette.wall) - ground) * shade
+    picture[:] = blend.round()
+    return picture
+
+
+def draw_overlay(picture: Pixels, snapshot: Snapshot, view: Viewport, palette: Palette) -> Pixels:
+    """A copy of the picture with path, scan and (where it is large enough) the robot."""
+    out: Pixels = picture.copy()
+    if snapshot.path is not None and len(snapshot.path) > 1:
+        _dot(out, _along(snapshot.path, view.scale * 0.7), view, palette.path)
+    if snapshot.scan is not None and len(snapshot.scan):
+        _dot(out, snapshot.scan, view, palette.scan)
+    if snapshot.pose is not None and ROBOT_LENGTH / view.scale >= SMALL_ROBOT:
+        _fill_robot(out, snapshot.pose, view, palette)
+    return out
+
+
+def _running_sum(mask: NDArray[np.bool_]) -> NDArray[np.int32]:
+    total = np.zeros((mask.shape[0] + 1, mask.shape[1] + 1), dtype=np.int32)
+    total[1:, 1:] = mask.cumsum(axis=0, dtype=np.int32).cumsum(axis=1, dtype=np.int32)
+    return total
+
+
+def _span(centre: NDArray[np.float64], half: float, size: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """First and last + 1 cell of each pixel, at least one, clipped to the grid (empty outside). They tile the grid."""
+    first = np.floor(centre - half + 0.5).astype(np.intp) if half > 0.5 else np.floor(centre).astype(np.intp)
+    end = np.maximum(np.floor(centre + half + 0.5).astype(np.intp), first + 1) if half > 0.5 else first + 1
+    return np.clip(first, 0, size), np.clip(end, 0, size)
+
+
+def _box_sum(
+    total: NDArray[np.int32],
+    left: NDArray[np.intp],
+    right: NDArray[np.intp],
+    bottom: NDArray[np.intp],
+    top: NDArray[np.intp],
+) -> NDArray[np.int32]:
+    return total[top, right] - total[bottom, right] - total[top, left] + total[bottom, left]
+
+
+def _along(path: NDArray[np.float64], step: float) -> NDArray[np.float64]:
+    """Points on a line at most `step` apart."""
+    lengths = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(path, axis=0).T))))
+    at = np.arange(0.0, lengths[-1] + step, step)
+    return np.stack((np.interp(at, lengths, path[:, 0]), np.interp(at, lengths, path[:, 1])), axis=1)
+
+
+def _dot(out: Pixels, points: NDArray[np.float64], view: Viewport, colour: Colour) -> None:
+    columns, rows = view.to_pixel(0.0, 0.0)
+    px = np.floor(points[:, 0] / view.scale + columns)
+    py = np.floor(rows - points[:, 1] / view.scale)
+    inside = (px >= 0) & (px < view.width) & (py >= 0) & (py < view.height)
+    out[py[inside].astype(np.intp), px[inside].astype(np.intp)] = colour
+
+
+def _fill_robot(out: Pixels, pose: Place, view: Viewport, palette: Palette) -> None:
+    """A disc on the pose, with a stripe from its middle to the edge that it faces."""
+    size = ROBOT_LENGTH / view.scale
+    column, row = view.to_pixel(pose.x, pose.y)
+    ys, xs = np.mgrid[0 : view.height, 0 : view.width]
+    dx, dy = xs + 0.5 - column, row - (ys + 0.5)
+    c, s = math.cos(pose.yaw), math.sin(pose.yaw)
+    along, aside = c * dx + s * dy, np.abs(c * dy - s * dx)
+    disc = along**2 + aside**2 <= (size / 2) ** 2
+    out[disc] = palette.robot
+    out[disc & (along >= 0.0) & (aside <= max(0.6, size * 0.08))] = palette.ink

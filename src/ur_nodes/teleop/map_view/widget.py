@@ -1,0 +1,232 @@
+"""The map on the screen: shows a snapshot, follows the robot, turns the mouse into goals."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Mapping
+from functools import lru_cache
+
+from rich.segment import Segment
+from rich.style import Style
+from textual import events
+from textual.geometry import Region
+from textual.message import Message
+from textual.strip import Strip
+from textual.widget import Widget
+
+from ur_nodes.teleop.map_view.cells import Run, cells_of_pixels
+from ur_nodes.teleop.map_view.glyphs import place_glyphs, scale_bar
+from ur_nodes.teleop.map_view.palette import Colour, Palette
+from ur_nodes.teleop.map_view.picture import GridIndex, Pixels, draw_map, draw_overlay, index_grid
+from ur_nodes.teleop.map_view.viewport import Viewport, fit_viewport, pan_viewport, resize_viewport, zoom_viewport
+from ur_nodes.teleop.navigator.model import MapGrid, Place, Snapshot, heading_there
+
+_NO_MAP_BOX = (-5.0, -5.0, 5.0, 5.0)
+_FOLLOW_MARGIN = 0.3  # of the screen: the picture moves only when the robot comes this near to the edge
+_DOUBLE_CLICK = 0.5  # s between the presses of a double click, at the most
+_FOLLOW_SCALE = 0.08  # m per pixel: following starts at least this close
+
+
+class MapView(Widget, can_focus=False):
+    """Half-block picture of a `Snapshot`. Click: goal; drag: goal with heading; right drag: pan; wheel: zoom."""
+
+    DEFAULT_CSS = "MapView { width: 1fr; height: 1fr; }"
+
+    class GoalPicked(Message):
+        """The mouse chose a goal."""
+
+        def __init__(self, place: Place) -> None:
+            super().__init__()
+            self.place = place
+
+    class ViewChanged(Message):
+        """Scale, place or following changed."""
+
+    def __init__(self, palette: Palette, *, id: str | None = None) -> None:
+        super().__init__(id=id)
+        self.palette = palette
+        self.following = False
+        self.view = Viewport(0.0, 0.0, 0.05, 0, 0)
+        self.hover: tuple[float, float] | None = None
+        self._fitted = True  # until the user zooms or pans, the whole map is shown whatever the size
+        self._snapshot = Snapshot()
+        self._places: Mapping[str, Place] = {}
+        self._index: GridIndex | None = None
+        self._base: tuple[Viewport, Palette, GridIndex | None, Pixels] | None = None
+        self._lines: list[tuple[Run, ...]] = []
+        self._pressed: tuple[int, int, int] | None = None  # button, column, row
+        self._dragged_to: tuple[int, int] | None = None
+        self._released: tuple[float, tuple[int, int] | None] = (-math.inf, None)  # when, and where if it matters
+
+    def ignore_double_click(self) -> None:
+        """Ignore the second press of a double click whose first one closed something above the map."""
+        self._released = (time.monotonic(), None)
+
+    def show(self, snapshot: Snapshot, places: Mapping[str, Place]) -> None:
+        """Show another snapshot; only lines that look different are drawn again."""
+        if snapshot.grid is not self._snapshot.grid:
+            self._index = index_grid(snapshot.grid) if snapshot.grid is not None else None
+            self._fit_if(self._fitted, snapshot.grid)
+        self._snapshot, self._places = snapshot, places
+        self._keep_robot_in_view()
+        self.redraw()
+
+    def set_palette(self, palette: Palette) -> None:
+        """Other colours."""
+        self.palette = palette
+        self.redraw()
+
+    def fit(self) -> None:
+        """Show the whole map."""
+        self.following = False
+        self._fit_if(True, self._snapshot.grid)
+        self.redraw()
+
+    def zoom(self, factor: float, column: float | None = None, row: float | None = None) -> None:
+        """Zoom about a pixel, by default the middle (the robot when following)."""
+        self._fitted = False
+        if self.following and self._snapshot.pose is not None:
+            column, row = self.view.to_pixel(self._snapshot.pose.x, self._snapshot.pose.y)
+        self.view = zoom_viewport(self.view, factor, column, row)
+        self._keep_robot_in_view()
+        self.redraw()
+
+    def pan(self, columns: float, rows: float) -> None:
+        """Look further right and down, in parts of the screen. Ends following."""
+        self._move(columns * self.view.width, rows * self.view.height)
+
+    def toggle_follow(self) -> bool:
+        """Keep the robot in view, or do not. Returns which."""
+        self.following = not self.following
+        pose = self._snapshot.pose
+        if self.following and pose is not None:
+            self._fitted = False
+            scale = min(self.view.scale, _FOLLOW_SCALE)
+            self.view = Viewport(pose.x, pose.y, scale, self.view.width, self.view.height)
+        self.redraw()
+        self.post_message(self.ViewChanged())
+        return self.following
+
+    def redraw(self) -> None:
+        """Draw into lines and refresh those that changed."""
+        if not self.view.width or not self.view.height:
+            return
+        key = (self.view, self.palette, self._index)
+        if self._base is None or self._base[:3] != key:
+            self._base = (*key, draw_map(self._index, self.view, self.palette))
+            self.post_message(self.ViewChanged())
+        picture = draw_overlay(self._base[3], self._snapshot, self.view, self.palette)
+        glyphs = place_glyphs(self._snapshot, self._places, self._preview(), self.view, self.palette)
+        glyphs += scale_bar(self.view, self.palette)
+        lines = cells_of_pixels(picture, glyphs)
+        old = self._lines
+        self._lines = lines
+        if len(old) != len(lines):
+            self.refresh()
+            return
+        changed = [Region(0, y, self.size.width, 1) for y, line in enumerate(lines) if line != old[y]]
+        if changed:
+            self.refresh(*changed)
+
+    def render_line(self, y: int) -> Strip:
+        """A line of the widget."""
+        if y >= len(self._lines):
+            return Strip([Segment(" " * self.size.width, Style.null())])  # Textual's filters take no None
+        segments = [Segment(text, _style(fore, back)) for text, fore, back in self._lines[y]]
+        return Strip(segments).adjust_cell_length(self.size.width, Style.null())
+
+    def on_resize(self, event: events.Resize) -> None:
+        """Same place and scale on the new size; the whole map again if it was shown whole."""
+        self.view = resize_viewport(self.view, event.size.width, event.size.height * 2)
+        self._fit_if(self._fitted, self._snapshot.grid)
+        self._keep_robot_in_view()
+        self.redraw()
+
+    def on_mouse_down(self, event: events.MouseDown) -> None:
+        """A click or a drag begins; the second press of a double click is none."""
+        released_at, where = self._released
+        if event.time - released_at < _DOUBLE_CLICK and where in (None, (event.x, event.y)):
+            return
+        self._pressed = (3 if event.shift else event.button, event.x, event.y)
+        self._dragged_to = None
+        self.capture_mouse()
+
+    def on_mouse_move(self, event: events.MouseMove) -> None:
+        """Show where the mouse is; drag."""
+        self.hover = self.view.to_map(event.x + 0.5, event.y * 2 + 1.0)
+        if self._pressed is None:
+            return
+        button, column, row = self._pressed
+        if button == 1:
+            self._dragged_to = (event.x, event.y) if (event.x, event.y) != (column, row) else None
+            self.redraw()
+        else:
+            self._pressed = (button, event.x, event.y)
+            self._move(column - event.x, 2.0 * (row - event.y))
+
+    def on_mouse_up(self, event: events.MouseUp) -> None:
+        """The click or drag ends: a goal, if it was the left button."""
+        self.release_mouse()
+        if self._pressed is not None:
+            self._released = (event.time, (event.x, event.y))
+        if self._pressed is not None and self._pressed[0] == 1:
+            if (event.x, event.y) == self._pressed[1:]:
+                self._dragged_to = None
+            place = self._preview()
+            if place is not None:
+                self.post_message(self.GoalPicked(place))
+        self._pressed = self._dragged_to = None
+        self.redraw()
+
+    def on_leave(self, _event: events.Leave) -> None:
+        """The mouse is elsewhere."""
+        self.hover = None
+
+    def on_mouse_scroll_up(self, event: events.MouseScrollUp) -> None:
+        """Closer, about the mouse."""
+        self.zoom(1.25, event.x + 0.5, event.y * 2 + 1.0)
+
+    def on_mouse_scroll_down(self, event: events.MouseScrollDown) -> None:
+        """Further away, about the mouse."""
+        self.zoom(0.8, event.x + 0.5, event.y * 2 + 1.0)
+
+    def _preview(self) -> Place | None:
+        """The goal that letting the button go would set."""
+        if self._pressed is None or self._pressed[0] != 1:
+            return None
+        _, column, row = self._pressed
+        x, y = self.view.to_map(column + 0.5, row * 2 + 1.0)
+        if self._dragged_to is None:
+            return Place(x, y, heading_there(self._snapshot, x, y))
+        to_column, to_row = self._dragged_to
+        return Place(x, y, math.atan2(2.0 * (row - to_row), to_column - column))
+
+    def _move(self, columns: float, rows: float) -> None:
+        self.following = self._fitted = False
+        self.view = pan_viewport(self.view, columns, rows)
+        self.redraw()
+
+    def _fit_if(self, wanted: bool, grid: MapGrid | None) -> None:
+        if not wanted:
+            return
+        self._fitted = True
+        bounds = grid.bounds if grid is not None else _NO_MAP_BOX
+        self.view = fit_viewport(bounds, self.view.width, self.view.height)
+
+    def _keep_robot_in_view(self) -> None:
+        pose = self._snapshot.pose
+        if not self.following or pose is None:
+            return
+        column, row = self.view.to_pixel(pose.x, pose.y)
+        width, height = self.view.width, self.view.height
+        if not (
+            _FOLLOW_MARGIN * width < column < (1 - _FOLLOW_MARGIN) * width
+            and _FOLLOW_MARGIN * height < row < (1 - _FOLLOW_MARGIN) * height
+        ):
+            self.view = Viewport(pose.x, pose.y, self.view.scale, width, height)
+
+
+@lru_cache(maxsize=4096)
+def _style(fore: Colour, back: Colour) -> Style:
+    return Style.parse(f"rgb({fore[0]},{fore[1]},{fore[2]}) on rgb({back[0]},{back[1]},{back[2]})")

@@ -1,0 +1,1 @@
+"""The mux and its lease, as programs for people see them."""

@@ -1,0 +1,80 @@
+"""The client that drives, as one line for a screen, and the keys that change it."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass
+from typing import Literal
+
+from ur_nodes.motion.lease.view import Conduct, LeaseView
+from ur_nodes.teleop.terminal.keys import Key, KeyEvent
+
+DriverRequest = Literal["take", "ask", "grant"]
+
+DRIVER_KEYS: dict[str, DriverRequest] = {"d": "take", "a": "ask", "y": "grant"}
+_HINT = "d: take over, a: ask"
+
+
+@dataclass(frozen=True, slots=True)
+class DriverLine:
+    """The line for a screen, empty for none, and whether the keys drive nothing for that reason."""
+
+    text: str = ""
+    blocked: bool = False
+
+
+def line_of(view: LeaseView | None, conduct: Conduct = "drive") -> DriverLine:
+    """The line for who drives; without a lease there is none."""
+    if view is None:
+        return DriverLine()
+    return DriverLine(describe_driver(view, conduct), view.out_of_reach or not may_command(view, conduct))
+
+
+def driver_request_of(event: KeyEvent) -> DriverRequest | None:
+    """Return the lease request of a key; None for any other key."""
+    if not isinstance(event, Key) or event.action != "press" or event.ctrl:
+        return None
+    return DRIVER_KEYS.get(event.name)
+
+
+def may_command(view: LeaseView, conduct: Conduct) -> bool:
+    """Return whether this client's keys are to be sent: it drives, or nobody does and its conduct is not `watch`."""
+    return view.mine or (view.state == "free" and conduct != "watch")
+
+
+def describe_silence(who: str, seconds: float) -> str:
+    """Return the line about a computer or program that is silent; `seconds` is infinite before its first word."""
+    return f"no word from {who} for {seconds:.1f} s" if math.isfinite(seconds) else f"no word from {who} yet"
+
+
+def describe_driver(view: LeaseView, conduct: Conduct = "drive", robot: str = "the robot", hint: str = _HINT) -> str:
+    """The line for a screen; empty while this client drives or may. `hint` names the keys that change it."""
+    if view.out_of_reach:
+        return describe_silence(robot, view.link_age)
+    if view.mine:
+        asking = view.asking[0] if view.asking else ""
+        return f"{asking} asks to drive; y: hand over" if asking else ""
+    if view.other and view.taken_by:
+        return _with_hint(f"{view.taken_by} took over at {clock_time(view.taken_at or view.since)}", view, hint)
+    if view.other:
+        return _with_hint(f"{name_holder(view)} drives {robot} since {clock_time(view.since)}", view, hint)
+    if view.state == "lost":
+        return f"{name_holder(view)} drove {robot} and is out of reach; d: take over"
+    if view.state == "free" and conduct == "watch":
+        return f"nobody drives {robot}; d: drive"
+    return ""
+
+
+def name_holder(view: LeaseView) -> str:
+    """The computer that drives, and its program where that is known."""
+    return f"{view.holder or 'somebody'} ({view.program})" if view.program else view.holder or "somebody"
+
+
+def clock_time(unix: float) -> str:
+    """Hours and minutes of this computer's time zone."""
+    return time.strftime("%H:%M", time.localtime(unix))
+
+
+def _with_hint(text: str, view: LeaseView, hint: str) -> str:
+    return f"{text}; asked to hand over" if view.asks else f"{text}; {hint}"

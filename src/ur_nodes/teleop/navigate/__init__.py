@@ -1,0 +1,1 @@
+"""keyboard_navigate: commands, map and waypoints on a terminal or a pipe."""

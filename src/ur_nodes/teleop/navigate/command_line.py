@@ -1,0 +1,112 @@
+"""The input line, which gets every key: history, and the map's keys."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from textual import events
+from textual.widgets import Input
+
+EMPTY_LINE_KEYS = frozenset({"plus", "minus", "equals_sign", "0", "left", "right", "pageup", "pagedown"})
+"""Keys that no command begins with: they are the map's while nothing is typed."""
+
+MAP_MODE_KEYS = EMPTY_LINE_KEYS | {"up", "down", "h", "j", "k", "l", "f", "t"}
+"""Keys that are the map's after Tab, until another key begins a command."""
+
+_HINT = "Space: emergency stop   ?: help   g X Y [ANGLE]   m NAME"
+_MAP_HINT = "map: h j k l + - 0 f t   Tab: commands"
+
+
+class KeyOwner(Protocol):
+    """The program around the line. It is called while a key is handled, so that keys act in the order of typing."""
+
+    def take_key(self, key: str) -> bool:
+        """Take a key before the line does, for an open panel; return whether it was taken."""
+
+    def press_map_key(self, key: str) -> None:
+        """Act on a key of the map."""
+
+    def press_emergency_key(self) -> None:
+        """Stop everything that drives."""
+
+    def show_help(self) -> None:
+        """Open the help."""
+
+    def enter(self, line: str) -> None:
+        """Act on a line, which may be empty."""
+
+
+class CommandLine(Input):
+    """Takes every key of the program, in order. Up and down walk through what was entered before."""
+
+    def __init__(self, owner: KeyOwner, *, id: str | None = None) -> None:
+        super().__init__(id=id, compact=True, select_on_focus=False, placeholder=_HINT)
+        self._owner = owner
+        self._history: list[str] = []
+        self._at = 0
+        self._map_mode = False
+
+    async def on_key(self, event: events.Key) -> None:
+        """Take a key. Textual would act on Enter and the like only after later characters are in the line."""
+        if self._take(event.key):
+            event.stop()
+            event.prevent_default()
+
+    def _take(self, key: str) -> bool:
+        if self._owner.take_key(key):
+            return True
+        if key == "space" and (not self.value or self.value[-1] == " "):
+            self._owner.press_emergency_key()  # no command begins with a space or holds two in a row
+        elif key == "question_mark" and not self.value:
+            self._owner.show_help()
+        elif key == "tab":
+            self.set_map_mode(not self._map_mode)
+        elif key in (MAP_MODE_KEYS if self._map_mode else () if self.value else EMPTY_LINE_KEYS):
+            self._owner.press_map_key(key)
+        else:
+            self.set_map_mode(False)
+            return self._edit(key)
+        return True
+
+    def set_map_mode(self, on: bool) -> None:
+        """Let letters be the map's keys, or begin commands."""
+        self._map_mode = on
+        self.placeholder = _MAP_HINT if on else _HINT
+
+    def _edit(self, key: str) -> bool:
+        if key == "enter":
+            self._submit()
+        elif key in ("up", "down"):
+            self._recall(self._at + (1 if key == "down" else -1))
+        elif key == "escape":
+            self.value = ""
+        elif key in ("backspace", "ctrl+h"):
+            self.action_delete_left()
+        elif key == "delete":
+            self.action_delete_right()
+        elif key in ("left", "right"):
+            (self.action_cursor_left if key == "left" else self.action_cursor_right)()
+        elif key in ("home", "ctrl+a"):
+            self.action_home()
+        elif key in ("end", "ctrl+e"):
+            self.action_end()
+        elif key == "ctrl+u":
+            self.action_delete_left_all()
+        elif key == "ctrl+w":
+            self.action_delete_left_word()
+        else:
+            return False
+        return True
+
+    def _submit(self) -> None:
+        line = self.value.strip()
+        self.value = ""
+        if line and (not self._history or self._history[-1] != line):
+            self._history.append(line)
+        self._at = len(self._history)
+        self._owner.enter(line)
+
+    def _recall(self, at: int) -> None:
+        self._at = max(0, min(at, len(self._history)))
+        self.value = self._history[self._at] if self._at < len(self._history) else ""
+        self.cursor_position = len(self.value)

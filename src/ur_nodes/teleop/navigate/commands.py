@@ -1,0 +1,241 @@
+"""The command line: text to commands. Angles are in degrees here and in radians everywhere else."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+
+from ur.source.diagnostic import UserError, error
+from ur.source.printable import printable
+from ur.source.suggest import did_you_mean
+from ur_nodes.teleop.mux.driver_text import DriverRequest
+from ur_nodes.teleop.mux.emergency import MuxRequest
+
+
+@dataclass(frozen=True, slots=True)
+class Go:
+    """Drive to a place in the map: m, m, rad; without an angle, arrive facing the way one came."""
+
+    x: float
+    y: float
+    yaw: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class GoTo:
+    """Drive to a waypoint."""
+
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class Remember:
+    """Save the place of the robot as a waypoint."""
+
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class Forget:
+    """Delete a waypoint."""
+
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class SetPose:
+    """Set the estimated pose of the robot: m, m, rad."""
+
+    x: float
+    y: float
+    yaw: float
+
+
+@dataclass(frozen=True, slots=True)
+class ListPlaces:
+    """Show the waypoints."""
+
+
+@dataclass(frozen=True, slots=True)
+class Stop:
+    """Cancel the goal."""
+
+
+@dataclass(frozen=True, slots=True)
+class Resume:
+    """Continue the goal that is held."""
+
+
+@dataclass(frozen=True, slots=True)
+class AskLease:
+    """Take over, ask to drive, or hand over to the client that asks."""
+
+    request: DriverRequest
+
+
+@dataclass(frozen=True, slots=True)
+class AskMux:
+    """Emergency stop of everything that drives, or the end of it."""
+
+    request: MuxRequest
+
+
+@dataclass(frozen=True, slots=True)
+class Relocalise:
+    """Search for the robot on the whole map."""
+
+
+@dataclass(frozen=True, slots=True)
+class Help:
+    """Show the commands."""
+
+
+@dataclass(frozen=True, slots=True)
+class Follow:
+    """Keep the robot in view, or do not any more."""
+
+
+@dataclass(frozen=True, slots=True)
+class SwitchTheme:
+    """Change between dark and light colours."""
+
+
+@dataclass(frozen=True, slots=True)
+class Quit:
+    """End the program."""
+
+
+Command = (
+    Go
+    | GoTo
+    | Remember
+    | Forget
+    | SetPose
+    | ListPlaces
+    | Stop
+    | Resume
+    | AskLease
+    | AskMux
+    | Relocalise
+    | Help
+    | Follow
+    | SwitchTheme
+    | Quit
+)
+
+USAGE: dict[str, tuple[str, str]] = {
+    # command: how it is written, what it does
+    "g": ("g X Y [ANGLE]", "drive to this place (m, m, degrees)"),
+    "m": ("m NAME", "drive to a waypoint"),
+    "s": ("s or x", "stop: cancel the goal"),
+    "c": ("c", "continue a goal that is held"),
+    "e": ("e or Space", "emergency stop, whoever drives"),
+    "r": ("r", "release the emergency stop"),
+    "w": ("w NAME", "save the robot's place as a waypoint"),
+    "l": ("l", "list the waypoints"),
+    "d": ("d NAME", "delete a waypoint"),
+    "i": ("i X Y ANGLE", "set the robot's estimated pose"),
+    "global": ("global", "search for the robot on the whole map"),
+    "drive": ("drive", "take over: drive from this computer"),
+    "ask": ("ask", "ask the driving client to hand over"),
+    "give": ("give", "hand over to the client that asks"),
+    "?": ("?", "show this help"),
+    "q": ("q", "quit; cancels the goal sent from here"),
+}
+MAP_USAGE: dict[str, tuple[str, str]] = {
+    "f": ("f", "follow the robot, or stop following"),
+    "t": ("t", "dark or light colours"),
+}
+"""Commands that only a terminal with a map has."""
+
+_PLAIN: dict[str, Command] = {
+    "l": ListPlaces(),
+    "s": Stop(),
+    "c": Resume(),
+    "drive": AskLease("take"),
+    "ask": AskLease("ask"),
+    "give": AskLease("grant"),
+    "e": AskMux("stop"),
+    "r": AskMux("release"),
+    "global": Relocalise(),
+    "f": Follow(),
+    "t": SwitchTheme(),
+    "?": Help(),
+    "q": Quit(),
+}
+_NAMED: dict[str, type[GoTo] | type[Remember] | type[Forget]] = {"m": GoTo, "w": Remember, "d": Forget}
+_ALIASES = {"go": "g", "goto": "m", "move": "m", "list": "l", "stop": "s", "help": "?", "quit": "q", "exit": "q"}
+_ALIASES |= {"emergency": "e", "release": "r", "x": "s", "cancel": "s", "continue": "c", "take": "drive"}
+_ALIASES |= {"follow": "f", "theme": "t"}
+_ALL_USAGE = USAGE | MAP_USAGE
+_LEAST_TYPO = 4  # letters: shorter ones are near to everything
+_NAME = re.compile(r"[\w][\w.-]{0,39}\Z")
+
+
+def parse_command(line: str) -> Command | None:
+    """The command of a line; None for a blank one or a `#` comment. Raises UserError: the value, what was expected."""
+    first, *given = line.split("#", 1)[0].split() or [""]
+    if not first:
+        return None
+    word = _ALIASES.get(first.lower(), first)
+    if word not in _ALL_USAGE:
+        near = did_you_mean(first, [*_ALL_USAGE, *_ALIASES]) if len(first) >= _LEAST_TYPO else None
+        if near:
+            raise bad_command_error(f"unknown command {printable(first)!r}", f"did you mean {near!r}?")
+        raise bad_command_error(
+            f"unknown command {printable(first)!r}, expected g X Y, m NAME, s, e, ...", "? lists all"
+        )
+    if word in _PLAIN:
+        _check_count(word, given, 0, 0)
+        return _PLAIN[word]
+    if word == "g":
+        _check_count(word, given, 2, 3)
+        x, y, *angle = (_number(word, text) for text in given)
+        return Go(x, y, math.radians(angle[0]) if angle else None)
+    if word == "i":
+        _check_count(word, given, 3, 3)
+        x, y, degrees = (_number(word, text) for text in given)
+        return SetPose(x, y, math.radians(degrees))
+    _check_count(word, given, 1, 1)
+    name = _check_name(given[0])
+    return _NAMED[word](name)
+
+
+def error_line(problem: UserError) -> str:
+    """A UserError in one line, its help included."""
+    return "; ".join(d.message + (f" ({d.help})" if d.help else "") for d in problem.diagnostics)
+
+
+def _check_count(word: str, given: list[str], least: int, most: int) -> None:
+    if len(given) < least:
+        raise bad_command_error(f"{word!r} {_count(given)}, expected: {_ALL_USAGE[word][0]}")
+    if len(given) > most:
+        raise bad_command_error(f"unexpected {printable(given[most])!r}, expected: {_ALL_USAGE[word][0]}")
+
+
+def _count(given: list[str]) -> str:
+    return f"needs more than {printable(' '.join(given))!r}" if given else "needs arguments"
+
+
+def _number(word: str, text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value) or abs(value) > 1e6:
+        raise bad_command_error(f"{printable(text)!r} is not a number, expected: {_ALL_USAGE[word][0]}")
+    return value
+
+
+def _check_name(name: str) -> str:
+    if not _NAME.match(name):
+        raise bad_command_error(
+            f"{printable(name)!r} is not a valid name, expected at most 40 letters, digits, '_', '-' and '.'"
+        )
+    return name
+
+
+def bad_command_error(message: str, help: str | None = None) -> UserError:
+    """A UserError about what was typed."""
+    return UserError(error(message, rule="bad-command", help=help))

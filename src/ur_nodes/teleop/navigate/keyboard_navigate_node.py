@@ -1,0 +1,139 @@
+"""The node keyboard_navigate: a map on a terminal, commands from a pipe."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import signal
+import sys
+import threading
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import rospkg
+
+from ur_nodes.rosio.parameters import Parameters
+from ur_nodes.teleop.navigate.batch import BatchContext, InterruptedBatchError, Limits, run_batch, wait_until_ready
+from ur_nodes.teleop.navigate.line_reader import LineReader
+from ur_nodes.teleop.navigate.waypoints import WaypointStore, name_of_map, waypoint_path
+from ur_nodes.teleop.navigator.model import Snapshot
+from ur_nodes.teleop.navigator.ros_navigator_node import Names, RosNavigator
+from ur_nodes.teleop.terminal.foreground_node import run_in_foreground
+from ur_nodes.teleop.terminal.raw import is_plain
+
+_NAME = "keyboard_navigate"
+
+StoreFor = Callable[[Snapshot], WaypointStore]
+
+
+def main() -> int:
+    """Run until `q`, Ctrl-C, the end of the pipe, or shutdown. Returns the exit code."""
+    return run_in_foreground(_NAME, _run)
+
+
+def _run(ended: threading.Event) -> int:
+    parameters = Parameters()
+    names = Names(
+        map_frame=parameters.text("global_frame", "map"),
+        base_frame=parameters.text("base_frame", "base_footprint"),
+        plan_topic=parameters.text("plan_topic", "move_base/NavfnROS/plan"),
+        mux=parameters.text("mux", "cmd_vel_mux"),
+    )
+    limits = Limits(
+        start=parameters.number("start_timeout", 60.0, minimum=0.0),
+        goal=parameters.number("goal_timeout", 600.0, minimum=0.0),
+    )
+    map_name = parameters.text("map_name", "")
+    file = parameters.text("waypoints_file", "")
+    navigator = RosNavigator(names)
+    try:
+        return _navigate(navigator, map_name, file, limits, ended)
+    finally:
+        navigator.close()
+
+
+def _navigate(navigator: RosNavigator, map_name: str, file: str, limits: Limits, ended: threading.Event) -> int:
+
+    def store_for(snapshot: Snapshot) -> WaypointStore:
+        assert snapshot.grid is not None, "asked for once the map is there"
+        path = Path(file).expanduser() if file else waypoint_path(map_name or name_of_map(snapshot.grid), os.environ)
+        return WaypointStore(path)
+
+    on_terminal = sys.stdin.isatty() and sys.stdout.isatty()
+    if on_terminal and not is_plain(os.environ):
+        return _run_screen(navigator, store_for, map_name, ended)
+    return _run_batch(navigator, store_for, limits, ended, attended=on_terminal)
+
+
+def _run_screen(navigator: RosNavigator, store_for: StoreFor, map_name: str, ended: threading.Event) -> int:
+    from ur_nodes.teleop.navigate.app import NavigateApp  # a pipe needs no Textual
+    from ur_nodes.teleop.terminal.textual_screen import ask_background, is_light, own_screen
+
+    light = is_light(os.environ, lambda: ask_background(0, 1))
+    log = Path(rospkg.get_log_dir()) / f"{_NAME}-stderr.log"
+    with own_screen(log) as driver:
+        app = NavigateApp(navigator, store_for, title=Path(map_name).stem, light=light, driver_class=driver)
+
+        async def run() -> None:
+            ending = asyncio.create_task(_end_with(app.exit, ended))
+            try:
+                await app.run_async()
+            finally:
+                ending.cancel()
+
+        try:
+            asyncio.run(run())
+        finally:
+            silence = app.cancel_own_goal()
+    if silence:
+        _write_err(f"warning: {_NAME}: the goal may not be cancelled: {silence}")
+        _write_err("  help: the robot stops and holds a goal when nothing arrives from this computer for 3 s")
+    if app.problem is not None:
+        raise app.problem
+    return app.return_code or 0
+
+
+async def _end_with(end: Callable[[], None], ended: threading.Event) -> None:
+    while not ended.is_set():
+        await asyncio.sleep(0.1)
+    end()
+
+
+def _run_batch(
+    navigator: RosNavigator, store_for: StoreFor, limits: Limits, ended: threading.Event, *, attended: bool = False
+) -> int:
+    """Run commands line by line; `attended`: a person types them on a terminal that cannot draw."""
+    lines = LineReader(0, ended)
+    urgent = lines.take_urgent if attended else None
+    around = BatchContext(out=_write_out, err=_write_err, clock=time.monotonic, sleep=ended.wait, urgent=urgent)
+    if attended:
+        around.out(f"{_NAME}: one command a line; ? lists them, s stops, e is the emergency stop, q quits")
+    try:
+        try:
+            missing = wait_until_ready(navigator, limits, around)
+        except InterruptedBatchError:
+            return 128 + signal.SIGINT  # there was no goal yet
+        if missing is not None:
+            around.err(f"error: {_NAME}: still waiting for {missing} after {limits.start:g} s")
+            around.err("  help: 'ur run keyboard_navigate' starts all of it; parameter ~start_timeout sets the limit")
+            return 2
+        return run_batch(lines, navigator, store_for(navigator.snapshot()), limits, around)
+    except InterruptedBatchError as interrupt:
+        around.err(f"error: {_NAME}: interrupted{f', {interrupt}' if str(interrupt) else ''}")
+        return 1
+    finally:
+        ended.wait(0.1)  # let the last message leave before the connections close
+
+
+def _write_out(line: str) -> None:
+    sys.stdout.write(line + "\n")
+    sys.stdout.flush()
+
+
+def _write_err(line: str) -> None:
+    sys.stderr.write(line + "\n")
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,177 @@
+"""The lines of text below the map."""
+
+from __future__ import annotations
+
+import math
+
+from rich.console import RenderableType
+from rich.table import Table
+from rich.text import Text
+
+from ur_nodes.teleop.mux.driver_text import clock_time, describe_silence, name_holder
+from ur_nodes.teleop.mux.emergency import describe_emergency
+from ur_nodes.teleop.navigate.commands import MAP_USAGE, USAGE
+from ur_nodes.teleop.navigator.model import ROBOT, GoalState, Snapshot, distance_left, format_number
+
+_SHOWN = {
+    GoalState.NONE: ("○", "dim"),
+    GoalState.WAITING: ("◌", "yellow"),
+    GoalState.DRIVING: ("▶", "bold green"),
+    GoalState.HELD: ("‖", "bold yellow"),
+    GoalState.ASKING: ("‖", "bold yellow"),
+    GoalState.UNKNOWN: ("?", "bold yellow"),
+    GoalState.REACHED: ("●", "bold green"),
+    GoalState.STOPPED: ("■", "yellow"),
+    GoalState.FAILED: ("✗", "bold red"),
+}
+_GAP = "  │  "
+_WIDE = 70  # columns: room for hints
+MAP_KEYS = (
+    ("click", "drive there"),
+    ("drag", "drive there, arrive facing that way"),
+    ("wheel, + -", "zoom"),
+    ("0", "show the whole map"),
+    ("right drag, ← →", "move the map"),
+    ("Tab", "letters are map keys: h j k l move, f t"),
+    ("Space", "emergency stop; twice while you type"),
+)
+
+
+def status_line(snapshot: Snapshot, columns: int) -> Text:
+    """Pose, speed, goal, distance left, localisation: as many of them as fit; nothing that is not known any more."""
+    if snapshot.silence is not None and snapshot.silence.who == ROBOT:
+        lost = Text(silence_line(snapshot), "bold red")
+        parts = [lost, None if snapshot.goal.over else _goal(snapshot)]
+    else:
+        parts = [_goal(snapshot), _pose(snapshot), _speed(snapshot), _spread(snapshot)]
+    line = Text("", no_wrap=True, end="")
+    for part in parts:
+        if part is None:
+            continue
+        gap = _GAP if line.cell_len else ""
+        if gap and line.cell_len + len(gap) + part.cell_len > columns:
+            break
+        line.append(gap, "dim")
+        line.append_text(part)
+    line.truncate(columns, overflow="ellipsis")
+    return line
+
+
+def alarm_line(snapshot: Snapshot) -> str:
+    """Describe an emergency; empty when there is none."""
+    return describe_emergency(snapshot.mux, "r and Enter let the robot drive again")
+
+
+def silence_line(snapshot: Snapshot) -> str:
+    """The text about what is not heard any more, or nothing."""
+    silence = snapshot.silence
+    return describe_silence(silence.who, silence.seconds) if silence else ""
+
+
+def asking_line(columns: int) -> str:
+    """The question that a held goal asks."""
+    long = "held: the robot waits for you; Enter or c continues, x cancels"
+    return long if len(long) < columns else "held: Enter or c continues, x cancels"
+
+
+def driver_line(snapshot: Snapshot, columns: int) -> str:
+    """The text about who drives, or asks to; empty while this client drives or may."""
+    view = snapshot.lease
+    if view.mine:
+        return f"{view.asking[0]} asks to drive; 'give' hands over" if view.asking else ""
+    text, hint = _describe_driver(snapshot), "drive: take over, ask: ask for it"
+    if text and view.state in ("held", "lost") and columns >= _WIDE:
+        text += "; asked to hand over" if view.asks else f"; {hint}"
+    return text
+
+
+def reason_not_to_drive(snapshot: Snapshot) -> str:
+    """The reason why this client must not tell the robot where to go or where it is now, or nothing."""
+    view = snapshot.lease
+    if snapshot.silence is not None and snapshot.silence.who == ROBOT:
+        return silence_line(snapshot)
+    if view.other:
+        return f"{_describe_driver(snapshot)}; 'drive' takes over, 'ask' asks for it"
+    if snapshot.conduct == "watch" and not view.mine and view.state != "unknown":
+        return "this program only monitors; 'drive' drives from this computer"
+    return ""
+
+
+def reason_not_to_send(snapshot: Snapshot) -> str:
+    """The reason why no goal is sent now, or nothing."""
+    if reason := reason_not_to_drive(snapshot):
+        return reason
+    if snapshot.missing:
+        return waiting_line(snapshot)
+    return "the emergency stop is on; r and Enter let the robot drive again" if snapshot.mux.stopped else ""
+
+
+def waiting_line(snapshot: Snapshot) -> str:
+    """Describe what is missing; empty when nothing is."""
+    return f"waiting for {' and '.join(snapshot.missing)} ..." if snapshot.missing else ""
+
+
+def help_table() -> RenderableType:
+    """Commands and keys, for the help panel; long texts wrap in their own column."""
+    table = Table.grid(padding=(0, 2), pad_edge=False)
+    table.add_column(no_wrap=True, style="cyan")
+    table.add_column()
+    for usage, meaning in (*USAGE.values(), *MAP_USAGE.values()):
+        table.add_row(usage, meaning)
+    table.add_row("", "")
+    for keys, meaning in MAP_KEYS:
+        table.add_row(keys, meaning)
+    return table
+
+
+def _describe_driver(snapshot: Snapshot) -> str:
+    view = snapshot.lease
+    taken = f"{view.taken_by} took over at {clock_time(view.taken_at or view.since)}" if view.taken_by else ""
+    if view.other:
+        return taken or f"{name_holder(view)} drives since {clock_time(view.since)}"
+    if view.state == "lost" and not view.mine:
+        return f"{name_holder(view)} drove and is out of reach"
+    if view.state == "free" and taken:
+        return f"{taken} and has left"
+    free = view.state == "free" and snapshot.conduct == "watch"
+    return "nobody drives; 'drive' drives from this computer" if free else ""
+
+
+def _pose(snapshot: Snapshot) -> Text | None:
+    pose = snapshot.pose
+    if pose is None:
+        return None
+    return Text.assemble(
+        ("x ", "dim"),
+        format_number(pose.x, 2),
+        ("  y ", "dim"),
+        format_number(pose.y, 2),
+        ("  ∠ ", "dim"),
+        f"{format_number(math.degrees(pose.yaw), 0)}°",
+    )
+
+
+def _speed(snapshot: Snapshot) -> Text | None:
+    if snapshot.pose is None:
+        return None
+    return Text.assemble(f"{abs(snapshot.speed):.2f}", (" m/s", "dim"))
+
+
+def _goal(snapshot: Snapshot) -> Text:
+    report = snapshot.goal
+    sign, style = _SHOWN[report.state]
+    if report.state is GoalState.UNKNOWN:
+        return Text.assemble((f"{sign} goal unknown until it answers", style))
+    held = report.state in (GoalState.HELD, GoalState.ASKING)
+    text = Text.assemble((f"{sign} {(held and report.text) or report.state.value}", style))
+    left = distance_left(snapshot)
+    if not (report.over or held) and left is not None:
+        text.append(f"  {left:.1f}").append(" m left", "dim")
+    return text
+
+
+def _spread(snapshot: Snapshot) -> Text | None:
+    if snapshot.spread is None:
+        return None
+    style = "" if snapshot.spread < 0.25 else "yellow" if snapshot.spread < 0.6 else "bold red"
+    return Text.assemble(("localised ± ", "dim"), (f"{snapshot.spread:.2f}", style), (" m", "dim"))

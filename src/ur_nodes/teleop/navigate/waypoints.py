@@ -1,0 +1,98 @@
+"""Places with names, kept per map in a small YAML file that people may edit."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping
+from hashlib import sha1
+from pathlib import Path
+
+from ur.source.diagnostic import UserError, error
+from ur.source.replace import replace_file
+from ur.source.section import read_section
+from ur.source.suggest import did_you_mean
+from ur_nodes.teleop.navigator.model import MapGrid, Place, format_number
+
+_HEAD = "# Waypoints of the map {name}: name: [x, y, angle], in m, m and degrees, in the map frame.\n"
+
+
+def waypoint_path(map_name: str, environment: Mapping[str, str]) -> Path:
+    """Return the waypoint file of a map: below XDG_DATA_HOME, which is ~/.local/share unless set.
+
+    `map_name` may be a path; then its stem counts.
+    """
+    data = environment.get("XDG_DATA_HOME") or str(Path(environment.get("HOME", "~")).expanduser() / ".local/share")
+    stem = Path(map_name).stem if "/" in map_name else map_name
+    return Path(data) / "ubiquity_launches" / "waypoints" / f"{re.sub(r'[^A-Za-z0-9_.-]', '_', stem)}.yaml"
+
+
+def name_of_map(grid: MapGrid) -> str:
+    """Return a name for a map without one; the same map always gets the same name."""
+    digest = sha1(repr((grid.resolution, grid.origin)).encode(), usedforsecurity=False)
+    digest.update(grid.cells.tobytes())
+    return f"map-{digest.hexdigest()[:8]}"
+
+
+class WaypointStore:
+    """The waypoints of one map. Every call reads the file anew, so several programs may share it."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+
+    def places(self) -> dict[str, Place]:
+        """All of them, sorted by name. Raises UserError, with the line, when the file cannot be used."""
+        if not self.path.exists():
+            return {}
+        section = read_section(self.path, "a waypoint file")
+        found = {}
+        for name in section.keys:
+            x, y, degrees = section.numbers(name, 3)
+            found[name] = Place(x, y, math.radians(degrees))
+        return dict(sorted(found.items()))
+
+    def find(self, name: str) -> Place:
+        """Return a waypoint. Raises UserError, with a suggestion, when there is none of that name."""
+        places = self.places()
+        if name not in places:
+            near = did_you_mean(name, places)
+            known = ", ".join(places) or "none yet; 'w NAME' saves one"
+            raise UserError(
+                error(
+                    f"unknown waypoint {name!r}, expected one of: {known}",
+                    rule="unknown-waypoint",
+                    help=f"did you mean {near!r}?" if near else None,
+                )
+            )
+        return places[name]
+
+    def remember(self, name: str, place: Place) -> bool:
+        """Save a place under a name; return whether it is new. Raises UserError when the file cannot be written."""
+        places = self.places()
+        fresh = name not in places
+        self._write({**places, name: place})
+        return fresh
+
+    def forget(self, name: str) -> None:
+        """Delete a waypoint. Raises UserError when there is no such waypoint."""
+        self.find(name)
+        self._write({key: place for key, place in self.places().items() if key != name})
+
+    def _write(self, places: Mapping[str, Place]) -> None:
+        lines = [f"{_key(name)}: [{_numbers_of(place)}]\n" for name, place in sorted(places.items())]
+        try:
+            replace_file(self.path, _HEAD.format(name=self.path.stem) + "".join(lines or ["{}\n"]), parents=True)
+        except OSError as problem:
+            reason = (problem.strerror or str(problem)).lower()
+            raise UserError(
+                error(f"{self.path}: {reason}, expected a writable waypoint file", rule="unwritable-file")
+            ) from None
+
+
+def _numbers_of(place: Place) -> str:
+    x, y = format_number(place.x, 3), format_number(place.y, 3)
+    return f"{x}, {y}, {format_number(math.degrees(place.yaw), 1)}"
+
+
+def _key(name: str) -> str:
+    return '"' + name.replace("\\", "\\\\").replace('"', '\\"') + '"'  # 007 and yes are names, not values

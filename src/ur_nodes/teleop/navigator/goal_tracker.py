@@ -1,0 +1,155 @@
+"""Tracking of a goal: the client's side of actionlib, as a step function.
+
+Status numbers and their meaning: actionlib_msgs/GoalStatus.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, field, replace
+from typing import Final
+
+from ur_nodes.teleop.navigator.model import GoalReport, GoalState, Place
+
+_RUNNING: Final = {0: GoalState.WAITING, 1: GoalState.DRIVING, 6: GoalState.DRIVING, 7: GoalState.WAITING}
+_LONGEST_HOLD: Final = 4096
+_LONGEST_TEXT: Final = 500
+_OVER: Final = {
+    2: GoalState.STOPPED,
+    3: GoalState.REACHED,
+    4: GoalState.FAILED,
+    5: GoalState.FAILED,
+    8: GoalState.STOPPED,
+    9: GoalState.FAILED,
+}
+ANSWER_LIMIT = 5.0
+"""Seconds of status lists without a goal after which move_base does not have it. It sends five lists a second."""
+
+SILENCE = 1.0
+"""Seconds without a status list after which nobody knows what becomes of a goal."""
+
+LATE = 1.0
+"""Seconds after the end of a goal in which word of a goal to the same place is about that one."""
+
+
+@dataclass(frozen=True, slots=True)
+class Status:
+    """One entry of a status list."""
+
+    goal_id: str
+    status: int
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Hold:
+    """The goal that move_base holds: its id ('' for none), and whether move_base waits for an answer."""
+
+    goal_id: str = ""
+    asking: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Tracker:
+    """The goal that is followed. `goal_id` is '' while it is somebody else's and not known by id yet.
+
+    `known`: move_base has mentioned it. `heard_at` is when it was sent or mentioned last, `listed_at` when the last
+    status list came, `absent_since` since when lists come without the goal.
+    """
+
+    report: GoalReport = field(default_factory=GoalReport)
+    goal_id: str = ""
+    heard_at: float = 0.0
+    known: bool = False
+    listed_at: float = 0.0
+    absent_since: float | None = None
+    hold: Hold = field(default_factory=Hold)
+
+
+def track_sent(tracker: Tracker, goal_id: str, place: Place, now: float) -> Tracker:
+    """Start to track a goal that is sent from here."""
+    report = GoalReport(tracker.report.number + 1, place, GoalState.WAITING)
+    return Tracker(report, goal_id, now, listed_at=now, hold=tracker.hold)
+
+
+def track_current(tracker: Tracker, place: Place, now: float) -> Tracker:
+    """move_base says which goal it drives to; another one than ours was sent by somebody else."""
+    ours = tracker.report.place
+    same = ours is not None and abs(ours.x - place.x) + abs(ours.y - place.y) < 1e-3
+    # Results come by another connection and may overtake the word about the goal that they end.
+    if same and (not tracker.report.over or now - tracker.heard_at < LATE):
+        return tracker
+    report = GoalReport(tracker.report.number + 1, place, GoalState.DRIVING)
+    return Tracker(report, "", now, known=True, listed_at=now, hold=tracker.hold)
+
+
+def track_status(tracker: Tracker, statuses: tuple[Status, ...], now: float) -> Tracker:
+    """A status list came. A followed goal that is in no list for `ANSWER_LIMIT` has failed; silence proves nothing."""
+    if tracker.report.over:
+        return tracker
+    for status in statuses:
+        if tracker.goal_id == status.goal_id or (not tracker.goal_id and status.status in _RUNNING):
+            found = replace(tracker, goal_id=status.goal_id, listed_at=now, absent_since=None)
+            return _apply(found, status, now)
+    silent = now - tracker.listed_at > SILENCE
+    since = now if silent or tracker.absent_since is None else tracker.absent_since
+    tracker = replace(tracker, listed_at=now, absent_since=since)
+    if now - since <= ANSWER_LIMIT:
+        return tracker
+    reason = (
+        "move_base does not know the goal any more; was it restarted?"
+        if tracker.known
+        else "the goal did not reach move_base; send it again"
+    )
+    return replace(tracker, report=replace(tracker.report, state=GoalState.FAILED, text=reason))
+
+
+def track_result(tracker: Tracker, status: Status, now: float) -> Tracker:
+    """A result came."""
+    if tracker.report.over or (tracker.goal_id and tracker.goal_id != status.goal_id):
+        return tracker
+    return _apply(tracker, status, now)
+
+
+def track_hold(tracker: Tracker, hold: Hold) -> Tracker:
+    """move_base says which goal it holds."""
+    return replace(tracker, hold=hold)
+
+
+def report_at(tracker: Tracker, now: float) -> GoalReport:
+    """The report at this moment: a goal that is not over is unknown while move_base is silent."""
+    report = tracker.report
+    if report.over:
+        return report
+    if now - tracker.listed_at > SILENCE:
+        return replace(report, state=GoalState.UNKNOWN, text="")
+    if report.state is GoalState.DRIVING and tracker.hold.goal_id and tracker.hold.goal_id == tracker.goal_id:
+        return replace(report, state=GoalState.ASKING if tracker.hold.asking else GoalState.HELD)
+    return replace(report, text="")
+
+
+def read_hold(text: str) -> Hold | None:
+    """Read a message of move_base's topic `hold`; None when it is malformed."""
+    try:
+        value = json.loads(text) if len(text) <= _LONGEST_HOLD else None
+    except (ValueError, RecursionError):
+        return None
+    if not isinstance(value, dict):
+        return None
+    goal, state = value.get("goal"), value.get("state")
+    if not isinstance(goal, str) or state not in ("", "held", "asking"):
+        return None
+    return Hold(goal if state else "", state == "asking")
+
+
+def _printable(text: str) -> str:
+    """The text on one line, without what a terminal would obey."""
+    return " ".join("".join(each if each.isprintable() else " " for each in text[:_LONGEST_TEXT]).split())
+
+
+def _apply(tracker: Tracker, status: Status, now: float) -> Tracker:
+    state = _OVER.get(status.status) or _RUNNING.get(status.status, tracker.report.state)
+    text = "" if state is GoalState.REACHED else _printable(status.text)
+    if state is GoalState.FAILED and not text:
+        text = "move_base gave no reason"
+    return replace(tracker, heard_at=now, known=True, report=replace(tracker.report, state=state, text=text))

@@ -1,0 +1,176 @@
+"""The interface between user interfaces and a robot that navigates: snapshots and requests."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from enum import Enum
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ur_nodes.geometry.pose import Pose2
+from ur_nodes.motion.lease.view import Conduct, LeaseView
+from ur_nodes.teleop.mux.driver_text import DriverRequest
+from ur_nodes.teleop.mux.emergency import MuxRequest, MuxView
+
+Place = Pose2
+"""A pose in the map frame: m, m, rad."""
+
+ROBOT = "the robot"
+"""The name of what is silent when the whole robot is."""
+
+
+@dataclass(frozen=True, eq=False)
+class MapGrid:
+    """An occupancy grid. `cells` is (height, width) int8, row 0 at the origin: 0 free to 100 occupied, -1 unknown.
+
+    `resolution` is in m per cell; `origin` is the pose of the corner of cell (0, 0) in the map frame.
+    """
+
+    cells: NDArray[np.int8]
+    resolution: float
+    origin: Place
+
+    @property
+    def bounds(self) -> tuple[float, float, float, float]:
+        """The box that holds it: left, bottom, right, top in m."""
+        height, width = self.cells.shape
+        c, s = math.cos(self.origin.yaw), math.sin(self.origin.yaw)
+        corners = [(x * self.resolution, y * self.resolution) for x in (0, width) for y in (0, height)]
+        xs = [self.origin.x + c * x - s * y for x, y in corners]
+        ys = [self.origin.y + s * x + c * y for x, y in corners]
+        return min(xs), min(ys), max(xs), max(ys)
+
+
+class GoalState(Enum):
+    """The state of the last goal; the value is its text for users."""
+
+    NONE = "no goal"
+    WAITING = "sent"
+    DRIVING = "driving"
+    HELD = "held"
+    ASKING = "waits for you"
+    UNKNOWN = "unknown"
+    REACHED = "reached"
+    STOPPED = "stopped"
+    FAILED = "failed"
+
+
+@dataclass(frozen=True, slots=True)
+class GoalReport:
+    """The last goal, its number (0: none was sent yet), its state, and why when it failed, is held or has stopped.
+
+    `UNKNOWN`: there is no word from the robot; the goal is neither over nor known to be driven to.
+    """
+
+    number: int = 0
+    place: Place | None = None
+    state: GoalState = GoalState.NONE
+    text: str = ""
+
+    @property
+    def over(self) -> bool:
+        """True once nothing more will happen to the goal."""
+        return self.state in (GoalState.NONE, GoalState.REACHED, GoalState.STOPPED, GoalState.FAILED)
+
+
+@dataclass(frozen=True, slots=True)
+class Silence:
+    """Nothing was received from `who` for `seconds`, although it was heard before."""
+
+    who: str
+    seconds: float
+
+
+@dataclass(frozen=True, eq=False)
+class Snapshot:
+    """The state of the robot at one moment, in the map frame; None for what is not known.
+
+    `scan` and `path` are (n, 2) in m; `speed` m/s and `turn` rad/s; `spread` the localiser's standard deviation in m;
+    `missing` names what is waited for, in words for people; `silence` what was heard and is not any more.
+    """
+
+    grid: MapGrid | None = None
+    pose: Place | None = None
+    scan: NDArray[np.float64] | None = None
+    path: NDArray[np.float64] | None = None
+    goal: GoalReport = field(default_factory=GoalReport)
+    speed: float = 0.0
+    turn: float = 0.0
+    spread: float | None = None
+    missing: tuple[str, ...] = ()
+    mux: MuxView = field(default_factory=MuxView)
+    lease: LeaseView = field(default_factory=LeaseView)
+    conduct: Conduct = "drive"
+    silence: Silence | None = None
+
+
+class Navigator(Protocol):
+    """A robot that can be sent to places. No call blocks; what came of it is in later snapshots."""
+
+    def snapshot(self) -> Snapshot:
+        """Return the newest state."""
+
+    def go(self, place: Place) -> int:
+        """Drive there, instead of where it drove so far. Returns the goal's number in `GoalReport`.
+
+        Raises UserError when it cannot be sent in time.
+        """
+
+    def resume(self) -> None:
+        """Continue the goal that is held."""
+
+    def request_lease(self, request: DriverRequest) -> None:
+        """Ask to drive, or let another drive."""
+
+    def stop(self) -> None:
+        """Cancel the goal, whoever sent it."""
+
+    def ask_mux(self, request: MuxRequest) -> None:
+        """Stop everything that drives, or release the emergency stop."""
+
+    def set_pose(self, place: Place) -> None:
+        """Set the estimated pose of the robot."""
+
+    def relocalise(self) -> None:
+        """Search for the robot on the whole map. Raises UserError when the localiser does not offer that."""
+
+
+def distance_left(snapshot: Snapshot) -> float | None:
+    """Along the path from the robot to the goal, in m; the straight line when there is no path to this goal."""
+    goal, pose, path = snapshot.goal.place, snapshot.pose, snapshot.path
+    if goal is None or pose is None:
+        return None
+    here = np.array([pose.x, pose.y])
+    straight = math.hypot(goal.x - pose.x, goal.y - pose.y)
+    if path is None or len(path) < 2 or math.hypot(path[-1, 0] - goal.x, path[-1, 1] - goal.y) > 0.5:
+        return straight
+    nearest = int(np.argmin(np.sum((path - here) ** 2, axis=1)))
+    rest = path[nearest:]
+    return float(np.sum(np.hypot(*np.diff(rest, axis=0).T))) if len(rest) > 1 else straight
+
+
+def heading_there(snapshot: Snapshot, x: float, y: float) -> float:
+    """The yaw to arrive with when none was given: the way from here to there."""
+    pose = snapshot.pose
+    if pose is None or math.hypot(x - pose.x, y - pose.y) < 0.05:
+        return pose.yaw if pose else 0.0
+    return math.atan2(y - pose.y, x - pose.x)
+
+
+def angle_between(one: float, other: float) -> float:
+    """The angle from one direction to another without its sign, in rad from 0 to pi."""
+    return abs((one - other + math.pi) % (2.0 * math.pi) - math.pi)
+
+
+def format_place(place: Place) -> str:
+    """A pose for people: `1.20 3.40 90`, as `g` takes it."""
+    x, y = format_number(place.x, 2), format_number(place.y, 2)
+    return f"{x} {y} {format_number(math.degrees(place.yaw), 0)}"
+
+
+def format_number(value: float, digits: int) -> str:
+    """A number with so many digits after the point; never a negative zero."""
+    return f"{round(value, digits) + 0.0:.{digits}f}"

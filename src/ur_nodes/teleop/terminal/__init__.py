@@ -1,0 +1,1 @@
+"""The terminal of a program: keys, screen, and a node that owns it."""

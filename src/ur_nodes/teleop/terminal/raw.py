@@ -1,0 +1,138 @@
+"""The terminal in raw mode: keys at once and unechoed, everything restored at the end."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import re
+import select
+import termios
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from ur_nodes.teleop.terminal.keys import KITTY_FLAGS
+
+ASK_FLAGS = "\x1b[?u"
+_ENTER = f"\x1b[?1049h\x1b[?25l\x1b[?1004h\x1b[>{KITTY_FLAGS}u{ASK_FLAGS}"
+_LEAVE = "\x1b[<u\x1b[?1004l\x1b[?25h\x1b[0m\x1b[?1049l"
+
+_STYLE = re.compile(r"\x1b\[([0-9;]*)m")
+
+
+def is_plain(environment: Mapping[str, str]) -> bool:
+    """Return whether the terminal takes lines of text only: TERM is `dumb`, or not set."""
+    return environment.get("TERM", "") in ("", "dumb")
+
+
+def _without_colour(style: re.Match[str]) -> str:
+    kept = [code for code in style[1].split(";") if code in ("", "0", "1", "2", "4", "7")]
+    return f"\x1b[{';'.join(kept)}m" if kept else ""
+
+
+class Terminal:
+    """A terminal in raw mode. Made by `own_terminal`."""
+
+    plain = False
+    """True for a terminal that takes lines only: then `show` adds those that are new."""
+
+    def __init__(self, source: int, screen: int, *, colours: bool = True) -> None:
+        self._source = source
+        self._colours = colours
+        self._screen = screen
+        self._shown: list[str] = []
+        self._size = (0, 0)
+
+    def read(self, timeout: float, wake: int | None = None) -> bytes | None:
+        """Bytes that came within `timeout` seconds (b'' for none); None when the terminal is gone.
+
+        Returns early when the descriptor `wake` can be read.
+        """
+        sources = [self._source] if wake is None else [self._source, wake]
+        ready, _, _ = select.select(sources, [], [], max(0.0, timeout))
+        if self._source not in ready:
+            return b""
+        try:
+            return os.read(self._source, 1024) or None
+        except OSError:
+            return None
+
+    def size(self) -> tuple[int, int]:
+        """Columns and rows now. Asked each time: without a controlling terminal no signal tells of a change."""
+        try:
+            columns, rows = os.get_terminal_size(self._screen)
+        except OSError:
+            return 80, 24
+        return (columns, rows) if columns and rows else (80, 24)
+
+    def request_answer(self) -> None:
+        """Request an answer from the terminal, which shows that it still exists."""
+        self._write(ASK_FLAGS)
+
+    def show(self, lines: Sequence[str], *, again: bool = False) -> None:
+        """Show lines from the top; only those that changed are sent, all of them with `again`."""
+        if not self._colours:
+            lines = [_STYLE.sub(_without_colour, line) for line in lines]
+        size = self.size()
+        if again or size != self._size:
+            self._shown, self._size = [], size
+        fresh = not self._shown
+        out = ["\x1b[H\x1b[J"] if fresh else []
+        for row, line in enumerate(lines):
+            if fresh or row >= len(self._shown) or self._shown[row] != line:
+                out.append(f"\x1b[{row + 1};1H{line}\x1b[K")
+        if len(lines) < len(self._shown):
+            out.append(f"\x1b[{len(lines) + 1};1H\x1b[J")
+        self._shown = list(lines)
+        if out:
+            self._write("".join(out))
+
+    def _write(self, text: str) -> None:
+        data = text.encode()
+        with contextlib.suppress(OSError):  # a terminal that is gone is noticed by read
+            while data:
+                data = data[os.write(self._screen, data) :]
+
+
+class PlainTerminal(Terminal):
+    """A terminal that gets no escape sequence: what is new is added below."""
+
+    plain = True
+
+    def request_answer(self) -> None:
+        """Do nothing: it would not answer."""
+
+    def show(self, lines: Sequence[str], *, again: bool = False) -> None:  # noqa: ARG002 - what is above stays there
+        """Add the lines that were not shown the last time."""
+        fresh = [line for line in lines if line and line not in self._shown]
+        self._shown = list(lines)
+        if fresh:
+            self._write("".join(f"{line}\r\n" for line in fresh))
+
+
+@contextlib.contextmanager
+def own_terminal(source: int, screen: int, *, plain: bool = False, colours: bool = True) -> Iterator[Terminal]:
+    """Own the terminal of these two file descriptors; on any exit it is as it was.
+
+    Keys that make signals are read as keys: under roslaunch the program is not in the terminal's foreground
+    group, so Ctrl-C would reach others only. Asks for release events of the kitty protocol; terminals that
+    do not know it ignore that. With `plain` no escape sequence is sent, without `colours` (NO_COLOR)
+    none that names a colour.
+    """
+    before = termios.tcgetattr(source)
+    terminal = PlainTerminal(source, screen) if plain else Terminal(source, screen, colours=colours)
+    try:
+        termios.tcsetattr(source, termios.TCSAFLUSH, _raw(before))
+        terminal._write("" if plain else _ENTER)  # noqa: SLF001 - the two are one thing
+        yield terminal
+    finally:
+        terminal._write("" if plain else _LEAVE)  # noqa: SLF001 - the two are one thing
+        with contextlib.suppress(termios.error):
+            termios.tcsetattr(source, termios.TCSAFLUSH, before)
+
+
+def _raw(before: list[Any]) -> list[Any]:
+    attributes = [*before[:6], list(before[6])]
+    attributes[0] &= ~(termios.IXON | termios.ICRNL | termios.INLCR)
+    attributes[3] &= ~(termios.ICANON | termios.ECHO | termios.ISIG | termios.IEXTEN)
+    attributes[6][termios.VMIN], attributes[6][termios.VTIME] = 1, 0
+    return attributes

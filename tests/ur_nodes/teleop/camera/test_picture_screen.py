@@ -1,0 +1,70 @@
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+
+from ur_nodes.teleop.camera.picture_screen import Feed, describe_feed, describe_silence, draw_picture_screen
+
+_COLOUR = re.compile(r"\x1b\[[0-9;]*m")
+
+
+def bare(lines: list[str]) -> list[str]:
+    return [_COLOUR.sub("", line) for line in lines]
+
+
+def test_two_pixels_share_a_cell() -> None:
+    picture = np.array([[[255, 0, 0]], [[0, 0, 255]]], np.uint8)
+    lines = draw_picture_screen(picture, "", 1, 2, rich=True)
+    assert lines[0] == "\x1b[38;2;255;0;0m\x1b[48;2;0;0;255m▀\x1b[0m"
+
+
+def test_terminal_of_256_colours_gets_the_nearest_of_its_cube() -> None:
+    picture = np.array([[[250, 10, 0]], [[90, 140, 180]]], np.uint8)
+    lines = draw_picture_screen(picture, "", 1, 2, rich=False)
+    assert lines[0] == f"\x1b[38;5;{16 + 36 * 5}m\x1b[48;5;{16 + 36 + 6 * 2 + 3}m▀\x1b[0m"
+
+
+@pytest.mark.parametrize(("columns", "rows"), [(80, 24), (20, 5), (1, 1), (7, 2)])
+def test_screen_has_the_size_of_the_terminal(columns: int, rows: int) -> None:
+    picture = np.zeros((max(1, 2 * (rows - 1) - 1), min(columns, 9), 3), np.uint8)
+    lines = bare(draw_picture_screen(picture, "/camera/image   640 x 480", columns, rows, rich=True))
+    assert len(lines) == rows
+    assert all(len(line) <= columns for line in lines)
+
+
+def test_status_is_the_last_line_and_says_how_to_leave() -> None:
+    lines = bare(draw_picture_screen(None, "waiting", 40, 5, rich=True))
+    assert lines[-1].startswith(" waiting")
+    assert lines[-1].endswith("q quits ")
+    assert lines[:-1] == [""] * 4
+
+
+def test_feed_tells_size_rate_and_weight() -> None:
+    feed = Feed("/camera/image/compressed")
+    assert describe_feed(feed, 0, 0.0) == "/camera/image/compressed: waiting for a publisher"
+    assert describe_feed(feed, 1, 0.0) == "/camera/image/compressed: waiting for the first picture"
+    for number in range(31):
+        feed.take(number / 10.0, (640, 480), 23_400)
+    text = describe_feed(feed, 1, 3.0)
+    assert text == "/camera/image/compressed   640 x 480   10.0 pictures a second   23 kB each"
+    assert describe_feed(feed, 1, 8.0) == "/camera/image/compressed: no picture for 5 s"
+
+
+def test_reason_for_silence_is_shown_after_three_seconds_and_not_while_pictures_come() -> None:
+    feed = Feed("/camera/image", began=10.0)
+    assert describe_silence(feed, "no node publishes it", 12.9) == ""
+    assert describe_silence(feed, "", 13.2) == "no picture on /camera/image for 3 s"
+    assert describe_silence(feed, "/cam: broken", 14.2) == "no picture on /camera/image for 4 s: /cam: broken"
+    feed.take(15.0, (640, 480), 23_400)
+    assert describe_silence(feed, "/cam: broken", 16.0) == ""
+
+
+def test_long_reason_is_wrapped_and_shown_whole_whatever_the_picture() -> None:
+    reason = "no picture on /camera/image for 3 s: /simulator: " + "OpenGL is not installed " * 3
+    for picture in (None, np.zeros((20, 40, 3), np.uint8)):
+        lines = bare(draw_picture_screen(picture, "status", 40, 11, rich=True, notice=reason))
+        assert len(lines) == 11
+        assert all(len(line) <= 40 for line in lines)
+        assert reason.split() == [word for line in lines[:-1] if "▀" not in line for word in line.split()]
