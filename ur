@@ -7,6 +7,11 @@ where=""
 [[ -e $stamp ]] && read -r where <"$stamp"
 if [[ $where != "$root" || $root/requirements/run.lock -nt $stamp || $root/tools/set_up.bash -nt $stamp ||
   $root/pyproject.toml -nt $stamp ]]; then
+  if [[ $EUID -eq 0 && -n ${SUDO_USER-} && ! -O $root ]]; then
+    echo "error: $root belongs to another user, and sudo would leave files of root in it" >&2
+    echo "  help: run it without sudo, which it asks for where it needs root: $root/ur" >&2
+    exit 2
+  fi
   bash "$root/tools/set_up.bash" run || exit
 fi
-exec "$root/.venv/bin/python" -m ur "$@"
+exec "$root/.venv/bin/python" -I -m ur "$@" # -I: nothing of the current folder is imported

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import os
 import sys
 
 
 def _run() -> int:
+    os.umask(os.umask(0o077) | 0o002)  # nothing is writable for everybody, whatever the shell has set
     if sys.argv[1:2] == ["launch"]:
         from ur.cli.fast import answer_fast, launch_fast
 

@@ -30,7 +30,8 @@ class Diagnostic:
     """A finding: the thing first, then what was expected; where; and one action that helps.
 
     `rule` is a kebab-case id that never changes its meaning. `span` is None when the finding is not in a text,
-    for instance when it is about the command line.
+    for instance when it is about the command line. `subject` is the name that the finding is about: a package, an
+    argument, a file; programs read it, so that messages can be reworded freely.
     """
 
     severity: Severity
@@ -39,6 +40,7 @@ class Diagnostic:
     span: Span | None = None
     notes: tuple[Note, ...] = ()
     help: str | None = None
+    subject: str = ""
 
 
 class UserError(Exception):
@@ -53,7 +55,13 @@ class UserError(Exception):
 
 
 def error(
-    message: str, span: Span | None = None, *, rule: str, help: str | None = None, notes: tuple[Note, ...] = ()
+    message: str,
+    span: Span | None = None,
+    *,
+    rule: str,
+    help: str | None = None,
+    notes: tuple[Note, ...] = (),
+    subject: str = "",
 ) -> Diagnostic:
     """A Diagnostic with severity ERROR."""
-    return Diagnostic(Severity.ERROR, message, rule, span, notes, help)
+    return Diagnostic(Severity.ERROR, message, rule, span, notes, help, subject)

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import os
+import stat
 from bisect import bisect_right
 from pathlib import Path
 from typing import NamedTuple
 
 from ur.source.diagnostic import UserError, error
 from ur.source.suggest import did_you_mean
+
+MAX_BYTES = 64 * 1024 * 1024
 
 
 class Position(NamedTuple):
@@ -34,7 +38,7 @@ class SourceFile:
     def read(cls, path: str | Path, expected: str = "a readable text file") -> SourceFile:
         """Read a file as UTF-8. Raises UserError, which names the path, when that cannot be done."""
         try:
-            return cls(str(path), Path(path).read_text(encoding="utf-8"))
+            return cls(str(path), _read_file(str(path)).decode("utf-8"))
         except UnicodeDecodeError as problem:
             raise UserError(
                 error(f"{path}: byte {problem.start} is not UTF-8, expected {expected}", rule="unreadable-file")
@@ -93,6 +97,18 @@ class Span(NamedTuple):
     def __str__(self) -> str:
         line, column = self.position
         return f"{self.file.path}:{line}:{column}"
+
+
+def _read_file(path: str) -> bytes:
+    # A pipe would be waited for, and a device has no end; a shell's <(...) is a pipe that somebody chose.
+    chosen = path.startswith(("/dev/fd/", "/dev/stdin", "/proc/self/fd/"))
+    with open(os.open(path, os.O_RDONLY | os.O_CLOEXEC | (0 if chosen else os.O_NONBLOCK)), "rb") as file:  # noqa: PTH123 - a descriptor
+        if not chosen and not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
+            raise OSError(0, "not a regular file", path)
+        data = file.read(MAX_BYTES + 1)
+    if len(data) > MAX_BYTES:
+        raise OSError(0, f"larger than {MAX_BYTES:,} bytes", path)
+    return data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")  # as Python reads texts
 
 
 def _suggest_sibling(path: Path) -> str | None:

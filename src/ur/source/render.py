@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable
+from typing import TextIO
 
 from ur.source.diagnostic import Diagnostic, Severity
 from ur.source.file import Span
+from ur.source.printable import printable
 
 _STYLES = {
     "error": "\x1b[1;31m",
@@ -15,6 +18,16 @@ _STYLES = {
     "path": "\x1b[1m",
     "caret": "\x1b[1;31m",
 }
+
+
+def shows_colour(stream: TextIO) -> bool:
+    """Return True for a terminal that shows colours, unless NO_COLOR is set (no-color.org)."""
+    return stream.isatty() and allows_colour()
+
+
+def allows_colour() -> bool:
+    """Return False where NO_COLOR is set, or TERM names no terminal that shows colours."""
+    return not os.environ.get("NO_COLOR") and os.environ.get("TERM", "") not in ("", "dumb")
 
 
 def render_human(diagnostics: Iterable[Diagnostic], *, colour: bool = False) -> str:
@@ -27,15 +40,15 @@ def render_human(diagnostics: Iterable[Diagnostic], *, colour: bool = False) -> 
 
 def _lines(diagnostic: Diagnostic, colour: bool) -> Iterable[str]:
     severity = diagnostic.severity.value
-    where = _paint(f"{diagnostic.span}: ", "path", colour) if diagnostic.span else ""
-    yield f"{where}{_paint(severity, severity, colour)}: {diagnostic.message} [{diagnostic.rule}]"
+    where = _paint(f"{printable(str(diagnostic.span))}: ", "path", colour) if diagnostic.span else ""
+    yield f"{where}{_paint(severity, severity, colour)}: {printable(diagnostic.message)} [{diagnostic.rule}]"
     if diagnostic.span:
         yield from _excerpt(diagnostic.span, colour, diagnostic.severity)
     for note in diagnostic.notes:
         place = f"{note.span}: " if note.span else ""
-        yield f"  {_paint('note', 'note', colour)}: {place}{note.message}"
+        yield f"  {_paint('note', 'note', colour)}: {printable(place + note.message)}"
     if diagnostic.help:
-        yield f"  {_paint('help', 'help', colour)}: {diagnostic.help}"
+        yield f"  {_paint('help', 'help', colour)}: {printable(diagnostic.help)}"
 
 
 def _excerpt(span: Span, colour: bool, severity: Severity) -> Iterable[str]:
@@ -45,10 +58,16 @@ def _excerpt(span: Span, colour: bool, severity: Severity) -> Iterable[str]:
         return
     width = max(1, min(span.end - span.start, len(text) - column + 1))
     start = max(0, column - 100)  # a caret far to the right helps nobody
-    shown = text[start : start + 160].replace("\t", " ")
+    shown = _one_cell_each(text[start : start + 160])
     carets = "^" * min(width, max(1, 160 - (column - 1 - start)))
     yield f"  {line:>4} | {shown}"
     yield f"       | {' ' * (column - 1 - start)}{_paint(carets, severity.value, colour)}"
+
+
+def _one_cell_each(text: str) -> str:
+    """A source line in which each character stays above its caret: tabs are blanks, what is not printable is `?`."""
+    text = text.replace("\t", " ")
+    return text if text.isprintable() else "".join(each if printable(each) == each else "?" for each in text)
 
 
 def _paint(text: str, style: str, colour: bool) -> str:

@@ -11,6 +11,7 @@ import yaml
 from ur.source.diagnostic import UserError, error
 from ur.source.file import SourceFile, Span
 from ur.source.suggest import did_you_mean
+from ur.source.yaml_depth import check_depth, check_size
 
 _Loader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 _REQUIRED: Any = object()
@@ -27,6 +28,7 @@ def read_section(path: str | Path, what: str) -> Section:
 def parse_section(file: SourceFile, what: str) -> Section:
     """As read_section, for a text that is already there."""
     try:
+        check_depth(file.text)
         node = yaml.compose(file.text, Loader=_Loader)
     except yaml.MarkedYAMLError as problem:
         mark = problem.problem_mark or problem.context_mark
@@ -35,7 +37,7 @@ def parse_section(file: SourceFile, what: str) -> Section:
         raise UserError(
             error(f"not valid YAML, expected {what}: {text}", Span(file, start, start + 1), rule="bad-yaml")
         ) from None
-    except yaml.YAMLError as problem:
+    except (yaml.YAMLError, ValueError) as problem:  # ValueError: characters that are not UTF-8
         raise UserError(error(f"{file.path}: not valid YAML, expected {what}: {problem}", rule="bad-yaml")) from None
     if not isinstance(node, yaml.MappingNode):
         found = "an empty file" if node is None else f"a {_kind(node)}"
@@ -216,9 +218,12 @@ class Section:
     def _plain(self, node: yaml.Node) -> Any:
         loader = _Loader("")
         try:
+            check_size(node)
             return loader.construct_document(node)
-        except yaml.YAMLError as problem:
+        except (yaml.YAMLError, ValueError, TypeError, OverflowError, LookupError, AttributeError) as problem:
             self._fail(node, f"a value that YAML cannot read: {problem}", None)
+        except RecursionError:
+            self._fail(node, "a value that is nested too deep", None)
         finally:
             loader.dispose()
 

@@ -1,0 +1,105 @@
+r"""Foreign text on a terminal or in a document: what could act there is shown as an escape instead.
+
+File names, launch files, announcements and robots' answers are foreign. `printable` is for one field of a line;
+`printable_lines` for a text of several lines; `guard_stream` for everything that is written to an open stream.
+A control character appears as Python would write it: `\x1b`, `\n`, `\u202e`.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any, TextIO, cast
+
+# C0, DEL, C1; marks that turn the direction of text around; line separators; halves of characters (bytes not in UTF-8).
+_ACTIVE = "\x00-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069\ud800-\udfff"
+_FIELD = re.compile(f"[{_ACTIVE}]")
+_LINES = re.compile(f"[{_ACTIVE}]".replace("\x00-\x1f", "\x00-\x08\x0b-\x1f"))
+# Written by our own tables, tests and live views: colours, moves of the cursor and erasing (ECMA-48). What makes a
+# terminal answer, change its title or fill the clipboard is not among them.
+_STREAM = re.compile(rf"(\x1b\[[0-9;:?]*[A-HJKSThlm]|\r)|{_LINES.pattern}")
+
+
+def printable(text: str) -> str:
+    """Make a text safe as a field of one line. Other texts come back as they are."""
+    return text if text.isprintable() else _FIELD.sub(_escape, text)
+
+
+def printable_lines(text: str) -> str:
+    """Make a text safe, line breaks and tabs kept."""
+    return text if text.isprintable() else _LINES.sub(_escape, text)
+
+
+class OutputLost(Exception):  # noqa: N818 - says what happened
+    """Standard output takes nothing more: a full disk, a closed descriptor, a reader that has gone."""
+
+    def __init__(self, reason: OSError) -> None:
+        super().__init__(str(reason))
+        self.reason = reason
+
+
+class GuardedStream:
+    """A text stream that escapes what acts on a terminal, except for colours, moves of the cursor and erasing.
+
+    Everything else is that of the stream: `buffer` takes bytes as they are.
+    """
+
+    def __init__(self, stream: TextIO, *, essential: bool = False) -> None:
+        """Take a stream. Of one that is not `essential`, standard error, what cannot be written is lost."""
+        self._stream = stream
+        self._essential = essential
+
+    def write(self, text: str) -> int:
+        """Write a text; the number of characters that were given."""
+        try:
+            self._stream.write(text if text.isprintable() else _STREAM.sub(_keep_or_escape, text))
+        except OSError as problem:
+            self._lose(problem)
+        return len(text)
+
+    def flush(self) -> None:
+        """Write what waits. Raises OutputLost."""
+        try:
+            self._stream.flush()
+        except OSError as problem:
+            self._lose(problem)
+
+    def _lose(self, problem: OSError) -> None:
+        # Python writes what waits once more when it ends, and would fail then.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), self._stream.fileno())
+        if self._essential:
+            raise OutputLost(problem) from None
+
+    def writelines(self, lines: Any) -> None:
+        """Write texts, one after the other."""
+        for line in lines:
+            self.write(line)
+
+    def __getattr__(self, name: str) -> Any:
+        """Return an attribute of the stream for all that is not defined here."""
+        return getattr(self._stream, name)
+
+
+@contextmanager
+def guard_output() -> Iterator[None]:
+    """Guard standard output and standard error of this process."""
+    before = sys.stdout, sys.stderr
+    sys.stdout, sys.stderr = (
+        stream if stream is None else cast("TextIO", GuardedStream(stream, essential=stream is sys.stdout))
+        for stream in (sys.stdout, sys.stderr)
+    )
+    try:
+        yield
+    finally:
+        sys.stdout, sys.stderr = before
+
+
+def _escape(match: re.Match[str]) -> str:
+    return ascii(match.group())[1:-1]
+
+
+def _keep_or_escape(match: re.Match[str]) -> str:
+    return match.group(1) or _escape(match)

@@ -1,0 +1,28 @@
+"""Reports of progress: pure code says what it does, and whoever has called it decides what becomes of that."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import AbstractContextManager, nullcontext
+from typing import TypeVar
+
+Progress = Callable[[str], None]  # takes what is being done now: "checking 120 of 300 files"
+Waiting = Callable[[str], AbstractContextManager[object]]  # opened around a wait: "waiting for bob to answer"
+_Item = TypeVar("_Item")
+
+
+def no_progress(text: str) -> None:
+    """Ignore a report: for callers that show none."""
+
+
+def no_waiting(text: str) -> AbstractContextManager[object]:  # noqa: ARG001 - as Waiting has it
+    """Return a context that shows nothing."""
+    return nullcontext()
+
+
+def counted(items: Sequence[_Item], verb: str, noun: str, progress: Progress) -> Iterator[_Item]:
+    """Yield the items, each reported before it is used: "checking 120 of 300 files"."""
+    total = len(items)
+    for number, item in enumerate(items, 1):
+        progress(f"{verb} {number} of {total} {noun}")
+        yield item

@@ -1,0 +1,102 @@
+"""Replacement of files that is complete or does not happen, also when the power is cut. One implementation for all.
+
+Without `fsync`, a rename may reach the disk before the content of the file that it moves: after a power cut the file
+is then empty. This module uses the standard library only and imports nothing that takes long to load.
+"""
+
+# Descriptors and exact paths throughout.
+# ruff: noqa: PTH102, PTH105, PTH100, PTH108, PTH112, PTH118, PTH120
+
+from __future__ import annotations
+
+import errno
+import os
+import stat
+from contextlib import suppress
+
+PUBLIC = 0o664  # of a new file, less the umask: never writable for everybody
+PRIVATE = 0o600
+
+
+def replace_file(
+    path: str | os.PathLike[str],
+    content: str | bytes,
+    *,
+    mode: int = PUBLIC,
+    follow: bool = True,
+    parents: bool = False,
+    lasting: bool = True,
+) -> None:
+    """Write a file completely or leave it as it is. Raises OSError.
+
+    A symbolic link stays one: the file that it leads to is written. Without `follow`, for folders that somebody else
+    may have filled, a file takes its place. The permissions of a file stay; `mode`, less the umask, is for new ones.
+    With `parents`, folders that are missing are made. With `lasting`, the content is on the disk when this returns,
+    which a cache does not need.
+    """
+    folder, name = os.path.split(os.path.realpath(path) if follow else os.path.abspath(path))
+    target = os.path.join(folder, name)
+    if parents:
+        make_folder(folder, lasting=lasting)
+    permissions = _permissions(target)
+    beside = os.path.join(folder, f".{name[:200]}.{os.urandom(4).hex()}.ur-new")
+    # Exclusive: nobody's link or file of this name is written to.
+    descriptor = os.open(beside, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, mode)
+    try:
+        with open(descriptor, "wb") as file:  # noqa: PTH123 - a descriptor
+            if permissions is not None:
+                os.fchmod(descriptor, permissions)
+            file.write(content.encode("utf-8", "surrogateescape") if isinstance(content, str) else content)
+            file.flush()
+            if permissions is not None and permissions & (stat.S_ISUID | stat.S_ISGID):
+                os.fchmod(descriptor, permissions)  # again: writing takes these two away from ordinary users
+            if lasting:
+                os.fsync(descriptor)
+        os.replace(beside, target)
+    except BaseException:
+        with suppress(OSError):
+            os.unlink(beside)
+        raise
+    if lasting:
+        sync_folder(folder)
+
+
+def make_folder(folder: str, *, mode: int = 0o775, lasting: bool = True) -> None:
+    """Make a folder and those above it where they are missing; `mode` is less the umask. Raises OSError."""
+    if os.path.isdir(folder):
+        return
+    above = os.path.dirname(folder.rstrip("/")) or "."
+    make_folder(above, mode=mode, lasting=lasting)
+    try:
+        os.mkdir(folder, mode)
+    except FileExistsError:
+        if not os.path.isdir(folder):
+            raise
+    if lasting:
+        sync_folder(above)
+
+
+def sync_folder(folder: str) -> None:
+    """Bring the names in a folder to the disk: what was made, renamed or removed there lasts. Raises OSError."""
+    descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
+    try:
+        os.fsync(descriptor)
+    except OSError as problem:
+        if problem.errno not in (errno.EINVAL, errno.ENOTSUP):  # some network file systems have no such thing
+            raise
+    finally:
+        os.close(descriptor)
+
+
+def _permissions(target: str) -> int | None:
+    try:
+        status = os.lstat(target)
+    except FileNotFoundError:
+        return None
+    if stat.S_ISDIR(status.st_mode):
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), target)
+    if stat.S_ISLNK(status.st_mode):
+        return None
+    if not stat.S_ISREG(status.st_mode):
+        raise OSError(errno.EINVAL, "Not a regular file", target)
+    return stat.S_IMODE(status.st_mode)
