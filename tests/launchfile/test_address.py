@@ -3,10 +3,18 @@ from __future__ import annotations
 import pytest
 
 from ur.launchfile import MemoryWorld, resolve_addresses
+from ur.launchfile.address import join_addresses
 from ur.source import UserError
 
 WORLD = MemoryWorld(
-    {"/p/launch/a.launch": "", "/p/one/b.launch": "", "/p/two/b.launch": "", "/c.launch": ""}, {"my_pkg": "/p"}
+    {
+        "/p/launch/a.launch": "",
+        "/p/one/b.launch": "",
+        "/p/two/b.launch": "",
+        "/p/m_drive/launch/m_drive.launch.xml": "",
+        "/c.launch": "",
+    },
+    {"my_pkg": "/p"},
 )
 
 
@@ -23,8 +31,11 @@ def test_path_is_taken_as_it_is() -> None:
     [
         (["my_pkg", "b.launch"], "holds 2 files", "/p/one/b.launch"),
         (["my_pkg", "aa.launch"], "holds no file", "a.launch"),
+        (["my_pkg", "m_driv.launch.xml"], "holds no file", "m_drive.launch.xml"),
         (["my_pgk", "a.launch"], "neither", "my_pkg"),
         (["/d.launch"], "is no file", "/c.launch"),
+        (["my_pkg"], "'my_pkg' is given without a launch file, expected one of a.launch, b.launch", "ur launch my_pkg"),
+        (["my_pkg", "bb.launch"], "holds no file", "did you mean b.launch?"),
     ],
 )
 def test_wrong_address_is_explained(words: list[str], message: str, help_: str) -> None:
@@ -33,3 +44,21 @@ def test_wrong_address_is_explained(words: list[str], message: str, help_: str) 
     found = caught.value.diagnostics[0]
     assert message in found.message
     assert help_ in (found.help or "")
+
+
+def test_package_and_name_are_one_address_among_several() -> None:
+    words = ["my_pkg", "a.launch", "my_pkg", "/c.launch", "nothing"]
+    assert join_addresses(words, WORLD) == ["/p/launch/a.launch", "my_pkg", "/c.launch", "nothing"]
+
+
+def test_package_and_name_of_several_files_is_explained() -> None:
+    with pytest.raises(UserError) as caught:
+        join_addresses(["my_pkg", "b.launch"], WORLD)
+    assert caught.value.diagnostics[0].rule == "ambiguous-file"
+
+
+def test_only_launch_files_are_suggested_for_a_path() -> None:
+    world = MemoryWorld({"/home/.profile": "", "/home/nofile.txt": ""})
+    with pytest.raises(UserError) as caught:
+        resolve_addresses(["/home/nofile"], world)
+    assert caught.value.diagnostics[0].help == "give a path, or a package and a file name"

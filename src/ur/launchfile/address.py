@@ -8,6 +8,8 @@ from ur.launchfile.world.protocol import PackageNotFound, World
 from ur.source.diagnostic import Diagnostic, Note, UserError, error
 from ur.source.suggest import did_you_mean
 
+_SUFFIXES = (".launch", ".launch.xml", ".test")
+
 
 def resolve_addresses(words: Sequence[str], world: World) -> list[str]:
     """The launch files that the words of a command line name: `[package] file.launch [file ...]`.
@@ -25,6 +27,27 @@ def resolve_addresses(words: Sequence[str], world: World) -> list[str]:
     if names[0] == "-" or world.is_file(names[0]):
         return names
     raise UserError(_explain(names, world))
+
+
+def join_addresses(words: Sequence[str], world: World) -> list[str]:
+    """Words that name files, folders and packages, with each `PACKAGE FILE` replaced by the file's path.
+
+    A word that is a path stays one, also after a package. Raises UserError where a package holds several such files.
+    """
+    joined: list[str] = []
+    package = ""
+    for word in words:
+        found = _find_in_package(package, word, world) if package and not _is_path(word, world) else None
+        if found:
+            joined[-1] = found
+        else:
+            joined.append(word)
+        package = "" if found or "/" in word or _is_path(word, world) else word
+    return joined
+
+
+def _is_path(word: str, world: World) -> bool:
+    return world.is_file(word) or bool(world.list_folder(word))
 
 
 def _find_in_package(package: str, name: str, world: World) -> str | None:
@@ -47,10 +70,19 @@ def _find_in_package(package: str, name: str, world: World) -> str | None:
 
 
 def _explain(names: list[str], world: World) -> Diagnostic:
+    if len(names) == 1 and names[0] in world.package_names():
+        files = _list_launch_files(world.find_package(names[0]), world)
+        message = f"package {names[0]!r} is given without a launch file, expected one of {_shorten(files)}"
+        return error(message, rule="missing-file", help=f"ur launch {names[0]} {files[0]}" if files else None)
     if len(names) == 1:
         folder, slash, last = names[0].rpartition("/")
-        near = did_you_mean(last, world.list_folder(folder or "."))
+        near = did_you_mean(last, (entry for entry in world.list_folder(folder or ".") if entry.endswith(_SUFFIXES)))
         help_ = f"did you mean {folder}{slash}{near}?" if near else "give a path, or a package and a file name"
+        if inside := names[0] and world.list_folder(names[0]):
+            files = [f"{names[0].rstrip('/')}/{entry}" for entry in inside if entry.endswith(_SUFFIXES)]
+            expected = f"one of {_shorten(files)}" if files else "a launch file"
+            message = f"{names[0]} is a folder, expected {expected}"
+            return error(message, rule="missing-file", help=f"give a file: {files[0]}" if files else help_)
         return error(f"{names[0]} is no file, expected a launch file", rule="missing-file", help=help_)
     package, name = names[:2]
     known = set(world.package_names())
@@ -67,6 +99,21 @@ def _explain(names: list[str], world: World) -> Diagnostic:
 
 def _near_launch_file(package: str, name: str, world: World) -> str | None:
     folder = world.find_package(package)
-    names = {entry for place in (folder, f"{folder}/launch") for entry in world.list_folder(place)}
-    near = did_you_mean(name, (entry for entry in names if entry.endswith((".launch", ".xml", ".test"))))
+    near = did_you_mean(name, _list_launch_files(folder, world))
     return f"did you mean {near}?" if near else f"look into {folder}"
+
+
+def _shorten(names: Sequence[str], most: int = 6) -> str:
+    rest = [f"{len(names) - most} more"] if len(names) > most else []
+    return ", ".join([*names[:most], *rest]) or "(none)"
+
+
+def _list_launch_files(folder: str, world: World, depth: int = 3) -> list[str]:
+    """The names of the launch files of a package, without those in folders that lie deeper."""
+    names: set[str] = set()
+    for entry in world.list_folder(folder):
+        if entry.endswith(_SUFFIXES):
+            names.add(entry)
+        elif depth and not entry.startswith(".") and "." not in entry:
+            names.update(_list_launch_files(f"{folder}/{entry}", world, depth - 1))
+    return sorted(names)

@@ -67,7 +67,7 @@ def missing_attribute(element: Element, name: str) -> Refused:
 def resolve_value(value: str, element: Element, name: str, draft: Draft, scope: Scope, shift: int = 0) -> str:
     """A text that stands in an attribute, `shift` characters from its start, with `$(...)` replaced. Raises Refused."""
     try:
-        return substitute(value, scope, draft.world)
+        return substitute(value, scope, draft.world, draft.budget)
     except SubstitutionProblem as problem:
         span = element.piece_span(name, problem.start + shift, problem.end + shift)
         raise explain_problem(problem, span, scope) from None
@@ -77,16 +77,23 @@ def explain_problem(problem: SubstitutionProblem, span: Span, scope: Scope) -> R
     """What is wrong with a substitution, as a finding."""
     if isinstance(problem, MissingArgument):
         return _explain_missing_argument(problem.name, span, scope)
-    return Refused(error(problem.message, span, rule=problem.rule, help=problem.help))
+    return Refused(error(problem.message, span, rule=problem.rule, help=problem.help, subject=problem.subject))
 
 
 def _explain_missing_argument(name: str, span: Span, scope: Scope) -> Refused:
+    if scope.passing is not None and scope.parent is not None:
+        scope = scope.parent  # what an <include> passes on is the including file's
     declaration = scope.declared.get(name)
     if declaration is None:
         near = did_you_mean(name, set(scope.declared) | set(scope.args))
         help_ = f"did you mean {near}?" if near else f'declare it before it is used: <arg name="{name}" default="..."/>'
         return refuse(
-            f"argument '{name}' is not declared, expected <arg name=\"{name}\">", span, "undeclared-argument", help_
+            f"argument '{name}' is not declared, expected <arg name=\"{name}\">",
+            span,
+            "undeclared-argument",
+            help_,
+            (),
+            name,
         )
     scope.missing.pop(name, None)
     used = Note(f"'{name}' is used here", span)
@@ -97,6 +104,7 @@ def _explain_missing_argument(name: str, span: Span, scope: Scope) -> Refused:
             "missing-argument",
             f"give it on the command line: {name}:=VALUE",
             (used,),
+            name,
         )
     return Refused(
         error(
@@ -105,6 +113,7 @@ def _explain_missing_argument(name: str, span: Span, scope: Scope) -> Refused:
             rule="missing-argument",
             help=f'add <arg name="{name}" value="..."/> inside the <include>',
             notes=(Note(f"'{name}' is declared here", declaration.value_span("name")), used),
+            subject=name,
         )
     )
 

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+from ur.launchfile.plan.budget import PER_PARAMETER, Budget, TooLong
 from ur.launchfile.plan.model import (
     IncludeSpec,
     MachineSpec,
@@ -41,8 +44,10 @@ class Draft:
         trees: dict[str, LaunchFile] | None = None,
         *,
         follow: bool = True,
+        budget: Budget | None = None,
     ) -> None:
         self.world = world
+        self.budget = budget or Budget()
         self.follow = follow  # False: included files are named and not entered
         self.trace = trace  # collects how values came about, when somebody asks for it
         self.nodes: list[NodeSpec] = []
@@ -90,7 +95,7 @@ class Draft:
             # A file that includes itself goes through the same places again and again: each is named once.
             places = {(span.file.path, span.start): span for span in reversed(chain)}
             steps = tuple(Note("included from here", span) for span in list(places.values())[:20])
-            found = Diagnostic(found.severity, found.message, found.rule, found.span, found.notes + steps, found.help)
+            found = replace(found, notes=found.notes + steps)
         alike = sum(known.severity is found.severity for known in self.diagnostics)
         if alike < MAX_DIAGNOSTICS and found not in self.diagnostics:
             self.diagnostics.append(found)
@@ -116,6 +121,12 @@ class Draft:
     def add_param(self, param: ParamSpec, scope: Scope) -> None:
         """Set a parameter; the last one wins and keeps the place of the first."""
         known = self.params
+        try:
+            self.budget.charge(PER_PARAMETER)
+        except TooLong as problem:
+            raise refuse(
+                f"parameter {param.name} {problem}", param.origin.span, "too-many-params", "split the launch file"
+            ) from None
         for parent in parents_of(param.name) if known else ():
             if parent in known:
                 self.warn(
@@ -145,6 +156,7 @@ class Draft:
                     "duplicate-node",
                     'rename one of them, put one into a <group ns=...>, or use name="$(anon ...)"',
                     (Note(f"the first {name} is here", first.value_span("name")), *steps),
+                    name,
                 )
             if name == CORE_NODE:
                 raise refuse(

@@ -10,11 +10,21 @@ from __future__ import annotations
 
 import ast
 import sys
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, ItemsView, Iterable, Iterator, KeysView, Mapping
 from typing import Any
 
 from ur.launchfile.plan import expression_functions as functions
-from ur.launchfile.plan.expression_functions import ExpressionProblem
+from ur.launchfile.plan.budget import (
+    COSTS,
+    PER_FUNCTION,
+    PER_STEP,
+    Budget,
+    ExpressionProblem,
+    TooLong,
+    divide_cost,
+    hash_cost,
+)
+from ur.launchfile.plan.expression_formats import CONVERSIONS, format_value
 from ur.launchfile.plan.problems import Refused
 from ur.launchfile.syntax.substitution import SubstitutionProblem
 from ur.source.suggest import did_you_mean
@@ -22,17 +32,21 @@ from ur.source.suggest import did_you_mean
 __all__ = ["ExpressionProblem", "evaluate_expression"]
 
 MAX_LENGTH = 20_000
-MAX_WORK = 5_000_000
-_CONVERSIONS: Mapping[str, Callable[[Any], str]] = {"s": str, "r": repr, "a": ascii}
+_HASHED = (set, frozenset, dict, KeysView, ItemsView)
 _INLINED_COMPREHENSIONS = sys.version_info >= (3, 12)  # from then on they see the names around them
 
 
 def evaluate_expression(
-    text: str, commands: Mapping[str, Callable[..., Any]], look_up: Callable[[str], Any], known: Iterable[str] = ()
+    text: str,
+    commands: Mapping[str, Callable[..., Any]],
+    look_up: Callable[[str], Any],
+    known: Iterable[str] = (),
+    budget: Budget | None = None,
 ) -> str:
     """The value of an expression as a text. `commands` are `arg`, `env`, ...; `look_up` gives an argument's value.
 
-    `look_up` raises KeyError for an unknown name; `known` are the names it knows, for suggestions. Raises
+    `look_up` raises KeyError for an unknown name; `known` are the names it knows, for suggestions. What is computed is
+    taken from `budget`, one of its own unless the expressions of a whole file share one. Raises
     ExpressionProblem with the place in the text; what `commands` and `look_up` raise as Refused or SubstitutionProblem
     passes through.
     """
@@ -50,10 +64,11 @@ def evaluate_expression(
         raise ExpressionProblem(f"not a Python expression: {problem.msg}", start, start + 1) from None
     except (ValueError, RecursionError, MemoryError) as problem:
         raise ExpressionProblem(f"not a Python expression: {problem or 'nested too deep'}") from None
-    evaluator = _Evaluator(stripped, shift, commands, look_up, known)
+    evaluator = _Evaluator(stripped, shift, commands, look_up, known, budget or Budget())
+    evaluator.budget.begin()
     try:
         value = evaluator.visit(tree.body)
-        functions.check_weight(value)
+        evaluator.budget.weigh(value)
         return str(value)
     except (Refused, SubstitutionProblem):
         raise
@@ -63,6 +78,8 @@ def evaluate_expression(
         raise
     except (RecursionError, MemoryError):
         raise ExpressionProblem("nested too deep") from None
+    except TooLong as problem:
+        raise evaluator.problem(str(problem), evaluator.at or tree.body) from None
     except Exception as problem:  # whatever Python says about the user's expression
         raise evaluator.problem(f"{problem} ({type(problem).__name__})", evaluator.at or tree.body) from None
 
@@ -75,13 +92,14 @@ class _Evaluator:
         commands: Mapping[str, Callable[..., Any]],
         look_up: Callable[[str], Any],
         known: Iterable[str],
+        budget: Budget,
     ) -> None:
         self.text = text
         self.shift = shift
         self.commands = commands
         self.look_up = look_up
         self.known = known
-        self.work = 0
+        self.budget = budget
         self.variables: list[dict[str, Any]] = []  # of comprehensions, innermost last
         self.inside = 0  # how many comprehensions hide the names around them
         self.at: ast.expr | None = None
@@ -100,11 +118,27 @@ class _Evaluator:
                 node,
             )
         outer, self.at = self.at, node
+        self.budget.spend(PER_STEP)
         value = method(node)
         self.at = outer
-        self.work += 1 + functions.size_of(value)
-        if self.work > MAX_WORK:
-            raise self.problem("takes too long to compute", node)
+        return value
+
+    def charged(self, name: str, function: Callable[..., Any], subject: Any = None) -> Callable[..., Any]:
+        """A function, or a method of `subject`, that takes what it costs from the budget, whoever calls it."""
+        extra = COSTS.get(name)
+        self.budget.spend(PER_FUNCTION)
+
+        def call(*arguments: Any, **keywords: Any) -> Any:
+            self.budget.weigh(subject, arguments, keywords)
+            if extra is not None:
+                self.budget.spend(extra((subject, *arguments) if subject is not None else arguments, keywords))
+            return self.made(function(*arguments, **keywords))
+
+        return call
+
+    def made(self, value: Any) -> Any:
+        """A value that was computed, its size taken from the budget."""
+        self.budget.spend(functions.size_of(value))
         return value
 
     def visit_Constant(self, node: ast.Constant) -> Any:  # noqa: N802
@@ -121,13 +155,15 @@ class _Evaluator:
             if name in functions.CONSTANTS:
                 return functions.CONSTANTS[name]
             if name in functions.MATH:
-                return functions.MATH[name]
+                found = functions.MATH[name]
+                return self.charged(name, found) if callable(found) else found
             try:
                 return self.look_up(name)
             except KeyError:
                 pass
         if name in functions.BUILTINS:
-            return functions.BUILTINS[name]
+            found = functions.BUILTINS[name]
+            return self.charged(name, found) if callable(found) else found
         if name in functions.FORBIDDEN:
             raise self.problem(
                 f"'{name}' is not allowed: resolving a launch file only computes",
@@ -151,7 +187,12 @@ class _Evaluator:
         operation = functions.BINARY.get(type(node.op))
         if operation is None:
             raise self.problem(f"{_describe(node.op)} is not allowed", node)
-        return operation(left, right)
+        self.budget.weigh(left, right)
+        if isinstance(node.op, (ast.Div, ast.FloorDiv, ast.Mod)):
+            self.budget.spend(divide_cost(left, right))
+        elif isinstance(left, _HASHED) and isinstance(right, _HASHED):
+            self.budget.spend(hash_cost(len(left) + len(right)))
+        return self.made(operation(left, right))
 
     def visit_BoolOp(self, node: ast.BoolOp) -> Any:  # noqa: N802
         value: Any = None
@@ -167,6 +208,9 @@ class _Evaluator:
         for operator, operand in zip(node.ops, node.comparators, strict=True):
             right = self.visit(operand)
             self.at = node
+            self.budget.weigh(left, right)
+            if isinstance(left, _HASHED) and isinstance(right, _HASHED):
+                self.budget.spend(hash_cost(len(left)))
             value = functions.COMPARE[type(operator)](left, right)
             if not value:
                 break
@@ -183,16 +227,13 @@ class _Evaluator:
         return tuple(self.visit(item) for item in node.elts)
 
     def visit_Set(self, node: ast.Set) -> Any:  # noqa: N802
-        return {self.visit(item) for item in node.elts}
+        return self._collect(self.visit(item) for item in node.elts)
 
     def visit_Dict(self, node: ast.Dict) -> Any:  # noqa: N802
         if None in node.keys:
             raise self.problem("'**' is not allowed", node)
-        return {
-            self.visit(key): self.visit(value)
-            for key, value in zip(node.keys, node.values, strict=True)
-            if key is not None
-        }
+        pairs = zip(node.keys, node.values, strict=True)
+        return self._map((self.visit(key), self.visit(value)) for key, value in pairs if key is not None)
 
     def visit_Subscript(self, node: ast.Subscript) -> Any:  # noqa: N802
         value = self.visit(node.value)
@@ -200,26 +241,30 @@ class _Evaluator:
         self.at = node
         if not isinstance(value, (str, bytes, list, tuple, dict, range)):
             raise self.problem(f"a value of type {type(value).__name__} has no parts", node)
-        return value[index]
+        if isinstance(value, dict):
+            self.budget.weigh(index)
+            self.budget.spend(len(value))
+        return self.made(value[index])
 
     def visit_Slice(self, node: ast.Slice) -> Any:  # noqa: N802
         return slice(*(self.visit(part) if part is not None else None for part in (node.lower, node.upper, node.step)))
 
     def visit_JoinedStr(self, node: ast.JoinedStr) -> Any:  # noqa: N802
-        return "".join(str(self.visit(part)) for part in node.values)
+        return "".join(self.made(str(self.visit(part))) for part in node.values)
 
     def visit_FormattedValue(self, node: ast.FormattedValue) -> Any:  # noqa: N802
         value = self.visit(node.value)
-        functions.check_weight(value)
+        self.budget.weigh(value)
         if node.conversion != -1:
-            value = _CONVERSIONS[chr(node.conversion)](value)
+            value = CONVERSIONS[chr(node.conversion)](value)
         pattern = self.visit(node.format_spec) if node.format_spec else ""
-        return functions.format_value(value, pattern)
+        return format_value(value, pattern)
 
     def visit_Attribute(self, node: ast.Attribute) -> Any:  # noqa: N802
         value = self.visit(node.value)
         self.at = node
-        return functions.find_method(value, node.attr)
+        found = functions.find_method(value, node.attr)
+        return self.charged(node.attr, found, value) if callable(found) else found
 
     def visit_Call(self, node: ast.Call) -> Any:  # noqa: N802
         function = self.visit(node.func)
@@ -238,6 +283,8 @@ class _Evaluator:
         if any(rest):
             raise self.problem("a lambda with more than plain arguments is not allowed", node)
 
+        self.budget.spend(PER_FUNCTION)
+
         def call(*values: Any) -> Any:
             if len(values) != len(names):
                 raise TypeError(f"lambda takes {len(names)} values, got {len(values)}")
@@ -255,13 +302,30 @@ class _Evaluator:
         return [self.visit(node.elt) for _ in self._loop(node.generators, inlined=True)]
 
     def visit_SetComp(self, node: ast.SetComp) -> Any:  # noqa: N802
-        return {self.visit(node.elt) for _ in self._loop(node.generators, inlined=True)}
+        return self._collect(self.visit(node.elt) for _ in self._loop(node.generators, inlined=True))
 
     def visit_DictComp(self, node: ast.DictComp) -> Any:  # noqa: N802
-        return {self.visit(node.key): self.visit(node.value) for _ in self._loop(node.generators, inlined=True)}
+        pairs = ((self.visit(node.key), self.visit(node.value)) for _ in self._loop(node.generators, inlined=True))
+        return self._map(pairs)
 
     def visit_GeneratorExp(self, node: ast.GeneratorExp) -> Any:  # noqa: N802
         return iter([self.visit(node.elt) for _ in self._loop(node.generators, inlined=False)])
+
+    def _collect(self, items: Iterable[Any]) -> set[Any]:
+        found: set[Any] = set()
+        for item in items:
+            self.budget.weigh(item)
+            self.budget.spend(len(found) // 16)  # as many may have the same hash
+            found.add(item)
+        return found
+
+    def _map(self, pairs: Iterable[tuple[Any, Any]]) -> dict[Any, Any]:
+        found: dict[Any, Any] = {}
+        for key, value in pairs:
+            self.budget.weigh(key)
+            self.budget.spend(len(found) // 16)
+            found[key] = value
+        return found
 
     def _loop(self, generators: list[ast.comprehension], *, inlined: bool) -> Iterator[None]:
         first = self.visit(generators[0].iter)
@@ -277,6 +341,7 @@ class _Evaluator:
     def _loop_over(self, generators: list[ast.comprehension], level: int, items: Any) -> Iterator[None]:
         generator = generators[level]
         for item in items:
+            self.budget.spend(PER_STEP)
             self._assign(generator.target, item)
             if not all(self.visit(test) for test in generator.ifs):
                 continue

@@ -5,14 +5,14 @@ from __future__ import annotations
 import ast
 import math
 import operator
-import re
 from collections.abc import Callable, Mapping
 from typing import Any
 
-MAX_SIZE = 1_000_000
+from ur.launchfile.plan.budget import MAX_SIZE, ExpressionProblem
+from ur.launchfile.plan.expression_formats import apply_format, format_text, format_value
+
 MAX_BITS = 200_000
 MAX_STEP = 2_000
-_WIDTH = re.compile(r"\d{5,}|\*")
 
 
 def _words(text: str) -> frozenset[str]:
@@ -35,16 +35,6 @@ _METHODS: Mapping[type, frozenset[str]] = {
 }
 
 
-class ExpressionProblem(Exception):  # noqa: N818 - carries a finding to where its place is known
-    """Something is wrong with an expression. `start` and `end` are offsets in it; equal when the place is not known."""
-
-    def __init__(self, message: str, start: int = 0, end: int = 0, help: str | None = None) -> None:
-        super().__init__(message)
-        self.start = start
-        self.end = end
-        self.help = help
-
-
 def size_of(value: Any) -> int:
     """How large a value is: characters, items, or bits / 8. Raises ExpressionProblem when it is too large to go on."""
     if isinstance(value, (str, bytes, list, tuple, dict, set, frozenset)):
@@ -56,24 +46,6 @@ def size_of(value: Any) -> int:
     if size > MAX_SIZE:
         raise ExpressionProblem(f"a value with {size:,} parts, expected at most {MAX_SIZE:,}")
     return size
-
-
-def check_weight(value: Any) -> None:
-    """Refuse to print values that nest themselves large."""
-    left = MAX_SIZE
-    pending = [value]
-    while pending:
-        item = pending.pop()
-        left -= 1 + (len(item) if isinstance(item, (str, bytes)) else 0)
-        if isinstance(item, dict):
-            left -= len(item)
-            pending.extend(item.keys() if left > 0 else ())
-            pending.extend(item.values() if left > 0 else ())
-        elif isinstance(item, (list, tuple, set, frozenset)):
-            left -= len(item)
-            pending.extend(item if left > 0 else ())
-        if left < 0:
-            raise ExpressionProblem(f"a text of more than {MAX_SIZE:,} characters")
 
 
 def _check_product(size: int, times: Any) -> None:
@@ -109,22 +81,6 @@ def _shift_left(value: Any, bits: Any) -> Any:
     return value << bits
 
 
-def _remainder(left: Any, right: Any) -> Any:
-    if isinstance(left, (str, bytes)):
-        if _WIDTH.search(left if isinstance(left, str) else left.decode("latin-1")):
-            raise ExpressionProblem("a format with a width of five digits or more, or '*'")
-        check_weight(right)
-    return left % right
-
-
-def format_value(value: Any, pattern: str) -> str:
-    """Python's `format`, for patterns that do not ask for huge texts."""
-    if re.search(r"\d{5,}", pattern):
-        raise ExpressionProblem("a format with a width of five digits or more")
-    check_weight(value)
-    return format(value, pattern)
-
-
 def _make_range(*limits: Any) -> range:
     made = range(*limits)
     _check_product(len(made), 1)
@@ -143,14 +99,6 @@ def _sum(items: Any, /, start: Any = 0) -> Any:
     return sum(items, start)
 
 
-def _printed(convert: Callable[..., str]) -> Callable[..., str]:
-    def print_value(*arguments: Any, **keywords: Any) -> str:
-        check_weight(list(arguments))
-        return convert(*arguments, **keywords)
-
-    return print_value
-
-
 def _small(function: Callable[..., Any]) -> Callable[..., Any]:
     def bounded(*numbers: Any, **keywords: Any) -> Any:
         for number in numbers:
@@ -159,6 +107,17 @@ def _small(function: Callable[..., Any]) -> Callable[..., Any]:
         return function(*numbers, **keywords)
 
     return bounded
+
+
+def _product(items: Any, /, *, start: Any = 1) -> Any:
+    for item in items:
+        start = _multiply(start, item)
+    return start
+
+
+def _least_common(*numbers: Any) -> Any:
+    _check_bits(sum(number.bit_length() for number in numbers if isinstance(number, int)))
+    return math.lcm(*numbers)
 
 
 def _listed(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -186,12 +145,8 @@ def _bounded_method(text: str, name: str) -> Callable[..., Any]:
             arguments = ([*arguments[0]], *arguments[1:]) if arguments else arguments
             for part in arguments[:1]:
                 _check_product(len(part), len(text))
-                check_weight(part)
         elif name == "format":
-            if re.search(r"\d{5,}|[{][^{}]*[{]", text):
-                raise ExpressionProblem("a format with a width of five digits or more, or nested '{'")
-            check_weight([*arguments, *keywords.values()])
-            _check_product(text.count("{") or 1, sum(len(str(item)) for item in [*arguments, *keywords.values()]))
+            return format_text(text, *arguments, **keywords)
         return getattr(text, name)(*arguments, **keywords)
 
     return call
@@ -202,6 +157,8 @@ CONSTANTS: Mapping[str, Any] = {"true": True, "false": False, "True": True, "Fal
 MATH: Mapping[str, Any] = {
     **{name: getattr(math, name) for name in dir(math) if not name.startswith("_")},
     **{name: _small(getattr(math, name)) for name in ("factorial", "comb", "perm")},
+    "prod": _product,
+    "lcm": _least_common,
 }
 
 BUILTINS: Mapping[str, Any] = {
@@ -229,9 +186,9 @@ BUILTINS: Mapping[str, Any] = {
     },
     **{function.__name__: function for function in (list, ord, set, slice, tuple, callable, complex, sorted)},
     **{function.__name__: _listed(function) for function in (enumerate, filter, map, reversed, zip)},
-    "ascii": _printed(ascii),
-    "repr": _printed(repr),
-    "str": _printed(str),
+    "ascii": ascii,
+    "repr": repr,
+    "str": str,
     "format": lambda value, pattern="": format_value(value, pattern),
     "pow": _power,
     "range": _make_range,
@@ -259,7 +216,7 @@ BINARY: Mapping[type[ast.operator], Callable[[Any, Any], Any]] = {
     ast.Mult: _multiply,
     ast.Div: operator.truediv,
     ast.FloorDiv: operator.floordiv,
-    ast.Mod: _remainder,
+    ast.Mod: apply_format,
     ast.Pow: _power,
     ast.LShift: _shift_left,
     ast.RShift: operator.rshift,

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from ur.launchfile.plan.arguments import warn_missing
 from ur.launchfile.plan.body import check_launch_tag, resolve_body
+from ur.launchfile.plan.budget import Budget
 from ur.launchfile.plan.draft import Draft, TooMuch
 from ur.launchfile.plan.model import MachineSpec, Plan, TraceStep
 from ur.launchfile.plan.names import initial_namespace, read_assignments
@@ -27,6 +28,7 @@ def load_plan(
     trace: list[TraceStep] | None = None,
     trees: dict[str, LaunchFile] | None = None,
     computers: Sequence[MachineSpec] = (),
+    budget: Budget | None = None,
 ) -> Plan:
     """What launch files mean, all of them together, with `NAME:=VALUE` arguments.
 
@@ -34,9 +36,10 @@ def load_plan(
     diagnostics hold an error for everything that roslaunch would refuse, and warnings for what it silently accepts.
     Nothing is executed; see `run_commands` for the parameters that programs print. A `trace` is filled with how values
     came about, in order. `trees`, by absolute path, spare files from being parsed again, and gain those that are.
-    `computers` are machines that need no `<machine>` tag; the tag of a file goes before one of the same name.
+    `computers` are machines that need no `<machine>` tag; the tag of a file goes before one of the same name. `budget`
+    limits what expressions compute; who loads a file several times gives them one.
     """
-    draft = Draft(world, trace, trees)
+    draft = Draft(world, trace, trees, budget=budget)
     try:
         values, ignored = read_assignments(arguments)
         declared: set[str] = set()
@@ -60,8 +63,9 @@ def _load_file(path: str, values: dict[str, str], arguments: Sequence[str], draf
     except OSError as problem:
         reason = (problem.strerror or str(problem)).lower()
         folder, slash, name = path.rpartition("/")
-        near = did_you_mean(name, draft.world.list_folder(folder or "."))
-        help_ = f"did you mean {folder}{slash}{near}?" if near else "give the path of a launch file"
+        near = did_you_mean(name, (each for each in draft.world.list_folder(folder or ".") if each != name))
+        near = None if isinstance(problem, PermissionError) else near
+        help_ = f"did you mean {folder}{slash}{near}?" if near else "give the path of a launch file that you may read"
         draft.add_diagnostic(error(f"{path}: {reason}, expected a launch file", rule="missing-file", help=help_), ())
         return
     except ValueError as problem:
@@ -126,6 +130,7 @@ def _check_machines(draft: Draft) -> None:
                     element.value_span("machine"),
                     "unknown-machine",
                     help_,
+                    subject=name,
                 ),
                 scope,
             )

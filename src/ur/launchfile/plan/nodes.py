@@ -164,6 +164,7 @@ def resolve_namespace(element: Element, draft: Draft, scope: Scope, node_name: s
                 element.name_span("ns"),
                 "empty-namespace",
                 "remove ns, or give it a name",
+                subject=element.attributes["ns"],
             )
     try:
         namespace = scope.child_namespace(given)

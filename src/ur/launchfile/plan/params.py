@@ -10,6 +10,7 @@ from ur.launchfile.plan.attributes import (
     read_optional,
     resolve_value,
 )
+from ur.launchfile.plan.budget import Budget
 from ur.launchfile.plan.convert import TYPE_NAMES, convert_scalar, read_type
 from ur.launchfile.plan.draft import Draft
 from ur.launchfile.plan.model import Origin, ParamCommand, ParamSpec, ParamType, ParamValue
@@ -85,14 +86,16 @@ def _value(text: str, source: str, type_: ParamType, element: Element, draft: Dr
     if source == "binfile":
         return _read_file(text, element, source, draft)
     text = _read_text(text, element, source, draft) if source == "textfile" else text.strip()
-    return convert_param(text, type_, element, source, draft.reads_angles)
+    return convert_param(text, type_, element, source, draft.reads_angles, draft.budget)
 
 
-def convert_param(text: str, type_: ParamType, element: Element, source: str, reads_angles: bool) -> ParamValue:
+def convert_param(
+    text: str, type_: ParamType, element: Element, source: str, reads_angles: bool, budget: Budget | None = None
+) -> ParamValue:
     """A text as a value of a `<param>`. Raises Refused, which points at attribute `source`."""
     if type_ == "yaml":
         try:
-            return read_yaml(text, reads_angles).value
+            return read_yaml(text, reads_angles, budget).value
         except YamlProblem as problem:
             raise refuse(f"not valid YAML: {problem}", element.value_span(source), "bad-yaml") from None
     try:
@@ -122,7 +125,11 @@ def missing_file(path: str, problem: OSError, element: Element, attribute: str, 
     near = did_you_mean(name, draft.world.list_folder(folder or "."))
     help_ = f"did you mean {folder + '/' if folder else ''}{near}?" if near else "check the path, or create the file"
     return refuse(
-        f"{path or 'an empty path'}: {reason}, expected a file", element.value_span(attribute), "missing-file", help_
+        f"{path or 'an empty path'}: {reason}, expected a file",
+        element.value_span(attribute),
+        "missing-file",
+        help_,
+        subject=path,
     )
 
 
@@ -178,7 +185,7 @@ def _load(
     draft.reads_angles = True
     source = SourceFile(file, text) if file is not None else None
     try:
-        document = read_yaml_once(text, reads_angles=True)
+        document = read_yaml_once(text, reads_angles=True, budget=draft.budget)
     except YamlProblem as problem:
         raise _bad_yaml(problem, source, element, same=text == written) from None
     if document.value is None:
@@ -198,7 +205,7 @@ def _load(
 
 def _substitute_text(text: str, file: str | None, element: Element, draft: Draft, scope: Scope) -> str:
     try:
-        return substitute(text, scope, draft.world)
+        return substitute(text, scope, draft.world, draft.budget)
     except SubstitutionProblem as problem:
         if file is not None:
             span = Span(SourceFile(file, text), problem.start, problem.end)

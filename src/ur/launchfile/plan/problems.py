@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from ur.source.diagnostic import Diagnostic, Note, Severity, error
 from ur.source.file import Span
 
@@ -15,12 +17,17 @@ class Refused(Exception):  # noqa: N818 - carries a finding
 
 
 def refuse(
-    message: str, span: Span | None, rule: str, help: str | None = None, notes: tuple[Note, ...] = ()
+    message: str,
+    span: Span | None,
+    rule: str,
+    help: str | None = None,
+    notes: tuple[Note, ...] = (),
+    subject: str = "",
 ) -> Refused:
     """An exception to raise for a finding."""
-    return Refused(error(message, span, rule=rule, help=help, notes=notes))
+    return Refused(error(message, span, rule=rule, help=help, notes=notes, subject=subject))
 
 
 def as_warning(found: Diagnostic) -> Diagnostic:
     """The same finding as a warning: something that roslaunch accepts."""
-    return Diagnostic(Severity.WARNING, found.message, found.rule, found.span, found.notes, found.help)
+    return replace(found, severity=Severity.WARNING)

@@ -13,6 +13,7 @@ import os
 from collections.abc import Callable
 from typing import Any
 
+from ur.launchfile.plan.budget import Budget
 from ur.launchfile.plan.convert import guess_value
 from ur.launchfile.plan.problems import Refused
 from ur.launchfile.plan.scope import Scope
@@ -37,13 +38,16 @@ class MissingArgument(SubstitutionProblem):
         self.name = name
 
 
-def substitute(value: str, scope: Scope, world: World) -> str:
-    """A value with every `$(...)` replaced. Raises SubstitutionProblem; Refused when the cause was reported before."""
+def substitute(value: str, scope: Scope, world: World, budget: Budget) -> str:
+    """A value with every `$(...)` replaced; what expressions compute is taken from the budget.
+
+    Raises SubstitutionProblem; Refused when the cause was reported before.
+    """
     if "$" not in value:
         return value
     pieces = parse_substitutions(value)
     if is_eval(value):
-        return _evaluate(pieces[0], scope, world)
+        return _evaluate(pieces[0], scope, world, budget)
     if len(pieces) == 1 and pieces[0].command == "arg" and len(pieces[0].words) == 1:
         known = scope.args.get(pieces[0].words[0].text)  # the most frequent case by far
         if known is not None and "$" not in known and pieces[0].end - pieces[0].start == len(value):
@@ -193,7 +197,12 @@ def find_path(package: str, path: str, start: int, end: int, world: World) -> st
             else f"install {package}, or put the folder that holds it on ROS_PACKAGE_PATH (source its setup.bash)"
         )
         raise SubstitutionProblem(
-            f"package '{package}' is not found, expected an installed one", start, end, "unknown-package", help_
+            f"package '{package}' is not found, expected an installed one",
+            start,
+            end,
+            "unknown-package",
+            help_,
+            package,
         ) from None
     except (OSError, ValueError) as problem:
         raise SubstitutionProblem(
@@ -205,7 +214,7 @@ def find_path(package: str, path: str, start: int, end: int, world: World) -> st
         ) from None
 
 
-def _evaluate(piece: Substitution, scope: Scope, world: World) -> str:
+def _evaluate(piece: Substitution, scope: Scope, world: World, budget: Budget) -> str:
     from ur.launchfile.plan.expression import ExpressionProblem, evaluate_expression  # 3 ms that few files need
 
     start, end = piece.start, piece.end
@@ -224,7 +233,7 @@ def _evaluate(piece: Substitution, scope: Scope, world: World) -> str:
         return guess_value(scope.args[name])
 
     try:
-        result = evaluate_expression(piece.content, functions, look_up, scope.args)
+        result = evaluate_expression(piece.content, functions, look_up, scope.args, budget)
     except ExpressionProblem as problem:
         offset = start + len("$(eval ")
         where = (offset + problem.start, offset + problem.end) if problem.end > problem.start else (start, end)

@@ -5,13 +5,16 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable
+from dataclasses import dataclass, field
 from functools import cache, lru_cache
 from typing import Any
 
+from ur.launchfile.plan.budget import PER_YAML_CHARACTER, Budget, TooLong
 from ur.launchfile.plan.model import ParamValue
 
 MAX_VALUES = 1_000_000
 _MAX_MERGED = 100_000
+_ANGLES = 200_000  # units of work (`ur.launchfile.plan.budget`) for all angles of a text that is in no file
 
 
 # Texts that libyaml reads as PyYAML's own parser does, which roslaunch uses: no quotes, comments, anchors or tags, each
@@ -34,37 +37,51 @@ class YamlProblem(Exception):  # noqa: N818 - carries a finding to where its pla
 class Document:
     """A value, and where the keys of its mappings stand."""
 
-    __slots__ = ("_node", "value")
+    __slots__ = ("_keys", "_node", "value")
 
     def __init__(self, value: ParamValue, node: Any) -> None:
         self.value = value
         self._node = node
+        self._keys: dict[int, dict[str, tuple[Any, Any]]] = {}  # by the id of a node, which `_node` keeps
 
     def place_of(self, path: tuple[str, ...]) -> tuple[int, int]:
         """Start and end, in characters, of the key that a path of keys leads to, or of the nearest that has a place."""
         node = self._node
         place = (0, 0)
         for key in path:
-            found = [pair for pair in getattr(node, "value", ()) if getattr(pair[0], "value", None) == str(key)]
+            found = self._keys_of(node).get(str(key))
             if not found:
                 break
-            name, node = found[-1]
+            name, node = found
             place = (name.start_mark.index, name.end_mark.index)
         return place
 
+    def _keys_of(self, node: Any) -> dict[str, tuple[Any, Any]]:
+        known = self._keys.get(id(node))
+        if known is None:
+            pairs = [each for each in getattr(node, "value", ()) if isinstance(each, tuple)]
+            known = {each[0].value: each for each in pairs if isinstance(each[0].value, str)}
+            self._keys[id(node)] = known
+        return known
 
-def read_yaml(text: str, reads_angles: bool) -> Document:
+
+def read_yaml(text: str, reads_angles: bool, budget: Budget | None = None) -> Document:
     """The value of a text; an empty mapping for none. `reads_angles`: `deg(...)` and `rad(...)` are numbers.
 
-    Raises YamlProblem, also for values that aliases make larger than anything a robot is told.
+    What reading takes is taken from `budget`, that of the launch file. Raises YamlProblem, also for values that aliases
+    make larger than anything a robot is told.
     """
     import yaml  # takes 10 ms, and most launch files hold no YAML
 
-    document = _read_fast(text, reads_angles)
+    _charge(budget, len(text) * PER_YAML_CHARACTER // 4)
+    document = _read_fast(text, reads_angles, budget)
     if document is not None:
         return document
-    loader = _loader_class(reads_angles)(text.removeprefix("\ufeff"))
+    _charge(budget, len(text) * PER_YAML_CHARACTER * 3 // 4)
+    loader = None
     try:
+        loader = _loader_class(reads_angles)(text.removeprefix("\ufeff"))  # it refuses some characters at once
+        vars(loader)["budget"] = budget or Budget(_ANGLES)
         node = loader.get_single_node()
         value = loader.construct_document(node) if node is not None else None
     except yaml.MarkedYAMLError as problem:
@@ -79,18 +96,37 @@ def read_yaml(text: str, reads_angles: bool) -> Document:
     except (ValueError, TypeError, OverflowError, LookupError, AttributeError) as problem:
         raise YamlProblem(f"a value cannot be read: {problem}") from None
     finally:
-        loader.dispose()
+        if loader is not None:
+            loader.dispose()
     _check_size(value)
     return Document(value, node)
 
 
-@lru_cache(maxsize=64)
-def read_yaml_once(text: str, reads_angles: bool) -> Document:
+def read_yaml_once(text: str, reads_angles: bool, budget: Budget | None = None) -> Document:
     """As read_yaml, and kept: a check loads the same parameter file for many cases. The value is not to be changed."""
-    return read_yaml(text, reads_angles)
+    return _read_known(text, reads_angles, _Payer(budget))
 
 
-def _read_fast(text: str, reads_angles: bool) -> Document | None:
+@dataclass(frozen=True)
+class _Payer:
+    # Equal to all others: what one file has paid for, others need not pay for again.
+    budget: Budget | None = field(compare=False)
+
+
+@lru_cache(maxsize=64)
+def _read_known(text: str, reads_angles: bool, payer: _Payer) -> Document:
+    return read_yaml(text, reads_angles, payer.budget)
+
+
+def _charge(budget: Budget | None, units: int) -> None:
+    try:
+        if budget is not None:
+            budget.charge(units)
+    except TooLong as problem:
+        raise YamlProblem(str(problem), 0, "split the launch file") from None
+
+
+def _read_fast(text: str, reads_angles: bool, budget: Budget | None) -> Document | None:
     # None: let PyYAML's own parser decide, and find the words for what is wrong.
     if _SIMPLE.fullmatch(text) is None or _NOT_SIMPLE.search(text) is not None:
         return None
@@ -99,6 +135,7 @@ def _read_fast(text: str, reads_angles: bool) -> Document | None:
     if not yaml.__with_libyaml__:
         return None
     loader = _loader_class(reads_angles, fast=True)(text)
+    vars(loader)["budget"] = budget or Budget(_ANGLES)
     try:
         node = loader.get_single_node()
         value = loader.construct_document(node) if node is not None else None
@@ -159,7 +196,7 @@ def _read_radians(loader: Any, node: Any) -> float:
     from ur.launchfile.plan.expression import ExpressionProblem, evaluate_expression
 
     try:
-        return float(evaluate_expression(inner, {}, {"pi": math.pi}.__getitem__))
+        return float(evaluate_expression(inner, {}, {"pi": math.pi}.__getitem__, (), vars(loader)["budget"]))
     except ExpressionProblem as problem:
         raise yaml.constructor.ConstructorError(None, None, f"not an angle: {problem}", node.start_mark) from None
 

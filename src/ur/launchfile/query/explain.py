@@ -13,6 +13,7 @@ from ur.launchfile.syntax import Element, SubstitutionProblem, is_eval, parse_la
 from ur.launchfile.world.protocol import World
 from ur.source.diagnostic import Severity, UserError, error
 from ur.source.file import Span
+from ur.source.printable import printable
 from ur.source.suggest import did_you_mean
 
 _WORD = re.compile(r"[A-Za-z_]\w*")
@@ -52,12 +53,25 @@ def explain_name(name: str, files: Sequence[str], arguments: Sequence[str], worl
     )
 
 
+def list_names(files: Sequence[str], arguments: Sequence[str], world: World) -> dict[str, str]:
+    """The names that explain_name knows, with what each is; those of nodes and parameters also without namespace."""
+    trace: list[TraceStep] = []
+    plan = load_plan(files, arguments, world, trace)
+    names = {step.name: "argument" for step in trace if isinstance(step, ArgumentStep) and step.passed_to is None}
+    names.update({step.source: "remap" for step in trace if isinstance(step, RemapStep)})
+    full = {node.full_name: "node" for node in plan.nodes}
+    full.update({step.name: "parameter" for step in trace if isinstance(step, ParamSpec)})
+    for name, kind in full.items():
+        names.setdefault(name.rpartition("/")[2], kind if name.count("/") == 1 else f"{kind} {name}")
+    return {**dict(sorted(names.items())), **dict(sorted(full.items()))}
+
+
 def format_layers(layers: Sequence[Layer], depth: int = 0) -> str:
     """Layers as indented lines, each with its place."""
     lines = []
     for layer in layers:
         place = f"{layer.span}: " if layer.span else ""
-        lines.append(f"{'  ' * depth}{place}{layer.text}\n{format_layers(layer.below, depth + 1)}")
+        lines.append(f"{'  ' * depth}{printable(place + layer.text)}\n{format_layers(layer.below, depth + 1)}")
     return "".join(lines)
 
 

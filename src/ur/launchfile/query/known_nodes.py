@@ -50,12 +50,15 @@ KNOWN_NODES: dict[str, Interface] = {
     "joint_state_publisher": _node("joint_states"),
     "joy": _node("joy", "joy/set_feedback"),
     "joy_node": _node("joy", "joy/set_feedback"),
+    "keyboard_navigate_node": _node(
+        "initialpose move_base/continue", "map scan tf amcl_pose move_base/hold", uses="move_base"
+    ),
     "map_saver": _node("", "map"),
     "map_server": _node("map map_metadata", "", "static_map"),
     "motor_node": _node("odom tf battery_state", "cmd_vel"),
     "move_base": _node(
-        "cmd_vel ~current_goal ~global_costmap/costmap ~local_costmap/costmap",
-        "move_base_simple/goal map odom scan tf",
+        "cmd_vel cmd_vel_stamped ~current_goal ~global_costmap/costmap ~hold ~local_costmap/costmap",
+        "move_base_simple/goal map odom scan tf ~continue",
         "~make_plan ~clear_costmaps",
         "",
         "move_base",
@@ -83,7 +86,19 @@ KNOWN_NODES: dict[str, Interface] = {
 # Where a package's own node says more than the upstream node whose name it bears.
 KNOWN_IN_PACKAGE: dict[tuple[str, str], Interface] = {
     ("ubiquity_launches", "twist_mux"): _node(
-        "cmd_vel_out ~active ~stopped", "joy_vel key_vel nav_vel pause_driving", "~stop ~release"
+        "cmd_vel_out ~active ~stopped ~challenge ~lease",
+        "joy_vel joy_vel_stamped key_vel key_vel_stamped nav_vel nav_vel_stamped pause_driving ~lease_request",
+        "~stop ~release",
+    ),
+    ("ubiquity_launches", "teleop_node"): _node(
+        "cmd_vel_stamped cmd_vel_mux/lease_request",
+        "joy cmd_vel_mux/challenge cmd_vel_mux/lease",
+        calls="cmd_vel_mux/stop cmd_vel_mux/release",
+    ),
+    ("ubiquity_launches", "teleop_twist_keyboard.py"): _node(
+        "cmd_vel_stamped cmd_vel_mux/lease_request",
+        "cmd_vel_mux/active cmd_vel_mux/challenge cmd_vel_mux/lease cmd_vel_mux/stopped",
+        calls="cmd_vel_mux/stop cmd_vel_mux/release",
     ),
     ("ubiquity_launches", "simulator"): _node(
         "odom joint_states base_pose_ground_truth tf ~collisions", "cmd_vel", "~pause ~step ~reset ~place"

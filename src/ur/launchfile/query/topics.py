@@ -13,22 +13,25 @@ from ur.launchfile.query.known_nodes import find_interface
 Use = Literal[
     "publishes", "subscribes", "offers-service", "calls-service", "offers-action", "uses-action", "sends-frame"
 ]
-Evidence = Literal["ready", "table", "remap"]
+Evidence = Literal["ready", "table", "base", "remap"]
 
 
 @dataclass(frozen=True, slots=True)
 class NameUse:
     """A node's business with a name. `use` is None where a remap tells that there is some, and nothing tells which.
 
-    `name` is in full, after remapping. `rate` is in Hz, from a `ready:` comment.
+    `name` is in full, after remapping. `rate` is in Hz, from a `ready:` comment. `doubt` says why it is not sure;
+    empty where it is.
     """
 
     name: str
     use: Use | None
     evidence: Evidence
     rate: float | None = None
+    doubt: str = ""
 
 
+_STAMPED = "_stamped"
 _READY: dict[str, Use] = {
     "topic": "publishes",
     "service": "offers-service",
@@ -46,7 +49,8 @@ def find_name_uses(node: NodeSpec) -> tuple[NameUse, ...]:
     for source, target in node.remaps:
         name = resolve_name(target, node)
         if name not in named and resolve_name(source, node) != name:
-            found.setdefault((name, None), NameUse(name, None, "remap"))
+            doubt = f"{source} is remapped; the node may publish or subscribe it"
+            found.setdefault((name, None), NameUse(name, None, "remap", doubt=doubt))
     return tuple(found.values())
 
 
@@ -61,7 +65,12 @@ def remap_name(name: str, node: NodeSpec) -> str:
     """As resolve_name, with the node's remaps applied; the last one that fits wins, as in roslaunch."""
     full = resolve_name(name, node)
     targets = {resolve_name(source, node): target for source, target in node.remaps}
-    return resolve_name(targets[full], node) if full in targets else full
+    if full in targets:
+        return resolve_name(targets[full], node)
+    plain = full.removesuffix(_STAMPED)
+    if node.package == "ubiquity_launches" and plain != full and plain in targets:
+        return resolve_name(targets[plain], node) + _STAMPED  # our nodes append it to the remapped name
+    return full
 
 
 def _from_ready(node: NodeSpec) -> Iterator[NameUse]:

@@ -6,6 +6,7 @@ import re
 from xml.parsers import expat
 
 from ur.launchfile.syntax.decode import Offsets, decode_text
+from ur.launchfile.syntax.ros2 import find_ros2
 from ur.launchfile.syntax.tree import Comment, Element, LaunchFile
 from ur.source.diagnostic import Diagnostic, Note, error
 from ur.source.file import SourceFile, Span
@@ -35,6 +36,9 @@ def parse_launch_file(path: str, data: bytes) -> LaunchFile:
     builder = _Builder(SourceFile(path, text), Offsets(data, encoding), len(data))
     builder.run(data)
     launches = builder.launches
+    ros2 = find_ros2(builder.source, builder.root)
+    if ros2 is not None:  # nothing else that could be said of it would help
+        return LaunchFile(builder.source, builder.root, None, tuple(builder.outer_comments), (ros2,))
     if not builder.diagnostics and len(launches) != 1:
         builder.diagnostics.append(_not_one_launch(builder.source, builder.root, launches))
     return LaunchFile(

@@ -10,10 +10,19 @@ _EVAL = "$(eval "
 
 
 class SubstitutionProblem(Exception):  # noqa: N818 - carries a finding to where its place is known
-    """Something is wrong with a piece of `$(...)`. `start` and `end` are offsets in the value it stands in."""
+    """Something is wrong with a piece of `$(...)`. `start` and `end` are offsets in the value it stands in.
+
+    `subject` is the name that the problem is about, as in a Diagnostic.
+    """
 
     def __init__(
-        self, message: str, start: int, end: int, rule: str = "bad-substitution", help: str | None = None
+        self,
+        message: str,
+        start: int,
+        end: int,
+        rule: str = "bad-substitution",
+        help: str | None = None,
+        subject: str = "",
     ) -> None:
         super().__init__(message)
         self.message = message
@@ -21,6 +30,7 @@ class SubstitutionProblem(Exception):  # noqa: N818 - carries a finding to where
         self.end = end
         self.rule = rule
         self.help = help
+        self.subject = subject
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,8 +7,10 @@ except to report an error.
 from __future__ import annotations
 
 import re
+from bisect import bisect_left, bisect_right
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from ur.source.diagnostic import Diagnostic
 from ur.source.file import SourceFile, Span
@@ -33,7 +35,7 @@ class Element:
     in which they are written. `text` is the character data directly inside, collected for `<rosparam>` only.
     """
 
-    __slots__ = ("_places", "attributes", "children", "end", "name", "source", "start", "text")
+    __slots__ = ("_pieces", "_places", "attributes", "children", "end", "name", "source", "start", "text")
 
     def __init__(self, source: SourceFile, name: str, attributes: dict[str, str], start: int) -> None:
         self.source = source
@@ -44,6 +46,7 @@ class Element:
         self.children: Sequence[Element | Comment] = ()
         self.text = ""
         self._places: dict[str, tuple[int, int, int, int]] | None = None
+        self._pieces: list[_Piece] | None = None
 
     def __repr__(self) -> str:
         return f"<{self.name}> at {self.span}"
@@ -99,29 +102,31 @@ class Element:
 
     def text_offset(self, offset: int) -> int:
         """Where a character of `text` is written in the file."""
+        if self._pieces is None:
+            self._pieces = list(self._find_pieces())
+        index = bisect_left(self._pieces, offset, key=lambda piece: piece.end)
+        if index == len(self._pieces):
+            return self._tag_end()
+        piece = self._pieces[index]
+        return piece.start + piece.place(offset - (self._pieces[index - 1].end if index else 0))
+
+    def _find_pieces(self) -> Iterator[_Piece]:
         position = self._tag_end()
         passed = 0
         depth = 0
         for part in _TEXT_PART.finditer(self.source.text, position, max(position, self.end)):
             raw = part.group()
-            data: str | None = None
-            start = part.start()
             if raw.startswith("<![CDATA["):
-                data, start = part.group(1), part.start(1)
+                if not depth:
+                    passed += len(part.group(1))
+                    yield _Piece(passed, part.start(1), written_offsets(""))
             elif raw.startswith("</"):
                 depth -= 1
-            elif raw.startswith("<") and raw[1] not in "!?":
-                depth += not raw.endswith("/>")
-            elif not raw.startswith("<"):
-                data = raw
-            if data is None or depth:
-                continue
-            place = written_offsets(data)
-            length = len(_REFERENCE.sub("x", data)) if part.group(1) is None else len(data)
-            if offset <= passed + length:
-                return start + (place(offset - passed) if part.group(1) is None else offset - passed)
-            passed += length
-        return position
+            elif raw.startswith("<"):
+                depth += raw[1] not in "!?" and not raw.endswith("/>")
+            elif not depth:
+                passed += len(_REFERENCE.sub("x", raw))
+                yield _Piece(passed, part.start(), written_offsets(raw))
 
     def _tag_end(self) -> int:
         text = self.source.text
@@ -161,12 +166,14 @@ class written_offsets:  # noqa: N801 - used like a function: written_offsets(raw
 
     def __call__(self, offset: int) -> int:
         """The raw offset of a character of the value."""
-        moved = 0
-        for after, shrunk in self._steps:
-            if offset < after:
-                break
-            moved = shrunk
-        return offset + moved
+        index = bisect_right(self._steps, offset, key=lambda step: step[0])
+        return offset + (self._steps[index - 1][1] if index else 0)
+
+
+class _Piece(NamedTuple):
+    end: int  # of this piece, in the text
+    start: int  # in the file
+    place: written_offsets  # from offsets in the piece to those in the file
 
 
 @dataclass(frozen=True, slots=True)

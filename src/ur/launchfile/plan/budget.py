@@ -1,0 +1,154 @@
+"""Limits of what a launch file makes `ur` compute: units of work, charged before it is done. Pure.
+
+Expressions, angles, YAML texts and parameters of a file, with all that it includes, share one budget.
+
+A unit is some tenths of a microsecond, and at most about 100 bytes. `weigh` is linear in what a function of Python
+reads; what takes Python more than linear time has a cost of its own (`COSTS`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, ItemsView, KeysView, Mapping, Sequence, ValuesView
+from operator import length_hint
+from typing import Any
+
+PER_EXPRESSION = 3_000_000
+PER_FILE = 5_000_000  # with all that it includes, for all bases and options that `ur check` tries
+PER_PARAMETER = 20
+PER_YAML_CHARACTER = 4  # with PyYAML's own parser; libyaml's takes a quarter
+PER_STEP = 5
+PER_FUNCTION = 50  # a lambda, a method that is taken from a value
+MAX_SIZE = 1_000_000
+_COLLISIONS = 64
+_POWER = 10_000  # the same for three arguments of pow
+_ITERATOR: type = type(iter([]))
+_DIVISION = 180_000  # square bits per unit: schoolbook division
+
+
+class ExpressionProblem(Exception):  # noqa: N818 - carries a finding to where its place is known
+    """Something is wrong with an expression. `start` and `end` are offsets in it; equal when the place is not known."""
+
+    def __init__(self, message: str, start: int = 0, end: int = 0, help: str | None = None) -> None:
+        super().__init__(message)
+        self.start = start
+        self.end = end
+        self.help = help
+
+
+class TooLong(Exception):  # noqa: N818 - carries a finding to where its place is known
+    """The budget is spent."""
+
+
+class Budget:
+    """The remaining budget of one file. `begin` starts an expression, which may spend a share of it."""
+
+    __slots__ = ("_end", "left")
+
+    def __init__(self, units: int = PER_FILE) -> None:
+        self.left = units
+        self._end = 0
+
+    def begin(self) -> None:
+        """Start an expression."""
+        self._end = self.left - PER_EXPRESSION
+
+    def charge(self, units: int) -> None:
+        """Take units away for what is no expression. Raises TooLong when there are not so many."""
+        self.left -= units
+        if self.left < 0:
+            self.left = 0
+            raise TooLong("takes too long to read, together with all expressions, YAML and parameters of this file")
+
+    def spend(self, units: int) -> None:
+        """Take units away. Raises TooLong when there are not so many."""
+        self.left -= units
+        if self.left < max(self._end, 0):
+            self.left = max(self._end, 0)
+            whole = "the expressions of this file together take too long to compute"
+            raise TooLong("takes too long to compute" if self._end >= 0 else whole)
+
+    def weigh(self, *values: Any) -> None:
+        """Spend what values weigh, parts of parts included: as often as they are reached, as Python looks at them."""
+        pending = [values]
+        while pending:
+            items = pending.pop()
+            units = 0
+            for item in items:
+                kind = type(item)
+                if kind is str or kind is bytes:
+                    units += 1 + len(item) // 8
+                elif kind is int:
+                    units += 1 + item.bit_length() // 16
+                elif kind is range:
+                    units += 1 + len(item)
+                elif kind is dict:
+                    units += 1
+                    pending += [item, item.values()]
+                elif kind is _ITERATOR:
+                    units += 1
+                    pending.append(item.__reduce__()[1][0])  # the list that it goes through
+                elif isinstance(item, (list, tuple, set, frozenset, KeysView, ValuesView, ItemsView)):
+                    units += 1
+                    pending.append(item)  # type: ignore[arg-type]  # any of them is iterated over
+                else:
+                    units += 1
+            self.spend(units)
+
+
+def hash_cost(size: int) -> int:
+    """The units that so many entries of a set or dict may cost when all have one hash."""
+    return size * size // _COLLISIONS
+
+
+def divide_cost(left: Any, right: Any) -> int:
+    """The units of a division of integers, or of their greatest common divisor."""
+    if isinstance(left, int) and isinstance(right, int):
+        return left.bit_length() * right.bit_length() // _DIVISION
+    return 0
+
+
+def _power_cost(arguments: Sequence[Any], _: Mapping[str, Any]) -> int:
+    if len(arguments) == 3 and all(isinstance(each, int) for each in arguments):
+        _, exponent, modulus = arguments
+        steps = exponent.bit_length() if exponent >= 0 else modulus.bit_length()
+        return int(steps * modulus.bit_length() ** 2 // _POWER)
+    return 0
+
+
+def _product_cost(arguments: Sequence[Any], _: Mapping[str, Any]) -> int:
+    sizes = [each.bit_length() for each in arguments[0] if isinstance(each, int)] if arguments else []
+    return len(sizes) * sum(sizes) // 12_000
+
+
+def _common_cost(arguments: Sequence[Any], _: Mapping[str, Any]) -> int:
+    sizes = [each.bit_length() for each in arguments if isinstance(each, int)]
+    return sum(sizes) * sum(sizes) // _DIVISION
+
+
+def _combination_cost(arguments: Sequence[Any], _: Mapping[str, Any]) -> int:
+    return max((abs(each) for each in arguments if isinstance(each, int)), default=0)
+
+
+def _sort_cost(arguments: Sequence[Any], _: Mapping[str, Any]) -> int:
+    size = _count(arguments)
+    return size * size.bit_length()
+
+
+def _hashed_cost(arguments: Sequence[Any], keywords: Mapping[str, Any]) -> int:
+    return hash_cost(_count(arguments) + len(keywords))
+
+
+def _count(values: Sequence[Any]) -> int:
+    return sum(length_hint(each) for each in values if hasattr(each, "__iter__"))
+
+
+COSTS: Mapping[str, Callable[[Sequence[Any], Mapping[str, Any]], int]] = {
+    **dict.fromkeys(("set", "frozenset", "dict"), _hashed_cost),
+    **dict.fromkeys(("union", "intersection", "difference", "issubset", "issuperset", "isdisjoint"), _hashed_cost),
+    **dict.fromkeys(("gcd", "lcm", "isqrt"), _common_cost),
+    **dict.fromkeys(("comb", "factorial", "perm"), _combination_cost),
+    "divmod": lambda arguments, _: divide_cost(*arguments) if len(arguments) == 2 else 0,
+    "pow": _power_cost,
+    "prod": _product_cost,
+    "sorted": _sort_cost,
+}
