@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import pytest
 
 from ur.check.collect import collect_targets
 from ur.check.computer import make_world
+from ur.check.links import describe_left_out
 from ur.launchfile.world import MemoryWorld
 from ur.source.diagnostic import UserError
 
@@ -82,3 +84,49 @@ def test_links_that_go_round_end(tmp_path: Path) -> None:
         (folder / name).symlink_to(folder)
     targets = collect_targets([str(folder)], make_world([str(folder)], {}))
     assert targets.launch_files == (f"{folder}/launch/a.launch",)
+
+
+@pytest.mark.parametrize(
+    ("word", "said", "help_"),
+    [
+        ("empty", "empty: the folder is empty", "'ur new package' makes a package"),
+        ("pipe", "pipe: neither a regular file nor a folder", "ls -l pipe"),
+        ("emty", "emty: no such file, folder or package", "did you mean empty?"),
+        ("ubiquity_launche", "no such file, folder or package", "did you mean ubiquity_launches?"),
+        ("x" * 300, "no such file, folder or package", "lists the files beside it"),
+    ],
+)
+def test_word_that_names_nothing_to_check_is_explained(
+    word: str, said: str, help_: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("empty").mkdir()
+    os.mkfifo("pipe")
+    environment = {"ROS_PACKAGE_PATH": str(Path(__file__).parents[2] / "ubiquity_launches")}
+    with pytest.raises(UserError) as caught:
+        collect_targets([word], make_world([word], environment))
+    (found,) = caught.value.diagnostics
+    assert said in found.message
+    assert help_ in (found.help or "")
+
+
+def _may_not_read(folder: Path) -> bool:
+    folder.chmod(0)
+    return not os.access(folder, os.R_OK)
+
+
+def test_folders_that_cannot_be_read_are_reported_and_left_out(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "one.launch").write_text(LAUNCH)
+    secret = tmp_path / "secret"
+    secret.mkdir()
+    monkeypatch.chdir(tmp_path)
+    if not _may_not_read(secret):  # root may read everything
+        monkeypatch.setattr(os, "access", lambda path, _mode: Path(path) != secret)
+    try:
+        targets = collect_targets(["."], make_world(["."], {}))
+        assert names(targets.launch_files) == [str(tmp_path / "one.launch")]
+        assert describe_left_out(targets.left_out) == "note: 1 folder cannot be read and is left out: secret"
+        with pytest.raises(UserError, match="secret: the folder cannot be read"):
+            collect_targets(["secret"], make_world(["secret"], {}))
+    finally:
+        secret.chmod(0o700)

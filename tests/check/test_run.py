@@ -152,8 +152,9 @@ def test_given_argument_replaces_the_bases() -> None:
         f"{FOLDER}/package.xml": "<package><name>my_robot</name></package>",
         f"{FOLDER}/bases/magni/base.yaml": "summary: m\n",
         f"{FOLDER}/bases/stage/base.yaml": "summary: s\n",
-        f"{FOLDER}/a.launch": '<launch><arg name="robot_base"/><rosparam file="/x/$(arg robot_base).yaml"/></launch>',
-        "/x/magni.yaml": "a: 1\n",
+        f"{FOLDER}/a.launch": '<launch><arg name="robot_base"/>'
+        '<rosparam file="$(find my_robot)/$(arg robot_base).yaml"/></launch>',
+        f"{FOLDER}/magni.yaml": "a: 1\n",
     }
     world = MemoryWorld(files, {"my_robot": FOLDER})
     assert rules_of(check_paths([FOLDER], world)) == ["missing-file"]
@@ -168,7 +169,7 @@ def test_package_that_is_not_there_is_said_once_per_file() -> None:
   <param name="b" value="$(find far_away)/b"/>
 </launch>
 """)
-    assert rules_of(report) == ["unknown-package"]
+    assert rules_of(report) == ["package-not-installed"]
     assert report.findings[0].notes[-1].message == "also in line 3"
 
 

@@ -8,17 +8,18 @@ which values to try next, so both branches of a condition are seen.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
 from ur.check.model import LaunchView
 from ur.check.survey import walk_elements
-from ur.check.worlds import CachedWorld, Environment, Unknowns, has_marker
+from ur.check.worlds import ANONYMOUS, CachedWorld, Environment, Unknowns, has_marker
+from ur.launchfile.plan.budget import Budget
 from ur.launchfile.plan.load import load_plan
 from ur.launchfile.plan.model import Plan, TraceStep
 from ur.launchfile.syntax import Element
-from ur.source.diagnostic import Diagnostic
+from ur.source.diagnostic import Diagnostic, Severity
 
 _ROUNDS = 5
 _CONDITION = re.compile(r"\s*\$\(arg (\w+)\)\s*\Z")
@@ -26,8 +27,14 @@ _BOOLEANS = {"true": "false", "1": "false", "false": "true", "0": "true"}
 _CHOICE = re.compile(r"expected (\w+) or ")
 _OPPOSITES = {"true": "false", "1": "0"}
 _ABOUT_VALUES = frozenset({"bad-boolean", "bad-number", "bad-param-value", "bad-choice"})
-# Options exclude one another: with one changed alone, these say nothing.
-_ABOUT_TWO_TAGS = frozenset({"duplicate-node", "duplicate-machine", "param-conflict", "unknown-machine"})
+_ABOUT_EVERY_FILE = frozenset({"unknown-machine"})  # not sure unless every included file is known
+# Options exclude one another: not sure where one is changed alone.
+_ABOUT_TWO_TAGS = frozenset(
+    {
+        *("duplicate-arg", "duplicate-node", "duplicate-machine", "param-conflict"),
+        *("undeclared-argument", "unknown-machine"),
+    }
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,17 +79,24 @@ def resolve_cases(
     given: tuple[tuple[str, str], ...] = (),
     trace: list[TraceStep] | None = None,
     load: Loader | None = None,
+    passed: frozenset[str] | None = None,
 ) -> Iterator[Resolved]:
-    """The plans of a launch file, one or two per case. See load_plan for `trace`; another `load` may make the plans."""
-    load = load or partial(_load, trace=trace)
-    required = [name for name, elements in view.declared.items() if all(map(_is_required, elements))]
+    """The plans of a launch file, one or two per case. See load_plan for `trace`; another `load` may make the plans.
+
+    With `passed`, the names of arguments, nothing is taken from the defaults of those, nor from the defaults of
+    environment variables that are not set here: they are unknown, as they are where another file includes this one.
+    """
+    load = load or partial(_load, trace=trace, budget=Budget())
+    unknown = [
+        name for name, elements in view.declared.items() if all(_is_unknown(each, passed or ()) for each in elements)
+    ]
     for case in list_cases(view, given):
-        for plan in _resolve(view.path, case, required, world, load):
+        for plan in _resolve(view.path, case, unknown, world, load, no_defaults=passed is not None):
             yield Resolved(case, plan)
 
 
-def _load(path: str, words: Sequence[str], world: CachedWorld, trace: list[TraceStep] | None) -> Plan:
-    return load_plan([path], words, world, trace)
+def _load(path: str, words: Sequence[str], world: CachedWorld, trace: list[TraceStep] | None, budget: Budget) -> Plan:
+    return load_plan([path], words, world, trace, budget=budget)
 
 
 def _base_cases(view: LaunchView, given: set[str]) -> list[tuple[tuple[str, str], ...]]:
@@ -112,18 +126,23 @@ def _flips(view: LaunchView) -> list[tuple[str, str]]:
     return flips
 
 
-def _is_required(element: Element) -> bool:
-    return "default" not in element.attributes and "value" not in element.attributes
+def _is_unknown(element: Element, passed: Collection[str]) -> bool:
+    if "value" in element.attributes:
+        return False
+    return "default" not in element.attributes or element.attributes.get("name") in passed
 
 
-def _resolve(path: str, case: Case, required: list[str], world: CachedWorld, load_file: Loader) -> Iterator[Plan]:
+def _resolve(
+    path: str, case: Case, unknown: list[str], world: CachedWorld, load_file: Loader, *, no_defaults: bool
+) -> Iterator[Plan]:
     unknowns = Unknowns()
-    open_world = world.seen_from(path.rpartition("/")[0], Environment(world.environment, unknowns))
+    environment = Environment(world.environment, unknowns, no_defaults=no_defaults)
+    open_world = world.seen_from(path.rpartition("/")[0], environment)
     given = dict(case.given)
 
     def load() -> Plan:
         words = [f"{name}:={value}" for name, value in given.items()]
-        words += [f"{name}:={unknowns.value_of(name)}" for name in required if name not in given]
+        words += [f"{name}:={unknowns.value_of(name)}" for name in unknown if name not in given]
         return load_file(path, words, open_world)
 
     plan = load()
@@ -133,12 +152,12 @@ def _resolve(path: str, case: Case, required: list[str], world: CachedWorld, loa
             break
         unknowns.tried.update(learnt)
         plan = load()
-    first = _only_sure(plan, case, unknowns)
+    first = _only_sure(plan, case, unknowns, open_world)
     if not set(unknowns.tried.values()) & set(_OPPOSITES):
         yield first
         return
     unknowns.tried = {name: _OPPOSITES.get(value, value) for name, value in unknowns.tried.items()}
-    second = _only_sure(load(), case, unknowns)
+    second = _only_sure(load(), case, unknowns, open_world)
     # Options that are all on, or all off, may exclude one another: what speaks of two tags has to be in both plans.
     yield _without_pairs(first, second)
     yield _without_pairs(second, first)
@@ -171,12 +190,40 @@ def _learn(findings: Iterable[Diagnostic], unknowns: Unknowns) -> dict[str, str]
     return learnt
 
 
-def _only_sure(plan: Plan, case: Case, unknowns: Unknowns) -> Plan:
-    sure = tuple(found for found in plan.diagnostics if _is_sure(found, case, unknowns))
-    return replace(plan, diagnostics=sure)
+def _only_sure(plan: Plan, case: Case, unknowns: Unknowns, world: CachedWorld) -> Plan:
+    whole = not any(map(_hides_a_file, plan.diagnostics)) and all(include.found for include in plan.includes)
+    sure = (
+        found
+        for found in plan.diagnostics
+        if _is_sure(found, case, unknowns, world) and (whole or found.rule not in _ABOUT_EVERY_FILE)
+    )
+    return replace(plan, diagnostics=tuple(sure))
 
 
-def _is_sure(found: Diagnostic, case: Case, unknowns: Unknowns) -> bool:
+def _hides_a_file(found: Diagnostic) -> bool:
+    # An <include> whose file is not known, or an <arg> that may be part of its path.
+    if found.span is None or found.severity is not Severity.ERROR:
+        return False
+    tag = found.span.file.text.rfind("<", 0, found.span.start + 1)
+    return tag >= 0 and found.span.file.text.startswith(("<include", "<arg"), tag)
+
+
+def _is_path_of_user(found: Diagnostic, world: CachedWorld) -> bool:
+    # A default like "" or "none", which whoever uses the file replaces, or a path of another computer.
+    if found.rule != "missing-file" or found.span is None:
+        return False
+    if "/" not in found.subject:
+        return "$" in found.span.text
+    if not found.subject.startswith("/") or "$(find " in found.span.text or "$(dirname)" in found.span.text:
+        return False
+    folder = found.subject
+    while folder := folder.rpartition("/")[0]:
+        if world.is_file(f"{folder}/package.xml"):
+            return False
+    return True
+
+
+def _is_sure(found: Diagnostic, case: Case, unknowns: Unknowns, world: CachedWorld) -> bool:
     if has_marker(found.message) or any(has_marker(note.message) for note in found.notes):
         return False
     if found.span is not None and found.span.file.path == "<command line>":
@@ -187,4 +234,8 @@ def _is_sure(found: Diagnostic, case: Case, unknowns: Unknowns) -> bool:
         return not (unknowns.any_used or case.flipped)  # the result may depend on something unknown
     if found.rule in _ABOUT_VALUES and unknowns.tried and found.span is not None and "$" in found.span.text:
         return False  # the value was guessed
-    return not (case.flipped and (found.rule in _ABOUT_TWO_TAGS or found.message.startswith("an empty path")))
+    if found.rule == "empty-namespace" and "$" in found.subject:
+        return False  # as with paths: whoever uses the file gives it
+    if found.rule == "duplicate-node" and ANONYMOUS in found.subject:
+        return False  # $(anon ...) is another name in each file
+    return not _is_path_of_user(found, world) and not (case.flipped and found.rule in _ABOUT_TWO_TAGS)

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import os
 import re
+import shlex
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
+from ur.check.links import Links
 from ur.check.model import BaseNames, Package
+from ur.launchfile.address import join_addresses
+from ur.launchfile.syntax.ros2 import is_ros2_name
 from ur.launchfile.world import World
 from ur.launchfile.world.protocol import PackageNotFound
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import Diagnostic, UserError, error
 from ur.source.file import SourceFile
 from ur.source.section import parse_section
 from ur.source.suggest import did_you_mean
@@ -25,13 +30,17 @@ _DEPENDS = re.compile(r"<(?:\w*_)?depend\b[^>]*>\s*([^<\s]+)\s*</")
 
 @dataclass(frozen=True, slots=True)
 class Targets:
-    """The files to check, each once and sorted, by kind; `whole`: packages that are checked from end to end."""
+    """The files to check, each once and sorted, by kind; `whole`: packages that are checked from end to end.
+
+    `left_out` are links that lead to something else, and folders that cannot be read.
+    """
 
     launch_files: tuple[str, ...]
     yaml_files: tuple[str, ...]
     programs: tuple[str, ...]
     packages: dict[str, Package]  # by folder
     whole: tuple[Package, ...]
+    left_out: tuple[str, ...] = ()
 
     def package_of(self, path: str) -> Package | None:
         """The package that a file belongs to: the innermost folder with a package.xml."""
@@ -45,7 +54,7 @@ class Targets:
 
 
 def collect_targets(paths: Sequence[str], world: World) -> Targets:
-    """What to check for the words of a command line: paths of files and folders, or names of packages.
+    """List what to check for the arguments of a command line: paths of files and folders, packages, `PACKAGE FILE`.
 
     Raises UserError for a word that is neither.
     """
@@ -54,15 +63,18 @@ def collect_targets(paths: Sequence[str], world: World) -> Targets:
     programs: set[str] = set()
     packages: dict[str, Package] = {}
     visited: set[str] = set()
-    for word in paths:
+    left_out: set[str] = set()
+    for word in join_addresses(paths, world):
         path = _locate(word, world)
-        files = [path] if world.is_file(path) else list(_walk(path, world, visited))
+        links = Links(path)
+        files = [path] if world.is_file(path) else list(_walk(path, world, visited, links))
+        left_out.update(links.left_out)
         _find_enclosing(path, world, packages)
         for file in files:
             if file.endswith("/package.xml"):
                 _add_package(file.removesuffix("/package.xml"), world, packages)
         launch.update(file for file in files if _is_launch_file(file, file == path, world))
-        yaml.update(file for file in files if file.endswith(_YAML_SUFFIXES))
+        yaml.update(file for file in files if file.endswith(_YAML_SUFFIXES) and not is_ros2_name(file))
         folders = {f"{folder}/bin" for folder in packages}
         if world.is_file(path) and not _can_be_checked(path, launch, yaml, folders, world):
             raise UserError(
@@ -75,7 +87,22 @@ def collect_targets(paths: Sequence[str], world: World) -> Targets:
         programs.update(file for file in files if file.rpartition("/")[0] in folders and is_script(file, world))
     programs = _without_twins(programs, world)
     whole = tuple(packages[folder] for folder in sorted(packages) if folder in visited)
-    return Targets(tuple(sorted(launch)), tuple(sorted(yaml)), tuple(sorted(programs)), packages, whole)
+    files_of = (tuple(sorted(launch)), tuple(sorted(yaml)), tuple(sorted(programs)))
+    return Targets(*files_of, packages, whole, tuple(sorted(left_out)))
+
+
+def list_launch_files(folder: str, world: World) -> list[str]:
+    """The launch files below a folder, whatever their names end with."""
+    return [path for path in _walk(folder, world, set(), Links(folder)) if _holds_launch_file(path, world)]
+
+
+def _holds_launch_file(path: str, world: World) -> bool:
+    if not path.endswith((*_LAUNCH_SUFFIXES, ".xml")) or path.endswith("/package.xml"):
+        return False
+    try:
+        return b"<launch" in world.read_bytes(path)
+    except OSError:
+        return False
 
 
 def _can_be_checked(path: str, launch: set[str], yaml: set[str], folders: set[str], world: World) -> bool:
@@ -107,38 +134,60 @@ def _locate(word: str, world: World) -> str:
             return world.absolute(world.find_package(word))
         except (PackageNotFound, OSError, ValueError):
             pass
-    folder, _, name = path.rpartition("/")
-    beside = {
-        f"{word.rpartition('/')[0]}/{entry}".lstrip("/") if "/" in word else entry
-        for entry in world.list_folder(folder)
-    }
-    near = did_you_mean(word, beside)
-    raise UserError(
-        error(
-            f"{word}: no such file, folder or package, expected something to check",
-            rule="missing-file",
-            help=f"did you mean {near}?" if near else f"look into {folder or '/'}: there is no {name}",
-        )
+    raise UserError(_explain_unusable(word, path, world))
+
+
+def _explain_unusable(word: str, path: str, world: World) -> Diagnostic:
+    if os.path.isdir(path):  # noqa: PTH112 - Path.is_dir fails where a folder may not be read
+        if not os.access(path, os.R_OK | os.X_OK):
+            message = f"{word}: the folder cannot be read: permission denied"
+            return error(message, rule="unreadable-folder", help=f"ls -ld {shlex.quote(word)}")
+        message = f"{word}: the folder is empty, expected launch files, YAML files or programs of a package"
+        return error(message, rule="missing-file", help="'ur new package' makes a package with launch files")
+    if os.path.lexists(path):
+        message = f"{word}: neither a regular file nor a folder, expected a file, a folder or a package"
+        return error(message, rule="missing-file", help=f"ls -l {shlex.quote(word)}")
+    folder = path.rpartition("/")[0]
+    above, slash, _ = word.rpartition("/")
+    near = did_you_mean(word, {f"{above}{slash}{entry}" for entry in world.list_folder(folder)})
+    if not near and not slash:
+        near = did_you_mean(word, world.package_names())
+    return error(
+        f"{word}: no such file, folder or package",
+        rule="missing-file",
+        help=f"did you mean {near}?" if near else f"'ls {shlex.quote(folder or '/')}' lists the files beside it",
     )
 
 
-def _walk(folder: str, world: World, visited: set[str], above: tuple[tuple[str, ...], ...] = ()) -> Iterable[str]:
+def _walk(
+    folder: str,
+    world: World,
+    visited: set[str],
+    links: Links,
+    above: tuple[tuple[str, ...], ...] = (),
+    in_package: bool = False,
+) -> Iterable[str]:
     visited.add(folder)
     names = world.list_folder(folder)
+    if not names and os.path.isdir(folder) and not os.access(folder, os.R_OK | os.X_OK):  # noqa: PTH112 - texts here
+        links.left_out.append(folder)
     # A folder that lists the same as one above it is that one, reached through a link.
     if len(above) > MAX_DEPTH or "CATKIN_IGNORE" in names or names in above:
         return
+    in_package = in_package or "package.xml" in names
     for name in names:
-        if name.startswith(".") or name in _SKIPPED:
-            continue
         path = f"{folder.rstrip('/')}/{name}"
+        if name.startswith(".") or name in _SKIPPED or links.leave_out(path, in_package=in_package):
+            continue
         if world.is_file(path):
             yield path
         else:
-            yield from _walk(path, world, visited, (*above, names))
+            yield from _walk(path, world, visited, links, (*above, names), in_package)
 
 
 def _is_launch_file(path: str, asked_for: bool, world: World) -> bool:
+    if asked_for and is_ros2_name(path):
+        return True  # which is what is reported of it
     if not asked_for and not path.endswith(_LAUNCH_SUFFIXES) and not (path.endswith(".xml") and "/launch/" in path):
         return False
     if (asked_for and path.endswith((*_YAML_SUFFIXES, "/package.xml"))) or ("/bin/" in path and is_script(path, world)):

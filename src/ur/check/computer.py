@@ -22,7 +22,7 @@ def make_world(paths: Sequence[str], environment: Mapping[str, str]) -> SystemWo
         if enclosing is not None:
             checked[str(enclosing)] = None
             beside.update(dict.fromkeys(_beside(enclosing)))
-        elif place.is_dir():
+        elif os.path.isdir(place):  # noqa: PTH112 - likewise
             checked.update(dict.fromkeys(_below(place)))
     known = [environment["ROS_PACKAGE_PATH"]] if environment.get("ROS_PACKAGE_PATH") else []
     joined = os.pathsep.join((*checked, *known, *(path for path in beside if path not in checked)))
@@ -30,7 +30,7 @@ def make_world(paths: Sequence[str], environment: Mapping[str, str]) -> SystemWo
 
 
 def _is_package(folder: Path) -> bool:
-    return (folder / "package.xml").is_file()
+    return os.path.isfile(folder / "package.xml")  # noqa: PTH113 - Path.is_file fails where a folder may not be read
 
 
 def _beside(folder: Path) -> Iterator[str]:

@@ -9,13 +9,16 @@ from typing import Literal, NamedTuple
 from ur.launchfile.world import World
 from ur.launchfile.world.protocol import PackageNotFound
 
-_TARGET = re.compile(r"\w*add_executable\s*\(\s*([^\s)]+)", re.IGNORECASE)
+# catkin_add_executable_with_gtest, cuda_add_executable, add_rostest_gtest, catkin_add_gmock, ...
+_TARGET = re.compile(r"\w*add_\w*(?:executable|gtest|gmock)\w*\s*\(\s*([^\s)]+)", re.IGNORECASE)
 _OUTPUT = re.compile(r"OUTPUT_NAME\s+([^\s)]+)")
 _SUBFOLDER = re.compile(r"add_subdirectory\s*\(\s*([\w./-]+)", re.IGNORECASE)
 _PROJECT = re.compile(r"^\s*project\s*\(\s*([\w.-]+)", re.IGNORECASE | re.MULTILINE)
 _VARIABLE = re.compile(r"\$\{[^}]*\}")
+_DIGITS = re.compile(r"\d")
 _MAX_DEPTH = 3
 _SAME = 0.88
+_SHORT = 5
 
 
 class Verdict(NamedTuple):
@@ -60,7 +63,13 @@ def is_stand_in(folder: str, world: World) -> bool:
 
 def is_misspelt(name: str, near: str) -> bool:
     """Whether a name is so near to one that exists that it can hardly be another."""
-    if len(name) == len(near):
+    if _DIGITS.sub("", name) == _DIGITS.sub("", near):
+        return False  # openni_launch and openni2_launch are two packages
+    if name.count("_") != near.count("_") and name.replace("_", "") != near.replace("_", ""):
+        return False  # and so are robot_description and robot_description_gazebo
+    if sorted(name) == sorted(near):
+        return True
+    if len(name) == len(near) and len(name) >= _SHORT:
         return sum(one != other for one, other in zip(name, near, strict=True)) <= 1 or _ratio(name, near) >= _SAME
     return _ratio(name, near) >= _SAME
 

@@ -69,7 +69,7 @@ def _once_per_package(found: list[Diagnostic]) -> Iterable[Diagnostic]:
     groups: dict[tuple[str, str, str], list[Diagnostic]] = {}
     for finding in sorted(found, key=_order):
         if finding.span is not None and finding.rule in ("unknown-package", "package-not-installed"):
-            groups.setdefault((finding.rule, finding.span.file.path, finding.message), []).append(finding)
+            groups.setdefault((finding.rule, finding.span.file.path, finding.subject), []).append(finding)
         else:
             yield finding
     for group in groups.values():

@@ -32,12 +32,13 @@ class Group(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Found:
-    """What a rule found; the engine adds the rule's id and severity."""
+    """A finding of a rule; the engine adds the rule's id and severity. `subject` as in a Diagnostic."""
 
     span: Span
     message: str
     help: str | None = None
     notes: tuple[Note, ...] = ()
+    subject: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from ur.check.run import Report
 from ur.source.diagnostic import Diagnostic
+from ur.source.printable import printable
 
 
 def render_github(report: Report) -> str:
@@ -31,7 +32,7 @@ def _line(found: Diagnostic) -> str:
 
 
 def _escape(text: str) -> str:
-    return text.replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A")
+    return printable(text.replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A"))
 
 
 def _escape_property(text: str) -> str:

@@ -3,26 +3,45 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from textwrap import fill
 
 from ur.check.examples import check_example, strip_marks
+from ur.check.installed import NotInstalled, split_not_installed
 from ur.check.model import Example, Rule
 from ur.check.run import Report
 from ur.source.diagnostic import Diagnostic, Note
 from ur.source.file import SourceFile, Span
+from ur.source.printable import printable
 from ur.source.render import render_human
+
+_WIDTH = 100
+_INSTALL = "source the setup.bash of their workspace, or run 'rosdep install --from-paths . --ignore-src'"
 
 
 def render_text(report: Report, *, colour: bool = False) -> str:
-    """The findings, and one line that counts them."""
-    return render_human(report.findings, colour=colour) + summarise(report) + "\n"
+    """The findings, one paragraph about packages that are not installed, and one line that counts."""
+    findings, not_installed = split_not_installed(report.findings)
+    nothing = "nothing else found" if not_installed.packages else "nothing found"
+    text = render_human(findings, colour=colour) + _describe_not_installed(not_installed)
+    return text + summarise(replace(report, findings=findings), nothing=nothing) + "\n"
 
 
-def summarise(report: Report) -> str:
-    """`2 errors and 1 warning in 40 files`."""
+def _describe_not_installed(missing: NotInstalled) -> str:
+    if not missing.packages:
+        return ""
+    subject = "1 package is" if len(missing.packages) == 1 else f"{len(missing.packages)} packages are"
+    users = f"{_count(missing.files, 'file')} {'takes' if missing.files == 1 else 'take'}"
+    names = printable(", ".join(missing.packages))
+    text = f"{subject} not installed or not built here; what {users} from there is not checked: {names}"
+    return fill(text, _WIDTH, subsequent_indent="  ", break_on_hyphens=False) + f"\n  help: {_INSTALL}\n"
+
+
+def summarise(report: Report, *, nothing: str = "nothing found") -> str:
+    """`2 errors and 1 warning in 40 files`; `nothing` is for no finding."""
     warnings = len(report.findings) - report.errors
     counts = [_count(number, word) for number, word in ((report.errors, "error"), (warnings, "warning")) if number]
     hidden = f" ({_count(report.suppressed, 'finding')} hidden by comments)" if report.suppressed else ""
-    return f"{' and '.join(counts) or 'nothing found'} in {_count(report.files, 'file')}{hidden}"
+    return f"{' and '.join(counts) or nothing} in {_count(report.files, 'file')}{hidden}"
 
 
 def _count(number: int, word: str) -> str:

@@ -3,22 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
 
 from ur.check.cases import Resolved, list_cases, resolve_cases
 from ur.check.catalogue import load_rules
-from ur.check.collect import Targets, collect_targets
+from ur.check.collect import Targets, collect_targets, list_launch_files
+from ur.check.inclusion import Inclusions, find_inclusions
+from ur.check.installed import judge_package
 from ur.check.merge import Hit, merge_hits
 from ur.check.model import LaunchView, Package, PackageView, ProgramView, Rule, YamlView
 from ur.check.suppress import Suppression, Suppressions, read_line_suppressions, read_xml_suppressions
-from ur.check.survey import find_includers, survey_launch_file, walk_elements
+from ur.check.survey import survey_launch_file, walk_elements
 from ur.check.visitor import Visitor, stamp_severity
 from ur.check.worlds import CachedWorld
 from ur.launchfile.syntax import Element
 from ur.launchfile.world import World
 from ur.source.diagnostic import Diagnostic, Note, Severity, error
 from ur.source.file import SourceFile, Span
+from ur.source.progress import Progress, counted, no_progress
 from ur.source.suggest import did_you_mean
 
 
@@ -29,6 +33,7 @@ class Report:
     findings: tuple[Diagnostic, ...]
     files: int
     suppressed: int
+    left_out: tuple[str, ...] = ()  # links that lead out of what was checked
 
     @property
     def errors(self) -> int:
@@ -41,6 +46,7 @@ def check_paths(
     world: World,
     chosen: frozenset[str] | None = None,
     arguments: Mapping[str, str] | None = None,
+    progress: Progress = no_progress,
 ) -> Report:
     """Check files, folders and packages; `chosen` are rule ids (None: all). Raises UserError for a bad path.
 
@@ -48,7 +54,7 @@ def check_paths(
     """
     cached = CachedWorld(world)
     targets = collect_targets(paths, cached)
-    return _Check(targets, cached, load_rules(), chosen, arguments or {}).run()
+    return _Check(targets, cached, load_rules(), chosen, arguments or {}, progress).run()
 
 
 class _Check:
@@ -59,7 +65,9 @@ class _Check:
         rules: dict[str, Rule],
         chosen: frozenset[str] | None,
         arguments: Mapping[str, str],
+        progress: Progress,
     ) -> None:
+        self.progress = progress
         self.arguments = arguments
         self.targets = targets
         self.world = world
@@ -69,6 +77,7 @@ class _Check:
         self.views: dict[str, LaunchView] = {}
         self.suppressions: dict[str, tuple[Suppression, ...]] = {}
         self.elements: dict[str, dict[int, Element]] = {}
+        self.inclusions = Inclusions()
 
     def run(self) -> Report:
         hits = list(self.check_everything())
@@ -78,27 +87,29 @@ class _Check:
         hidden = len(merged) - len(shown)
         extra = [found for found in self.check_comments(suppressions) if found.rule in self.chosen]
         count = len(self.targets.launch_files) + len(self.targets.yaml_files) + len(self.targets.programs)
-        return Report(tuple(merge_hits(Hit(found) for found in (*shown, *extra))), count, hidden)
+        findings = tuple(merge_hits(Hit(found) for found in (*shown, *extra)))
+        return Report(findings, count, hidden, self.targets.left_out)
 
     def check_everything(self) -> Iterator[Hit]:
         yield from self.read_launch_files()
+        self.inclusions = find_inclusions((*self.views.values(), *self.read_neighbours()))
         yield from map(Hit, self.check_arguments())
-        for view in self.views.values():
-            yield from map(Hit, self.visitor.visit_launch_file(view))
+        for view in counted(tuple(self.views.values()), "checking", "launch files", self.progress):
+            yield from (Hit(found) for found in self.visitor.visit_launch_file(view) if not self.is_passed(found, view))
             yield from self.check_plans(view)
         yield from self.check_yaml_files()
         programs: list[ProgramView] = []
-        for path in self.targets.programs:
+        for path in counted(self.targets.programs, "checking", "programs", self.progress):
             package = self.targets.package_of(path)
             if package is not None and (source := self.read_text(path)) is not None:
                 program = ProgramView(source, package, self.world, self.views)
                 programs.append(program)
                 yield from map(Hit, self.visitor.visit_program(program))
-        for package in self.targets.whole:
+        for package in counted(self.targets.whole, "checking", "packages", self.progress):
             yield from map(Hit, self.visitor.visit_package(self.package_view(package, programs)))
 
     def read_launch_files(self) -> Iterator[Hit]:
-        for path in self.targets.launch_files:
+        for path in counted(self.targets.launch_files, "reading", "launch files", self.progress):
             try:
                 view = survey_launch_file(path, self.targets.package_of(path), self.world)
             except OSError as problem:
@@ -106,6 +117,20 @@ class _Check:
                 continue
             self.views[path] = view
             self.suppressions[path] = read_xml_suppressions(view.tree)
+
+    def read_neighbours(self) -> Iterator[LaunchView]:
+        # Other launch files of the same packages, which may include what is checked.
+        packages = {view.package.folder: view.package for view in self.views.values() if view.package is not None}
+        for folder, package in packages.items():
+            self.progress(f"finding files that include them in {package.name}")
+            for path in list_launch_files(folder, self.world):
+                if path not in self.views:
+                    with suppress(OSError):
+                        yield survey_launch_file(path, package, self.world)
+
+    def is_passed(self, found: Diagnostic, view: LaunchView) -> bool:
+        passed = self.inclusions.passed.get(view.path, frozenset())
+        return found.rule == "unused-argument" and found.subject in passed
 
     def check_arguments(self) -> Iterator[Diagnostic]:
         line = SourceFile("<command line>", " ".join(f"{name}:={value}" for name, value in self.arguments.items()))
@@ -122,9 +147,24 @@ class _Check:
     def check_plans(self, view: LaunchView) -> Iterator[Hit]:
         given = tuple((name, value) for name, value in self.arguments.items() if name in view.declared)
         plain = frozenset(case.label for case in list_cases(view, given) if case.flipped is None)
-        for resolved in resolve_cases(view, self.world, given):
-            for found in self.findings_of(resolved, view):
-                yield Hit(found, view.path, resolved.case.label, plain)
+        found_in = [
+            (found, resolved.case.label)
+            for resolved in resolve_cases(view, self.world, given)
+            for found in self.findings_of(resolved, view)
+        ]
+        if not found_in:
+            return
+        # A file that others include is judged there, with what they pass: here only what no argument changes.
+        passed = self.inclusions.passed.get(view.path, frozenset())
+        everywhere = {
+            _place_of(found)
+            for resolved in resolve_cases(view, self.world, given, passed=passed)
+            for found in self.findings_of(resolved, view)
+        }
+        for found, label in found_in:
+            included = found.rule == "unknown-machine" and view.path in self.inclusions.tags
+            if _place_of(found) in everywhere and not included:
+                yield Hit(found, view.path, label, plain)
 
     def findings_of(self, resolved: Resolved, view: LaunchView) -> Iterator[Diagnostic]:
         option = resolved.case.flipped
@@ -133,10 +173,10 @@ class _Check:
                 found = replace(found, span=Span(SourceFile(view.path, ""), 0, 0))
             found = self.settle(found, view)
             if found.severity is Severity.ERROR or self.is_checked(found):
-                yield _judge(stamp_severity(found, self.rules), view.package, option)
+                yield judge_package(stamp_severity(found, self.rules), view.package, option, self.world)
         element_at = partial(self.element_at, view)
         for found in self.visitor.visit_plan(resolved.plan, element_at, view.package, self.world):
-            yield _judge(found, view.package, option)
+            yield judge_package(found, view.package, option, self.world)
 
     def is_checked(self, found: Diagnostic) -> bool:
         path = found.span.file.path if found.span else ""
@@ -168,7 +208,7 @@ class _Check:
         return self.elements[path].get(start)
 
     def check_yaml_files(self) -> Iterator[Hit]:
-        for path in self.targets.yaml_files:
+        for path in counted(self.targets.yaml_files, "checking", "YAML files", self.progress):
             source = self.read_text(path)
             if source is None:
                 continue  # what loads it reports it
@@ -187,7 +227,7 @@ class _Check:
             package,
             tuple(view for view in self.views.values() if view.package is package),
             tuple(program for program in programs if program.package is package),
-            find_includers(self.views.values()),
+            self.inclusions.tags,
         )
 
     def check_comments(self, suppressions: Suppressions) -> Iterator[Diagnostic]:
@@ -212,30 +252,12 @@ class _Check:
         return Diagnostic(self.rules[rule].severity, message, rule, each.span, (), help_)
 
 
+def _place_of(found: Diagnostic) -> tuple[str, str, int]:
+    return (found.rule, found.span.file.path, found.span.start) if found.span else (found.rule, "", 0)
+
+
 def _unreadable(path: str, problem: OSError) -> Diagnostic:
     reason = (problem.strerror or str(problem)).lower()
     return error(
         f"{path}: {reason}, expected a readable text", Span(SourceFile(path, ""), 0, 0), rule="unreadable-file"
-    )
-
-
-def _judge(found: Diagnostic, package: Package | None, option: str | None) -> Diagnostic:
-    # A package that is not installed may be a matter of this computer, and not of the file.
-    if found.rule != "unknown-package":
-        return found
-    name = found.message.split("'")[1]
-    if package is not None and name in package.depends:
-        why = "though package.xml depends on it"
-    elif option is not None:
-        why = f"and is needed when '{option}' is changed"
-    else:
-        return found
-    return replace(
-        found,
-        rule="package-not-installed",
-        severity=Severity.WARNING,
-        message=f"package '{name}' is not installed here, {why}",
-        help=found.help
-        if found.help and found.help.startswith("did you mean") and name not in (package.depends if package else ())
-        else f"install {name}; what the file takes from it is not checked until then",
     )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 
 from ur.check.model import LaunchView, Package
 from ur.launchfile.syntax import Element, SubstitutionProblem, is_eval, parse_launch_file, parse_substitutions
@@ -12,7 +12,6 @@ from ur.source.file import Span
 
 _WORD = re.compile(r"[A-Za-z_]\w*")
 _OTHER_COMMANDS = frozenset({"find", "env", "optenv", "dirname", "anon"})
-_PIECE = re.compile(r"\$\([^)]*\)")
 
 
 def survey_launch_file(path: str, package: Package | None, world: World) -> LaunchView:
@@ -71,22 +70,6 @@ def find_uses(element: Element) -> Iterator[tuple[str, Span]]:
     if "$(" in element.text:
         for name, start, end in _names_in(element.text):
             yield name, Span(element.source, element.text_offset(start), element.text_offset(end))
-
-
-def find_includers(views: Iterable[LaunchView]) -> dict[str, tuple[Span, ...]]:
-    """By path of a launch file: the `<include>` tags of other files that may mean it, whatever their arguments are."""
-    every = list(views)
-    found: dict[str, list[Span]] = {}
-    for view in every:
-        for element, _ in walk_elements(view.tree.launch):
-            file = element.attributes.get("file", "") if element.name == "include" else ""
-            if not file:
-                continue
-            pattern = re.compile(".*".join(re.escape(part) for part in _PIECE.split(file)) + r"\Z")
-            for other in every:
-                if other is not view and pattern.search(other.path):
-                    found.setdefault(other.path, []).append(element.value_span("file"))
-    return {path: tuple(spans) for path, spans in found.items()}
 
 
 def _names_in(value: str) -> Iterator[tuple[str, int, int]]:

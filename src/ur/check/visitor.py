@@ -73,7 +73,7 @@ def _ask(hooks: list[_Hook], package: Package | None, *what: object) -> Iterable
         if rule.house and (package is None or not package.house):
             continue
         for found in hook(*what):
-            yield Diagnostic(rule.severity, found.message, rule.id, found.span, found.notes, found.help)
+            yield Diagnostic(rule.severity, found.message, rule.id, found.span, found.notes, found.help, found.subject)
 
 
 def _with_includes(findings: Iterable[Diagnostic], origin: Origin) -> Iterable[Diagnostic]:
@@ -90,4 +90,4 @@ def stamp_severity(found: Diagnostic, rules: Mapping[str, Rule]) -> Diagnostic:
     rule = rules.get(found.rule)
     if rule is None or rule.severity is found.severity or found.rule in _AS_RESOLVED or _is_old_master(found):
         return found
-    return Diagnostic(rule.severity, found.message, found.rule, found.span, found.notes, found.help)
+    return replace(found, severity=rule.severity)

@@ -9,6 +9,7 @@ from ur.launchfile.world import World
 
 # A letter that no launch file uses, so that a marker is a legal name and is found again wherever it ends up.
 _LETTER = "ǂ"
+ANONYMOUS = "_anonymous"
 _MARKER = re.compile(f"u{_LETTER}(\\d+){_LETTER}")
 
 
@@ -43,12 +44,22 @@ def has_marker(text: str) -> bool:
 
 
 class Environment(dict[str, str]):
-    """Environment variables; one that is not set here is unknown, as it may be set where the file is used."""
+    """Environment variables; one that is not set here is unknown, as it may be set where the file is used.
 
-    def __init__(self, variables: Mapping[str, str], unknowns: Unknowns) -> None:
+    With `no_defaults`, so is one that has a default in the file: `$(optenv NAME DEFAULT)`.
+    """
+
+    def __init__(self, variables: Mapping[str, str], unknowns: Unknowns, *, no_defaults: bool = False) -> None:
         super().__init__(variables)
         self.pop("ROS_NAMESPACE", None)
         self._unknowns = unknowns
+        self._no_defaults = no_defaults
+
+    def get(self, name: str, default: str | None = None) -> str | None:  # type: ignore[override]  # names are texts
+        """See dict."""
+        if self._no_defaults and name not in self and not name.startswith("ROS_"):
+            return self[name]
+        return super().get(name, default)
 
     def __missing__(self, name: str) -> str:
         return self._unknowns.value_of(f"env {name}")
@@ -150,4 +161,4 @@ class CachedWorld:
 
     def make_anonymous(self, prefix: str) -> str:
         """See World. The same name each time: a check says the same each time."""
-        return f"{prefix}_anonymous"
+        return f"{prefix}{ANONYMOUS}"

@@ -8,12 +8,14 @@ from typing import Any
 import yaml
 
 from ur.source.file import SourceFile, Span
+from ur.source.yaml_depth import check_depth
 
 _Loader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 
 def compose_documents(source: SourceFile) -> list[yaml.Node]:
     """The documents of a text. Raises yaml.YAMLError."""
+    check_depth(source.text)
     return [node for node in yaml.compose_all(source.text, Loader=_Loader) if node is not None]
 
 

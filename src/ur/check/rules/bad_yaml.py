@@ -38,7 +38,7 @@ def _python_reads(text: str) -> bool:
     # roslaunch uses the parser in Python, which accepts a little more than libyaml, and is ten times as slow.
     try:
         list(yaml.compose_all(text, Loader=yaml.SafeLoader))
-    except yaml.YAMLError:
+    except (yaml.YAMLError, RecursionError):
         return False
     return True
 

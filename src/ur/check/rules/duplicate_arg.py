@@ -11,7 +11,8 @@ RULE = Rule(
     severity=Severity.ERROR,
     summary="An argument is declared twice.",
     explanation="""
-roslaunch refuses a second `<arg>` of the same name in one file, unless `if` and `unless` leave one of them.
+roslaunch refuses a second `<arg>` of the same name in one file, unless `if` and `unless` leave one of them. Of options
+that are not required only the defaults are judged: other values may not be meant to be given together.
 """,
     bad=(
         launch_example("""

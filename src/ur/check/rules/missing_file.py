@@ -87,7 +87,9 @@ RULE = Rule(
     explanation="""
 Included launch files, parameter files, robot descriptions (`textfile`, xacro), maps and RViz configurations are looked
 for, for every base and variant of the package, and in the branches of options that are off by default. Paths that
-depend on something unknown are left alone.
+depend on something unknown are left alone: required arguments, arguments whose default is no path, and environment
+variables that are not set. So are absolute paths outside of packages, which may be those of another computer. A file
+that others include is judged with the values that they pass.
 """,
     bad=(
         launch_example(

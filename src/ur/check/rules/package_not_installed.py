@@ -23,12 +23,14 @@ def _find_not_installed(view: NodeView) -> Iterable[Found]:
                 view.element.value_span("pkg"),
                 f"package '{package}' is not installed here, expected it where its nodes run",
                 f"install {package}, or source its workspace's setup.bash; what it holds is not checked until then",
+                subject=package,
             )
     elif verdict.kind == "no-programs":
         yield Found(
             view.element.value_span("type"),
             f"package '{package}' holds no programs here, expected '{name}'",
             f"build {package}, or source its workspace's setup.bash; its programs are not checked until then",
+            subject=package,
         )
 
 
@@ -45,8 +47,8 @@ RULE = Rule(
     severity=Severity.WARNING,
     summary="A package that is needed is not installed on this computer.",
     explanation="""
-A node names a package that is not on this computer, `package.xml` depends on the package, or only an option needs it
-that is off: the launch file may well be right, and what it takes from that package cannot be checked here.
+The launch file may well be right, and what it takes from that package cannot be checked here. `ur check` lists all such
+packages in one paragraph after the other findings.
 """,
     bad=(
         launch_example(

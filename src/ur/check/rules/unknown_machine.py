@@ -11,7 +11,8 @@ RULE = Rule(
     severity=Severity.ERROR,
     summary="A node names a machine that is not defined.",
     explanation="""
-`machine` names a `<machine>` of the same run; `localhost` is always there when it is defined.
+`machine` names a `<machine>` of the same run; `localhost` has to be defined, too. A file that others include is judged
+where they include it, and a file that includes one that cannot be found here is left alone.
 """,
     bad=(
         launch_example("""

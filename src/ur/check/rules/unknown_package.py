@@ -19,7 +19,7 @@ def _find_unknown_package(view: NodeView) -> Iterable[Found]:
         near = did_you_mean(package, view.world.package_names())
         if near and is_misspelt(package, near):
             message = f"package '{package}' is not found, expected an installed one"
-            yield Found(view.element.value_span("pkg"), message, f"did you mean {near}?")
+            yield Found(view.element.value_span("pkg"), message, f"did you mean {near}?", subject=package)
 
 
 RULE = Rule(
@@ -29,8 +29,8 @@ RULE = Rule(
     summary="A package cannot be found.",
     explanation="""
 `$(find PACKAGE)` and `pkg` name packages that are installed or on ROS_PACKAGE_PATH; packages beside the checked one
-are found, too. A package that `package.xml` depends on, that only an option needs which is off, or that a node names
-whose name is not nearly that of another one, is reported as `package-not-installed` instead, a warning.
+are found, too. Only a name that is nearly that of another package is an error; every other package that is not found is
+reported as `package-not-installed` instead, a warning.
 """,
     bad=(
         launch_example("""

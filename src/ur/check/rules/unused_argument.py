@@ -17,7 +17,8 @@ def _find_unused(view: LaunchView) -> Iterable[Found]:
         # Where a name near to it is used and not declared, that one is misspelt, and reported.
         if "$(" not in name and name not in view.used and not did_you_mean(name, set(view.used) - set(view.declared)):
             message = f"argument '{name}' is declared and not used, expected a place that uses it"
-            yield Found(elements[0].value_span("name"), message, "remove it, or use it where it was meant to be")
+            help_ = "remove it, or use it where it was meant to be"
+            yield Found(elements[0].value_span("name"), message, help_, subject=name)
 
 
 def _uses_all(view: LaunchView) -> bool:
@@ -37,7 +38,8 @@ RULE = Rule(
     summary="An argument is declared and nothing uses it.",
     explanation="""
 Whoever gives the argument expects it to have an effect. It is a warning because the file works. Files that hand on
-everything with `pass_all_args`, or into YAML with `subst_value`, are left alone.
+everything with `pass_all_args`, or into YAML with `subst_value`, are left alone, and so are arguments that another file
+passes: roslaunch refuses a file that does not declare what it is passed.
 """,
     bad=(
         launch_example("""
