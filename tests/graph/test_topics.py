@@ -29,7 +29,9 @@ def test_plan_shows_what_ready_comments_the_table_and_remaps_tell() -> None:
     found = arrows(graph)
     assert {("/driver", "/scan"), ("/scan", "/amcl"), ("/floor/map", "/amcl"), ("/amcl", "/tf")} <= found
     assert ("/other", "/sound") in found
-    assert [arrow.label for arrow in graph.arrows if arrow.label] == ["5 Hz"]
+    assert [arrow.label for arrow in graph.arrows if arrow.label and arrow.sure] == ["5 Hz"]
+    lines = ["".join(piece for piece, _ in line) for line in draw_graph(graph)]
+    assert "  → /sound (perhaps: in is remapped; the node may publish or subscribe it)" in lines
     assert sum(not arrow.sure for arrow in graph.arrows) == 1
 
 

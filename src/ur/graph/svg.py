@@ -7,6 +7,7 @@ from itertools import pairwise
 
 from ur.graph.layout import HEIGHT, Picture, Place, lay_out_graph
 from ur.graph.model import Arrow, Box, Graph
+from ur.source.printable import printable_lines
 
 _MARGIN = 12.0
 _STYLE = """\
@@ -44,7 +45,7 @@ def write_svg(graph: Graph, title: str) -> str:
     ]
     parts += [_draw_arrow(arrow, picture) for arrow in graph.arrows]
     parts += [_draw_box(box, picture.places[box.id]) for box in graph.boxes]
-    return "".join([*parts, "</g>\n</svg>\n"])
+    return printable_lines("".join([*parts, "</g>\n</svg>\n"]))
 
 
 def _draw_box(box: Box, place: Place) -> str:

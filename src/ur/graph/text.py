@@ -5,8 +5,9 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable, Iterator, Sequence
 
-from ur.graph.model import Box, Branch, Graph
+from ur.graph.model import Arrow, Box, Branch, Graph
 from ur.graph.topics import neighbours
+from ur.source.printable import printable
 
 Line = tuple[tuple[str, str], ...]  # pieces of a line: text, and the kind it is coloured as
 
@@ -49,10 +50,16 @@ def draw_graph(graph: Graph, *, unicode: bool = True) -> Iterator[Line]:
         out, inward = around[box.id]
         for arrow in sorted(out, key=lambda arrow: boxes[arrow.target].label):
             ends = sorted(boxes[each.target].label for each in around[arrow.target][0])
-            yield _connection(signs[4], boxes[arrow.target], ends, arrow.label if arrow.sure else "perhaps")
+            yield _connection(signs[4], boxes[arrow.target], ends, _certainty(arrow))
         for arrow in sorted(inward, key=lambda arrow: boxes[arrow.source].label):
             ends = sorted(boxes[each.source].label for each in around[arrow.source][1])
-            yield _connection(signs[5], boxes[arrow.source], ends, "" if arrow.sure else "perhaps")
+            yield _connection(signs[5], boxes[arrow.source], ends, "" if arrow.sure else _certainty(arrow))
+
+
+def _certainty(arrow: Arrow) -> str:
+    if arrow.sure:
+        return arrow.label
+    return f"(perhaps: {arrow.label})" if arrow.label else "(perhaps)"
 
 
 def _connection(sign: str, middle: Box, ends: Sequence[str], label: str) -> Line:
@@ -87,7 +94,7 @@ def _styles(boxes: Iterable[Box]) -> Iterator[tuple[str, str]]:
 
 
 def _escape(text: str) -> str:
-    return text.replace("&", "#amp;").replace('"', "#quot;").replace("<", "#lt;").replace(">", "#gt;")
+    return printable(text).replace("&", "#amp;").replace('"', "#quot;").replace("<", "#lt;").replace(">", "#gt;")
 
 
 def write_dot(graph: Graph) -> str:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 
+from ur.graph.base_topics import find_base_uses
 from ur.graph.model import Arrow, Box, Graph, Kind
-from ur.launchfile.plan.model import Plan
+from ur.launchfile.plan.model import NodeSpec, ParamValue, Plan
 from ur.launchfile.query.topics import NameUse, find_name_uses
 
 # What every ROS node has; it would hide everything else.
 _COMMON_TOPICS = frozenset({"/rosout", "/rosout_agg"})
+_TRANSFORMS = frozenset({"/tf", "/tf_static"})
 _COMMON_NODES = frozenset({"/rosout"})
 
 
@@ -32,29 +34,43 @@ class _Builder:
 def graph_plan(plan: Plan) -> Graph:
     """What the nodes of a plan are known to publish, subscribe, offer and use.
 
-    Known from `ready:` comments, the table of well-known nodes, and remaps: of other nodes only the box is there.
+    Known from `ready:` comments, the table of well-known nodes, the parameters and base of ours, and remaps: of other
+    nodes only the box is there.
     """
     builder = _Builder()
+    params = {param.name: param.value for param in plan.params}
     for node in plan.nodes:
         own = builder.box("node", node.full_name, f"{node.package}/{node.type}")
-        for use in find_name_uses(node):
+        for use in _find_uses(node, params):
             _connect(builder, own, use)
     return builder.graph()
 
 
+def _find_uses(node: NodeSpec, params: Mapping[str, ParamValue]) -> Iterable[NameUse]:
+    based = find_base_uses(node, params)
+    yield from based
+    names = {use.name for use in based}
+    for use in find_name_uses(node):
+        # The base and the parameters tell more than the table does.
+        told = use.evidence == "table" and use.use in ("publishes", "subscribes") and use.name not in _TRANSFORMS
+        if not based or not (told or (use.use is None and use.name in names)):
+            yield use
+
+
 def _connect(builder: _Builder, node: str, use: NameUse) -> None:
-    rate = f"{use.rate:g} Hz" if use.rate else ""
+    label = f"{use.rate:g} Hz" if use.rate else use.doubt
+    sure = not use.doubt
     match use.use:
         case "publishes":
-            builder.arrow(node, builder.box("topic", use.name), rate)
+            builder.arrow(node, builder.box("topic", use.name), label, sure=sure)
         case "subscribes":
-            builder.arrow(builder.box("topic", use.name), node)
+            builder.arrow(builder.box("topic", use.name), node, label, sure=sure)
         case "offers-service" | "offers-action":
             builder.arrow(node, builder.box("service" if use.use == "offers-service" else "action", use.name))
         case "calls-service" | "uses-action":
             builder.arrow(builder.box("service" if use.use == "calls-service" else "action", use.name), node)
         case None:
-            builder.arrow(node, builder.box("topic", use.name), sure=False)
+            builder.arrow(node, builder.box("topic", use.name), label, sure=False)
         case _:  # frames are no names that two nodes share
             return
 
