@@ -16,6 +16,7 @@ from ur.docs.programs import Start, find_starts, read_headings
 from ur.launchfile.world import World
 from ur.source.diagnostic import Diagnostic
 from ur.source.file import SourceFile
+from ur.source.progress import Progress, counted, no_progress
 
 _KINDS = {"n": "node", "m": "task", "rviz": "view"}
 _DIRECTORY = re.compile(r"(n|m|rviz)_\w+\Z")
@@ -29,9 +30,9 @@ def build_documents(path: str, world: World) -> Documents:
     return describe_repository(collect_repository(path, world))
 
 
-def describe_repository(repository: Repository) -> Documents:
+def describe_repository(repository: Repository, progress: Progress = no_progress) -> Documents:
     """The documents of what was collected."""
-    describer = _Describer(repository)
+    describer = _Describer(repository, progress)
     packages = tuple(describer.describe_part(part) for part in repository.parts)
     return Documents(repository.root.rpartition("/")[2] or "/", repository.root, packages)
 
@@ -42,8 +43,9 @@ def list_findings(repository: Repository) -> tuple[Diagnostic, ...]:
 
 
 class _Describer:
-    def __init__(self, repository: Repository) -> None:
+    def __init__(self, repository: Repository, progress: Progress) -> None:
         self.repository = repository
+        self.progress = progress
         self.bases = {base.name: base for part in repository.parts for base in self.read_bases(part)}
         self.launches = LaunchDescriber(repository, self.bases)
         self.by_name: dict[str, list[str]] = {}
@@ -55,13 +57,17 @@ class _Describer:
             yield read_base(f"{part.package.folder}/bases/{base.name}/base.yaml", base.name, self.repository.world)
 
     def describe_part(self, part: Part) -> PackageDoc:
-        programs = tuple(self.describe_program(source, part) for source in part.programs)
+        programs = tuple(
+            self.describe_program(source, part)
+            for source in counted(part.programs, "describing", f"programs of {part.package.name}", self.progress)
+        )
         started: dict[str, list[str]] = {}
         for program in programs:
             for path in program.starts:
                 started.setdefault(path, []).append(program.path)
         launch_files = tuple(
-            self.launches.describe(view, tuple(started.get(self.show(view.path), ()))) for view in part.views
+            self.launches.describe(view, tuple(started.get(self.show(view.path), ())))
+            for view in counted(part.views, "describing", f"launch files of {part.package.name}", self.progress)
         )
         folder = self.show(part.package.folder)
         own = {base.name for base in part.package.bases}

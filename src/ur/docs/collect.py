@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import posixpath
 import re
+import shlex
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -18,6 +20,7 @@ from ur.launchfile.syntax import LaunchFile
 from ur.launchfile.world import World
 from ur.source.diagnostic import Diagnostic, UserError, error
 from ur.source.file import SourceFile, Span
+from ur.source.progress import Progress, counted, no_progress
 
 _DESCRIPTION = re.compile(r"<description[^>]*>(.*?)</description>", re.DOTALL)
 _TAG = re.compile(r"<[^>]*>")
@@ -44,9 +47,10 @@ class Repository:
     trees: dict[str, LaunchFile]
     world: CachedWorld
     findings: tuple[Diagnostic, ...]
+    left_out: tuple[str, ...] = ()  # links that lead out of it
 
 
-def collect_repository(path: str, world: World) -> Repository:
+def collect_repository(path: str, world: World, progress: Progress = no_progress) -> Repository:
     """Read a package (by name or folder), a folder of packages, or any folder that holds launch files.
 
     Raises UserError when there is no such folder, or no launch file in it.
@@ -65,7 +69,7 @@ def collect_repository(path: str, world: World) -> Repository:
     packages = _complete(targets, root, cached)
     sealed = CachedWorld(RepositoryWorld(cached, {each.name: each.folder for each in reversed(packages.values())}))
     findings: list[Diagnostic] = []
-    views = list(_read(targets, packages, sealed, findings))
+    views = list(_read(targets, packages, sealed, findings, progress))
     views = list(_with_bases(views, packages))
     parts = tuple(_make_parts(root, packages, targets, views, cached))
     return Repository(
@@ -75,14 +79,26 @@ def collect_repository(path: str, world: World) -> Repository:
         {view.path: view.tree for view in views},
         sealed,
         tuple(findings),
+        targets.left_out,
     )
 
 
 def _root_of(path: str, world: CachedWorld) -> str:
     folder = world.absolute(path)
     if world.is_file(folder):
-        raise UserError(error(f"{path} is a file, expected the folder or the package it is in", rule="not-a-folder"))
+        message = f"{path} is a file, expected the folder or the package that it is in"
+        raise UserError(error(message, rule="not-a-folder", help=f"ur docs {shlex.quote(_enclosing(folder, world))}"))
     return folder if world.list_folder(folder) else world.absolute(world.find_package(path))
+
+
+def _enclosing(file: str, world: CachedWorld) -> str:
+    # The package of a file, or the folder of a file that is in none, as seen from the current folder.
+    beside = folder = file.rpartition("/")[0]
+    while folder:
+        if world.is_file(f"{folder}/package.xml"):
+            return os.path.relpath(folder)
+        folder = folder.rpartition("/")[0]
+    return os.path.relpath(beside or "/")
 
 
 def _complete(targets: Targets, root: str, world: CachedWorld) -> dict[str, Package]:
@@ -99,9 +115,13 @@ def _complete(targets: Targets, root: str, world: CachedWorld) -> dict[str, Pack
 
 
 def _read(
-    targets: Targets, packages: Mapping[str, Package], world: CachedWorld, findings: list[Diagnostic]
+    targets: Targets,
+    packages: Mapping[str, Package],
+    world: CachedWorld,
+    findings: list[Diagnostic],
+    progress: Progress,
 ) -> Iterator[LaunchView]:
-    for path in targets.launch_files:
+    for path in counted(targets.launch_files, "reading", "launch files", progress):
         package = _package_of(path, packages)
         try:
             view = survey_launch_file(path, package, world)

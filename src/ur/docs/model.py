@@ -74,7 +74,7 @@ class TopicDoc:
 
     kind: str  # publishes, subscribes, offers service, ..., or uses
     name: str
-    source: Literal["ready", "table", "remap"]
+    source: Literal["ready", "table", "base", "remap"]
     detail: str = ""
 
 

@@ -14,13 +14,21 @@ from ur.check.worlds import CachedWorld, has_marker
 from ur.find.model import KINDS, Kind, Occurrence, Wanted
 from ur.launchfile.plan.model import ParamSpec, Plan, RemapStep, TraceStep
 from ur.launchfile.world import World
+from ur.source.diagnostic import UserError
 from ur.source.file import SourceFile, Span
+from ur.source.progress import Progress, counted, no_progress
 
 _PIECE = re.compile(r"\$\([^)]*\)")
 _FILE_ATTRIBUTES = ("file", "textfile", "binfile")
 
 
-def find_name(name: str, paths: Sequence[str], world: World, kinds: Iterable[Kind] = KINDS) -> tuple[Occurrence, ...]:
+def find_name(
+    name: str,
+    paths: Sequence[str],
+    world: World,
+    kinds: Iterable[Kind] = KINDS,
+    progress: Progress = no_progress,
+) -> tuple[Occurrence, ...]:
     """Every definition and use of a name, sorted by kind, name and place, definitions first.
 
     `paths` are files, folders and packages. Launch files are resolved for every base and variant, so names that depend
@@ -28,27 +36,38 @@ def find_name(name: str, paths: Sequence[str], world: World, kinds: Iterable[Kin
     """
     cached = CachedWorld(world)
     targets = collect_targets(paths, cached)
+    _refuse_ros2(paths, targets, cached)
     wanted = Wanted(name)
     found: dict[tuple[object, ...], Occurrence] = {}
-    for each in _everything(targets, cached, frozenset(kinds), wanted):
+    for each in _everything(targets, cached, frozenset(kinds), wanted, progress):
         if wanted.matches(each.name) and not has_marker(each.name):
             found.setdefault((each.kind, each.name, each.defines, str(each.span)), each)
     return tuple(sorted(found.values(), key=_rank))
+
+
+def _refuse_ros2(paths: Sequence[str], targets: Targets, world: CachedWorld) -> None:
+    for path in {world.absolute(path) for path in paths} & {*targets.launch_files}:
+        with suppress(OSError):
+            found = survey_launch_file(path, targets.package_of(path), world).tree.diagnostics
+            if any(each.rule == "wrong-ros-version" for each in found):
+                raise UserError(*found)
 
 
 def _rank(each: Occurrence) -> tuple[object, ...]:
     return KINDS.index(each.kind), each.name, not each.defines, each.span.file.path, each.span.start
 
 
-def _everything(targets: Targets, world: CachedWorld, kinds: frozenset[Kind], wanted: Wanted) -> Iterator[Occurrence]:
-    views = [*_views(targets, world)]
+def _everything(
+    targets: Targets, world: CachedWorld, kinds: frozenset[Kind], wanted: Wanted, progress: Progress
+) -> Iterator[Occurrence]:
+    views = [*_views(targets, world, progress)]
     if "file" in kinds:
         paths = (*targets.launch_files, *targets.yaml_files, *targets.programs)
         files = [path for path in paths if wanted.matches(path)]
         yield from (Occurrence("file", path, True, Span(SourceFile(path, ""), 0, 0)) for path in files)
         for view in views:
             yield from _files(view, files)
-    for view in views:
+    for view in counted(views, "searching", "launch files", progress):
         if "arg" in kinds:
             yield from _arguments(view)
         if kinds & {"node", "topic", "param"}:
@@ -58,8 +77,8 @@ def _everything(targets: Targets, world: CachedWorld, kinds: frozenset[Kind], wa
             yield from _in_program(path, world)
 
 
-def _views(targets: Targets, world: CachedWorld) -> Iterator[LaunchView]:
-    for path in targets.launch_files:
+def _views(targets: Targets, world: CachedWorld, progress: Progress) -> Iterator[LaunchView]:
+    for path in counted(targets.launch_files, "reading", "launch files", progress):
         with suppress(OSError):  # `ur check` says it
             yield survey_launch_file(path, targets.package_of(path), world)
 

@@ -23,6 +23,13 @@ project({name} NONE)
 find_package(catkin REQUIRED)
 catkin_package()
 """
+_BIN = """\
+# Programs of {name}
+
+Nodes and programs of this package, each executable (`chmod +x`).
+`ur run NAME` starts the program `ur_NAME`, and `ur list` describes it by its line `##Summary: ...`.
+`ur new multi` and `ur new program` write such programs.
+"""
 
 
 def plan_package(name: str, summary: str, maintainer: str, email: str, license_name: str) -> tuple[NewFile, ...]:
@@ -34,7 +41,11 @@ def plan_package(name: str, summary: str, maintainer: str, email: str, license_n
         email=escape_text(email),
         license=escape_text(license_name),
     )
-    return NewFile("package.xml", text), NewFile("CMakeLists.txt", _CMAKE.format(name=name))
+    return (
+        NewFile("package.xml", text),
+        NewFile("CMakeLists.txt", _CMAKE.format(name=name)),
+        NewFile("bin/README.md", _BIN.format(name=name)),
+    )
 
 
 _BASE = """\

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from ur.new.model import NewFile
 from ur.source.diagnostic import UserError, error
+from ur.source.replace import sync_folder
 
 
 def write_files(package: Path, files: Sequence[NewFile]) -> None:
@@ -31,8 +32,12 @@ def write_files(package: Path, files: Sequence[NewFile]) -> None:
             with path.open("xb") as out:
                 made.append(path)
                 out.write(file.text.encode() if isinstance(file.text, str) else file.text)
+                out.flush()
+                os.fsync(out.fileno())
             if file.executable:
                 path.chmod(path.stat().st_mode | 0o111)
+        for folder in sorted({each.parent for each in made}):
+            sync_folder(str(folder))
     except BaseException as problem:
         for path in reversed(made):
             if path.is_dir():

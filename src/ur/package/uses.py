@@ -12,12 +12,13 @@ from ur.check.survey import survey_launch_file, walk_possible
 from ur.check.worlds import CachedWorld, has_marker
 from ur.launchfile.world import World
 from ur.source.file import SourceFile, Span
+from ur.source.progress import Progress, counted, no_progress
 
 _FIND = re.compile(r"\$\(find\s+([A-Za-z][\w-]*)\s*\)|\bfind\(\s*['\"]([\w-]+)['\"]\s*\)")
 _STARTS = re.compile(r"^[^#\n]*\b(?:ur\"?|ros)\s?(?:launch|run)\s+(?:-\S+\s+)*([a-z]\w+)\s+\S", re.MULTILINE)
 
 
-def find_used_packages(folder: str, world: World) -> tuple[Package, dict[str, Span]]:
+def find_used_packages(folder: str, world: World, progress: Progress = no_progress) -> tuple[Package, dict[str, Span]]:
     """The package in a folder, and by name the packages that it uses, each with the first place that does.
 
     Launch files are resolved for every base, variant and option; programs in `bin` count, too. The package itself and
@@ -33,7 +34,7 @@ def find_used_packages(folder: str, world: World) -> tuple[Package, dict[str, Sp
             error(f"{folder}: no package.xml, expected a package", rule="no-package", help="ur new package")
         )
     found: dict[str, Span] = {}
-    for path in targets.launch_files:
+    for path in counted(targets.launch_files, "checking", "launch files", progress):
         if targets.package_of(path) is package:
             for name, span in _in_launch_file(survey_launch_file(path, package, cached), cached):
                 found.setdefault(name, span)

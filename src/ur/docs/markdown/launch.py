@@ -105,7 +105,7 @@ def _rows_of(
 
 
 def _topic_rows(doc: LaunchDoc) -> Iterable[tuple[str, ...]]:
-    sources = {"ready": "`ready:`", "table": "the program's documentation", "remap": "a remap"}
+    sources = {"ready": "`ready:`", "table": "the program's documentation", "base": "the base", "remap": "a remap"}
     for node in doc.nodes:
         groups: dict[tuple[str, str], list[str]] = {}
         for topic in node.topics:

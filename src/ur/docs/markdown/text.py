@@ -8,6 +8,7 @@ from collections.abc import Sequence
 
 from ur.docs.links import map_links
 from ur.docs.model import Case, TreeDoc
+from ur.source.printable import printable, printable_lines
 
 _REFERENCE = re.compile("\x00([^\x00]*)\x00")
 _SLUG = re.compile(r"[^\w\- ]")
@@ -35,6 +36,7 @@ class Page:
 
     def heading(self, level: int, title: str, key: str = "") -> None:
         """A heading; links name it by its key."""
+        title = printable(title)
         slug = _SLUG.sub("", title.lower()).replace(" ", "-")
         count = self._slugs.get(slug)
         self._slugs[slug] = 0 if count is None else count + 1
@@ -80,7 +82,7 @@ class Page:
 
     def code_block(self, lines: Sequence[str], language: str) -> None:
         """Lines of code."""
-        self._lines += [f"```{language}", *lines, "```", ""]
+        self._lines += [f"```{language}", *map(printable, lines), "```", ""]
 
     def link_to(self, label: str, key: str) -> str:
         """A link to a heading of this page."""
@@ -93,7 +95,7 @@ class Page:
     def place(self, path: str) -> str:
         """Where a file of the repository is, seen from the page."""
         target = posixpath.normpath(self._folder + path) if self._folder else path
-        return target.replace(" ", "%20").replace("(", "%28").replace(")", "%29")
+        return printable(target).replace(" ", "%20").replace("(", "%28").replace(")", "%29")
 
     def text(self) -> str:
         """The page."""
@@ -103,7 +105,7 @@ class Page:
             slug = self._anchors.get(key)
             return f"[{escape_text(label)}](#{slug})" if slug is not None else code(label)
 
-        return _REFERENCE.sub(resolve, "\n".join(self._lines)).rstrip("\n") + "\n"
+        return printable_lines(_REFERENCE.sub(resolve, "\n".join(self._lines)).rstrip("\n") + "\n")
 
 
 def code(text: str) -> str:
@@ -132,7 +134,7 @@ def escape_tags(text: str) -> str:
 
 def escape_text(text: str) -> str:
     """A plain text that Markdown shows as it is."""
-    return re.sub(r"([\\`*\[\]<>|])|(?<![^\W_])(_)|(_)(?![^\W_])", lambda m: "\\" + m.group(), text)
+    return re.sub(r"([\\`*\[\]<>|])|(?<![^\W_])(_)|(_)(?![^\W_])", lambda m: "\\" + m.group(), printable(text))
 
 
 def escape_cell(text: str) -> str:

@@ -12,6 +12,7 @@ from html import escape
 from ur.docs.markdown.page import KIND_TITLES
 from ur.docs.model import Case, Documents, PackageDoc
 from ur.docs.site.html import link
+from ur.source.printable import printable_lines
 
 MAX_NAVIGATION = 120
 _UNSAFE = re.compile(r"[^A-Za-z0-9._-]+")
@@ -97,7 +98,7 @@ def render_page(
     up = "../" * name.count("/")
     own = " ".join(case.key for case in cases if case.base)
     whole = title if title == plan.title else f"{title} · {plan.title}"
-    return f"""<!doctype html>
+    page = f"""<!doctype html>
 <html lang="en">
 <head>
 <meta charset="utf-8">
@@ -137,6 +138,7 @@ Keys: <kbd>/</kbd> search, <kbd>↑</kbd> <kbd>↓</kbd> choose, <kbd>Enter</kbd
 </body>
 </html>
 """
+    return printable_lines(page)
 
 
 def _switch(plan: Plan) -> str:

@@ -9,7 +9,7 @@ from ur.docs.model import ArgumentDoc, IncludeDoc, LaunchDoc, NodeDoc, ParamDoc,
 from ur.docs.site.html import cases_attribute, code, inline, link, show_values, table
 from ur.docs.vary import name_cases
 
-_SOURCES = {"ready": "ready comment", "table": "documentation of the program", "remap": "remap"}
+_SOURCES = {"ready": "ready comment", "table": "documentation of the program", "base": "base", "remap": "remap"}
 
 
 class Parts:

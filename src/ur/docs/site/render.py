@@ -8,6 +8,7 @@ from importlib.resources import files
 from ur.docs.model import Documents, LaunchDoc
 from ur.docs.site.layout import plan_site
 from ur.docs.site.pages import Pages
+from ur.source.printable import printable_lines
 
 MANIFEST = ".ur-docs"
 _ASSETS = ("style.css", "site.js")
@@ -53,4 +54,4 @@ def _words(doc: LaunchDoc) -> str:
 
 def _search_index(entries: list[tuple[str, str, str, str, str]]) -> str:
     rows = ",\n".join(json.dumps(entry, ensure_ascii=False) for entry in entries)
-    return "window.UR_SEARCH = [\n" + rows.replace("</", "<\\/") + "\n];\n"
+    return printable_lines("window.UR_SEARCH = [\n" + rows.replace("</", "<\\/") + "\n];\n")
