@@ -15,20 +15,21 @@ if TYPE_CHECKING:
     from ur.launchfile.query.arguments import ArgumentSpec
 
 _MAX_DEPTH = 6
+_YAML = (".yaml", ".yml")
 _MISSING = re.compile(r"'(\w+)'")
 
 
 def complete_launch(words: Sequence[str], prefix: str, world: World, known: Known) -> Iterator[Candidate]:
     """What may follow `ur launch WORDS`: a package or file, a file of the package, then arguments."""
     plain = [word for word in words if ":=" not in word]
-    path = _addressed(plain, world)
+    path, _ = find_address(plain, world)
     if path is not None:
         yield from complete_arguments(path, words, prefix, world, known)
     elif not plain:
         yield from complete_packages(prefix, world)
         yield from complete_paths(prefix, world)
     elif len(plain) == 1:
-        yield from _files_of_package(plain[0], prefix, world)
+        yield from complete_files_of_package(plain[0], prefix, world)
 
 
 def complete_packages(prefix: str, world: World) -> Iterator[Candidate]:
@@ -43,7 +44,8 @@ def complete_packages(prefix: str, world: World) -> Iterator[Candidate]:
 
 
 def complete_paths(prefix: str, world: World, *, every: bool = False) -> Iterator[Candidate]:
-    """Folders and launch files by path; `every`: all files. `.launch.xml` only when the prefix already says so."""
+    """Folders and launch files by path; `every`: all files. `.launch.xml` only where no `.launch` fits."""
+    files: list[str] = []
     folder, slash, begin = prefix.rpartition("/")
     place = folder or ("/" if slash else ".")
     for name in world.list_folder(place):
@@ -52,33 +54,41 @@ def complete_paths(prefix: str, world: World, *, every: bool = False) -> Iterato
         path = f"{folder}{slash}{name}"
         if not world.is_file(path):
             yield Candidate(f"{path}/", "folder", open=True)
-        elif every or is_offered(name, begin):
+        elif every:
             yield Candidate(path, "launch file" if ".launch" in name else "file")
+        else:
+            files.append(name)
+    yield from (Candidate(f"{folder}{slash}{name}", "launch file") for name in _choose_files(files, begin))
 
 
-def is_offered(name: str, begin: str) -> bool:
-    """Whether a file is one that people start: `*.launch`, and `*.launch.xml` when that far was typed."""
-    return name.endswith(".launch") or (name.endswith(".launch.xml") and ".launch." in begin)
+def _choose_files(names: Iterable[str], begin: str) -> list[str]:
+    # People start *.launch. A *.launch.xml is for including, and is offered where nothing else fits.
+    fitting = [name for name in names if name.startswith(begin)]
+    started = [name for name in fitting if name.endswith(".launch")]
+    parts = [name for name in fitting if name.endswith(".launch.xml")]
+    return [*started, *parts] if ".launch." in begin else started or parts
 
 
-def _addressed(plain: Sequence[str], world: World) -> str | None:
+def find_address(plain: Sequence[str], world: World) -> tuple[str | None, int]:
+    """The launch file that words begin with, `FILE` or `PACKAGE FILE`, and how many words name it."""
     if len(plain) >= 2:
         try:
             found = world.find_files(plain[0], plain[1])
         except (PackageNotFound, OSError, ValueError):
             found = ()
         if found:
-            return found[0]
-    return plain[0] if plain and world.is_file(plain[0]) else None
+            return found[0], 2
+    return (plain[0], 1) if plain and world.is_file(plain[0]) else (None, 0)
 
 
-def _files_of_package(package: str, prefix: str, world: World) -> Iterator[Candidate]:
+def complete_files_of_package(package: str, prefix: str, world: World) -> Iterator[Candidate]:
+    """The launch files of a package by their names alone; nothing where there is no such package."""
     try:
         top = world.find_package(package)
     except (PackageNotFound, OSError, ValueError):
         return
-    names = {name for name in _names_below(top, _MAX_DEPTH) if name.startswith(prefix) and is_offered(name, prefix)}
-    yield from (Candidate(name, f"of {package}") for name in sorted(names))
+    names = _choose_files(sorted(set(_names_below(top, _MAX_DEPTH))), prefix)
+    yield from (Candidate(name, f"of {package}") for name in names)
 
 
 def _names_below(folder: str, depth: int) -> Iterator[str]:
@@ -110,6 +120,10 @@ def complete_arguments(path: str, words: Sequence[str], prefix: str, world: Worl
     for value in _values(name, known_default, given, known):
         if value.text.startswith(begin):
             yield Candidate(f"{name}:={value.text}", value.help)
+    if name == "world" or name.endswith("_file"):
+        for file in complete_paths(begin, world, every=True):
+            if file.open or file.text.endswith(_YAML):
+                yield Candidate(f"{name}:={file.text}", file.help, file.open)
 
 
 def _read_arguments(path: str, words: Sequence[str], world: World) -> tuple[ArgumentSpec, ...]:

@@ -2,32 +2,58 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from dataclasses import dataclass
+
 from ur.complete.model import Line
+
+
+@dataclass(frozen=True, slots=True)
+class Word:
+    """A word of a command line: what the shell makes of it, how it is written, and the quote that is still open."""
+
+    text: str
+    raw: str
+    quote: str = ""
 
 
 def split_line(text: str) -> Line:
     """Split what stands before the cursor; the first word, the program itself, is left out."""
-    words: list[str] = []
-    word: str | None = None
-    quote = ""
-    characters = iter(text)
-    for character in characters:
-        if quote:
-            if character == quote:
-                quote = ""
-            elif character == "\\" and quote == '"':
-                word = (word or "") + next(characters, "")
-            else:
-                word = (word or "") + character
-        elif character in "'\"":
+    *words, last = _scan(text)
+    return Line(tuple(word.text for word in words[1:]), last.text if words else "", last.raw if words else "")
+
+
+def read_word(raw: str) -> Word:
+    """Read one word, or the beginning of one."""
+    return _read(raw, 0)
+
+
+def _scan(line: str) -> Iterator[Word]:
+    position = 0
+    while True:
+        while position < len(line) and line[position].isspace():
+            position += 1
+        word = _read(line, position)
+        yield word
+        position += len(word.raw)
+        if position == len(line):
+            return
+
+
+def _read(line: str, start: int) -> Word:
+    text, quote, position = "", "", start
+    while position < len(line):
+        character, after = line[position], line[position + 1 : position + 2]
+        if not quote and character.isspace():
+            break
+        position += 1
+        if quote and character == quote:
+            quote = ""
+        elif not quote and character in "'\"":
             quote = character
-            word = word or ""
-        elif character == "\\":
-            word = (word or "") + next(characters, "")
-        elif character.isspace():
-            if word is not None:
-                words.append(word)
-            word = None
+        elif character == "\\" and (not quote or (quote == '"' and after in '$`"\\')):
+            text += after
+            position += len(after)
         else:
-            word = (word or "") + character
-    return Line(tuple(words[1:]), (word or "") if words else "")
+            text += character
+    return Word(text, line[start:position], quote)

@@ -17,10 +17,14 @@ class Candidate:
 
 @dataclass(frozen=True, slots=True)
 class Line:
-    """A command line up to the cursor: finished words after `ur`, and the beginning of the one that is typed."""
+    """A command line up to the cursor: finished words after `ur`, and the beginning of the one that is typed.
+
+    `raw` is that beginning as it is typed, quotes and all.
+    """
 
     words: tuple[str, ...]
     prefix: str
+    raw: str = field(default="", compare=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,10 +45,12 @@ class Known:
     """Where names come from; each is asked when it is needed.
 
     `sources` are by kind (`program`, `robot`, `run`, `node`, `base`, `selection`, `rule`, `verb`); `options` by verb;
-    `launch_file` is the launch file that a program starts; `values` those that an argument of a launch file may have.
+    `launch_file` is the launch file that a program starts; `values` those that an argument of a launch file may have;
+    `names` what a launch file with its arguments holds: parameters, arguments, remaps and nodes.
     """
 
     sources: Mapping[str, Source] = field(default_factory=dict)
     options: Callable[[str], Sequence[Option]] = lambda _verb: ()
     launch_file: Callable[[str], str | None] = lambda _program: None
     values: Callable[[str, Mapping[str, str]], Iterable[Candidate]] = lambda _name, _given: ()
+    names: Callable[[str, Sequence[str]], Iterable[Candidate]] = lambda _path, _words: ()

@@ -3,13 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 
-from ur.complete.launch import complete_arguments, complete_launch, complete_packages, complete_paths
+from ur.complete.launch import (
+    complete_arguments,
+    complete_files_of_package,
+    complete_launch,
+    complete_packages,
+    complete_paths,
+    find_address,
+)
 from ur.complete.model import Candidate, Known, Line, Option
 from ur.launchfile.world.protocol import World
 
 # By verb: the kind of each word in turn; the last one of a list with an ellipsis is repeated.
-# `path`: any file; `files`: packages and paths; `launch`: all that `ur launch` takes.
+# `path`: any file; `files`: packages, their launch files, and paths; `launch`: all that `ur launch` takes; `explain`:
+# the same, and a name that the file holds.
 KINDS: dict[str, tuple[str, ...]] = {
     "attach": ("run",),
     "boot": ("boot command", "program"),
@@ -17,7 +26,7 @@ KINDS: dict[str, tuple[str, ...]] = {
     "check": ("files", "..."),
     "doctor": ("robot",),
     "docs": ("files",),
-    "explain": ("launch",),
+    "explain": ("explain",),
     "find": ("", "files", "..."),
     "format": ("files", "..."),
     "graph": ("launch",),
@@ -39,7 +48,16 @@ KINDS: dict[str, tuple[str, ...]] = {
     "wifi": ("robot",),
     "x": ("robot",),
     "completion": ("shell",),
-    "help": ("verb",),
+    "help": ("help topic",),
+}
+
+
+# The kind of an option's value; without a verb: of every verb.
+_OPTIONS = {
+    ("", "--robot"): "robot",
+    ("check", "--select"): "rule",
+    ("check", "--ignore"): "rule",
+    ("check", "--explain"): "rule",
 }
 
 
@@ -63,8 +81,8 @@ def _complete(line: Line, world: World, known: Known) -> Iterator[Candidate]:
     options = known.options(verb) if any(word.startswith("-") for word in (*words, line.prefix)) else ()
     if words and (option := _awaiting(words[-1], options)):
         yield from (Candidate(choice) for choice in option.choices)
-        if "--robot" in option.names:
-            yield from _named("robot", known)
+        if kind := _OPTIONS.get((verb, option.names[0])) or _OPTIONS.get(("", option.names[0])):
+            yield from _last_of_list(_named(kind, known), line.prefix)
         elif not option.choices:
             yield from complete_paths(line.prefix, world, every=True)
         return
@@ -79,7 +97,11 @@ def _positional(verb: str, words: Sequence[str], prefix: str, world: World, know
     kind = _kind(KINDS.get(verb, ()), words)
     if kind == "launch":
         yield from complete_launch(words, prefix, world, known)
+    elif kind == "explain":
+        yield from _explain(words, prefix, world, known)
     elif kind == "files":
+        if words:
+            yield from complete_files_of_package(words[-1], prefix, world)
         yield from complete_paths(prefix, world, every=True)
         yield from complete_packages(prefix, world)
     elif kind == "program arguments":
@@ -90,10 +112,24 @@ def _positional(verb: str, words: Sequence[str], prefix: str, world: World, know
         yield from _named(kind, known)
 
 
+def _explain(words: Sequence[str], prefix: str, world: World, known: Known) -> Iterator[Candidate]:
+    plain = [word for word in words if ":=" not in word]
+    path, used = find_address(plain, world)
+    if path is not None and len(plain) == used and ":=" not in prefix:
+        yield from known.names(path, words)
+    yield from complete_launch(words, prefix, world, known)
+
+
+def _last_of_list(found: Iterable[Candidate], prefix: str) -> Iterator[Candidate]:
+    # RULE,RULE: the last one is completed.
+    before, comma, _ = prefix.rpartition(",")
+    yield from (replace(each, text=f"{before}{comma}{each.text}") for each in found)
+
+
 def _kind(kinds: Sequence[str], words: Sequence[str]) -> str:
     if not kinds:
         return ""
-    if kinds[0] == "launch" or (len(words) and kinds[-1] == "program arguments"):
+    if kinds[0] in ("launch", "explain") or (len(words) and kinds[-1] == "program arguments"):
         return kinds[-1]
     if kinds[-1] == "...":
         return kinds[min(len(words), len(kinds) - 2)]

@@ -1,0 +1,34 @@
+"""Text that bash inserts for a candidate: only what replaces typed text, quoted as the text around it is."""
+
+from __future__ import annotations
+
+import re
+
+from ur.complete.line import read_word, split_line
+
+# Whatever may mean something to a shell, expansion of history, braces and ~ included. Letters of any language do not.
+_UNQUOTED = re.compile(r"[^\w@%+=:,./-]")
+_DOUBLE = re.compile(r'[$`"\\]')
+
+
+def quote_insertion(line: str, replaced: str | None, text: str) -> str | None:
+    """The text to insert in place of `replaced`, the end of `line`, so that the word becomes the candidate `text`.
+
+    Bash replaces less than a word where the word holds `:` or `=`, or where a quote is open; that quote is closed by
+    bash. None where the candidate does not go on with what stays. `replaced` is None for the whole last word.
+    """
+    raw = split_line(line).raw
+    replaced = raw if replaced is None else replaced
+    if not raw.endswith(replaced):
+        return None
+    kept = read_word(raw[: len(raw) - len(replaced)])
+    return _quote(text[len(kept.text) :], kept.quote) if text.startswith(kept.text) else None
+
+
+def _quote(text: str, quote: str) -> str:
+    if quote == "'":
+        return text.replace("'", "'\\''")
+    if quote == '"':
+        # A backslash before ! would stay.
+        return _DOUBLE.sub(lambda found: f"\\{found.group()}", text).replace("!", "\"'!'\"")
+    return _UNQUOTED.sub(lambda found: f"\\{found.group()}", text)

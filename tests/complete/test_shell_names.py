@@ -1,0 +1,95 @@
+"""Tab on names that hold characters of the shell, in real shells on a real terminal."""
+
+from __future__ import annotations
+
+import shutil
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from tests.terminal import ROOT, Terminal
+
+from ur.complete.shells import SCRIPTS
+
+STARTS = {
+    "bash": ["bash", "--noprofile", "--norc", "-i"],
+    "zsh": ["zsh", "-f", "-i"],
+    "fish": ["fish", "--no-config", "-i"],
+}
+NAMES = [
+    "y;touch ran;.launch",
+    "$(touch ran)",
+    "`touch ran`",
+    "a'b;touch ran;'c",
+    'a"b;touch ran;"c',
+    "a b|touch ran&",
+    "a\\",
+    "~root",
+    "#x",
+    "=ls",
+    "{a,b}*?[c]",
+    "x!!y!z",
+    "x:=y:z=w",
+    "é 漢",
+    " b'c\"d$e`f;g|h&i<j>k(l)m{n,o}p[q]r*s?t!u~v#w\\x=y:z%^@+",
+]
+UR = """#!/bin/bash
+[[ $1 == __complete ]] && exec "{python}" -I -m ur "$@"
+printf '%s\\0' "$@" >"{told}.new" && mv "{told}.new" "{told}"
+"""
+
+
+@pytest.fixture(params=sorted(STARTS))
+def terminal(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Terminal]:
+    for program in ("tmux", request.param):
+        if not shutil.which(program):
+            pytest.skip(f"{program} is not installed")
+    for number, name in enumerate(NAMES):
+        (tmp_path / f"d{number}").mkdir()
+        (tmp_path / f"d{number}" / name).touch()
+    script = tmp_path / f"complete.{request.param}"
+    script.write_text(SCRIPTS[request.param])
+    opened = Terminal(STARTS[request.param], tmp_path)
+    (tmp_path / "ur").write_text(UR.format(python=ROOT / ".venv/bin/python", told=tmp_path / "told"))
+    opened.type(f". ./{script.name}; echo rea''dy", "Enter")
+    opened.until("ready")
+    yield opened
+    opened.close()
+
+
+@pytest.mark.parametrize("quote", ["", "'", '"'])
+def test_completed_name_arrives_as_one_word_and_runs_nothing(terminal: Terminal, tmp_path: Path, quote: str) -> None:
+    told = tmp_path / "told"
+    for number, name in enumerate(NAMES):
+        terminal.type(f"ur check {quote}d{number}/", "Tab")
+        terminal.type("Enter")
+        end = time.monotonic() + 30
+        while not told.exists():
+            assert time.monotonic() < end, f"{name!r} was not completed:\n{terminal.screen()}"
+            time.sleep(0.02)
+        assert told.read_text().split("\0")[:-1] == ["check", f"d{number}/{name}"], terminal.screen()
+        told.unlink()
+    assert not list(tmp_path.rglob("ran"))
+
+
+def test_program_of_the_current_folder_is_not_started_by_tab(terminal: Terminal, tmp_path: Path) -> None:
+    downloaded = tmp_path / "downloaded"
+    downloaded.mkdir()
+    (downloaded / "ur").write_text(f"#!/bin/sh\ntouch {tmp_path}/ran\n")
+    (downloaded / "ur").chmod(0o755)
+    terminal.type("cd downloaded; echo mov''ed", "Enter")
+    terminal.until("moved")
+    terminal.type("./ur laun", "Tab")
+    terminal.until("./ur launch")
+    terminal.type("C-c")
+    assert not (tmp_path / "ran").exists()
+
+
+def test_names_with_control_characters_are_not_offered(terminal: Terminal, tmp_path: Path) -> None:
+    (tmp_path / "odd").mkdir()
+    for name in ("a\nopen\tb", "a\x1b]0;t\x07", "a\tb", "after"):
+        (tmp_path / "odd" / name).touch()
+    terminal.type("ur check odd/", "Tab")
+    terminal.until("ur check odd/after")
+    terminal.type("C-c")
