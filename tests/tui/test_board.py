@@ -5,12 +5,14 @@ from tests.tui.fake import RUN, line
 
 from ur.run.events import NodeChanged, NodeReadiness, NodeStats, RunEvent, RunStopping, StatsSampled
 from ur.tui.board import Board, NodeRow, apply_events
+from ur.tui.palette import DARK
+from ur.tui.texts import describe_run
 
 
 @pytest.mark.parametrize(("changed", "mood", "word"), [
     (NodeChanged("/a", "waiting"), "idle", "waiting"),
     (NodeChanged("/a", "starting"), "busy", "starting"),
-    (NodeChanged("/a", "running", pid=1), "busy", "coming up"),
+    (NodeChanged("/a", "running", pid=1), "busy", "not ready"),
     (NodeChanged("/a", "running", pid=1, core=True), "up", "up"),
     (NodeChanged("/a", "stopping", pid=1), "busy", "stopping"),
     (NodeChanged("/a", "ended", exit_code=0), "idle", "finished"),
@@ -31,7 +33,7 @@ def test_node_is_up_once_it_is_ready_and_not_after_a_restart() -> None:
     board = apply_events(Board(RUN), [NodeChanged("/a", "running", pid=1), NodeReadiness("/a", ready=True)])
     assert board.rows[0].word == "up"
     board = apply_events(board, [NodeChanged("/a", "running", pid=2, restarts=1)])
-    assert board.rows[0].word == "coming up"
+    assert board.rows[0].word == "not ready"
 
 
 def test_remark_says_what_is_missing_before_what_was_printed() -> None:
@@ -41,6 +43,25 @@ def test_remark_says_what_is_missing_before_what_was_printed() -> None:
         NodeReadiness("/a", False, ("no scan",)),
     ]
     assert apply_events(Board(RUN), events).rows[0].remark == "no scan"
+
+
+@pytest.mark.parametrize(
+    "noise",
+    [
+        "[rospack] Error: no such package media_export",
+        "[librospack]: error while executing command",
+        "QStandardPaths: XDG_RUNTIME_DIR not set, defaulting to '/tmp/runtime-root'",
+        "active samplers with a different type refer to the same texture image unit\x1b[0m",
+    ],
+)
+def test_noise_of_rviz_is_no_remark(noise: str) -> None:
+    events: list[RunEvent] = [
+        NodeChanged("/rviz", "running", pid=1),
+        NodeReadiness("/rviz", True),
+        line("/rviz", "Stereo is NOT SUPPORTED"),
+        line("/rviz", noise),
+    ]
+    assert apply_events(Board(RUN), events).rows[0].remark == "Stereo is NOT SUPPORTED"
 
 
 def test_use_of_a_node_that_ended_is_not_shown() -> None:
@@ -60,3 +81,24 @@ def test_master_and_rosout_come_last_and_do_not_count() -> None:
     board = apply_events(Board(RUN), [NodeChanged("/m", "running", core=True), NodeChanged("/a", "ended", exit_code=1)])
     assert [row.name for row in board.rows] == ["/a", "/m"]
     assert board.count() == {"up": 0, "busy": 0, "failed": 1, "idle": 0}
+
+
+@pytest.mark.parametrize(("end", "mood", "word"), [
+    (NodeChanged("/a", "ended", signal=2), "idle", "stopped"),
+    (NodeChanged("/a", "ended", exit_code=143), "idle", "stopped"),
+    (NodeChanged("/a", "ended", signal=9), "failed", "SIGKILL"),
+    (NodeChanged("/a", "ended", signal=11), "failed", "SIGSEGV"),
+    (NodeChanged("/a", "ended", exit_code=1), "failed", "exit 1"),
+])  # fmt: skip
+def test_node_that_ends_as_it_was_asked_to_has_not_failed(end: NodeChanged, mood: str, word: str) -> None:
+    board = apply_events(Board(RUN), [NodeChanged("/a", "running", pid=1), NodeChanged("/a", "stopping", pid=1), end])
+    assert (board.rows[0].mood, board.rows[0].word) == (mood, word)
+    board = apply_events(Board(RUN), [NodeChanged("/a", "running", pid=1), end])
+    assert board.rows[0].mood == "failed"
+
+
+def test_nodes_that_end_with_the_run_are_stopping_not_starting() -> None:
+    events: list[RunEvent] = [NodeChanged("/a", "stopping", pid=1), RunStopping("Ctrl-C")]
+    line_ = describe_run(apply_events(Board(RUN), events), 0.0, 100, DARK).plain
+    assert "1 stopping" in line_
+    assert "starting" not in line_

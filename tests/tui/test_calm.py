@@ -6,7 +6,7 @@ import threading
 import pytest
 from tests.tui.fake import RUN, FakeRun, example, line
 
-from ur.run.events import NodeChanged, NodeReadiness, Notice, RunEnded, RunEvent, RunStopping
+from ur.run.events import LinkChanged, NodeChanged, NodeReadiness, Notice, RunEnded, RunEvent, RunStopping
 from ur.tui.board import Board, apply_events
 from ur.tui.calm import describe_status, show_events, watch_calmly
 
@@ -19,7 +19,7 @@ def bare(text: str) -> str:
 
 def test_line_counts_nodes_and_names_the_first_that_is_not_up() -> None:
     board = apply_events(Board(RUN), example())
-    assert bare(describe_status(board, 100)) == "m_map  1 up  1 coming  2 failed  1 off  camera: exit 1"
+    assert bare(describe_status(board, 100)) == "m_map  1 up  1 starting  2 failed  1 off  camera: exit 1"
 
 
 @pytest.mark.parametrize("width", range(1, 70))
@@ -29,7 +29,16 @@ def test_line_never_reaches_the_last_column(width: int) -> None:
 
 def test_line_says_that_the_run_stops() -> None:
     board = apply_events(Board(RUN), [NodeChanged("/a", "running"), RunStopping("Ctrl-C")])
-    assert bare(describe_status(board, 80)) == "m_map  stopping  1 coming"
+    assert bare(describe_status(board, 80)) == "m_map  stopping  1 starting"
+
+
+def test_line_says_that_the_link_to_the_robot_is_lost_until_it_is_restored() -> None:
+    board = apply_events(Board(RUN), [NodeChanged("/a", "running"), LinkChanged("bob", lost=True, seconds=1.2)])
+    assert bare(describe_status(board, 80)) == "m_map  no word from bob for 1.2 s  1 starting  a: not ready"
+    board = apply_events(board, [LinkChanged("bob", lost=True, seconds=1.7)])
+    assert "for 1.7 s" in bare(describe_status(board, 80))
+    board = apply_events(board, [LinkChanged("bob", lost=False, seconds=2.0)])
+    assert bare(describe_status(board, 80)) == "m_map  1 starting  a: not ready"
 
 
 def test_only_what_matters_stays() -> None:
@@ -62,5 +71,18 @@ def test_run_that_is_killed_ends_it_too() -> None:
     threading.Timer(0.05, run.go).start()
     try:
         assert watch_calmly(run.control, lambda _: None) == ("gone", 1)
+    finally:
+        run.close()
+
+
+def test_calm_line_has_no_colours_where_they_are_not_wanted(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("NO_COLOR", "1")
+    run = FakeRun()
+    written: list[str] = []
+    try:
+        run.tell(*example(), RunEnded(0))
+        assert watch_calmly(run.control, written.append) == ("ended", 0)
+        assert "camera died" in "".join(written)
+        assert not re.search(r"\x1b\[[0-9;]*m", "".join(written))
     finally:
         run.close()

@@ -1,1 +1,1 @@
-"""What people see of a run on a terminal. A process of its own: it watches and steers the run over a socket."""
+"""The terminal interface of a run: a process of its own that controls the run over a socket."""

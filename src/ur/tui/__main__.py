@@ -1,4 +1,4 @@
-"""The interface as a process: `python -m ur.tui MODE DESCRIPTOR`, started by `ur launch` (see `ur.tui.start`)."""
+"""The interface as a process: `python -I -m ur.tui MODE DESCRIPTOR`, started by `ur launch` (see `ur.tui.start`)."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import select
 import signal
 import socket
 import sys
+from pathlib import Path
 
 from ur.run.client import RunClient, RunControl
 from ur.run.events import RunEvent, RunStarted
@@ -28,8 +29,13 @@ def main(words: list[str]) -> int:
         try:
             watch_run(control, mode, os.environ, ours=True, early=early)
         except Exception as problem:
-            sys.stderr.write(f"error: the interface failed ({problem!r}); lines follow, as with --plain\n")
-            return 1
+            from ur.source.crash import EXIT_CODE, describe_crash, write_crash_report
+
+            log_folder = next((event.log_folder for event in early if isinstance(event, RunStarted)), "")
+            report = write_crash_report(problem, "ur-tui", [Path(log_folder)] if log_folder else [])
+            sys.stderr.write(describe_crash(problem, "ur launch", report) + "\n")
+            sys.stderr.write("  help: the run goes on, with plain lines as output\n")
+            return EXIT_CODE
     return 0
 
 

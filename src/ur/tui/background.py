@@ -1,4 +1,4 @@
-"""Whether the terminal is light or dark: asked, else guessed."""
+"""Detection of a light or dark terminal background."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _END = re.compile(rb"\x1b\[\?[0-9;]*c")
 
 
 def is_light(environment: Mapping[str, str], answer: bytes) -> bool:
-    """Whether the background is light: as the terminal answered, else as COLORFGBG says, else dark."""
+    """Return whether the background is light: as the terminal answered, else as COLORFGBG says, else dark."""
     found = _COLOUR.search(answer)
     if found is None:
         return environment.get("COLORFGBG", "").rpartition(";")[2] in ("7", "15")
@@ -27,7 +27,7 @@ def is_light(environment: Mapping[str, str], answer: bytes) -> bool:
 
 
 def ask_background(terminal: int, limit: float = 0.25) -> bytes:
-    """What the terminal answers within `limit` s; empty when it is none. Its modes are as before afterwards."""
+    """Return the terminal's answer within `limit` s; empty when it is none. Its modes are as before afterwards."""
     try:
         before = termios.tcgetattr(terminal)
     except termios.error:

@@ -1,13 +1,15 @@
-"""How the nodes of a run stand, put together from its events: what the table shows. Pure."""
+"""The state of the nodes of a run, derived from its events for the table. Pure."""
 
 from __future__ import annotations
 
+import re
 import signal
-from collections.abc import Iterable
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
 from ur.run.events import (
+    LinkChanged,
     NodeChanged,
     NodeReadiness,
     OutputLine,
@@ -17,9 +19,19 @@ from ur.run.events import (
     RunStopping,
     StatsSampled,
 )
+from ur.run.report import describe_link
 
 Mood = Literal["up", "busy", "idle", "failed"]
 STANDING: tuple[Mood, ...] = ("up", "busy", "failed", "idle")  # the order in which moods are counted
+
+_END_REQUESTS = (signal.SIGINT, signal.SIGTERM)  # what a run sends to nodes that have to end
+
+# Lines that RViz prints on every healthy start: they stay in the log, and are no news of the node.
+_NOISE = re.compile(
+    r"\[rospack\] Error: no such package media_export|\[librospack\]: error while executing command"
+    r"|QStandardPaths: XDG_RUNTIME_DIR not set"
+    r"|rviz/glsl120/indexed_8bit_image|GLSL link result|active samplers with a different type refer"
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,6 +44,7 @@ class NodeRow:
     cpu: float | None = None
     memory: int | None = None
     last: str = ""
+    asked: bool = False  # to end, and has ended by that
 
     @property
     def name(self) -> str:
@@ -40,36 +53,36 @@ class NodeRow:
 
     @property
     def mood(self) -> Mood:
-        """How it is, in one word for colours."""
+        """The state in one word, for colours."""
         now = self.changed
         if now.state == "running":
             return "up" if self.ready or now.core else "busy"
         if now.state in ("starting", "stopping"):
             return "busy"
         died = now.signal is not None or now.exit_code not in (None, 0) or (now.reason and not now.held)
-        if died and not now.held:
+        if died and not now.held and not self.asked:
             return "failed"
         return "busy" if now.state == "waiting" and now.restart_in is not None else "idle"
 
     @property
     def word(self) -> str:
-        """Its state in a word or two: `up`, `registering`, `exit 3`, `SIGSEGV`, `again in 4 s`."""
+        """Its state in a word or two: `up`, `not ready`, `exit 3`, `SIGSEGV`, `again in 4 s`."""
         now = self.changed
         if now.state == "running":
-            return "up" if self.ready or now.core else "coming up"
+            return "up" if self.ready or now.core else "not ready"
         if now.state in ("starting", "stopping"):
             return now.state
         ended = describe_end(now)
         if now.state == "waiting":
             again = "waiting" if now.restart_in is None else f"again in {now.restart_in:.0f} s"
             return f"{ended}, {again}" if ended and now.restart_in is not None else again
-        if now.held:
+        if now.held or self.asked:
             return "stopped"
         return ended or "not started"
 
     @property
     def remark(self) -> str:
-        """What else people should know: what is missing, why it was not started, else what it printed last."""
+        """The remark of the row: what is missing, why it was not started, else what it printed last."""
         if self.changed.reason and not self.changed.held:
             return self.changed.reason
         if self.changed.state == "running" and self.missing and not self.changed.core:
@@ -79,19 +92,23 @@ class NodeRow:
 
 @dataclass(frozen=True, slots=True)
 class Board:
-    """The whole run. `cause` says why it ends, None while it goes on; `exit_code` is set once it has ended."""
+    """The whole run. `cause` says why it ends, None while it goes on; `exit_code` is set once it has ended.
+
+    `link` says what is wrong with the link to the robot, '' while nothing is.
+    """
 
     run: RunStarted
     rows: tuple[NodeRow, ...] = ()
     cause: str | None = None
     exit_code: int | None = None
+    link: str = ""
 
     def find(self, name: str) -> NodeRow | None:
         """The row of a node."""
         return next((row for row in self.rows if row.name == name), None)
 
     def count(self) -> dict[Mood, int]:
-        """How many nodes are in each mood; the master and rosout do not count."""
+        """The number of nodes in each mood; the master and rosout do not count."""
         counts: dict[Mood, int] = dict.fromkeys(STANDING, 0)
         for row in self.rows:
             if not row.changed.core:
@@ -104,14 +121,14 @@ def begin_board() -> Board:
     return Board(RunStarted("", 0, "", "", "", 0.0))
 
 
-def apply_events(board: Board, events: Iterable[RunEvent]) -> Board:
+def apply_events(board: Board, events: Sequence[RunEvent]) -> Board:
     """The board after these events, in their order. Costs time in proportion to events plus nodes."""
     rows = {row.name: row for row in board.rows}
     run, cause, exit_code = board.run, board.cause, board.exit_code
     last: dict[str, str] = {}
     for event in events:
         match event:
-            case OutputLine(name=name, text=text):
+            case OutputLine(name=name, text=text) if not _NOISE.search(text):
                 last[name] = text
             case NodeChanged():
                 rows[event.name] = _change(rows.get(event.name), event)
@@ -134,11 +151,11 @@ def apply_events(board: Board, events: Iterable[RunEvent]) -> Board:
         if name in rows:
             rows[name] = replace(rows[name], last=text)
     ordered = sorted(rows.values(), key=lambda row: row.changed.core)  # stable: the launch file's order
-    return Board(run, tuple(ordered), cause, exit_code)
+    return Board(run, tuple(ordered), cause, exit_code, _find_link(board.link, events))
 
 
 def describe_end(changed: NodeChanged) -> str:
-    """How a node ended last: `SIGSEGV`, `exit 3`, `finished`; '' when it never ran."""
+    """Describe the last end of a node: `SIGSEGV`, `exit 3`, `finished`; '' when it never ran."""
     if changed.signal is not None:
         try:
             return signal.Signals(changed.signal).name
@@ -149,15 +166,24 @@ def describe_end(changed: NodeChanged) -> str:
     return "finished" if changed.exit_code == 0 else f"exit {changed.exit_code}"
 
 
+def _find_link(before: str, events: Sequence[RunEvent]) -> str:
+    last = next((event for event in reversed(events) if isinstance(event, LinkChanged)), None)
+    if last is None:
+        return before
+    return describe_link(last.robot, last.seconds, lost=True) if last.lost else ""
+
+
 def _change(before: NodeRow | None, now: NodeChanged) -> NodeRow:
     if before is None:
         return NodeRow(now)
     if now.state == "running" and before.changed.pid == now.pid:
         return replace(before, changed=now)
     running = now.state in ("running", "stopping")
+    ended_as_asked = now.signal in _END_REQUESTS or now.exit_code in {128 + number for number in _END_REQUESTS}
     return replace(
         before,
         changed=now,
+        asked=before.changed.state == "stopping" and now.state == "ended" and ended_as_asked,
         ready=False,
         missing=(),
         cpu=before.cpu if running else None,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import select
 import shutil
 import signal
@@ -17,17 +18,18 @@ from ur.tui.board import STANDING, Board, Mood, apply_events, begin_board
 
 SIGNS: dict[Mood, tuple[str, str]] = {
     "up": ("32", "up"),
-    "busy": ("33", "coming"),
+    "busy": ("33", "starting"),
     "failed": ("31", "failed"),
     "idle": ("2", "off"),
 }
+_COLOURS = re.compile(r"\x1b\[[0-9;]*m")
 _CLEAR, _PLAIN = "\r\x1b[K", "\x1b[0m"
 WATCH = Watch(output=True, stats=False, readiness=True)
 
 
 @dataclass(frozen=True, slots=True)
 class Shown:
-    """What to write: lines that stay, and the line that is replaced next time."""
+    """Text to write: lines that stay, and the line that is replaced next time."""
 
     lines: tuple[str, ...]
     status: str
@@ -54,6 +56,8 @@ def describe_status(board: Board, width: int) -> str:
     parts = [(f"{counts[mood]} {SIGNS[mood][1]}", SIGNS[mood][0]) for mood in STANDING if counts[mood]]
     if board.cause is not None:
         parts.insert(0, ("stopping", "33"))
+    elif board.link:
+        parts.insert(0, (board.link, "31"))
     wrong = next((row for mood in ("failed", "busy") for row in board.rows if row.mood == mood), None)
     if wrong is not None and board.cause is None:
         parts.append((f"{wrong.name.lstrip('/')}: {wrong.word}", "2"))
@@ -82,6 +86,8 @@ def watch_calmly(
     has happened already; it was printed where this line appears.
     Takes SIGINT over meanwhile.
     """
+    if os.environ.get("NO_COLOR"):
+        write = _without_colours(write)
     board = begin_board()
     asked = [0]
     reader, writer = os.pipe2(os.O_CLOEXEC | os.O_NONBLOCK)
@@ -121,3 +127,7 @@ def watch_calmly(
         os.close(writer)
         write(_CLEAR)
         sys.stdout.flush()
+
+
+def _without_colours(write: Callable[[str], object]) -> Callable[[str], object]:
+    return lambda text: write(_COLOURS.sub("", text))

@@ -65,7 +65,7 @@ class SystemDesk:
         return ""
 
     def debug(self, row: NodeRow, run: RunStarted) -> Ways | str:
-        """How a node can be looked into from here."""
+        """Return the debuggers for a node, or the reason why there is none."""
         changed = row.changed
         try:
             looked = look_at_node(row.name, changed.program, changed.folder, changed.pid, run.pid)

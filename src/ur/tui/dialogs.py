@@ -13,6 +13,7 @@ from textual.screen import ModalScreen
 from textual.widgets import Static
 
 from ur.run.output import read_last_lines
+from ur.source.printable import printable
 from ur.tui.palette import Palette
 
 
@@ -30,10 +31,11 @@ class Question(ModalScreen[str]):
     def __init__(self, title: str, choices: tuple[Choice, ...], palette: Palette, *, note: str = "") -> None:
         """`note` is what people should know before they answer."""
         super().__init__(classes="dialog")
-        self.title_text = title
-        self._note = note
-        self._choices = (*choices, Choice("escape", "go on"))
+        self.title_text = printable(title)
+        self._note = printable(note)
+        self._choices = (*choices, Choice("escape", "cancel"))
         self._palette = palette
+        self._answered = False
 
     def compose(self) -> ComposeResult:
         """The question above its answers."""
@@ -54,13 +56,15 @@ class Question(ModalScreen[str]):
         event.stop()
         event.prevent_default()
         if any(choice.key == event.key for choice in self._choices):
-            self.dismiss("" if event.key == "escape" else event.key)
+            self.answer(event.key)
         elif event.key == "q":
-            self.dismiss("")
+            self.answer("escape")
 
     def answer(self, key: str) -> None:
-        """A choice was clicked."""
-        self.dismiss("" if key == "escape" else key)
+        """Answer, once: the key or click after it may be the second of a pair."""
+        if not self._answered:
+            self._answered = True
+            self.dismiss("" if key == "escape" else key)
 
 
 class _Answer(Static):
@@ -80,10 +84,11 @@ class Page(ModalScreen[None]):
 
     def __init__(self, title: str, text: RenderableType, palette: Palette, *, at_end: bool = False) -> None:
         super().__init__(classes="page")
-        self._title = title
+        self._title = printable(title)
         self._text = text
         self._palette = palette
         self._at_end = at_end
+        self._left = False
 
     def compose(self) -> ComposeResult:
         """The title above the text."""
@@ -105,7 +110,9 @@ class Page(ModalScreen[None]):
         """Any of the keys that end a pager."""
         if event.key in ("escape", "q", "l", "enter", "question_mark"):
             event.stop()
-            self.dismiss(None)
+            if not self._left:
+                self._left = True
+                self.dismiss(None)
 
 
 def _frame(box: Vertical, palette: Palette) -> None:

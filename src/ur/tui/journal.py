@@ -41,7 +41,7 @@ class Entry:
 
 @dataclass(frozen=True, slots=True)
 class Filter:
-    """Which entries are shown. `rank`: at least so bad; `node` and `text` empty: all; `muted` nodes are left out."""
+    """The filter of the log. `rank`: at least so bad; `node` and `text` empty: all; `muted` nodes are left out."""
 
     node: str = ""
     rank: int = 0
@@ -50,11 +50,11 @@ class Filter:
 
     @property
     def anything(self) -> bool:
-        """Whether it leaves something out that was not muted."""
+        """True if it leaves something out that was not muted."""
         return bool(self.node or self.rank or self.text)
 
     def admits(self, entry: Entry) -> bool:
-        """Whether an entry is shown: as a whole, or not at all."""
+        """Return whether an entry is shown, always as a whole."""
         if RANK[entry.severity] < self.rank:
             return False
         if entry.name and ((self.node and entry.name != self.node) or entry.name in self.muted):
@@ -65,7 +65,7 @@ class Filter:
 
 @dataclass(slots=True)
 class Journal:
-    """What was printed. `entries` oldest first; `take_changes` says what is new."""
+    """The log of a run. `entries` oldest first; `take_changes` says what is new."""
 
     entries: deque[Entry] = field(default_factory=lambda: deque(maxlen=MOST_ENTRIES))
     _last: dict[str, Entry] = field(default_factory=dict)

@@ -17,7 +17,7 @@ from ur.tui.palette import Palette
 class Key:
     """One row: textual's names of the keys, the action of the app, and for people the key and what it does.
 
-    `foot` is the word in the last line of the screen, '' for none; `first` before any widget; `group` for the help.
+    `foot` is the word in the last line of the screen, '' for none; `group` for the help.
     """
 
     keys: str
@@ -25,7 +25,6 @@ class Key:
     shown: str
     does: str
     foot: str = ""
-    first: bool = False
     group: int = 0
 
 
@@ -43,34 +42,30 @@ KEYS = (
     Key("v", "severity", "v", "everything, warnings and errors, errors only", "severity", group=1),
     Key("slash", "find", "/", "only messages with a text", "find", group=1),
     Key("escape", "show_all", "Escape", "everything again; muted nodes stay muted", group=1),
-    Key("pageup", "page(-1)", "Page Up/Down", "read back; so does the mouse wheel", first=True, group=1),
-    Key("pagedown", "page(1)", "", "", first=True, group=1),
+    Key("pageup", "page(-1)", "Page Up/Down", "read back; so does the mouse wheel", group=1),
+    Key("pagedown", "page(1)", "", "", group=1),
     Key("home", "oldest", "Home, End", "the oldest message; the newest, and follow", group=1),
     Key("end", "newest", "", "", group=1),
     Key("c", "clear", "c", "clear the log; the log files keep everything", group=1),
     Key("X", "stop_all", "X", "stop everything (asks)", group=2),
     Key(
-        "q,ctrl+q",
+        "q",
         "leave",
         "q",
         "quit (asks): stop everything, or detach where the run goes on without you",
         "quit",
-        first=True,
         group=2,
     ),
-    Key("ctrl+c", "interrupt", "Ctrl-C", "stop everything now; again: faster", first=True, group=2),
+    Key("ctrl+q", "leave(True)", "", "", group=2),
+    Key("ctrl+c", "interrupt", "Ctrl-C", "stop everything now; again: faster", group=2),
     Key("question_mark,f1", "help", "?", "this page; Escape leaves it", "help", group=2),
 )
 FOOT = "?q/dlxrsknvm"  # the last line names keys in this order, as many as there is room for
 
 
 def make_bindings(keys: Sequence[Key] = KEYS) -> list[BindingType]:
-    """The bindings. A letter never comes before a widget: it may be typed into one."""
-    return [
-        Binding(name, key.action, show=False, priority=key.first and len(name) > 1)
-        for key in keys
-        for name in key.keys.split(",")
-    ]
+    """The bindings. They come before widgets, so that keys act in the order of typing; see `Stage.check_action`."""
+    return [Binding(name, key.action, show=False, priority=True) for key in keys for name in key.keys.split(",")]
 
 
 def describe_foot(width: int, palette: Palette) -> Text:

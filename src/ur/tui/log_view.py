@@ -13,6 +13,7 @@ from textual.geometry import Size
 from textual.scroll_view import ScrollView
 from textual.strip import Strip
 
+from ur.source.printable import printable
 from ur.tui.journal import RANK, Entry, Filter, Journal, plain
 from ur.tui.palette import Palette
 
@@ -59,7 +60,7 @@ def _cut(text: str, width: int) -> list[tuple[int, int]]:
 
 def short_name(name: str, cells: int) -> str:
     """A node's name in so many cells: without the slash in front, its beginning left out where it is too long."""
-    bare = name.lstrip("/")
+    bare = printable(name.lstrip("/"))
     return bare if len(bare) <= cells else "…" + bare[1 - cells :]
 
 
@@ -78,7 +79,7 @@ class LogView(ScrollView, can_focus=False):
 
     @property
     def follows(self) -> bool:
-        """Whether new messages come into view by themselves."""
+        """True while the view follows new messages."""
         return self._follows
 
     @property

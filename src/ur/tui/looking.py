@@ -13,7 +13,7 @@ from ur.tui.stage import RANKS, Stage
 
 
 class Looking(Stage):
-    """What can be looked at."""
+    """The actions that change what is shown."""
 
     def action_move(self, by: int) -> None:
         """Another node."""

@@ -33,7 +33,7 @@ def format_cpu(cpu: float | None) -> str:
 
 
 def plan_columns(width: int, names: int, words: int) -> dict[str, int]:
-    """How many cells each column gets, one space between them included; what does not fit is left out.
+    """Divide the width into columns, one space between them included; what does not fit is left out.
 
     `names` and `words` are the longest node name and the longest state. `last` takes the rest.
     """

@@ -30,7 +30,7 @@ class Palette:
         return {"up": self.green, "busy": self.yellow, "failed": self.red, "idle": self.quiet}[mood]
 
     def of_severity(self, severity: Severity) -> Style:
-        """How a message is written."""
+        """The style of a message."""
         colour = {"debug": self.quiet, "warning": self.yellow, "error": self.red, "fatal": self.red}.get(severity)
         return Style(color=colour or self.text, bold=severity == "fatal" or None)
 

@@ -10,11 +10,13 @@ from rich.text import Text
 from textual import events
 from textual.app import App, ComposeResult
 from textual.driver import Driver
+from textual.screen import ModalScreen
 from textual.widgets import Input, Static
 
 from ur.run.client import RunControl
 from ur.run.debug_node import Ways
-from ur.run.events import Notice, OutputLine, RunEvent, RunStarted, Watch
+from ur.run.events import Notice, OutputLine, RunEvent, RunStarted, RunStopping, Watch
+from ur.source.printable import printable
 from ur.tui.board import Board, NodeRow, apply_events, begin_board
 from ur.tui.journal import Journal
 from ur.tui.keys import describe_foot
@@ -29,7 +31,7 @@ RANKS = ((0, "everything"), (2, "warnings"), (3, "errors"))
 
 
 class Desk(Protocol):
-    """What the interface needs of the computer it runs on."""
+    """The services that the interface needs of the computer it runs on."""
 
     def now(self) -> float:
         """The time, in s since the epoch."""
@@ -41,7 +43,7 @@ class Desk(Protocol):
         """Run a command on our terminal, which is free meanwhile. Returns what went wrong, '' when nothing did."""
 
     def debug(self, row: NodeRow, run: RunStarted) -> Ways | str:
-        """How a node can be looked into, or why it cannot."""
+        """Return the debuggers for a node, or the reason why there is none."""
 
     def run_beside(self, words: Sequence[str]) -> str:
         """Start a command that opens a window of its own. Returns what went wrong, '' when nothing did."""
@@ -79,6 +81,8 @@ class Stage(App[str]):
         self._early = early
         self._said = ""
         self._begun = False
+        self._stopping = False
+        self.parting: list[str] = []  # warnings since the run stops
 
     def get_css_variables(self) -> dict[str, str]:
         """Textual's colours, ours where it draws by itself."""
@@ -93,7 +97,7 @@ class Stage(App[str]):
         yield self.nodes
         yield Static(id="rule")
         yield self.log_view
-        yield Input(id="find", placeholder="text to look for; Enter keeps it, Escape shows everything")
+        yield Input(id="find", placeholder="text to search for; Enter keeps the filter, Escape clears it")
         yield Static(id="foot")
 
     def on_mount(self) -> None:
@@ -127,6 +131,10 @@ class Stage(App[str]):
 
     def take(self, happened: Sequence[RunEvent]) -> None:
         """Show what has happened."""
+        for each in happened:
+            self._stopping = self._stopping or isinstance(each, RunStopping)
+            if self._stopping and isinstance(each, Notice) and each.severity == "warning":
+                self.parting += each.text.split("\n")
         self.board = apply_events(self.board, happened)
         self.journal.add((each for each in happened if isinstance(each, (OutputLine, Notice))), self.desk.now())
         if self.board.exit_code is not None:
@@ -165,11 +173,33 @@ class Stage(App[str]):
 
     def say(self, text: str) -> None:
         """Tell people something, until the next key."""
-        self._said = text
+        self._said = printable(text)
         self.draw()
 
-    def on_key(self) -> None:
-        """What was said is read by now."""
-        if self._said:
+    async def on_event(self, event: events.Event) -> None:
+        """Handle an event. At a key the last remark has been read."""
+        if isinstance(event, events.Key) and not event.is_forwarded and self._said:
             self._said = ""
             self.call_later(self.draw)
+        await super().on_event(event)
+
+    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool:
+        """Leave keys to a dialog, and letters to a field in which they are typed."""
+        if action in ("page", "interrupt") or (action == "leave" and parameters):
+            return True
+        if isinstance(self.screen, ModalScreen):
+            return False
+        return not isinstance(self.focused, Input) or action in ("show_all", "move")
+
+    @property
+    def problem(self) -> Exception | None:
+        """The exception that ended the interface."""
+        return self._exception
+
+    def _handle_exception(self, error: Exception) -> None:
+        # Textual's own prints a traceback over the terminal; whoever runs this interface reports `problem`.
+        self._return_code = 1
+        if self._exception is None:
+            self._exception = error
+            self._exception_event.set()
+        self._close_messages_no_wait()

@@ -1,4 +1,4 @@
-"""Whether a run gets an interface, and starting it beside the supervisor: that stays small, so this imports little."""
+"""Choice and start of the interface beside the supervisor, which stays small: this imports little."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ PATIENCE = 8.0  # s for the interface to leave the screen; a busy computer needs
 
 
 def choose_mode(*, terminal: bool, size: tuple[int, int], term: str, calm: bool, textual: bool) -> Mode:
-    """What suits: `plain` lines without a terminal (or a `dumb` one), one `calm` line on a small one, else `full`.
+    """Choose the interface: `plain` lines without a terminal (or a `dumb` one), `calm` on a small one, else `full`.
 
     `terminal`: keyboard and screen are one, and ours. `size` in columns and rows; `textual`: the library is there.
     """
@@ -56,7 +56,7 @@ class Viewer:
         self._attributes: list[Any] = termios.tcgetattr(0)
         self.link, theirs = socket.socketpair()
         os.set_inheritable(theirs.fileno(), True)
-        words = [sys.executable, "-m", "ur.tui", mode, str(theirs.fileno())]
+        words = [sys.executable, "-I", "-m", "ur.tui", mode, str(theirs.fileno())]
         self._pid = os.posix_spawn(sys.executable, words, dict(os.environ), setsigdef=[signal.SIGTTOU])
         theirs.close()
 

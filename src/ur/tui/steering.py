@@ -12,7 +12,7 @@ from ur.tui.looking import Looking
 
 
 class Steering(Looking):
-    """What can be asked of the run."""
+    """The actions that change the run."""
 
     _stops = 0
 
@@ -71,7 +71,7 @@ class Steering(Looking):
         """End the run, once that is confirmed."""
         self._ask_end(detach=False)
 
-    def action_leave(self) -> None:
+    def action_leave(self, _anyway: bool = False) -> None:
         """Quit: end the run, or only stop watching where it goes on without us."""
         if not isinstance(self.screen, Question):
             self._ask_end(detach=self._may_leave)

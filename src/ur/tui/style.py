@@ -1,4 +1,4 @@
-"""How the interface is laid out, as Textual's CSS; colours are `ur.tui.palette`."""
+"""The layout of the interface, as Textual's CSS; colours are `ur.tui.palette`."""
 
 CSS = """
 Screen { layout: vertical; }

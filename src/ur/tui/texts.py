@@ -6,13 +6,14 @@ from collections.abc import Mapping
 
 from rich.text import Text
 
+from ur.source.printable import printable
 from ur.tui.board import Board, Mood
 from ur.tui.journal import Filter
 from ur.tui.node_table import SIGNS, format_cpu, format_memory
 from ur.tui.palette import Palette
 
-_WORDS: dict[Mood, str] = {"up": "up", "busy": "coming or going", "failed": "failed", "idle": "not running"}
-_SHORT: dict[Mood, str] = {"up": "up", "busy": "coming", "failed": "failed", "idle": "off"}
+_WORDS: dict[Mood, str] = {"up": "up", "busy": "starting or stopping", "failed": "failed", "idle": "not running"}
+_SHORT: dict[Mood, str] = {"up": "up", "busy": "starting", "failed": "failed", "idle": "off"}
 
 
 def describe_run(board: Board, now: float, width: int, palette: Palette) -> Text:
@@ -30,9 +31,13 @@ def describe_run(board: Board, now: float, width: int, palette: Palette) -> Text
 
 def _describe_nodes(board: Board, words: Mapping[Mood, str], palette: Palette) -> Text:
     text = Text(no_wrap=True, overflow="ellipsis")
-    text.append(board.run.title or "connecting", f"bold {palette.text}")
+    text.append(printable(board.run.title) or "connecting", f"bold {palette.text}")
     if board.cause is not None:
-        text.append("  stopping" + (f": {board.cause}" if board.cause else ""), palette.yellow)
+        text.append("  stopping" + (f": {printable(board.cause)}" if board.cause else ""), palette.yellow)
+    if board.link and board.cause is None:
+        text.append(f"  {printable(board.link)}", f"bold {palette.red}")
+    if board.cause is not None and "busy" in words:
+        words = {**words, "busy": "stopping"}
     for mood, count in board.count().items():
         if count:
             word = f" {words[mood]}" if words else ""
@@ -66,7 +71,7 @@ def describe_filter(filter_: Filter, level: str, *, follows: bool, width: int, p
 
 
 def format_duration(seconds: float) -> str:
-    """How long: `45 s`, `3:07 min`, `2:05:09 h`."""
+    """Format a duration: `45 s`, `3:07 min`, `2:05:09 h`."""
     whole = int(seconds)
     if whole < 60:
         return f"{whole} s"

@@ -20,8 +20,8 @@ def watch_run(
 ) -> tuple[str, int]:
     """Show a run, `full` or `calm`, until it ends: `ended`, `gone` (its supervisor was killed) or `detached`; its code.
 
-    `ours`: the run ends with this terminal. `early`: what has happened already. What failed is said once more
-    afterwards, where it stays.
+    `ours`: the run ends with this terminal. `early`: what has happened already. What failed, and warnings about
+    the end, are shown once more afterwards, where they stay.
     """
     if ours:
         signal.signal(signal.SIGHUP, lambda *_: control.send(StopRun("the terminal was closed")))
@@ -49,11 +49,11 @@ def _watch_fully(
     desk = SystemDesk(environment, suspend)
     app = WatchApp(control, desk, light=light, guest=guest, early=early, driver=LinuxDriver)
     how = app.run() or "ended"
-    if app.return_code:
-        raise RuntimeError("it could not draw")
+    if app.problem is not None:
+        raise app.problem
     failures = [entry for entry in app.journal.entries if not entry.name and entry.severity in ("error", "fatal")]
     lines = [line for entry in failures for line in entry.lines]
-    for line in lines[-MOST_TOLD:]:
+    for line in (*lines[-MOST_TOLD:], *app.parting[-MOST_TOLD:]):
         sys.stderr.write(f"{line}\n")
     if app.board.run.log_folder:
         sys.stderr.write(f"log files in {app.board.run.log_folder}\n")
