@@ -35,6 +35,31 @@ def test_lines_carry_the_name_of_their_node(pipe: tuple[int, int]) -> None:
     assert read_all(console, pipe[0]) == "[/a] one\nnote\n[/b] two\n"
 
 
+@pytest.mark.parametrize(
+    ("environment", "painted"),
+    [({"TERM": "xterm"}, True), ({"TERM": "xterm", "NO_COLOR": "1"}, False), ({"TERM": "dumb"}, False)],
+)
+def test_terminal_gets_colours_unless_it_or_the_user_has_none(
+    monkeypatch: pytest.MonkeyPatch, environment: dict[str, str], painted: bool
+) -> None:
+    monkeypatch.delenv("NO_COLOR", raising=False)
+    for name, value in environment.items():
+        monkeypatch.setenv(name, value)
+    ours, theirs = os.openpty()
+    os.set_blocking(ours, False)
+    try:
+        console = Console(theirs, theirs)
+        console.inform("note")
+        console.warn("error: died")
+        console.show("/a", "one")
+        text = read_all(console, ours)
+        assert text.count("\n") == 3
+        assert ("\x1b" in text) is painted
+    finally:
+        os.close(ours)
+        os.close(theirs)
+
+
 def test_held_console_keeps_what_matters(pipe: tuple[int, int]) -> None:
     console = Console(pipe[1], pipe[1])
     console.hold()

@@ -46,13 +46,13 @@ def test_tool_without_a_wish(kind: Kind, tool: Tool) -> None:
 
 @pytest.mark.parametrize(("tool", "target", "around", "place", "begins"), [
     ("pudb", PYTHON, HERE, "here", ("/usr/bin/python3", "-m", "pudb")),
-    ("pudb", PYTHON, TMUX, "pane", ("/p", "/pane.py", "/a", "/usr/bin/python3", "-m", "pudb")),
+    ("pudb", PYTHON, TMUX, "pane", ("/p", "-I", "/pane.py", "/a", "/usr/bin/python3", "-m", "pudb")),
     ("pudb", PYTHON, DISPLAY, "window", ("xterm", "-T", "/a", "-e", "/usr/bin/python3", "-m", "pudb")),
-    ("pudb", PYTHON, replace(DISPLAY, tmux=True), "pane", ("/p", "/pane.py")),
+    ("pudb", PYTHON, replace(DISPLAY, tmux=True), "pane", ("/p", "-I", "/pane.py")),
     ("pudb", PYTHON, replace(DISPLAY, tools=ALL - {"xterm"}), "here", ("/usr/bin/python3",)),
     ("pudb", Target("/a", "module"), HERE, "here", ("env", "UR_NODE_PYTHON_OPTIONS=-m pudb")),
     ("gdb", BINARY, HERE, "here", ("gdb", "-q")),
-    ("gdb", BINARY, TMUX, "pane", ("/p", "/pane.py", "/a", "gdb")),
+    ("gdb", BINARY, TMUX, "pane", ("/p", "-I", "/pane.py", "/a", "gdb")),
     ("gdb", BINARY, NOTHING, "log", ("gdb", "-q", "-batch")),
     ("debugpy", PYTHON, NOTHING, "log", ("/usr/bin/python3", "-m", "debugpy", "--listen", "localhost:5679")),
 ])  # fmt: skip

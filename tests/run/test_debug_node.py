@@ -15,9 +15,9 @@ BINARY = Looked(Target("/a", "binary"), "/x/a", 12, "/x/a")
 PYTHON = Looked(Target("/a", "python", "/usr/bin/python3"), "/x/a", 12, "/usr/bin/python3.11")
 MODULE = Looked(Target("/a", "module"), "/x/a", 12, "/venv/bin/python3")
 ADDRESS = "/tmp/d/join"
-WAIT = ("/p", "/pane.py", "--wait", ADDRESS, "/a")
-ATTACH = ("/p", "/pane.py", "--attach", "12")
-JOIN = ("/p", "/pane.py", "--join", ADDRESS, "/a")
+WAIT = ("/p", "-I", "/pane.py", "--wait", ADDRESS, "/a")
+ATTACH = ("/p", "-I", "/pane.py", "--attach", "12")
+JOIN = ("/p", "-I", "/pane.py", "--join", ADDRESS, "/a")
 
 
 def look(looked: Looked, around: Surroundings) -> tuple[Way, ...]:

@@ -57,6 +57,7 @@ def until_command(pid: int, begins: str) -> None:
 
 
 def test_prefix_holds_for_one_start_and_takes_the_place_of_the_nodes_own(world: World) -> None:
+    own = psutil.Process().nice()
     launched = world.launch(BODY)
     launched.until("[/one] started", limit=60)
     with watch(world) as client:
@@ -64,17 +65,17 @@ def test_prefix_holds_for_one_start_and_takes_the_place_of_the_nodes_own(world: 
         assert first.program == f"{world.folder}/little_nodes/nodes/sleeper"
         assert first.folder == f"{world.folder}/ros"
         until_command(first.pid or 0, "sleep")
-        assert psutil.Process(first.pid or 0).nice() == 1
+        assert psutil.Process(first.pid or 0).nice() == own + 1
         client.send(RestartNode("/one", ("env", "MARK=1")))
         second = runs_anew(client, first.pid or 0)
         until_command(second.pid or 0, "sleep")
         assert psutil.Process(second.pid or 0).environ().get("MARK") == "1"
-        assert psutil.Process(second.pid or 0).nice() == 0
+        assert psutil.Process(second.pid or 0).nice() == own
         client.send(RestartNode("/one"))
         third = runs_anew(client, second.pid or 0)
         until_command(third.pid or 0, "sleep")
         assert "MARK" not in psutil.Process(third.pid or 0).environ()
-        assert psutil.Process(third.pid or 0).nice() == 1
+        assert psutil.Process(third.pid or 0).nice() == own + 1
 
 
 def test_node_is_debugged_in_another_terminal_and_ends_with_its_run(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import signal
 import time
 from pathlib import Path
@@ -85,6 +86,10 @@ def test_logs_attach_and_restart_reach_a_detached_run(world: Any) -> None:
     assert "did you mean /sleeper?" in call(world, "restart", "sleper", code=2)
     assert call(world, "logs", "sleeper", "--path").strip().endswith("-stdout.log")
     assert "[/ticker] started" in call(world, "logs")
+    assert re.search(
+        r"^node /sleeper has printed nothing since it was started \d+ s ago$", call(world, "logs", "sleeper"), re.M
+    )
+    assert "printed nothing" not in call(world, "logs", "ticker")
     call(world, "stop", name)
     assert attached.wait() == 0
     assert followed.wait() == 0
@@ -198,3 +203,14 @@ def test_viewer_sees_the_state_first_and_steers_every_node(world: Any) -> None:
     assert end == RunEnded(0)
     viewer.client.close()
     wait_nothing_left(world.folder, without=frozenset({world.master_pid}))
+
+
+def test_attached_terminal_ends_when_nobody_reads_it_though_nothing_is_printed(world: Any) -> None:
+    run = start(world, SLEEPER)
+    attached = world.ur("attach", "--plain", run)
+    attached.until("sleeper")
+    os.close(attached.output)
+    attached.output = -1
+    assert attached.wait() == 128 + signal.SIGPIPE
+    assert run in call(world, "ps")
+    call(world, "stop")

@@ -45,7 +45,7 @@ def is_plain(launched: Launched) -> bool:
 
 def test_interface_shows_the_run_and_ctrl_c_ends_it(world: World) -> None:
     launched = start(world)
-    launched.until("\x1b[?1049h", "one", "coming up")
+    launched.until("\x1b[?1049h", "one", "not ready")
     press(launched, "\x03")
     assert launched.wait() == 0
     assert "\x1b[?1049l" in launched.text
@@ -55,7 +55,7 @@ def test_interface_shows_the_run_and_ctrl_c_ends_it(world: World) -> None:
 
 def test_interface_that_is_killed_leaves_the_terminal_whole_and_the_run_going(world: World) -> None:
     launched = start(world)
-    launched.until("\x1b[?1049h", "coming up")
+    launched.until("\x1b[?1049h", "not ready")
     find_viewer(launched).send_signal(signal.SIGKILL)
     launched.until("\x1b[?1049l")
     end = time.monotonic() + 60
@@ -70,7 +70,7 @@ def test_interface_that_is_killed_leaves_the_terminal_whole_and_the_run_going(wo
 
 def test_supervisor_that_is_killed_takes_the_interface_with_it(world: World) -> None:
     launched = start(world)
-    launched.until("\x1b[?1049h", "coming up")
+    launched.until("\x1b[?1049h", "not ready")
     viewer = find_viewer(launched)
     launched.process.kill()
     launched.wait()
@@ -84,7 +84,7 @@ def test_calm_line_instead_of_a_screen(world: World, words: tuple[str, ...], siz
     if not words:
         world.environment |= {"COLUMNS": "40", "LINES": "10"}
     launched = start(world, *words, size=size)
-    launched.until("1 coming")
+    launched.until("1 starting")
     assert "\x1b[?1049h" not in launched.text
     press(launched, "\x03")
     assert launched.wait() == 0

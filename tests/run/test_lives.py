@@ -10,9 +10,11 @@ from tests.run.histories import CLEAN, FAILED, KILLED, History
 from ur.run.actions import Finish, Signal, Start, Sweep, TellDeath, TellStop
 from ur.run.happenings import (
     Begin,
+    Evicted,
     Exited,
     MasterAnswered,
     NothingLeft,
+    OwnerEnded,
     ParametersSet,
     Started,
     StartFailed,
@@ -116,3 +118,29 @@ def test_no_limit_respawns_for_ever() -> None:
         history.happens(Exited("/a", FAILED))
         assert history.happens(Tick(), after=history.due()) == [Start("/a")]
         history.happens(Started("/a", 5))
+
+
+def test_evicted_node_is_not_started_again_and_the_run_ends_with_1() -> None:
+    history = History(Unit("/a", respawn=True), Unit("/b")).running()
+    told = history.happens(Evicted("/a", CLEAN, "run other.7"))
+    assert told == [TellDeath("/a", CLEAN, evicted_by="run other.7")]
+    history.happens(Exited("/b", CLEAN), NothingLeft())
+    assert history.happens(Unregistered()) == [Finish(1)]
+
+
+@pytest.mark.parametrize("unit", [Unit("/a", required=True), Unit("/a", terminal=True, required=True)])
+def test_run_ends_with_1_when_the_node_that_it_needs_is_evicted(unit: Unit) -> None:
+    history = History(unit, Unit("/b")).running()
+    told = history.happens(Evicted("/a", CLEAN, "process 7"))
+    assert told[0] == TellDeath("/a", CLEAN, ends_run=True, evicted_by="process 7")
+    history.happens(Exited("/b", CLEAN), NothingLeft())
+    assert history.happens(Unregistered()) == [Finish(1)]
+
+
+def test_run_ends_with_1_when_a_run_that_it_has_joined_ends_and_hears_it_once() -> None:
+    history = History(Unit("/a")).running()
+    told = history.happens(OwnerEnded("first.1 ends"))
+    assert told == [TellStop("first.1 ends", failed=True), Signal("/a", SIGINT)]
+    assert history.happens(OwnerEnded("second.2 ends")) == []
+    history.happens(Exited("/a", CLEAN), NothingLeft())
+    assert history.happens(Unregistered()) == [Finish(1)]

@@ -1,19 +1,53 @@
 from __future__ import annotations
 
+import socket
+import threading
 import xmlrpc.client
 from typing import Any
 
 import pytest
 
-from ur.run.master import parse_master_uri, unify_clear
+from ur.run.master import format_master_uri, parse_master_uri, unify_clear
 from ur.run.xml_rpc import Refused
 from ur.source import UserError
 
 
-@pytest.mark.parametrize("uri", ["", "localhost:11311", "http://localhost", "http://:1", "http://h:0", "ftp://h:11311"])
+@pytest.mark.parametrize(
+    "uri",
+    [
+        *("", "localhost:11311", "http://localhost", "http://:1", "http://h:0", "ftp://h:11311", "http://::1:11311"),
+        *("http://::1", "http://[::1]", "http://[]:1", "http://[::1:11311", "http://h:²", "http://h:1:2"),
+    ],
+)
 def test_bad_master_uri_is_explained(uri: str) -> None:
     with pytest.raises(UserError, match="expected http://HOST:PORT"):
         parse_master_uri(uri)
+
+
+def test_ipv6_address_of_a_master_stands_in_brackets() -> None:
+    master = parse_master_uri("http://[::1]:11311")
+    assert (master.host, master.port) == ("::1", 11311)
+    assert format_master_uri("::1", 11400) == "http://[::1]:11400"
+    assert format_master_uri("bob.local", 11400) == "http://bob.local:11400"
+
+
+def test_master_on_ipv6_is_asked_with_its_address_in_brackets() -> None:
+    heads: list[bytes] = []
+
+    def serve() -> None:
+        link, _ = listener.accept()
+        with link:
+            heads.append(link.recv(65536))
+            link.sendall(b"HTTP/1.0 200 OK\r\n\r\n" + answer)
+
+    answer = xmlrpc.client.dumps(([1, "", "the id"],), methodresponse=True).encode()
+    with socket.create_server(("::1", 0), family=socket.AF_INET6) as listener:
+        port = listener.getsockname()[1]
+        thread = threading.Thread(target=serve, daemon=True)
+        thread.start()
+        assert parse_master_uri(f"http://[::1]:{port}").get_run_id() == "the id"
+        thread.join(60)
+    assert f"Host: [::1]:{port}\r\n".encode() in heads[0]
 
 
 def test_master_uri_may_end_with_a_slash() -> None:

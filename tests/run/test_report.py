@@ -4,7 +4,7 @@ import pytest
 
 from ur.run.actions import TellDeath
 from ur.run.model import ExitStatus
-from ur.run.report import describe_death, describe_status
+from ur.run.report import LossLines, describe_death, describe_link, describe_status
 
 
 @pytest.mark.parametrize(
@@ -18,6 +18,19 @@ from ur.run.report import describe_death, describe_status
 )
 def test_status_is_described_by_name(status: ExitStatus, text: str) -> None:
     assert describe_status(status) == text
+
+
+def test_link_is_described_in_a_line() -> None:
+    assert describe_link("bob", 1.23, lost=True) == "no word from bob for 1.2 s"
+    assert describe_link("bob", 12.3, lost=False) == "bob answers again after 12.3 s"
+
+
+def test_news_of_a_lost_link_become_lines_ever_more_rarely() -> None:
+    lines = LossLines()
+    told = [seconds for seconds in (1.0, 1.5, 2.0, 2.5, 3.5, 4.0, 7.5, 8.0) if lines.is_due(seconds, lost=True)]
+    assert told == [1.0, 2.0, 4.0, 8.0]
+    assert lines.is_due(8.5, lost=False)
+    assert lines.is_due(1.0, lost=True)  # of the next loss
 
 
 def test_death_shows_last_lines_and_log() -> None:

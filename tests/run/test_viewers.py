@@ -9,7 +9,8 @@ from ur.launchfile.plan.model import NodeSpec
 from ur.launchfile.world import World
 from ur.launchfile.world.memory import MemoryWorld
 from ur.run.debian import describe_install
-from ur.run.placement import leave_out_viewers
+from ur.run.placement import check_display, leave_out_viewers
+from ur.source.diagnostic import UserError
 
 LAUNCH = """<launch>
   <node name="map" pkg="rviz" type="rviz"/>
@@ -59,3 +60,19 @@ def test_other_package_that_is_missing_is_no_viewer() -> None:
 def test_packages_that_debian_splits_are_named_as_debian_does() -> None:
     assert describe_install("topic_tools") == "sudo apt-get install topic-tools libtopic-tools-dev"
     assert "ros-my-nodes or my-nodes" in describe_install("my_nodes")
+
+
+@pytest.mark.parametrize("name", ["rviz_robot", "rviz_sonar", "rviz_local_costmap"])
+def test_view_without_a_display_is_refused_with_a_help_line(name: str) -> None:
+    path = f"/anywhere/{name}/launch/{name}.launch.xml"
+    nodes, _ = make_world("rviz", "talk")
+    with pytest.raises(UserError, match=f"'{name}' opens a window of RViz and there is no display") as caught:
+        check_display([path], nodes, {})
+    assert "ssh -X" in str(caught.value.diagnostics[0].help)
+    check_display([path], nodes, DISPLAY)
+
+
+def test_other_files_and_views_without_rviz_start_without_a_display() -> None:
+    nodes, _ = make_world("rviz", "talk")
+    check_display(["/anywhere/m_map/launch/m_map.launch.xml", "/rviz_mine.launch"], nodes, {})
+    check_display(["/anywhere/rviz_robot/launch/rviz_robot.launch.xml"], nodes[2:], {})

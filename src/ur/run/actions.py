@@ -48,7 +48,8 @@ class Unregister:
 class TellDeath:
     """Tell people that a unit ended. `restart_in` is set when it comes again, `ends_run` when nothing goes on.
 
-    `deaths` is set when it will not be started any more because it died so often in a row.
+    `deaths` is set when it will not be started any more because it died so often in a row. `evicted_by` is set when
+    another node registered under its name: who started that.
     """
 
     name: str
@@ -57,6 +58,7 @@ class TellDeath:
     restart_in: float | None = None
     ends_run: bool = False
     deaths: int = 0
+    evicted_by: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,6 +79,19 @@ class TellMaster:
     """Tell people that the master does not answer any more, or answers again."""
 
     lost: bool
+
+
+@dataclass(frozen=True, slots=True)
+class StartShare:
+    """Have the robot start its nodes again, with a master where it has none; then ShareStarted or ShareFailed."""
+
+
+@dataclass(frozen=True, slots=True)
+class TellLink:
+    """Tell people that nothing has come from the robot for so long (s), or (`lost` false) that it answers again."""
+
+    lost: bool
+    seconds: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,6 +122,7 @@ Action = (
     | Signal
     | AwaitMaster
     | SetParameters
+    | StartShare
     | Sweep
     | Unregister
     | TellDeath
@@ -114,6 +130,7 @@ Action = (
     | TellWish
     | TellRevival
     | TellMaster
+    | TellLink
     | TellStop
     | Finish
 )

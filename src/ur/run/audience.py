@@ -84,6 +84,11 @@ class Audience:
         if self._watching is not None:
             self._watching.tell_notice(severity, text)
 
+    def tell_link(self, robot: str, seconds: float, *, lost: bool) -> None:
+        """Tell how the link to the robot is."""
+        if self._watching is not None:
+            self._watching.tell_link(robot, seconds, lost=lost)
+
     def attend(self, descriptor: int, now: float) -> list[Event]:
         """Serve who is ready; returns what they want."""
         watching = self._watching or self._begin(now)

@@ -9,57 +9,27 @@ from collections.abc import Mapping
 from ur.launchfile.plan.model import ParamValue
 from ur.launchfile.world import World
 from ur.run.command import Program
-from ur.run.console import Console
 from ur.run.happenings import Event, MasterAnswered, SetupFailed
-from ur.run.master import DEFAULT_PORT, Master, parse_master_uri
+from ur.run.master import Master
 from ur.run.model import Unit
 from ur.run.options import Options
-from ur.run.places import is_local_address
 from ur.run.xml_rpc import Refused, Unanswered
 from ur.source.diagnostic import UserError, error
 
 MASTER = "master"
 ROSOUT = "/rosout"
-WORKERS = 3  # rosmaster.master_api.NUM_WORKERS
-
-
-def find_master(environment: Mapping[str, str], options: Options) -> Master:
-    """Where the master of a run is, or will be. Raises UserError for a ROS_MASTER_URI that is none."""
-    master = parse_master_uri(environment.get("ROS_MASTER_URI") or f"http://localhost:{DEFAULT_PORT}")
-    if options.port is None:
-        return master
-    return parse_master_uri(f"http://{master.host}:{options.port}")
-
-
-def read_run_id(master: Master, options: Options, console: Console) -> str | None:
-    """The run id of the master that is there, '' when it has none; None when we may start one.
-
-    Raises UserError for a master on another computer that does not answer.
-    """
-    told = False
-    while True:
-        try:
-            return master.get_run_id() or ""
-        except Unanswered as problem:  # noqa: PERF203 - asking again is the point
-            if not options.wait_for_master:
-                if is_local_address(master.host):
-                    return None
-                raise UserError(
-                    error(
-                        f"no ROS master answers at {master.uri}: {problem}",
-                        rule="no-master",
-                        help="is the robot on and in this network? 'ur use sim' selects the simulated robot",
-                    )
-                ) from None
-            if not told:
-                console.warn(f"waiting for the master at {master.uri}")
-                console.finish(1.0)
-                told = True
-            time.sleep(0.1)
 
 
 def find_core(master: Master, world: World, options: Options) -> tuple[Program, ...]:
-    """The master and rosout. Raises UserError when they are not installed."""
+    """The master and rosout. Raises UserError when they are not installed, or cannot listen at that address."""
+    if ":" in master.host and world.environment.get("ROS_IPV6") != "on":
+        raise UserError(
+            error(
+                f"no ROS master answers at {master.uri}, and one that is started here does not listen on IPv6",
+                rule="no-master",
+                help=f"export ROS_IPV6=on; or use IPv4: export ROS_MASTER_URI=http://localhost:{master.port}",
+            )
+        )
     rosmaster = shutil.which("rosmaster", path=world.environment.get("PATH"))
     try:
         rosout = world.find_executables("rosout", "rosout")
@@ -75,13 +45,15 @@ def find_core(master: Master, world: World, options: Options) -> tuple[Program, 
                 )
             )
     assert rosmaster is not None
+    from ur.robot.boot import MASTER_WORKERS  # now: only where a master is started
+
     argv = (
         rosmaster,
         "--core",
         "-p",
         str(master.port),
         "-w",
-        str(options.workers or WORKERS),
+        str(options.workers or MASTER_WORKERS),
         *options.master_words,
     )
     return (

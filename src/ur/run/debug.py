@@ -131,7 +131,7 @@ def _plan_gdb(target: Target, around: Surroundings, place: Place) -> Debugging:
 def _put(name: str, words: tuple[str, ...], place: Place, around: Surroundings) -> Debugging:
     if place == "pane":
         return Debugging(
-            (around.python, around.pane_program, name, *words),
+            (around.python, "-I", around.pane_program, name, *words),
             place,
             (f"{name} is debugged in a pane beside this one",),
         )

@@ -104,12 +104,14 @@ def find_free_port(first: int = 5678) -> int:
 
 
 def _find_modules(python: str, names: tuple[str, ...]) -> set[str]:
-    """Which modules an interpreter has; its own start is spared where it is ours."""
+    """List the modules that an interpreter has; ours is asked without starting it."""
     if python == sys.executable:
         return {name for name in names if importlib.util.find_spec(name) is not None}
     words = [python, "-c", f"import importlib.util as u; print(*(n for n in {names!r} if u.find_spec(n)))"]
     try:
-        done = subprocess.run(words, stdin=subprocess.DEVNULL, capture_output=True, timeout=20, check=False, text=True)
+        done = subprocess.run(  # in the root folder: it would import what lies in the current one
+            words, stdin=subprocess.DEVNULL, capture_output=True, timeout=20, check=False, text=True, cwd="/"
+        )
     except (OSError, subprocess.TimeoutExpired):
         return set()
     return set(done.stdout.split())

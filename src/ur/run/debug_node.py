@@ -73,7 +73,7 @@ def plan_looking(looked: Looked, around: Surroundings, address: str) -> Ways | s
         return Ways((way,), "what it knows now is lost" if running else "")
     if running:
         root = () if around.may_attach else ("sudo",)
-        pane = (around.python, around.pane_program)
+        pane = (around.python, "-I", around.pane_program)
         words = (*pane, "--attach", str(looked.pid), *root, "gdb", "-q", "-p", str(looked.pid))
         return Ways((_open("g", "gdb", words, name, around),))
     ways = [_open("c", "look at its core file: where it crashed", looked.core, name, around)] if looked.core else []
@@ -83,7 +83,7 @@ def plan_looking(looked: Looked, around: Surroundings, address: str) -> Ways | s
 
 def _start_again(looked: Looked, key: str, text: str, tool: tuple[str, ...], around: Surroundings, address: str) -> Way:
     name = looked.target.name
-    pane = (around.python, around.pane_program)
+    pane = (around.python, "-I", around.pane_program)
     way = _open(key, text, (*pane, "--wait", address, name), name, around)
     return Way(key, text, way.command, way.here, (*pane, "--join", address, name, *tool))
 

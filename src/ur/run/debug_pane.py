@@ -58,7 +58,7 @@ def run_in_pane(name: str, words: list[str]) -> int:
         listener.bind(address)
         listener.listen(1)
         listener.settimeout(PATIENCE)
-        inside = shlex.join([sys.executable, __file__, RELAY, address])
+        inside = shlex.join([sys.executable, "-I", __file__, RELAY, address])
         try:
             subprocess.run(["tmux", "split-window", "-h", inside], check=True, stdin=subprocess.DEVNULL)
             link, _ = listener.accept()

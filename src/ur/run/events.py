@@ -109,6 +109,15 @@ class Notice:
 
 
 @dataclass(frozen=True, slots=True)
+class LinkChanged:
+    """The link to the robot: `lost` for so long (s) by now, told twice a second; or restored after so long."""
+
+    robot: str
+    lost: bool
+    seconds: float
+
+
+@dataclass(frozen=True, slots=True)
 class Synchronised:
     """The current state has been told; what follows happens from now on."""
 
@@ -134,6 +143,7 @@ RunEvent = (
     | OutputLine
     | StatsSampled
     | Notice
+    | LinkChanged
     | Synchronised
     | RunStopping
     | RunEnded
@@ -196,6 +206,7 @@ _EVENTS: dict[str, Any] = {
         OutputLine,
         StatsSampled,
         Notice,
+        LinkChanged,
         Synchronised,
         RunStopping,
         RunEnded,
@@ -249,7 +260,7 @@ def _parse(line: bytes, kinds: dict[str, Any]) -> Any:
     try:
         found = json.loads(line)
         kind = kinds[found.pop("kind")]
-    except (ValueError, KeyError, AttributeError, TypeError):
+    except (ValueError, KeyError, AttributeError, TypeError, RecursionError):
         raise BadLineError(f"{line[:80]!r}, expected one of {', '.join(kinds)} as JSON") from None
     known = {field.name: field for field in fields(kind)}
     values = {}
@@ -259,13 +270,13 @@ def _parse(line: bytes, kinds: dict[str, Any]) -> Any:
         if not _fits(value, str(known[name].type)):
             raise BadLineError(f"{kind.__name__}: {name}={value!r}, expected {known[name].type}")
         values[name] = value
-    if kind is NodeReadiness:
-        values["missing"] = tuple(values.get("missing", ()))
-    if kind is StatsSampled:
-        values["nodes"] = tuple(NodeStats(**each) for each in values.get("nodes", ()))
-    if kind is RestartNode:
-        values["prefix"] = tuple(map(str, values.get("prefix", ())))
     try:
+        if kind is NodeReadiness:
+            values["missing"] = tuple(values.get("missing", ()))
+        if kind is StatsSampled:
+            values["nodes"] = tuple(NodeStats(**each) for each in values.get("nodes", ()))
+        if kind is RestartNode:
+            values["prefix"] = tuple(map(str, values.get("prefix", ())))
         return kind(**values)
     except TypeError:
         raise BadLineError(f"{kind.__name__}: expected {', '.join(known)}, got {', '.join(found)}") from None

@@ -54,6 +54,22 @@ class Exited:
 
 
 @dataclass(frozen=True, slots=True)
+class Evicted:
+    """A unit's process ended because another node registered under its name. `by` is for people: who started that."""
+
+    name: str
+    status: ExitStatus
+    by: str
+
+
+@dataclass(frozen=True, slots=True)
+class OwnerEnded:
+    """A run that this one has joined ends, and the nodes that this run uses end with it. `cause` is for people."""
+
+    cause: str
+
+
+@dataclass(frozen=True, slots=True)
 class StopRequested:
     """Someone wants the run to end; asking again makes it faster. `exit_code` is that of the run."""
 
@@ -100,6 +116,39 @@ class MasterReplaced:
 
 
 @dataclass(frozen=True, slots=True)
+class MasterGone:
+    """The robot answers, and says for so long (s) that no master runs on it."""
+
+    seconds: float
+
+
+@dataclass(frozen=True, slots=True)
+class LinkLost:
+    """Nothing has come from the robot for so long (s). Told again and again while it lasts."""
+
+    seconds: float
+
+
+@dataclass(frozen=True, slots=True)
+class LinkRestored:
+    """The robot answers again after so long (s)."""
+
+    seconds: float
+
+
+@dataclass(frozen=True, slots=True)
+class ShareStarted:
+    """The robot's nodes run again, after its restart."""
+
+
+@dataclass(frozen=True, slots=True)
+class ShareFailed:
+    """The robot's nodes are gone and could not be started again. `reason` is for people and says how to go on."""
+
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
 class Tick:
     """Time passed."""
 
@@ -122,6 +171,8 @@ Event = (
     | Started
     | StartFailed
     | Exited
+    | Evicted
+    | OwnerEnded
     | StopRequested
     | StartWanted
     | StopWanted
@@ -129,6 +180,11 @@ Event = (
     | MasterLost
     | MasterReturned
     | MasterReplaced
+    | MasterGone
+    | LinkLost
+    | LinkRestored
+    | ShareStarted
+    | ShareFailed
     | Tick
     | NothingLeft
     | Unregistered

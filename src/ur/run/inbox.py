@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import os
 import signal
+import threading
 from collections import deque
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 
 Task = Callable[[], None]
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)  # those that ask a run to end
@@ -17,6 +19,8 @@ class Inbox:
     def __init__(self, hear_signal: Callable[[int], None]) -> None:
         """Take what is done, later and in the loop's thread, with a signal."""
         self._tasks: deque[Task] = deque()
+        self._open = threading.Lock()  # held while the pipe is written to or closed
+        self._closed = False
         self._reader, self._writer = os.pipe2(os.O_CLOEXEC | os.O_NONBLOCK)
         self._old_writer = signal.set_wakeup_fd(self._writer, warn_on_full_buffer=False)
         self._handlers = {
@@ -29,12 +33,13 @@ class Inbox:
         return self._reader
 
     def post(self, task: Task) -> None:
-        """Have something done by the loop. May be called from any thread."""
-        self._tasks.append(task)
-        try:
-            os.write(self._writer, b"\0")
-        except OSError:  # full: it wakes up anyway; closed: nobody waits any more
-            return
+        """Have something done by the loop. May be called from any thread. After `close` it does nothing."""
+        with self._open:
+            if self._closed:  # the number of the pipe may be another file's by now
+                return
+            self._tasks.append(task)
+            with suppress(BlockingIOError):  # full: the loop wakes up anyway
+                os.write(self._writer, b"\0")
 
     def clear(self) -> None:
         """Not readable any more, until something new comes."""
@@ -54,5 +59,7 @@ class Inbox:
         signal.set_wakeup_fd(self._old_writer)
         for signum, handler in self._handlers.items():
             signal.signal(signum, handler)
-        os.close(self._reader)
-        os.close(self._writer)
+        with self._open:
+            self._closed = True
+            os.close(self._reader)
+            os.close(self._writer)

@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 from ur.launchfile.plan.model import NodeSpec, ParamValue, Plan
 from ur.launchfile.world import World
 from ur.run.command import Program, find_programs, number_logs
 from ur.run.console import Console
-from ur.run.core import await_master, core_parameters, find_core, find_master, read_run_id
-from ur.run.happenings import SetupFailed
+from ur.run.core import await_master, core_parameters, find_core
+from ur.run.happenings import Event, SetupFailed, ShareFailed, ShareStarted
 from ur.run.loop import run_loop
 from ur.run.master import Master
+from ur.run.master_search import find_master, read_run_id
 from ur.run.options import Options
 from ur.run.parameters import check_sendable, start_commands
 from ur.run.placement import find_remote, find_terminals, force_options, leave_out_viewers
 from ur.run.places import make_home, make_run_folder, new_run_id
-from ur.run.presence import plan_watch, register
+from ur.run.presence import claim, list_joined_runs, plan_watch, register
 from ur.run.processes import HostLost, ProcessHost
 from ur.run.registry import unregister_run
 from ur.run.run import Run
@@ -33,7 +35,7 @@ def run_plan(plan: Plan, world: World, host: ProcessHost, console: Console, opti
     Raises UserError before anything is started: an executable that is missing, a node for another computer, a value
     that no parameter can hold, no master on the selected robot, no place for log files.
     """
-    environment = dict(world.environment)
+    environment = {**world.environment, **options.environment}
     nodes, programs = _find_nodes(plan, world, console, options)
     master = find_master(environment, options)
     run_id = read_run_id(master, options, console)
@@ -61,6 +63,7 @@ def run_plan(plan: Plan, world: World, host: ProcessHost, console: Console, opti
         entry, listener = register(
             plan, master, folder, environment, console, detached=options.call_started is not None
         )
+        claim(entry, nodes, plan, options)
         try:
             host.begin(environment, keep_terminal=any(node.terminal for node in nodes))
         except HostLost:
@@ -79,9 +82,12 @@ def run_plan(plan: Plan, world: World, host: ProcessHost, console: Console, opti
             set_parameters=lambda: upload_parameters(plan, master, extra, commands),
             unregister=lambda: remove_registrations(master, [node.full_name for node in nodes]),
             limits=options.limits,
+            restart_share=_report_share(options),
             master=master,
             timings=options.timings,
             watch=plan_watch((entry, listener), nodes, options),
+            owners=options.owners,
+            list_joined=lambda: list_joined_runs(entry),
         )
         try:
             return run_loop(run, host, console, terminal)
@@ -108,6 +114,18 @@ def _find_nodes(
     if problems:
         raise UserError(*problems)
     return nodes, programs
+
+
+def _report_share(options: Options) -> Callable[[], Event] | None:
+    restart = options.restart_share
+    if restart is None:
+        return None
+
+    def report() -> Event:
+        problem = restart()
+        return ShareFailed(problem) if problem else ShareStarted()
+
+    return report
 
 
 def _announce(console: Console, master: Master, *, own_master: bool, folder: str, nodes: int) -> None:

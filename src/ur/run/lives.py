@@ -22,8 +22,11 @@ def note_started(state: State, name: str, pid: int, now: float) -> Step:
     return state, [Signal(name, SIGNALS[pressure - 1])] if pressure else []
 
 
-def note_ended(state: State, name: str, status: ExitStatus, now: float, reason: str = "") -> Step:
-    """A unit's process has ended, or (`reason`) never was one."""
+def note_ended(state: State, name: str, status: ExitStatus, now: float, reason: str = "", evicted_by: str = "") -> Step:
+    """A unit's process has ended, or (`reason`) never was one.
+
+    One that another node's registration has ended (`evicted_by`) is not started again: it would end that node in turn.
+    """
     before = state.find(name)
     if before is None or not before.alive:
         return state, []
@@ -36,17 +39,18 @@ def note_ended(state: State, name: str, status: ExitStatus, now: float, reason: 
         wish=None,
         pressure=0,
         deadline=None,
-        reason=reason,
+        reason=reason or (f"ended by {evicted_by}" if evicted_by else ""),
+        gave_up=bool(evicted_by),
     )
     state = put_unit(state, each)
     if not is_before(state, Phase.STOPPING_NODES):
         return advance_end(state, now)
     if before.wish is not None:
         return fulfil_wish(state, each, before.wish, now)
-    death = TellDeath(name, status, reason or None)
+    death = TellDeath(name, status, reason or None, evicted_by=evicted_by)
     if each.unit.terminal or each.unit.required:
         return _end_with(state, each, death, now)
-    if each.unit.respawn:
+    if each.unit.respawn and not evicted_by:
         lived = now - before.since if before.status is Status.RUNNING else 0.0
         return _respawn(state, each, death, lived, now)
     return _end_when_idle(state, [death], now)
@@ -58,10 +62,12 @@ def _end_with(state: State, each: UnitState, death: TellDeath, now: float) -> St
     if not unit.terminal:
         # roslaunch exits with 0 then; a run that has a program of ours in front has not done what it was asked to.
         counts = unit.core or any(other.unit.terminal for other in state.units)
-        code = int(counts and not status.clean)
+        code = int(bool(death.evicted_by) or (counts and not status.clean))
         state, actions = begin_end(state, f"{unit.name} is required and has ended", code, now)
         return state, [replace(death, ends_run=True), *actions]
-    state, actions = begin_end(state, "", status.shell_code, now)
+    state, actions = begin_end(state, "", status.shell_code or int(bool(death.evicted_by)), now)
+    if death.evicted_by:
+        return state, [replace(death, ends_run=True), *actions]
     if status.code is not None or status.signal == SIGINT:  # then it has said itself why it ends
         return state, actions
     return state, [replace(death, ends_run=True), *actions]

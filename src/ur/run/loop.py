@@ -8,8 +8,9 @@ import signal
 import threading
 import time
 
-from ur.run.actions import Action, AwaitMaster, Finish, SetParameters, Signal, Start, Sweep, Unregister
+from ur.run.actions import Action, AwaitMaster, Finish, SetParameters, Signal, Start, StartShare, Sweep, Unregister
 from ur.run.audience import Audience
+from ur.run.changes import is_before
 from ur.run.command import Program
 from ur.run.console import Console
 from ur.run.front import Front
@@ -28,7 +29,7 @@ from ur.run.happenings import (
 )
 from ur.run.host.protocol import GROUP, SESSION
 from ur.run.inbox import Inbox
-from ur.run.master_watch import watch_master
+from ur.run.master_watch import watch_any
 from ur.run.model import Phase, Status
 from ur.run.outputs import Outputs
 from ur.run.processes import HostLost, ProcessHost, Suspended
@@ -50,7 +51,7 @@ def run_loop(run: Run, host: ProcessHost, console: Console, terminal: Terminal |
     except HostLost:
         host.close()  # waits until nothing is left
         console.release()
-        console.warn("error: the process host was killed; every node has been ended with it")
+        loop.fail("the process host was killed; every node has been ended with it")
         console.finish(1.0)
         return 1
     finally:
@@ -65,10 +66,15 @@ class _Loop:
         self._console = console
         self._programs = {program.unit.name: program for program in run.programs}
         self._state = begin_state(
-            (program.unit for program in run.programs), own_master=run.own_master, limits=run.limits
+            (program.unit for program in run.programs),
+            own_master=run.own_master,
+            limits=run.limits,
+            shared=run.restart_share is not None,
         )
         self._prefixes: dict[str, tuple[str, ...]] = {}  # for the next start only
         self._exit_code: int | None = None
+        self._cause = ""
+        self._over = threading.Event()
         self._call_started = run.watch.call_started
         self._master_watch: threading.Event | None = None
         owner = run.terminal_program
@@ -90,6 +96,10 @@ class _Loop:
 
     def run(self) -> int:
         self._audience.open(self._run, self._state, self._outputs, time.monotonic())
+        if self._run.owners:
+            from ur.run.join.owner import follow_owners  # only for a run that has joined another one
+
+            follow_owners(self._run.owners, self._tell_event, self._over)
         self._happen(Begin())
         while self._exit_code is None:
             self._console.flush()
@@ -104,6 +114,11 @@ class _Loop:
             self._audience.work(now)
         return self._exit_code
 
+    def fail(self, text: str) -> None:
+        """Report an end that is nobody's wish."""
+        self._cause = text
+        self._teller.warn(f"error: {text}")
+
     def close(self) -> None:
         """Give back what was taken: signals, the terminal, open files."""
         owner = self._run.terminal_program
@@ -112,6 +127,8 @@ class _Loop:
             self._front.take_back(reset=True)
         self._console.release()
         self._console.finish(1.0)
+        self._over.set()
+        self._record_end()
         self._progress.close()
         if self._master_watch is not None:
             self._master_watch.set()
@@ -167,14 +184,55 @@ class _Loop:
                 if self._programs[name].unit.terminal:
                     killed = isinstance(event, Exited) and event.status.signal is not None
                     self._front.take_back(reset=killed)
+                if isinstance(event, Exited) and self._may_be_evicted(event):
+                    self._examine_exit(event)
+                    return
             case NothingLeft():
                 self._outputs.drain_all()
         self._happen(event)
 
+    def _may_be_evicted(self, event: Exited) -> bool:
+        each = self._state.find(event.name)
+        running = self._state.phase is Phase.RUNNING and each is not None and each.wish is None and not each.unit.core
+        return running and event.status.signal is None and self._run.master is not None
+
+    def _examine_exit(self, event: Exited) -> None:
+        master = self._run.master
+        assert master is not None
+
+        def examine() -> Event:
+            from ur.run.join.eviction import examine_exit  # only where a node has ended by itself
+
+            return examine_exit(event, master)
+
+        self._do_aside(examine)
+
+    def _tell_event(self, event: Event) -> None:
+        self._inbox.post(lambda: self._happen(event))
+
+    def _tell_joined(self) -> None:
+        if self._run.list_joined is None:
+            return
+        from ur.run.join.owner import describe_joined
+
+        if text := describe_joined(self._run.list_joined()):
+            self._teller.warn(text)
+
+    def _record_end(self) -> None:
+        record = self._run.watch.record_end
+        if record is None:
+            return
+        logs = {each.unit.name: self._outputs.find_path(each) for each in self._run.programs if not each.unit.terminal}
+        code = 1 if self._exit_code is None else self._exit_code
+        record(code, self._cause or self._state.cause or "", tuple(self._teller.last_lines), logs)
+
     def _happen(self, event: Event) -> None:
         now = time.monotonic()
+        was_going = is_before(self._state, Phase.STOPPING_NODES)
         self._state, actions = step(self._state, event, now)
         self._audience.note_state(self._state, now)
+        if was_going and not is_before(self._state, Phase.STOPPING_NODES):
+            self._tell_joined()
         self._note_progress(event)
         for action in actions:
             self._act(action)
@@ -201,8 +259,8 @@ class _Loop:
         over = threading.Event()
         master = self._run.master
         if master is not None and not self._run.own_master:
-            words = (master, lambda event: self._inbox.post(lambda: self._happen(event)), over)
-            threading.Thread(target=watch_master, args=words, daemon=True).start()
+            words = (master, self._tell_event, over)
+            threading.Thread(target=watch_any, args=words, daemon=True).start()
         return over
 
     def _act(self, action: Action) -> None:
@@ -217,6 +275,10 @@ class _Loop:
                 self._do_aside(self._run.await_master)
             case SetParameters():
                 self._do_aside(self._run.set_parameters)
+            case StartShare():
+                restart = self._run.restart_share
+                assert restart is not None
+                self._do_aside(restart)
             case Unregister():
                 self._do_aside(self._run.unregister)
             case Finish(exit_code):

@@ -6,12 +6,22 @@ import threading
 from collections.abc import Callable
 
 from ur.run.happenings import Event, MasterLost, MasterReplaced, MasterReturned
+from ur.run.link_watch import watch_link
 from ur.run.master import Master
+from ur.run.places import is_local_address
 from ur.run.xml_rpc import Refused, Unanswered
 
 PERIOD = 3.0  # s between two looks
 LOST_PERIOD = 0.5  # the same while it does not answer
 MISSES = 2  # in a row, before it counts as lost: a busy computer may answer late
+
+
+def watch_any(master: Master, tell: Callable[[Event], None], over: threading.Event) -> None:
+    """Look after a master of this computer, or after one of a robot and the link to it, until `over`."""
+    if is_local_address(master.host):
+        watch_master(master, tell, over)
+    else:
+        watch_link(master, tell, over)
 
 
 def watch_master(master: Master, tell: Callable[[Event], None], over: threading.Event) -> None:

@@ -81,6 +81,7 @@ class Limits:
     sweep: float = 0.3  # from SIGTERM to SIGKILL of what nodes left behind
     unregister: float = 1.0
     master: float = 15.0  # from start to answer of a master of our own
+    robot: float = 120.0  # for which a robot may answer and have no master, before the run ends
     quick_death: float = 10.0  # a unit that lived shorter than this is restarted ever more slowly
     longest_backoff: float = 30.0
     quick_deaths: int = 10  # in a row, after which a unit is not started again; 0: always again, as roslaunch does
@@ -129,6 +130,8 @@ class State:
     exit_code: int = 0
     cause: str | None = None
     reviving: bool = False  # parameters go up again, to a master that has lost them
+    stale: bool = False  # they could not be set: the master went once more
+    shared: bool = False  # a robot has a share of the run, which we start again after its restart
 
     def find(self, name: str) -> UnitState | None:
         """The state of a unit, by name."""

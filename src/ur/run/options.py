@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import socket
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -16,7 +16,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Options:
-    """What the command line says beside the launch file. `base` and `variant` describe the selected robot."""
+    """Options of the command line beside the launch file. `base` and `variant` describe the selected robot.
+
+    `environment` is laid over that of the nodes.
+    """
 
     limits: Limits = field(default_factory=Limits)
     force_screen: bool = False
@@ -31,4 +34,8 @@ class Options:
     viewer: socket.socket | None = None  # see ur.run.run.WatchPlan
     events: int | None = None
     timings: Timings | None = None
+    restart_share: Callable[[], str] | None = None  # has the robot start its nodes again; '' or why it cannot
+    environment: Mapping[str, str] = field(default_factory=dict)
+    owners: tuple[RunEntry, ...] = ()  # see ur.run.run.Run
+    call_registered: Callable[[], None] | None = None  # called once others can see which nodes this run starts
     call_started: Callable[[RunEntry], None] | None = None  # the run is detached: called once every node was started

@@ -2,17 +2,51 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
+from pathlib import PurePath
 
 from ur.launchfile.plan.model import NodeSpec, Plan
 from ur.launchfile.world import World
 from ur.run.debian import describe_install
 from ur.run.options import Options
 from ur.run.places import is_local_address
-from ur.source.diagnostic import Diagnostic, error
+from ur.source.diagnostic import Diagnostic, UserError, error
 
 VIEWERS = ("rviz", "image_view")  # packages whose nodes need a display
+# Executables that command a robot, ours and those that ours stand in for.
+COMMANDERS = frozenset(
+    {"joy_node", "keyboard_navigate_node", "teleop_node", "teleop_twist_joy", "teleop_twist_keyboard.py"}
+)
+
+
+def may_drive(nodes: Iterable[NodeSpec]) -> bool:
+    """Return whether one of these nodes commands a robot."""
+    return any(node.type in COMMANDERS for node in nodes)
+
+
+def has_display(environment: Mapping[str, str]) -> bool:
+    """Determine whether programs can open windows: X11 or Wayland."""
+    return bool(environment.get("DISPLAY") or environment.get("WAYLAND_DISPLAY"))
+
+
+def is_view(files: Sequence[str]) -> bool:
+    """Determine whether one of these launch files belongs to a directory `rviz_*`."""
+    return any(map(_view_name, files))
+
+
+def check_display(files: Sequence[str], nodes: Iterable[NodeSpec], environment: Mapping[str, str]) -> None:
+    """Raise UserError where a launch file of a directory `rviz_*` is started without a display.
+
+    Other files leave their windows out (`leave_out_viewers`); these are about nothing else.
+    """
+    views = [name for name in map(_view_name, files) if name]
+    viewers = [node for node in nodes if node.package in VIEWERS]
+    if not views or not viewers or has_display(environment):
+        return
+    message = f"{views[0]!r} opens a window of RViz and there is no display (DISPLAY is not set)"
+    help_ = "run it in a terminal of the desktop, or log in with 'ssh -X'; 'ur run keyboard_navigate' needs no display"
+    raise UserError(error(message, rule="no-display", help=help_))
 
 
 def leave_out_viewers(
@@ -20,7 +54,7 @@ def leave_out_viewers(
 ) -> tuple[tuple[NodeSpec, ...], tuple[str, ...]]:
     """The nodes that can be shown here, and one line for each reason why others are left out."""
     viewers = [node for node in nodes if node.package in VIEWERS]
-    if viewers and not environment.get("DISPLAY") and not environment.get("WAYLAND_DISPLAY"):
+    if viewers and not has_display(environment):
         left_out, notes = viewers, [f"no display: {_names(viewers)} left out"]
     else:
         left_out = [node for node in viewers if not _is_installed(node, world)]
@@ -84,6 +118,12 @@ def find_terminals(nodes: Sequence[NodeSpec], *, detached: bool) -> list[Diagnos
         )
         for node in wanting[1:]
     ]
+
+
+def _view_name(path: str) -> str:
+    """The directory `rviz_*` that a launch file belongs to; '' for other files."""
+    folders = PurePath(path).parts[-3:-1]
+    return folders[0] if len(folders) == 2 and folders[0].startswith("rviz_") and folders[1] == "launch" else ""
 
 
 def _names(nodes: Sequence[NodeSpec]) -> str:

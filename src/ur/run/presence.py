@@ -5,14 +5,16 @@ from __future__ import annotations
 import os
 import socket
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from ur.launchfile.plan.model import NodeSpec, Plan
+from ur.run.computer import read_computer
 from ur.run.console import Console
 from ur.run.master import Master
 from ur.run.options import Options
-from ur.run.registry import RunEntry, make_run_name, read_birth, register_run
+from ur.run.registry import RunEntry, make_run_name, read_birth, register_run, runs_folders
 from ur.run.run import WatchPlan
 from ur.source.diagnostic import UserError, error
 
@@ -28,22 +30,55 @@ def register(
     """Enter a run in the registry; the socket is None where that cannot be done. Raises UserError if it is detached."""
     pid = os.getpid()
     title, name = make_run_name(plan.files, pid)
+    computer = read_computer()
     entry = RunEntry(
-        name, pid, read_birth(pid) or 0, title, master.uri, folder, time.time(), detached, socket.gethostname()
+        name,
+        pid,
+        read_birth(pid) or 0,
+        title,
+        master.uri,
+        folder,
+        time.time(),
+        detached,
+        computer.host,
+        machine=computer.machine,
+        boot=computer.boot,
     )
     made = register_run(entry, environment, os.getuid())
     if made is not None:
         return made
+    folders = " or ".join(runs_folders(environment, os.getuid()))
     if detached:
         raise UserError(
             error(
-                "no private folder for the run can be made, so nobody could reach it once it is detached",
+                f"no private folder for the run can be made in {folders}, so nobody could reach it once it is detached",
                 rule="bad-state-folder",
-                help="XDG_STATE_HOME chooses another place",
+                help="they belong to somebody else or cannot be written: XDG_STATE_HOME chooses another place",
             )
         )
-    console.warn("this run is not listed by 'ur ps': no private folder for it can be made (XDG_STATE_HOME)")
+    console.warn(
+        f"this run is not listed by 'ur ps': no private folder for it can be made in {folders}; "
+        "XDG_STATE_HOME chooses another place"
+    )
     return entry, None
+
+
+def claim(entry: RunEntry, nodes: Sequence[NodeSpec], plan: Plan, options: Options) -> None:
+    """Let other launches see which nodes a run starts, and which runs it has joined."""
+    if entry.folder:
+        from ur.run.join.claims import make_claims, write_claims
+
+        with suppress(OSError):  # a full disk: what runs is still seen, once it runs
+            write_claims(entry.folder, make_claims(nodes, plan.params, (each.run for each in options.owners)))
+    if options.call_registered is not None:
+        options.call_registered()
+
+
+def list_joined_runs(entry: RunEntry) -> Sequence[str]:
+    """The ids of the runs that have joined a run."""
+    from ur.run.join.owner import list_joined
+
+    return list_joined(entry.run, os.environ, os.getuid())
 
 
 def plan_watch(here: Registered, nodes: tuple[NodeSpec, ...], options: Options) -> WatchPlan:
@@ -65,8 +100,15 @@ def plan_watch(here: Registered, nodes: tuple[NodeSpec, ...], options: Options) 
             terminal=next((node.full_name for node in nodes if node.terminal), ""),
         )
 
+    def record(exit_code: int, cause: str, lines: Sequence[str], logs: dict[str, str]) -> None:
+        from ur.run.ended import EndedRun, write_ended  # only at the end
+
+        ended = EndedRun(entry, time.time(), exit_code, cause, tuple(lines), logs)
+        write_ended(ended, os.environ, os.getuid())
+
     return WatchPlan(
         describe=describe,
+        record_end=record if entry.folder else None,
         listener=listener,
         viewer=options.viewer,
         events=options.events,

@@ -138,7 +138,7 @@ class ReadinessProbe:
 
     def _look(self, open_: Mapping[str, int]) -> None:
         try:
-            publishers, subscribers, services = (dict(kind) for kind in self._master.call("getSystemState"))
+            publishers, subscribers, services = (dict(kind) for kind in self._master.get_system_state())
         except (Unanswered, Refused, ValueError, TypeError) as problem:
             for name, pid in open_.items():
                 self._tell(name, pid, (f"the master does not answer: {problem}",))

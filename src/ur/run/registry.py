@@ -7,20 +7,27 @@ import shutil
 import socket
 import stat
 from collections.abc import Iterable, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, fields
 
+from ur.run.computer import Computer
 from ur.source.diagnostic import UserError, error
 from ur.source.suggest import did_you_mean
 
 SOCKET = "control"
 DESCRIPTION = "run.json"
+SHARED = "/tmp"  # noqa: S108 - what is in it is used only if it is private
+MOST_CHARACTERS = 100_000
+_LATEST = 1e12  # s since the epoch; what calculates with times later than that fails
+_TYPES = {"str": (str,), "int": (int,), "float": (float, int), "bool": (bool,)}
 
 
 @dataclass(frozen=True, slots=True)
 class RunEntry:
-    """A run: `born` is when its process started, in clock ticks since boot, so that a reused process id is not it.
+    """A run: `born` is when its process started, in clock ticks since the boot `boot`: a reused process id is not it.
 
-    `run` is its id, `title` the launch file, `started` s since the epoch, `folder` its control folder.
+    `run` is its id, `title` the launch file, `started` s since the epoch, `folder` its control folder. It belongs to
+    the computer `machine` (see `ur.run.computer`); `host` is the name that this computer had when the run started.
+    Entries of earlier versions have neither `machine` nor `boot`.
     """
 
     run: str
@@ -33,6 +40,8 @@ class RunEntry:
     detached: bool
     host: str
     folder: str = ""
+    machine: str = ""
+    boot: str = ""
 
 
 def runs_folders(environment: Mapping[str, str], uid: int) -> list[str]:
@@ -43,7 +52,7 @@ def runs_folders(environment: Mapping[str, str], uid: int) -> list[str]:
         state = f"{home}/.local/state"
     found = [f"{state}/ur/runs"]
     runtime = environment.get("XDG_RUNTIME_DIR", "")
-    found.append(f"{runtime}/ur/runs" if runtime.startswith("/") else f"/tmp/ur-{uid}/runs")  # noqa: S108 - checked
+    found.append(f"{runtime}/ur/runs" if runtime.startswith("/") else f"{SHARED}/ur-{uid}/runs")
     return found
 
 
@@ -54,7 +63,7 @@ def register_run(entry: RunEntry, environment: Mapping[str, str], uid: int) -> t
     for root in runs_folders(environment, uid):
         folder = f"{root}/{entry.run}"
         try:
-            os.makedirs(root, mode=0o700, exist_ok=True)  # noqa: PTH103 - pathlib is not worth its import here
+            _make_private(root)
             if not _is_private(root, uid):
                 continue
             os.mkdir(folder, 0o700)  # noqa: PTH102 - likewise
@@ -77,8 +86,8 @@ def unregister_run(entry: RunEntry) -> None:
         shutil.rmtree(entry.folder, ignore_errors=True)
 
 
-def list_runs(environment: Mapping[str, str], uid: int, host: str) -> list[RunEntry]:
-    """The runs that are alive, oldest first. Entries of runs that were killed are removed."""
+def list_runs(environment: Mapping[str, str], uid: int, computer: Computer) -> list[RunEntry]:
+    """The runs that are alive on this computer, oldest first. Runs that were killed become ended ones."""
     found = []
     for root in runs_folders(environment, uid):
         try:
@@ -90,13 +99,26 @@ def list_runs(environment: Mapping[str, str], uid: int, host: str) -> list[RunEn
             if entry is None:
                 _remove_unfinished(f"{root}/{name}")
                 continue
-            if entry.host != host:
+            if not is_own(entry, computer):
                 continue  # of another computer with the same home folder
-            if read_birth(entry.pid) == entry.born:
+            if is_alive(entry, computer):
                 found.append(entry)
             else:
+                from ur.run.ended import write_killed  # rarely: it was killed
+
+                write_killed(entry, environment, uid)
                 unregister_run(entry)
     return sorted(found, key=lambda entry: entry.started)
+
+
+def is_own(entry: RunEntry, computer: Computer) -> bool:
+    """Return whether a run belongs to this computer, which may have had another name when the run started."""
+    return entry.machine == computer.machine if entry.machine else entry.host == computer.host
+
+
+def is_alive(entry: RunEntry, computer: Computer) -> bool:
+    """Return whether the supervisor of a run of this computer still runs."""
+    return entry.boot in ("", computer.boot) and read_birth(entry.pid) == entry.born
 
 
 def find_run(runs: Iterable[RunEntry], word: str | None) -> RunEntry:
@@ -156,9 +178,23 @@ def _listen(folder: str) -> socket.socket:
     return listener
 
 
-def _is_private(folder: str, uid: int) -> bool:
-    status = os.lstat(folder)
-    return stat.S_ISDIR(status.st_mode) and status.st_uid == uid and not status.st_mode & 0o022
+def _make_private(root: str) -> None:
+    above = os.path.dirname(root)  # noqa: PTH120 - likewise
+    if not os.path.lexists(above):
+        os.makedirs(os.path.dirname(above), exist_ok=True)  # noqa: PTH103, PTH120 - likewise
+        os.mkdir(above, 0o700)  # noqa: PTH102 - likewise
+    if not os.path.lexists(root):
+        os.mkdir(root, 0o700)  # noqa: PTH102 - likewise
+
+
+def _is_private(root: str, uid: int) -> bool:
+    # Whoever owns the folder above, or may write to it, can put another one in the place of this one at any time; in
+    # /tmp that may be anybody who was there first. A group may be the user's own.
+    for folder, open_to in ((os.path.dirname(root), 0o002), (root, 0o022)):  # noqa: PTH120 - likewise
+        status = os.lstat(folder)
+        if not stat.S_ISDIR(status.st_mode) or status.st_uid != uid or status.st_mode & open_to:
+            return False
+    return True
 
 
 def _remove_unfinished(folder: str) -> None:
@@ -171,7 +207,13 @@ def _read_entry(folder: str) -> RunEntry | None:
     import json
 
     try:
-        with open(f"{folder}/{DESCRIPTION}", encoding="utf-8") as file:  # noqa: PTH123 - likewise
-            return RunEntry(**{**json.load(file), "folder": folder})
-    except (OSError, ValueError, TypeError):
+        # A FIFO in its place would be waited for; nothing else that is no file has a description.
+        descriptor = os.open(f"{folder}/{DESCRIPTION}", os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
+        with open(descriptor, encoding="utf-8") as file:  # noqa: PTH123 - likewise
+            if not stat.S_ISREG(os.fstat(descriptor).st_mode):
+                return None
+            entry = RunEntry(**{**json.loads(file.read(MOST_CHARACTERS)), "folder": folder})
+    except (OSError, ValueError, TypeError, RecursionError):
         return None
+    typed = all(type(getattr(entry, each.name)) in _TYPES[str(each.type)] for each in fields(entry))
+    return entry if typed and 0 <= entry.started < _LATEST else None

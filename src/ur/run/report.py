@@ -31,6 +31,8 @@ def describe_death(death: TellDeath, lines: Sequence[str] | None, log: str | Non
         follow = f", {death.deaths} times in a row soon after its start: it is not started again"
     elif death.ends_run:
         follow = ", which ends the run"
+    if death.evicted_by:
+        return [f"error: {death.name} was ended by {death.evicted_by}, which started another node of this name{follow}"]
     if death.status.clean:
         return [f"{death.name} has finished{follow}"]
     if death.reason is not None:
@@ -43,6 +45,28 @@ def describe_death(death: TellDeath, lines: Sequence[str] | None, log: str | Non
         told.append(f"  log: {log}" if lines or lines is None else f"  log: {log} (it printed nothing)")
     advice = _advise(death, lines or ())
     return [*told, f"  try: {advice}"] if advice else told
+
+
+def describe_link(robot: str, seconds: float, *, lost: bool) -> str:
+    """Describe the link to a robot: `no word from bob for 1.2 s`, `bob answers again after 12.3 s`."""
+    return f"no word from {robot} for {seconds:.1f} s" if lost else f"{robot} answers again after {seconds:.1f} s"
+
+
+class LossLines:
+    """Chooses which news of a lost link become lines of their own: the first, then at twice the time each."""
+
+    def __init__(self) -> None:
+        self._next = 0.0
+
+    def is_due(self, seconds: float, *, lost: bool) -> bool:
+        """Return whether this change of the connection is to be printed."""
+        if not lost:
+            self._next = 0.0
+            return True
+        due = seconds >= self._next
+        if due:
+            self._next = 2.0 * seconds
+        return due
 
 
 def _advise(death: TellDeath, lines: Sequence[str]) -> str:

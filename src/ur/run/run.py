@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import socket
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -14,6 +14,7 @@ from ur.run.model import Limits
 
 if TYPE_CHECKING:
     from ur.run.events import RunStarted
+    from ur.run.registry import RunEntry
     from ur.run.timings import Timings
 
 Job = Callable[[], Event]
@@ -23,6 +24,7 @@ Job = Callable[[], Event]
 class WatchPlan:
     """Who may watch the run, and how it appears to them. `call_started` is called once every node was started.
 
+    `record_end` is called at the end: exit code, cause, last lines of the run itself, log files of its nodes.
     `viewer` is our end of a pair whose other end shows the run on our terminal: while it is open the console is silent.
     `events` is an open file that gets every event, in place of the console. `unattended`: nobody sees our console.
     """
@@ -33,6 +35,7 @@ class WatchPlan:
     events: int | None = None
     unattended: bool = False
     call_started: Callable[[], None] | None = None
+    record_end: Callable[[int, str, Sequence[str], dict[str, str]], None] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,9 +54,12 @@ class Run:
     set_parameters: Job
     unregister: Job
     limits: Limits = field(default_factory=Limits)
+    restart_share: Callable[[], Event] | None = None  # see ur.run.actions.StartShare; None: no robot has a share
     master: Master | None = None  # asked which nodes are up, while somebody wants to know
     timings: Timings | None = None  # told once every node is up
     watch: WatchPlan = field(default_factory=WatchPlan)
+    owners: tuple[RunEntry, ...] = ()  # runs that this one has joined: it ends with the first of them
+    list_joined: Callable[[], Sequence[str]] | None = None  # the ids of the runs that have joined this one
 
     @property
     def terminal_program(self) -> Program | None:

@@ -2,7 +2,8 @@
 
 `step(state, event, now)` returns the next state and what has to be done. The shell around it (`ur.run.loop`) carries
 the actions out and feeds back what happens. `ur.run.lives` holds what the start and the end of one unit mean,
-`ur.run.wishes` what people may ask for, `ur.run.ending` how the whole ends.
+`ur.run.wishes` what people may ask for, `ur.run.master_events` what becomes of a run whose master is elsewhere,
+`ur.run.ending` how the whole ends.
 """
 
 from __future__ import annotations
@@ -10,18 +11,17 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import replace
 
-from ur.run.actions import Action, AwaitMaster, SetParameters, TellMaster, TellRevival
+from ur.run.actions import Action, AwaitMaster, SetParameters
 from ur.run.changes import Step, is_before, start_units
 from ur.run.ending import begin_end, finish_end, press_all, remove_registrations
 from ur.run.happenings import (
     Begin,
     Event,
+    Evicted,
     Exited,
     MasterAnswered,
-    MasterLost,
-    MasterReplaced,
-    MasterReturned,
     NothingLeft,
+    OwnerEnded,
     ParametersSet,
     RestartWanted,
     SetupFailed,
@@ -34,14 +34,17 @@ from ur.run.happenings import (
     Unregistered,
 )
 from ur.run.lives import note_ended, note_started
+from ur.run.master_events import follow_master
 from ur.run.model import ExitStatus, Limits, Phase, State, Unit, UnitState
 from ur.run.wishes import press_overdue, restart_all, take_wish
 
 
-def begin_state(units: Iterable[Unit], *, own_master: bool, limits: Limits | None = None) -> State:
+def begin_state(
+    units: Iterable[Unit], *, own_master: bool, limits: Limits | None = None, shared: bool = False
+) -> State:
     """The state before anything happened. Units start in this order, core units first and terminal units last."""
     ordered = sorted(units, key=lambda unit: (not unit.core, unit.terminal))
-    return State(tuple(UnitState(unit) for unit in ordered), own_master, limits or Limits())
+    return State(tuple(UnitState(unit) for unit in ordered), own_master, limits or Limits(), shared=shared)
 
 
 def step(state: State, event: Event, now: float) -> tuple[State, tuple[Action, ...]]:
@@ -72,6 +75,12 @@ def _handle(state: State, event: Event, now: float) -> Step:
             return note_ended(state, name, ExitStatus(), now, reason)
         case Exited(name, status):
             return note_ended(state, name, status, now)
+        case Evicted(name, status, by):
+            return note_ended(state, name, status, now, evicted_by=by)
+        case OwnerEnded(cause):
+            return (
+                begin_end(state, cause, 1, now, failed=True) if is_before(state, Phase.STOPPING_NODES) else (state, [])
+            )
         case StopRequested(cause, exit_code):
             if is_before(state, Phase.STOPPING_NODES):
                 return begin_end(state, cause, exit_code, now)
@@ -94,20 +103,18 @@ def _proceed(state: State, event: Event, now: float) -> Step:
         case ParametersSet() if state.phase is Phase.PARAMETERS:
             running = replace(state, phase=Phase.RUNNING)
             return start_units(running, (each for each in running.units if not each.unit.core), now)
-        case MasterLost() | MasterReturned() if state.phase is Phase.RUNNING:
-            return state, [TellMaster(lost=isinstance(event, MasterLost))]
-        case MasterReplaced() if state.phase is Phase.RUNNING:
-            return replace(state, reviving=True), [TellRevival(), SetParameters()]
         case ParametersSet() if state.reviving:
             return restart_all(state, now)
         case SetupFailed() if state.reviving:
-            return replace(state, reviving=False), []  # the master is gone once more; it is looked after
+            return replace(state, reviving=False, stale=True), []  # the master is gone once more; it is looked after
         case SetupFailed(reason) if is_before(state, Phase.STOPPING_NODES):
             return begin_end(state, reason, 1, now, failed=True)
         case NothingLeft() if state.phase is Phase.SWEEPING:
             return remove_registrations(state, now)
         case Unregistered() if state.phase is Phase.UNREGISTERING:
             return finish_end(state)
+        case _ if state.phase is Phase.RUNNING:
+            return follow_master(state, event, now)
     return state, []
 
 

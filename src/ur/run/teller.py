@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import os
 import signal
+from collections import deque
 from typing import TYPE_CHECKING
 
-from ur.run.actions import Action, TellDeath, TellMaster, TellPressure, TellRevival, TellStop, TellWish
-from ur.run.report import describe_death
+from ur.run.actions import Action, TellDeath, TellLink, TellMaster, TellPressure, TellRevival, TellStop, TellWish
+from ur.run.report import LossLines, describe_death, describe_link
 
 if TYPE_CHECKING:
     from ur.run.audience import Audience
@@ -17,6 +18,8 @@ if TYPE_CHECKING:
     from ur.run.outputs import Outputs
     from ur.run.run import Run
 
+KEPT_LINES = 30
+
 
 class Teller:
     """Turns what the supervisor wants told into lines."""
@@ -24,19 +27,25 @@ class Teller:
     def __init__(self, run: Run, console: Console, outputs: Outputs, audience: Audience) -> None:
         self._folder = run.folder
         self._master = "" if run.master is None else run.master.uri
+        self._robot = "" if run.master is None else run.master.host.removesuffix(".local")
+        self._loss_lines = LossLines()
         self._programs = {program.unit.name: program for program in run.programs}
+        self._shared = run.restart_share is not None
         self._console = console
         self._outputs = outputs
         self._audience = audience
+        self.last_lines: deque[str] = deque(maxlen=KEPT_LINES)
 
     def inform(self, text: str) -> None:
         """What is good to know."""
+        self.last_lines.append(text)
         self._console.inform(text)
         self._audience.tell_notice("info", text)
 
     def warn(self, text: str) -> None:
         """What matters; a text that begins with `error: ` is one."""
         for line in text.split("\n"):
+            self.last_lines.append(line)
             self._console.warn(line)
         severity: Severity = "error" if text.startswith("error: ") else "warning"
         self._audience.tell_notice(severity, text.removeprefix("error: "))
@@ -55,13 +64,19 @@ class Teller:
                 self.warn(f"error: the master at {self._master} {what}")
             case TellMaster():
                 self.warn(f"the master at {self._master} answers again")
+            case TellLink(lost, seconds):
+                if self._loss_lines.is_due(seconds, lost=lost):
+                    self.warn(describe_link(self._robot, seconds, lost=lost))
+                self._audience.tell_link(self._robot, seconds, lost=lost)
+            case TellRevival() if self._shared:
+                self.warn(f"{self._robot} has another master, or none: its nodes are started again, then those here")
             case TellRevival():
                 self.warn("another master answers: parameters are set again, and every node is restarted")
             case TellStop(cause, failed):
                 self.warn(f"error: {cause}") if failed else self.inform(f"stopping: {cause}")
 
     def _tell_death(self, death: TellDeath) -> None:
-        if death.status.clean:
+        if death.status.clean and not death.evicted_by:
             self.inform(describe_death(death, (), None)[0])
             return
         program = self._programs[death.name]

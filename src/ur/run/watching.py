@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 
 from ur.run.events import (
+    LinkChanged,
     NodeChanged,
     NodeReadiness,
     NodeState,
@@ -66,6 +67,7 @@ class Watching:
         self._state = state
         self._now = now
         self._readiness: dict[str, tuple[str, ...]] = {}
+        self._link: LinkChanged | None = None  # while it is lost
         self._wanted = Watch()
         self._usage: tuple[float, dict[str, Usage]] = (0.0, {})
         self._next_sample: float | None = None
@@ -110,6 +112,12 @@ class Watching:
     def tell_notice(self, severity: Severity, text: str) -> None:
         """Tell what the run has to say."""
         self.watchers.publish(Notice(severity, text))
+
+    def tell_link(self, robot: str, seconds: float, *, lost: bool) -> None:
+        """Tell how the link to the robot is."""
+        news = LinkChanged(robot, lost, round(seconds, 1))
+        self._link = news if lost else None
+        self.watchers.publish(news)
 
     def attend(self, descriptor: int, now: float) -> list[RunCommand]:
         """Somebody came, went, asked or can be written to; returns what was asked for."""
@@ -156,6 +164,8 @@ class Watching:
             yield self._describe_unit(each)
         for name, missing in self._readiness.items():
             yield NodeReadiness(name, not missing, missing)
+        if self._link is not None:
+            yield self._link
         if self._state.cause is not None:
             yield RunStopping(self._state.cause)
 

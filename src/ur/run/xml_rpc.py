@@ -1,21 +1,35 @@
 """XML-RPC as the ROS master speaks it (http://xmlrpc.com/spec.md), without the standard library's HTTP stack.
 
 `http.client` alone costs a third of the start-up time of `ur launch`. Values are sent as `xmlrpc.client` sends them,
-which is what roslaunch uses; a test compares the two.
+which is what roslaunch uses; a test compares the two. A server that sends slowly, or without end, costs its timeout and
+no more.
 """
 
 from __future__ import annotations
 
 import socket
+import time
 from base64 import b64decode, b64encode
 from typing import Any
 from xml.parsers import expat
 
 MAXINT = 2**31 - 1
+MAX_ANSWER = 16 * 1024 * 1024  # bytes; all parameters of a large robot are some
+MAX_HEAD = 64 * 1024
+MAX_VALUES = 500_000
+MAX_DEPTH = 100
 
 
 class Unanswered(Exception):  # noqa: N818 - says what happened
     """Nobody answers at this address, or the answer makes no sense. The text says what happened."""
+
+
+class WrongServer(Unanswered):
+    """A server accepts connections at this address, and what it answers, if anything, is not what was expected."""
+
+
+class SilentServer(WrongServer):
+    """A server accepted the connection, and has not answered in time. It may also be busy."""
 
 
 class Refused(Exception):  # noqa: N818 - says what happened
@@ -23,7 +37,10 @@ class Refused(Exception):  # noqa: N818 - says what happened
 
 
 def call_method(address: tuple[str, int], method: str, arguments: list[Any], timeout: float) -> Any:
-    """Call one method and return its result. Raises Unanswered, Refused, or ValueError for an argument."""
+    """Call one method and return its result, all within `timeout` s.
+
+    Raises Unanswered, Refused, or ValueError for an argument.
+    """
     body = f"<?xml version='1.0'?>\n<methodCall>\n<methodName>{method}</methodName>\n<params>\n"
     body += "".join(f"<param>\n{dump_value(value)}</param>\n" for value in arguments)
     return parse_response(_post(address, (body + "</params>\n</methodCall>\n").encode("utf-8"), timeout))
@@ -61,16 +78,21 @@ def parse_response(data: bytes) -> Any:
     parser.StartElementHandler = reader.start
     parser.EndElementHandler = reader.end
     parser.CharacterDataHandler = reader.text
+    parser.EntityDeclHandler = _refuse_entity
     try:
         parser.Parse(data, True)
-    except (expat.ExpatError, ValueError, IndexError) as problem:
-        raise Unanswered(f"the answer is not XML-RPC: {problem}") from None
+    except (expat.ExpatError, ValueError, IndexError, TypeError) as problem:
+        raise WrongServer(f"the answer is not XML-RPC: {problem}") from None
     if reader.fault:
         what = reader.values[0] if reader.values else {}
         raise Refused(str(what.get("faultString", what)) if isinstance(what, dict) else str(what))
     if not reader.values:
-        raise Unanswered("the answer holds no value")
+        raise WrongServer("the answer holds no value")
     return reader.values[0]
+
+
+def _refuse_entity(*_: Any) -> None:
+    raise ValueError("an entity is declared")  # which may stand for more than fits into memory
 
 
 class _Reader:
@@ -80,13 +102,19 @@ class _Reader:
         self._marks: list[int] = []
         self._data: list[str] = []
         self._typed = False
+        self._count = 0
 
     def start(self, tag: str, _: dict[str, str]) -> None:
         if tag in ("array", "struct"):
             self._marks.append(len(self.values))
+            if len(self._marks) > MAX_DEPTH:
+                raise ValueError("nested too deep")
         self._data = []
         if tag == "value":
             self._typed = False
+            self._count += 1
+            if self._count > MAX_VALUES:
+                raise ValueError(f"more than {MAX_VALUES:,} values")
         elif tag == "fault":
             self.fault = True
 
@@ -130,39 +158,74 @@ def _escape(text: str) -> str:
 
 def _post(address: tuple[str, int], body: bytes, timeout: float) -> bytes:
     host, port = address
-    head = (
-        f"POST /RPC2 HTTP/1.0\r\nHost: {host}:{port}\r\nContent-Type: text/xml\r\nContent-Length: {len(body)}\r\n\r\n"
-    )
+    place = f"[{host}]:{port}" if ":" in host else f"{host}:{port}"
+    head = f"POST /RPC2 HTTP/1.0\r\nHost: {place}\r\nContent-Type: text/xml\r\nContent-Length: {len(body)}\r\n\r\n"
+    deadline = time.monotonic() + timeout
+    late: type[Unanswered] = Unanswered
     try:
-        with socket.create_connection(address, timeout) as link:
+        with _connect(host, port, deadline) as link:
+            late = SilentServer
             link.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+            link.settimeout(_left(deadline))
             link.sendall(head.encode("ascii") + body)
-            return _read_answer(link)
+            return _read_answer(link, deadline)
     except TimeoutError:
-        raise Unanswered(f"{host}:{port} did not answer within {timeout:g} s") from None
+        raise late(f"{place} did not answer within {timeout:g} s") from None
     except OSError as problem:
-        raise Unanswered(f"{host}:{port}: {(problem.strerror or str(problem)).lower()}") from None
+        raise Unanswered(f"{place}: {(problem.strerror or str(problem)).lower()}") from None
+    except UnicodeError:
+        raise Unanswered(f"{host!r} is not the name of a computer") from None
 
 
-def _read_answer(link: socket.socket) -> bytes:
-    data = b""
-    while b"\r\n\r\n" not in data:
-        part = link.recv(65536)
-        if not part:
+def _connect(host: str, port: int, deadline: float) -> socket.socket:
+    problem: OSError = OSError("no address")
+    for family, kind, protocol, _, address in socket.getaddrinfo(host, port, type=socket.SOCK_STREAM):
+        link = socket.socket(family, kind, protocol)
+        try:
+            link.settimeout(_left(deadline))
+            link.connect(address)
+        except OSError as reason:
+            link.close()
+            problem = reason
+        else:
+            return link
+    raise problem
+
+
+def _left(deadline: float) -> float:
+    left = deadline - time.monotonic()
+    if left <= 0:
+        raise TimeoutError
+    return left
+
+
+def _read_answer(link: socket.socket, deadline: float) -> bytes:
+    data = bytearray()
+    end = -1
+    while end < 0:
+        if len(data) > MAX_HEAD:
+            raise WrongServer(f"expected a ROS master, got more than {MAX_HEAD:,} bytes without the end of a head")
+        searched = max(0, len(data) - 3)
+        if not _receive(link, deadline, data):
             raise Unanswered("the connection was closed before an answer came")
-        data += part
-    head, _, body = data.partition(b"\r\n\r\n")
-    status, *lines = head.decode("latin-1").split("\r\n")
+        end = data.find(b"\r\n\r\n", searched)
+    status, *lines = data[:end].decode("latin-1").split("\r\n")
     if len(status.split()) < 2 or status.split()[1] != "200":
-        raise Unanswered(f"expected a ROS master, got {status[:80]!r}")
+        raise WrongServer(f"expected a ROS master, got {status[:80]!r}")
     headers = {name.strip().lower(): value.strip() for name, _, value in (line.partition(":") for line in lines)}
-    length = int(headers.get("content-length", "-1"))
-    parts = [body]
-    size = len(body)
-    while length < 0 or size < length:
-        part = link.recv(65536)
-        if not part:
+    length = headers.get("content-length", "")
+    size = int(length) if length.isascii() and length.isdigit() and len(length) < 12 else None
+    del data[: end + 4]
+    while size is None or len(data) < size:
+        if max(len(data), size or 0) > MAX_ANSWER:
+            raise WrongServer(f"the answer is larger than {MAX_ANSWER:,} bytes")
+        if not _receive(link, deadline, data):
             break
-        parts.append(part)
-        size += len(part)
-    return b"".join(parts)
+    return bytes(data)
+
+
+def _receive(link: socket.socket, deadline: float, data: bytearray) -> bool:
+    link.settimeout(_left(deadline))
+    part = link.recv(65536)
+    data += part
+    return bool(part)

@@ -1,0 +1,90 @@
+"""Claims of a run: the nodes that it starts, how each is defined, and the runs whose nodes it uses.
+
+They lie in the run's control folder from its registration on, before any of the nodes is started.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from ur.launchfile.plan.model import NodeSpec, ParamSpec
+
+BASE_FILE = "/m_robot_base/launch/m_robot_base.launch.xml"
+_FILE = "claims.json"
+_MAX_BYTES = 4 << 20
+_MAX_VALUE = 200  # characters, beyond which a hash stands for a value
+
+Definition = Mapping[str, str]
+"""A node's program, arguments, remaps and private parameters, by names such as `param world_file`."""
+
+
+@dataclass(frozen=True, slots=True)
+class Claims:
+    """Nodes of a run by full name; `base` are the robot base's, `joined` the ids of the runs that it has joined."""
+
+    nodes: Mapping[str, Definition] = field(default_factory=dict)
+    base: tuple[str, ...] = ()
+    joined: tuple[str, ...] = ()
+
+
+def make_claims(nodes: Iterable[NodeSpec], params: Iterable[ParamSpec], joined: Iterable[str]) -> Claims:
+    """The claims of a run that starts these nodes."""
+    chosen = tuple(nodes)
+    return Claims(
+        define_nodes(chosen, params),
+        tuple(node.full_name for node in chosen if is_base(node)),
+        tuple(joined),
+    )
+
+
+def define_nodes(nodes: Iterable[NodeSpec], params: Iterable[ParamSpec]) -> dict[str, Definition]:
+    """The definition of each node, by full name."""
+    found: dict[str, dict[str, str]] = {node.full_name: _define(node) for node in nodes}
+    for param in params:
+        for name, items in found.items():
+            if param.name.startswith(name + "/"):
+                items[f"param {param.name[len(name) + 1 :]}"] = _shorten(str(param.command or param.value))
+    return dict(found)
+
+
+def is_base(item: NodeSpec | ParamSpec) -> bool:
+    """Return whether a node or parameter belongs to the robot base: it stands in `m_robot_base` or below."""
+    return any(span.file.path.endswith(BASE_FILE) for span in (item.origin.span, *item.origin.includes))
+
+
+def write_claims(folder: str, claims: Claims) -> None:
+    """Write the claims of a run into its control folder. Raises OSError: the folder is gone, or the disk is full."""
+    fields = {"nodes": dict(claims.nodes), "base": claims.base, "joined": claims.joined}
+    unfinished = Path(folder, _FILE + ".new")
+    unfinished.write_text(json.dumps(fields), encoding="utf-8")
+    unfinished.replace(Path(folder, _FILE))
+
+
+def read_claims(folder: str) -> Claims:
+    """The claims in a control folder; empty ones where there are none that can be read."""
+    try:
+        with Path(folder, _FILE).open(encoding="utf-8") as file:
+            found = json.loads(file.read(_MAX_BYTES))
+        nodes = {
+            str(name): {str(key): str(value) for key, value in items.items()} for name, items in found["nodes"].items()
+        }
+        return Claims(nodes, tuple(map(str, found["base"])), tuple(map(str, found["joined"])))
+    except (OSError, ValueError, TypeError, LookupError, AttributeError, RecursionError):
+        return Claims()
+
+
+def _define(node: NodeSpec) -> dict[str, str]:
+    items = {"program": f"{node.package}/{node.type}", "args": " ".join(node.args.split())}
+    items |= {f"remap {source}": target for source, target in node.remaps}
+    return items | {f"env {name}": value for name, value in node.env}
+
+
+def _shorten(value: str) -> str:
+    if len(value) <= _MAX_VALUE:
+        return value
+    from hashlib import sha256  # slow to import, and rarely needed
+
+    return "sha256:" + sha256(value.encode("utf-8", "surrogatepass")).hexdigest()

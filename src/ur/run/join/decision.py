@@ -1,0 +1,128 @@
+"""Decide which nodes of a plan start, where others run at the same master already. Pure."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from ur.launchfile.plan.model import Plan
+from ur.run.join.claims import Definition, define_nodes, is_base
+from ur.run.machines import take_part
+
+
+@dataclass(frozen=True, slots=True)
+class Held:
+    """A node that runs already. `run` is the id of its run, '' for none of this user on this computer.
+
+    `definition` is None where nobody knows it.
+    """
+
+    name: str
+    run: str = ""
+    definition: Definition | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Decision:
+    """The fate of a plan's nodes that run already.
+
+    `base` and `used` are not started: the robot base's, and others that run just as this plan defines them. `renamed`
+    own a terminal and start under other names. `refused` would end what runs.
+    """
+
+    base: tuple[Held, ...] = ()
+    used: tuple[Held, ...] = ()
+    renamed: tuple[Held, ...] = ()
+    refused: tuple[Held, ...] = ()
+
+    @property
+    def joined(self) -> tuple[Held, ...]:
+        """Nodes that are not started because they run already."""
+        return self.base + self.used
+
+
+@dataclass(frozen=True, slots=True)
+class Misfit:
+    """An argument of the command line that the running robot contradicts: its `node` has `item` set to `value`."""
+
+    argument: str
+    node: str
+    run: str
+    item: str
+    value: str
+
+
+def decide(plan: Plan, held: Iterable[Held]) -> Decision:
+    """Decide about each node of a plan that runs already."""
+    running = {each.name: each for each in held}
+    nodes = [node for node in plan.nodes if node.full_name in running]
+    defined = define_nodes(nodes, plan.params)
+    base, used, renamed, refused = [], [], [], []
+    for node in nodes:
+        each = running[node.full_name]
+        if node.terminal:
+            renamed.append(each)
+        elif is_base(node):
+            base.append(each)
+        elif each.definition == defined[node.full_name]:
+            used.append(each)
+        else:
+            refused.append(each)
+    return Decision(tuple(base), tuple(used), tuple(renamed), tuple(refused))
+
+
+def find_misfits(plan: Plan, decision: Decision, varied: Mapping[str, Sequence[Plan]]) -> list[Misfit]:
+    """Arguments that ask for another robot than the one that is joined.
+
+    `varied` holds, by argument as it was written, plans in which that argument has other values: what differs in them
+    depends on it.
+    """
+    wanted = define_nodes(plan.nodes, plan.params)
+    found = []
+    for argument, plans in varied.items():
+        others = [define_nodes(other.nodes, other.params) for other in plans]
+        for each in decision.base:
+            ours, theirs = wanted.get(each.name, {}), each.definition
+            if theirs is None:
+                continue
+            wrong = [key for key in ours if ours[key] != theirs.get(key)]
+            found += [
+                Misfit(argument, each.name, each.run, key, theirs.get(key, ""))
+                for key in wrong
+                if any(each.name in other and other[each.name].get(key) != ours[key] for other in others)
+            ]
+    return found
+
+
+def leave_out(plan: Plan, decision: Decision) -> Plan:
+    """The plan without the nodes that run already, and without what the robot base's files set for all."""
+    joined = {each.name for each in decision.joined}
+    if not joined:
+        return plan
+    plan = take_part(plan, {node.full_name for node in plan.nodes} - joined)
+    private = tuple(node.full_name + "/" for node in plan.nodes)
+    return replace(
+        plan,
+        params=tuple(
+            each for each in plan.params if not (decision.base and is_base(each)) or each.name.startswith(private)
+        ),
+        commands=tuple(each for each in plan.commands if not _touches(each.name, joined)),
+    )
+
+
+def find_free_names(names: Collection[str], taken: Collection[str]) -> dict[str, str]:
+    """Another name for each of these nodes: with `_2` appended, or the first number that is free."""
+    used = set(taken)
+    chosen = {}
+    for name in names:
+        number = 2
+        while f"{name}_{number}" in used:
+            number += 1
+        chosen[name] = f"{name}_{number}"
+        used.add(chosen[name])
+    return chosen
+
+
+def _touches(space: str, nodes: Collection[str]) -> bool:
+    below = space.rstrip("/") + "/"
+    return any(name.startswith(below) or below.startswith(name + "/") for name in nodes)

@@ -1,0 +1,80 @@
+"""A lock per master: from looking at what runs there to the registration of a run, one launch at a time."""
+
+from __future__ import annotations
+
+import fcntl
+import os
+import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+from ur.run.master import parse_master_uri
+from ur.run.places import is_local_address
+from ur.run.registry import runs_folders
+
+_PERIOD = 0.05  # s
+_PATIENCE = 2.0  # s of silence, after which the wait is reported
+
+
+class MasterLock:
+    """Held from its making until `release`, or until this process ends."""
+
+    def __init__(self, descriptor: int = -1) -> None:
+        self._descriptor = descriptor
+
+    def release(self) -> None:
+        """Let others go on. Releasing it twice changes nothing."""
+        if self._descriptor >= 0:
+            os.close(self._descriptor)
+            self._descriptor = -1
+
+
+@contextmanager
+def lock_master(
+    master_uri: str, environment: Mapping[str, str], uid: int, report: Callable[[str], None]
+) -> Iterator[MasterLock]:
+    """Wait until no other launch of this user is being started at a master, and keep others from it.
+
+    `report` gets one line about a wait that takes long. Where no lock file can be made nothing is locked.
+    """
+    lock = MasterLock(_acquire(master_uri, environment, uid, report))
+    try:
+        yield lock
+    finally:
+        lock.release()
+
+
+def _acquire(master_uri: str, environment: Mapping[str, str], uid: int, report: Callable[[str], None]) -> int:
+    master = parse_master_uri(master_uri)
+    host = "localhost" if is_local_address(master.host) else master.host
+    safe = "".join(letter if letter.isalnum() or letter in ".-" else "_" for letter in host)[:100]
+    path = Path(runs_folders(environment, uid)[0]).parent / "masters" / f"{safe}_{master.port}.lock"
+    try:
+        path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+        descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
+    except OSError:  # a full disk
+        return -1
+    began: float | None = time.monotonic()
+    try:
+        while not _try(descriptor):
+            if began is not None and time.monotonic() > began + _PATIENCE:
+                holder = os.pread(descriptor, 20, 0).decode("ascii", "replace").strip() or "unknown"
+                report(f"waiting for another launch at {master_uri} to start (process {holder})")
+                began = None
+            time.sleep(_PERIOD)
+        with suppress(OSError):  # a full disk
+            os.ftruncate(descriptor, 0)
+            os.pwrite(descriptor, str(os.getpid()).encode(), 0)
+    except BaseException:
+        os.close(descriptor)
+        raise
+    return descriptor
+
+
+def _try(descriptor: int) -> bool:
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        return False
+    return True

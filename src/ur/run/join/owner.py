@@ -1,0 +1,86 @@
+"""Runs that own nodes which other runs use: wait for their start, follow them to their end, name who has joined."""
+
+from __future__ import annotations
+
+import select
+import threading
+import time
+from collections.abc import Callable, Iterable, Mapping
+
+from ur.run.client import RunGone, connect_run
+from ur.run.computer import read_computer
+from ur.run.events import RunEnded, RunStopping
+from ur.run.happenings import Event, OwnerEnded
+from ur.run.join.claims import read_claims
+from ur.run.master import Master, parse_master_uri
+from ur.run.registry import RunEntry, list_runs, read_birth
+from ur.run.xml_rpc import Refused, Unanswered
+
+START_SECONDS = 60.0
+_PATIENCE = 2.0  # s of silence, after which the wait is reported
+_PERIOD = 0.05  # s
+
+
+def await_owner(entry: RunEntry, report: Callable[[str], None]) -> bool:
+    """Wait until a run has set its parameters, after which its nodes start. False: it ends, or takes too long."""
+    known = parse_master_uri(entry.master_uri)
+    master = Master(known.uri, known.host, known.port, 1.0)
+    began = time.monotonic()
+    reported = False
+    while read_birth(entry.pid) == entry.born and time.monotonic() < began + START_SECONDS:
+        try:
+            if master.get_run_id() is not None:
+                return True
+        except (Unanswered, Refused):
+            pass
+        if not reported and time.monotonic() > began + _PATIENCE:
+            report(f"waiting for {entry.run} to start")
+            reported = True
+        time.sleep(_PERIOD)
+    return False
+
+
+def list_joined(run: str, environment: Mapping[str, str], uid: int) -> list[str]:
+    """The ids of the runs of a user on this computer that have joined a run."""
+    runs = list_runs(environment, uid, read_computer())
+    return [each.run for each in runs if run in read_claims(each.folder).joined]
+
+
+def follow_owners(owners: Iterable[RunEntry], tell: Callable[[Event], None], over: threading.Event) -> None:
+    """Report the end of each of these runs, each from a thread of its own, until `over`."""
+    for entry in owners:
+        threading.Thread(target=_follow, args=(entry, tell, over), daemon=True).start()
+
+
+def describe_joined(runs: Iterable[str]) -> str:
+    """Say which runs end together with the one that they have joined; '' without any."""
+    names = list(runs)
+    if not names:
+        return ""
+    return f"{', '.join(names)} had joined it and {'ends' if len(names) == 1 else 'end'}, too"
+
+
+def _follow(entry: RunEntry, tell: Callable[[Event], None], over: threading.Event) -> None:
+    cause = _wait_end(entry, over)
+    if not over.is_set():
+        tell(OwnerEnded(f"{entry.run}, which this run had joined, {cause}"))
+
+
+def _wait_end(entry: RunEntry, over: threading.Event) -> str:
+    try:
+        with connect_run(entry.folder) as client:
+            while not over.is_set():
+                select.select([client], [], [], 1.0)
+                events = client.receive()
+                for event in events or ():
+                    if isinstance(event, RunStopping):
+                        return f"ends: {event.cause}" if event.cause else "ends"
+                    if isinstance(event, RunEnded):
+                        return "has ended"
+                if events is None:
+                    break
+    except RunGone:
+        return "has ended"
+    except OSError:
+        pass
+    return "was killed"

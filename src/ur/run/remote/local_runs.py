@@ -1,0 +1,144 @@
+"""Runs of this computer as its share of a program meets them: which one is the share, which hold its nodes."""
+
+from __future__ import annotations
+
+import fcntl
+import os
+import time
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+from ur.run.client import RunGone, connect_run, iterate_events
+from ur.run.events import NodeChanged, RunStopping, Synchronised
+from ur.run.master import parse_master_uri
+from ur.run.registry import RunEntry, read_birth, runs_folders
+from ur.run.remote.protocol import Request
+from ur.source.diagnostic import UserError
+
+_MARK = "--part"
+_ANSWER_SECONDS = 5.0
+
+
+class BusyError(Exception):
+    """Another request is being carried out."""
+
+
+@dataclass(frozen=True, slots=True)
+class Holder:
+    """A run and those of the wanted nodes that it has started and keeps running."""
+
+    entry: RunEntry
+    nodes: tuple[str, ...]
+
+
+def mark_words(request: Request) -> list[str]:
+    """The end of a command line by which the share's run is known."""
+    return [_MARK, request.machine, *request.options, "--", *request.words]
+
+
+def is_marked(command: Sequence[str], request: Request, earlier: str = "") -> bool:
+    """Return whether a command line is that of the run of a request. `earlier`: a former name of the robot."""
+    mark = mark_words(request)
+    end = list(command[-len(mark) :])
+    if end == mark:
+        return True
+    if len(end) != len(mark) or end[:2] != [_MARK, earlier]:
+        return False
+    return _without_name(end, earlier) == _without_name(mark, request.machine)
+
+
+def _without_name(words: Sequence[str], machine: str) -> list[str]:
+    value = f":={machine}"
+    return [words[0], *(word[: -len(machine)] if word.endswith(value) else word for word in words[2:])]
+
+
+def find_share(runs: Iterable[RunEntry], request: Request) -> RunEntry | None:
+    """The run that was started for a request like this."""
+    for entry in runs:
+        with suppress(OSError):
+            words = Path(f"/proc/{entry.pid}/cmdline").read_bytes().decode(errors="replace").split("\0")
+            if is_marked(words[:-1], request, entry.host.partition(".")[0]):
+                return entry
+    return None
+
+
+def find_holders(runs: Iterable[RunEntry], nodes: Collection[str], port: int) -> list[Holder]:
+    """Runs that hold some of these nodes, at a master with this port."""
+    found = []
+    for entry in runs:
+        if _port_of(entry) == port:
+            running = list_nodes(entry)
+            held = tuple(name for name in nodes if name in running)
+            if held:
+                found.append(Holder(entry, held))
+    return found
+
+
+def list_nodes(entry: RunEntry) -> frozenset[str]:
+    """The nodes of a run that run, or start again by themselves. None when it does not answer."""
+    names: set[str] = set()
+    with suppress(RunGone), connect_run(entry.folder) as client:
+        for event in iterate_events(client, _ANSWER_SECONDS):
+            if isinstance(event, Synchronised):
+                break
+            if isinstance(event, NodeChanged) and not event.core and event.state != "ended":
+                names.add(event.name)
+    return frozenset(names)
+
+
+def is_stopping(entry: RunEntry) -> bool:
+    """Return whether a run is stopping or has just ended."""
+    with suppress(RunGone), connect_run(entry.folder) as client:
+        for event in iterate_events(client, _ANSWER_SECONDS):
+            if isinstance(event, RunStopping):
+                break
+            if isinstance(event, Synchronised):
+                return False
+    return True
+
+
+def wait_exit(entry: RunEntry, until: float) -> bool:
+    """Wait until a run's process is gone; `until` is in s of the monotonic clock. Whether it is."""
+    while read_birth(entry.pid) == entry.born:
+        if time.monotonic() > until:
+            return False
+        time.sleep(0.05)
+    return True
+
+
+@contextmanager
+def lock_shares(environment: Mapping[str, str], uid: int, patience: float) -> Iterator[None]:
+    """Let one request at a time begin or end shares. Raises BusyError: another one takes longer than `patience` s."""
+    folder = Path(runs_folders(environment, uid)[0]).parent
+    try:
+        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+        lock = os.open(folder / "shares.lock", os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
+    except OSError:  # a full disk
+        yield
+        return
+    until = time.monotonic() + patience
+    try:
+        while not _try_lock(lock):
+            if time.monotonic() > until:
+                raise BusyError
+            time.sleep(0.05)
+        yield
+    finally:
+        os.close(lock)
+
+
+def _try_lock(lock: int) -> bool:
+    try:
+        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        return False
+    return True
+
+
+def _port_of(entry: RunEntry) -> int | None:
+    try:
+        return parse_master_uri(entry.master_uri).port
+    except UserError:
+        return None

@@ -1,0 +1,109 @@
+"""Names of nodes that run already, elsewhere or in another run here: ROS ends a node whose name is registered anew."""
+
+from __future__ import annotations
+
+import re
+import socket
+from collections.abc import Callable, Collection, Iterable, Mapping
+from dataclasses import replace
+
+from ur.launchfile.plan.model import NodeSpec, Plan
+from ur.run.master import Master, parse_master_uri
+from ur.run.remote.signs import Sign, look_up_nodes, probe_node
+from ur.source.diagnostic import UserError
+
+_TRIES = 9
+_LOCAL = {"localhost", "127.0.0.1", "::1"}
+
+
+def find_taken(
+    names: Collection[str],
+    master: Master,
+    is_local: Callable[[str], bool],
+    probe: Callable[[str], Sign] = probe_node,
+) -> frozenset[str]:
+    """Those of these nodes that run on another computer. None where the master does not answer."""
+    try:
+        addresses = look_up_nodes(names, master)
+    except LookupError:
+        return frozenset()
+    local: dict[str, bool] = {}
+
+    def is_elsewhere(uri: str) -> bool:
+        try:
+            host = parse_master_uri(uri).host
+        except UserError:
+            return False
+        if host not in local:
+            local[host] = is_local(host)
+        return not local[host] and probe(uri) is Sign.PRESENT
+
+    return frozenset(name for name, uri in addresses.items() if is_elsewhere(uri))
+
+
+def choose_names(
+    names: Collection[str], computer: str, find: Callable[[Collection[str]], Collection[str]]
+) -> dict[str, str]:
+    """A free name for each node whose name is taken elsewhere: with the computer's appended, and a number if need be.
+
+    `find` returns those of some names that are taken.
+    """
+    suffix = re.sub(r"[^0-9A-Za-z_]", "_", computer.partition(".")[0]) or "here"
+    left = find(names)
+    chosen: dict[str, str] = {}
+    for number in range(1, _TRIES):
+        wanted = {name: f"{name}_{suffix}" + (f"_{number}" if number > 1 else "") for name in sorted(left)}
+        taken = find(tuple(wanted.values()))
+        chosen |= {name: new for name, new in wanted.items() if new not in taken}
+        left = [name for name, new in wanted.items() if new in taken]
+        if not left:
+            break
+    return chosen
+
+
+def rename_nodes(plan: Plan, names: Mapping[str, str]) -> Plan:
+    """The plan with other full names for some nodes, their private parameters and private names included."""
+    if not names:
+        return plan
+
+    def move(name: str) -> str:
+        for old, new in names.items():
+            if name.startswith(old + "/"):
+                return new + name[len(old) :]
+        return name
+
+    return replace(
+        plan,
+        nodes=tuple(_rename(node, names, move) for node in plan.nodes),
+        params=tuple(replace(each, name=move(each.name)) for each in plan.params),
+        clear_params=tuple(move(space.rstrip("/") + "/") for space in plan.clear_params),
+        commands=tuple(replace(each, name=move(each.name)) for each in plan.commands),
+        programs=tuple(replace(each, name=move(each.name)) for each in plan.programs),
+    )
+
+
+def describe_names(names: Mapping[str, str]) -> Iterable[str]:
+    """One line for each node that has another name."""
+    for old, new in names.items():
+        yield f"{old} runs on another computer already, so this one is called {new}"
+
+
+def is_same_master(one: str, other: str) -> bool:
+    """Return whether two addresses are the same master, as far as their text shows."""
+    try:
+        first, second = parse_master_uri(one), parse_master_uri(other)
+    except UserError:
+        return False
+    return first.port == second.port and (
+        first.host == second.host or {first.host, second.host} <= _LOCAL | {socket.gethostname()}
+    )
+
+
+def _rename(node: NodeSpec, names: Mapping[str, str], move: Callable[[str], str]) -> NodeSpec:
+    full = names.get(node.full_name, node.full_name)
+    return replace(
+        node,
+        name=full[len(node.namespace) :],
+        remaps=tuple((move(source), move(target)) for source, target in node.remaps),
+        ready=tuple(replace(each, name=move(each.name)) for each in node.ready),
+    )

@@ -1,0 +1,83 @@
+"""Start a robot's share of a run, detached from the connection that asked for it."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+
+from ur.run.remote.local_runs import mark_words
+from ur.run.remote.protocol import Problem, Request
+
+START_SECONDS = 60.0
+
+
+def start_share(request: Request, running: Sequence[str]) -> tuple[str, Problem | None]:
+    """Start the share without the nodes that run already; returns the id of its run, or why there is none."""
+    with (
+        tempfile.TemporaryFile("w+") as out,
+        tempfile.TemporaryFile("w+") as err,
+        tempfile.TemporaryDirectory() as folder,
+    ):
+        # Files: a pipe would be kept open by what lives on.
+        report = Path(folder, "problems.json")
+        process = subprocess.Popen(
+            [*scope(), sys.executable, "-I", "-m", "ur", *launch_words(request, running, str(report))],
+            stdin=subprocess.DEVNULL,
+            stdout=out,
+            stderr=err,
+        )
+        try:
+            code = process.wait(START_SECONDS)
+        except subprocess.TimeoutExpired:
+            process.terminate()
+            return "", Problem(f"its nodes did not start within {START_SECONDS:g} s")
+        out.seek(0)
+        err.seek(0)
+        if code:
+            return "", read_report(report) or Problem(
+                _last_line(err.read()) or f"ur launch ended with exit code {code}"
+            )
+        return out.read().strip(), None
+
+
+def launch_words(request: Request, running: Sequence[str], report: str) -> list[str]:
+    """The arguments of `ur` that start the share, without nodes that run already."""
+    left_out = [word for name in running for word in ("--runs-already", name)]
+    return ["launch", "--plain", "--detach", "--report", report, *left_out, *mark_words(request)]
+
+
+def read_report(report: Path) -> Problem | None:
+    """The first problem that `ur launch` has reported. None: it has not reported any."""
+    try:
+        first = json.loads(report.read_text(encoding="utf-8"))[0]
+        return Problem(first["message"], first["help"], first["rule"], first["place"])
+    except (OSError, ValueError, LookupError, TypeError):
+        return None
+
+
+def scope() -> list[str]:
+    """The command that puts a run under the user's own service manager, where that outlives their sessions; else none.
+
+    Without lingering the manager ends with the last session, and all of its services with it; what a session left
+    behind does not.
+    """
+    if not shutil.which("systemd-run") or not Path(f"/run/user/{os.getuid()}/systemd/private").exists():
+        return []
+    asked = subprocess.run(
+        ["loginctl", "show-user", "-P", "Linger", str(os.getuid())], capture_output=True, text=True, check=False
+    )
+    if asked.stdout.strip() != "yes":
+        return []
+    os.environ.setdefault("XDG_RUNTIME_DIR", f"/run/user/{os.getuid()}")
+    return ["systemd-run", "--user", "--scope", "--quiet", "--collect"]
+
+
+def _last_line(text: str) -> str:
+    lines = [line.strip() for line in text.splitlines() if line.strip()]
+    return lines[-1] if lines else ""

@@ -1,0 +1,35 @@
+from __future__ import annotations
+
+import os
+import select
+
+from ur.run.inbox import Inbox
+
+
+def test_task_that_is_posted_wakes_the_loop_and_is_taken_once() -> None:
+    done: list[str] = []
+    inbox = Inbox(lambda _: None)
+    try:
+        inbox.post(lambda: done.append("task"))
+        assert select.select([inbox.fileno()], [], [], 0.0)[0]
+        inbox.clear()
+        for task in inbox.take():
+            task()
+        assert done == ["task"]
+        assert not select.select([inbox.fileno()], [], [], 0.0)[0]
+    finally:
+        inbox.close()
+
+
+def test_task_that_is_posted_after_the_end_writes_into_no_file_that_has_the_pipes_number_by_then() -> None:
+    inbox = Inbox(lambda _: None)
+    inbox.close()
+    pipes = [os.pipe2(os.O_CLOEXEC | os.O_NONBLOCK) for _ in range(4)]  # these take the lowest free numbers
+    try:
+        inbox.post(lambda: None)
+        assert not select.select([reader for reader, _ in pipes], [], [], 0.0)[0]
+        assert list(inbox.take()) == []
+    finally:
+        for ends in pipes:
+            for end in ends:
+                os.close(end)
