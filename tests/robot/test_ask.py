@@ -8,8 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from ur.robot.ask import ask_robot, best_offset, parse_services
-from ur.robot.listing import Answer
+from ur.robot.ask import ask_robot, best_offset, explain_refusal, parse_services
 
 LISTED = """\
 ubiquity-drive.service  loaded activating auto-restart ROS on this robot: drive
@@ -40,7 +39,7 @@ def test_quickest_answer_tells_the_offset() -> None:
 
 def test_clock_that_differs_is_told_by_how_much(ssh: Path) -> None:
     assert ssh.exists()
-    answer = ask_robot("ros@10.0.0.2", "bob", 60.0, lambda: time.time() - 100.0, threading.Event())
+    answer = ask_robot("ros@10.0.0.2", ["bob"], 60.0, lambda: time.time() - 100.0, threading.Event())
     assert answer.services == ()
     assert answer.offset is not None
     assert 40.0 <= answer.offset <= 100.0
@@ -49,11 +48,33 @@ def test_clock_that_differs_is_told_by_how_much(ssh: Path) -> None:
 @pytest.mark.parametrize("script", ["exit 255", "echo end", "echo end; read x; echo no number"])
 def test_robot_that_breaks_off_has_said_nothing_of_its_clock(ssh: Path, script: str) -> None:
     ssh.write_text(f"#!/bin/bash\n{script}\n")
-    assert ask_robot("ros@10.0.0.2", "bob", 60.0, time.time, threading.Event()).offset is None
+    assert ask_robot("ros@10.0.0.2", ["bob"], 60.0, time.time, threading.Event()).offset is None
 
 
 def test_robot_that_says_nothing_is_not_waited_for_once_it_is_over(ssh: Path) -> None:
     ssh.write_text("#!/bin/bash\nexec sleep 1000\n")
     over = threading.Event()
     over.set()
-    assert ask_robot("ros@10.0.0.2", "bob", 1000.0, time.time, over) == Answer()
+    assert ask_robot("ros@10.0.0.2", ["bob"], 1000.0, time.time, over).services is None
+
+
+@pytest.mark.parametrize(
+    ("said", "reason"),
+    [
+        ("No ED25519 host key is known for eve.local\nHost key verification failed.\n", "host key unknown"),
+        ("@    WARNING: REMOTE HOST IDENTIFICATION HAS CHANGED!     @\n", "another host key"),
+        ("ros@10.0.0.2: Permission denied (publickey).\n", "key refused"),
+        ("", "no answer in 5 s"),
+    ],
+)
+def test_robot_that_does_not_answer_has_a_reason(said: str, reason: str) -> None:
+    assert explain_refusal(said, 5.0) == reason
+
+
+def test_robot_is_asked_by_each_name_under_which_its_key_may_be_known(ssh: Path) -> None:
+    words = 'case "$*" in *HostKeyAlias=bob.local*) ;; *) echo Host key verification failed. >&2; exit 255;; esac'
+    ssh.write_text(f"#!/bin/bash\n{words}\n{ssh.read_text().splitlines()[1]}\n")
+    answer = ask_robot("ros@10.0.0.2", ["eve", "bob", "x"], 60.0, time.time, threading.Event())
+    assert (answer.known_as, answer.refused, answer.services) == ("bob", "", ())
+    answer = ask_robot("ros@10.0.0.2", ["eve", "x"], 60.0, time.time, threading.Event())
+    assert (answer.known_as, answer.refused, answer.services) == ("", "host key unknown", None)

@@ -54,8 +54,9 @@ def test_unknown_base_names_the_nearest() -> None:
 def test_unknown_variant_names_those_there_are() -> None:
     with pytest.raises(UserError, match="variant 'lidr' of base 'magni' is not known, expected one of lidar"):
         load_base(PACKAGE, "magni", "lidr")
-    with pytest.raises(UserError, match="this base has no variants"):
+    with pytest.raises(UserError, match="'lidar' of base 'stage' is not known, this base has no variants") as caught:
         load_base(PACKAGE, "stage", "lidar")
+    assert caught.value.diagnostics[0].help == "leave the variant out for the plain base"
 
 
 @pytest.mark.parametrize(

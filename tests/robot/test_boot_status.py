@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from ur.robot.boot_status import describe_status, log_command, parse_status
+from ur.robot.boot_status import SCRIPT, describe_status, log_command, parse_status
+from ur.robot.ssh.shell import LocalShell
+from ur.source.diagnostic import UserError
 
+END = "\x1eend\n"
 ANSWER = """\
 \x1eId=ubiquity-{name}.service
 ActiveState={active}
@@ -22,7 +25,7 @@ Said=a=b
 
 def describe(active: str, sub: str, *, restarts: int = 0, code: int = 0, pause: str = "") -> list[str]:
     text = ANSWER.format(name="talk", active=active, sub=sub, restarts=restarts, code=code, pause=pause)
-    (status,) = parse_status(text)
+    (status,) = parse_status(text + END)
     return list(describe_status(status))
 
 
@@ -50,6 +53,7 @@ def test_service_that_is_not_enabled_is_told() -> None:
         ANSWER.format(name="x", active="active", sub="running", restarts=0, code=0, pause="").replace(
             "enabled", "disabled"
         )
+        + END
     )
     assert "not enabled" in next(describe_status(status))
 
@@ -58,8 +62,18 @@ def test_several_services_are_read_one_by_one() -> None:
     text = "".join(
         ANSWER.format(name=n, active="active", sub="", restarts=0, code=0, pause="") for n in ("master", "a")
     )
-    assert [each.name for each in parse_status(text)] == ["master", "a"]
-    assert parse_status("") == []
+    assert [each.name for each in parse_status(f"a greeting\n{text}{END}")] == ["master", "a"]
+
+
+def test_script_of_a_computer_without_services_is_read_as_none() -> None:
+    assert parse_status(LocalShell().run(SCRIPT.replace("ubiquity-", "ur-test-none-")).out) == []
+
+
+@pytest.mark.parametrize("text", ["", "end\n", '{"files": {}}', f"{ANSWER}", "\x1eend\x1b]0;x\x07\n", f"{END}more"])
+def test_answer_that_breaks_off_or_is_another_is_not_taken_for_no_service(text: str) -> None:
+    with pytest.raises(UserError, match="cannot be read") as caught:
+        parse_status(text)
+    assert "\x1b" not in str(caught.value)
 
 
 def test_log_is_asked_with_sudo_where_that_is_free() -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from ur.robot.discovery import Sighting
-from ur.robot.listing import Answer, Row, list_robots
+from ur.robot.listing import Answer, Row, is_settled, list_robots
 from ur.robot.record import Record, find_user, load_records, render_record
 from ur.robot.seen import Seen
 
@@ -62,6 +62,51 @@ def test_what_runs_and_how_the_clock_is_are_said_when_they_are_known() -> None:
     row = Row("bob", "10.0.0.2", answer=answer)
     assert (row.runs, row.clock) == ("2 nodes, master, drive (failed)", "-0.012 s")
     assert (Row("bob", "10.0.0.2").runs, Row("bob", "10.0.0.2").clock) == ("", "")
+
+
+@pytest.mark.parametrize(
+    ("answer", "runs", "clock"),
+    [
+        (Answer(1, (("master", "active"),), 0.0), "1 node, master", "+0.000 s"),
+        (Answer(0, (("master", "active"),), 0.0), "no nodes yet, master", "+0.000 s"),
+        (Answer(None, (("master", "starting"),), 0.0), "no ROS master, master (starting)", "+0.000 s"),
+        (Answer(3, refused="key refused"), "3 nodes", "unknown: key refused"),
+    ],
+)
+def test_robot_that_is_starting_or_refuses_our_key_is_described(answer: Answer, runs: str, clock: str) -> None:
+    row = Row("bob", "10.0.0.2", answer=answer)
+    assert (row.runs, row.clock) == (runs, clock)
+
+
+@pytest.mark.parametrize(
+    ("answer", "settled"),
+    [
+        (Answer(), False),
+        (Answer(1, answers=True), False),  # no word over ssh yet
+        (Answer(None, (("master", "active"),), 0.0), False),
+        (Answer(0, (("master", "active"),), 0.0), False),
+        (Answer(1, (("master", "active"),), 0.0), True),
+        (Answer(None, (), 0.0), True),  # no master is started there at boot
+        (Answer(None, refused="key refused"), True),
+        (Answer(answers=False), True),
+    ],
+)
+def test_robot_that_is_starting_is_waited_for(answer: Answer, settled: bool) -> None:
+    assert is_settled(answer) is settled
+
+
+def test_robot_that_announces_its_former_name_is_listed_by_the_present_one() -> None:
+    (row,) = list_robots([Sighting("eve", "bob", ("10.0.0.2",))], [])
+    assert row.name == "eve"
+    assert "eve announces its former name, bob" in row.problem
+    assert row.help == "ur robot setup eve.local --name eve"
+
+
+def test_robot_that_another_computer_renamed_is_said_to_be_known_by_its_former_name() -> None:
+    (row,) = list_robots([Sighting("eve", "eve", ("10.0.0.2",))], [], {"eve": Answer(known_as="bob")})
+    assert row.problem == "eve was renamed: this computer knows it as bob"
+    assert row.help == "ur robot rename bob eve"
+    assert not list_robots([Sighting("eve", "eve", ("10.0.0.2",))], [], {"eve": Answer(known_as="eve")})[0].problem
 
 
 def test_records_are_read_back_and_broken_ones_left_out(tmp_path: Path) -> None:

@@ -9,9 +9,9 @@ from ur.robot.ssh.shell import Done
 @pytest.mark.parametrize(
     ("done", "message", "help_"),
     [
-        (Done(NOT_THERE, "", ""), "bob: ubiquity_launches is not there", "ur boot install --robot bob robot_base"),
-        (Done(NOT_READY, "", ""), "bob: ubiquity_launches is not set up there", "ssh -t ros@bob.local ubiquity_launc"),
-        (Done(1, "", "x: No module named ur.run.part_side\n"), "bob: ubiquity_launches there is older", "git pull"),
+        (Done(NOT_THERE, "", ""), "bob: ubiquity_launches is not there", "ur robot setup bob"),
+        (Done(NOT_READY, "", ""), "bob: ubiquity_launches is not set up there", "ur robot setup bob"),
+        (Done(1, "", "x: No module named ur.run.remote.share\n"), "bob: ubiquity_launches there is older", "git pull"),
         (Done(1, "", "disk full\n"), "bob: its nodes cannot be started: disk full", "ur doctor bob"),
         (Done(0, "", ""), "bob: its nodes cannot be started: exit code 0", "ur doctor bob"),
     ],

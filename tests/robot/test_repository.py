@@ -11,16 +11,40 @@ from pathlib import Path
 import pytest
 
 from ur.robot import repository_side
-from ur.robot.repository import COPY, STAMP, WORKSPACE_COPY, WantedRepository, read_repository
+from ur.robot.repository import (
+    COPY,
+    READY,
+    STAMP,
+    WORKSPACE_COPY,
+    WantedPrograms,
+    WantedRepository,
+    read_programs,
+    read_repository,
+)
 from ur.robot.setup.facts import ABSENT, Facts, FileState
 
 ROOT = Path(__file__).parents[2]
 WANTED = WantedRepository("digest", {"src/a.py": (0o644, b"1"), "ur": (0o755, b"2"), "bin/ur": (0, b"../ur")})
 FOLDER = FileState("", 0o755, folder=True)
-KNOWN = {"copy": COPY, "workspace": WORKSPACE_COPY, "stamp": STAMP}
+KNOWN = {
+    "copy": COPY,
+    "workspace": WORKSPACE_COPY,
+    "stamp": STAMP,
+    "ready": f"{COPY}/{READY}",
+    "own_ready": f"{WORKSPACE_COPY}/{READY}",
+}
+COPIED = {"copy": FOLDER, "stamp": FileState("digest\n")}
+PROGRAMS = WantedPrograms("d1")
+# In place of tools/set_up.bash: says what it was started with, and does what WORK is.
+SET_UP = """\
+#!/bin/bash
+[[ $1 == run ]] || exit 9
+work=$(<work)
+eval "$work"
+"""
 
 
-def facts(home: str = "/home/ros", **files: FileState) -> Facts:
+def facts(home: str = "/home/ros", /, **files: FileState) -> Facts:
     found = {path: files.get(key, ABSENT) for key, path in KNOWN.items()}
     return Facts("ros", home, "bob", "", "", frozenset(), files=found)
 
@@ -41,7 +65,7 @@ def test_copy_is_made_unless_it_is_there_or_a_clone_is(found: Facts, copied: boo
 
 
 def test_change_does_what_it_says(tmp_path: Path) -> None:
-    change = WANTED.plan(facts(home=str(tmp_path)))
+    change = WANTED.plan(facts(str(tmp_path)))
     assert change
     (command,) = change.commands
     assert isinstance(command.stdin, str)
@@ -100,3 +124,70 @@ def test_own_repository_has_what_runs_and_nothing_that_was_made() -> None:
     assert not [name for name in wanted.files if "__pycache__" in name or name.startswith((".venv", "tests", ".git"))]
     assert wanted == read_repository(ROOT)
     assert len(repr(wanted)) < 200
+
+
+@pytest.mark.parametrize(
+    ("found", "made"),
+    [
+        (facts(**COPIED), True),
+        (facts(**COPIED, ready=FileState("/home/ros/ubiquity_launches\nd0\n")), True),
+        (facts(**COPIED, ready=FileState("/home/ros/ubiquity_launches\n")), True),  # of an earlier version
+        (facts(**COPIED, ready=FileState("/home/ros/ubiquity_launches\nd1\n")), False),
+        (facts(copy=FOLDER), True),  # a clone of the user's own
+        (facts(copy=FOLDER, ready=FileState("elsewhere\n")), False),
+        (facts(workspace=FOLDER, **COPIED, ready=FileState("x\nd1\n")), True),
+        (facts(workspace=FOLDER, own_ready=FileState("x\n")), False),
+    ],
+)
+def test_environment_is_made_unless_it_is_there_and_of_the_same_files(found: Facts, made: bool) -> None:
+    change = PROGRAMS.plan(found)
+    assert (change is not None) is made
+    if change:
+        place = WORKSPACE_COPY if found.file(WORKSPACE_COPY).folder else COPY
+        assert f"cd {found.resolve(place)} " in change.commands[0].script
+        assert change.commands[0].fetches
+
+
+def run_set_up(home: Path, work: str) -> subprocess.CompletedProcess[str]:
+    folder = home / "ubiquity_launches"
+    (folder / "tools").mkdir(parents=True, exist_ok=True)
+    (folder / "tools/set_up.bash").write_text(SET_UP)
+    (folder / "work").write_text(work)
+    change = PROGRAMS.plan(facts(str(home), **COPIED))
+    assert change
+    script = change.commands[0].script
+    return subprocess.run(["sh", "-c", script], capture_output=True, text=True, check=False, timeout=60)
+
+
+def test_environment_that_cannot_be_made_is_explained_in_one_line(tmp_path: Path) -> None:
+    work = "echo 'setting up'; echo 'error: pip failed'; echo '  | ERROR: no such wheel'; echo 'error: not installed'"
+    done = run_set_up(tmp_path, f"{work}; exit 2")
+    assert (done.returncode, done.stdout, done.stderr) == (2, "", "not installed: no such wheel\n")
+    assert run_set_up(tmp_path, "true").returncode == 0
+
+
+def test_set_up_that_was_left_behind_is_ended_by_the_next(tmp_path: Path) -> None:
+    cache = tmp_path / "ubiquity_launches/.cache"
+    cache.mkdir(parents=True)
+    with subprocess.Popen(["bash", "-c", "read -r _", "set_up.bash"], stdin=subprocess.PIPE) as former:
+        (cache / "set_up.pid").write_text(f"{former.pid}\n")
+        assert run_set_up(tmp_path, "true").returncode == 0
+        assert former.wait(60) == -15
+
+
+def test_environment_of_a_copy_is_taken_back_and_that_of_a_clone_stays(tmp_path: Path) -> None:
+    ready = FileState("x\nd1\n")
+    assert PROGRAMS.undo(facts(copy=FOLDER, ready=ready)) is None
+    assert PROGRAMS.undo(facts(**COPIED)) is None
+    change = PROGRAMS.undo(facts(str(tmp_path), **COPIED, ready=ready))
+    assert change
+    (tmp_path / "ubiquity_launches/.venv/bin").mkdir(parents=True)
+    subprocess.run(["sh", "-c", change.commands[0].script], check=True, timeout=60)
+    assert list((tmp_path / "ubiquity_launches").iterdir()) == []
+
+
+def test_digest_of_the_environment_is_the_one_that_its_set_up_writes() -> None:
+    line = "cat requirements/run.lock tools/set_up.bash pyproject.toml | sha256sum"
+    assert line in (ROOT / "tools/set_up.bash").read_text()
+    said = subprocess.run(["sh", "-c", line], cwd=ROOT, capture_output=True, text=True, check=True, timeout=60).stdout
+    assert read_programs(ROOT).digest == said.split()[0]

@@ -1,11 +1,12 @@
-"""Asks a robot how its clock is and what it starts at boot: over one ssh connection by key, for a short time only."""
+"""Ask a robot for its clock and for what it starts at boot: over one ssh connection by key, for a short time only."""
 
 from __future__ import annotations
 
 import subprocess
 import threading
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
+from dataclasses import replace
 from typing import IO
 
 from ur.robot.boot import PREFIX
@@ -13,6 +14,13 @@ from ur.robot.listing import Answer
 from ur.robot.setup.verify import clock_offset
 
 ROUNDS = 4
+UNKNOWN_KEY = "host key unknown"
+_REFUSALS = (
+    ("Host key verification failed", UNKNOWN_KEY),
+    ("IDENTIFICATION HAS CHANGED", "another host key"),
+    ("Permission denied", "key refused"),
+    ("Connection refused", "no ssh server"),
+)
 END = "end"
 # After END, each line is answered with the time: the connection stands by then, so that an answer takes no time.
 SCRIPT = (
@@ -21,24 +29,44 @@ SCRIPT = (
 )
 
 
-def ask_robot(login: str, name: str, seconds: float, clock: Callable[[], float], over: threading.Event) -> Answer:
-    """What a robot at USER@ADDRESS says, whose host key is known as NAME.local; nothing when it is not done in time.
+def ask_robot(
+    login: str, names: Sequence[str], seconds: float, clock: Callable[[], float], over: threading.Event
+) -> Answer:
+    """Ask a robot at USER@ADDRESS, whose host key is known as NAME.local for one of `names`, which are tried in turn.
 
-    `clock` tells the time here (s since 1970). When `over` is set, it ends at once. Raises nothing.
+    Each gets so many seconds. `clock` gives the time here (s since 1970). When `over` is set, it ends at once. Without
+    an answer, `refused` of the result is the reason. Raises nothing.
     """
+    answer = Answer()
+    for name in names:
+        answer = _ask(login, name, seconds, clock, over)
+        if not answer.refused:
+            return replace(answer, known_as=name)
+        if answer.refused != UNKNOWN_KEY:
+            break
+    return answer
+
+
+def _ask(login: str, name: str, seconds: float, clock: Callable[[], float], over: threading.Event) -> Answer:
     options = [
         *("BatchMode=yes", "StrictHostKeyChecking=yes", f"HostKeyAlias={name}.local", "CheckHostIP=no"),
-        *(f"ConnectTimeout={max(1, round(seconds))}", "LogLevel=QUIET", "ForwardX11=no", "ControlPath=none"),
+        *(f"ConnectTimeout={max(1, round(seconds))}", "LogLevel=ERROR", "ForwardX11=no", "ControlPath=none"),
     ]
-    command = ["ssh", "-T", *(word for option in options for word in ("-o", option)), login, SCRIPT]
+    command = ["ssh", "-T", *(word for option in options for word in ("-o", option)), "--", login, SCRIPT]
     with suppress(OSError, ValueError), _process(command, seconds, over) as process:
         assert process.stdin is not None
         assert process.stdout is not None
+        assert process.stderr is not None
         said = list(_until_end(process.stdout))
-        if said[-1:] != [END]:
-            return Answer()
-        return Answer(services=parse_services(said[:-1]), offset=_compare(process.stdin, process.stdout, clock))
-    return Answer()
+        if said[-1:] == [END]:
+            return Answer(services=parse_services(said[:-1]), offset=_compare(process.stdin, process.stdout, clock))
+        return Answer(refused=explain_refusal(process.stderr.read(), seconds))
+    return Answer(refused=explain_refusal("", seconds))
+
+
+def explain_refusal(said: str, seconds: float) -> str:
+    """The meaning of what ssh printed instead of an answer, in a few words; nothing means that it took too long."""
+    return next((reason for words, reason in _REFUSALS if words in said), f"no answer in {seconds:g} s")
 
 
 @contextmanager
@@ -47,7 +75,7 @@ def _process(command: list[str], seconds: float, over: threading.Event) -> Itera
         command,
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
-        stderr=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
         text=True,
         start_new_session=True,  # Ctrl-C is for us
     )
@@ -68,7 +96,7 @@ def _process(command: list[str], seconds: float, over: threading.Event) -> Itera
         done.set()
         thread.join()
         process.wait()
-        for stream in (process.stdin, process.stdout):
+        for stream in (process.stdin, process.stdout, process.stderr):
             with suppress(OSError):
                 if stream:
                     stream.close()

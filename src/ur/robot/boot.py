@@ -12,6 +12,9 @@ from ur.robot.ssh.shell import quote
 
 PREFIX = "ubiquity-"
 MASTER = "master"
+# Threads in which a master tells nodes of new publishers. Each waits up to two minutes for a node that the network has
+# lost; with rosmaster's 3, three nodes of a viewer keep the robot's own from hearing of each other meanwhile.
+MASTER_WORKERS = 32
 FOLDER = "/etc/systemd/system"
 LIBRARIES = ("catkin_ws/src/ubiquity_launches", "ubiquity_launches")  # where this project may be on a robot
 # Neither "network" nor "online" means that a robot on WiFi has its address: wait until its own full name leads to one.
@@ -29,6 +32,27 @@ else pause=0; fi
 echo $pause >pause; sleep $pause; now >began"""
 CALM_SECONDS = 60
 FIRST_PAUSE, LAST_PAUSE = 2, 60
+# What a program of a robot never needs. It keeps devices, /sys (GPIO), real-time scheduling, its user's processes and
+# /tmp; ProtectClock= and PrivateDevices= would take its serial ports away.
+_LIMITS = """\
+NoNewPrivileges=yes
+ProtectSystem=strict
+ReadWritePaths={home} -/home -/root -/run -/tmp -/var/tmp -/var/log -/var/crash -/media -/mnt -/srv
+ProtectKernelModules=yes
+ProtectKernelLogs=yes
+RestrictSUIDSGID=yes
+RestrictNamespaces=yes
+LockPersonality=yes
+RestrictAddressFamilies=AF_UNIX AF_INET AF_INET6 AF_NETLINK AF_CAN AF_BLUETOOTH
+SystemCallArchitectures=native
+SystemCallFilter=~@clock @cpu-emulation @module @mount @obsolete @raw-io @reboot @swap
+SystemCallErrorNumber=EPERM
+"""
+_CAPABILITIES = {
+    "": "CapabilityBoundingSet=\n",
+    "root": "CapabilityBoundingSet=CAP_CHOWN CAP_DAC_OVERRIDE CAP_FOWNER CAP_IPC_LOCK CAP_KILL CAP_NET_ADMIN "
+    "CAP_NET_RAW CAP_SYS_NICE CAP_SYS_RAWIO\n",
+}
 _UNIT = """\
 # Written by ur boot install.
 [Unit]
@@ -50,28 +74,34 @@ ExecStart={start}
 TimeoutStopSec=20
 Restart=always
 RestartSec=2
-
+{limits}
 [Install]
 WantedBy=multi-user.target
 """
 
-# Python as ROS has it: PyYAML comes with rospkg. The master needs a moment until it answers.
+# Python as ROS has it: PyYAML comes with rospkg. A master that was just started needs a moment until it answers.
 _TELL = """\
-import os, sys, time, xmlrpc.client, yaml
+import os, socket, sys, time, xmlrpc.client, yaml
+socket.setdefaulttimeout(5.0)
 try:
     with open({path!r}) as file:
-        robot = yaml.safe_load(file)
-    facts = {{"/ur/base_name": str(robot["base"]), "/ur/variant": str(robot.get("variant") or "")}}
+        robot = yaml.load(file, yaml.BaseLoader)  # texts only, and nothing that grows
+    facts = {{"/ur/base_name": robot["base"], "/ur/variant": robot.get("variant", "")}}
+    if not all(isinstance(each, str) for each in facts.values()):
+        raise TypeError("base and variant have to be words")
 except FileNotFoundError:
     sys.exit()
-except (OSError, yaml.YAMLError, KeyError, TypeError, AttributeError) as problem:
+except (OSError, ValueError, yaml.YAMLError, LookupError, TypeError, AttributeError, RecursionError) as problem:
     sys.exit({path!r} + ": " + str(problem))
 master = xmlrpc.client.ServerProxy(os.environ.get("ROS_MASTER_URI", "http://localhost:11311"))
-end = time.monotonic() + 60.0
+end = time.monotonic() + {seconds}
 while True:
     try:
         for name, value in facts.items():
-            master.setParam("/ur", name, value)
+            code, _, before = master.getParam("/ur", name)
+            if code != 1 or before != value:
+                master.setParam("/ur", name, value)
+                print("changed", name)
         break
     except OSError as problem:
         if time.monotonic() > end:
@@ -93,19 +123,23 @@ class Unit:
         return f"{FOLDER}/{self.service}.service"
 
 
-def master_unit(user: str) -> Unit:
-    """The unit that keeps a ROS master up, and tells it what base the robot is."""
-    return _unit(MASTER, command_line(["roscore"]), user, then=["/usr/bin/python3", "-c", tell_base_script()])
+def master_unit(user: str, home: str) -> Unit:
+    """The unit that keeps a ROS master up as a user, and tells it what base the robot is."""
+    then = ["/usr/bin/python3", "-I", "-c", tell_base_script()]
+    return _unit(MASTER, command_line(["roscore", "-w", str(MASTER_WORKERS)]), user, home, then=then)
 
 
-def tell_base_script(path: Path = ROBOT_FILE) -> str:
-    """Python that sets `/ur/base_name` and `/ur/variant` of the master from a robot file, where there is one."""
-    return _TELL.format(path=str(path))
+def tell_base_script(path: Path = ROBOT_FILE, *, seconds: float = 60.0) -> str:
+    """Python that sets `/ur/base_name` and `/ur/variant` of the master from a robot file, where there is one.
+
+    It waits so long (s) for the master, and prints `changed NAME` for each parameter that had another value.
+    """
+    return _TELL.format(path=str(path), seconds=seconds)
 
 
-def program_unit(name: str, line: str, user: str) -> Unit:
+def program_unit(name: str, line: str, user: str, home: str) -> Unit:
     """The unit of a command line of bash: started after the master, again when it ends, and with a new master."""
-    return _unit(name, line, user, master=f"{PREFIX}{MASTER}.service")
+    return _unit(name, line, user, home, master=f"{PREFIX}{MASTER}.service")
 
 
 def command_line(words: Sequence[str]) -> str:
@@ -121,7 +155,7 @@ def launch_line(package: str, file: str, arguments: Sequence[str]) -> str:
     words = quote(package, file, *arguments)
     places = " ".join(f'"$HOME"/{place}' for place in LIBRARIES)
     # Not by its script `ur`, which may want to install something first: nobody is there to see that.
-    ready = f'"$d/.venv/bin/python" -m ur launch --plain --wait {words}'
+    ready = f'"$d/.venv/bin/python" -I -m ur launch --plain --wait {words}'
     return f'for d in {places}; do [ ! -r "$d/.venv/ready-run" ] || exec {ready}; done; exec roslaunch --wait {words}'
 
 
@@ -130,7 +164,7 @@ def is_unit_name(text: str) -> bool:
     return text != MASTER and re.fullmatch(r"[a-z0-9][a-z0-9_-]{0,50}", text) is not None
 
 
-def _unit(name: str, line: str, user: str, *, master: str = "", then: Sequence[str] = ()) -> Unit:
+def _unit(name: str, line: str, user: str, home: str, *, master: str = "", then: Sequence[str] = ()) -> Unit:
     # A login shell, so that the environment is the one that the user has, too.
     start, after_start = (f"/bin/bash -lc {_quote(each)}" for each in (line, command_line(then)))
     service = f"{PREFIX}{name}"
@@ -143,6 +177,7 @@ def _unit(name: str, line: str, user: str, *, master: str = "", then: Sequence[s
         user=user,
         wait=_quote(_WAIT),
         back_off=_quote(back_off),
+        limits=_LIMITS.format(home=_quote(f"-{home}")) + _CAPABILITIES["root" if user == "root" else ""],
         start=start,
         after_start=f"ExecStartPost=-{after_start}\n" if then else "",
     )

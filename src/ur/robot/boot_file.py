@@ -45,7 +45,7 @@ def is_launch_name(word: str) -> bool:
 
 def find_launch(shell: Shell, package: str, file: str, robot: str) -> RobotLaunch:
     """Look a launch file up as a login shell there does. Raises UserError: no such package or file on the robot."""
-    look = quote("/usr/bin/python3", "-c", _FIND, package, file)
+    look = quote("/usr/bin/python3", "-I", "-c", _FIND, package, file)
     done = shell.run(quote("bash", "-lc", f"exec {look}"))
     if done.code == 3:
         help_ = f"it lies in this computer's workspace? then: ur sync {robot}"
@@ -56,8 +56,13 @@ def find_launch(shell: Shell, package: str, file: str, robot: str) -> RobotLaunc
     if done.code or len(lines) < 2:
         said = (done.err.strip().splitlines() or ["no reason was given"])[-1]
         raise _problem(f"{robot}: {package} {file} cannot be looked up: {said}", f"ur doctor {robot}")
+    try:
+        data = base64.b64decode(lines[-1])
+    except ValueError:
+        said = "its answer is damaged"
+        raise _problem(f"{robot}: {package} {file} cannot be looked up: {said}", f"ur doctor {robot}") from None
     own = shell.run(f"cat {quote(str(ROBOT_FILE))} 2>/dev/null").out
-    return RobotLaunch(lines[-2], base64.b64decode(lines[-1]), own)
+    return RobotLaunch(lines[-2], data, own)
 
 
 def choose_arguments(

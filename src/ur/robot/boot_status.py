@@ -7,6 +7,8 @@ from dataclasses import dataclass
 
 from ur.robot.boot import FOLDER, PREFIX
 from ur.robot.ssh.shell import quote
+from ur.source.diagnostic import UserError, error
+from ur.source.numbers import parse_integer
 
 LAST_LINES = 3
 _PROPERTIES = (
@@ -22,6 +24,7 @@ for f in {FOLDER}/{PREFIX}*.service; do
   only=; systemctl -q is-active "$u" && only=_SYSTEMD_INVOCATION_ID=$(systemctl show -P InvocationID "$u")
   journalctl -q -u "$u" $only -n {LAST_LINES} -o cat --no-pager 2>/dev/null | sed 's/^/Said=/'
 done
+printf '\\036end\\n'
 """
 
 
@@ -41,8 +44,17 @@ class ServiceStatus:
 
 
 def parse_status(text: str) -> list[ServiceStatus]:
-    """Read what SCRIPT printed."""
-    return [_parse(part) for part in text.split(_MARK)[1:]]
+    """Read what SCRIPT printed. Raises UserError if it breaks off or is something else: no service is not no answer."""
+    *parts, last = text.split(_MARK)
+    if last.strip() != "end" or not parts:
+        raise UserError(
+            error(
+                f"the answer of the robot cannot be read, it ends with {text.strip()[-80:]!r}; expected boot services",
+                rule="no-answer",
+                help="check it with 'ur doctor', then run this again",
+            )
+        )
+    return [_parse(part) for part in parts[1:]]
 
 
 def _parse(part: str) -> ServiceStatus:
@@ -62,7 +74,7 @@ def _parse(part: str) -> ServiceStatus:
 
 
 def _number(text: str | None) -> int:
-    return int(text) if text and text.isdigit() else 0
+    return max(parse_integer(text or "") or 0, 0)
 
 
 def describe_status(status: ServiceStatus) -> Iterator[str]:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from ur.robot.ssh.shell import quote
 from ur.source.diagnostic import UserError, error
+from ur.source.numbers import parse_integer
 
 WORKSPACE = "catkin_ws"
 # g++ -O2 takes 333 MB for a node of five lines with ros/ros.h (Debian 12, 64 bits); larger ones take more. With
@@ -40,7 +41,7 @@ def parse_builder(text: str) -> Builder:
 
     def number(word: str) -> int | None:
         found = re.search(rf"^{word} (\d+)$", text, re.MULTILINE)
-        return int(found[1]) if found else None
+        return parse_integer(found[1]) if found else None
 
     memory = number("memory")
     return Builder(

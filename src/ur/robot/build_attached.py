@@ -14,6 +14,7 @@ import sys
 import threading
 import time
 from contextlib import suppress
+from pathlib import Path
 
 # Not SIGINT: catkin_make would print a traceback. make takes half-made files away at either.
 STEPS = ((signal.SIGTERM, 5.0), (signal.SIGKILL, 5.0))
@@ -50,11 +51,20 @@ def _end(group: int) -> None:
             return
         limit = time.monotonic() + patience
         while time.monotonic() < limit:
-            try:
-                os.killpg(group, 0)
-            except ProcessLookupError:
+            if not _is_running(group):
                 return
             time.sleep(0.05)
+
+
+def _is_running(group: int) -> bool:
+    """Check a process group for running members. A member that ended and waits for init to reap it does not count."""
+    for entry in Path("/proc").iterdir():
+        with suppress(OSError):
+            if entry.name.isdigit():
+                state, _, its_group = (entry / "stat").read_text().rpartition(")")[2].split()[:3]
+                if int(its_group) == group and state not in ("Z", "X"):
+                    return True
+    return False
 
 
 if __name__ == "__main__":

@@ -2,12 +2,32 @@
 
 from __future__ import annotations
 
+import ipaddress
 import re
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+import threading
+from collections.abc import Callable, Collection, Mapping, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import suppress
+from dataclasses import dataclass
 from typing import Any
 
 SERVICE_TYPE = "_ubiquity-robot._tcp.local."
+MOST_ADDRESSES = 16
+MOST_SOUGHT = 100  # known robots that are asked for by name
+MOST_STRANGERS = 50  # robots that this computer does not know; a class room has some dozens
+MOST_TWINS = 10  # more robots than are known that have a known name
+MOST_COUNTED = 10_000
+AT_ONCE = 8
+RESOLVE_SECONDS = 1.5
+_NAME = re.compile(r"[A-Za-z0-9](?:[A-Za-z0-9-]{0,61}[A-Za-z0-9])?")
+_WORD = re.compile(r"(?:[A-Za-z0-9_][A-Za-z0-9_.-]{0,62})?")
+_SHAPES = {
+    "base": _WORD,
+    "variant": _WORD,
+    "user": re.compile(r"(?:[a-z_][a-z0-9_-]{0,31})?"),
+    "version": re.compile(r"(?:[A-Za-z0-9][A-Za-z0-9.+~_-]{0,62})?"),
+}
+_SCOPE = re.compile(r"[0-9A-Fa-f:.]+(?:%[A-Za-z0-9_.-]{1,15})?")
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,36 +52,77 @@ class Sighting:
         return next((address for address in self.addresses if ":" not in address), "")
 
 
-def parse_sighting(host: str, addresses: Sequence[str], texts: dict[str, str]) -> Sighting:
-    """A sighting from an announcement's host name, addresses and text records."""
+def parse_sighting(host: str, addresses: Sequence[str], texts: Mapping[str, str]) -> Sighting | None:
+    """A sighting from an announcement's host name, addresses and text records; None where one has another shape.
+
+    Anybody in the network may announce anything, and what is announced gets into command lines, files and texts.
+    """
     host = host.rstrip(".").removesuffix(".local")
     base = re.sub(r"-\d+$", "", host)  # what avahi adds when a name is taken
     known = {key: texts.get(key, "") for key in ("base", "variant", "user", "version")}
-    return Sighting(host, texts.get("name") or base, tuple(addresses), **known)
+    name = texts.get("name") or base
+    good = (
+        all(map(_NAME.fullmatch, (host, name)))
+        and all(_SHAPES[key].fullmatch(value) for key, value in known.items())
+        and len(addresses) <= MOST_ADDRESSES
+        and all(map(_is_address, addresses))
+    )
+    return Sighting(host, name, tuple(addresses), **known) if good else None
 
 
-@dataclass(slots=True)
+def _is_address(text: str) -> bool:
+    try:
+        return not ipaddress.ip_address(text.partition("%")[0]).is_multicast and _SCOPE.fullmatch(text) is not None
+    except ValueError:
+        return False
+
+
+def read_texts(properties: Mapping[bytes, bytes | None]) -> dict[str, str]:
+    """The text records of an announcement. Bytes that are not UTF-8 become characters that no field may hold."""
+    return {key.decode(errors="replace"): (value or b"").decode(errors="replace") for key, value in properties.items()}
+
+
 class Browser:
-    """Listens for robots while it is open; use as a context manager. `changed` is called from another thread."""
+    """Listens for robots while it is open; use as a context manager. `changed` is called from another thread.
 
-    changed: Callable[[], None] = lambda: None
-    _zeroconf: Any = None
-    _seen: dict[str, Sighting] = field(default_factory=dict)
+    Of robots whose names are not `known`, so many are kept that no crowd of announcements hides the others. The known
+    ones are asked for by name as well, so that they need not wait until the announcements of a crowd have been read.
+    """
+
+    def __init__(self, changed: Callable[[], None] = lambda: None, known: Collection[str] = ()) -> None:
+        self._changed = changed
+        self._crowd = Crowd(known)
+        self._sought = sorted(filter(_NAME.fullmatch, known))[:MOST_SOUGHT]
+        self._lookups: list[Future[bool]] = []
+        self._zeroconf: Any = None
+        self._pool: ThreadPoolExecutor | None = None
 
     def __enter__(self) -> Browser:
         from zeroconf import ServiceBrowser, Zeroconf
 
+        self._pool = ThreadPoolExecutor(AT_ONCE)
         self._zeroconf = Zeroconf()
         ServiceBrowser(self._zeroconf, SERVICE_TYPE, handlers=[self._notice])
+        for name in self._sought:
+            self._look_up(f"{name}.{SERVICE_TYPE}")
         return self
 
     def __exit__(self, *_: object) -> None:
+        for lookup in self._lookups:
+            lookup.cancel()
         self._zeroconf.close()
+        if self._pool is not None:
+            self._pool.shutdown(cancel_futures=True)
 
     @property
     def sightings(self) -> list[Sighting]:
         """Who is there now."""
-        return list(self._seen.values())
+        return self._crowd.sightings
+
+    @property
+    def left_out(self) -> tuple[int, int]:
+        """The number of announcements of another shape than a robot's, and the number of those above the limit."""
+        return self._crowd.misshapen, self._crowd.too_many
 
     def find_twin(self, name: str, seconds: float) -> str:
         """The address of a computer to which zeroconf gave NAME-2 since NAME was taken; '' when nobody answers."""
@@ -73,15 +134,114 @@ class Browser:
         return next(iter(resolver.parsed_addresses()), "")
 
     def _notice(self, zeroconf: Any, service_type: str, name: str, state_change: Any) -> None:
-        from zeroconf import ServiceStateChange
+        from zeroconf import ServiceInfo, ServiceStateChange
 
         if state_change is ServiceStateChange.Removed:
+            self._crowd.remove(name)
+            self._changed()
+            return
+        try:
+            info = ServiceInfo(service_type, name)
+            is_complete = info.load_from_cache(zeroconf)
+        except Exception:
+            self._crowd.add(name, None)
+            self._changed()
+            return
+        if is_complete:  # all came in one packet, as avahi sends it
+            self._take(name, info)
+        elif self._pool is not None and self._crowd.may_ask(name):
+            with suppress(RuntimeError):  # it is being closed
+                self._pool.submit(self._resolve, zeroconf, name, info)
+
+    def _resolve(self, zeroconf: Any, name: str, info: Any) -> None:
+        # A host that announces itself and does not answer costs one of a few threads for this long.
+        if info.request(zeroconf, RESOLVE_SECONDS * 1000):
+            self._take(name, info)
+
+    def _look_up(self, name: str) -> None:
+        # In the thread of zeroconf: robots that are away cost no thread each while they are waited for.
+        import asyncio
+
+        from zeroconf import ServiceInfo
+
+        info = ServiceInfo(SERVICE_TYPE, name)
+        answer = info.async_request(self._zeroconf, RESOLVE_SECONDS * 1000)
+        lookup = asyncio.run_coroutine_threadsafe(answer, self._zeroconf.loop)
+
+        def finish(done: Future[bool]) -> None:
+            if not done.cancelled() and done.exception() is None and done.result():
+                self._take(name, info)
+
+        lookup.add_done_callback(finish)
+        self._lookups.append(lookup)
+
+    def _take(self, name: str, info: Any) -> None:
+        found: Sighting | None = None
+        with suppress(Exception):  # whatever the library makes of what anybody may send
+            found = parse_sighting(info.server or "", info.parsed_addresses(), read_texts(info.properties))
+        self._crowd.add(name, found)
+        self._changed()
+
+
+class Crowd:
+    """Announcements by the name of their service, as many as make sense: all of `known` robots, some of others."""
+
+    def __init__(self, known: Collection[str] = ()) -> None:
+        self._known = frozenset(known)
+        self._seen: dict[str, Sighting | None] = {}
+        self._asked: set[str] = set()
+        self._late: set[str] = set()
+        self._lock = threading.Lock()
+
+    @property
+    def sightings(self) -> list[Sighting]:
+        """Those that are kept."""
+        with self._lock:
+            return [one for one in self._seen.values() if one is not None]
+
+    @property
+    def misshapen(self) -> int:
+        """The number of announcements that no robot sends."""
+        with self._lock:
+            return sum(one is None for one in self._seen.values())
+
+    @property
+    def too_many(self) -> int:
+        """The number of announcements that are not kept, counted up to a limit."""
+        return len(self._late)
+
+    def may_ask(self, name: str) -> bool:
+        """Return whether a service may be asked for its details."""
+        with self._lock:
+            label = name.partition(".")[0]
+            if label in self._known or name in self._asked or len(self._asked) < MOST_STRANGERS:
+                self._asked.add(name)
+                return True
+            self._note_late(name)
+            return False
+
+    def add(self, name: str, sighting: Sighting | None) -> None:
+        """Keep what a service says, None for nonsense, unless there are too many of its kind already."""
+        with self._lock:
+            is_known = sighting is not None and sighting.name in self._known
+            same = [
+                key
+                for key, one in self._seen.items()
+                if key != name and (one is not None and one.name in self._known) == is_known
+            ]
+            if len(same) < (MOST_STRANGERS if not is_known else len(self._known) + MOST_TWINS):
+                self._seen[name] = sighting
+            else:
+                self._seen.pop(name, None)
+                self._note_late(name)
+
+    def remove(self, name: str) -> None:
+        """Forget a service that said goodbye."""
+        with self._lock:
             self._seen.pop(name, None)
-        else:
-            info = zeroconf.get_service_info(service_type, name)
-            if info is not None and info.server:
-                texts = {
-                    key.decode(): (value or b"").decode(errors="replace") for key, value in info.properties.items()
-                }
-                self._seen[name] = parse_sighting(info.server, info.parsed_addresses(), texts)
-        self.changed()
+            self._asked.discard(name)
+            self._late.discard(name)
+
+    def _note_late(self, name: str) -> None:
+        if len(self._late) < MOST_COUNTED:
+            self._late.add(name)

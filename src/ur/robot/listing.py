@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -12,11 +13,12 @@ from ur.robot.seen import Seen, describe_age
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """What a robot said when it was asked; None where it did not say so in time.
+    """The answers of a robot; None where there is none yet.
 
     `nodes`: how many its ROS master knows; `services`: what it starts at boot, and systemd's word for how that is;
     `offset` (s): how far its clock is ahead; `twin`: the address of another computer with its name, '' when there is
     none. `answers` is False when nothing at all came back: what was announced is remembered for an hour and more.
+    `refused` is why it did not answer over ssh, '' when it did; `known_as` the name of its host key on this computer.
     """
 
     nodes: int | None = None
@@ -24,6 +26,8 @@ class Answer:
     offset: float | None = None
     twin: str = ""
     answers: bool | None = None
+    refused: str = ""
+    known_as: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,21 +46,39 @@ class Row:
 
     @property
     def runs(self) -> str:
-        """What runs there, in a few words."""
-        words = [] if self.answer.nodes is None else [f"{self.answer.nodes} nodes"]
+        """The ROS nodes and the boot services there, in a few words."""
+        nodes = self.answer.nodes
+        if nodes is None:
+            words = ["no ROS master"] if self.answer.services is not None else []
+        else:
+            words = ["no nodes yet" if nodes == 0 else "1 node" if nodes == 1 else f"{nodes} nodes"]
         words += [name if state == "active" else f"{name} ({state})" for name, state in self.answer.services or ()]
         return ", ".join(words)
 
     @property
     def clock(self) -> str:
-        """How far its clock is ahead."""
-        return "" if self.answer.offset is None else f"{self.answer.offset:+.3f} s"
+        """The offset of its clock from this one, or the reason why that is unknown."""
+        if self.answer.offset is None:
+            return f"unknown: {self.answer.refused}" if self.answer.refused else ""
+        return f"{self.answer.offset:+.3f} s"
 
     def when(self, now: float) -> str:
         """Since when it is away, and where it was; 'here' for one that is not away."""
         if self.address:
             return "here"
         return f"away, {describe_age(now - self.seen.time)} at {self.seen.address}" if self.seen else "away"
+
+
+def is_settled(answer: Answer) -> bool:
+    """Return whether no more answers are expected of a robot: it is away, has refused, or has answered completely.
+
+    A master without nodes is not settled: on a robot that has just booted or was renamed the first node starts later.
+    """
+    if answer.answers is False or answer.refused:
+        return True
+    if answer.services is None or answer.offset is None:
+        return False
+    return "master" not in dict(answer.services) or bool(answer.nodes)
 
 
 def list_robots(
@@ -89,12 +111,20 @@ def list_robots(
 
 def _row(one: Sighting, twice: bool, answer: Answer) -> Row:
     problem = help = ""
+    name = one.name
     where = one.address or ", ".join(one.addresses)
-    if twice or one.host != one.name:
+    if not twice and one.host != one.name and not re.fullmatch(rf"{re.escape(one.name)}-\d+", one.host):
+        name = one.host
+        problem = f"{name} announces its former name, {one.name}"
+        help = f"ur robot setup {name}.local --name {name}"
+    elif twice or one.host != one.name:
         problem = f"two computers are called {one.name}: this one ({where}) answers to {one.host}.local"
         # The one that kept the name may keep it.
         help = f"ur robot setup {one.host}.local --name ANOTHER" if one.host != one.name else "rename the other one"
     elif answer.twin and answer.twin not in one.addresses:
         problem = f"two computers are called {one.name}: the other one ({answer.twin}) answers to {one.name}-2.local"
         help = f"ur robot setup {one.name}-2.local --name ANOTHER"
-    return Row(one.name, where, one.base, one.variant, one.version, answer, problem=problem, help=help)
+    elif answer.known_as not in ("", one.name):
+        problem = f"{one.name} was renamed: this computer knows it as {answer.known_as}"
+        help = f"ur robot rename {answer.known_as} {one.name}"
+    return Row(name, where, one.base, one.variant, one.version, answer, problem=problem, help=help)

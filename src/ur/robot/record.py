@@ -14,12 +14,16 @@ DEFAULT_USER = "ros"
 
 @dataclass(frozen=True, slots=True)
 class Record:
-    """A robot that was set up from here, and whom to log in as."""
+    """A robot that was set up from here, and whom to log in as.
+
+    `robot_login` is whether the user lets it log in to this computer; None where nobody was asked.
+    """
 
     name: str
     user: str
     base: str
     variant: str = ""
+    robot_login: bool | None = None
 
 
 def records_folder(environment: Mapping[str, str]) -> Path:
@@ -30,7 +34,9 @@ def records_folder(environment: Mapping[str, str]) -> Path:
 def render_record(record: Record) -> str:
     """The text of a record's file."""
     rows = {"name": record.name, "user": record.user, "base": record.base, "variant": record.variant}
-    return "# Written by ur robot setup.\n" + "".join(f'{key}: "{value}"\n' for key, value in rows.items() if value)
+    texts = "".join(f'{key}: "{value}"\n' for key, value in rows.items() if value)
+    login = "" if record.robot_login is None else f"robot_login: {str(record.robot_login).lower()}\n"
+    return f"# Written by ur robot setup.\n{texts}{login}"
 
 
 def load_records(folder: Path) -> list[Record]:
@@ -43,7 +49,8 @@ def _load_record(path: Path) -> Record | None:
 
     try:
         top = read_section(path, "a record of a robot")
-        return Record(top.text("name"), top.text("user"), top.text("base"), top.text("variant", ""))
+        login = top.boolean("robot_login", False) if top.has("robot_login") else None
+        return Record(top.text("name"), top.text("user"), top.text("base"), top.text("variant", ""), login)
     except UserError:
         return None
 

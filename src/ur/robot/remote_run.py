@@ -6,13 +6,13 @@ from ur.robot.boot import LIBRARIES
 from ur.robot.ssh.shell import Done, Shell, quote
 from ur.source.diagnostic import UserError, error
 
-MODULE = "ur.run.part_side"
+MODULE = "ur.run.remote.share"
 NOT_THERE, NOT_READY = 97, 98
 _SCRIPT = f"""\
 code={NOT_THERE}
 for d in {" ".join(f'"$HOME"/{place}' for place in LIBRARIES)}; do
   [ ! -d "$d" ] || code={NOT_READY}
-  [ ! -r "$d/.venv/ready-run" ] || exec "$d/.venv/bin/python" -m {MODULE}
+  [ ! -r "$d/.venv/ready-run" ] || exec "$d/.venv/bin/python" -I -m {MODULE}
 done
 exit $code"""
 
@@ -29,19 +29,17 @@ def ask_part(shell: Shell, request: str, timeout: float) -> str:
 
 def explain_failure(place: str, done: Done) -> UserError:
     """What it means that a robot did not answer the request."""
-    user, _, host = place.rpartition("@")
-    name = host.removesuffix(".local")
-    copy = f"ssh -t {user}@{host} {LIBRARIES[1]}/ur --version"
+    name = place.rpartition("@")[2].removesuffix(".local")
     said = (done.err.strip().splitlines() or [f"exit code {done.code}"])[-1]
     if done.code == NOT_THERE:
         message = f"{name}: ubiquity_launches is not there, expected it in ~/{LIBRARIES[1]} to start the robot's nodes"
-        help_ = f"ur boot install --robot {name} robot_base copies it; then once, with internet there: {copy}"
+        help_ = f"ur robot setup {name} installs it"
     elif done.code == NOT_READY:
         message = f"{name}: ubiquity_launches is not set up there, expected that once, to start the robot's nodes"
-        help_ = f"with internet there, run: {copy}"
+        help_ = f"ur robot setup {name} completes it"
     elif "No module named" in said:
         message = f"{name}: ubiquity_launches there is older than here, expected the same: {said}"
-        help_ = f"ur boot install --robot {name} robot_base renews a copy; in a clone: git pull"
+        help_ = f"ur robot setup {name} renews a copy; in a clone: git pull"
     else:
         message, help_ = f"{name}: its nodes cannot be started: {said}", f"ur doctor {name}"
     return UserError(error(message, rule="robot-part", help=help_))

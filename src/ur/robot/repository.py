@@ -1,8 +1,7 @@
-"""This project on a robot: a copy of what it needs to run there, as a wanted state.
+"""This project on a robot: a copy of what it needs to run there, and its environment, as wanted states.
 
-The copy is ~/ubiquity_launches: beside the workspace, so that `ur sync` does not carry it back. Its `ur` sets itself up
-there when it is first used, which needs the internet. A robot whose user has a clone of the project, there or in the
-workspace, keeps that.
+The copy is ~/ubiquity_launches: beside the workspace, so that `ur sync` does not carry it back. A robot whose user has
+a clone of the project, there or in the workspace, keeps that.
 """
 
 from __future__ import annotations
@@ -35,7 +34,23 @@ PARTS = (
     "LICENSE",
 )
 _LEFT_OUT = ("__pycache__", ".egg-info", ".pyc")
+# What the environment is made from: tools/set_up.bash writes their digest into the second line of its stamp.
+SET_UP_FROM = ("requirements/run.lock", "tools/set_up.bash", "pyproject.toml")
+READY = ".venv/ready-run"
 SECONDS = 300.0
+SET_UP_SECONDS = 3600.0
+# Only one set-up of a robot runs at a time, so one that is still under way belongs to a viewer that is gone: it may
+# wait for a proxy that is gone, too.
+_SET_UP = """\
+cd {folder} && mkdir -p .cache || exit
+old=$(cat .cache/set_up.pid 2>/dev/null) && grep -qs set_up.bash "/proc/$old/cmdline" && kill "$old"
+bash tools/set_up.bash run >.cache/set_up.out 2>&1 </dev/null &
+echo $! >.cache/set_up.pid; wait $!; code=$?; rm -f .cache/set_up.pid
+[ $code -eq 0 ] || {{
+  why=$(sed -n 's/^  | ERROR: //p' .cache/set_up.out | tail -n 1)
+  echo "$(sed -n 's/^error: //p' .cache/set_up.out | tail -n 1)${{why:+: $why}}"
+}} >&2
+exit $code"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,6 +83,51 @@ class WantedRepository:
     def undo(self, facts: Facts) -> Change | None:  # noqa: ARG002 - of the protocol
         """It stays: what starts at boot may need it."""
         return None
+
+
+@dataclass(frozen=True, slots=True)
+class WantedPrograms:
+    """The environment in which programs of this project run: the locked Python packages beside the system's.
+
+    The Debian packages that it needs have to be there. `digest` is that of the files in SET_UP_FROM.
+    """
+
+    digest: str
+    title: str = "programs"
+
+    def request(self, user: str) -> Request:
+        """Request the project's folders and the record of what its environment was made from."""
+        stamps = {f"{folder}/{READY}" for folder in (COPY, WORKSPACE_COPY)}
+        return Request(user, files=frozenset({COPY, WORKSPACE_COPY, STAMP, *stamps}))
+
+    def plan(self, facts: Facts) -> Change | None:
+        """Make the environment. That of a clone of the user's own is made once, and renewed by its own `ur`."""
+        folder = WORKSPACE_COPY if facts.file(WORKSPACE_COPY).folder else COPY
+        made = facts.file(f"{folder}/{READY}").text
+        own = folder == WORKSPACE_COPY or facts.file(STAMP).text is None
+        if made is not None and (own or made.splitlines()[1:2] == [self.digest]):
+            return None
+        script = _SET_UP.format(folder=quote(facts.resolve(folder)))
+        log = facts.resolve(f"{folder}/.cache/set_up.log")
+        difference = f"{folder}/.venv: {'a new environment' if made is None else 'the environment is renewed'}"
+        command = Command(script, timeout=SET_UP_SECONDS, fetches=True, log=log)
+        return Change(self.title, difference, (command,), note="this takes some minutes")
+
+    def undo(self, facts: Facts) -> Change | None:
+        """Remove the environment of a copy. That of a clone of the user's own stays."""
+        if facts.file(f"{COPY}/{READY}").text is None or facts.file(STAMP).text is None:
+            return None
+        folder = quote(facts.resolve(COPY))
+        command = Command(f"rm -rf {folder}/.venv {folder}/.cache", timeout=SECONDS)
+        return Change(self.title, f"{COPY}/.venv: removed", (command,))
+
+
+def read_programs(root: Path) -> WantedPrograms:
+    """The environment that a robot is to have, from this project's folder on this computer."""
+    digest = hashlib.sha256()
+    for name in SET_UP_FROM:
+        digest.update((root / name).read_bytes())
+    return WantedPrograms(digest.hexdigest())
 
 
 def read_repository(root: Path) -> WantedRepository:

@@ -20,9 +20,13 @@ HASHES = ".copy-files"
 
 
 def put(folder: Path, digest: str, files: dict[str, tuple[int, str]]) -> list[str]:
-    """Make the folder a copy; the paths of files that somebody had changed, and that were kept in FOLDER.changed."""
+    """Make the folder a copy; the paths of files that somebody had changed, and that were kept in FOLDER.changed.
+
+    What is written is on the disk before it replaces anything, and all of it before the copy counts as complete.
+    """
     before = _load(folder / HASHES)
     after = {}
+    wanted = []
     kept = []
     for path, (mode, text) in sorted(files.items()):
         content = base64.b64decode(text)
@@ -31,10 +35,14 @@ def put(folder: Path, digest: str, files: dict[str, tuple[int, str]]) -> list[st
         now = _hash(target)
         if now == after[path] and (mode == 0 or target.stat().st_mode & 0o777 == mode):
             continue
+        _prepare(target, content, mode)
+        wanted.append((path, now))
+    os.sync()  # once: a robot's card takes long for each file
+    for path, now in wanted:
         if now is not None and now not in (before.get(path), after[path]):
             _keep(folder, path)
             kept.append(path)
-        _write(target, content, mode)
+        os.replace(_beside(folder / path), folder / path)  # noqa: PTH105 - it says that it replaces
     for path in sorted(before.keys() - after.keys()):
         if _hash(folder / path) == before[path]:
             (folder / path).unlink()
@@ -65,15 +73,25 @@ def _keep(folder: Path, path: str) -> None:
 
 
 def _write(target: Path, content: bytes, mode: int) -> None:
+    _prepare(target, content, mode)
+    os.sync()
+    os.replace(_beside(target), target)  # noqa: PTH105 - it says that it replaces
+    os.sync()
+
+
+def _beside(target: Path) -> Path:
+    return target.with_name(f"{target.name}.new")
+
+
+def _prepare(target: Path, content: bytes, mode: int) -> None:
     target.parent.mkdir(parents=True, exist_ok=True)
-    new = target.with_name(f"{target.name}.new")
+    new = _beside(target)
     new.unlink(missing_ok=True)
     if mode == 0:
         new.symlink_to(os.fsdecode(content))
     else:
         new.write_bytes(content)
         new.chmod(mode)
-    os.replace(new, target)  # noqa: PTH105 - it says that it replaces
 
 
 def main() -> None:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
+
+from ur.source.replace import replace_file
 
 KEPT = 90 * 86400.0  # s
 
@@ -34,7 +35,7 @@ def load_seen(path: Path) -> dict[str, Seen]:
     try:
         entries = json.loads(path.read_text(encoding="utf-8"))
         found = [Seen(str(each["name"]), str(each["address"]), float(each["time"])) for each in entries]
-    except (OSError, ValueError, TypeError, KeyError):
+    except (OSError, ValueError, TypeError, KeyError, RecursionError):
         return {}
     return {each.name: each for each in found}
 
@@ -49,14 +50,9 @@ def note_seen(path: Path, robots: Iterable[Seen]) -> None:
         return
     oldest = max(each.time for each in latest.values()) - KEPT
     entries = {name: each for name, each in load_seen(path).items() if each.time >= oldest} | latest
-    temporary = path.with_name(f"{path.name}.{os.getpid()}")
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        temporary.write_text(json.dumps([asdict(each) for _, each in sorted(entries.items())]), encoding="utf-8")
-        temporary.replace(path)
-    except OSError:
-        with suppress(OSError):
-            temporary.unlink()
+    text = json.dumps([asdict(each) for _, each in sorted(entries.items())])
+    with suppress(OSError):  # lost in a power cut, it is gathered again
+        replace_file(path, text, parents=True, lasting=False)
 
 
 def describe_age(seconds: float) -> str:

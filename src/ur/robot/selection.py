@@ -6,10 +6,8 @@ computer answers to `ROBOT.local`.
 
 from __future__ import annotations
 
-import os
 import re
 from collections.abc import Mapping
-from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -55,6 +53,8 @@ def parse_selection(text: str) -> Selection:
     for part in parts:
         if part and not _PART.fullmatch(part):
             raise _bad(text, f"{part!r} is not a name")
+    if text.strip().endswith(":"):
+        raise _bad(text, "nothing follows the last ':'", "'ur use sim' selects the plain simulated robot")
     base, variant = [*parts, "", ""][:2]
     if variant and not base:
         raise _bad(text, "a variant needs its base")
@@ -89,18 +89,19 @@ _HELP = "'ur use sim' selects the simulated robot again"
 
 
 def store_selection(path: Path, selection: Selection) -> None:
-    """Write the file in one step: a reader sees the old or the new selection. Raises UserError."""
-    temporary = path.with_name(f"{path.name}.{os.getpid()}")
+    """Store the selection. Raises UserError.
+
+    Readers see the old or the new one, also after a power cut. A symbolic link stays one.
+    """
+    from ur.source.replace import replace_file  # now: most commands only read the selection
+
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        temporary.write_text(f"{selection}\n", encoding="utf-8")
-        temporary.replace(path)
+        replace_file(path, f"{selection}\n", parents=True)
     except OSError as problem:
-        with suppress(OSError):
-            temporary.unlink()
         reason = (problem.strerror or str(problem)).lower()
         raise UserError(error(f"{path}: cannot be written: {reason}", rule="bad-selection")) from None
 
 
-def _bad(text: str, reason: str) -> UserError:
-    return UserError(error(f"selection {text.strip()!r}: {reason}, expected {_FORM}", rule="bad-selection"))
+def _bad(text: str, reason: str, help: str | None = None) -> UserError:
+    message = f"selection {text.strip()!r}: {reason}, expected {_FORM}"
+    return UserError(error(message, rule="bad-selection", help=help))

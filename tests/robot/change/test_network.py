@@ -59,6 +59,15 @@ def test_password_is_escaped_as_key_files_want_it(password: str, line: str) -> N
     assert f"\n{line}\n" in render_profile(Wifi("Lab", Secret(password), "wpa-psk"))
 
 
+@pytest.mark.parametrize("breaks", ["\n", "\r", "\r\n"])
+def test_line_break_in_the_name_of_a_network_adds_no_line_to_its_profile(breaks: str) -> None:
+    evil = f"Lab{breaks}[connection]{breaks}permissions=user:mallory:;{breaks}"
+    plain = render_profile(Wifi("Lab", Secret("12345678"), "wpa-psk")).splitlines()
+    text = render_profile(Wifi(evil, Secret("12345678"), "wpa-psk"))
+    assert [line.partition("=")[0] for line in text.splitlines()] == [line.partition("=")[0] for line in plain]
+    assert f"\nid=Lab{repr(breaks)[1:-1]}[connection]" in text
+
+
 def test_open_network_has_no_security() -> None:
     assert "security" not in render_profile(Wifi("Café", None, ""))
     assert "ssid=67;97;102;195;169;" in render_profile(Wifi("Café", None, ""))
@@ -184,3 +193,9 @@ def test_profile_is_found_by_the_name_of_its_network_first() -> None:
     assert find_profile(Networks(True, profiles=(other, HOME)), "Home") is HOME
     assert find_profile(Networks(True, profiles=(other,)), "Home") is other
     assert find_profile(NETWORKS, "wired") is None
+
+
+def test_line_breaks_in_a_name_add_no_lines_to_a_profile() -> None:
+    text = render_profile(Wifi("a\n[connection]\nautoconnect=false\r\tb", None, ""))
+    assert "id=a\\n[connection]\\nautoconnect=false\\r\\tb" in text.splitlines()
+    assert text.splitlines().count("[connection]") == 1

@@ -5,6 +5,8 @@ from __future__ import annotations
 import subprocess
 from pathlib import Path
 
+import pytest
+
 from ur.robot.doctor.messages import MESSAGES_SCRIPT, Message, parse_messages
 from ur.robot.doctor.observe import observe_script, parse_side
 from ur.robot.doctor.side import Disk, Setting, Side, Unit
@@ -27,8 +29,8 @@ def test_side_is_read_from_the_answer_of_a_computer() -> None:
         ros_setup="export A=1\n",
         modes={".": 0o755, ".ssh": 0o700},
         own_login="ros@bob.local: Permission denied (publickey).",
-        host_key="ssh-ed25519 AAAA",
-        public_key="ssh-ed25519 BBBB ros@bob",
+        host_key="ssh-ed25519 AAAAC3NzaC1lZDI1NTE5AAAAIEFBQUFBQUFBQUFBQUFBQUFBQUFBQUFBQUFBQUFBQUFB",
+        public_key="ssh-ed25519 AAAAC3NzaC1lZDI1NTE5AAAAIEJCQkJCQkJCQkJCQkJCQkJCQkJCQkJCQkJCQkJCQkJC ros@bob",
         x11=True,
         active={"ssh.service": "active"},
         failing=(Unit("a.service", 0), Unit("ubiquity-drive.service", 12)),
@@ -74,3 +76,9 @@ def test_definitions_that_differ_in_comments_and_blanks_are_the_same(tmp_path: P
         found.append(parse_messages(done.stdout)["my_msgs/X.msg"])
     assert found[0].digest == found[1].digest != found[2].digest
     assert found[0].folder == "~/0/my_msgs"
+
+
+@pytest.mark.parametrize("lie", ["modes\nrwx .ssh\n", "disk\nx 1 x ² x /\n", "large\nx\ty\n"])
+def test_answer_that_makes_no_sense_stays_unknown(lie: str) -> None:
+    nothing = parse_side("\x1eend\n")
+    assert parse_side(f"\x1e{lie}\x1eend\n") == nothing

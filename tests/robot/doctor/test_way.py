@@ -7,12 +7,14 @@ import pytest
 from ur.robot.doctor.way import Way, explain_way, list_steps
 from ur.robot.record import Record
 from ur.robot.seen import Seen
+from ur.robot.ssh.host_key import HostKey
 from ur.robot.ssh.openssh import Address
 
 ADDRESS = Address("ros", "bob.local")
 RECORD = Record("bob", "ros", "magni")
 THERE = Way(("10.0.0.2",), ping=True, port="open")
 NOW = 10_000.0
+KEY = HostKey(f"ssh-ed25519 AAAAC3NzaC1lZDI1NTE5AAAAI{'A' * 43}")
 
 
 @pytest.mark.parametrize(
@@ -44,10 +46,14 @@ def test_robot_that_is_away_was_last_seen_somewhere() -> None:
 
 
 def test_another_host_key_is_renewed_by_hand_and_a_namesake_pointed_out() -> None:
-    way = Way(("10.0.0.2",), True, "open", "changed-host-key", "", "SHA256:x", ("10.0.0.3",))
+    way = Way(("10.0.0.2",), True, "open", "changed-host-key", "", KEY, ("10.0.0.3",))
     finding = explain_way(ADDRESS, way, None, RECORD, NOW)
-    assert "SHA256:x" in finding.message
+    assert KEY.fingerprint in finding.message
     assert "bob-2.local (10.0.0.3)" in finding.message
     assert "ur robot setup ros@bob.local --name bob --base magni --new-host-key" in finding.help
     assert not finding.fixable
-    assert finding.commands[0].line.startswith("ssh-keygen -R bob.local")
+    # The very key whose fingerprint is shown, not the one of whoever answers when the command is run.
+    line = finding.commands[0].line
+    assert line.startswith("ssh-keygen -R bob.local")
+    assert f"echo 'bob.local,bob {KEY.key}' >>~/.ssh/known_hosts" in line
+    assert "ssh-keyscan" not in line

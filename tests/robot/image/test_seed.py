@@ -8,6 +8,7 @@ from tests.robot.image.images import KEY
 
 from ur.robot.image.layout import Layout, Scheme
 from ur.robot.image.seed import (
+    HostKeyPair,
     Wifi,
     Wish,
     custom_toml,
@@ -15,7 +16,9 @@ from ur.robot.image.seed import (
     make_seed,
     meta_data_text,
     network_text,
+    present_host_key,
     present_password,
+    takes_host_key,
     user_data_text,
 )
 from ur.robot.setup.there import Robot
@@ -125,3 +128,21 @@ def test_hashes_are_found_again_and_never_shown() -> None:
     for secret in (HASH[3:], NETWORK_KEY, "ubuntu\n"):
         assert secret not in shown
     assert KEY in shown
+
+
+PAIR = HostKeyPair("-----BEGIN OPENSSH PRIVATE KEY-----\nc2VjcmV0\n-----END OPENSSH PRIVATE KEY-----\n", KEY)
+
+
+def test_host_key_is_brought_found_again_and_hidden() -> None:
+    text = user_data_text(replace(WISH, host_key=PAIR))
+    assert yaml.safe_load(text)["ssh_keys"] == {"ed25519_private": PAIR.private, "ed25519_public": KEY}
+    assert present_host_key(["", text], "bob") == PAIR
+    assert present_host_key(["", text], "eve") is None  # another robot gets one of its own
+    assert "c2VjcmV0" not in hide_secrets(text)
+    assert "c2VjcmV0" not in repr(PAIR)
+    assert "ssh_keys" not in user_data_text(WISH)
+
+
+def test_system_that_makes_its_own_host_key_gets_none() -> None:
+    assert takes_host_key(LAYOUT)
+    assert not takes_host_key(replace(LAYOUT, scheme=Scheme.CUSTOM_TOML))

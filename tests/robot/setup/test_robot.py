@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from ur.robot.setup.robot import explain_sudo, set_clock
+from ur.robot.setup.login import explain_sudo
+from ur.robot.setup.robot import set_clock
 from ur.robot.ssh.openssh import Address
 from ur.robot.ssh.secret import Secret
 from ur.robot.ssh.shell import Done

@@ -27,6 +27,10 @@ from ur.robot.setup.verify import clock_offset
 from ur.robot.setup.wanted import WantedFile
 from ur.robot.ssh.secret import Secret
 
+HOST, OWN = (
+    "ssh-ed25519 AAAAC3NzaC1lZDI1NTE5AAAAIEFBQUFBQUFBQUFBQUFBQUFBQUFBQUFBQUFBQUFBQUFB",
+    "ssh-ed25519 AAAAC3NzaC1lZDI1NTE5AAAAIEJCQkJCQkJCQkJCQkJCQkJCQkJCQkJCQkJCQkJCQkJC",
+)
 FACTS = Facts(
     "ros",
     "/home/ros",
@@ -34,9 +38,9 @@ FACTS = Facts(
     "debian bookworm",
     "1",
     frozenset(),
-    files={HOST_KEY: FileState("ssh-ed25519 AAAA root@robot\n"), CLOUD: ABSENT, AVAHI: ABSENT, str(ROBOT_FILE): ABSENT},
+    files={HOST_KEY: FileState(f"{HOST} root@robot\n"), CLOUD: ABSENT, AVAHI: ABSENT, str(ROBOT_FILE): ABSENT},
 )
-VIEWER = Viewer("pat", "laptop", "ssh-ed25519 BBBB pat@laptop\n", "ssh-ed25519 CCCC\n")
+VIEWER = Viewer("pat", "laptop", f"{OWN} pat@laptop\n", f"{HOST}\n")
 ROBOT = Robot("bob", "magni", "lidar")
 
 

@@ -16,6 +16,7 @@ from ur.robot.setup.made import RECORD, WantedRecord, kept_path
 from ur.robot.setup.packages import WantedPackages, WantedService
 from ur.robot.setup.wanted import Wanted, WantedFile, WantedFolder, WantedGroups, WantedLine
 from ur.robot.ssh.shell import LocalShell
+from ur.source.diagnostic import UserError
 
 FACTS = Facts("pat", "/home/pat", "laptop", "debian bookworm", "1", frozenset({"pat", "video"}))
 LINE = ". ~/.ros_setup # ours"
@@ -278,3 +279,18 @@ def test_text_that_did_not_arrive_whole_is_not_written(tmp_path: Path) -> None:
     assert LocalShell().run(change.commands[0].script, stdin=LINE[:5]).code != 0
     assert (tmp_path / ".bashrc").read_text() == "mine\n"
     assert [path.name for path in tmp_path.glob(".bashrc*")] == [".bashrc"]
+
+
+@pytest.mark.parametrize(
+    "part", ["file /etc/group\nrwx root file\n", "file /etc/group\n644 root file\nA\n", "file /etc/group\n644\n"]
+)
+def test_answer_that_makes_no_sense_is_an_error_and_no_defect(part: str) -> None:
+    names = ("home", "hostname", "system", "boot", "groups", "addresses", "broken")
+    said = "".join(f"\x1e{name}\nx\n" for name in names) + f"\x1e{part}\x1eend\n"
+    with pytest.raises(UserError, match="cannot be read"):
+        parse_facts(Request("ros", files=frozenset({"/etc/group"})), said)
+
+
+def test_answer_without_its_parts_is_an_error_and_no_defect() -> None:
+    with pytest.raises(UserError, match="cannot be read"):
+        parse_facts(Request("ros"), "\x1eend\n")

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import shutil
 import subprocess
 import time
 from pathlib import Path
 
 import pytest
 
+from ur.robot.ssh import askpass, shell
 from ur.robot.ssh.askpass import answer_password
 from ur.robot.ssh.openssh import (
     Address,
@@ -112,9 +114,37 @@ def test_command_that_does_not_end_is_ended_with_all_it_started(tmp_path: Path) 
         time.sleep(0.01)
 
 
+def test_command_that_answers_without_end_is_ended(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(shell, "MOST_BYTES", 1 << 20)
+    for script in ("yes", "yes >&2"):
+        with pytest.raises(UserError, match="and no end"):
+            LocalShell().run(script)
+
+
+def test_command_gets_its_input_and_both_outputs_come_back_whole() -> None:
+    text = "é\r\n" * 200_000
+    done = LocalShell().run("tee /dev/stderr; printf '\\377' >&2; exit 3", stdin=text)
+    assert (done.code, done.out) == (3, "é\n" * 200_000)
+    assert done.err.endswith("\udcff")
+    assert LocalShell().run("exit 0", stdin=text).code == 0  # it does not want to know
+
+
 def runs(pid: int) -> bool:
     try:
         state = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
     except (FileNotFoundError, ProcessLookupError):
         return False
     return state not in ("Z", "X")
+
+
+def test_password_is_answered_from_a_clone_below_a_path_with_a_quote(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    clone = tmp_path / 'it\'s $HOME "here"'
+    clone.mkdir()
+    shutil.copy(askpass.__file__, clone / "askpass.py")
+    monkeypatch.setattr(askpass, "__file__", str(clone / "askpass.py"))
+    with answer_password(tmp_path, "hunter2") as environment:
+        words = [environment["SSH_ASKPASS"], "pat@bob's password: "]
+        done = subprocess.run(words, env=environment, capture_output=True, text=True, check=False)
+    assert (done.stdout, done.stderr) == ("hunter2\n", "")

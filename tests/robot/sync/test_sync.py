@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Any
+
+import pytest
+
 from ur.robot.ssh.openssh import Address, SshShell
+from ur.robot.sync.model import File, read_files
 from ur.robot.sync.sync import rsync_command
 
 ROOTS = {"here": "/home/pat/catkin_ws/src", "there": "/home/ros/catkin_ws/src"}
@@ -26,3 +31,23 @@ def test_other_direction_turns_source_and_target() -> None:
     words = rsync_command(SSH.words, "ros@bob.local", "here", ROOTS, "/home/pat/catkin_ws/.ur_sync/x", progress=True)
     assert words[-2:] == ["ros@bob.local:/home/ros/catkin_ws/src/", "/home/pat/catkin_ws/.ur_sync/x/"]
     assert "--info=progress2" in words
+
+
+@pytest.mark.parametrize("path", ["../x", "a/../../x", "/etc/x", "", "a//b", "./a", "a/", "a\0b", ".."])
+def test_path_that_leads_out_of_the_workspace_is_refused(path: str) -> None:
+    with pytest.raises(ValueError, match="no path inside of a workspace"):
+        read_files({path: ["link", 0, 0, False, "/etc/passwd"]})
+
+
+@pytest.mark.parametrize(
+    "row",
+    [["device", 0, 0, False, ""], ["file", "1", 0, False, ""], ["file", 1, 0, 1, ""], ["file", 1, 0, False, 1], []],
+)
+def test_row_that_is_no_file_is_refused(row: list[Any]) -> None:
+    with pytest.raises((ValueError, TypeError)):
+        read_files({"a": row})
+
+
+def test_names_that_only_look_like_ways_out_are_files() -> None:
+    row = ["file", 1, 2, True, "hash"]
+    assert read_files({"a/..b": row, "...": row})["..."] == File("file", 1, 2, True, "hash")

@@ -43,12 +43,12 @@ def read_base(path: str | Path, name: str, variant: str = "") -> Base:
         read_whole(plain.merged(overlay), name, "")  # a broken variant is a broken file, whichever variant is asked for
     if variant and variant not in variants:
         near = did_you_mean(variant, variants)
-        choice = ", ".join(variants) if variants else "none: this base has no variants"
+        expected = f"expected one of {', '.join(variants)}" if variants else "this base has no variants"
         raise UserError(
             error(
-                f"variant {variant!r} of base {name!r} is not known, expected one of {choice}",
+                f"variant {variant!r} of base {name!r} is not known, {expected}",
                 rule="unknown-variant",
-                help=f"did you mean {near!r}?" if near else None,
+                help=f"did you mean {near!r}?" if near else "leave the variant out for the plain base",
             )
         )
     return read_whole(plain.merged(variants[variant]) if variant else plain, name, variant)

@@ -109,8 +109,9 @@ def render_profile(wifi: Wifi) -> str:
 
 
 def _escape(text: str) -> str:
-    """A value as GLib's key files take it: backslashes, and blanks at either end, which would be dropped."""
-    text = text.replace("\\", "\\\\")
+    """A value as GLib's key files take it: backslashes, line breaks, and blanks at either end are escaped."""
+    for plain, escaped in (("\\", "\\\\"), ("\n", "\\n"), ("\r", "\\r"), ("\t", "\\t")):
+        text = text.replace(plain, escaped)
     body = text.strip(" ")
     if not body:
         return "\\s" * len(text)

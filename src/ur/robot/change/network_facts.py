@@ -9,6 +9,8 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from ur.source.numbers import parse_integer
+
 _MARK = "\x1e"
 # Profiles and passwords are for root alone; whoever asks over ssh says which address that leads to.
 FACTS_SCRIPT = """\
@@ -124,7 +126,7 @@ def _merge(rows: Iterator[list[str]]) -> tuple[Seen, ...]:
             continue
         known = found.get(ssid)
         bands = {*(known.bands if known else ()), _band(frequency)}
-        strength = int(signal) if signal.isdigit() else 0
+        strength = parse_integer(signal) or 0
         found[ssid] = Seen(
             ssid,
             max(strength, known.signal if known else 0),
@@ -136,10 +138,10 @@ def _merge(rows: Iterator[list[str]]) -> tuple[Seen, ...]:
 
 
 def _band(frequency: str) -> str:
-    number = re.match(r"\d+", frequency)
-    if not number:
+    number = parse_integer(frequency.partition(" ")[0])
+    if number is None:
         return ""
-    return "2.4 GHz" if int(number[0]) < 3000 else "5 GHz" if int(number[0]) < 5925 else "6 GHz"
+    return "2.4 GHz" if number < 3000 else "5 GHz" if number < 5925 else "6 GHz"
 
 
 def _rows(text: str, count: int) -> Iterator[list[str]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import socket
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -13,9 +14,14 @@ from ur.robot.doctor.side import Side
 from ur.robot.setup.verify import clock_offset
 from ur.robot.ssh.openssh import SshShell
 from ur.robot.ssh.shell import Shell, quote
+from ur.source.diagnostic import UserError, error
+from ur.source.printable import printable
 
 LOOK_SECONDS = 90.0
 JOURNAL_LINES = 5
+_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}")
+_PORT = re.compile(r"[0-9]{1,7}")  # or the number of a process
+_TIME = re.compile(r"[0-9]{1,12}(\.[0-9]{1,9})?")
 TWIN_SECONDS = 2  # zeroconf answers at once or never; nobody is asked after for long
 _LISTEN = """\
 import socket, sys
@@ -48,13 +54,14 @@ def look_at_pair(
     key_refused: bool = False,
     known: bool = False,
     selected: str = "",
+    robot_login: bool = True,
 ) -> Pair:
     """Look at both computers. `selected` is the name of the selected robot; for the rest see Pair.
 
     Raises UserError when the connection is lost.
     """
     mine = socket.gethostname().split(".")[0]
-    other = there.run("cat /proc/sys/kernel/hostname").out.strip().split(".")[0]
+    other = read_name(there)
     with ThreadPoolExecutor(8) as pool:
         left = pool.submit(here.run, observe_script(f"{other}.local"), timeout=LOOK_SECONDS)
         right = pool.submit(there.run, observe_script(f"{mine}.local"), timeout=LOOK_SECONDS)
@@ -77,7 +84,22 @@ def look_at_pair(
         selected=selected == other,
         twins={name: found.result() for name, found in twins.items()},
         login=f"{there.address.user}@{other}.local",
+        robot_login=robot_login,
     )
+
+
+def read_name(there: Shell) -> str:
+    """The host name of a computer, up to the first dot. Raises UserError: its answer is none."""
+    name = there.run("cat /proc/sys/kernel/hostname").out.strip().split(".")[0]
+    if not _NAME.fullmatch(name):
+        raise UserError(
+            error(
+                f"{there.place}: {printable(name[:40])!r} is not a host name, expected letters, digits and -",
+                rule="no-facts",
+                help="is it the computer that you expect? Run this again; if it persists, report it",
+            )
+        )
+    return name
 
 
 def _with_journals(shell: Shell, side: Side) -> Side:
@@ -121,14 +143,24 @@ def _find_owner(where: Where, shell: Shell, port: int) -> Owner | None:
         'sed -n "s,.*/system.slice/\\([^/]*\\.service\\)$,\\1,p" "/proc/$p/cgroup"'
     )
     lines = shell.run(script).out.splitlines()
-    if len(lines) < 2 or not lines[0].isdigit():
+    if len(lines) < 2 or not _PORT.fullmatch(lines[0]):
         return None
     return Owner(where, int(lines[0]), lines[1].strip(), lines[2] if len(lines) > 2 else "")
 
 
 def _offset(here: Shell, there: Shell) -> float:
-    readings = [float(shell.run("date +%s.%N").out) for shell in (here, there, here)]
-    return clock_offset(readings[0], readings[1], readings[2])
+    said = [shell.run("date +%s.%N").out.strip() for shell in (here, there, here)]
+    strange = next((each for each in said if not _TIME.fullmatch(each)), None)
+    if strange is not None:
+        raise UserError(
+            error(
+                f"{there.place}: {printable(strange[:40])!r} is not a time, expected seconds since 1970",
+                rule="no-facts",
+                help="is it the computer that you expect? Run this again; if it persists, report it",
+            )
+        )
+    before, middle, after = map(float, said)
+    return clock_offset(before, middle, after)
 
 
 def _reaches_here(there: Shell, name: str) -> bool:
@@ -139,13 +171,13 @@ def _reaches_here(there: Shell, name: str) -> bool:
 
 def _reaches_there(there: SshShell) -> bool:
     # In the background, for one connection or ten seconds; it cleans up after itself.
-    listener = f"timeout 10 python3 -c {quote(_LISTEN)}"
+    listener = f"timeout 10 python3 -I -c {quote(_LISTEN)}"
     script = (
         f'f=$(mktemp); ({listener} >"$f" 2>/dev/null </dev/null; rm -f "$f") >/dev/null 2>&1 & '
         'i=0; while [ ! -s "$f" ] && [ $i -lt 50 ]; do sleep 0.1; i=$((i+1)); done; cat "$f"'
     )
     port = there.run(script).out.strip()
-    if not port.isdigit():
+    if not _PORT.fullmatch(port) or int(port) > 65535:
         return True  # nothing listens there, as without Python: that is no matter of ports
     try:
         socket.create_connection((there.address.host, int(port)), timeout=4).close()

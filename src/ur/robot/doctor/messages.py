@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 # Python as every robot has it. What lies in the workspace counts before what lies in the system, as it does for ROS.
 MESSAGES_SCRIPT = r"""
-timeout 20 python3 - <<'END' 2>/dev/null
+timeout 20 python3 -I - <<'END' 2>/dev/null
 import glob, hashlib, os, re, sys
 home = os.path.expanduser("~")
 work = home + "/catkin_ws"
@@ -21,7 +21,8 @@ def tell(name, digest, folder):
         seen.add(name)
         print(name, digest, "~" + folder[len(home):] if folder.startswith(home + "/") else folder)
 python = "lib/python%d/dist-packages" % sys.version_info[0]
-for place in [work + "/devel/" + python, *sys.path, *glob.glob("/opt/ros/*/" + python), "/usr/" + python]:
+shown = [place for place in os.environ.get("PYTHONPATH", "").split(":") if place.startswith("/")]
+for place in [work + "/devel/" + python, *shown, *sys.path, *glob.glob("/opt/ros/*/" + python), "/usr/" + python]:
     for path in place and sorted(glob.glob(place + "/*/msg/_*.py") + glob.glob(place + "/*/srv/_*.py")):
         root, kind, file = path.rsplit("/", 2)
         with open(path, errors="replace") as text:

@@ -81,6 +81,7 @@ class Pair:
     a connection to a free port arrives. `key_refused`: the robot wanted a password although we have a key. `known`: the
     robot was set up from here. `selected`: `ur use` means it. `twins`: by host name, the addresses of a computer to
     which zeroconf gave the name with -2 since it was taken. `login`: USER@HOST by which the robot was reached.
+    `robot_login` is False where the user did not let the robot log in to this computer.
     """
 
     here: Side
@@ -95,6 +96,7 @@ class Pair:
     selected: bool = False
     twins: Mapping[str, frozenset[str]] = field(default_factory=dict)
     login: str = ""
+    robot_login: bool = True
 
     def sides(self) -> tuple[tuple[Where, Side, Side], tuple[Where, Side, Side]]:
         """Both: where each is, itself, and the other."""

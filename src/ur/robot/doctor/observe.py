@@ -8,7 +8,9 @@ from collections.abc import Iterable, Mapping
 from ur.robot.doctor.messages import MESSAGES_SCRIPT, parse_messages
 from ur.robot.doctor.side import Disk, Setting, Side, Unit
 from ur.robot.doctor.wifi import WIFI_SCRIPT, parse_wifi
+from ur.robot.ssh.public_key import parse_public_key
 from ur.robot.ssh.shell import quote
+from ur.source.numbers import parse_decimal, parse_integer
 
 _AVAHI = "org.freedesktop.Avahi"
 _MARK = "\x1e"
@@ -22,7 +24,7 @@ SHELL_FILES = (
     *("/etc/environment", "/etc/profile", "/etc/bash.bashrc"),
 )
 VARIABLES = ("ROS_MASTER_URI", "ROS_HOSTNAME", "ROS_IP")
-STRICT = "ssh -T -o BatchMode=yes -o StrictHostKeyChecking=yes -o ConnectTimeout=5 -o LogLevel=ERROR"
+STRICT = "ssh -T -o BatchMode=yes -o StrictHostKeyChecking=yes -o ConnectTimeout=5 -o LogLevel=ERROR --"
 HEADERS = 28  # bytes of IP and ICMP
 # What a group of shells prints about itself; each way of starting one is asked.
 _TELL = 'for v in ROS_MASTER_URI ROS_HOSTNAME ROS_IP; do eval "w=\\${$v-}"; echo "$v=$w"; done'
@@ -98,16 +100,18 @@ mark frame; ping -q -n -c 2 -i 0.2 -W 1 -M do -s $((${{m:-1500}} - {HEADERS})) "
 
 
 def parse_side(output: str) -> Side:
-    """Read what the script printed; what is missing in it stays unknown."""
+    """Read what the script printed; what is missing in it, or makes no sense, stays unknown."""
+    # Repeats in the patterns are bounded, or a long line would take quadratic time.
+    output = output.replace("\0", "")  # as a shell does: no command line holds a zero byte
     parts = {name: text for name, _, text in (part.partition("\n") for part in output.split(_MARK)[1:])}
     name, user = [*parts.get("name", "").split(), "", ""][:2]
     ping = parts.get("ping", "")
-    loss = re.search(r"([\d.]+)% packet loss", ping)
-    times = re.search(r"= [\d.]+/([\d.]+)/", ping)
-    frame = re.search(r"([\d.]+)% packet loss", parts.get("frame", ""))
+    loss = re.search(r"([\d.]{1,20})% packet loss", ping)
+    times = re.search(r"= [\d.]{1,20}/([\d.]{1,20})/", ping)
+    lost = _scale(re.search(r"([\d.]{1,20})% packet loss", parts.get("frame", "")), 0.01)
     rows = (line.split() for line in parts.get("packages", "").splitlines())
-    memory = re.search(r"(\d+) kB", parts.get("memory", ""))
-    throttled = re.search(r"0x([0-9a-fA-F]+)", parts.get("throttled", ""))
+    memory = re.search(r"(\d{1,15}) kB", parts.get("memory", ""))
+    throttled = re.search(r"0x([0-9a-fA-F]{1,16})\b", parts.get("throttled", ""))
     announced = re.search(r'"(.*)"', parts.get("announced", ""))
     device, mtu = [*parts.get("device", "").split(), "", ""][:2]
     x11 = re.search(r"(?i)x11forwarding\s+(\w+)", parts.get("x11", ""))  # sshd takes the first
@@ -115,42 +119,59 @@ def parse_side(output: str) -> Side:
     return Side(
         name=name,
         user=user,
-        addresses=tuple(re.findall(r"\b(\d+\.\d+\.\d+\.\d+)/\d+", parts.get("addresses", ""))),
+        addresses=tuple(re.findall(r"\b(\d{1,3}\.\d{1,3}\.\d{1,3}\.\d{1,3})/\d", parts.get("addresses", ""))),
         resolves=frozenset(line.split()[0] for line in parts.get("resolves", "").splitlines() if line.strip()),
         ros=_variables(parts.get("ros", "")),
         shell=_variables(parts.get("shell", "")),
         settings=tuple(_settings(parts.get("settings", "").splitlines())),
         ros_setup=parts["ros_setup"].rpartition("end\n")[0] if parts.get("ros_setup") else None,
         modes={
-            path: int(mode, 8) for mode, _, path in (row.partition(" ") for row in parts.get("modes", "").splitlines())
+            path: number
+            for mode, _, path in (row.partition(" ") for row in parts.get("modes", "").splitlines())
+            if (number := parse_integer(mode, 8)) is not None
         },
         own_login=[*own[:-1], "ssh said nothing"][0] if own[-1:] == ["failed"] else "",
-        host_key=parts.get("host_key", "").strip(),
-        public_key=parts.get("public_key", "").strip(),
+        host_key=_read_key(parts.get("host_key", "")),
+        public_key=_read_key(parts.get("public_key", "")),
         x11=x11[1].lower() == "yes" if x11 else False if "x11" in parts else None,
         active={unit: state for unit, _, state in (row.partition(" ") for row in parts.get("active", "").splitlines())},
         failing=tuple(_failing(parts.get("failing", "").splitlines())),
         announced=announced[1] if announced else "",
         disks=tuple(_disks(parts.get("disk", "").splitlines())),
         large={
-            path: float(size) for size, _, path in (row.partition("\t") for row in parts.get("large", "").splitlines())
+            path: megabytes
+            for size, _, path in (row.partition("\t") for row in parts.get("large", "").splitlines())
+            if (megabytes := parse_decimal(size)) is not None
         },
-        memory_free=int(memory[1]) / 1024 if memory else None,
-        loss=float(loss[1]) / 100 if loss else None,
-        latency=float(times[1]) / 1000 if times else None,
+        memory_free=_scale(memory, 1 / 1024),
+        loss=_scale(loss, 0.01),
+        latency=_scale(times, 0.001),
         device=device,
-        mtu=int(mtu) if mtu else None,
-        full_frames=float(frame[1]) < 100 if frame else None,
+        mtu=parse_integer(mtu),
+        full_frames=None if lost is None else lost < 1,
         firewall=parts.get("firewall", "").strip(),
         throttled=int(throttled[1], 16) if throttled else 0,
         packages={row[1]: row[2] for row in rows if len(row) == 3 and row[0] == "installed"},
         messages=parse_messages(parts.get("messages", "")),
         built=bool(parts.get("built", "").strip()),
-        workspace=frozenset(re.findall(r"([^/\n]+)/package\.xml", parts.get("workspace", ""))),
+        workspace=frozenset(re.findall(r"([^/\n]{1,255})/package\.xml", parts.get("workspace", ""))),
         ur=ur[1] if (ur := re.search(r"version=([^<]+)", parts.get("ur", ""))) else "",
         system=" ".join(parts.get("system", "").split("\n")).strip(),
         wifi=parse_wifi(parts.get("wifi", "")),
     )
+
+
+def _scale(found: re.Match[str] | None, factor: float) -> float | None:
+    number = parse_decimal(found[1]) if found else None
+    return None if number is None else number * factor
+
+
+def _read_key(text: str) -> str:
+    """A public key as it is said, '' where that is none: it goes into a file that decides who may log in."""
+    try:
+        return str(parse_public_key(text.strip("\n")))
+    except ValueError:
+        return ""
 
 
 def _variables(text: str) -> Mapping[str, str]:
@@ -161,7 +182,7 @@ def _variables(text: str) -> Mapping[str, str]:
 def _settings(lines: Iterable[str]) -> Iterable[Setting]:
     for line in lines:
         file, _, text = line.partition(":")
-        found = re.search(r"(ROS_\w+)=", text)
+        found = re.search(r"(ROS_\w{1,60})=", text)
         if found:
             yield Setting(file, found[1])
 
@@ -169,15 +190,16 @@ def _settings(lines: Iterable[str]) -> Iterable[Setting]:
 def _failing(lines: Iterable[str]) -> Iterable[Unit]:
     for line in lines:
         name, _, restarts = line.partition(" ")
-        if name and restarts.isdigit():
-            yield Unit(name, int(restarts))
+        count = parse_integer(restarts)
+        if name and count is not None and count >= 0:
+            yield Unit(name, count)
 
 
 def _disks(lines: Iterable[str]) -> Iterable[Disk]:
     found: dict[str, Disk] = {}
     for line in lines:
         row = line.split(None, 5)
-        if len(row) == 6 and row[1].isdigit():
-            size = float(row[1])
-            found[row[5]] = Disk(row[5], float(row[3]), 1 - float(row[3]) / size if size else 0.0)
+        size, free = (parse_decimal(row[1]), parse_decimal(row[3])) if len(row) == 6 else (None, None)
+        if size is not None and free is not None:
+            found[row[5]] = Disk(row[5], free, 1 - free / size if size else 0.0)
     return found.values()

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import socket
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Literal
 
 from ur.robot.doctor.model import Command, Finding
+from ur.robot.doctor.rules.login import know_host
 from ur.robot.record import Record
 from ur.robot.seen import Seen, describe_age
+from ur.robot.ssh.host_key import HostKey, fetch_host_key
 from ur.robot.ssh.openssh import Address
 from ur.robot.ssh.shell import Shell, quote
+from ur.source.diagnostic import UserError
 
 PORT_SECONDS = 3.0
 Port = Literal["open", "refused", "silent", ""]
@@ -20,7 +24,7 @@ Port = Literal["open", "refused", "silent", ""]
 class Way:
     """How far one gets. `resolves`: what the name means here; `ping` whether it answers; `port` how port 22 does.
 
-    `rule` and `said` are what the login failed with; `fingerprint` is that of the host key which is shown now;
+    `rule` and `said` are what the login failed with; `host_key` is the one that is shown now, where that matters;
     `twin`: addresses of a computer that zeroconf calls NAME-2.
     """
 
@@ -29,7 +33,7 @@ class Way:
     port: Port = ""
     rule: str = ""
     said: str = ""
-    fingerprint: str = ""
+    host_key: HostKey | None = None
     twin: tuple[str, ...] = ()
 
 
@@ -51,10 +55,15 @@ def look_at_way(here: Shell, address: Address, rule: str, said: str) -> Way:
         return Way((), rule=rule, said=said)
     ping = here.run(f"ping -q -n -c 2 -i 0.2 -W 1 {quote(resolves[0])}").code == 0
     port = _knock(resolves[0])
-    show = f"ssh-keyscan -T 5 -t ed25519 {host} 2>/dev/null | ssh-keygen -lf - 2>/dev/null | cut -d' ' -f2"
-    fingerprint = here.run(show).out.strip() if rule in ("changed-host-key", "unknown-host-key") else ""
+    host_key = _fetch(address) if rule in ("changed-host-key", "unknown-host-key") else None
     twin = here.run(f"timeout 2 getent ahostsv4 {quote(_short(address) + '-2.local')}").out.split()[:1]
-    return Way(resolves, ping, port, rule, said, fingerprint, tuple(twin))
+    return Way(resolves, ping, port, rule, said, host_key, tuple(twin))
+
+
+def _fetch(address: Address) -> HostKey | None:
+    with suppress(UserError):
+        return fetch_host_key(address)
+    return None
 
 
 def _knock(address: str) -> Port:
@@ -129,7 +138,9 @@ def _explain_login(address: Address, way: Way, record: Record | None, name: str)
     again = f"ur robot setup {quote(str(address))}" + (
         f" --name {quote(record.name)} --base {quote(record.base)}" if record else ""
     )
-    shown = f"; its key now: {way.fingerprint}" if way.fingerprint else ""
+    shown = f"; its key now: {way.host_key.fingerprint}" if way.host_key else ""
+    # The line holds the very key whose fingerprint is shown: what answers later has to be the same computer.
+    renew = (Command("here", know_host(name, way.host_key.key, host)),) if way.host_key else ()
     compare = "compare with the robot's own (ssh-keygen -lf /etc/ssh/ssh_host_ed25519_key.pub)"
     if way.rule == "changed-host-key":
         twin = f"; another computer has its name, too, and is {name}-2.local ({way.twin[0]})" if way.twin else ""
@@ -137,14 +148,14 @@ def _explain_login(address: Address, way: Way, record: Record | None, name: str)
             "changed-host-key",
             f"{host} shows another host key than the one that is known here{shown}{twin}",
             f"{compare}, and if it is that one, renew what is known here. Flashed again: {again} --new-host-key",
-            (Command("here", renew_host(host, name)),),
+            renew,
         )
     if way.rule == "unknown-host-key":
         return Finding(
             "unknown-host-key",
             f"the host key of {host} is not known here{shown}",
             f"set it up: {again}; or, where that was done from another computer, {compare} and know it from now on:",
-            (Command("here", renew_host(host, name)),),
+            renew,
         )
     if way.rule == "refused":
         return Finding(
@@ -154,13 +165,6 @@ def _explain_login(address: Address, way: Way, record: Record | None, name: str)
             (Command("here", f"ssh-copy-id -i ~/.ssh/id_ed25519.pub {quote(str(address))}"),),
         )
     return Finding("no-login", f"{address}: {way.said}", "run this again; at the robot itself: journalctl -u ssh -n 20")
-
-
-def renew_host(host: str, name: str) -> str:
-    """The line that forgets what is known of a host key, and takes the one that is shown now for the right one."""
-    full, pattern = quote(host), quote(f"s/^{host}/{host},{name}/" if name != host else "")
-    scan = f"ssh-keyscan -t ed25519 {full} 2>/dev/null | sed {pattern}"
-    return f"ssh-keygen -R {full} >/dev/null 2>&1; {scan} >>~/.ssh/known_hosts"
 
 
 def _short(address: Address) -> str:

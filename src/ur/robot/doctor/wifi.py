@@ -8,6 +8,8 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
+from ur.source.numbers import parse_decimal
+
 # What belongs to each wireless device, after a line that names it; nothing where there is none.
 WIFI_SCRIPT = """\
 PATH=$PATH:/usr/sbin:/sbin; for p in /sys/class/net/*/wireless; do
@@ -62,4 +64,4 @@ def _parse_device(device: str, said: str) -> Wifi | None:
 
 def _number(pattern: str, text: str) -> float | None:
     found = re.search(pattern, text, re.MULTILINE)
-    return float(found[1]) if found else None
+    return parse_decimal(found[1]) if found else None

@@ -16,6 +16,7 @@ from typing import IO, cast
 
 from ur.robot.image.content import identify_packing
 from ur.source.diagnostic import UserError, error
+from ur.source.replace import sync_folder
 
 CHUNK = 1 << 20
 _DAMAGE = (lzma.LZMAError, zlib.error, gzip.BadGzipFile, zipfile.BadZipFile, EOFError, ValueError, NotImplementedError)
@@ -47,6 +48,7 @@ def copied_image(source: Path, target: Path, progress: Progress) -> Iterator[tup
         with beside.open("rb") as file:
             os.fsync(file.fileno())
         os.replace(beside, target)  # noqa: PTH105 - what is left is a name, not the path that the caller was given
+        sync_folder(str(target.parent))
 
     try:
         _copy(source, beside, progress)

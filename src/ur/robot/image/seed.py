@@ -6,7 +6,7 @@ import hashlib
 import json
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Literal
 
 import yaml
@@ -18,6 +18,7 @@ from ur.robot.ssh.shell import quote
 from ur.source.diagnostic import UserError, error
 
 MARK = "# Written by ur image prepare.\n"
+_HIDDEN = "(private key, not shown)"
 _GROUPS = ("adm", "sudo", "dialout", "video", "plugdev", "input")
 _UNIT = "/etc/systemd/system/ubiquity-names.service"
 # What cloud-init's `packages` cannot: a first boot without internet is not held up, and it is tried until there is.
@@ -54,10 +55,19 @@ class Wifi:
 
 
 @dataclass(frozen=True, slots=True)
+class HostKeyPair:
+    """An ssh host key of type ed25519: the text of its private file, and "ssh-ed25519 AAAA..."."""
+
+    private: str = field(repr=False)
+    public: str
+
+
+@dataclass(frozen=True, slots=True)
 class Wish:
     """What a robot shall be after its first boot. `password` is a hash of crypt(3); '' for a user who has none.
 
     A user without a password may use sudo without one: whoever holds the key holds the robot. With one, sudo asks.
+    `host_key` is the one that it will have; None: it makes one itself.
     """
 
     robot: Robot
@@ -67,6 +77,7 @@ class Wish:
     wifi: Wifi | None = None
     timezone: str = ""
     locale: str = ""
+    host_key: HostKeyPair | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,12 +127,14 @@ def user_data_text(wish: Wish, *, raspberry: bool = False) -> str:
         ("/etc/cloud/cloud.cfg.d/99-ubiquity.cfg", KEEP_NAME),
         (_UNIT, _NAMES),
     )
+    pair = wish.host_key
     data: dict[str, Any] = {
         "hostname": name,
         "preserve_hostname": False,  # for this one boot; the file below keeps the name afterwards
         "manage_etc_hosts": False,
         "ssh_pwauth": False,
         "users": [user],
+        **({"ssh_keys": {"ed25519_private": pair.private, "ed25519_public": pair.public}} if pair else {}),
         "write_files": [{"path": path, "content": text, "permissions": "0644"} for path, text in files],
         **({"timezone": wish.timezone} if wish.timezone else {}),
         **({"locale": wish.locale} if wish.locale else {}),
@@ -199,8 +212,28 @@ def present_password(texts: Sequence[str]) -> str:
     return next((match[0] for match in found if match), "")
 
 
+def takes_host_key(layout: Layout) -> bool:
+    """Return whether a system takes the host key of a seed: Raspberry Pi OS 12 makes its own at the first boot."""
+    return layout.scheme is not Scheme.CUSTOM_TOML
+
+
+def present_host_key(texts: Sequence[str], name: str) -> HostKeyPair | None:
+    """The host key in files of an earlier seed for the robot of this name; None when there is none."""
+    for text in texts:
+        if MARK not in text or "ed25519_private" not in text:
+            continue
+        try:
+            data = yaml.safe_load(text)
+            if data["hostname"] == name:
+                return HostKeyPair(str(data["ssh_keys"]["ed25519_private"]), str(data["ssh_keys"]["ed25519_public"]))
+        except (yaml.YAMLError, LookupError, TypeError):
+            continue
+    return None
+
+
 def hide_secrets(text: str) -> str:
-    """The text without hashes of passwords and keys of networks, for a screen."""
+    """The text without hashes of passwords, keys of networks and private keys of hosts, for a screen."""
+    text = re.sub(r"-----BEGIN [A-Z ]*PRIVATE KEY-----.*?-----END [A-Z ]*PRIVATE KEY-----", _HIDDEN, text, flags=re.S)
     text = re.sub(r"\$(?:6|5|y|1|2[aby])\$[./A-Za-z0-9$=,]+", "(hash, not shown)", text)
     text = re.sub(r"\b[0-9a-fA-F]{64}\b", "(key, not shown)", text)
     return re.sub(r"((?:plain_text_)?(?:passwd|password):\s*)(?!\(|true|false)\S.*", r"\1(not shown)", text)

@@ -155,7 +155,7 @@ class Meter:
             "LogLevel=QUIET",
         )
         options = [word for setting in settings for word in ("-o", setting)]
-        return ["ssh", "-T", *options, f"{self._login}@{self._address()}", quote("sh", "-c", LOOP)]
+        return ["ssh", "-T", *options, "--", f"{self._login}@{self._address()}", quote("sh", "-c", LOOP)]
 
     def _address(self) -> str:
         with suppress(OSError):

@@ -10,12 +10,18 @@ from ur.robot.ssh.secret import Secret
 
 @dataclass(frozen=True, slots=True)
 class Command:
-    """One shell script. Run to its end, or killed anywhere, it leaves nothing half written."""
+    """One shell script. Run to its end, or killed anywhere, it leaves nothing half written.
+
+    With `fetches` it fetches packages: it runs with the variables of a proxy where the computer needs one. `log` is a
+    file there that grows while it runs.
+    """
 
     script: str
     root: bool = False
     stdin: str | Secret = ""
     timeout: float = 60.0
+    fetches: bool = False
+    log: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,16 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import threading
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from functools import reduce
 
-from ur.robot.setup.change import Change
+from ur.robot.setup.change import Change, Command
 from ur.robot.setup.facts import Facts, Request, fact_script, parse_facts
 from ur.robot.setup.wanted import Wanted
-from ur.robot.ssh.shell import Shell
+from ur.robot.ssh.secret import Secret
+from ur.robot.ssh.shell import Shell, quote
 from ur.source.diagnostic import UserError, error
 
+MOST_CHANGES = 300  # of one set-up, which has some dozens: a computer that says something else each time ends it
 Make = Callable[[Facts], Sequence[Wanted]]
+Progress = Callable[[str, float, str], None]
+LOOK_SECONDS = 2.0
+# The proxy comes in through standard input, since it names a password.
+_READ_ROUTE = """\
+IFS= read -r proxy; IFS= read -r direct
+[ -z "$proxy" ] || export http_proxy="$proxy" https_proxy="$proxy" no_proxy="$direct"
+"""
+
+
+def no_proxy() -> Secret:
+    """The two lines that a command which fetches packages reads first: no proxy, and no exceptions from it."""
+    return Secret("\n\n")
 
 
 def gather(shell: Shell, request: Request, *, root: bool = False) -> Facts:
@@ -35,10 +52,21 @@ def plan_undo(wanted: Sequence[Wanted], facts: Facts) -> list[Change]:
     return [change for item in reversed(wanted) if (change := item.undo(facts))]
 
 
-def apply_change(shell: Shell, change: Change) -> None:
-    """Run a change's commands. Raises UserError, which says what failed and what was said."""
+def apply_change(
+    shell: Shell, change: Change, *, route: Callable[[], Secret] = no_proxy, progress: Progress | None = None
+) -> None:
+    """Run a change's commands. Raises UserError, which says what failed and what was said.
+
+    `route` gives the proxy of commands that fetch packages; `progress` gets a change's title, its seconds so far and
+    the last line of its log.
+    """
     for command in change.commands:
-        done = shell.run(command.script, root=command.root, stdin=command.stdin, timeout=command.timeout)
+        script, stdin = command.script, command.stdin
+        if command.fetches:
+            text = stdin.reveal() if isinstance(stdin, Secret) else stdin
+            script, stdin = _READ_ROUTE + script, Secret(route().reveal() + text)
+        with _follow_log(shell, change, command, progress):
+            done = shell.run(script, root=command.root, stdin=stdin, timeout=command.timeout)
         if done.code:
             said = (done.err or done.out).strip().splitlines()
             reason = said[0] if said else f"exit code {done.code}"
@@ -59,6 +87,8 @@ def bring_about(
     *,
     root: bool,
     report: Callable[[Change], None],
+    route: Callable[[], Secret] = no_proxy,
+    progress: Progress | None = None,
 ) -> tuple[Facts, int]:
     """Make a computer as wanted; the facts afterwards and how many changes it took.
 
@@ -67,11 +97,13 @@ def bring_about(
     last.
     """
     made: list[Change] = []
-    while True:
+    while len(made) < MOST_CHANGES:
         wanted = make(gather(shell, base, root=root))
         facts = look(shell, wanted, user, base, root=root)
         change = next((change for item in wanted if (change := item.plan(facts))), None)
         if change is None:
+            if made:  # what was enabled or removed lasts, too
+                shell.run('sync -f / /etc /var "$HOME" 2>/dev/null || sync')
             return facts, len(made)
         if change in made:
             raise UserError(
@@ -82,5 +114,39 @@ def bring_about(
                 )
             )
         report(change)
-        apply_change(shell, change)
+        apply_change(shell, change, route=route, progress=progress)
         made.append(change)
+    raise UserError(
+        error(
+            f"{shell.place}: {MOST_CHANGES} changes were made, and it is still not as wanted",
+            rule="failed-change",
+            help="each check of it finds another state: ur doctor",
+        )
+    )
+
+
+@contextmanager
+def _follow_log(shell: Shell, change: Change, command: Command, progress: Progress | None) -> Iterator[None]:
+    """Report the last line of a command's log now and then while the context lasts."""
+    if progress is None or not command.log:
+        yield
+        return
+    show, begin, done = progress, time.monotonic(), threading.Event()
+    script = f"tail -c 600 {quote(command.log)} 2>/dev/null | tr '\\r' '\\n' | grep -v '^[[:space:]]*$' | tail -n 1"
+
+    def follow() -> None:
+        while not done.wait(LOOK_SECONDS):
+            try:
+                line = shell.run(script, timeout=10.0).out.strip()
+            except UserError:
+                continue  # the connection is gone: the command itself reports that
+            if line and not done.is_set():
+                show(change.title, time.monotonic() - begin, line)
+
+    follower = threading.Thread(target=follow, name="progress", daemon=True)
+    follower.start()
+    try:
+        yield
+    finally:
+        done.set()
+        follower.join()

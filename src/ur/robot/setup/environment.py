@@ -36,7 +36,7 @@ unset ubiquity
 def viewer_environment(repository: Path) -> list[Wanted]:
     """Shells that follow the selection (`ur use`); and `ur` on PATH."""
     python = quote(str(repository / ".venv/bin/python"))
-    return _shells(_HEAD + f'[ ! -x {python} ] || eval "$({python} -m ur env 2>/dev/null)"\n')
+    return _shells(_HEAD + f'[ ! -x {python} ] || eval "$({python} -I -m ur env 2>/dev/null)"\n')
 
 
 def robot_environment() -> list[Wanted]:

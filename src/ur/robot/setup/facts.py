@@ -122,19 +122,27 @@ def _file_script(path: str) -> str:
 
 
 def parse_facts(request: Request, output: str) -> Facts:
-    """Read what the script of this request printed. Raises UserError when it did not get to its end."""
+    """Read what the script of this request printed. Raises UserError when it breaks off, or is no answer."""
     sections: dict[str, str] = {}
     for part in output.split(_MARK)[1:]:
         name, _, text = part.partition("\n")
         sections[name] = text
-    if "end" not in sections:
+    try:
+        return _read_sections(request, sections)
+    except (LookupError, ValueError):
+        said = repr(output.strip()[-80:])
         raise UserError(
             error(
-                f"the answer of the computer breaks off: {output.strip()[-80:]!r}, expected facts about it",
+                f"the answer of the computer cannot be read, it ends with {said}; expected facts about it",
                 rule="no-facts",
-                help="run this again; if it persists, report it",
+                help="is it the computer that you expect? Run this again; if it persists, report it",
             )
-        )
+        ) from None
+
+
+def _read_sections(request: Request, sections: Mapping[str, str]) -> Facts:
+    if "end" not in sections:
+        raise LookupError("end")
     return Facts(
         user=request.user,
         home=sections["home"].strip(),
@@ -143,9 +151,9 @@ def parse_facts(request: Request, output: str) -> Facts:
         boot=sections["boot"].strip(),
         groups=frozenset(sections["groups"].split()),
         addresses=tuple(re.findall(r"\b(\d+\.\d+\.\d+\.\d+)/\d+", sections["addresses"])),
-        files={name[5:]: _parse_file(text) for name, text in sections.items() if name.startswith("file ")},
+        files={path: _parse_file(sections[f"file {path}"]) for path in request.files},
         packages=dict(_parse_packages(sections.get("packages", ""))),
-        services={name[8:]: _parse_service(text) for name, text in sections.items() if name.startswith("service ")},
+        services={unit: _parse_service(sections[f"service {unit}"]) for unit in request.services},
         broken_packages=bool(sections["broken"].strip()),
         apt_user=sections.get("apt", "").strip(),
     )

@@ -8,7 +8,9 @@ from ur.robot.setup.change import Change, Command
 from ur.robot.setup.facts import Facts, Request
 from ur.robot.setup.made import RECORD, note_script
 from ur.robot.setup.wanted import Wanted, WantedFolder, WantedLine
-from ur.robot.ssh.shell import quote
+from ur.robot.ssh.public_key import PublicKey, parse_public_key
+from ur.robot.ssh.shell import REPLACE, quote
+from ur.source.diagnostic import UserError, error
 
 KEY = "~/.ssh/id_ed25519"
 AUTHORIZED = "~/.ssh/authorized_keys"
@@ -34,13 +36,14 @@ class WantedKeyPair:
         path = quote(facts.resolve(self.path))
         if private.text is None:
             script = (
-                f"set -e; mkdir -p -m 700 $(dirname {path}); d=$(mktemp -d {path}.XXXXXX); trap 'rm -rf \"$d\"' EXIT; "
+                f"set -e; {REPLACE}mkdir -p -m 700 $(dirname {path}); "
+                f"d=$(mktemp -d {path}.XXXXXX); trap 'rm -rf \"$d\"' EXIT; "
                 f'ssh-keygen -q -t ed25519 -N "" -C {quote(self.comment)} -f "$d/key"; '
-                f'mv -f "$d/key.pub" {path}.pub; mv -f "$d/key" {path}'
+                f'replace "$d/key.pub" {path}.pub; replace "$d/key" {path}'
             )
             return Change(self.title, f"{self.path}: new key pair ({self.comment})", (Command(script),))
         if public.text is None:
-            script = f"ssh-keygen -y -f {path} >{path}.pub.new && mv -f {path}.pub.new {path}.pub"
+            script = f"{REPLACE}ssh-keygen -y -f {path} >{path}.pub.new && replace {path}.pub.new {path}.pub"
             return Change(self.title, f"{self.path}.pub: made again from the private key", (Command(script),))
         if private.mode & 0o077:
             change = f"{self.path}: mode {private.mode:o} -> 600"
@@ -63,16 +66,16 @@ class WantedOwnLogin:
         return Request(user, files=frozenset({KEY + ".pub", AUTHORIZED, RECORD}))
 
     def plan(self, facts: Facts) -> Change | None:
-        """Add the key, also one that is only being made."""
+        """Add the key, also one that is only being made. Raises UserError: what is there is no key."""
         public, authorized = facts.file(KEY + ".pub").text, facts.file(AUTHORIZED).text
-        if public and public.strip() in (authorized or "").split("\n"):
+        if public and str(_read_key(self.title, KEY + ".pub", public)) in (authorized or "").split("\n"):
             return None
         key, place = quote(facts.resolve(KEY + ".pub")), quote(facts.resolve(AUTHORIZED))
         script = (
             f'set -e; umask 077; {note_script(facts)} own {place}; note "$f" {place}; '
             f'grep -qxF "$(cat {key})" "$f" 2>/dev/null && exit 0; '
             'new=$(mktemp "$f.XXXXXX"); trap \'rm -f "$new"\' EXIT; [ ! -e "$f" ] || sed -e \'$a\\\' "$f" >"$new"; '
-            f'cat {key} >>"$new"; mv -f "$new" "$f"'
+            f'cat {key} >>"$new"; replace "$new" "$f"'
         )
         return Change(self.title, f"{AUTHORIZED}: + the key of this user", (Command(script),))
 
@@ -100,11 +103,25 @@ def own_keys(user: str, name: str, host_key: str | None) -> list[Wanted]:
 
 
 def known_host(title: str, name: str, host_key: str) -> WantedLine:
-    """A computer's public host key in ~/.ssh/known_hosts, as NAME.local and NAME."""
-    kind, key = host_key.split()[:2]
-    return WantedLine(title, KNOWN_HOSTS, f"{name}.local,{name} {kind} {key}", mode=0o600, old=(f"{name}.local,",))
+    """A computer's public host key in ~/.ssh/known_hosts, as NAME.local and NAME. Raises UserError: it is no key."""
+    key = _read_key(title, HOST_KEY, host_key).key
+    return WantedLine(title, KNOWN_HOSTS, f"{name}.local,{name} {key}", mode=0o600, old=(f"{name}.local,",))
 
 
 def allowed_key(title: str, public_key: str) -> WantedLine:
-    """The owner of this key may log in."""
-    return WantedLine(title, AUTHORIZED, public_key.strip(), mode=0o600)
+    """The owner of this key may log in. Raises UserError: it is no key."""
+    return WantedLine(title, AUTHORIZED, str(_read_key(title, KEY + ".pub", public_key)), mode=0o600)
+
+
+def _read_key(title: str, path: str, text: str) -> PublicKey:
+    try:
+        return parse_public_key(text)
+    except ValueError as problem:
+        private = path.removesuffix(".pub")
+        raise UserError(
+            error(
+                f"{title}: {path} is not a public key: {text[:60]!r}; {problem}",
+                rule="bad-key",
+                help=f"on that computer, make it again from the private key: ssh-keygen -y -f {private} >{path}",
+            )
+        ) from None

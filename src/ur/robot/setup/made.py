@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from ur.robot.setup.change import Change, Command
 from ur.robot.setup.facts import Facts, Request
-from ur.robot.ssh.shell import quote
+from ur.robot.ssh.shell import REPLACE, quote
 
 FOLDER = "~/.local/state/ubiquity_launches/setup"
 RECORD = f"{FOLDER}/made"
@@ -40,14 +40,14 @@ def note_script(facts: Facts) -> str:
     home, record = quote(facts.home), quote(facts.resolve(RECORD))
     return (
         # The home folder may be reached through a link: paths are as its user writes them.
-        f'h={home}; own() {{ f=$(readlink -m "$1"); H=$(readlink -m "$h"); '
+        f'{REPLACE}h={home}; own() {{ f=$(readlink -m "$1"); H=$(readlink -m "$h"); '
         'case $f in "$H"/*) f=$h${f#"$H"};; esac; }; '
         f'r={record}; made() {{ grep -qxF -- "$1" "$r" 2>/dev/null; }}; '
         'miss() { case $1 in "$h"/*) miss "${1%/*}"; [ -e "$1" ] || printf "%s\\n" "$1";; esac; }; '
         'note() { new=$(miss "$r"; miss "$1"; [ "$1" = "$2" ] || [ -e "$1" ] || printf "%s\\n" "$2"; '
         'if [ -f "$1" ] && [ -n "$(tail -c 1 "$1" | tr -d "\\n\\0")" ]; then printf "unended %s\\n" "$2"; fi); '
-        '[ -z "$new" ] || { (umask 077; mkdir -p "${r%/*}"); printf "%s\\n" "$new" >>"$r"; }; }; '
-        'keep() { [ ! -f "$1" ] || [ -e "$2" ] || made "$1" || { cp -p "$1" "$2.new" && mv "$2.new" "$2"; }; }; '
+        '[ -z "$new" ] || { (umask 077; mkdir -p "${r%/*}"); printf "%s\\n" "$new" >>"$r"; last "$r" "${r%/*}"; }; }; '
+        'keep() { [ ! -f "$1" ] || [ -e "$2" ] || made "$1" || { cp -p "$1" "$2.new" && replace "$2.new" "$2"; }; }; '
         'prune() { d=${1%/*}; while [ "$d" != "$h" ] && made "$d" && rmdir "$d" 2>/dev/null; '
         "do d=${d%/*}; done; :; }; "
     )

@@ -4,25 +4,26 @@ from __future__ import annotations
 
 import fcntl
 import os
-import subprocess
+import re
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
 from pathlib import Path
 
+from ur.robot.boot import tell_base_script
 from ur.robot.record import Record, render_record
 from ur.robot.setup.change import Change
-from ur.robot.setup.engine import bring_about, gather, look, plan_changes
+from ur.robot.setup.contact import forget_contact, note_contact
+from ur.robot.setup.engine import Progress, bring_about, gather, look, plan_changes
 from ur.robot.setup.facts import Facts, Request
+from ur.robot.setup.internet.share import share_internet
 from ur.robot.setup.keys import HOST_KEY, KEY, allowed_key, known_host, own_keys
 from ur.robot.setup.lock import hold_robot
+from ur.robot.setup.login import Report, Task, find_passwords, is_password, open_robot
 from ur.robot.setup.there import Robot, Viewer, WantedPassword, base_request, wanted_there
 from ur.robot.setup.wanted import Wanted, WantedFile
-from ur.robot.ssh.expired import renew_password
-from ur.robot.ssh.guard import private_folder
-from ur.robot.ssh.openssh import Address, SshShell, connect, host_key_options
-from ur.robot.ssh.secret import Secret
+from ur.robot.ssh.host_key import HostKey, find_known_keys
+from ur.robot.ssh.openssh import Address, SshShell, connect
 from ur.robot.ssh.shell import Shell, quote
 from ur.source.diagnostic import UserError, error
 
@@ -31,108 +32,6 @@ AGAIN_SECONDS = 15.0
 QUICK_SECONDS = 3
 PAUSE_SECONDS = 0.5
 CLOCK_SECONDS = 120.0
-# The shadow hash and the password go in through standard input; crypt(3) knows every method of this system.
-_COMPARE = """\
-perl -e 'chomp(my ($user, $password) = <STDIN>); my $hash = (getpwnam $user)[1];
-exit((defined $hash && length $hash > 1 && crypt($password, $hash) eq $hash) ? 0 : 1)'
-"""
-
-
-@dataclass(frozen=True, slots=True)
-class Task:
-    """One robot to be set up: where it is now, what it shall be, and the passwords that may be needed on the way.
-
-    `current` is None when the user gave none: login by key, sudo without a password. `new` is None: the password stays.
-    `library` is the copy of this project that it gets.
-    """
-
-    address: Address
-    robot: Robot
-    current: Secret | None = None
-    new: Secret | None = None
-    new_host_key: bool = False
-    library: Wanted | None = None
-
-    @property
-    def later(self) -> Address:
-        """Where it will be."""
-        return Address(self.address.user, f"{self.robot.name}.local")
-
-
-Report = Callable[[str], None]
-
-
-@contextmanager
-def open_robot(task: Task, report: Report) -> Iterator[SshShell]:
-    """Log in to the robot: under its present name, or, where an earlier run was interrupted, under its new one."""
-    with private_folder() as folder:
-        first_contact = folder / "known_hosts"
-        silent: dict[str, UserError] = {}
-        for address, known_hosts, password in _ways_in(task, first_contact):
-            if address.host in silent:
-                continue
-            try:
-                connection = connect(address, password=password, known_hosts=known_hosts)
-                shell = connection.__enter__()
-                break
-            except UserError as problem:
-                failure = problem
-                rule = problem.diagnostics[0].rule
-                if rule in ("changed-host-key", "missing-program"):
-                    raise
-                if rule == "expired-password":
-                    if not task.current or not task.new:
-                        raise
-                    report("its password has to be changed at the first login")
-                    renew_password(address, task.current, task.new, host_key_options(known_hosts))
-                    continue  # there are more ways in: the new password
-                if rule != "refused":
-                    silent[address.host] = problem
-        else:
-            raise silent.get(task.address.host, failure)
-        try:
-            if first_contact.exists():
-                report(f"first contact, host key {_fingerprint(first_contact)}")
-            candidates = _passwords(task)
-            if not shell.find_sudo(candidates):
-                raise explain_sudo(shell.address, shell.sudo_said, given=bool(candidates))
-            yield shell
-        finally:
-            connection.__exit__(None, None, None)
-
-
-def explain_sudo(address: Address, said: str, *, given: bool) -> UserError:
-    """What sudo's words mean; `given` tells whether a password was tried."""
-    user = address.user
-    message = "sudo refuses this password" if given else "sudo wants a password"
-    help = f"expected the password of {user}, who may use sudo"
-    if "not in the sudoers file" in said or "may not run sudo" in said or "not allowed to" in said:
-        message, help = f"{user} may not use sudo there", f"as root there: usermod --append --groups sudo {user}"
-    elif "sudo: not found" in said or "sudo: command not found" in said:
-        message, help = "sudo is not installed there", "as root there: apt-get install sudo"
-    return UserError(error(f"{address}: {message}", rule="no-root", help=help))
-
-
-def _ways_in(task: Task, first_contact: Path) -> Iterator[tuple[Address, Path | None, Secret | None]]:
-    known = _is_known(task.address.host) and not task.new_host_key
-    known_hosts = None if known else first_contact
-    yield task.address, known_hosts, None
-    for password in (task.current, task.new):
-        if password:
-            yield task.address, known_hosts, password
-    if task.later != task.address and _is_known(task.later.host):
-        yield task.later, None, None
-
-
-def _is_known(host: str) -> bool:
-    done = subprocess.run(["ssh-keygen", "-F", host], capture_output=True, check=False)
-    return done.returncode == 0
-
-
-def _fingerprint(known_hosts: Path) -> str:
-    done = subprocess.run(["ssh-keygen", "-l", "-f", str(known_hosts)], capture_output=True, text=True, check=False)
-    words = done.stdout.split()
-    return words[1] if len(words) > 1 else "unknown"
 
 
 def prepare_viewer(shell: Shell, user: str) -> Viewer:
@@ -160,13 +59,17 @@ def _wanted(task: Task, shell: SshShell, viewer: Viewer, facts: Facts) -> list[W
     return wanted_there(facts, task.robot, viewer, _password(task, shell), library=task.library)
 
 
-def set_up(task: Task, here: Shell, viewer: Viewer, report: Report) -> int:
+def set_up(task: Task, here: Shell, viewer: Viewer, report: Report, progress: Progress | None = None) -> int:
     """Bring the robot, and what this computer knows of it, to the wanted state; the number of changes it took.
 
-    Raises UserError, naming what failed, what to do, and leaving a robot that can be reached.
+    `progress` gets what long changes do. Raises UserError, naming what failed, what to do, and leaving a robot that can
+    be reached.
     """
     user = task.address.user
-    with open_robot(task, report) as shell, hold_robot(shell, f"{viewer.user}@{viewer.name}", report):
+    who = f"{viewer.user}@{viewer.name}"
+    with open_robot(task, report) as shell, hold_robot(shell, who, report), share_internet(shell, report) as route:
+        if task.host_key:
+            note_contact(task.host_key)
         _check_name_is_free(task, shell)
         set_clock(shell, time.time, report)
         facts, count = bring_about(
@@ -176,11 +79,15 @@ def set_up(task: Task, here: Shell, viewer: Viewer, report: Report) -> int:
             base_request(user),
             root=True,
             report=lambda change: report(f"{change.title} ({change.note})" if change.note else change.title),
+            route=route,
+            progress=progress,
         )
         # Before the reboot: from then on the robot is known under its new name, strictly.
-        count += _remember(task, here, viewer, facts, report)
+        count += _remember(task, shell.address.host, here, viewer, facts, report)
+        if task.host_key:
+            forget_contact(task.host_key)
         if facts.hostname == task.robot.name:
-            return count
+            return count + update_master(task.robot, shell, report)
         at = shell.run('set -- $SSH_CONNECTION; echo "$3"').out.strip()
         at = shell.address.host if "%" in at else at  # an address that means something over there only
         report(f"reboot as {task.later.host}")
@@ -190,6 +97,20 @@ def set_up(task: Task, here: Shell, viewer: Viewer, report: Report) -> int:
     return count + 1
 
 
+def update_master(robot: Robot, shell: Shell, report: Report) -> int:
+    """Give a running ROS master the base and variant of the robot file; 1 where it had others, else 0.
+
+    It is looked at each time, so that an interrupted set-up is completed. A master that does not run gets them at its
+    start.
+    """
+    done = shell.run(quote("python3", "-I", "-c", tell_base_script(seconds=0.0)), timeout=30.0)
+    if done.code or "changed" not in done.out:
+        return 0
+    base = f"{robot.base}, variant {robot.variant}" if robot.variant else robot.base
+    report(f"ROS master: base {base}; programs that run keep the former one until they are restarted")
+    return 1
+
+
 def set_clock(shell: Shell, now: Callable[[], float], report: Report) -> None:
     """Set a clock that is minutes off, as that of a computer without a battery for it: apt and keys look at dates.
 
@@ -197,7 +118,7 @@ def set_clock(shell: Shell, now: Callable[[], float], report: Report) -> None:
     clock cannot be set.
     """
     said = shell.run("date +%s").out.strip()
-    ahead = int(said) - now() if said.isdigit() else 0.0
+    ahead = int(said) - now() if re.fullmatch(r"[0-9]{1,12}", said) else 0.0
     if abs(ahead) > CLOCK_SECONDS:
         days, seconds = divmod(round(abs(ahead)), 86400)
         much = f"{days} days" if days else f"{seconds} s"
@@ -230,7 +151,7 @@ def wait_for_boot(
                         reason = "its name leads elsewhere" if name == task.robot.name else f"it calls itself {name}"
                         continue
                     reason = "it has not gone down yet"
-                    if clock() > patience and shell.find_sudo(_passwords(task)):
+                    if clock() > patience and shell.find_sudo(find_passwords(task)):
                         report(f"it has not gone down: reboot as {task.later.host} once more")
                         reason = _reboot(shell) or reason
                         patience = clock() + AGAIN_SECONDS
@@ -254,23 +175,30 @@ def _reboot(shell: SshShell) -> str:
     return ""
 
 
-def _passwords(task: Task) -> list[Secret]:
-    return [secret for secret in (task.current, task.new) if secret]
-
-
-def _remember(task: Task, here: Shell, viewer: Viewer, facts: Facts, report: Report) -> int:
+def _remember(task: Task, host: str, here: Shell, viewer: Viewer, facts: Facts, report: Report) -> int:
     host_key, public_key = facts.file(HOST_KEY).text, facts.file(KEY + ".pub").text
     if not host_key or not public_key:
         raise UserError(
             error(f"{task.address}: it has no ssh keys after the set-up", rule="failed-change", help="ur doctor")
         )
 
-    record = Record(task.robot.name, task.address.user, task.robot.base, task.robot.variant)
+    # What it reports becomes what this computer knows it by: the key with which it has answered, and no other.
+    shown = frozenset([task.host_key]) if task.host_key else find_known_keys(host)
+    if shown and HostKey(" ".join(host_key.split()[:2])) not in shown:
+        raise UserError(
+            error(
+                f"{task.address}: it reports another host key than the one with which it answers",
+                rule="wrong-host-key",
+                help="at the robot itself: sudo systemctl restart ssh; then run this again",
+            )
+        )
+    robot = task.robot
+    record = Record(robot.name, task.address.user, robot.base, robot.variant, robot_login=task.robot_login)
 
     def make(_: Facts) -> list[Wanted]:
         return [
-            known_host(f"host key of {task.robot.name}", task.robot.name, host_key),
-            allowed_key(f"login from {task.robot.name}", public_key),
+            known_host(f"host key of {robot.name}", robot.name, host_key),
+            *([allowed_key(f"login from {robot.name}", public_key)] if task.robot_login else []),
             WantedFile("memory of it", f"~/.config/ubiquity_launches/robots/{record.name}.yaml", render_record(record)),
         ]
 
@@ -301,8 +229,7 @@ def _alone_here() -> Iterator[None]:
 def _password(task: Task, shell: SshShell) -> WantedPassword | None:
     if task.new is None:
         return None
-    given = Secret(f"{task.address.user}\n{task.new.reveal()}\n")
-    return WantedPassword(task.new, is_set=shell.run(_COMPARE, root=True, stdin=given).code == 0)
+    return WantedPassword(task.new, is_set=is_password(shell, task.new))
 
 
 def _check_name_is_free(task: Task, shell: SshShell) -> None:

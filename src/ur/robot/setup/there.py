@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
 
@@ -22,6 +23,12 @@ PACKAGES = (
     *("ros-core", "python3-rospy", "python3-roslaunch", "python3-rostopic", "python3-rosnode"),
     *("ros-robot-state-publisher|robot-state-publisher", "iw", "catkin", "cmake", "g++", "make"),
 )
+# What programs of this project need beside these: the packages of tools/set_up.bash.
+PROGRAM_PACKAGES = (
+    *("python3-venv", "ca-certificates", "rosbash", "python3-tf2-ros", "python3-actionlib", "python3-geometry-msgs"),
+    *("python3-nav-msgs", "python3-sensor-msgs", "python3-move-base-msgs", "python3-visualization-msgs"),
+    "python3-std-srvs",
+)
 GROUPS = ("dialout", "video", "plugdev", "input", "gpio", "i2c")
 CLOUD = "/etc/cloud/cloud.cfg"
 AVAHI = "/etc/avahi/avahi-daemon.conf"
@@ -40,12 +47,16 @@ class Viewer:
 
 @dataclass(frozen=True, slots=True)
 class Robot:
-    """What a robot is to be called and to be. With `master`, it keeps a ROS master up from its boot on."""
+    """The name and base that a robot is to have. With `master`, it keeps a ROS master running from its boot on.
+
+    With `programs`, everything that programs of this project need is installed there.
+    """
 
     name: str
     base: str
     variant: str = ""
     master: bool = True
+    programs: bool = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,11 +95,11 @@ def base_request(user: str) -> Request:
 
 
 def wanted_there(
-    facts: Facts, robot: Robot, viewer: Viewer, password: WantedPassword | None, *, library: Wanted | None = None
+    facts: Facts, robot: Robot, viewer: Viewer, password: WantedPassword | None, *, library: Sequence[Wanted] = ()
 ) -> list[Wanted]:
     """The robot's wanted states, in the order of their making: the way in first, the name last.
 
-    `library` is the copy of this project that it is to have.
+    `library` is the copy of this project that it is to have, and what makes it run.
 
     The new name takes effect with the next boot. Until then, wherever this is interrupted, the robot answers to the old
     one; and from the first change on to the viewer's key.
@@ -97,7 +108,7 @@ def wanted_there(
         WantedFolder("ssh folder", "~/.ssh", mode=0o700),
         allowed_key("login from the viewer", viewer.public_key),
         WantedFile("robot file", str(ROBOT_FILE), robot_file(robot, facts.file(str(ROBOT_FILE)).text)),
-        WantedPackages("packages", PACKAGES),
+        WantedPackages("packages", PACKAGES + (PROGRAM_PACKAGES if robot.programs else ())),
         WantedService("ssh server", "ssh.service"),
         WantedService("names ending in .local", "avahi-daemon.service"),
         WantedFile("announcement", "/etc/avahi/services/ubiquity.service", announcement(robot, facts.user)),
@@ -113,15 +124,15 @@ def wanted_there(
         WantedService("time", "chrony.service"),
         WantedGroups("groups", GROUPS),
         *robot_environment(),
-        *([library] if library else []),
         *own_keys(facts.user, robot.name, facts.file(HOST_KEY).text),
     ]
     if viewer.host_key:
         items.append(known_host("host key of the viewer", viewer.name, viewer.host_key))
     if robot.master:
-        items += boot_master(facts.user)
+        items += boot_master(facts.user, facts.home)
     if password:
         items.append(password)
+    items += library
     if facts.file(CLOUD).text is not None:
         items.append(WantedFile("cloud-init", "/etc/cloud/cloud.cfg.d/99-ubiquity.cfg", KEEP_NAME))
     avahi = facts.file(AVAHI).text or ""
@@ -139,9 +150,9 @@ def follow_host_name(settings: str) -> str:
     return re.sub(r"(?m)^([ \t]*host-name[ \t]*=)", r"#\1", settings)
 
 
-def boot_master(user: str) -> list[Wanted]:
+def boot_master(user: str, home: str) -> list[Wanted]:
     """A ROS master that is kept up from the boot on, so that viewers and programs find one."""
-    unit = master_unit(user)
+    unit = master_unit(user, home)
     service = f"{unit.service}.service"
     reload = f"systemctl daemon-reload; systemctl try-restart {service}"
     return [

@@ -5,14 +5,26 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from ur.robot.boot import LIBRARIES
 from ur.robot.robot_file import ROBOT_FILE
-from ur.robot.setup.robot import Task
+from ur.robot.setup.login import Task
 from ur.robot.setup.there import SERVICE_TYPE, Viewer, robot_file
 from ur.robot.ssh.openssh import SshShell
 from ur.robot.ssh.shell import Shell, quote
 
-STRICT = "ssh -T -o BatchMode=yes -o StrictHostKeyChecking=yes -o ConnectTimeout=10 -o LogLevel=ERROR"
+STRICT = "ssh -T -o BatchMode=yes -o StrictHostKeyChecking=yes -o ConnectTimeout=10 -o LogLevel=ERROR --"
 CLOCK_SECONDS = 0.5
+# The modules are a program's: ROS, its messages, the simulator, the nodes.
+_PROGRAMS = f"""\
+for d in {" ".join(f'"$HOME"/{place}' for place in LIBRARIES)}; do
+  [ -r "$d/.venv/ready-run" ] || continue
+  "$d/.venv/bin/python" -I -c "import rospy, actionlib, tf2_ros, geometry_msgs.msg, nav_msgs.msg, sensor_msgs.msg, \
+move_base_msgs.msg, visualization_msgs.msg, std_srvs.srv, numpy, scipy, mujoco, ur_nodes" || exit
+  "$d/.venv/bin/python" -I -m ur --version || exit
+  read -r copy 2>/dev/null <"$d/.copy" && echo "copy $(echo "$copy" | cut -c-7)" || echo "the clone $d"
+  exit
+done
+echo "nothing is set up there" >&2; exit 1"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,10 +64,12 @@ def verify(task: Task, here: Shell, there: SshShell, viewer: Viewer, find_master
         found = find_master(robot)
         checks.append(Check("ROS master", here.place, found, f"http://{robot}:11311" if found else "no answer"))
         checks.append(_expect(there, "ROS master at boot", "systemctl is-enabled ubiquity-master", "enabled"))
-    if viewer.host_key:
+    if task.robot.programs:
+        checks.append(_programs(there))
+    if task.robot_login and viewer.host_key:
         login = f"{STRICT} {quote(f'{viewer.user}@{laptop}')} cat /proc/sys/kernel/hostname"
         checks.append(_expect(there, "login by key", login, viewer.name))
-    else:
+    elif task.robot_login:
         checks.append(Check("login by key", there.place, False, "no ssh server on this computer; run: ur setup"))
     return checks
 
@@ -82,6 +96,12 @@ def _file(there: Shell, task: Task) -> Check:
     return Check("robot file", there.place, good, "as wanted" if good else _one_line(done.err or done.out))
 
 
+def _programs(there: Shell) -> Check:
+    done = there.run(quote("bash", "-lc", _PROGRAMS), timeout=120.0)
+    last = (done.err.strip().splitlines() or [f"exit code {done.code}"])[-1]
+    return Check("programs", there.place, done.code == 0, _one_line(last if done.code else done.out))
+
+
 def _ros(here: Shell, robot: str, wanted: str) -> Check:
     # As roslaunch starts nodes: a shell that is neither interactive nor a login shell.
     return _expect(here, "ROS environment", f"{STRICT} {quote(robot)} 'echo $ROS_MASTER_URI $ROS_HOSTNAME'", wanted)
@@ -91,7 +111,10 @@ def _clock(here: Shell, there: Shell) -> Check:
     before = here.run("date +%s.%N").out
     middle = there.run("date +%s.%N").out
     after = here.run("date +%s.%N").out
-    offset = clock_offset(float(before), float(middle), float(after))
+    try:
+        offset = clock_offset(float(before), float(middle), float(after))
+    except ValueError:
+        return Check("clock", there.place, False, f"not a time: {_one_line(middle)}")
     return Check("clock", there.place, abs(offset) < CLOCK_SECONDS, f"{offset:+.3f} s")
 
 

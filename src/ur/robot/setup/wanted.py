@@ -12,7 +12,7 @@ from typing import Protocol
 from ur.robot.setup.change import Change, Command, show_difference
 from ur.robot.setup.facts import Facts, Request
 from ur.robot.setup.made import RECORD, is_made, kept_path, note_script, was_unended
-from ur.robot.ssh.shell import quote
+from ur.robot.ssh.shell import REPLACE, quote
 
 
 class Wanted(Protocol):
@@ -68,7 +68,7 @@ class WantedFile:
         if kept is None:
             return _remove_file(facts, self.title, self.path, state.text, self.then)
         place = quote(facts.resolve(kept_path(self.path)))
-        script = f'{note_script(facts)} own {quote(facts.resolve(self.path))}; mv -f {place} "$f"'
+        script = f'{note_script(facts)} own {quote(facts.resolve(self.path))}; replace {place} "$f"'
         return Change(self.title, show_difference(self.path, state.text, kept), (Command(script),))
 
 
@@ -151,7 +151,9 @@ class WantedFolder:
         if state.folder:
             difference = f"{self.path}: mode {state.mode:o} -> {self.mode:o}"
             return Change(self.title, difference, (Command(f"chmod {self.mode:o} {path}"),))
-        script = f'{note_script(facts)} own {path}; note "$f" {path}; mkdir -p -m {self.mode:o} "$f"'
+        script = (
+            f'{note_script(facts)} own {path}; note "$f" {path}; mkdir -p -m {self.mode:o} "$f" && last "${{f%/*}}"'
+        )
         return Change(self.title, f"{self.path}/: new folder", (Command(script),))
 
     def undo(self, facts: Facts) -> Change | None:
@@ -199,13 +201,13 @@ def write_file(facts: Facts, path: str, text: str, mode: int, then: str = "", *,
         find = f'{note_script(facts)} own {target}; note "$f" {target}; '
         find += f'keep "$f" {quote(facts.resolve(kept_path(path)))}; ' if keep else ""
     else:
-        find = f"f=$(readlink -m {target}); "
+        find = f"{REPLACE}f=$(readlink -m {target}); "
     script = (
-        f'set -e; {find}(umask 022; mkdir -p "$(dirname "$f")"); umask 077; '
+        f'set -e; {find}d=${{f%/*}}; [ -d "$d" ] || {{ (umask 022; mkdir -p "$d"); sync -f "$d"; }}; umask 077; '
         'new=$(mktemp "$f.XXXXXX"); trap \'rm -f "$new"\' EXIT HUP INT TERM; cat >"$new"; '
         # A transmission that was cut off must not pass for the whole.
         f'[ "$(wc -c <"$new")" -eq {len(text.encode(errors="surrogateescape"))} ]; '
-        f'chmod {mode:o} "$new"; mv -f "$new" "$f"'
+        f'chmod {mode:o} "$new"; replace "$new" "$f"'
     )
     if then:
         script += f"; {then}"

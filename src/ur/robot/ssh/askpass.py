@@ -8,6 +8,7 @@ key is never answered. Run as a program: python -I askpass.py PROMPT, with the s
 from __future__ import annotations
 
 import os
+import shlex
 import socket
 import struct
 import sys
@@ -38,7 +39,7 @@ def answer_password(folder: Path, password: str) -> Iterator[dict[str, str]]:
     """
     place = folder / "askpass.socket"
     program = folder / "askpass"
-    program.write_text(f"#!/bin/sh\nexec '{sys.executable}' -I '{Path(__file__)}' \"$@\"\n")
+    program.write_text(f'#!/bin/sh\nexec {shlex.join([sys.executable, "-I", __file__])} "$@"\n')
     program.chmod(0o700)
     with socket.socket(socket.AF_UNIX) as server:
         server.bind(str(place))

@@ -17,8 +17,11 @@ from ur.robot.ssh.secret import Secret
 from ur.source.diagnostic import UserError, error
 
 PATIENCE = 60.0
+MOST_BYTES = 1 << 16  # of such a talk, which has some lines
 # passwd asks for the present one once, and for the new one twice; in these words since PAM 1.1, in the C locale.
 _QUESTION = re.compile(rb"password: ?$", re.IGNORECASE)
+_NEW = re.compile(rb"\bnew\b[^\r\n]*password: ?$", re.IGNORECASE)
+_ALONE = [word for name in ("ForwardAgent", "ForwardX11", "PermitLocalCommand") for word in ("-o", f"{name}=no")]
 _DONE = "password updated successfully"
 
 
@@ -30,7 +33,7 @@ def renew_password(address: Address, current: Secret, new: Secret, options: Sequ
     with private_folder() as folder, answer_password(folder, current.reveal()) as environment:
         # A terminal over there, for passwd asks nobody else; here there are only pipes.
         process = subprocess.Popen(
-            ["ssh", "-tt", *password_options(), *options, str(address)],
+            ["ssh", "-tt", *password_options(), *_ALONE, *options, "--", str(address)],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
@@ -38,7 +41,7 @@ def renew_password(address: Address, current: Secret, new: Secret, options: Sequ
             start_new_session=True,
         )
         try:
-            said = _converse(process, [current, new, new])
+            said = _converse(process, current, [new, new])
         finally:
             process.kill()
             process.communicate()
@@ -46,24 +49,28 @@ def renew_password(address: Address, current: Secret, new: Secret, options: Sequ
         raise _explain(address, said)
 
 
-def _converse(process: subprocess.Popen[bytes], answers: Sequence[Secret]) -> str:
-    """Answer each question for a password; all that was said."""
+def _converse(process: subprocess.Popen[bytes], current: Secret, answers: Sequence[Secret]) -> str:
+    """Answer each question for a password; all that was said.
+
+    The present one is given once. Where it is asked for again it was refused, and the new one is not given.
+    """
     assert process.stdin
     assert process.stdout
-    waiting = list(answers)
+    waiting, old = list(answers), [current]
     said = part = b""
     end = time.monotonic() + PATIENCE
     while (left := end - time.monotonic()) > 0 and _DONE.encode() not in said:
         ready, _, _ = select.select([process.stdout], [], [], left)
         more = os.read(process.stdout.fileno(), 4096) if ready else b""
-        if not more:
+        if not more or len(said) > MOST_BYTES:
             break
         said, part = said + more, part + more
         if _QUESTION.search(part):
-            if not waiting:  # it refuses the new one and asks for another
+            wanted = waiting if _NEW.search(part) else old
+            if not wanted or (wanted is waiting and old):  # it refuses what it got, or did not ask for the present one
                 break
             with suppress(BrokenPipeError):
-                process.stdin.write(waiting.pop(0).reveal().encode() + b"\n")
+                process.stdin.write(wanted.pop(0).reveal().encode() + b"\n")
                 process.stdin.flush()
             part, end = b"", time.monotonic() + PATIENCE
     return said.decode(errors="replace")

@@ -15,6 +15,7 @@ from ur.robot.ssh.guard import private_folder, run_guarded
 from ur.robot.ssh.secret import Secret
 from ur.robot.ssh.shell import Done, quote, run_process
 from ur.source.diagnostic import UserError, error
+from ur.source.progress import Waiting, no_waiting
 
 CONNECT_SECONDS = 10
 ALIVE_SECONDS = 3
@@ -54,8 +55,15 @@ def parse_address(text: str, default_user: str) -> Address:
 class SshShell:
     """Scripts on another computer. Made by `connect`, which also ends it."""
 
-    def __init__(self, address: Address, options: Sequence[str], login_password: Secret | None = None) -> None:
+    def __init__(
+        self,
+        address: Address,
+        options: Sequence[str],
+        login_password: Secret | None = None,
+        waiting: Waiting = no_waiting,
+    ) -> None:
         self.address = address
+        self._waiting = waiting
         self._options = options
         self._login = login_password
         self._sudo: Secret | None = None
@@ -86,9 +94,10 @@ class SshShell:
         text = stdin.reveal() if isinstance(stdin, Secret) else stdin
         # 255 is what ssh itself says when the connection breaks, so no script may.
         words = self._words(f"({script}\n); code=$?; [ $code -ne 255 ] || code=254; exit $code", root)
-        done = run_process(
-            words, stdin=Secret(self._preface(root) + text), timeout=timeout, what=f"a command on {self.place}"
-        )
+        with self._waiting(_describe_wait(self.address)):
+            done = run_process(
+                words, stdin=Secret(self._preface(root) + text), timeout=timeout, what=f"a command on {self.place}"
+            )
         if done.code == 255:
             raise lost_connection(self.place, done.err)
         if done.code and is_expired(done.err):
@@ -111,12 +120,45 @@ class SshShell:
             process.stdin.flush()
         return process
 
+    def forward_back(self, port: int) -> int:
+        """Let programs there reach a port of this computer's loopback interface while the connection lasts.
+
+        The port that they use, on their own loopback interface; 0 where the ssh server does not allow it.
+        """
+        # Options other than the shared connection's socket are of no use here, and one of them forbids forwarding.
+        shared = next(word for word in self._options if word.startswith("ControlPath="))
+        words = [
+            "ssh",
+            "-F",
+            "none",
+            "-o",
+            shared,
+            "-O",
+            "forward",
+            "-R",
+            f"127.0.0.1:0:127.0.0.1:{port}",
+            "--",
+            self.place,
+        ]
+        done = run_process(words, timeout=CONNECT_SECONDS, what=f"forwarding to {self.place}")
+        said = done.out.strip()
+        return int(said) if done.code == 0 and said.isdecimal() else 0
+
+    @property
+    def accepted(self) -> frozenset[Secret]:
+        """The passwords that the computer has accepted: for the login, and for sudo."""
+        return frozenset(one for one in (self._login, self._sudo) if one)
+
+    def allow(self, candidates: Sequence[Secret]) -> None:
+        """Use these from now on where sudo refuses the present password, as when a command has changed it."""
+        self._candidates = tuple(candidates)
+
     def _words(self, script: str, root: bool) -> list[str]:
         command = quote("sh", "-c", script)
         if root and self.address.user != "root":
             options = "-n" if self._sudo is None else "-k -S -p ''"
             command = f"LC_ALL=C sudo {options} -- {command}"
-        return ["ssh", *_ONLY_SHARED, *self._options, self.place, command]
+        return ["ssh", *_ONLY_SHARED, *self._options, "--", self.place, command]
 
     def _preface(self, root: bool) -> str:
         """What sudo reads before the script does."""
@@ -149,17 +191,24 @@ def connect(
     password: Secret | None = None,
     known_hosts: Path | None = None,
     options: Sequence[str] = (),
+    waiting: Waiting = no_waiting,
 ) -> Iterator[SshShell]:
     """Log in, by key or, with `password`, by that alone; the connection ends with the context, or with this process.
 
-    Host keys must be known: in the user's own files, or in `known_hosts` alone, where an unknown one is then written.
-    `options` are words for ssh that count before our own. Raises UserError, which says which of these failed: name,
-    network, host key, login.
+    Host keys must be known: in the user's own files, or, where it is given, in the file `known_hosts` alone.
+    `options` are words for ssh that count before our own. `waiting` is opened around each wait for an answer.
+    Raises UserError, which says which of these failed: name, network, host key, login.
     """
     with private_folder() as folder:
         common = [*options, *_common(folder / "c"), *host_key_options(known_hosts)]
-        with _share_connection(address, common, folder, password):
-            yield SshShell(address, common, login_password=password)
+        with ExitStack() as stack:
+            with waiting(_describe_wait(address)):
+                stack.enter_context(_share_connection(address, common, folder, password))
+            yield SshShell(address, common, login_password=password, waiting=waiting)
+
+
+def _describe_wait(address: Address) -> str:
+    return f"waiting for {address.host.removesuffix('.local')} to answer"
 
 
 def host_key_options(known_hosts: Path | None) -> list[str]:
@@ -167,7 +216,7 @@ def host_key_options(known_hosts: Path | None) -> list[str]:
     if known_hosts is None:
         return ["-o", "StrictHostKeyChecking=yes"]
     files = ["-o", f"UserKnownHostsFile={known_hosts}", "-o", "GlobalKnownHostsFile=/dev/null"]
-    return [*files, "-o", "StrictHostKeyChecking=accept-new", "-o", "HashKnownHosts=no"]
+    return [*files, "-o", "StrictHostKeyChecking=yes", "-o", "HostKeyAlgorithms=ssh-ed25519"]
 
 
 def password_options() -> list[str]:
@@ -183,6 +232,7 @@ def _common(socket: Path) -> list[str]:
         f"ServerAliveInterval={ALIVE_SECONDS}",  # with the count: a connection that is cut is given up after 12 s
         "ServerAliveCountMax=3",
         "ForwardX11=no",
+        "ForwardAgent=no",
         "ClearAllForwardings=yes",
         "PermitLocalCommand=no",
         "LogLevel=ERROR",
@@ -200,9 +250,10 @@ def _share_connection(address: Address, common: Sequence[str], folder: Path, pas
     )
     # Something has to run there as long as the connection shall last: cat, which ends by itself when that breaks.
     script = quote("sh", "-c", f"echo; echo {_READY}; exec cat >/dev/null")
+    master += ["--", str(address), script]
     with ExitStack() as stack:
         with answering as environment:
-            shared = stack.enter_context(run_guarded([*master, str(address), script], folder / "log", environment))
+            shared = stack.enter_context(run_guarded(master, folder / "log", environment))
             ready = shared.wait_for_line(_READY, CONNECT_SECONDS * 3)
         if not ready:
             said = shared.log.read_text(errors="replace") if shared.log.exists() else ""
@@ -250,7 +301,8 @@ _FAILURES = (
         "IDENTIFICATION HAS CHANGED",
         "changed-host-key",
         "another host key than the one that is known, expected the same computer as before",
-        "if it was flashed or replaced on purpose: ur robot setup {host} --new-host-key",
+        "if it was flashed or replaced on purpose: ur robot setup {host} --new-host-key; "
+        "else another computer answers to this name: do not log in to it",
     ),
     (
         "Host key verification failed",

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import os
+import selectors
 import shlex
 import signal
 import subprocess
+import time
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -13,6 +15,9 @@ from typing import Protocol
 
 from ur.robot.ssh.secret import Secret
 from ur.source.diagnostic import UserError, error
+
+MOST_BYTES = 1 << 26  # of what a command prints: a list of all packages has some hundred kilobytes
+_CHUNK = 1 << 16
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,6 +27,13 @@ class Done:
     code: int
     out: str
     err: str
+
+
+# Shell functions. `last PATH...` brings files, or the names in folders, to the disk. `replace NEW FILE` puts a file in
+# the place of another one: after a power cut it is the old or the new one, completely.
+REPLACE = (
+    'last() { sync -- "$@" 2>/dev/null || sync; }; replace() { last "$1" && mv -f -- "$1" "$2" && last "${2%/*}"; }; '
+)
 
 
 class Shell(Protocol):
@@ -70,7 +82,7 @@ def run_process(
 ) -> Done:
     """Run a program to its end. When it is late or we are stopped it is killed; with `own_session`, all it started too.
 
-    Raises UserError: not found, or not done after `timeout` seconds.
+    Raises UserError: not found, not done after `timeout` seconds, or more than MOST_BYTES of output.
     """
     text = stdin.reveal() if isinstance(stdin, Secret) else stdin
     try:
@@ -79,11 +91,13 @@ def run_process(
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
-            text=True,
-            errors="surrogateescape",
             env=environment,
             start_new_session=own_session,
         )
+    except ValueError as problem:  # a null byte in an argument
+        raise UserError(
+            error(f"{what}: {problem}", rule="bad-argument", help="is a name or an answer in it what you expect?")
+        ) from None
     except FileNotFoundError:
         raise UserError(
             error(
@@ -91,15 +105,68 @@ def run_process(
             )
         ) from None
     try:
-        out, err = process.communicate(text, timeout=timeout)
-    except subprocess.TimeoutExpired:
+        out, err = _exchange(process, text.encode(errors="surrogateescape"), time.monotonic() + timeout)
+    except TimeoutError:
         raise UserError(error(f"{what}: no answer within {timeout:g} s", rule="no-answer", help=_LATE)) from None
+    except OverflowError:
+        raise UserError(
+            error(
+                f"{what}: the answer has more than {MOST_BYTES >> 20} MB, and no end",
+                rule="endless-answer",
+                help="is it the computer that you expect? Look at it: ur shell",
+            )
+        ) from None
     finally:
         if process.poll() is None:
             with suppress(ProcessLookupError):
                 os.killpg(process.pid, signal.SIGKILL) if own_session else process.kill()
             process.wait()
+        for stream in (process.stdin, process.stdout, process.stderr):
+            with suppress(OSError):
+                if stream:
+                    stream.close()
     return Done(process.returncode, out, err)
+
+
+def _exchange(process: subprocess.Popen[bytes], text: bytes, end: float) -> tuple[str, str]:
+    """Write the text to a process and read its output to the end. Raises TimeoutError, and OverflowError: too much."""
+    assert process.stdin
+    assert process.stdout
+    assert process.stderr
+    said: dict[int, list[bytes]] = {process.stdout.fileno(): [], process.stderr.fileno(): []}
+    size, rest = 0, memoryview(text)
+    os.set_blocking(process.stdin.fileno(), False)
+    with selectors.DefaultSelector() as waiting:
+        for number in said:
+            waiting.register(number, selectors.EVENT_READ)
+        waiting.register(process.stdin, selectors.EVENT_WRITE)
+        while waiting.get_map():
+            if (left := end - time.monotonic()) <= 0:
+                raise TimeoutError
+            for key, _ in waiting.select(left):
+                if key.fileobj is process.stdin:
+                    with suppress(BlockingIOError):
+                        try:
+                            rest = rest[os.write(key.fd, rest[:_CHUNK]) if rest else 0 :]
+                        except BrokenPipeError:  # it does not want to know
+                            rest = rest[len(rest) :]
+                    if not rest:
+                        waiting.unregister(process.stdin)
+                        process.stdin.close()
+                    continue
+                more = os.read(key.fd, _CHUNK)
+                said[key.fd].append(more)
+                size += len(more)
+                if size > MOST_BYTES:
+                    raise OverflowError
+                if not more:
+                    waiting.unregister(key.fd)
+    try:
+        process.wait(max(0.0, end - time.monotonic()))
+    except subprocess.TimeoutExpired:
+        raise TimeoutError from None
+    out, err = (b"".join(parts).decode(errors="surrogateescape") for parts in said.values())
+    return out.replace("\r\n", "\n").replace("\r", "\n"), err.replace("\r\n", "\n").replace("\r", "\n")
 
 
 _NO_ROOT = "run this in a terminal, as a user who may use sudo"

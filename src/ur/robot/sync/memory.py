@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Mapping
-from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from ur.robot.sync.model import Agreed, File
 from ur.source.diagnostic import UserError, error
+from ur.source.replace import replace_file
 
 VERSION = 1
 
@@ -48,7 +47,7 @@ def load_memory(path: Path) -> Memory | None:
             return None
         agreed = {name: Agreed(File(*row[0]), File(*row[1])) for name, row in top["agreed"].items()}
         return Memory(Pair(**top["pair"]), agreed)
-    except (OSError, ValueError, TypeError, KeyError, IndexError, AttributeError):
+    except (OSError, ValueError, TypeError, KeyError, IndexError, AttributeError, RecursionError):
         return None
 
 
@@ -56,14 +55,9 @@ def store_memory(path: Path, memory: Memory) -> None:
     """Write it in one step. Raises UserError."""
     rows = {name: [each.here.as_json(), each.there.as_json()] for name, each in memory.agreed.items()}
     pair = {"here": memory.pair.here, "there": memory.pair.there, "machine": memory.pair.machine}
-    temporary = path.with_name(f"{path.name}.{os.getpid()}")
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        temporary.write_text(json.dumps({"version": VERSION, "pair": pair, "agreed": rows}), encoding="utf-8")
-        temporary.replace(path)
+        replace_file(path, json.dumps({"version": VERSION, "pair": pair, "agreed": rows}), parents=True)
     except OSError as problem:
-        with suppress(OSError):
-            temporary.unlink()
         reason = (problem.strerror or str(problem)).lower()
         raise UserError(error(f"{path}: cannot be written: {reason}", rule="no-memory")) from None
 

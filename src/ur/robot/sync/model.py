@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Any, Literal, cast, get_args
 
 Kind = Literal["file", "link", "folder"]
 Side = Literal["here", "there"]
@@ -92,5 +92,29 @@ class SyncPlan:
 
 
 def read_files(rows: Mapping[str, list[Any]]) -> dict[str, File]:
-    """Files from their JSON. Raises TypeError or ValueError for what is none."""
-    return {path: File(*row) for path, row in rows.items()}
+    """Files from their JSON, which another computer may have sent. Raises TypeError or ValueError for anything else.
+
+    A path stays inside of the workspace: it is relative, and no part of it is empty, `.` or `..`.
+    """
+    if not isinstance(rows, Mapping):
+        raise TypeError("expected files by path")
+    return {check_path(path): _read_file(row) for path, row in rows.items()}
+
+
+def check_path(path: object) -> str:
+    """Return a path of a workspace. Raises TypeError or ValueError for one that leads out of it."""
+    if not isinstance(path, str):
+        raise TypeError("expected a path")
+    if "\0" in path or any(part in ("", ".", "..") for part in path.split("/")):
+        raise ValueError(f"{path!r} is no path inside of a workspace")
+    return path
+
+
+def _read_file(row: object) -> File:
+    if not isinstance(row, list) or len(row) != 5:
+        raise TypeError("expected a file")
+    kind, size, time, executable, content = row
+    numbers = all(isinstance(each, int) and not isinstance(each, bool) for each in (size, time))
+    if kind not in get_args(Kind) or not numbers or not isinstance(executable, bool) or not isinstance(content, str):
+        raise TypeError("expected a file")
+    return File(cast(Kind, kind), size, time, executable, content)

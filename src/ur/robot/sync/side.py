@@ -168,6 +168,7 @@ def apply(request: Request) -> Request:
             left[path] = reason
         else:
             done[path] = step[2] and _look_again(os.path.join(request["root"], path), step[2])
+    os.sync()  # and what was replaced, before the other side remembers that it was
     shutil.rmtree(request["arriving"], ignore_errors=True)
     with suppress(OSError):
         os.rmdir(os.path.dirname(request["arriving"]))

@@ -17,7 +17,7 @@ from ur.robot.ssh.shell import Shell, quote
 from ur.robot.sync import side as side_program
 from ur.robot.sync.compare import agree, drop_ignored
 from ur.robot.sync.memory import Memory, Pair, known_files
-from ur.robot.sync.model import SIDES, Manifest, Side, Step, SyncPlan, read_files
+from ur.robot.sync.model import SIDES, Manifest, Side, Step, SyncPlan, check_path, read_files
 from ur.source.diagnostic import UserError, error
 
 WORKSPACE = "catkin_ws/src"
@@ -51,25 +51,37 @@ class Outcome:
     left: Mapping[Side, Mapping[str, str]]
 
 
+@dataclass(frozen=True, slots=True)
+class _Scan:
+    """The workspace of a side, as that side describes it."""
+
+    manifest: Manifest
+    root: str
+    machine: str
+    has_rsync: bool
+    ignored: tuple[str, ...]
+
+
+_BAD_ANSWER = (LookupError, TypeError, ValueError, AttributeError)
+
+
 def look_at(shell: SshShell, root: Path, last: Memory | None) -> Look:
     """List both workspaces. Raises UserError."""
     agreed = last.agreed if last else {}
     answers = {}
     for place, where in ((Place("here", None), str(root)), (Place("there", shell), f"~/{WORKSPACE}")):
         request = {"do": "scan", "root": where, "ignore": [], "known": known_files(agreed, place.side)}
-        answers[place.side] = _ask(place, request)
-        if not answers[place.side]["rsync"]:
+        answers[place.side] = _read_scan(place, _ask(place, request))
+        if not answers[place.side].has_rsync:
             who = "this computer" if place.side == "here" else shell.place
             raise UserError(
                 error(
                     f"{who}: rsync is not installed", rule="missing-program", help="there: sudo apt-get install rsync"
                 )
             )
-    patterns = [*answers["here"]["ignore"], *answers["there"]["ignore"]]
-    sides = [
-        drop_ignored(Manifest(read_files(answers[side]["files"]), answers[side]["skipped"]), patterns) for side in SIDES
-    ]
-    pair = Pair(answers["here"]["root"], answers["there"]["root"], answers["there"]["machine"])
+    patterns = [*answers["here"].ignored, *answers["there"].ignored]
+    sides = [drop_ignored(answers[side].manifest, patterns) for side in SIDES]
+    pair = Pair(answers["here"].root, answers["there"].root, answers["there"].machine)
     return Look(sides[0], sides[1], pair, last if last and last.pair == pair else None)
 
 
@@ -97,13 +109,39 @@ def carry_out(
             report(f"{count} to {'this computer' if side == 'here' else shell.place} ...")
             _run_rsync(shell, side, roots, request["arriving"], paths, progress=progress)
         answer = _ask(places[side], {**request, "do": "apply", "steps": [_render_step(step) for step in steps]})
-        done[side] = {**read_files({k: v for k, v in answer["done"].items() if v}), **_gone(answer["done"])}
-        left[side] = answer["left"]
+        try:
+            done[side] = {**read_files({k: v for k, v in answer["done"].items() if v}), **_gone(answer["done"])}
+            left[side] = _read_texts(answer["left"])
+        except _BAD_ANSWER as problem:
+            raise _misshapen(places[side], problem) from None
     return Outcome(Memory(pair, agree(plan, done)), left)
 
 
+def _read_scan(place: Place, answer: Any) -> _Scan:
+    try:
+        return _Scan(
+            Manifest(read_files(answer["files"]), _read_texts(answer["skipped"])),
+            str(answer["root"]),
+            str(answer["machine"]),
+            bool(answer["rsync"]),
+            tuple(str(each) for each in answer["ignore"]),
+        )
+    except _BAD_ANSWER as problem:
+        raise _misshapen(place, problem) from None
+
+
+def _read_texts(rows: Mapping[str, Any]) -> dict[str, str]:
+    return {path and check_path(path): str(why) for path, why in rows.items()}  # '' is the workspace itself
+
+
+def _misshapen(place: Place, problem: Exception) -> UserError:
+    who = "this computer" if place.shell is None else place.shell.place
+    message = f"{who}: the list of its workspace makes no sense: {problem}"
+    return UserError(error(message, rule="failed-sync", help="ur doctor"))
+
+
 def _gone(done: Mapping[str, Any]) -> dict[str, None]:
-    return {path: None for path, row in done.items() if row is None}
+    return {check_path(path): None for path, row in done.items() if row is None}
 
 
 def _render_step(step: Step) -> list[Any]:
@@ -123,7 +161,7 @@ def _ask(place: Place, request: Mapping[str, Any]) -> Any:
     done = place.shell.run(quote("python3", "-I", "-c", code), stdin=json.dumps(request), timeout=_SECONDS)
     try:
         return json.loads(done.out)
-    except ValueError:
+    except (ValueError, RecursionError):
         reason = (done.err.strip().splitlines() or [f"exit code {done.code}"])[-1]
         raise UserError(
             error(f"{place.shell.place}: its workspace cannot be read: {reason}", rule="failed-sync", help="ur doctor")

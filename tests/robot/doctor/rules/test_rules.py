@@ -211,3 +211,9 @@ def test_robot_that_was_not_set_up_from_here_gets_no_login_by_itself() -> None:
     pair = replace(PAIR, way_back="Permission denied (publickey).")
     assert all(safe for _, _, safe in commands(pair))
     assert [safe for _, _, safe in commands(replace(pair, known=False))] == [True, False]
+
+
+def test_robot_whose_login_here_was_declined_is_not_asked_to_have_one() -> None:
+    pair = replace(PAIR, way_back="Permission denied (publickey).")
+    assert "no-login-there" in {finding.rule for finding in diagnose(pair)}
+    assert "no-login-there" not in {finding.rule for finding in diagnose(replace(pair, robot_login=False))}

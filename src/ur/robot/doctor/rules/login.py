@@ -7,9 +7,12 @@ from collections.abc import Iterator
 from ur.robot.doctor.model import Command, Finding, Pair, Where
 from ur.robot.doctor.rules.registry import PairRule, Rule, SideRule
 from ur.robot.doctor.side import Side
+from ur.robot.ssh.public_key import PATTERN
 from ur.robot.ssh.shell import quote
 
 _ALLOW = ">>~/.ssh/authorized_keys; chmod 600 ~/.ssh/authorized_keys"
+# Whatever else the other computer says becomes no login.
+_ONE_KEY = f"| LC_ALL=C grep -m 1 -xE '{PATTERN}( [!-~]{{1,100}})?'"
 NEW_KEY = "[ -e ~/.ssh/id_ed25519 ] || { mkdir -p -m 700 ~/.ssh; ssh-keygen -q -t ed25519 -N '' -f ~/.ssh/id_ed25519; }"
 XFORWARD = (
     "printf 'X11Forwarding yes\\nX11UseLocalhost yes\\n' >/etc/ssh/sshd_config.d/60-ubiquity.conf; systemctl reload ssh"
@@ -81,6 +84,7 @@ def check_keys(pair: Pair) -> Iterator[Finding]:
         )
     if (
         not pair.way_back
+        or not pair.robot_login
         or not there.resolves
         or "active" not in (here.active.get("ssh.service"), here.active.get("ssh.socket"))
     ):
@@ -94,7 +98,7 @@ def check_keys(pair: Pair) -> Iterator[Finding]:
             Command("there", NEW_KEY, safe=True),
             Command(
                 "here",
-                f"ssh {quote(pair.login)} cat .ssh/id_ed25519.pub {_ALLOW}",
+                f"ssh -- {quote(pair.login)} cat .ssh/id_ed25519.pub {_ONE_KEY} {_ALLOW}",
                 safe=pair.known,
             ),
         )
@@ -105,10 +109,13 @@ def check_keys(pair: Pair) -> Iterator[Finding]:
     )
 
 
-def know_host(name: str, host_key: str) -> str:
-    """The line that makes a user know a computer by this host key, and by no other."""
-    full = f"{name}.local"
-    entry = quote(f"{full},{name} {host_key}")
+def know_host(name: str, host_key: str, host: str = "") -> str:
+    """The shell command that makes a user know a computer by this host key, and by no other.
+
+    `host` is its full name or address where that is not NAME.local.
+    """
+    full = host or f"{name}.local"
+    entry = quote(f"{full},{name} {host_key}" if name != full else f"{full} {host_key}")
     return f"ssh-keygen -R {quote(full)} >/dev/null 2>&1; mkdir -p -m 700 ~/.ssh; echo {entry} >>~/.ssh/known_hosts"
 
 

@@ -1,0 +1,72 @@
+"""Network addresses of host names, which stay known while the network is cut."""
+
+from __future__ import annotations
+
+import ipaddress
+import socket
+import threading
+import time
+from collections.abc import Callable
+
+REFRESH_PERIOD = 2.0  # s between two look-ups of a name that is known
+
+
+class Addresses:
+    """Remembers addresses.
+
+    A look-up of a `.local` name takes 5 s to fail, and one that began during a cut answers only some seconds after
+    it. So a known address is given at once, and looked up again beside.
+    """
+
+    def __init__(
+        self, look_up: Callable[[str], str] | None = None, monotonic: Callable[[], float] = time.monotonic
+    ) -> None:
+        self._look_up = look_up or _look_up
+        self._monotonic = monotonic
+        self._known: dict[str, str] = {}
+        self._asked: dict[str, float] = {}
+        self._lock = threading.Lock()
+
+    def find(self, host: str) -> str:
+        """The address of a host. Raises OSError for a name that was never known and is not known now."""
+        with self._lock:
+            known = self._known.get(host)
+            due = self._monotonic() - self._asked.get(host, -REFRESH_PERIOD) >= REFRESH_PERIOD
+            if known and due:
+                self._asked[host] = self._monotonic()
+        if not known:
+            self.refresh(host)
+            return self._known[host]
+        if due and not _is_address(host):
+            threading.Thread(target=self._try_refresh, args=(host,), name=f"address {host}", daemon=True).start()
+        return known
+
+    def refresh(self, host: str) -> bool:
+        """Look a host up now. True if its address is another one than before. Raises OSError."""
+        address = self._look_up(host)
+        with self._lock:
+            before = self._known.get(host)
+            self._known[host] = address
+            self._asked[host] = self._monotonic()
+        return before is not None and before != address
+
+    def _try_refresh(self, host: str) -> None:
+        try:
+            self.refresh(host)
+        except OSError:
+            return  # the network may be cut: what is known stays
+
+
+def _look_up(host: str) -> str:
+    if _is_address(host):
+        return host
+    found = socket.getaddrinfo(host, None, socket.AF_INET, socket.SOCK_STREAM)
+    return str(found[0][4][0])
+
+
+def _is_address(host: str) -> bool:
+    try:
+        ipaddress.ip_address(host)
+    except ValueError:
+        return False
+    return True

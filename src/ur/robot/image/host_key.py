@@ -1,0 +1,41 @@
+"""The host key of a robot that has not booted yet: made here, brought to it by its seed, known here from then on."""
+
+from __future__ import annotations
+
+import getpass
+
+from ur.robot.image.seed import HostKeyPair
+from ur.robot.image.volume import run_tool
+from ur.robot.setup.change import Change
+from ur.robot.setup.engine import bring_about
+from ur.robot.setup.facts import Facts, Request
+from ur.robot.setup.keys import known_host
+from ur.robot.setup.wanted import Wanted, WantedFolder
+from ur.robot.ssh.guard import private_folder
+from ur.robot.ssh.public_key import parse_public_key
+from ur.robot.ssh.shell import LocalShell
+from ur.source.diagnostic import UserError, error
+
+
+def make_host_key(name: str) -> HostKeyPair:
+    """Make a new host key for the robot of this name. Raises UserError."""
+    with private_folder() as folder:
+        path = folder / "key"
+        done = run_tool(["ssh-keygen", "-q", "-t", "ed25519", "-N", "", "-C", f"root@{name}", "-f", str(path)])
+        if done.returncode:
+            raise UserError(error("ssh-keygen cannot make a host key", rule="no-key", help="run: ur setup"))
+        public = parse_public_key(path.with_suffix(".pub").read_text())
+        return HostKeyPair(path.read_text(), public.key)
+
+
+def know_host_key(name: str, pair: HostKeyPair) -> None:
+    """Put the public half into this user's known_hosts, in place of the key that a robot of this name had."""
+
+    def make(_: Facts) -> list[Wanted]:
+        return [WantedFolder("ssh folder", "~/.ssh", mode=0o700), known_host(f"host key of {name}", name, pair.public)]
+
+    def ignore(_: Change) -> None:
+        return None
+
+    user = getpass.getuser()
+    bring_about(LocalShell(), make, user, Request(user), root=False, report=ignore)

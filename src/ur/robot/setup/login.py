@@ -1,0 +1,169 @@
+"""The task of a set-up, and the login to its robot: by key, or by a password while the key is not there yet."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from ur.robot.setup.contact import note_contact
+from ur.robot.setup.there import Robot
+from ur.robot.setup.wanted import Wanted
+from ur.robot.ssh.expired import renew_password
+from ur.robot.ssh.guard import private_folder
+from ur.robot.ssh.host_key import HostKey, find_known_keys, pin_host_key
+from ur.robot.ssh.openssh import Address, SshShell, connect, host_key_options
+from ur.robot.ssh.secret import Secret
+from ur.source.diagnostic import UserError, error
+
+
+@dataclass(frozen=True, slots=True)
+class Task:
+    """One robot to be set up: where it is now, what it shall be, and the passwords that may be needed on the way.
+
+    `current` is None when the user gave none: login by key, sudo without a password. `new` is None: the password stays.
+    `library` is the copy of this project that it gets, and what makes it run.
+
+    `host_key` is the one that logins insist on; None: this computer knows the robot's. At the `first_contact` the user
+    has confirmed it just now, and the robot gets the new password only after it has accepted the present one. With
+    `robot_login` it may log in to this computer.
+    """
+
+    address: Address
+    robot: Robot
+    current: Secret | None = None
+    new: Secret | None = None
+    host_key: HostKey | None = None
+    first_contact: bool = False
+    robot_login: bool = False
+    library: Sequence[Wanted] = ()
+
+    @property
+    def later(self) -> Address:
+        """The address of the robot under its new name."""
+        return Address(self.address.user, f"{self.robot.name}.local")
+
+
+Report = Callable[[str], None]
+# The shadow hash and the password go in through standard input; crypt(3) knows every method of this system.
+_COMPARE = """\
+perl -e 'chomp(my ($user, $password) = <STDIN>); my $hash = (getpwnam $user)[1];
+exit((defined $hash && length $hash > 1 && crypt($password, $hash) eq $hash) ? 0 : 1)'
+"""
+
+
+@dataclass(frozen=True, slots=True)
+class _Try:
+    """An attempt to log in. `pinned` is the file of the confirmed host key; None: those that are known count."""
+
+    address: Address
+    pinned: Path | None
+    password: Secret | None = None
+
+
+@contextmanager
+def open_robot(task: Task, report: Report) -> Iterator[SshShell]:
+    """Log in to the robot: under its present name, or, where an earlier run was interrupted, under its new one.
+
+    At the first contact the new password goes only to a robot that has accepted the present one. Raises UserError.
+    """
+    with private_folder() as folder:
+        silent: dict[str, UserError] = {}
+        tries = list(_list_tries(task, pin_host_key(folder, task.host_key) if task.host_key else None))
+        while tries:
+            attempt = tries.pop(0)
+            if attempt.address.host in silent:
+                continue
+            try:
+                connection = connect(attempt.address, password=attempt.password, known_hosts=attempt.pinned)
+                shell = connection.__enter__()
+                break
+            except UserError as problem:
+                failure = problem
+                rule = problem.diagnostics[0].rule
+                if rule in ("changed-host-key", "missing-program"):
+                    raise
+                if rule == "expired-password":
+                    if not task.current or not task.new:
+                        raise
+                    report("its password has to be changed at the first login")
+                    renew_password(attempt.address, task.current, task.new, host_key_options(attempt.pinned))
+                    if task.host_key:
+                        note_contact(task.host_key)
+                    tries.insert(0, replace(attempt, password=task.new))
+                elif rule != "refused":
+                    silent[attempt.address.host] = problem
+        else:
+            raise silent.get(task.address.host) or _explain_refusal(task, failure)
+        try:
+            _enter_sudo(task, shell)
+            yield shell
+        finally:
+            connection.__exit__(None, None, None)
+
+
+def _explain_refusal(task: Task, failure: UserError) -> UserError:
+    """The error of a login that was refused, where the new password was held back."""
+    if failure.diagnostics[0].rule != "refused" or not (task.first_contact and task.current and task.new):
+        return failure
+    return UserError(
+        error(
+            f"{task.address}: the login was refused; the new password was not sent",
+            rule="refused",
+            help="check user and present password; where an earlier run has changed it, that is the new one",
+        )
+    )
+
+
+def _enter_sudo(task: Task, shell: SshShell) -> None:
+    """Find a way to use sudo. Raises UserError: none, or the robot has another password than the given present one."""
+    candidates = find_passwords(task)
+    if task.first_contact:
+        candidates = [one for one in candidates if one == task.current or one in shell.accepted]
+    if not shell.find_sudo(candidates):
+        raise explain_sudo(shell.address, shell.sudo_said, given=bool(candidates))
+    # It may have let our key in and asked for no password, so that it has not accepted any.
+    unproven = task.first_contact and task.current and task.new and not shell.accepted
+    if unproven and task.current and not is_password(shell, task.current):
+        raise UserError(
+            error(
+                f"{shell.address}: it has another password than the given one, and is not sent the new one",
+                rule="wrong-password",
+                help="give its present password; where an earlier run has changed it, that is the new one",
+            )
+        )
+    shell.allow(find_passwords(task))
+
+
+def is_password(shell: SshShell, password: Secret) -> bool:
+    """Return whether a password is that of the user there. It is compared over there, by root."""
+    given = Secret(f"{shell.address.user}\n{password.reveal()}\n")
+    return shell.run(_COMPARE, root=True, stdin=given).code == 0
+
+
+def explain_sudo(address: Address, said: str, *, given: bool) -> UserError:
+    """Explain an error of sudo; `given`: a password was tried."""
+    user = address.user
+    message = "sudo refuses this password" if given else "sudo wants a password"
+    help = f"expected the password of {user}, who may use sudo"
+    if "not in the sudoers file" in said or "may not run sudo" in said or "not allowed to" in said:
+        message, help = f"{user} may not use sudo there", f"as root there: usermod --append --groups sudo {user}"
+    elif "sudo: not found" in said or "sudo: command not found" in said:
+        message, help = "sudo is not installed there", "as root there: apt-get install sudo"
+    return UserError(error(f"{address}: {message}", rule="no-root", help=help))
+
+
+def _list_tries(task: Task, pinned: Path | None) -> Iterator[_Try]:
+    yield _Try(task.address, pinned)
+    for password in find_passwords(task):
+        if password == task.current or not task.first_contact:
+            yield _Try(task.address, pinned, password)
+    # A confirmed host key means that somebody answers to the present name: who has the later one is another robot then.
+    if pinned is None and task.later != task.address and find_known_keys(task.later.host):
+        yield _Try(task.later, None)
+
+
+def find_passwords(task: Task) -> list[Secret]:
+    """The passwords that may be the robot's at this moment."""
+    return [secret for secret in (task.current, task.new) if secret]

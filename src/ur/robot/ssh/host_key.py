@@ -1,0 +1,105 @@
+"""Host keys: the one that a computer offers, its fingerprint, and the file by which ssh accepts that one alone."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+from ur.robot.ssh.guard import private_folder
+from ur.robot.ssh.openssh import CONNECT_SECONDS, Address, explain_failure
+from ur.robot.ssh.public_key import parse_public_key
+from ur.robot.ssh.shell import Done, run_process
+from ur.source.diagnostic import UserError, error
+
+_FINGERPRINT = re.compile(r"SHA256:[A-Za-z0-9+/]{43}")
+
+
+@dataclass(frozen=True, slots=True)
+class HostKey:
+    """A computer's public host key: `key` is "ssh-ed25519 AAAA...", without a comment."""
+
+    key: str
+
+    @property
+    def fingerprint(self) -> str:
+        """The fingerprint, as ssh-keygen -l prints it."""
+        digest = hashlib.sha256(base64.b64decode(self.key.split()[1])).digest()
+        return f"SHA256:{base64.b64encode(digest).decode().rstrip('=')}"
+
+
+def parse_fingerprint(text: str) -> str:
+    """Read a fingerprint as ssh-keygen -l prints it. Raises ValueError."""
+    found = text.strip().rstrip("=")
+    if not _FINGERPRINT.fullmatch(found):
+        raise ValueError(f"{text!r} is not the fingerprint of a host key, expected SHA256: and 43 characters")
+    return found
+
+
+def pin_host_key(folder: Path, host_key: HostKey) -> Path:
+    """Write the known_hosts file that holds this key alone, for any name; `folder` is private."""
+    path = folder / "known_hosts"
+    path.write_text(f"* {host_key.key}\n")
+    return path
+
+
+def find_known_keys(host: str) -> frozenset[HostKey]:
+    """The host keys that this user's known_hosts has for a name."""
+    done = run_process(["ssh-keygen", "-F", host], timeout=20, what="a known host key")
+    rows = (line.split() for line in done.out.splitlines() if not line.startswith(("#", "@")))
+    return frozenset(HostKey(f"{row[1]} {row[2]}") for row in rows if len(row) >= 3 and row[1] == "ssh-ed25519")
+
+
+def check_known(address: Address) -> str:
+    """Compare a computer's host key with the one that is known, without a login.
+
+    Returns `known`, `unknown-host-key`, `changed-host-key`, or, where it came to no host key, the rule of the failure
+    (see `explain_failure`). No secret and no public key is offered.
+    """
+    done = _knock(address, ["StrictHostKeyChecking=yes"])
+    if done.code == 0:
+        return "known"
+    rule = explain_failure(address, done.err).diagnostics[0].rule
+    return "known" if rule == "refused" else rule
+
+
+def fetch_host_key(address: Address) -> HostKey:
+    """Ask a computer for its host key. Nothing of it is trusted, and no secret and no public key is offered.
+
+    Raises UserError: it offers none of type ed25519, or does not answer.
+    """
+    with private_folder() as folder:
+        offered = folder / "offered"
+        files = [f"UserKnownHostsFile={offered}", "GlobalKnownHostsFile=/dev/null", "HashKnownHosts=no"]
+        # The file is private and goes with this call: what is written there is only looked at.
+        done = _knock(address, [*files, "StrictHostKeyChecking=accept-new", "HostKeyAlgorithms=ssh-ed25519"])
+        text = offered.read_text(errors="replace") if offered.exists() else ""
+    with_names = text.splitlines()[:1]
+    try:
+        return HostKey(parse_public_key(" ".join(with_names[0].split()[1:3])).key)
+    except (IndexError, ValueError):
+        if done.code == 0 or "no matching host key type" in done.err or "Permission denied" in done.err:
+            raise UserError(
+                error(
+                    f"{address}: it offers no host key of type ed25519",
+                    rule="no-host-key",
+                    help="at that computer: sudo ssh-keygen -A; sudo systemctl restart ssh",
+                )
+            ) from None
+        raise explain_failure(address, done.err) from None
+
+
+def _knock(address: Address, settings: list[str]) -> Done:
+    """Connect as far as the host key. Logging in is tried with method `none`, which offers nothing."""
+    none = ["BatchMode=yes", "PreferredAuthentications=none", "PubkeyAuthentication=no", "PasswordAuthentication=no"]
+    none += ["KbdInteractiveAuthentication=no", "GSSAPIAuthentication=no", "HostbasedAuthentication=no"]
+    quiet = ["ForwardAgent=no", "ForwardX11=no", "ClearAllForwardings=yes", "PermitLocalCommand=no", "ControlPath=none"]
+    quiet += ["UpdateHostKeys=no", "LogLevel=ERROR", f"ConnectTimeout={CONNECT_SECONDS}"]
+    words = [word for setting in (*settings, *none, *quiet) for word in ("-o", setting)]
+    return run_process(
+        ["ssh", "-T", *words, "--", str(address), "true"],
+        timeout=CONNECT_SECONDS * 3,
+        what=f"the host key of {address}",
+    )

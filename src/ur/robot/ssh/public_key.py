@@ -1,0 +1,32 @@
+"""Public keys as computers tell them: one line, one type, one comment; whatever else is refused."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+# RFC 8709: "ssh-ed25519" and 32 bytes, each after its length; the first 19 bytes are the same for all keys.
+PATTERN = "ssh-ed25519 AAAAC3NzaC1lZDI1NTE5AAAAI[A-P][A-Za-z0-9+/]{42}"
+_KEY = re.compile(rf"({PATTERN})(?: ([!-~](?:[ -~]{{0,98}}[!-~])?))?")
+
+
+@dataclass(frozen=True, slots=True)
+class PublicKey:
+    """A key: its type and its base64 in one text, and the comment of whoever made it."""
+
+    key: str
+    comment: str
+
+    def __str__(self) -> str:
+        return f"{self.key} {self.comment}".rstrip()
+
+
+def parse_public_key(text: str) -> PublicKey:
+    """Read the text of a public key file. Raises ValueError: more or less than one ed25519 key, or options before it.
+
+    The line becomes part of authorized_keys or known_hosts: a second one would be a login of somebody else.
+    """
+    found = _KEY.fullmatch(text.removesuffix("\n"))
+    if found is None:
+        raise ValueError("expected one line 'ssh-ed25519 KEY COMMENT', the comment of at most 100 plain characters")
+    return PublicKey(found.group(1), found.group(2) or "")

@@ -1,0 +1,87 @@
+"""Changes as they are applied: the proxy of those that fetch packages, and how far long ones are."""
+
+from __future__ import annotations
+
+import threading
+from pathlib import Path
+
+import pytest
+
+from ur.robot.setup import engine
+from ur.robot.setup.change import Change, Command
+from ur.robot.setup.engine import apply_change
+from ur.robot.setup.facts import Facts, Request
+from ur.robot.ssh.secret import Secret
+from ur.robot.ssh.shell import LocalShell
+from ur.source.diagnostic import UserError
+
+
+def change(command: Command) -> Change:
+    return Change("packages", "", (command,))
+
+
+def test_command_that_fetches_packages_gets_the_proxy_and_its_own_input(tmp_path: Path) -> None:
+    asked: list[bool] = []
+
+    def route() -> Secret:
+        asked.append(True)
+        return Secret("http://u:word@127.0.0.1:9\nhere.test\n")
+
+    script = f"{{ echo $http_proxy $https_proxy $no_proxy; cat; }} >{tmp_path}/said"
+    apply_change(LocalShell(), change(Command(script, stdin="own\n", fetches=True)), route=route)
+    url = "http://u:word@127.0.0.1:9"
+    assert (tmp_path / "said").read_text() == f"{url} {url} here.test\nown\n"
+    apply_change(LocalShell(), change(Command(script, stdin="own\n", fetches=True)))
+    assert (tmp_path / "said").read_text() == "\nown\n"
+    apply_change(LocalShell(), change(Command(script, stdin="own\n")), route=route)
+    assert asked == [True]
+
+
+def test_last_line_of_the_log_is_shown_while_a_command_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(engine, "LOOK_SECONDS", 0.01)
+    log = tmp_path / "log"
+    log.write_text("first\n50 %\rsecond\n\n")
+    seen, shown = tmp_path / "seen", list[tuple[str, str]]()
+    done = threading.Event()
+
+    def progress(title: str, _: float, line: str) -> None:
+        shown.append((title, line))
+        seen.touch()
+        done.set()
+
+    script = f"until [ -e {seen} ]; do sleep 0.01; done"
+    apply_change(LocalShell(), change(Command(script, log=str(log))), progress=progress)
+    assert done.is_set()
+    assert set(shown) == {("packages", "second")}
+
+
+def test_change_that_fails_is_explained_by_its_first_line() -> None:
+    with pytest.raises(UserError, match="packages: no such thing"):
+        apply_change(LocalShell(), change(Command("echo no such thing >&2; echo more >&2; exit 3", fetches=True)))
+
+
+class Restless:
+    """A state that is never reached: it wants something else each time, as when a computer lies about its files."""
+
+    title = "restless"
+    plans = 0
+
+    def request(self, user: str) -> Request:
+        return Request(user)
+
+    def plan(self, facts: Facts) -> Change:  # noqa: ARG002 - of the protocol
+        self.plans += 1
+        return Change(self.title, f"line {self.plans}", (Command("true"),))
+
+    def undo(self, facts: Facts) -> None:  # noqa: ARG002 - of the protocol
+        return None
+
+
+def test_set_up_that_never_comes_to_an_end_is_ended(monkeypatch: pytest.MonkeyPatch) -> None:
+    restless, facts = Restless(), Facts("pat", "/home/pat", "laptop", "", "", frozenset())
+    monkeypatch.setattr(engine, "gather", lambda *_, **__: facts)
+    with pytest.raises(UserError, match="still not as wanted"):
+        engine.bring_about(
+            LocalShell(), lambda _: [restless], "pat", Request("pat"), root=False, report=lambda _change: None
+        )
+    assert restless.plans == engine.MOST_CHANGES

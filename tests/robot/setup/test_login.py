@@ -1,0 +1,103 @@
+"""Which passwords a robot gets, and when: the new one only after the present one, at the first contact."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from ur.robot.setup import login
+from ur.robot.setup.login import Task, _enter_sudo, _explain_refusal, _list_tries
+from ur.robot.setup.there import Robot
+from ur.robot.ssh.openssh import Address, explain_failure
+from ur.robot.ssh.secret import Secret
+from ur.robot.ssh.shell import Done
+from ur.source.diagnostic import UserError
+
+OLD, NEW = Secret("old"), Secret("new")
+MET = Task(Address("ros", "robot.local"), Robot("robot", "magni"), OLD, NEW, first_contact=True)
+KNOWN = replace(MET, first_contact=False)
+
+
+class Shell:
+    """A robot that lets this computer in, with sudo that takes some passwords, and everything that it was sent."""
+
+    address = MET.address
+    sudo_said = "sudo: 1 incorrect password attempt"
+
+    def __init__(self, *, takes: Sequence[Secret | None], accepted: Sequence[Secret] = ()) -> None:
+        self.takes, self.accepted = takes, frozenset(accepted)
+        self.sent: list[Secret] = []
+        self.allowed: Sequence[Secret] = ()
+
+    def find_sudo(self, candidates: Sequence[Secret]) -> bool:
+        if None in self.takes:
+            return True
+        for one in candidates:
+            self.sent.append(one)
+            if one in self.takes:
+                self.accepted |= {one}
+                return True
+        return False
+
+    def run(self, _: str, *, root: bool, stdin: Secret) -> Done:
+        assert root
+        password = Secret(stdin.reveal().split("\n")[1])
+        self.sent.append(password)
+        return Done(0 if password in self.takes else 1, "", "")
+
+    def allow(self, candidates: Sequence[Secret]) -> None:
+        self.allowed = candidates
+
+
+def enter(task: Task, shell: Any) -> None:
+    _enter_sudo(task, shell)
+
+
+def test_new_password_is_no_way_in_at_the_first_contact() -> None:
+    assert [one.password for one in _list_tries(MET, Path("pinned"))] == [None, OLD]
+    assert [one.password for one in _list_tries(KNOWN, None)] == [None, OLD, NEW]
+
+
+def test_host_that_refuses_the_present_password_for_sudo_does_not_get_the_new_one() -> None:
+    shell = Shell(takes=[NEW])
+    with pytest.raises(UserError, match="sudo refuses this password"):
+        enter(MET, shell)
+    assert shell.sent == [OLD]
+    # A robot that this computer knows may have got it in a run that was interrupted.
+    known = Shell(takes=[NEW])
+    enter(KNOWN, known)
+    assert known.sent == [OLD, NEW]
+
+
+def test_host_that_asks_for_no_password_is_asked_about_the_present_one_first() -> None:
+    shell = Shell(takes=[None])
+    with pytest.raises(UserError, match="is not sent the new one"):
+        enter(MET, shell)
+    assert shell.sent == [OLD]
+    assert shell.allowed == ()
+    honest = Shell(takes=[None, OLD])
+    enter(MET, honest)
+    assert honest.allowed == [OLD, NEW]
+
+
+def test_password_that_was_accepted_allows_the_new_one() -> None:
+    shell = Shell(takes=[OLD])
+    enter(MET, shell)
+    assert (shell.sent, shell.allowed) == ([OLD], [OLD, NEW])
+
+
+def test_other_robot_that_has_the_later_name_is_not_logged_in_to(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(login, "find_known_keys", lambda _: {"a key"})
+    task = replace(MET, robot=Robot("bob", "magni"))
+    assert {one.address.host for one in _list_tries(task, Path("pinned"))} == {"robot.local"}
+    assert {one.address.host for one in _list_tries(task, None)} == {"robot.local", "bob.local"}
+
+
+def test_refusal_names_that_the_new_password_was_held_back() -> None:
+    refused = explain_failure(MET.address, "ros@robot.local: Permission denied (password).")
+    assert "the new password was not sent" in _explain_refusal(MET, refused).diagnostics[0].message
+    assert _explain_refusal(KNOWN, refused) is refused

@@ -1,0 +1,55 @@
+"""No destination of ssh can be taken for an option, whoever named it."""
+
+from __future__ import annotations
+
+import ast
+import re
+from pathlib import Path
+
+import pytest
+
+from ur.robot.doctor.observe import STRICT as DOCTOR
+from ur.robot.setup.verify import STRICT as VERIFY
+from ur.robot.ssh.openssh import Address, SshShell, parse_address
+from ur.source import UserError
+
+SOURCE = Path(__file__).parents[3] / "src"
+# The words before the address, and the master of a shared connection, which get theirs later.
+PARTS = {"openssh.py"}
+
+
+def ssh_commands() -> list[tuple[str, str]]:
+    return [
+        (path.name, ast.unparse(node))
+        for path in SOURCE.rglob("*.py")
+        for node in ast.walk(ast.parse(path.read_text()))
+        if isinstance(node, ast.List) and any(isinstance(e, ast.Constant) and e.value == "ssh" for e in node.elts)
+    ]
+
+
+def test_every_ssh_command_ends_its_options() -> None:
+    commands = ssh_commands()
+    assert len(commands) > 5
+    assert [text for name, text in commands if name not in PARTS and "'--'" not in text] == []
+    assert DOCTOR.endswith(" --")
+    assert VERIFY.endswith(" --")
+
+
+def test_shared_connection_ends_its_options() -> None:
+    words = SshShell(Address("-oProxyCommand=x", "bob.local"), ["-T"])._words("true", root=False)
+    assert words[words.index("-oProxyCommand=x@bob.local") - 1] == "--"
+
+
+def test_scripts_end_the_options_of_ssh() -> None:
+    for path in SOURCE.rglob("*.py"):
+        for line in path.read_text().splitlines():
+            if re.search(r"ssh-keyscan .*\{|f\"ssh \{", line):
+                assert " -- " in line, line
+
+
+@pytest.mark.parametrize(
+    "text", ["-oProxyCommand=x", "-l", "a@-oX", "-oX@bob", "bob;x", "a b", "$(x)", "", "@", "a@b@-c"]
+)
+def test_address_that_is_an_option_is_refused(text: str) -> None:
+    with pytest.raises(UserError):
+        parse_address(text, "ros")
