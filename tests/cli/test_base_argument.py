@@ -41,6 +41,13 @@ def test_base_without_the_sensor_is_refused_and_the_variant_with_it_named(launch
     assert finding.help == "its variant 'lidar' has what is needed: robot_variant:=lidar"
 
 
+def test_bases_that_have_the_sensor_are_named_where_no_variant_has_it(launch_file: Path) -> None:
+    launch_file.write_text(launch_file.read_text().replace("lidar", "sonars"))
+    (finding,) = find_problem(launch_file, robot_base="stage").diagnostics
+    assert finding.message == "m_go.launch.xml needs sonars, and base 'stage' has none"
+    assert finding.help == "choose another base: robot_base:=loki, or magni"
+
+
 def test_unknown_base_is_refused(launch_file: Path) -> None:
     assert "base 'magnni' is not known" in str(find_problem(launch_file, robot_base="magnni"))
 

@@ -116,6 +116,7 @@ def test_broken_file_is_reported_and_documented(folder: Path, capsys: pytest.Cap
     [
         (["nowhere"], "no such file, folder or package"),
         (["launch/talk.launch"], "is a file, expected the folder"),
+        (["launch/talk.launch"], "help: ur docs ."),
         ([".", "--output", "/proc/no/page.md"], "cannot be written"),
         ([".", "--sight", "x"], "did you mean '--site'"),
     ],

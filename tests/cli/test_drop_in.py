@@ -136,6 +136,8 @@ def interrupt(command: list[str], world: World) -> int:  # noqa: F811 - a fixtur
     try:
         assert process.stdout is not None
         read_until(process.stdout.fileno())
+        if command[0] == ROSLAUNCH:
+            wait_registered(world.folder)
         assert (world.folder / "it.pid").read_text() == str(process.pid)
         process.send_signal(signal.SIGINT)
         process.communicate(timeout=60)
@@ -144,6 +146,14 @@ def interrupt(command: list[str], world: World) -> int:  # noqa: F811 - a fixtur
         process.wait()
     assert not (world.folder / "it.pid").exists()
     return process.returncode
+
+
+def wait_registered(folder: Path) -> None:
+    """Wait until roslaunch has started all nodes: interrupted before that it may wait 20 s for itself."""
+    end = time.monotonic() + 60
+    while not any("registrations completed" in path.read_text() for path in folder.rglob("roslaunch-*.log")):
+        assert time.monotonic() < end, list(folder.rglob("*.log"))
+        time.sleep(0.02)
 
 
 def read_until(descriptor: int) -> None:

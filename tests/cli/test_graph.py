@@ -70,3 +70,14 @@ def test_live_graph_without_a_master_says_so(
 def test_nothing_to_draw_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["graph"]) == 2
     assert "expected a launch file, or --live" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("name", ["x.png", "x.PDF"])
+def test_picture_that_is_no_svg_is_refused_before_a_file_is_written(
+    name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "a.launch"
+    path.write_text("<launch/>", encoding="utf-8")
+    assert main(["graph", str(path), "-o", str(tmp_path / name)]) == 2
+    assert f"help: -o {tmp_path / 'x.svg'}" in capsys.readouterr().err
+    assert not (tmp_path / name).exists()

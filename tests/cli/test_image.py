@@ -25,6 +25,7 @@ from tests.robot.image.images import (
 )
 
 from ur.robot.record import Record, load_records
+from ur.robot.ssh.host_key import HostKey
 
 pytestmark = needs_tools
 REPOSITORY = Path(__file__).parents[2]
@@ -78,6 +79,9 @@ def test_image_is_prepared_and_its_robot_is_remembered(place: Place) -> None:
     assert data["users"][0]["ssh_authorized_keys"] == [KEY]
     assert load_records(place.folder / "home/.config/ubiquity_launches/robots") == [Record("bob", "ros", "magni")]
     assert place.names == {"ubuntu.img"}
+    public = data["ssh_keys"]["ed25519_public"]
+    assert (place.folder / "home/.ssh/known_hosts").read_text() == f"bob.local,bob {public}\n"
+    assert f"its host key is {HostKey(public).fingerprint}" in out
     before = place.image.stat().st_mtime_ns
     out, _ = place.prepare("ubuntu.img", "--ssid", "home", "--country", "de", stdin="secret\nwifi-secret\n")
     assert "nothing to do: it is prepared for bob\n" in out
@@ -104,6 +108,7 @@ def test_passwords_are_nowhere_but_hashed(place: Place) -> None:
         os.environ["PATH"] = before
     assert "openssl passwd" in log.read_text()
     assert "my-secret" not in "".join(said) + log.read_text()
+    assert "PRIVATE KEY-----" not in "".join(said) + log.read_text()
     assert "/user-data: another password (not shown)" in said[2]
     for path in place.folder.rglob("*"):
         assert not path.is_file() or b"my-secret" not in path.read_bytes()

@@ -44,3 +44,21 @@ def test_base_that_is_not_known_is_said_and_the_list_comes_all_the_same(
     captured = capsys.readouterr()
     assert "base 'magnni' is not known" in captured.err
     assert find_line(captured.out, "rviz_sonar")
+
+
+def test_programs_are_grouped_by_package_where_others_have_some(
+    home: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("ROS_PACKAGE_PATH", raising=False)
+    assert main(["list"]) == 0
+    assert not capsys.readouterr().out.startswith(("ubiquity_launches", " "))
+    folder = home / "my_robot"
+    (folder / "bin").mkdir(parents=True)
+    (folder / "package.xml").write_text("<package><name>my_robot</name></package>")
+    (folder / "bin" / "ur_wander").write_text("#!/bin/sh\n##Summary: Let a robot wander.\n")
+    (folder / "bin" / "ur_wander").chmod(0o755)
+    monkeypatch.setenv("ROS_PACKAGE_PATH", str(home))
+    assert main(["list"]) == 0
+    own, theirs = capsys.readouterr().out.split("\n\n")
+    assert own.startswith("ubiquity_launches:\n  ")
+    assert theirs.split() == ["my_robot:", "wander", "Let", "a", "robot", "wander."]

@@ -23,20 +23,58 @@ def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 @pytest.mark.parametrize(
     ("words", "error", "help_"),
     [
-        (["lanch"], "'lanch' is not a verb of ur, expected one of run, ", "did you mean 'ur launch'?"),
-        (["xyzzy"], "'xyzzy' is not a verb of ur", "'ur --help' shows what there is"),
+        (["lanch"], "unknown command 'lanch'", "did you mean 'ur launch'?"),
+        (["xyzzy"], "unknown command 'xyzzy'", "'ur --help' lists the commands"),
+        (["keyboard_driv"], "unknown command 'keyboard_driv'", "did you mean 'ur run keyboard_drive'?"),
+        (["my.launch"], "unknown command 'my.launch'", "start a launch file: ur launch my.launch"),
+        (["run"], "ur run: missing argument 'PROGRAM'", "'ur list' lists the programs"),
+        (
+            ["run", "a/b.launch"],
+            "'a/b.launch' is the name of a launch file",
+            "start a launch file: ur launch",
+        ),
         (["--versoin"], "--versoin is not an option of 'ur'", "did you mean '--version'?"),
         (["launch", "--scren", "f"], "--scren is not an option of 'ur launch'", "did you mean '--screen'?"),
         (["launch"], "ur launch: missing argument", "'ur launch --help' shows what there is"),
-        (["launch", "-p", "zero", "f"], "ur launch: invalid value for '-p'", "'ur launch --help'"),
+        (
+            ["launch", "--port", "abc", "f"],
+            "ur launch: 'abc' is not a value of --port, expected a whole number from 1 to 65535\n",
+            "'ur launch --help'",
+        ),
+        (
+            ["launch", "-p", "65536", "f"],
+            "ur launch: '65536' is not a value of --port, expected a whole number from 1 to 65535\n",
+            "'ur launch --help'",
+        ),
+        (
+            ["launch", "--timeout", "0", "f"],
+            "ur launch: '0.0' is not a value of --timeout, expected a number above 0, up to 1000000\n",
+            "'ur launch --help'",
+        ),
+        (
+            ["logs", "-n", "-1"],
+            "ur logs: '-1' is not a value of --lines, expected a whole number from 0 up\n",
+            "'ur logs --help'",
+        ),
+        (
+            ["new", "node", "x", "--seconds", "soon"],
+            "ur new node: 'soon' is not a value of --seconds, expected a number\n",
+            "'ur new node --help'",
+        ),
         (["use", "a", "b"], "ur use: got unexpected extra argument (b)", "'ur use --help'"),
         (
             ["run", "keyboard_navigat"],
-            "program 'keyboard_navigat' is not known",
+            "unknown program 'keyboard_navigat'",
             "did you mean 'ur run keyboard_navigate'?",
         ),
-        (["run", "../ur"], "program '../ur' is not known", ""),
-        (["help", "lst"], "'lst' is not a verb of ur", "did you mean 'ur list'?"),
+        (["run", "../ur"], "unknown program '../ur'", ""),
+        (["boot", "stat"], "unknown command 'ur boot stat'", "did you mean 'ur boot status'?"),
+        (["robot", "xyz"], "unknown command 'ur robot xyz'", "'ur robot --help' lists the commands"),
+        (["check", "--explain"], "ur check: option '--explain' requires an argument", "'ur check --help' shows"),
+        (["graph", ""], " is no file, expected a launch file", "give a path, or a package and a file name"),
+        (["run", "robot_base", "simulate:=flase"], "argument 'simulate' is 'flase'", "did you mean simulate:=false?"),
+        (["run", "robot_base", "bring_up:=on"], "argument 'bring_up' is 'on', expected true or false", "for example"),
+        (["help", "lst"], "unknown command 'lst'", "did you mean 'ur help list'?"),
     ],
 )
 def test_wrong_command_line_gets_one_line_and_exit_2(
@@ -47,6 +85,32 @@ def test_wrong_command_line_gets_one_line_and_exit_2(
     assert told.startswith(f"error: {error}")
     assert f"  help: {help_}" in told
     assert len(told.splitlines()) == 2
+
+
+@pytest.mark.parametrize(
+    ("words", "error", "help_"),
+    [
+        (["graph", "files"], "files is a folder, expected one of files/a.launch, files/b.launch", "give a file: files"),
+        (["explain", "other", "x"], "other is a folder, expected a launch file", "give a path, or a package and"),
+        (["launch", "files/a.launch", "x"], "'x' is no argument: the launch file declares no arguments", "leave x out"),
+        (["robot_base", "x:=y"], "unknown command 'robot_base'", "did you mean 'ur run robot_base'?"),
+        (["graph", "files/none/c.launch"], "files/none/c.launch is no file", "give a path"),
+    ],
+)
+def test_folders_and_files_in_the_wrong_place_are_explained(
+    words: list[str],
+    error: str,
+    help_: str,
+    home: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(home)
+    for folder in ("files", "other"):
+        Path(folder).mkdir()
+    for file in ("files/a.launch", "files/b.launch", "other/notes"):
+        Path(file).write_text("<launch/>")
+    test_wrong_command_line_gets_one_line_and_exit_2(words, error, help_, capsys)
 
 
 def test_help_names_every_verb(capsys: pytest.CaptureFixture[str]) -> None:
@@ -88,11 +152,47 @@ def test_defect_becomes_one_line_and_a_file(
     monkeypatch.setattr(cli, "load_verb", lambda _: broken)
     assert main(["use"]) == 2
     told = capsys.readouterr().err
-    assert "error: 'ur use' failed for a reason that is a defect of ur: RuntimeError: oops" in told
+    assert "error: internal error in 'ur use': RuntimeError: oops" in told
     assert "Traceback" not in told
     [log] = (home / "state/ubiquity_launches").iterdir()
     assert str(log) in told
     assert "Traceback" in log.read_text()
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["package", "{long}"],
+        ["run", "robot_base", "world:={long}"],
+        ["run", "robot_base", "world:=./{long}.yaml"],
+        ["run", "robot_base", "robot_base:={long}"],
+        ["run", "keyboard_navigate", "map_file:=./{long}.yaml"],
+        ["image", "prepare", "{long}", "--name", "bob"],
+    ],
+)
+def test_name_that_the_file_system_refuses_is_no_internal_error(words: list[str], home: Path) -> None:
+    command = [sys.executable, "-m", "ur", *(word.format(long="x" * 300) for word in words)]
+    done = subprocess.run(command, cwd=home, env={**os.environ, "HOME": str(home)}, capture_output=True, text=True)
+    assert done.returncode in (1, 2)
+    assert done.stderr.startswith("error: ")
+    assert "file name too long" in done.stderr or "is not known" in done.stderr
+    assert "  help: " in done.stderr
+    assert "internal error" not in done.stderr
+
+
+def test_missing_permission_is_no_internal_error(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    @click.command("use")
+    def refused() -> None:
+        raise PermissionError(13, "Permission denied", "/a folder/x\x1b")
+
+    monkeypatch.setattr(cli, "load_verb", lambda _: refused)
+    assert main(["use"]) == 2
+    assert capsys.readouterr().err == (
+        "error: '/a folder/x\\x1b' cannot be used: permission denied\n"
+        "  help: list the permissions of all folders above it: namei -l '/a folder/x\\x1b'\n"
+    )
 
 
 def test_interrupt_is_quiet(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:

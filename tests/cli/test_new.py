@@ -4,9 +4,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import click
 import pytest
 
-from ur.cli.main import main
+from ur.cli.environment import PACKAGE as LIBRARY
+from ur.cli.main import load_verb, main
+from ur.cli.new_parts import find_target
+from ur.cli.new_things import describe_observed
+from ur.new.model import Observed, Topic
 
 PACKAGE = ["new", "package", "my_robot", "--summary", "Mine.", "--maintainer", "A & B", "--email", "a@b.invalid"]
 
@@ -19,6 +24,31 @@ def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     assert main(PACKAGE) == 0
     monkeypatch.chdir(tmp_path / "my_robot")
     return tmp_path / "my_robot"
+
+
+def test_new_alone_lists_what_can_be_made_with_an_example_each(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["new"]) == 2
+    out, told = capsys.readouterr()
+    assert out == ""
+    assert told.startswith("error: 'ur new' needs to know what to write, expected one of:\n")
+    group = load_verb("new")
+    assert isinstance(group, click.Group)
+    for name, kind in group.commands.items():
+        summary = (kind.help or "").split("\n")[0].removesuffix(".")
+        assert f"\n  {name}: {summary}" in told
+        (example,) = [line.split() for line in told.splitlines() if line.startswith(f"    ur new {name} ")]
+        kind.make_context(name, example[3:], resilient_parsing=True)  # every option exists
+
+
+@pytest.mark.parametrize(
+    ("observed", "text"),
+    [
+        (Observed((Topic("a", "b/C", True),), ("s",), {"p": 1}), "seen: 1 topic, 1 service, 1 parameter"),
+        (Observed((), (), {"p": 1, "q": 2}), "seen: 0 topics, 0 services, 2 parameters"),
+    ],
+)
+def test_one_parameter_is_not_called_several(observed: Observed, text: str) -> None:
+    assert describe_observed(observed) == text
 
 
 def finds_nothing(capsys: pytest.CaptureFixture[str]) -> None:
@@ -83,3 +113,9 @@ def test_nothing_is_written_twice(package: Path, capsys: pytest.CaptureFixture[s
     assert main(words) == 2
     assert "is there already" in capsys.readouterr().err
     assert (package / "rviz_scan" / "launch" / "rviz_scan.launch.xml").read_text() == text
+
+
+def test_the_launch_library_is_a_package_that_is_found_by_its_name(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("ROS_PACKAGE_PATH", raising=False)
+    target = find_target("ubiquity_launches")
+    assert (target.name, target.folder) == ("ubiquity_launches", LIBRARY)

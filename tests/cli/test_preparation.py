@@ -8,8 +8,9 @@ import pytest
 from ur.cli.preparation import prepare
 from ur.launchfile.plan.load import load_plan
 from ur.launchfile.plan.model import Plan
+from ur.launchfile.world.protocol import PackageNotFound
 from ur.launchfile.world.system import SystemWorld
-from ur.source.diagnostic import UserError
+from ur.source.diagnostic import UserError, error
 
 LIBRARY = Path(__file__).parents[2] / "ubiquity_launches"
 LAUNCH = LIBRARY / "m_move_base" / "launch" / "m_move_base.launch.xml"
@@ -23,6 +24,21 @@ class Installer:
 
     def __call__(self, modules: Sequence[str], lock: str, title: str) -> None:
         self.asked.append((tuple(modules), lock, title))
+
+
+class DebianInstaller:
+    """Keeps which Debian packages were asked for, and whether sudo may ask; it fails where it `refuses`."""
+
+    def __init__(self, *, refuses: bool = False) -> None:
+        self.asked: list[tuple[tuple[str, ...], ...]] = []
+        self.may_ask: list[bool] = []
+        self._refuses = refuses
+
+    def __call__(self, alternatives: Sequence[Sequence[str]], title: str, *, ask: bool = True) -> None:
+        self.asked.append(tuple(map(tuple, alternatives)))
+        self.may_ask.append(ask)
+        if self._refuses:
+            raise UserError(error(f"{title} could not be installed", rule="no-package"))
 
 
 def load(path: Path, *arguments: str) -> tuple[Plan, SystemWorld]:
@@ -68,3 +84,66 @@ def test_programs_of_upstream_and_of_other_computers_need_nothing_of_ours() -> N
     for argument in ("fiducial_slam_pkg:=fiducial_slam", "machine:=elsewhere"):
         prepare(load_plan([str(path)], ["read_only_map:=true", argument], world), world, installer)
     assert installer.asked == []
+
+
+OPENGL = (("libegl1", "libopengl0", "libgl1-mesa-dri"), ("libosmesa6",))
+
+
+@pytest.mark.parametrize(
+    ("program", "wanted"),
+    [
+        ("m_raspicam_view", [OPENGL]),
+        ("m_raspicam", [OPENGL]),
+        ("m_fiducial_slam", [OPENGL]),
+        ("m_keyboard_drive", []),
+        ("m_keyboard_navigate", []),
+    ],
+)
+def test_programs_that_use_the_simulated_camera_get_opengl(
+    program: str, wanted: list[tuple[tuple[str, ...], ...]]
+) -> None:
+    packages = DebianInstaller()
+    plan, world = load_program(program)
+    assert not prepare(plan, world, Installer(), packages)
+    assert packages.asked == wanted
+
+
+def test_real_camera_needs_no_opengl() -> None:
+    packages = DebianInstaller()
+    prepare(*load_program("m_raspicam_view", "simulate:=false"), Installer(), packages)
+    assert packages.asked == []
+
+
+class WorldWithoutRviz(SystemWorld):
+    """This computer, had nobody installed RViz on it."""
+
+    def find_package(self, name: str) -> str:
+        """See World."""
+        if name == "rviz":
+            raise PackageNotFound(name)
+        return super().find_package(name)
+
+
+def test_rviz_is_installed_where_there_is_a_display() -> None:
+    for environment, wanted in (({"DISPLAY": ":0"}, [(("rviz",),)]), ({}, [])):
+        packages = DebianInstaller()
+        plan, world = load_program("rviz_robot")
+        without = WorldWithoutRviz({**world.environment, **environment})
+        assert prepare(plan, without, Installer(), packages) is bool(wanted)
+        assert packages.asked == wanted
+
+
+def test_program_starts_without_rviz_that_cannot_be_installed_and_a_view_does_not() -> None:
+    plan, world = load_program("rviz_robot")
+    without = WorldWithoutRviz({**world.environment, "DISPLAY": ":0"})
+    packages = DebianInstaller(refuses=True)
+    assert not prepare(plan, without, Installer(), packages)
+    with pytest.raises(UserError, match="RViz"):
+        prepare(plan, without, Installer(), packages, view=True)
+    assert packages.may_ask == [False, True]
+
+
+def load_program(name: str, *arguments: str) -> tuple[Plan, SystemWorld]:
+    world = SystemWorld({"ROS_PACKAGE_PATH": f"{LIBRARY}:/usr/share", "HOME": "/home/nobody"})
+    path = LIBRARY / name / "launch" / f"{name}.launch.xml"
+    return load_plan([str(path)], ["robot_base:=magni", *arguments], world), world

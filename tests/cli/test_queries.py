@@ -194,7 +194,7 @@ def test_dry_run_reaches_another_computer_through_ssh(folder: Path) -> None:
     (folder / "ssh").chmod(0o755)
     ran = _run(["bash"], folder, stdin=printed, PATH=f"{folder}:/usr/bin:/bin")
     there = "/opt/env.sh env ROS_MASTER_URI=http://here:11311 ROS_NAMESPACE=/g rosrun p t 'a b' __name:=n"
-    assert ran.stdout.splitlines() == ["-t", "-p", "2222", "bob@10.0.0.9", there]
+    assert ran.stdout.splitlines() == ["-t", "-p", "2222", "--", "bob@10.0.0.9", there]
 
 
 def test_dry_run_names_programs_that_are_missing(folder: Path) -> None:

@@ -25,6 +25,17 @@ def test_selection_is_kept(capsys: pytest.CaptureFixture[str], config: Path) -> 
     assert [path.name for path in (config / "ubiquity_launches").iterdir()] == ["selection"]
 
 
+def test_selection_that_is_a_link_stays_one(config: Path, tmp_path: Path) -> None:
+    link, target = config / "ubiquity_launches/selection", tmp_path / "dotfiles" / "selection"
+    for folder in (link.parent, target.parent):
+        folder.mkdir()
+    target.write_text("sim\n")
+    link.symlink_to(target)
+    assert main(["use", "sim:magni"]) == 0
+    assert link.is_symlink()
+    assert target.read_text() == "sim:magni\n"
+
+
 @pytest.mark.parametrize(
     ("word", "told"),
     [
@@ -33,6 +44,8 @@ def test_selection_is_kept(capsys: pytest.CaptureFixture[str], config: Path) -> 
         ("a b", "'a b' is not the name of a computer"),
         ("sim:stage:x:y", "too many parts"),
         ("sim::lidar", "a variant needs its base"),
+        ("sim:", "nothing follows the last ':'"),
+        ("sim:magni:", "nothing follows the last ':'"),
     ],
 )
 def test_bad_selection_is_explained_and_changes_nothing(
@@ -51,19 +64,63 @@ def test_broken_selection_file_says_how_to_repair_it(config: Path, capsys: pytes
     assert main(["use", "sim"]) == 0
 
 
-def test_robot_that_was_never_set_up_from_here_is_selected_with_a_note(
-    config: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+@pytest.fixture
+def bob(config: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A robot that was set up from here, and a network on which no name but `alice.local` resolves."""
+    monkeypatch.setenv("XDG_STATE_HOME", str(config / "state"))
+    monkeypatch.setattr("ur.robot.known._resolves", lambda host: host == "alice.local")
     folder = config / "ubiquity_launches" / "robots"
     folder.mkdir(parents=True)
     (folder / "bob.yaml").write_text('name: "bob"\nuser: "ros"\nbase: "magni"\n')
-    for word, note in (
-        ("bob", ""),
+    return config / "ubiquity_launches" / "selection"
+
+
+def test_robot_that_was_set_up_from_here_is_selected_also_while_it_is_away(
+    bob: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["use", "bob"]) == 0
+    assert capsys.readouterr() == ("bob\n", "")
+    assert bob.read_text() == "bob\n"
+
+
+@pytest.mark.parametrize(
+    ("word", "help_"),
+    [
+        ("magni", "the simulated one is 'ur use sim:magni'"),
+        ("magni:lidar", "the simulated one is 'ur use sim:magni:lidar'"),
         ("bobb", "did you mean 'ur use bob'?"),
-        ("unlike", "'ur robots' shows who is there"),
-    ):
-        assert main(["use", word]) == 0
-        said = capsys.readouterr()
-        assert said.out == f"{word}\n"
-        assert note in said.err
-        assert bool(said.err) is bool(note)
+        ("mangi", "did you mean the simulated robot 'ur use sim:magni'?"),
+        ("unlike", "'ur robots' lists the robots on the network"),
+    ],
+)
+def test_unknown_robot_is_refused_and_the_selection_stays(
+    word: str, help_: str, bob: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["use", word]) == 2
+    said = capsys.readouterr().err
+    assert f"unknown robot {word.partition(':')[0]!r}" in said
+    assert help_ in said
+    assert f"ur use --away {word}" in said
+    assert not bob.exists()
+
+
+def test_robot_that_is_away_is_selected_on_purpose(bob: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["use", "--away", "magni"]) == 0
+    said = capsys.readouterr()
+    assert said.out == bob.read_text() == "magni\n"
+    assert "note: robot 'magni' was not set up from this computer" in said.err
+
+
+@pytest.mark.parametrize("known_by", ["its answer", "the memory of robots seen"])
+def test_robot_that_others_set_up_is_selected_with_a_note(
+    known_by: str, bob: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    name = "alice"
+    if known_by != "its answer":
+        name = "carol"
+        seen = bob.parent.parent / "state" / "ubiquity_launches" / "seen.json"
+        seen.parent.mkdir(parents=True)
+        seen.write_text('[{"name": "carol", "address": "10.0.0.3", "time": 1.0}]')
+    assert main(["use", name]) == 0
+    assert f"note: robot '{name}' was not set up from this computer" in capsys.readouterr().err
+    assert bob.read_text() == f"{name}\n"

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import os
+import select
+import signal
 import sys
+import threading
 from collections.abc import Callable
 
 import click
@@ -24,13 +27,14 @@ from ur.run.events import (
 from ur.run.model import ExitStatus
 from ur.run.registry import RunEntry
 from ur.run.report import describe_status
+from ur.source.render import shows_colour
 
 
 @click.command("attach")
 @click.argument("run", required=False)
 @click.option("--json", "as_json", is_flag=True, help="Print everything that happens as lines of JSON.")
 @click.option("--plain", "--no-ui", is_flag=True, help="Print lines, also on a terminal.")
-@click.option("--calm", is_flag=True, help="Show one line that says how the run stands, and what goes wrong.")
+@click.option("--calm", is_flag=True, help="Show one line with the state of the run, and warnings and errors.")
 def command(run: str | None, as_json: bool, plain: bool, calm: bool) -> int:
     """Show what a run prints, from any terminal.
 
@@ -43,7 +47,8 @@ def command(run: str | None, as_json: bool, plain: bool, calm: bool) -> int:
         mode = look_for_mode(os.environ, calm=calm)
         if mode != "plain":
             return _watch(entry, mode)
-    show = show_json if as_json else make_printer(colour=sys.stdout.isatty())
+    end_with_reader(sys.stdout.fileno())
+    show = show_json if as_json else make_printer(colour=shows_colour(sys.stdout))
     try:
         with connect(entry) as client:
             client.send(Watch(output=True, readiness=as_json))
@@ -56,6 +61,21 @@ def command(run: str | None, as_json: bool, plain: bool, calm: bool) -> int:
         return 0
     sys.stderr.write(f"error: run {entry.run} was killed\n")
     return 1
+
+
+def end_with_reader(descriptor: int) -> None:
+    """End this process once nobody reads what it prints: the ssh connection that asked for it is gone, for instance.
+
+    Without output it would not notice, and a robot would take its laptop for present (see `ur.run.remote.signs`).
+    """
+
+    def wait() -> None:
+        poll = select.poll()
+        poll.register(descriptor, 0)  # errors and hang-ups are reported always
+        poll.poll()
+        os._exit(128 + signal.SIGPIPE)
+
+    threading.Thread(target=wait, daemon=True).start()
 
 
 def _watch(entry: RunEntry, mode: str) -> int:

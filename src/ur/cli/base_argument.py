@@ -7,7 +7,7 @@ from pathlib import Path
 
 from ur.cli.needs import Need, describe_need, find_variants, list_lacks, read_needs
 from ur.launchfile.world.protocol import World
-from ur.robot.base import Base, load_base
+from ur.robot.base import Base, list_bases, load_base
 from ur.robot.base_search import find_base_package
 from ur.source.diagnostic import UserError, error
 
@@ -47,7 +47,9 @@ def _lack(path: str, package: Path, base: Base, needs: Sequence[Need], lacks: Se
     wanted = " and ".join(describe_need(need) for need in lacks)
     variants = find_variants(package, base, needs)
     if not variants:
-        help_ = "choose another base"
+        able = [name for name in list_bases(package) if not list_lacks(load_base(package, name), needs)]
+        help_ = f"choose another base: robot_base:={able[0]}" if able else "choose another base"
+        help_ += f", or {', '.join(able[1:])}" if able[1:] else ""
     elif variants[0]:
         help_ = f"its variant {variants[0]!r} has what is needed: robot_variant:={variants[0]}"
     else:

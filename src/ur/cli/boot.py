@@ -9,14 +9,13 @@ import click
 
 from ur.cli.guarded import PASSWORD_FROM, become_root, read_lines
 from ur.cli.setup import show_changes
-from ur.cli.shell import robot_address
+from ur.cli.shell import connect_robot, robot_address
 from ur.robot.boot import FOLDER, MASTER, PREFIX, Unit, is_unit_name, master_unit, program_unit
 from ur.robot.boot_status import SCRIPT, describe_status, log_command, parse_status
 from ur.robot.setup.engine import bring_about
-from ur.robot.setup.facts import Request
+from ur.robot.setup.facts import Facts, Request
 from ur.robot.setup.packages import WantedService
 from ur.robot.setup.wanted import Wanted, WantedFile
-from ur.robot.ssh.openssh import connect
 from ur.source.diagnostic import UserError, error
 
 _robot = click.option("--robot", help="Which robot. [default: the selected one]")
@@ -34,7 +33,7 @@ def command(context: click.Context) -> None:
 
 @command.command("install", context_settings={"ignore_unknown_options": True, "allow_interspersed_args": False})
 @_robot
-@click.option("--name", help="What to call it. [default: that of the launch file or program]")
+@click.option("--name", help="The name of the service. [default: that of the launch file or program]")
 @PASSWORD_FROM
 @click.argument(
     "words", nargs=-1, type=click.UNPROCESSED, metavar="[PACKAGE FILE.launch | PROGRAM | COMMAND] [ARG:=VALUE ...]"
@@ -54,16 +53,20 @@ def install(robot: str | None, name: str | None, password_from: int | None, word
     called = name or (wish.name if wish else MASTER)
     if wish and not is_unit_name(called):
         raise _bad_name(called, "give --name")
-    with connect(address) as shell:
-        units = [master_unit(address.user)]
+    with connect_robot(address) as shell:
         copied = bring_library(wish, shell, address.user) if wish else 0
-        if wish:
-            units.append(program_unit(called, make_line(wish, shell, known_as), address.user))
-        wanted = [item for unit in units for item in _wanted(unit)]
+        line = make_line(wish, shell, known_as) if wish else ""
+
+        def make(facts: Facts) -> list[Wanted]:
+            units = [master_unit(address.user, facts.home)]
+            if line:
+                units.append(program_unit(called, line, address.user, facts.home))
+            return [item for unit in units for item in _wanted(unit)]
+
         become_root(shell, read_lines(password_from, "--password-from", 1)[0])
         _, count = bring_about(
             shell,
-            lambda _: wanted,
+            make,
             address.user,
             Request(address.user),
             root=True,
@@ -79,11 +82,11 @@ def install(robot: str | None, name: str | None, password_from: int | None, word
 @command.command("status")
 @_robot
 def status(robot: str | None) -> int:
-    """Show what the robot starts when it boots, how that is, and its last words.
+    """Show what the robot starts when it boots, its state, and its last lines.
 
     The exit code is 1 when one of them does not run.
     """
-    with connect(robot_address(robot)) as shell:
+    with connect_robot(robot_address(robot)) as shell:
         services = parse_status(shell.run(SCRIPT).out)
     lines = [line for service in services for line in describe_status(service)]
     click.echo("\n".join(lines) or "nothing is started at boot")
@@ -92,22 +95,22 @@ def status(robot: str | None) -> int:
 
 @command.command("log")
 @_robot
-@click.option("--follow", "-f", is_flag=True, help="Go on printing what it says, until Ctrl-C.")
+@click.option("--follow", "-f", is_flag=True, help="Continue with new output, until Ctrl-C.")
 @click.option("--lines", "-n", type=click.IntRange(1), default=50, show_default=True, help="How many lines.")
 @click.argument("name")
 def log(robot: str | None, follow: bool, lines: int, name: str) -> int:
-    """Print what a boot service said; NAME as `ur boot status` shows it."""
+    """Print the output of a boot service; NAME as `ur boot status` shows it."""
     if name != MASTER and not is_unit_name(name):
         raise _bad_name(name, "ur boot status")
     address = robot_address(robot)
-    with connect(address) as shell:
+    with connect_robot(address) as shell:
         if shell.run(f"[ -e {FOLDER}/{PREFIX}{name}.service ]").code:
             raise UserError(
                 error(f"{address.host} has no boot service {name!r}", rule="bad-name", help="ur boot status")
             )
     options = ["-o", "StrictHostKeyChecking=yes", "-o", "ConnectTimeout=10"]
     terminal = ["-t"] if follow and sys.stdin.isatty() else []
-    words = ["ssh", *options, *terminal, str(address), log_command(name, lines, follow=follow)]
+    words = ["ssh", *options, *terminal, "--", str(address), log_command(name, lines, follow=follow)]
     sys.stdout.flush()
     os.execvp("ssh", words)  # noqa: S606 - no shell
 
@@ -126,7 +129,7 @@ def remove(robot: str | None, password_from: int | None, names: tuple[str, ...])
         f'for f in {patterns}; do [ -e "$f" ] || continue; u=${{f##*/}}; '
         'systemctl disable --now "$u" 2>&1; rm -f "$f"; echo "$u: removed"; done; systemctl daemon-reload'
     )
-    with connect(robot_address(robot)) as shell:
+    with connect_robot(robot_address(robot)) as shell:
         become_root(shell, read_lines(password_from, "--password-from", 1)[0])
         done = shell.run(script, root=True)
     removed = [line for line in done.out.splitlines() if line.endswith(": removed")]

@@ -11,6 +11,7 @@ from ur.cli.setup import show_changes
 from ur.robot.boot import LIBRARIES, command_line, launch_line
 from ur.robot.boot_file import RobotLaunch, choose_arguments, find_launch, is_launch_name
 from ur.robot.repository import read_repository
+from ur.robot.robot_file import ROBOT_FILE
 from ur.robot.setup.engine import bring_about
 from ur.robot.setup.facts import Request
 from ur.robot.ssh.openssh import SshShell
@@ -38,9 +39,9 @@ def read_wish(words: Sequence[str]) -> Wish:
         return Wish(rest[0].partition(".")[0].lower(), first, rest[0], rest[1:])
     program = first.removeprefix("ur_")
     if "/" not in first and (PACKAGE / "bin" / f"ur_{program}").is_file():
-        from ur.cli.programs import find_launch_file, find_program
+        from ur.cli.programs import choose_program, find_launch_file, list_programs
 
-        path = find_launch_file(find_program(PACKAGE / "bin", program), PACKAGE)
+        path = find_launch_file(choose_program(list_programs(PACKAGE / "bin", PACKAGE.name), program))
         if path is not None:
             return Wish(program, PACKAGE.name, path.name, rest)
     return Wish(first.rpartition("/")[2].lower(), "", "", tuple(words))
@@ -76,7 +77,7 @@ def bring_library(wish: Wish, shell: SshShell, user: str) -> int:
     if shell.run(f"for d in {' '.join(LIBRARIES)}; do [ -r $d/.venv/ready-run ] && exit; done; exit 1").code:
         raise _problem(
             f"{shell.address.host}: {wish.package} is there and not set up, and its nodes need that",
-            f"once, while it has internet: ssh -t {shell.place} {LIBRARIES[1]}/ur --version; then run this again",
+            f"ur robot setup {shell.address.host.removesuffix('.local')} completes it; then run this again",
         )
     return count
 
@@ -95,13 +96,14 @@ def _declared(launch: RobotLaunch) -> dict[str, bool]:
 
 
 def _facts(launch: RobotLaunch) -> dict[str, str]:
-    import yaml
+    from ur.source.file import SourceFile
+    from ur.source.section import parse_section
 
     try:
-        facts = yaml.safe_load(launch.robot_file)
-    except yaml.YAMLError:
+        top = parse_section(SourceFile(str(ROBOT_FILE), launch.robot_file), "a robot file")
+        return {key: top.text(key, "") for key in ("base", "variant")}
+    except UserError:
         return {}
-    return {str(key): str(value) for key, value in facts.items()} if isinstance(facts, dict) else {}
 
 
 def _refuse_terminal(wish: Wish, arguments: Sequence[str]) -> None:

@@ -13,10 +13,10 @@ from pathlib import Path
 
 import click
 
-from ur.cli.shell import robot_address
+from ur.cli.progress import show_progress
+from ur.cli.shell import connect_robot, robot_address
 from ur.robot import build_attached
 from ur.robot.build import FACTS, Builder, build_command, check_builder, choose_jobs, parse_builder
-from ur.robot.ssh.openssh import connect
 from ur.robot.ssh.shell import LocalShell, Shell, quote
 from ur.source.diagnostic import UserError, error
 
@@ -36,15 +36,16 @@ def command(robot: str | None, packages: tuple[str, ...], jobs: int | None) -> i
     """
     names = [name for each in packages for name in each.replace(",", " ").split()]
     if robot is None:
-        builder = _look(LocalShell(), here=True)
+        with show_progress("examining the workspace"):
+            builder = _look(LocalShell(), here=True)
         line = _prepare(builder, names, jobs)
         return run_attached([sys.executable, "-I", build_attached.__file__, line])
-    with connect(robot_address(robot)) as shell:
+    with connect_robot(robot_address(robot)) as shell:
         builder = _look(shell, here=False)
         line = _prepare(builder, names, jobs)
         source = base64.b64encode(zlib.compress(Path(build_attached.__file__).read_bytes())).decode()
         code = f"import base64,zlib;exec(zlib.decompress(base64.b64decode('{source}')))"
-        done = run_attached([*shell.words, shell.place, quote("python3", "-I", "-c", code, line)])
+        done = run_attached([*shell.words, "--", shell.place, quote("python3", "-I", "-c", code, line)])
     if done == 255:
         raise UserError(
             error(

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from ur.source.render import shows_colour
+
 if TYPE_CHECKING:
     from ur.check.run import Report
 
@@ -47,9 +49,11 @@ def command(
     """
     from ur.check.catalogue import choose_rules, find_rule, load_rules
     from ur.check.computer import make_world
+    from ur.check.links import describe_left_out
     from ur.check.render_text import render_rule_page
     from ur.check.run import check_paths
     from ur.cli.environment import know_own_package
+    from ur.cli.progress import show_progress
 
     if explain is not None:
         click.echo(render_rule_page(find_rule(explain)), nl=False)
@@ -57,7 +61,12 @@ def command(
     chosen = choose_rules(_words(select), _words(ignore))
     arguments = dict(word.split(":=", 1) for word in paths if ":=" in word)
     words = [word for word in paths if ":=" not in word] or ["."]
-    report = check_paths(words, make_world(words, know_own_package(os.environ)), chosen, arguments)
+
+    def check() -> Report:
+        with show_progress("finding launch files") as progress:
+            return check_paths(words, make_world(words, know_own_package(os.environ)), chosen, arguments, progress)
+
+    report = check()
     if fix:
         from ur.check.fix import plan_repairs
         from ur.cli.replace_file import replace_file
@@ -67,8 +76,10 @@ def command(
             replace_file(repair.path, repair.text, "repaired")
         repaired = sum(len(repair.findings) for repair in repairs)
         click.echo(f"repaired {repaired} finding{'' if repaired == 1 else 's'} in {len(repairs)} files", err=True)
-        report = check_paths(words, make_world(words, know_own_package(os.environ)), chosen, arguments)
+        report = check()
     _show(report, form)
+    if note := describe_left_out(report.left_out):
+        click.echo(note, err=True)
     return 1 if report.errors or (strict and report.findings) else 0
 
 
@@ -82,7 +93,7 @@ def _show(report: Report, form: str) -> None:
 
     report = shorten_paths(report, str(Path.cwd()))
     if form == "human":
-        click.echo(render_text(report, colour=sys.stdout.isatty()), nl=False)
+        click.echo(render_text(report, colour=shows_colour(sys.stdout)), nl=False)
     elif form == "json":
         from ur.check.render_json import render_json
 

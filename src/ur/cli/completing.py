@@ -1,4 +1,7 @@
-"""What `ur __complete SHELL LINE` answers: a line for each candidate, `open|done<TAB>text<TAB>help`.
+"""Answers of `ur __complete SHELL LINE [REPLACED]`: a line for each candidate, `open|done<TAB>text<TAB>help`.
+
+For bash, `text` is quoted and takes the place of REPLACED, the end of LINE; zsh and fish quote by themselves. Names
+that hold control characters are not offered: no shell inserts them without surprises.
 
 It stands beside click: most answers need no more than the names of files, and a person is waiting.
 """
@@ -31,9 +34,17 @@ def answer_completion(words: Sequence[str]) -> int:
         environment = _follow_selection(dict(os.environ))
         line = split_line(words[1] if len(words) > 1 else "")
         found = complete_line(line, SystemWorld(environment), make_known(environment))
-        rows = (f"{'open' if each.open else 'done'}\t{each.text}\t{_flat(each.help)}\n" for each in found)
-        sys.stdout.write("".join(rows))
+        sys.stdout.write("".join(_row(each, *words) for each in found if each.text.isprintable()))
     return 0
+
+
+def _row(candidate: Candidate, shell: str, line: str = "", replaced: str | None = None) -> str:
+    text: str | None = candidate.text
+    if shell == "bash":
+        from ur.complete.quoting import quote_insertion
+
+        text = quote_insertion(line, replaced, candidate.text)
+    return f"{'open' if candidate.open else 'done'}\t{text}\t{_flat(candidate.help)}\n" if text else ""
 
 
 def make_known(environment: Mapping[str, str]) -> Known:
@@ -41,15 +52,19 @@ def make_known(environment: Mapping[str, str]) -> Known:
     from ur.cli.environment import PACKAGE
 
     def programs() -> Iterator[Candidate]:
-        from ur.cli.programs import list_programs
+        from ur.cli.programs import index_programs
 
-        yield from (Candidate(each.name, each.summary) for each in list_programs(PACKAGE / "bin"))
+        found = index_programs(PACKAGE, environment).programs
+        names = [each.name for each in found]
+        for each in found:
+            qualified = f"{each.package}/{each.name}" if names.count(each.name) > 1 else each.name
+            yield Candidate(qualified, each.summary)
 
     def launch_file(name: str) -> str | None:
         from ur.cli.programs import find_launch_file, find_program
 
         with suppress(UserError):
-            path = find_launch_file(find_program(PACKAGE / "bin", name), PACKAGE)
+            path = find_launch_file(find_program(PACKAGE, name, environment))
             return str(path) if path else None
         return None
 
@@ -57,16 +72,19 @@ def make_known(environment: Mapping[str, str]) -> Known:
         {
             "verb": _verbs,
             "program": programs,
+            "help topic": lambda: [*_verbs(), *programs()],
             "robot": lambda: _robots(environment),
             "selection": lambda: [*_selections(environment), *_robots(environment)],
             "run": lambda: _runs(environment),
             "node": lambda: _nodes(environment),
+            "rule": _rules,
             "shell": lambda: [Candidate(each) for each in ("bash", "zsh", "fish")],
             **{kind: _commands(module) for kind, module in _RUN_COMMANDS.items()},
         },
         _options,
         launch_file,
-        lambda name, given: _values(name, given, environment),
+        lambda name, given: list_values(name, given, environment),
+        lambda path, words: _names(path, words, environment),
     )
 
 
@@ -140,7 +158,8 @@ def _variants(base: str) -> Iterable[Candidate]:
     return []
 
 
-def _values(name: str, given: Mapping[str, str], environment: Mapping[str, str]) -> Iterable[Candidate]:
+def list_values(name: str, given: Mapping[str, str], environment: Mapping[str, str]) -> Iterable[Candidate]:
+    """The values that an argument of a launch file may have, as far as its name says; nothing for others."""
     from ur.cli.environment import PACKAGE, current_selection
 
     if name == "robot_base":
@@ -150,22 +169,48 @@ def _values(name: str, given: Mapping[str, str], environment: Mapping[str, str])
             return _variants(given.get("robot_base") or current_selection(environment).base)
     if name == "world":
         return [Candidate(path.stem) for path in sorted((PACKAGE / "n_simulator" / "worlds").glob("*.yaml"))]
+    if name == "localisation":
+        from ur.cli.localisation import WAYS
+
+        return [Candidate(each) for each in WAYS]
     if name == "machine" or name.endswith("_machine"):
         return [Candidate("localhost", "this computer"), *_robots(environment)]
     return ()
 
 
+def _rules() -> Iterator[Candidate]:
+    from ur.check.catalogue import load_rules
+
+    rules = load_rules()
+    yield from (Candidate(rule.id, rule.summary) for rule in rules.values())
+    yield from (Candidate(name, "a group of rules") for name in sorted({rule.group.value for rule in rules.values()}))
+
+
+def _names(path: str, words: Sequence[str], environment: Mapping[str, str]) -> Iterator[Candidate]:
+    from ur.check.computer import make_world
+    from ur.cli.environment import current_selection
+    from ur.cli.plan_files import read_file_words
+    from ur.launchfile.query.explain import list_names
+
+    world = make_world([path], environment)
+    given = [word for word in words if ":=" in word]
+    read = read_file_words([path, *given], world, current_selection(environment), here=True)
+    yield from (Candidate(name, kind) for name, kind in list_names(read.files, read.arguments, world).items())
+
+
 def _runs(environment: Mapping[str, str]) -> Iterator[Candidate]:
+    from ur.run.computer import read_computer
     from ur.run.registry import list_runs
 
-    for entry in list_runs(environment, os.getuid(), os.uname().nodename):
+    for entry in list_runs(environment, os.getuid(), read_computer()):
         yield Candidate(entry.run, entry.title)
 
 
 def _nodes(environment: Mapping[str, str]) -> Iterator[Candidate]:
+    from ur.run.computer import read_computer
     from ur.run.registry import list_runs
 
-    for entry in list_runs(environment, os.getuid(), os.uname().nodename):
+    for entry in list_runs(environment, os.getuid(), read_computer()):
         for log in sorted(os.listdir(entry.log_folder)) if os.path.isdir(entry.log_folder) else ():  # noqa: PTH112, PTH208 - pathlib is not worth its import here
             name, dash, rest = log.rpartition("-")
             if dash and rest.endswith("stdout.log"):
@@ -186,4 +231,4 @@ def _commands(module: str) -> Source:
 
 
 def _flat(text: str) -> str:
-    return " ".join(text.replace("`", "").split())
+    return "".join(each for each in " ".join(text.replace("`", "").split()) if each.isprintable())

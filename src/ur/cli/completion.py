@@ -13,7 +13,7 @@ from ur.complete.shells import SCRIPTS
 @click.command("completion")
 @click.argument("shell", required=False, type=click.Choice(sorted(SCRIPTS)))
 def command(shell: str | None) -> int:
-    """Print what makes a shell complete `ur` with Tab.
+    """Print the lines that let a shell complete `ur` with Tab.
 
     In ~/.bashrc: `eval "$(ur completion bash)"`, in ~/.zshrc likewise with zsh; for fish: `ur completion fish >
     ~/.config/fish/completions/ur.fish`. `ur setup` does that for you. Without a name: for the shell of this user.

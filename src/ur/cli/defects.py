@@ -19,10 +19,13 @@ def write_defect(problem: BaseException, words: Sequence[str], environment: Mapp
         Path(state) if state.startswith("/") else Path(environment.get("HOME") or tempfile.gettempdir(), ".local/state")
     )
     for folder in (home / "ubiquity_launches", Path(tempfile.gettempdir())):
-        path = folder / f"ur-defect-{os.getpid()}.log"
+        path = folder / f"ur-defect-{os.getpid()}-{os.urandom(2).hex()}.log"
         try:
             folder.mkdir(parents=True, exist_ok=True)
-            path.write_text(text, encoding="utf-8")
+            # Exclusive: in a folder for everybody, somebody may have put a link of this name.
+            descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
+            with open(descriptor, "w", encoding="utf-8", errors="backslashreplace") as file:  # noqa: PTH123
+                file.write(text)
         except OSError:
             continue
         return path

@@ -8,10 +8,13 @@ from typing import TYPE_CHECKING
 
 import click
 
+from ur.source.printable import printable
+
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from ur.docs.collect import Repository
+    from ur.source.progress import Progress
 
 PAGE = "launches.md"
 
@@ -47,20 +50,31 @@ def command(path: str, check: bool, output: str | None, site: str | None, doc_at
 
 
 def _make(path: str, check: bool, output: str | None, site: str | None, doc_attributes: bool) -> int:
+    from ur.cli.progress import show_progress
+
+    with show_progress("finding launch files") as progress:
+        return _write_documents(path, check, output, site, doc_attributes, progress)
+
+
+def _write_documents(
+    path: str, check: bool, output: str | None, site: str | None, doc_attributes: bool, progress: Progress
+) -> int:
     from ur.docs.collect import collect_repository
     from ur.launchfile.world import SystemWorld
 
-    repository = collect_repository(path, SystemWorld(_environment()))
+    repository = collect_repository(path, SystemWorld(_environment()), progress)
     _report(repository)
     if doc_attributes:
         return _settle(_doc_attributes(repository), check)
     if site is not None:
-        return _settle_site(repository, Path(site), check)
+        return _settle_site(repository, Path(site), check, progress)
     if output == "-" and not check:
-        click.echo(_page(repository, repository.root), nl=False)
+        click.echo(_page(repository, repository.root, progress), nl=False)
         return 0
     target = Path(output) if output else Path(repository.root) / PAGE
-    return _settle({target: _page(repository, str(target.absolute().parent))}, check)
+    # A link that the repository brings along may lead anywhere.
+    page = _page(repository, str(target.absolute().parent), progress)
+    return _settle({target: page}, check, follow=output is not None)
 
 
 def _environment() -> dict[str, str]:
@@ -73,18 +87,21 @@ def _environment() -> dict[str, str]:
 def _report(repository: Repository) -> None:
     import sys
 
-    from ur.source.render import render_human
+    from ur.check.links import describe_left_out
+    from ur.source.render import render_human, shows_colour
 
-    sys.stderr.write(render_human(repository.findings, colour=sys.stderr.isatty()))
+    sys.stderr.write(render_human(repository.findings, colour=shows_colour(sys.stderr)))
+    if note := describe_left_out(repository.left_out):
+        click.echo(note, err=True)
 
 
-def _page(repository: Repository, folder: str) -> str:
+def _page(repository: Repository, folder: str, progress: Progress) -> str:
     from ur.docs.build import describe_repository
     from ur.docs.markdown.page import render_markdown
 
     # Links in the page lead from its folder to the repository.
     way = os.path.relpath(repository.root, folder)
-    return render_markdown(describe_repository(repository), "" if way == "." else f"{way}/")
+    return render_markdown(describe_repository(repository, progress), "" if way == "." else f"{way}/")
 
 
 def _doc_attributes(repository: Repository) -> dict[Path, str]:
@@ -102,7 +119,7 @@ def _doc_attributes(repository: Repository) -> dict[Path, str]:
     return changed
 
 
-def _settle(files: Mapping[Path, str], check: bool, *, brief: bool = False) -> int:
+def _settle(files: Mapping[Path, str], check: bool, *, brief: bool = False, follow: bool = True) -> int:
     from ur.docs.difference import show_difference
 
     differences = []
@@ -112,7 +129,8 @@ def _settle(files: Mapping[Path, str], check: bool, *, brief: bool = False) -> i
             name = _short(path)
             differences.append(f"{name} is out of date\n" if brief else show_difference(name, old, text))
             if not check:
-                _write(path, text)
+                # A site, as opposed to launch files, can be made again.
+                _write(path, text, lasting=not brief, follow=follow)
     if not check:
         names = ", ".join(_short(path) for path in sorted(files)[:3]) + (", ..." if len(files) > 3 else "")
         written = f"{len(differences)} of {len(files)} files changed: {names}" if files else "nothing to change"
@@ -125,16 +143,18 @@ def _settle(files: Mapping[Path, str], check: bool, *, brief: bool = False) -> i
     return 1 if differences else 0
 
 
-def _settle_site(repository: Repository, folder: Path, check: bool) -> int:
+def _settle_site(repository: Repository, folder: Path, check: bool, progress: Progress) -> int:
     from ur.docs.build import describe_repository
     from ur.docs.site.render import render_site
 
-    site = render_site(describe_repository(repository))
+    documents = describe_repository(repository, progress)
+    progress("writing the pages")
+    site = render_site(documents)
     if not check:
         _prepare(folder)
     before = _manifest(folder)
     stale = [name for name in before if name not in site]
-    code = _settle({folder / name: text for name, text in site.items()}, check, brief=True)
+    code = _settle({folder / name: text for name, text in site.items()}, check, brief=True, follow=False)
     if check:
         for name in stale:
             click.echo(f"{_short(folder / name)} belongs to nothing any more")
@@ -180,18 +200,13 @@ def _read(path: Path) -> str | None:
         return None
 
 
-def _write(path: Path, text: str) -> None:
+def _write(path: Path, text: str, *, lasting: bool, follow: bool) -> None:
     from ur.source.diagnostic import UserError, error
+    from ur.source.replace import replace_file
 
-    beside = path.with_name(f"{path.name}.ur-new")
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        beside.write_bytes(text.encode("utf-8", "surrogateescape"))
-        if path.exists():
-            beside.chmod(path.stat().st_mode & 0o7777)
-        beside.replace(path)
+        replace_file(path, text, parents=True, lasting=lasting, follow=follow)
     except OSError as problem:
-        beside.unlink(missing_ok=True)
         reason = (problem.strerror or str(problem)).lower()
         raise UserError(
             error(f"{path} cannot be written: {reason}", rule="unwritable-file", help="--output FILE writes elsewhere")
@@ -199,5 +214,9 @@ def _write(path: Path, text: str) -> None:
 
 
 def _short(path: Path) -> str:
+    return printable(_shorten(path))
+
+
+def _shorten(path: Path) -> str:
     way = os.path.relpath(path)
     return way if not way.startswith("../..") else str(path)

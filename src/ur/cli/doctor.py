@@ -8,21 +8,23 @@ import socket
 import sys
 import time
 from collections.abc import Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, nullcontext
 
 import click
 
 from ur.cli.doctor_report import Report, print_json, print_report, print_seen
 from ur.cli.environment import current_selection
 from ur.cli.master import list_nodes
-from ur.cli.shell import robot_address
-from ur.robot.doctor.look import look_alone, look_at_pair
+from ur.cli.progress import show_progress
+from ur.cli.shell import connect_robot, robot_address
+from ur.robot.doctor.look import look_alone, look_at_pair, read_name
 from ur.robot.doctor.model import Command, Finding, Pair
 from ur.robot.doctor.rules import diagnose, diagnose_alone
+from ur.robot.doctor.side import Side
 from ur.robot.doctor.way import explain_way, list_steps, look_at_way
 from ur.robot.record import Record, load_records, records_folder
 from ur.robot.seen import Seen, load_seen, note_seen, seen_path
-from ur.robot.ssh.openssh import Address, SshShell, connect
+from ur.robot.ssh.openssh import Address, SshShell
 from ur.robot.ssh.secret import Secret
 from ur.robot.ssh.shell import LocalShell, Shell
 from ur.source.diagnostic import UserError
@@ -34,11 +36,14 @@ PAUSE = 2.0
 
 @click.command("doctor")
 @click.argument("robot", required=False)
-@click.option("--fix", is_flag=True, help="Run the commands that can do no harm, then look again.")
-@click.option("--verbose", "-v", is_flag=True, help="Show everything that was seen, and which packages differ.")
+@click.option("--fix", is_flag=True, help="Run the commands that can do no harm, then check again.")
+@click.option("--verbose", "-v", is_flag=True, help="Show every result, and the packages that differ.")
 @click.option("--json", "as_json", is_flag=True, help="Print the findings and their commands as JSON.")
 @click.option(
-    "--password-from", type=int, metavar="FD", help="Read the robot's password here where it refuses our key."
+    "--password-from",
+    type=int,
+    metavar="FD",
+    help="Read the robot's password from this file descriptor, if it refuses your key.",
 )
 def command(robot: str | None, fix: bool, verbose: bool, as_json: bool, password_from: int | None) -> int:
     """Find what is wrong between this computer and a robot.
@@ -92,7 +97,7 @@ def _examine(
 
 
 def _examine_alone(here: LocalShell, *, fix: bool, as_json: bool) -> int:
-    side = look_alone(here)
+    side = _look_alone(here)
     report = Report({"here": side.name, "there": ""}, diagnose_alone(side))
     if not as_json:
         click.echo(f"no robot is named or selected: this computer alone ({side.name})")
@@ -100,7 +105,7 @@ def _examine_alone(here: LocalShell, *, fix: bool, as_json: bool) -> int:
     commands = [(finding.rule, each) for finding in report.findings for each in finding.commands if each.safe]
     if fix and commands:
         _apply(commands, here, here, report, quiet=as_json)
-        report.findings = diagnose_alone(look_alone(here))
+        report.findings = diagnose_alone(_look_alone(here))
         if not as_json:
             click.echo("after the fixes:")
             print_report(report)
@@ -132,12 +137,13 @@ def _log_in(
     stack: ExitStack, address: Address, password_from: int | None, options: Sequence[str]
 ) -> tuple[SshShell, Secret | None, bool]:
     try:
-        return stack.enter_context(connect(address, options=options)), None, False
+        return stack.enter_context(connect_robot(address, options=options)), None, False
     except UserError as problem:
         password = _password(address, password_from) if problem.diagnostics[0].rule == "refused" else None
         if password is None:
             raise
-        return stack.enter_context(connect(address, password=password, options=options)), password, True
+        shell = stack.enter_context(connect_robot(address, password=password, options=options))
+        return shell, password, True
 
 
 def _explain_way(here: LocalShell, address: Address, problem: UserError, *, as_json: bool) -> int:
@@ -145,9 +151,10 @@ def _explain_way(here: LocalShell, address: Address, problem: UserError, *, as_j
     said = problem.diagnostics[0]
     if said.rule in ("missing-program", "bad-address"):
         raise problem
-    way = look_at_way(here, address, said.rule, said.message.removeprefix(f"{address}: "))
+    with show_progress(f"finding out which step towards {_short(address)} fails"):
+        way = look_at_way(here, address, said.rule, said.message.removeprefix(f"{address}: "))
     seen = load_seen(seen_path(os.environ)).get(_short(address))
-    side = look_alone(here)
+    side = _look_alone(here)
     findings = [*diagnose_alone(side), explain_way(address, way, seen, _record(_short(address)), time.time())]
     report = Report({"here": side.name, "there": _short(address)}, findings, list_steps(address, way))
     if as_json:
@@ -160,22 +167,30 @@ def _explain_way(here: LocalShell, address: Address, problem: UserError, *, as_j
 
 def _look(here: LocalShell, there: SshShell, refused: bool) -> Pair:
     selection = current_selection(os.environ)
-    name = there.run("cat /proc/sys/kernel/hostname").out.strip()
-    return look_at_pair(
-        here,
-        there,
-        list_nodes(there.address.host),
-        key_refused=refused,
-        known=_record(name) is not None,
-        selected="" if selection.simulated else selection.robot,
-    )
+    record = _record(read_name(there))
+    with show_progress(f"examining this computer and {_short(there.address)}"):
+        return look_at_pair(
+            here,
+            there,
+            list_nodes(there.address.host),
+            key_refused=refused,
+            known=record is not None,
+            robot_login=record is None or record.robot_login is not False,
+            selected="" if selection.simulated else selection.robot,
+        )
+
+
+def _look_alone(here: LocalShell) -> Side:
+    with show_progress("examining this computer"):
+        return look_alone(here)
 
 
 def _look_again(here: LocalShell, there: SshShell, before: Sequence[Finding]) -> list[Finding]:
     mended = {finding.rule for finding in before if finding.fixable}
     for attempt in range(LOOKS):
         if attempt:
-            time.sleep(PAUSE)
+            with show_progress("waiting for the fixes to take effect"):
+                time.sleep(PAUSE)
         left = diagnose(_look(here, there, refused=False))
         if not any(finding.rule in mended for finding in left):
             break
@@ -203,7 +218,10 @@ def _apply(commands: Sequence[tuple[str, Command]], here: Shell, there: Shell, r
     for rule, each in commands:
         shell = here if each.where == "here" else there
         try:
-            done = shell.run(each.line, root=each.root, timeout=FIX_SECONDS)
+            # On this computer sudo may ask for a password on the terminal.
+            asks = each.root and each.where == "here"
+            with nullcontext() if asks else show_progress(f"running {each.line}"):
+                done = shell.run(each.line, root=each.root, timeout=FIX_SECONDS)
             said = (done.err or done.out).strip().splitlines()
             result = "done" if done.code == 0 else f"failed: {said[-1] if said else done.code}"
         except UserError as problem:

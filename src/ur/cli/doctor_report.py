@@ -9,9 +9,12 @@ from dataclasses import asdict, dataclass, field
 
 import click
 
+from ur.cli.output import plain_text
 from ur.robot.doctor.model import Finding, Pair
 from ur.robot.doctor.summary import compare_packages, summarize
 from ur.robot.doctor.way import Step
+from ur.source.printable import printable, printable_lines
+from ur.source.render import shows_colour
 
 MARKS = {True: ("ok", "green"), False: ("NO", "red"), None: ("-", "bright_black")}
 
@@ -30,14 +33,15 @@ def print_report(report: Report, *, fixable: str = "") -> None:
     """The steps that were gone, when the robot was not reached; each finding with what to do. `fixable`: how to."""
     for step in report.steps:
         mark, colour = MARKS[step.good]
-        click.echo(f"  {_style(f'{mark:2}', colour)} {step.title}{f': {step.seen}' if step.seen else ''}")
+        text = f"{step.title}: {step.seen}" if step.seen else step.title
+        click.echo(f"  {_style(f'{mark:2}', colour)} {printable(text)}")
     for finding in report.findings:
-        click.echo(f"{_style('problem', 'red')}: {finding.message} [{finding.rule}]")
+        click.echo(f"{_style('problem', 'red')}: {printable(finding.message)} [{finding.rule}]")
         if finding.help:
-            click.echo(f"  {_style('help', 'green')}: {finding.help}")
+            click.echo(f"  {_style('help', 'green')}: {printable(finding.help)}")
         for command in finding.commands:
             who = f"on {report.names[command.where]}{' (--fix)' if command.safe else ''}"
-            click.echo(f"  {_style(who, 'green')}: {command.typed}")
+            click.echo(f"  {_style(printable(who), 'green')}: {printable_lines(command.typed)}")
     mendable = sum(finding.fixable for finding in report.findings)
     if not report.findings:
         click.echo("all is well")
@@ -74,12 +78,12 @@ def print_seen(pair: Pair) -> None:
     for title, rows in zip(titles, (summarize(pair), compare_packages(pair)), strict=True):
         table = Table()
         for column in title:
-            table.add_column(column, overflow="fold")
+            table.add_column(plain_text(column), overflow="fold")
         for row in rows:
-            table.add_row(*row)
+            table.add_row(*map(plain_text, row))
         if rows:
             console.print(table)
 
 
 def _style(text: str, colour: str) -> str:
-    return click.style(text, fg=colour, bold=True) if sys.stdout.isatty() else text
+    return click.style(text, fg=colour, bold=True) if shows_colour(sys.stdout) else text

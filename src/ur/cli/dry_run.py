@@ -37,10 +37,10 @@ def print_dry_run(plan: Plan, world: World, shell: Mapping[str, str], words: Seq
     sys.stdout.write("".join(f"{line}\n" for line in lines))
     sys.stdout.flush()
     if problems:
-        from ur.source.render import render_human
+        from ur.source.render import render_human, shows_colour
 
         found = [each for problem in problems for each in problem.diagnostics]
-        sys.stderr.write(render_human(found, colour=sys.stderr.isatty()))
+        sys.stderr.write(render_human(found, colour=shows_colour(sys.stderr)))
     return 1 if problems else 0
 
 
@@ -76,7 +76,7 @@ def _format_remote(node: NodeSpec, machine: MachineSpec, world: World) -> str:
     )
     port = ["-p", str(machine.ssh_port)] if machine.ssh_port != 22 else []
     host = f"{machine.user}@{machine.address}" if machine.user else machine.address
-    return shlex.join(["ssh", "-t", *port, host, there])
+    return shlex.join(["ssh", "-t", *port, "--", host, there])
 
 
 def _with_variables(changes: Mapping[str, str | None], words: Sequence[str], shell: Mapping[str, str]) -> str:

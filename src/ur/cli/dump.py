@@ -6,9 +6,8 @@ import json
 import sys
 from collections.abc import Mapping, Sequence
 
-from ur.cli.plan_files import declared_arguments, refuse_stray_words
+from ur.cli.plan_files import read_file_words
 from ur.cli.queries import make_world
-from ur.launchfile.address import resolve_addresses
 from ur.launchfile.dump import dump_plan, dump_refusal
 from ur.launchfile.plan.commands import refuse_command, run_command
 from ur.launchfile.plan.load import load_plan
@@ -25,9 +24,8 @@ def print_dump(
     """
     world = make_world(shell, anonymous=True)
     try:
-        files = resolve_addresses(words, world)
-        refuse_stray_words(files, declared_arguments(files, world), world)
-        plan = load_plan(files, [word for word in words if ":=" in word], world)
+        read = read_file_words(words, world, None, here=True)
+        plan = load_plan(read.files, read.arguments, world)
         dumped = dump_plan(plan, with_origins=with_origins, run=refuse_command if no_commands else run_command)
     except UserError as problem:
         dumped = dump_refusal(problem.diagnostics)

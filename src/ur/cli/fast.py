@@ -44,17 +44,19 @@ def launch_fast(words: Sequence[str]) -> int | None:
         from ur.cli.launch_act import act_on, explain_problem
         from ur.cli.launch_wishes import Wishes
         from ur.source.diagnostic import UserError
+        from ur.source.printable import guard_output
 
-        try:
-            return act_on(words[1:], Wishes())
-        except UserError as problem:
-            return explain_problem(problem)
+        with guard_output():
+            try:
+                return act_on(words[1:], Wishes())
+            except UserError as problem:
+                return explain_problem(problem)
     except KeyboardInterrupt:
         return 130
     except Exception as problem:
-        from ur.cli.main import report_defect
+        from ur.cli.main import explain_exception
 
-        return report_defect(problem, list(words))
+        return explain_exception(problem, list(words))
 
 
 def read_question(words: Sequence[str]) -> tuple[tuple[str, str | None], list[str]] | None:

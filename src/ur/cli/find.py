@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from ur.source.printable import printable
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
@@ -19,7 +21,7 @@ _KINDS = ("arg", "node", "topic", "param", "file")  # as ur.find.model has them;
 @click.command("find")
 @click.argument("name")
 @click.argument("paths", nargs=-1, metavar="[PATH]...")
-@click.option("--kind", "kinds", multiple=True, type=click.Choice(_KINDS), help="Look for these only; may be repeated.")
+@click.option("--kind", "kinds", multiple=True, type=click.Choice(_KINDS), help="Find only these; may be repeated.")
 @click.option("--json", "as_json", is_flag=True, help="Print a list that programs can read.")
 def command(name: str, paths: tuple[str, ...], kinds: tuple[str, ...], as_json: bool) -> int:
     """Find where a name in launch files is defined and used.
@@ -32,16 +34,19 @@ def command(name: str, paths: tuple[str, ...], kinds: tuple[str, ...], as_json: 
     """
     from ur.check.computer import make_world
     from ur.cli.environment import know_own_package
+    from ur.cli.progress import show_progress
     from ur.find.model import KINDS
     from ur.find.search import find_name
 
     words = list(paths) or ["."]
-    found = find_name(
-        name,
-        words,
-        make_world(words, know_own_package(os.environ)),
-        [kind for kind in KINDS if not kinds or kind in kinds],
-    )
+    with show_progress("finding launch files") as progress:
+        found = find_name(
+            name,
+            words,
+            make_world(words, know_own_package(os.environ)),
+            [kind for kind in KINDS if not kinds or kind in kinds],
+            progress,
+        )
     if as_json:
         import json
 
@@ -71,7 +76,7 @@ def _show(found: Sequence[Occurrence]) -> None:
     title = ""
     for each in found:
         name = os.path.relpath(each.name) if each.kind == "file" else each.name
-        if title != (title := f"{each.kind} {name}"):
+        if title != (title := printable(f"{each.kind} {name}")):
             click.secho(title, bold=True)
         if each.kind == "file" and each.defines:
             continue
@@ -79,5 +84,5 @@ def _show(found: Sequence[Occurrence]) -> None:
         place = f"{os.path.relpath(each.span.file.path, Path.cwd())}:{line}:{column}"
         role = "defined" if each.defines else "used   "
         note = f"  ({each.note})" if each.note else ""
-        click.echo(f"  {role}  {place}{note}")
-        click.secho(f"             {' '.join(each.span.file.line(line).split())}", dim=True)
+        click.echo(printable(f"  {role}  {place}{note}"))
+        click.secho(printable(f"             {' '.join(each.span.file.line(line).split())}"), dim=True)

@@ -9,8 +9,14 @@ from typing import TYPE_CHECKING
 
 import click
 
+from ur.cli.output import write_exactly
+from ur.source.printable import printable, printable_lines
+
 if TYPE_CHECKING:
+    from ur.check.collect import Targets
+    from ur.check.worlds import CachedWorld
     from ur.format.run import Formatted
+    from ur.source.progress import Progress
 
 _STANDARD_INPUT = "-"
 
@@ -20,7 +26,7 @@ _STANDARD_INPUT = "-"
 @click.option("--check", is_flag=True, help="Change nothing; end with exit code 1 when something would change.")
 @click.option("--diff", is_flag=True, help="Change nothing; print what would change.")
 def command(paths: tuple[str, ...], check: bool, diff: bool) -> int:
-    """Put launch files in house order and layout.
+    """Put launch files into a standard order and layout.
 
     PATH is a launch file, a folder or a package; without one, the launch files below the current folder; `-` formats
     standard input to standard output. Comments stay. The plan of each file is compared, for every base and variant: a
@@ -32,34 +38,49 @@ def command(paths: tuple[str, ...], check: bool, diff: bool) -> int:
         return _format_input()
     from ur.check.collect import collect_targets
     from ur.check.computer import make_world
+    from ur.check.links import describe_left_out
     from ur.check.worlds import CachedWorld
     from ur.cli.environment import know_own_package
-    from ur.cli.replace_file import replace_file
-    from ur.format.run import format_file
-    from ur.source.diagnostic import UserError
-    from ur.source.render import render_human
+    from ur.cli.progress import show_progress
 
     words = list(paths) or ["."]
     world = CachedWorld(make_world(words, know_own_package(os.environ)))
-    targets = collect_targets(words, world)
+    with show_progress("finding launch files") as progress:
+        targets = collect_targets(words, world)
+        changed, broken = _format_files(targets, world, progress, check=check, diff=diff)
+    if note := describe_left_out(targets.left_out):
+        click.echo(note, err=True)
+    _sum_up(len(targets.launch_files), changed, broken, dry=check or diff)
+    return 1 if broken or (changed and (check or diff)) else 0
+
+
+def _format_files(
+    targets: Targets, world: CachedWorld, progress: Progress, *, check: bool, diff: bool
+) -> tuple[int, int]:
+    """Format the launch files, and return the numbers of those that change and of those with errors."""
+    from ur.cli.replace_file import replace_file
+    from ur.format.run import format_file
+    from ur.source.diagnostic import UserError
+    from ur.source.progress import counted
+    from ur.source.render import render_human, shows_colour
+
     changed = broken = 0
-    for path in targets.launch_files:
+    for path in counted(targets.launch_files, "formatting", "launch files", progress):
         try:
             done = format_file(path, world.read_bytes(path), world, targets.package_of(path))
             if done.changed and not check and not diff:
                 replace_file(path, done.text)
         except UserError as problem:
             broken += 1
-            click.echo(render_human(problem.diagnostics, colour=sys.stderr.isatty()), err=True, nl=False)
+            click.echo(render_human(problem.diagnostics, colour=shows_colour(sys.stderr)), err=True, nl=False)
             continue
         except OSError as problem:
             broken += 1
-            click.echo(f"error: {path}: {(problem.strerror or str(problem)).lower()}", err=True)
+            click.echo(f"error: {printable(path)}: {(problem.strerror or str(problem)).lower()}", err=True)
             continue
         changed += done.changed
         _tell(done, check, diff)
-    _sum_up(len(targets.launch_files), changed, broken, dry=check or diff)
-    return 1 if broken or (changed and (check or diff)) else 0
+    return changed, broken
 
 
 def _format_input() -> int:
@@ -69,12 +90,13 @@ def _format_input() -> int:
 
     data = sys.stdin.buffer.read()
     path = str(Path.cwd() / "<standard input>")
-    click.echo(format_file(path, data, make_world(["."], know_own_package(os.environ))).text, nl=False)
+    text = format_file(path, data, make_world(["."], know_own_package(os.environ))).text
+    write_exactly(text)
     return 0
 
 
 def _tell(done: Formatted, check: bool, diff: bool) -> None:
-    name = os.path.relpath(done.path)
+    name = printable(os.path.relpath(done.path))
     if done.kept:
         click.echo(f"note: {name}: {done.kept}", err=True)
     if not done.changed:
@@ -83,7 +105,8 @@ def _tell(done: Formatted, check: bool, diff: bool) -> None:
         import difflib
 
         lines = (done.before.splitlines(keepends=True), done.text.splitlines(keepends=True))
-        click.echo("".join(difflib.unified_diff(*lines, f"{name} (now)", f"{name} (formatted)")), nl=False)
+        difference = "".join(difflib.unified_diff(*lines, f"{name} (now)", f"{name} (formatted)"))
+        click.echo(printable_lines(difference), nl=False)
     else:
         click.echo(f"would format {name}" if check else f"formatted {name}")
 

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from ur.source.printable import printable
+
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
@@ -28,15 +30,18 @@ _COLOURS: dict[str, dict[str, object]] = {
 }
 
 
+_PICTURES = (".png", ".jpg", ".jpeg", ".gif", ".webp", ".pdf")
+
+
 @click.command("graph")
 @click.argument("words", nargs=-1, metavar="[PACKAGE] FILE [ARG:=VALUE]... | [NODE]...")
-@click.option("--topics", is_flag=True, help="Nodes and what they talk over, without starting them.")
+@click.option("--topics", is_flag=True, help="Draw nodes and topics, without starting them.")
 @click.option("--live", is_flag=True, help="Nodes and topics that the master knows now; NODE limits it to neighbours.")
 @click.option(
     "--as",
     "form",
     type=click.Choice(["text", "mermaid", "dot", "svg"]),
-    help="How it is written; without it as the name of --output says, else text.",
+    help="The format; by default that of --output's name, else text.",
 )
 @click.option("--output", "-o", type=click.Path(dir_okay=False), help="Write to a file.")
 def command(words: tuple[str, ...], topics: bool, live: bool, form: str | None, output: str | None) -> int:
@@ -49,6 +54,14 @@ def command(words: tuple[str, ...], topics: bool, live: bool, form: str | None, 
     """
     if not words and not live:
         raise click.UsageError("expected a launch file, or --live, for instance: ur graph robot.launch")
+    if form is None and Path(output or "").suffix.lower() in _PICTURES:
+        from ur.source.diagnostic import UserError, error
+
+        message = (
+            f"{output!r} cannot be written: graphs are drawn as SVG, not as {Path(str(output)).suffix[1:].upper()}"
+        )
+        help_ = f"-o {Path(str(output)).with_suffix('.svg')}"
+        raise UserError(error(message, rule="unknown-format", help=help_))
     form = form or {".svg": "svg", ".dot": "dot", ".gv": "dot", ".mmd": "mermaid"}.get(
         Path(output or "").suffix, "text"
     )
@@ -58,17 +71,19 @@ def command(words: tuple[str, ...], topics: bool, live: bool, form: str | None, 
 
 
 def _draw_file(words: Sequence[str], topics: bool, form: str, output: str | None) -> int:
+    from ur.cli.progress import show_progress
     from ur.cli.tolerant import load_tolerantly
     from ur.graph.includes import build_trees, merge_trees
     from ur.graph.topics import graph_plan
 
     plan, files, sound = load_tolerantly(words)
     title = " ".join(words)
-    if topics:
-        text = _render(graph_plan(plan), form, title)
-    else:
-        trees = build_trees(plan, files)
-        text = _draw_trees(trees) if form == "text" else _render(merge_trees(trees), form, title)
+    with show_progress(f"drawing {title}"):
+        if topics:
+            text = _render(graph_plan(plan), form, title)
+        else:
+            trees = build_trees(plan, files)
+            text = _draw_trees(trees) if form == "text" else _render(merge_trees(trees), form, title)
     _write(text, output)
     return 0 if sound else 1
 
@@ -81,6 +96,7 @@ def _draw_trees(trees: Sequence[Branch]) -> str:
 
 def _show_live(nodes: Sequence[str], form: str) -> str:
     from ur.cli.environment import apply_selection, current_selection
+    from ur.cli.progress import show_progress
     from ur.graph.topics import graph_system
     from ur.run.master import parse_master_uri
     from ur.run.xml_rpc import Unanswered
@@ -89,7 +105,8 @@ def _show_live(nodes: Sequence[str], form: str) -> str:
     apply_selection(current_selection(os.environ))
     master = parse_master_uri(os.environ["ROS_MASTER_URI"])
     try:
-        state = master.call("getSystemState")
+        with show_progress(f"waiting for the master at {master.uri} to answer"):
+            state = master.get_system_state()
     except Unanswered:
         message = f"no master answers at {master.uri}, expected one"
         raise UserError(error(message, rule="no-master", help="start something: ur run keyboard_drive")) from None
@@ -122,7 +139,11 @@ def _render(graph: Graph, form: str, title: str) -> str:
 
 
 def _paint(lines: Iterable[Line]) -> str:
-    return "".join("".join(click.style(text, **_COLOURS[kind]) for text, kind in line) + "\n" for line in lines)  # type: ignore[arg-type]  # the options of style, by name
+    return "".join("".join(_style(text, kind) for text, kind in line) + "\n" for line in lines)
+
+
+def _style(text: str, kind: str) -> str:
+    return click.style(printable(text), **_COLOURS[kind])  # type: ignore[arg-type]  # the options of style, by name
 
 
 def _speaks_unicode() -> bool:

@@ -26,14 +26,14 @@ WAIT = click.option(
     default=60,
     show_default=True,
     metavar="SECONDS",
-    help="How long the robot waits for this computer before it takes the change back.",
+    help="How long the robot waits for this computer before it reverts the change.",
 )
 DRY_RUN = click.option("--dry-run", is_flag=True, help="Show what would be changed on the robot, and change nothing.")
 PASSWORD_FROM = click.option(
     "--password-from",
     type=int,
     metavar="FD",
-    help="Read the robot's password, which sudo wants there, from this file descriptor.",
+    help="Read the robot's password, for sudo there, from this file descriptor.",
 )
 
 
@@ -109,10 +109,12 @@ def finish(
     identity: str, change: GuardedChange, ways: Ways, wait: int, sudo: Sequence[Secret], known_as: str
 ) -> Address:
     """Come back to the robot and confirm; the way that led there. Raises UserError: taken back, or not seen again."""
+    from ur.cli.progress import show_progress
     from ur.robot.change.perform import come_back, open_as
 
     try:
-        return come_back(identity, change.title, ways, wait, sudo, open_as(known_as), report=say)
+        with show_progress(f"waiting for {known_as.removesuffix('.local')} to come back"):
+            return come_back(identity, change.title, ways, wait, sudo, open_as(known_as), report=say)
     except KeyboardInterrupt:
         say(f"{change.title}: not confirmed; the robot takes it back by itself within {wait} s")
         raise

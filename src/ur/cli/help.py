@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
+import os
+import shutil
+import sys
+from collections.abc import Iterator, Sequence
+from textwrap import fill
 from typing import Any
 
 import click
 from rich_click import RichCommand, RichContext, RichGroup, RichHelpConfiguration
-from rich_click.utils import CommandGroupDict
+from rich_click.utils import CommandGroupDict, OptionGroupDict
 
+from ur.cli.help_pages import LAUNCH_GROUPS, PAGES, HelpPage
 from ur.cli.main import EPILOG, HELP, VERBS, load_verb
 from ur.source.diagnostic import UserError, error
+from ur.source.render import shows_colour
 from ur.source.suggest import did_you_mean
 
 # What people come for, in the order in which they come for it. Each verb stands in one of them; a test looks.
@@ -26,28 +33,26 @@ SECTIONS = {
 
 
 def show_help(words: list[str]) -> None:
-    """Print the page of `ur`, or of one verb (`robot`, `robot setup`). Raises UserError when there is none."""
+    """Print the page of `ur`, of one verb (`robot`, `robot setup`) or of a program (`run NAME`, `NAME`).
+
+    Raises UserError when there is none.
+    """
     if not words:
         _print(_overview(), "ur")
         return
-    if words[0] not in VERBS:
-        near = did_you_mean(words[0], VERBS)
-        raise UserError(
-            error(
-                f"{words[0]!r} is not a verb of ur, expected one of {', '.join(VERBS)}",
-                rule="unknown-verb",
-                help=f"did you mean 'ur {near}'?" if near else None,
-            )
-        )
+    if words[0] not in VERBS or (words[0] == "run" and len(words) > 1 and not words[1].startswith("-")):
+        _show_program(words[1] if words[0] == "run" else words[0], known_verb=words[0] == "run")
+        return
     verb, path = load_verb(words[0]), f"ur {words[0]}"
     for word in words[1:]:
         if isinstance(verb, click.Group) and word in verb.commands:
             verb, path = verb.commands[word], f"{path} {word}"
+    about = PAGES[path.removeprefix("ur ")]
     if isinstance(verb, click.Group):
         group = _InOrder(name=verb.name, help=verb.help, options_metavar="", subcommand_metavar="VERB [ARGS]")
         for each in verb.commands.values():
             group.add_command(RichCommand(name=each.name, help=each.help, short_help=each.short_help))
-        _print(group, path)
+        _print(group, path, about)
         return
     page = RichCommand(
         name=verb.name,
@@ -57,7 +62,35 @@ def show_help(words: list[str]) -> None:
         epilog=verb.epilog,
         options_metavar="[OPTIONS]" if any(isinstance(each, click.Option) for each in verb.params) else "",
     )
-    _print(page, path)
+    _print(page, path, about, tuple(_list_arguments(verb, about)))
+
+
+def _show_program(name: str, *, known_verb: bool) -> None:
+    from ur.cli.environment import PACKAGE, know_own_package
+    from ur.cli.program_help import describe_program
+    from ur.cli.programs import choose_program, index_programs
+
+    index = index_programs(PACKAGE, know_own_package(os.environ))
+    names = {each.name for each in index.programs}
+    if known_verb or name.rpartition("/")[2].removeprefix("ur_") in names:
+        click.echo(describe_program(choose_program(index.programs, name, index.problem), os.environ), nl=False)
+        return
+    near = did_you_mean(name, (*VERBS, *names))
+    raise UserError(
+        error(
+            f"unknown command {name!r}, expected a verb of ur or a program",
+            rule="unknown-verb",
+            help=f"did you mean 'ur help {near}'?" if near else "'ur help' lists the verbs, 'ur list' the programs",
+        )
+    )
+
+
+def _list_arguments(verb: click.Command, about: HelpPage) -> Iterator[tuple[str, str]]:
+    """The metavariable of a positional argument, and its description."""
+    positional = [each for each in verb.params if isinstance(each, click.Argument)]
+    context = click.Context(verb)
+    for each, text in zip(positional, about.arguments, strict=True):
+        yield each.make_metavar(context), text
 
 
 class _InOrder(RichGroup):
@@ -75,8 +108,30 @@ def _overview() -> RichGroup:
     return group
 
 
-def _print(page: Any, name: str) -> None:
+def _print(page: Any, name: str, about: HelpPage | None = None, arguments: Sequence[tuple[str, str]] = ()) -> None:
     sections: list[CommandGroupDict] = [{"name": title, "commands": list(verbs)} for title, verbs in SECTIONS.items()]
-    settings = RichHelpConfiguration(command_groups={"ur": sections} if name == "ur" else {})
+    groups: list[OptionGroupDict] = [{"name": title, "options": list(options)} for title, options in LAUNCH_GROUPS]
+    frame = "ROUNDED" if os.environ.get("TERM") != "dumb" else "BLANK"
+    settings = RichHelpConfiguration(
+        style_options_panel_box=frame,
+        style_commands_panel_box=frame,
+        command_groups={"ur": sections} if name == "ur" else {},
+        option_groups={"ur launch": groups} if name == "ur launch" else {},
+    )
     context = RichContext(page, info_name=name, rich_help_config=settings)
-    click.echo(page.get_help(context))
+    click.echo(page.get_help(context), color=None if shows_colour(sys.stdout) else False)
+    if about is not None:
+        click.echo("".join(_write_end(arguments, about.examples)), nl=False)
+
+
+def _write_end(arguments: Sequence[tuple[str, str]], examples: Sequence[tuple[str, str]]) -> Iterator[str]:
+    """Arguments with their descriptions, then examples, each with its meaning before it."""
+    width = min(100, shutil.get_terminal_size().columns) - 1
+    if arguments:
+        yield " Arguments:\n"
+    for written, text in arguments:
+        yield f"   {written}\n"
+        yield fill(text, width, initial_indent=" " * 7, subsequent_indent=" " * 7, break_on_hyphens=False) + "\n"
+    yield " Examples:\n"
+    for command, meaning in examples:
+        yield f"   # {meaning}\n   {command}\n"

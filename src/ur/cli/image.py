@@ -6,22 +6,27 @@ import os
 import signal
 import sys
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
+from dataclasses import replace
 from pathlib import Path
 
 import click
 
 from ur.cli.image_answers import Given, Passwords, add_passwords, make_wish, read_passwords, read_robots
+from ur.cli.progress import show_progress
 from ur.cli.setup import show_changes
 from ur.robot.image.copy import copied_image, packing_of
 from ur.robot.image.device import Device, check_device, is_device
+from ur.robot.image.host_key import know_host_key, make_host_key
 from ur.robot.image.layout import find_layout
 from ur.robot.image.prepare import Write, plan_undo, plan_writes, read_seed, write_all
-from ur.robot.image.seed import Wish, hide_secrets, make_seed, present_password
+from ur.robot.image.seed import Wish, hide_secrets, make_seed, present_host_key, present_password, takes_host_key
 from ur.robot.image.volume import run_tool
 from ur.robot.record import Record, records_folder, render_record
 from ur.robot.setup.change import Change, show_difference
+from ur.robot.ssh.host_key import HostKey
 from ur.source.diagnostic import UserError, error
+from ur.source.replace import replace_file
 
 
 @click.group("image", invoke_without_command=True)
@@ -38,12 +43,12 @@ def command(context: click.Context) -> None:
 @click.argument("image", metavar="IMAGE|DEVICE")
 @click.option("--output", help="Write the prepared image here, and leave IMAGE as it is; needed for compressed ones.")
 @click.option("--name", help="The robot's name; it will answer to NAME.local.")
-@click.option("--base", help="What base it is.")
-@click.option("--variant", help="Which variant of the base.")
-@click.option("--user", help="Who logs in.  [default: ros]")
+@click.option("--base", help="The base of the robot.")
+@click.option("--variant", help="The variant of the base.")
+@click.option("--user", help="The user that is created.  [default: ros]")
 @click.option("--key", help="The public key that may log in.  [default: ~/.ssh/id_ed25519.pub]")
 @click.option("--ssid", help="The WiFi network it joins; without one, it needs a cable.")
-@click.option("--country", help="Where it is, as two letters: what the radio may do depends on it.")
+@click.option("--country", help="The country, as two letters: the permitted WiFi channels depend on it.")
 @click.option("--wifi-interface", default="wlan0", show_default=True, help="The radio's name there.")
 @click.option("--timezone", help="For instance Europe/Berlin.  [default: the image's]")
 @click.option("--locale", help="For instance en_GB.UTF-8.  [default: the image's]")
@@ -55,7 +60,7 @@ def command(context: click.Context) -> None:
     help="Read the user's password and that of the WiFi, a line each, from this file descriptor.",
 )
 @click.option("--dry-run", is_flag=True, help="Show what would be written, and write nothing.")
-@click.option("--undo", is_flag=True, help="Take the seed away again: the image's own files come back.")
+@click.option("--undo", is_flag=True, help="Remove the seed and restore the image's own files.")
 @click.option("--yes", is_flag=True, help="Do not ask before writing to a device.")
 def prepare(
     image: str,
@@ -103,8 +108,12 @@ def prepare(
             present = read_seed(layout)
             wish = make_wish(each)
             passwords = passwords or read_passwords(wish, passwords_from)
-            old = present_password([(text or b"").decode(errors="replace") for text in present.values()])
-            wish = add_passwords(wish, passwords, old)
+            texts = [(text or b"").decode(errors="replace") for text in present.values()]
+            wish = add_passwords(wish, passwords, present_password(texts))
+            if takes_host_key(layout):
+                wish = replace(
+                    wish, host_key=present_host_key(texts, wish.robot.name) or make_host_key(wish.robot.name)
+                )
             writes = plan_writes(layout, present, make_seed(wish, layout))
             if dry_run:
                 _show(writes)
@@ -112,7 +121,8 @@ def prepare(
                 _say(f"nothing to do: it is prepared for {wish.robot.name}")
             else:
                 _confirm(device, writes, yes=yes)
-                commit(writes)
+                with show_progress(f"writing {target or image}"):
+                    commit(writes)
                 _say(f"{target or image}: prepared for {wish.robot.name}")
         if not dry_run:
             _remember(wish)
@@ -130,7 +140,8 @@ def _take_back(source: Path, *, dry_run: bool, yes: bool) -> int:
             _show(writes)
         else:
             _confirm(device, writes, yes=yes)
-            commit(writes)
+            with show_progress(f"writing {source}"):
+                commit(writes)
             _say("taken back")
     return 0
 
@@ -167,7 +178,7 @@ def _opened(source: Path, target: Path | None) -> Iterator[tuple[Path, Commit, D
         )
     if packing:
         assert target is not None
-        with copied_image(source, target, _progress(f"unpacking {source}")) as (beside, finish):
+        with _copied(source, target, f"unpacking {source}") as (beside, finish):
 
             def keep(writes: Sequence[Write]) -> None:
                 write_all(beside, writes)
@@ -180,7 +191,7 @@ def _opened(source: Path, target: Path | None) -> Iterator[tuple[Path, Commit, D
 
 def _write_copy(source: Path, target: Path, writes: Sequence[Write]) -> None:
     target = target.resolve()  # a link stays a link
-    with copied_image(source, target, _progress(f"copying {source}")) as (beside, finish):
+    with _copied(source, target, f"copying {source}") as (beside, finish):
         write_all(beside, writes)
         finish()
 
@@ -191,18 +202,16 @@ def _write_device(path: Path, writes: Sequence[Write]) -> None:
         os.fsync(device.fileno())
 
 
-def _progress(title: str) -> Callable[[int, int], None]:
-    shown = -1
+@contextmanager
+def _copied(source: Path, target: Path, title: str) -> Iterator[tuple[Path, Callable[[], None]]]:
+    with ExitStack() as stack:
+        with show_progress(title) as progress:
 
-    def show(done: int, total: int) -> None:
-        nonlocal shown
-        percent = 100 * done // max(total, 1)
-        if percent != shown and sys.stderr.isatty():
-            shown = percent
-            sys.stderr.write(f"\r\033[K{title}: {percent} %" if percent < 100 else "\r\033[K")
-            sys.stderr.flush()
+            def show(done: int, total: int) -> None:
+                progress(f"{title}: {100 * done // max(total, 1)} %")
 
-    return show
+            copied = stack.enter_context(copied_image(source, target, show))
+        yield copied
 
 
 def _show(writes: Sequence[Write]) -> None:
@@ -240,22 +249,24 @@ def _confirm(device: Device | None, writes: Sequence[Write], *, yes: bool) -> No
 
 def _remember(wish: Wish) -> None:
     record = Record(wish.robot.name, wish.user, wish.robot.base, wish.robot.variant)
-    folder = records_folder(os.environ)
-    path, beside = folder / f"{record.name}.yaml", folder / f".{record.name}.{os.getpid()}"
+    path = records_folder(os.environ) / f"{record.name}.yaml"
     try:
-        folder.mkdir(parents=True, exist_ok=True)
-        beside.write_text(render_record(record), encoding="utf-8")
-        beside.replace(path)
+        replace_file(path, render_record(record), parents=True)
     except OSError as problem:
-        beside.unlink(missing_ok=True)
         reason = (problem.strerror or str(problem)).lower()
         raise UserError(error(f"{path}: cannot be written: {reason}", rule="unwritable-file")) from None
+    if wish.host_key:
+        know_host_key(wish.robot.name, wish.host_key)
 
 
 def _tell(wish: Wish) -> None:
     name = wish.robot.name
     choices = f"--name {name} --base {wish.robot.base}"
     choices += f" --variant {wish.robot.variant}" if wish.robot.variant else ""
+    if wish.host_key:
+        _say(f"its host key is {HostKey(wish.host_key.public).fingerprint}, and known to this computer")
+        _say(f"boot {name} from it, then: ur robot setup {wish.user}@{name}.local {choices}")
+        return
     with suppress(UserError):  # no ssh here
         if run_tool(["ssh-keygen", "-F", f"{name}.local"]).returncode == 0:  # of what had this name before
             choices += " --new-host-key"

@@ -45,7 +45,7 @@ def launch(
             return print_dump(words, dict(os.environ), with_origins=with_origins, no_commands=no_commands)
         return act_on(words, wishes)
     except UserError as problem:
-        return explain_problem(problem)
+        return explain_problem(problem, wishes.report)
 
 
 command = LaunchCommand("launch", callback=launch, params=make_parameters(), help=launch.__doc__)

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import os
+import socket
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
-from ur.cli.environment import apply_selection, current_selection
+from ur.cli.environment import apply_selection, current_selection, environment_changes
 from ur.cli.launch_wishes import Wishes, choose_query
 from ur.robot.selection import Selection
-from ur.source.diagnostic import UserError
+from ur.source.diagnostic import Diagnostic, Severity, UserError
 
 # What optparse finds wrong ends roslaunch with 2, everything later with 1.
 _WRONG_WORDS = frozenset({"bad-argument", "bad-options", "refused-option"})
@@ -25,21 +26,31 @@ def act_on(words: Sequence[str], wishes: Wishes) -> int:
 
         return answer(words, selection, query, shell)
     apply_selection(selection)
-    if not selection.simulated and os.environ["ROS_MASTER_URI"] != selection.master_uri:
-        uri = os.environ["ROS_MASTER_URI"]
-        wishes.say("warning", f"ROS_MASTER_URI={uri} was set by hand: {selection} is not used")
     return _dry_run(words, selection, wishes, shell) if query is not None else _start(words, selection, wishes)
 
 
 def _know_base(words: Sequence[str], wishes: Wishes) -> Selection:
     from ur.cli.robot_facts import know_base
 
-    selected = current_selection(os.environ)
+    selected = _follow_master(current_selection(os.environ), wishes)
     known = know_base(selected, os.environ)
     if selected.base not in ("", known.base) and not any(word.startswith("robot_base:=") for word in words):
         message = f"the robot that runs already is a {known.base}: the selection {selected} is not used"
         wishes.say("warning", message)
     return known
+
+
+def _follow_master(selected: Selection, wishes: Wishes) -> Selection:
+    """The selection, or the robot of a ROS_MASTER_URI that a person has set. Raises UserError."""
+    if selected.simulated:
+        return selected
+    from ur.robot.master_choice import follow_master
+
+    uri = environment_changes(selected, os.environ).get("ROS_MASTER_URI", os.environ.get("ROS_MASTER_URI", ""))
+    robot = follow_master(selected, uri, socket.gethostname())
+    if robot.robot != selected.robot:
+        wishes.say("warning", f"ROS_MASTER_URI={uri} was set by hand: using {robot} with that master, not {selected}")
+    return robot
 
 
 def _dry_run(words: Sequence[str], selection: Selection, wishes: Wishes, shell: dict[str, str]) -> int:
@@ -63,9 +74,31 @@ def _start(words: Sequence[str], selection: Selection, wishes: Wishes) -> int:
     )
 
 
-def explain_problem(problem: UserError) -> int:
-    """Show what is wrong with what a person gave; returns the exit code."""
-    from ur.source.render import render_human
+def explain_problem(problem: UserError, report: str | None = None) -> int:
+    """Show what is wrong with what a person gave, and write it to `report` too; returns the exit code."""
+    from ur.source.render import render_human, shows_colour
 
-    sys.stderr.write(render_human(problem.diagnostics, colour=sys.stderr.isatty()))
+    if report is not None:
+        write_report(problem.diagnostics, report)
+    sys.stderr.write(render_human(problem.diagnostics, colour=shows_colour(sys.stderr)))
     return 2 if any(each.rule in _WRONG_WORDS for each in problem.diagnostics) else 1
+
+
+def write_report(diagnostics: Iterable[Diagnostic], path: str) -> None:
+    """Write errors to a file, for the laptop that has asked for this run."""
+    import json
+    from contextlib import suppress
+    from pathlib import Path
+
+    errors = [each for each in diagnostics if each.severity is Severity.ERROR]
+    fields = [
+        {
+            "message": each.message,
+            "help": each.help or "",
+            "rule": each.rule,
+            "place": str(each.span) if each.span else "",
+        }
+        for each in errors
+    ]
+    with suppress(OSError):
+        Path(path).write_text(json.dumps(fields), encoding="utf-8")

@@ -56,17 +56,20 @@ def make_parameters() -> list[click.Parameter]:
             help="Start this node under a debugger: pudb, gdb or debugpy; may be repeated.",
         ),
         flag("--local", help="Leave nodes for other computers out."),
-        # How the laptop starts what belongs to the robot: see ur.run.part_side. NAME is this computer's there.
+        # How the laptop starts what belongs to the robot: see ur.run.remote.share. NAME is this computer's there.
         click.Option(["--part"], hidden=True, metavar="NAME"),
         click.Option(["--runs-already"], hidden=True, multiple=True, metavar="NODE"),
+        click.Option(["--report"], hidden=True, metavar="FILE"),
+        *make_lease_options(),
+        flag("--replace", help="End nodes of other runs that have the same names, as roslaunch does."),
         flag("--core", help="Start only a master and rosout, as roscore does."),
-        flag("-v", "verbose", help="Say which files, parameters and nodes there are before they are started."),
+        flag("-v", "verbose", help="List files, parameters and nodes before the start."),
         flag("--detach", help="Start it, and let it run on without this terminal: ur ps, attach, logs, stop."),
         flag("--plain", "--no-ui", help="Print lines, as roslaunch does, also on a terminal."),
-        flag("--calm", help="Show one line that says how the run stands, and what goes wrong."),
+        flag("--calm", help="Show one line with the state of the run, and warnings and errors."),
         flag("--json", help="Print everything that happens as lines of JSON."),
         flag("--wait", help="Wait for a master instead of starting one; with --detach: until every node is up."),
-        flag("--timings", help="Say what the start spent its time on, once every node is up."),
+        flag("--timings", help="Print how long each step of the start took, once every node is up."),
         click.Option(
             ["--timeout-ready"],
             type=_SECONDS,
@@ -77,7 +80,7 @@ def make_parameters() -> list[click.Parameter]:
         click.Option(
             ["--respawn-limit"],
             type=click.IntRange(0),
-            help="Give a respawning node up after so many quick deaths (default 10); 0: never, as roslaunch.",
+            help="Stop respawning a node after so many quick exits (default 10); 0: never, as roslaunch.",
         ),
         click.Option(["-p", "--port"], type=click.IntRange(1, 65535), help="Port of the master that is started."),
         click.Option(["-w", "--numworkers"], type=click.IntRange(1), help="Threads of the master that is started."),
@@ -85,7 +88,7 @@ def make_parameters() -> list[click.Parameter]:
         click.Option(
             ["--master-logger-level"],
             type=click.Choice(["debug", "info", "warn", "error", "fatal"]),
-            help="What the master that is started logs.",
+            help="The log level of the master that is started.",
         ),
         click.Option(["--pid"], metavar="FILE", help="Write the process id to a file while it runs."),
         click.Option(["--sigint-timeout"], type=_SECONDS, help="Seconds from SIGINT to SIGTERM at the end."),
@@ -97,7 +100,7 @@ def make_parameters() -> list[click.Parameter]:
         flag("--dump-params", help="Print the parameters as YAML."),
         flag("--ros-args", help="Print the arguments of the launch file."),
         flag("--dry-run", help="Print what would be started: command, environment and machine of every node."),
-        click.Option(["--dump"], type=click.Choice(["json"]), help="Print all that the launch file means."),
+        click.Option(["--dump"], type=click.Choice(["json"]), help="Print the complete plan of the launch file."),
         flag("--with-origins", help="With --dump: where everything comes from."),
         flag("--no-commands", help="With --dump: do not run the programs of <param command>; refuse them."),
         *(flag(name, hidden=True, expose_value=False) for name in _NOTHING_TO_DO),
@@ -107,6 +110,17 @@ def make_parameters() -> list[click.Parameter]:
         ),
         click.Argument(["words"], nargs=-1, required=False, metavar="[PACKAGE] FILE [ARG:=VALUE]..."),
     ]
+
+
+def make_lease_options() -> list[click.Option]:
+    """The options that say how to begin where somebody else drives the robot; `ur run` hands them on."""
+    texts = {
+        "--watch": "If somebody else drives the robot, watch.",
+        "--ask": "If somebody else drives the robot, ask to drive.",
+        "--take-over": "If somebody else drives the robot, take over.",
+        "--unattended": "Let the robot go on with its goal while this computer cannot be reached.",
+    }
+    return [click.Option([name], is_flag=True, help=text) for name, text in texts.items()]
 
 
 def check_seconds(wishes: Wishes) -> None:
@@ -151,6 +165,10 @@ def check_wishes(words: Sequence[str], wishes: Wishes) -> None:
         raise UserError(error("'-' is standard input, expected it once", rule="bad-options"))
     if wishes.screen and wishes.log:
         raise UserError(error("--screen and --log exclude each other, expected one", rule="bad-options"))
+    modes = [name for name in ("watch", "ask", "take_over") if getattr(wishes, name)]
+    if len(modes) > 1:
+        text = " and ".join(f"--{name.replace('_', '-')}" for name in modes)
+        raise UserError(error(f"{text} exclude each other, expected one", rule="bad-options"))
     if wishes.detach and wishes.json:
         help_ = "'ur attach --json' prints the events of a run that is detached"
         raise UserError(error("--detach and --json exclude each other", rule="bad-options", help=help_))

@@ -15,6 +15,7 @@ from ur.source.diagnostic import Diagnostic, Severity, UserError, error
 if TYPE_CHECKING:
     from ur.cli.plan_files import Loaded
     from ur.launchfile.plan.model import Plan
+    from ur.launchfile.world.protocol import World
     from ur.run.console import Console
     from ur.run.detach import LetGo
     from ur.run.events import Severity as EventSeverity
@@ -88,22 +89,39 @@ def run_launch(words: Sequence[str], selection: Selection, wishes: Wishes, let_g
     host = start_host()  # its start overlaps with the reading of the launch file
     stack = ExitStack()
     try:
-        from ur.cli.preparation import prepare
+        from ur.cli.joining import Joined, join
+        from ur.cli.running import begin_launch
         from ur.run.launch import run_plan
 
+        lock, words = begin_launch(words, wishes, stack)
         loaded = load_wanted(words, selection, wishes)
         plan, world = loaded.plan, loaded.world
         if plan is None:
+            _report(loaded.findings, wishes)
             return 1
         if wishes.core:
             _refuse_second_master()
-        prepare(plan, world)
+        world = _prepare(loaded.files, plan, world, wishes)
+        restart_share = None
+        client = os.urandom(8).hex()
+        joined = Joined(plan, {})
+        if wishes.part is None:
+            found = join(loaded, words, selection, wishes, client)
+            if found is None:
+                return 0
+            joined = found
+            plan = joined.plan
+            if not selection.simulated:
+                from ur.run.remote.own_clients import clients_folder, hold_client
+
+                stack.enter_context(hold_client(client, clients_folder(os.environ, os.getuid())))
         if loaded.robot and any(node.machine == loaded.robot for node in plan.nodes):
             from ur.cli.on_robot import start_there  # ssh, and what comes with it: only where it is needed
 
-            part = stack.enter_context(start_there(replace(loaded, plan=plan), words, wishes))
-            plan = part.here
+            part = stack.enter_context(start_there(replace(loaded, plan=plan), words, wishes, client))
+            plan, restart_share = part.here, part.again.start
             if not plan.nodes:
+                lock.release()
                 return part.follow()
         if wishes.debug:
             from ur.cli import debugging
@@ -116,6 +134,13 @@ def run_launch(words: Sequence[str], selection: Selection, wishes: Wishes, let_g
             console = _make_console(viewer)
             try:
                 options = _options(words, selection, wishes, console, let_go)
+                options = replace(
+                    options,
+                    environment=joined.environment,
+                    restart_share=restart_share,
+                    owners=joined.owners,
+                    call_registered=lock.release,
+                )
                 if viewer is not None:
                     options = replace(options, viewer=viewer.link)
                 return run_plan(plan, world, host, console, options)
@@ -124,6 +149,27 @@ def run_launch(words: Sequence[str], selection: Selection, wishes: Wishes, let_g
     finally:
         host.close()
         stack.close()
+
+
+def _prepare(files: Sequence[str], plan: Plan, world: World, wishes: Wishes) -> World:
+    """Install what the plan needs, and return a world that knows it. Raises UserError."""
+    from ur.cli.preparation import prepare
+    from ur.run.placement import check_display, is_view
+
+    if wishes.part is None:
+        check_display(files, plan.nodes, world.environment)
+    if not prepare(plan, world, view=is_view(files)):
+        return world
+    from ur.launchfile.world.system import SystemWorld
+
+    return SystemWorld(world.environment)
+
+
+def _report(findings: Sequence[Diagnostic], wishes: Wishes) -> None:
+    if wishes.report is not None:
+        from ur.cli.launch_act import write_report
+
+        write_report(findings, wishes.report)
 
 
 def _refuse_second_master() -> None:

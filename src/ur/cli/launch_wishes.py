@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from ur.run.events import Severity
+    from ur.run.remote.lease import Mode
 
 Query = tuple[str, str | None]
 _PRECEDENCE = (
@@ -54,8 +55,19 @@ class Wishes:
     timeout_ready: float = 30.0
     respawn_limit: int | None = None
     timings: bool = False
+    watch: bool = False  # these three: how to begin where somebody else drives the robot
+    ask: bool = False
+    take_over: bool = False
+    unattended: bool = False
+    replace: bool = False
+    report: str | None = None  # a file for what goes wrong before it runs, as JSON
     queries: Sequence[Query] = field(default=())
     notes: list[tuple[Severity, str]] = field(default_factory=list)  # what was said so far, for the interface's log
+
+    @property
+    def mode(self) -> Mode:
+        """The conduct that the options ask for where another client drives the robot."""
+        return "watch" if self.watch else "ask" if self.ask else "take" if self.take_over else "drive"
 
     def say(self, severity: Severity, text: str) -> None:
         """Tell people something before anything starts."""

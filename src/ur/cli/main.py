@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import errno
 import os
+import shlex
 import sys
 from collections.abc import Sequence
 from importlib import import_module
@@ -10,7 +12,8 @@ from importlib import import_module
 import click
 
 from ur.source.diagnostic import UserError
-from ur.source.render import render_human
+from ur.source.printable import OutputLost, guard_output, printable
+from ur.source.render import render_human, shows_colour
 from ur.source.suggest import did_you_mean
 
 HELP = "Finds, selects and drives small ROS robots, simulated or real, and starts launch files."
@@ -28,29 +31,29 @@ VERBS = {
     "wait": ("ur.cli.wait", "Return when every node of a run is up."),
     "stop": ("ur.cli.stop", "End a run, or one of its nodes."),
     "check": ("ur.cli.check", "Check launch files, YAML files and programs."),
-    "new": ("ur.cli.new", "Write a new node, group, view, program, base or package."),
+    "new": ("ur.cli.new", "Write a new node, group, view, program, base, package or world."),
     "package": ("ur.cli.package", "Check package.xml and CMakeLists.txt of launch files."),
-    "format": ("ur.cli.format", "Put launch files in house order and layout."),
+    "format": ("ur.cli.format", "Put launch files into a standard order and layout."),
     "find": ("ur.cli.find", "Find where a name in launch files is defined and used."),
     "docs": ("ur.cli.docs", "Write documents of launch files: one page, or a web site."),
     "graph": ("ur.cli.graph", "Draw what a launch file includes and starts, or what runs."),
-    "explain": ("ur.cli.explain", "Say where a name in a launch file got its value."),
+    "explain": ("ur.cli.explain", "Explain where a name in a launch file got its value."),
     "use": ("ur.cli.use", "Select a robot, or show which one is selected."),
     "setup": ("ur.cli.setup", "Set this computer up: shells, keys, workspace, names."),
     "robots": ("ur.cli.robots", "List the robots on the network, and those known but away."),
     "shell": ("ur.cli.shell", "Open a shell on a robot, or run one command there."),
     "x": ("ur.cli.x", "Run a program on a robot with its windows here."),
-    "sync": ("ur.cli.sync", "Bring the workspaces here and on a robot in step."),
+    "sync": ("ur.cli.sync", "Synchronise the workspaces of this computer and a robot."),
     "build": ("ur.cli.build", "Build the catkin workspace here or on a robot."),
     "mount": ("ur.cli.mount", "Mount a folder of a robot here."),
-    "unmount": ("ur.cli.unmount", "Take the mounted folders of a robot away again."),
+    "unmount": ("ur.cli.unmount", "Unmount the folders of a robot."),
     "doctor": ("ur.cli.doctor", "Find what is wrong between this computer and a robot."),
-    "wifi": ("ur.cli.wifi", "Measure the way to a robot: signal of both, latency, loss."),
+    "wifi": ("ur.cli.wifi", "Measure the connection to a robot: signal of both, latency, loss."),
     "robot": ("ur.cli.robot", "Set robots up and change them, over the network."),
     "image": ("ur.cli.image", "Prepare images for the first boot of robots."),
     "boot": ("ur.cli.boot", "Choose what a robot starts when it boots."),
-    "completion": ("ur.cli.completion", "Print what makes a shell complete `ur` with Tab."),
-    "env": ("ur.cli.env", "Print what makes a shell follow the selection."),
+    "completion": ("ur.cli.completion", "Print the lines that let a shell complete `ur` with Tab."),
+    "env": ("ur.cli.env", "Print the lines that let a shell follow the selection."),
 }
 
 
@@ -76,23 +79,29 @@ def load_verb(name: str) -> click.Command:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run `ur` with its arguments (default: of this process) and return the exit code. Raises nothing."""
     words = list(sys.argv[1:] if arguments is None else arguments)
+    open_closed_streams()
+    os.umask(os.umask(0o077) | 0o002)  # as in ur.__main__, for the console script
+    with guard_output():
+        return _run(words)
+
+
+def _run(words: list[str]) -> int:
     try:
-        return _dispatch(words)
+        code = _dispatch(words)
+        sys.stdout.flush()
+        return code
     except click.UsageError as problem:
-        return _explain(problem)
+        return _explain(problem, words)
     except click.ClickException as problem:
         _say(f"error: {problem.format_message()}")
         return 2
     except UserError as problem:
-        sys.stderr.write(render_human(problem.diagnostics, colour=sys.stderr.isatty()))
+        sys.stderr.write(render_human(problem.diagnostics, colour=shows_colour(sys.stderr)))
         return 2
     except (KeyboardInterrupt, click.Abort):
         return 130
-    except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # Python flushes standard output once more when it ends
-        return 141
     except Exception as problem:
-        return report_defect(problem, words)
+        return explain_exception(problem, words)
 
 
 def _dispatch(words: list[str]) -> int:
@@ -108,7 +117,7 @@ def _dispatch(words: list[str]) -> int:
         return 0
     group = VerbGroup("ur", params=[_version_option()], help=HELP)
     try:
-        with group.make_context("ur", words) as context:
+        with group.make_context("ur", words, color=None if shows_colour(sys.stdout) else False) as context:
             result = group.invoke(context)
     except click.exceptions.Exit as end:
         return end.exit_code
@@ -116,7 +125,7 @@ def _dispatch(words: list[str]) -> int:
 
 
 def _wants_help(words: list[str]) -> bool:
-    # `ur run PROGRAM --help` is about the program.
+    # What follows a program or a command of another computer is its own.
     end = 2 if words[0] == "run" else len(words)
     return any(word in ("--help", "-h") for word in words[1:end])
 
@@ -134,26 +143,126 @@ def _version_option() -> click.Option:
     )
 
 
-def _explain(problem: click.UsageError) -> int:
+def _explain(problem: click.UsageError, words: Sequence[str]) -> int:
     """One line for a wrong command line, one more that helps."""
     verb = problem.ctx.command.name if problem.ctx is not None and problem.ctx.parent is not None else None
     where = problem.ctx.command_path if verb and problem.ctx else "ur"
+    if problem.ctx is None and words[0] in VERBS:  # click does not say where an option lacks its value
+        where = f"ur {words[0]}"
     message = problem.format_message().rstrip(".")
     help_line = f"'{where} --help' shows what there is"
-    if isinstance(problem, click.NoSuchOption):
+    if isinstance(problem, click.BadParameter) and (wanted := _describe_number(problem.param)):
+        assert problem.param is not None
+        given = problem.message.partition(" is not ")[0].strip("'")
+        option = max(problem.param.opts, key=len)
+        message = f"{where}: {given!r} is not a value of {option}, expected {wanted}"
+    elif isinstance(problem, click.NoSuchOption):
         message = f"{problem.option_name} is not an option of '{where}'"
         names = [name for param in problem.ctx.command.params for name in param.opts] if problem.ctx else []
         near = did_you_mean(problem.option_name, names)
         help_line = f"did you mean {near!r}?" if near else help_line
     elif verb is None and message.startswith("No such command"):
         word = message.split("'")[1]
-        near = did_you_mean(word, VERBS)
-        message = f"{word!r} is not a verb of ur, expected one of {', '.join(VERBS)}"
-        help_line = f"did you mean 'ur {near}'?" if near else help_line
+        message = f"unknown command {word!r}"
+        help_line = _suggest_command(word) or "'ur --help' lists the commands"
+    elif problem.ctx is not None and message.startswith("No such command"):
+        word = message.split("'")[1]
+        near = did_you_mean(word, getattr(problem.ctx.command, "commands", ()))
+        message = f"unknown command {f'{where} {word}'!r}"
+        help_line = f"did you mean '{where} {near}'?" if near else f"'{where} --help' lists the commands"
     else:
         message = f"{where}: {message[:1].lower()}{message[1:]}"
+        if where == "ur run" and isinstance(problem, click.MissingParameter):
+            help_line = "'ur list' lists the programs"
     _say(f"error: {message}\n  help: {help_line}")
     return 2
+
+
+def _suggest_command(word: str) -> str | None:
+    # A launch file or a program alone: the verb was left out.
+    if word.endswith((".launch", ".launch.xml")):
+        return f"start a launch file: ur launch {word}"
+    from ur.cli.environment import PACKAGE, know_own_package
+    from ur.cli.programs import index_programs
+
+    programs = {program.name for program in index_programs(PACKAGE, know_own_package(os.environ)).programs}
+    near = did_you_mean(word, VERBS) if word not in programs else None
+    if near:
+        return f"did you mean 'ur {near}'?"
+    near = did_you_mean(word, programs)
+    return f"did you mean 'ur run {near}'?" if near else None
+
+
+def _describe_number(param: click.Parameter | None) -> str:
+    """The numbers that an option takes: 'a whole number from 1 to 65535'; '' for one that takes something else."""
+    kind = param.type if param is not None else None
+    if not isinstance(kind, click.types.IntParamType | click.types.FloatParamType):
+        return ""
+    text = "a whole number" if isinstance(kind, click.types.IntParamType) else "a number"
+    least, most = (
+        None if bound is None else f"{bound:f}".rstrip("0").rstrip(".") if bound % 1 else f"{bound:.0f}"
+        for bound in (getattr(kind, "min", None), getattr(kind, "max", None))
+    )
+    is_open = getattr(kind, "min_open", False)
+    if least is None:
+        return text if most is None else f"{text} up to {most}"
+    if most is None:
+        return f"{text} above {least}" if is_open else f"{text} from {least} up"
+    return f"{text} above {least}, up to {most}" if is_open else f"{text} from {least} to {most}"
+
+
+def open_closed_streams() -> None:
+    """Put something in place of standard output and error that are closed: else files that are opened take it."""
+    for number, name, flags in ((1, "stdout", os.O_RDONLY), (2, "stderr", os.O_WRONLY)):
+        if getattr(sys, name) is None:
+            opened = os.open(os.devnull, flags)
+            if opened != number:
+                os.dup2(opened, number)
+                os.close(opened)
+            # What is written to standard output is refused, as on a full disk; nobody could be told of errors.
+            setattr(sys, name, os.fdopen(number, "w", encoding="utf-8", closefd=False))
+
+
+_REFUSALS = {  # of the system, which are no defect of this program
+    errno.EACCES: "list the permissions of all folders above it: namei -l {}",
+    errno.EPERM: "list the permissions of all folders above it: namei -l {}",
+    errno.ENAMETOOLONG: "choose a shorter name",
+    errno.EROFS: "choose a folder of a file system that can be written",
+    errno.ENOSPC: "make room on the disk (df -h), then run this again",
+    errno.EDQUOT: "make room below your quota, then run this again",
+}
+
+
+def explain_exception(problem: Exception, words: list[str]) -> int:
+    """Say in one line that output, the current folder or a file cannot be used; anything else is a defect.
+
+    Returns the exit code.
+    """
+    if isinstance(problem, OutputLost):
+        if isinstance(problem.reason, BrokenPipeError):
+            return 141
+        reason = (problem.reason.strerror or str(problem.reason)).lower()
+        _say(f"error: standard output cannot be written: {reason}")
+        _say("  help: is the disk full, or standard output closed? then run this again")
+        return 2
+    if isinstance(problem, OSError) and not _has_folder():
+        _say("error: the current folder does not exist any more, expected one to work in")
+        _say("  help: cd to another folder, then run this again")
+        return 2
+    if isinstance(problem, OSError) and problem.errno in _REFUSALS and isinstance(problem.filename, (str, bytes)):
+        name = printable(os.fsdecode(problem.filename))
+        _say(f"error: '{name}' cannot be used: {(problem.strerror or str(problem)).lower()}")
+        _say(f"  help: {_REFUSALS[problem.errno].format(shlex.quote(name))}")
+        return 2
+    return report_defect(problem, words)
+
+
+def _has_folder() -> bool:
+    try:
+        os.getcwd()  # noqa: PTH109 - asks the system, and nothing else
+    except OSError:
+        return False
+    return True
 
 
 def report_defect(problem: Exception, words: list[str]) -> int:
@@ -162,9 +271,10 @@ def report_defect(problem: Exception, words: list[str]) -> int:
 
     path = write_defect(problem, words, os.environ)
     _say(
-        f"error: 'ur {' '.join(words)}' failed for a reason that is a defect of ur: {type(problem).__name__}: {problem}"
+        f"error: internal error in 'ur {printable(' '.join(words))}': "
+        f"{type(problem).__name__}: {printable(str(problem))}"
     )
-    _say(f"  help: please report it together with {path}" if path else "  help: please report it")
+    _say(f"  help: please report it with the file {path}" if path else "  help: please report it")
     return 2
 
 

@@ -6,6 +6,7 @@ import click
 
 from ur.cli.new_parts import SUMMARY, in_package, show_done
 from ur.cli.new_things import ask, base_request, find_parts, know_person, node_request, urdf_files
+from ur.cli.new_world import new_world
 
 _NAME = r"[a-z][a-z0-9_]*"
 
@@ -21,13 +22,28 @@ def _check_name(_context: click.Context, _parameter: click.Parameter, value: str
 _name = click.argument("name", required=False, callback=_check_name)
 
 
-@click.group("new")
-def command() -> None:
-    """Write a new node, group, view, program, base or package.
+@click.group("new", invoke_without_command=True)
+@click.pass_context
+def command(context: click.Context) -> int:
+    """Write a new node, group, view, program, base, package or world.
 
     Asks for what is not given; without a terminal everything has to be given. Nothing is ever overwritten. What is
     written passes `ur check` and appears in `ur docs`.
     """
+    if context.invoked_subcommand is None:
+        click.echo(_list_kinds(), err=True, nl=False)
+        return 2
+    return 0
+
+
+def _list_kinds() -> str:
+    """List what can be made: the first example of each, as the help pages have it."""
+    from ur.cli.help_pages import PAGES
+
+    lines = ["error: 'ur new' needs to know what to write, expected one of:"]
+    for name, kind in command.commands.items():
+        lines += [f"  {name}: {kind.get_short_help_str(limit=200)}", f"    {PAGES[f'new {name}'].examples[0][0]}"]
+    return "\n".join([*lines, "  help: 'ur help new node' describes the options of one", ""])
 
 
 @command.command("node")
@@ -36,8 +52,8 @@ def command() -> None:
 @in_package
 @click.option("--from-package", "source", metavar="PKG", help="The package that holds the node's executable.")
 @click.option("--type", "kind", metavar="NODE", help="The name of the executable.")
-@click.option("--look/--no-look", default=True, help="Start the node and look at its topics, services and parameters.")
-@click.option("--seconds", default=20.0, show_default=True, help="How long to look at most.")
+@click.option("--look/--no-look", default=True, help="Start the node and observe its topics, services and parameters.")
+@click.option("--seconds", default=20.0, show_default=True, help="The longest time to observe the node, in s.")
 @click.option("--per-base", is_flag=True, help="One parameter file for each base of the package.")
 @click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metavar="[-- ARGUMENTS OF THE NODE]")
 def new_node(
@@ -86,7 +102,7 @@ def new_multi(
 @_name
 @SUMMARY
 @in_package
-@click.option("--frame", default="odom", show_default=True, help="The frame that stands still.")
+@click.option("--frame", default="odom", show_default=True, help="The fixed frame.")
 @click.option("--topic", "topics", multiple=True, metavar="NAME:TYPE", help="scan:sensor_msgs/LaserScan; repeatable.")
 @click.option("--program/--no-program", default=True, help="With a program that starts it, bin/ur_rviz_NAME.")
 def new_rviz(
@@ -118,7 +134,7 @@ def new_program(name: str | None, summary: str | None, package: str | None, laun
     name = ask(name, "NAME", "Name of the program, without ur_")
     summary = ask(summary, "--summary", "What it is for, in one line")
     launch = ask(launch, "--launch", "Launch file that it starts", f"m_{name}.launch.xml")
-    return show_done(target, plan_program(name, summary, "", target.name, launch), f"{target.folder}/bin/ur_{name}")
+    return show_done(target, plan_program(name, summary, "", target.name, launch), f"ur run {name}")
 
 
 @command.command("base")
@@ -172,3 +188,6 @@ def new_package(
     email = ask(email, "--email", "Their address", known[1])
     target = show_done.folder(name)
     return show_done(target, plan_package(name, summary, maintainer, email, license_name), f"cd {name} && ur new node")
+
+
+command.add_command(new_world)

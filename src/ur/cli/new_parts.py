@@ -60,11 +60,12 @@ show_done = _Done()
 def find_target(word: str | None) -> Target:
     """The package of a name or folder, or the one around the current folder. Raises UserError."""
     if word is not None and not Path(word).is_dir():
+        from ur.cli.environment import know_own_package
         from ur.launchfile.world.protocol import PackageNotFound
         from ur.launchfile.world.system import SystemWorld
 
         try:
-            return Target(word, Path(SystemWorld(os.environ).find_package(word)))
+            return Target(word, Path(SystemWorld(know_own_package(os.environ)).find_package(word)))
         except PackageNotFound:
             message = f"{word} is neither a folder nor a package, expected one of them"
             raise UserError(error(message, rule="unknown-package", help="ur new package makes one")) from None

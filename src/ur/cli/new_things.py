@@ -8,7 +8,7 @@ import re
 import subprocess
 import sys
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Sized
 from pathlib import Path
 
 import click
@@ -54,15 +54,25 @@ def node_request(
     observed = Observed()
     program = find_program(package, kind)
     if seconds is not None:
+        from ur.cli.progress import show_progress
         from ur.new.observe import observe_node
 
-        observed = observe_node([program, *arguments], os.environ, seconds, lambda text: click.echo(text, err=True))
-        click.echo(
-            f"seen: {len(observed.topics)} topics, {len(observed.services)} services, "
-            f"{len(observed.parameters)} parameters",
-            err=True,
-        )
+        with show_progress(f"waiting for {kind} to register its topics and services"):
+            observed = observe_node([program, *arguments], os.environ, seconds, lambda text: click.echo(text, err=True))
+        click.echo(describe_observed(observed), err=True)
     return NodeRequest(name, package, kind, summary, "", observed, per_base, list_bases(target.folder))
+
+
+def describe_observed(observed: Observed) -> str:
+    """Say how much was seen of a node: 'seen: 2 topics, 1 service, 1 parameter'."""
+    return (
+        f"seen: {_count(observed.topics, 'topic')}, {_count(observed.services, 'service')}, "
+        f"{_count(observed.parameters, 'parameter')}"
+    )
+
+
+def _count(things: Sized, noun: str) -> str:
+    return f"{len(things)} {noun}{'' if len(things) == 1 else 's'}"
 
 
 def find_program(package: str, kind: str) -> str:

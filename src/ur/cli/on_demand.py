@@ -6,19 +6,17 @@ import fcntl
 import importlib
 import subprocess
 import sys
-import threading
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TextIO
 
 from ur.cli.environment import REPOSITORY
+from ur.cli.progress import show_progress
 from ur.source.diagnostic import UserError, error
 
-_WIDTH = 78
-_PERIOD = 0.3  # s between lines of progress
+_PROBLEM = ("ERROR", "E: ")  # of pip, of apt-get
 
 
 def need(module: str, lock: str) -> None:
@@ -42,7 +40,8 @@ def need_all(
         if missing:
             path = folder / "requirements" / lock
             sys.stderr.write(f"installing {title}, once ...\n")
-            _install([*(pip or (sys.executable, "-m", "pip")), *_words(path)], " and ".join(missing))
+            command = [*(pip or (sys.executable, "-I", "-m", "pip")), *_words(path)]
+            run_installer(command, " and ".join(missing), "pip's settings (pip config list)")
             importlib.invalidate_caches()
 
 
@@ -53,56 +52,38 @@ def _words(path: Path) -> list[str]:
     ]
 
 
-def _install(command: Sequence[str], missing: str) -> None:
+def run_installer(command: Sequence[str], missing: str, settings: str) -> None:
+    """Run pip or apt-get, with its progress on a terminal. Raises UserError when it fails.
+
+    `missing` is what it installs; `settings`, where people find out why that failed.
+    """
+    help_ = f"check the network and {settings}, then run this again"
     began = time.monotonic()
     try:
         process = subprocess.Popen(
             command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
         )
     except OSError as problem:
-        raise _failure(missing, str(problem)) from None
+        raise _failure(missing, str(problem), help_) from None
     said: list[str] = []
     assert process.stdout is not None
-    with process, _progress(sys.stderr, said, began):
+    with process, show_progress(f"installing {missing}") as progress:
         try:
-            said.extend(filter(None, map(str.strip, process.stdout)))
+            for line in filter(None, map(str.strip, process.stdout)):
+                said.append(line)
+                progress(line)
         except KeyboardInterrupt:
             process.terminate()
             raise
     if process.returncode:
-        problems = [line for line in said if line.startswith("ERROR")]
-        raise _failure(missing, (problems or said or ["pip said nothing"])[-1].removeprefix("ERROR: "))
+        problems = [line for line in said if line.startswith(_PROBLEM)]
+        reason = (problems or said or [f"exit code {process.returncode} of {command[0]}"])[-1]
+        raise _failure(missing, reason.removeprefix("ERROR: ").removeprefix("E: "), help_)
     sys.stderr.write(f"installed in {time.monotonic() - began:.0f} s\n")
 
 
-def _failure(missing: str, reason: str) -> UserError:
-    help_ = "check the network and pip's settings (pip config list), then run this again"
+def _failure(missing: str, reason: str, help_: str) -> UserError:
     return UserError(error(f"{missing} could not be installed: {reason}", rule="no-package", help=help_))
-
-
-@contextmanager
-def _progress(out: TextIO, said: Sequence[str], began: float) -> Iterator[None]:
-    """On a terminal, one line that changes: the time, and what was said last."""
-    if not out.isatty():
-        yield
-        return
-    over = threading.Event()
-
-    def show() -> None:
-        while not over.wait(_PERIOD):
-            line = f"  {time.monotonic() - began:.0f} s: {said[-1] if said else ''}"
-            out.write(f"\r\x1b[K{line[:_WIDTH]}")
-            out.flush()
-
-    thread = threading.Thread(target=show, name="progress", daemon=True)
-    thread.start()
-    try:
-        yield
-    finally:
-        over.set()
-        thread.join()
-        out.write("\r\x1b[K")
-        out.flush()
 
 
 @contextmanager

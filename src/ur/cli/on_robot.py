@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import signal
 import subprocess
@@ -10,36 +9,51 @@ import sys
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import FrameType
 
+from ur.cli.environment import current_selection
 from ur.cli.launch_wishes import Wishes
 from ur.cli.plan_files import Loaded
+from ur.cli.share_again import LinkReporter, ShareAgain, examine_robot
+from ur.cli.share_messages import describe_end, describe_part, explain_problem
 from ur.cli.shell import STRICT, robot_address
 from ur.launchfile.plan.model import Plan
 from ur.launchfile.world.protocol import World
+from ur.robot.record import load_records, records_folder
 from ur.robot.remote_run import ask_part
 from ur.robot.ssh.openssh import Address, connect
 from ur.robot.ssh.shell import quote
+from ur.run.computer import describe_user, read_computer
 from ur.run.machines import take_part
-from ur.run.part_side import END_SECONDS, START_SECONDS, Answer, Request, parse_answer
+from ur.run.remote.names import describe_names, rename_nodes
+from ur.run.remote.own_clients import clients_folder, list_clients
+from ur.run.remote.protocol import Answer, Client, Request, dump, parse_answer
+from ur.run.remote.share import END_SECONDS
+from ur.run.remote.start import START_SECONDS
 from ur.source.diagnostic import UserError, error
 
-AGAIN_SECONDS = 2.0
+AGAIN_SECONDS = 0.5
 MARGIN = 30.0  # s more than what the robot itself waits for: login and network
-_ALIVE = ("-o", "BatchMode=yes", "-o", "ServerAliveInterval=3", "-o", "ServerAliveCountMax=3")
+_ALIVE = ("-o", "BatchMode=yes", "-o", "ServerAliveInterval=1", "-o", "ServerAliveCountMax=3")
+_WITH_US = ("setpriv", "--pdeathsig", "TERM", "--")  # it ends when this process does, killed or not
 
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """A program whose robot's nodes run there. `here` is the rest; `run` is the id of the robot's run, '' for none."""
+    """A program whose robot's nodes run there. `here` is the rest; `run` is the id of the robot's run, '' for none.
+
+    `client` is the id of this run among those that use the robot's.
+    """
 
     here: Plan
     address: Address
     robot: str
     run: str
     detached: bool
+    client: str
+    again: ShareAgain
 
     def follow(self) -> int:
         """Show what the robot's run prints until it ends or we are to end; returns the exit code.
@@ -48,20 +62,40 @@ class Part:
         """
         if self.detached or not self.run:
             return 0
-        with _interrupted_by_signals():
+        with _interrupted_by_signals(), LinkReporter(self.robot, self.address.host, _say) as link:
             try:
-                while (code := self._show()) == 255:
-                    _say(f"{self.robot}: the connection is gone; {self.run} goes on there; trying again")
-                    time.sleep(AGAIN_SECONDS)
-                return code
+                return self._follow(link)
             except KeyboardInterrupt:
                 return 0
 
-    def _show(self) -> int:
-        line = quote("bash", "-lc", f"exec ur attach --plain {quote(self.run)}")
+    def _follow(self, link: LinkReporter) -> int:
+        run, lost = self.run, False
+        while True:
+            code = self._show(run)
+            if code == 255:
+                if not lost:
+                    _say(f"{self.robot}: connection lost; {run} keeps running on the robot; retrying")
+                lost = True
+                link.wait_reachable(AGAIN_SECONDS)
+                continue
+            if not (lost and code and self.again.has_restarted()):
+                return code
+            _say(f"{self.robot} has restarted: its nodes are started again")
+            if problem := self.again.start():
+                _say(f"error: {problem}")
+                return 1
+            if not self.again.run:
+                return 0  # they start with the robot, and are not of this run
+            run, lost = self.again.run, False
+
+    def _show(self, run: str) -> int:
+        # The robot knows by this variable that somebody is still here: see ur.run.remote.signs.
+        line = quote("bash", "-lc", f"UR_CLIENT={quote(self.client)} exec ur attach --plain {quote(run)}")
         sys.stdout.flush()
         process = subprocess.Popen(
-            ["ssh", *STRICT, *_ALIVE, str(self.address), line], stdin=subprocess.DEVNULL, start_new_session=True
+            [*_WITH_US, "ssh", *STRICT, *_ALIVE, "--", str(self.address), line],
+            stdin=subprocess.DEVNULL,
+            start_new_session=True,
         )
         try:
             return process.wait()
@@ -72,16 +106,22 @@ class Part:
 
 
 @contextmanager
-def start_there(loaded: Loaded, words: Sequence[str], wishes: Wishes) -> Iterator[Part]:
-    """Start the robot's nodes on the robot, or find them running; end the robot's run with the context.
+def start_there(loaded: Loaded, words: Sequence[str], wishes: Wishes, client: str) -> Iterator[Part]:
+    """Start the robot's nodes on the robot, or find them running; leave them with the context.
 
-    A run that is detached here and has no node here goes on. Raises UserError: no way to the robot, nothing there that
-    could start nodes, no such launch file there.
+    They end there when no other computer uses them. A run that is detached here and has no node here goes on.
+    `client` is the id of this run. Raises UserError: no way to the robot, nothing there that could start nodes, no such
+    launch file there.
     """
     plan = loaded.plan
     assert plan is not None
+    was_known = loaded.robot in _list_known()
     theirs = [node.full_name for node in plan.nodes if node.machine == loaded.robot]
     address = robot_address(loaded.robot)
+    here = take_part(plan, {node.full_name for node in plan.nodes} - set(theirs))
+    here = replace(here, commands=tuple(each for each in plan.commands if each.command == "dump"))
+    ours = bool(here.nodes) or not wishes.detach
+    names = tuple(node.full_name for node in here.nodes if not _is_anonymous(node.full_name))
     request = Request(
         "begin",
         loaded.robot,
@@ -90,24 +130,55 @@ def start_there(loaded: Loaded, words: Sequence[str], wishes: Wishes) -> Iterato
         tuple(name for name in theirs if not _is_anonymous(name)),
         f"http://{address.host}:11311",
         address.host,
+        describe_client(client, names, detached=not ours),
     )
-    here = take_part(plan, {node.full_name for node in plan.nodes} - set(theirs))
-    here = replace(here, commands=tuple(each for each in plan.commands if each.command == "dump"))
-    ours = bool(here.nodes) or not wishes.detach
     try:
         answer = _ask(address, request, START_SECONDS)
     except KeyboardInterrupt:
-        _end(address, request)  # it may have started
+        _end(address, request, loaded.robot)  # it may have started
         raise
     if answer.problem:
         raise explain_problem(loaded.robot, answer.problem)
     for line in describe_part(loaded.robot, answer, len(theirs)):
         wishes.say("info", line)
+    for line in describe_names(answer.names):
+        wishes.say("info", line)
+    here = rename_nodes(here, answer.names)
+    final = tuple(answer.names.get(name, name) for name in names)
+    request = replace(request, client=describe_client(client, final, detached=not ours))
+    again = _make_again(address, request, words)
     try:
-        yield Part(here, address, loaded.robot, answer.run, wishes.detach)
+        yield Part(here, address, loaded.robot, answer.run, wishes.detach, client, again)
     finally:
-        if answer.run and ours:
-            _end(address, request)
+        again.close()
+        if ours and (answer.run or answer.running):
+            _end(address, request, find_new_name(loaded.robot) if was_known else loaded.robot)
+
+
+def describe_client(client: str, nodes: tuple[str, ...], *, detached: bool) -> Client:
+    """This run as a client of the robot's."""
+    computer = read_computer()
+    name = computer.host.partition(".")[0]
+    return Client(client, name, describe_user(computer, os.getuid()), os.getpid(), nodes, detached)
+
+
+def _make_again(address: Address, request: Request, words: Sequence[str]) -> ShareAgain:
+    """Make the object that starts the robot's run again after a restart of the robot."""
+
+    def begin() -> tuple[str, str]:
+        answer = _ask(address, request, START_SECONDS)
+        if answer.problem:
+            return "", explain_problem(request.machine, answer.problem).diagnostics[0].message
+        return answer.run, ""
+
+    began = time.clock_gettime(time.CLOCK_BOOTTIME)
+    return ShareAgain(
+        request.machine,
+        lambda: examine_robot(address),
+        begin,
+        lambda: time.clock_gettime(time.CLOCK_BOOTTIME) - began,
+        quote("ur", "launch", *words),
+    )
 
 
 def name_file(words: Sequence[str], files: Sequence[str], world: World, robot: str) -> list[str]:
@@ -138,34 +209,21 @@ def choose_options(wishes: Wishes) -> tuple[str, ...]:
     return (*chosen, *(word for name in wishes.except_ for word in ("--except", name)))
 
 
-def describe_part(robot: str, answer: Answer, count: int) -> list[str]:
-    """What runs on the robot, in a line or two."""
-    lines = []
-    if answer.running:
-        others = "node runs" if len(answer.running) == 1 else "nodes run"
-        lines.append(f"{robot}: {len(answer.running)} {others} already: {', '.join(answer.running)}")
-    if answer.run:
-        number = count - len(answer.running)
-        what = f"{number} node{'' if number == 1 else 's'}, run {answer.run}"
-        found = ", which ran already and is taken over" if answer.found else ""
-        lines.append(f"{robot}: {what}{found}; what they print: ur shell {robot} ur attach {answer.run}")
-    return lines
+def find_new_name(robot: str) -> str:
+    """The name of a robot that has been renamed from this computer since it was known here by `robot`; else that."""
+    selected = current_selection(os.environ)
+    known = _list_known()
+    return selected.robot if robot not in known and selected.robot in known else robot
 
 
-def explain_problem(robot: str, said: str) -> UserError:
-    """What `ur launch` on the robot said when it could not start, as an error of ours."""
-    lines = [line.strip() for line in said.splitlines() if line.strip()]
-    first = next((line for line in lines if line.startswith(("error", "problem"))), lines[0] if lines else said)
-    help_ = next((line.removeprefix("help: ") for line in lines if line.startswith("help: ")), f"ur doctor {robot}")
-    missing = ("is neither a package nor a file", "holds no file named", "is no file, expected a launch file")
-    if any(each in first for each in missing):
-        help_ = f"it lies in this computer's workspace? then: ur sync {robot}"
-    return UserError(error(f"{robot}: {first.partition(': ')[2] or first}", rule="robot-part", help=help_))
+def _list_known() -> set[str]:
+    return {record.name for record in load_records(records_folder(os.environ))}
 
 
 def _ask(address: Address, request: Request, seconds: float) -> Answer:
+    alive = tuple(list_clients(clients_folder(os.environ, os.getuid())))
     with connect(address) as shell:
-        text = ask_part(shell, json.dumps(asdict(request)), seconds + MARGIN)
+        text = ask_part(shell, dump(replace(request, alive=alive)), seconds + MARGIN)
     try:
         return parse_answer(text)
     except (ValueError, TypeError):
@@ -174,20 +232,21 @@ def _ask(address: Address, request: Request, seconds: float) -> Answer:
         ) from None
 
 
-def _end(address: Address, request: Request) -> None:
-    """End the robot's run; where that fails it goes on there, and people are told."""
-    robot = request.machine
+def _end(address: Address, request: Request, robot: str) -> None:
+    """Leave the robot's run; where that fails it keeps running and a line says so. `robot` is its present name."""
+    if robot != request.machine:
+        address = replace(address, host=f"{robot}.local")
     try:
         answer = _ask(address, replace(request, action="end"), END_SECONDS)
-        problem = answer.problem.removeprefix("error: ")
+        problem = answer.problem.message if answer.problem else ""
     except UserError as failed:
-        answer, problem = Answer(), failed.diagnostics[0].message
+        answer, problem = Answer(), failed.diagnostics[0].message.removeprefix(f"{robot}: ")
     except KeyboardInterrupt:
         answer, problem = Answer(), "interrupted"
+    for line in describe_end(robot, answer):
+        _say(line)
     if problem:
         _say(f"warning: {robot}: its nodes go on there: {problem}\n  help: ur shell {robot} ur stop --all")
-    elif answer.run:
-        _say(f"{robot}: {answer.run} has ended")
 
 
 def _is_anonymous(name: str) -> bool:

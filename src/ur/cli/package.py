@@ -22,16 +22,21 @@ def command(path: str, write: bool) -> int:
     from ur.check.computer import make_world
     from ur.cli.environment import know_own_package
     from ur.cli.new_parts import find_target
+    from ur.cli.progress import show_progress
     from ur.cli.replace_file import replace_file
     from ur.package.cmake import choose_folders, put_block, write_block
     from ur.package.manifest import add_run_dependencies, read_optional, read_run_dependencies
     from ur.package.uses import find_used_packages
+    from ur.source.diagnostic import UserError, error
+    from ur.source.file import SourceFile
 
     folder = find_target(path).folder
-    package, used = find_used_packages(str(folder), make_world([str(folder)], know_own_package(os.environ)))
+    with show_progress("finding launch files") as progress:
+        world = make_world([str(folder)], know_own_package(os.environ))
+        package, used = find_used_packages(str(folder), world, progress)
     manifest, cmake = folder / "package.xml", folder / "CMakeLists.txt"
-    texts = {manifest: manifest.read_text(encoding="utf-8")}
-    texts[cmake] = cmake.read_text(encoding="utf-8") if cmake.exists() else _start_of_cmake(package.name)
+    texts = {manifest: SourceFile.read(manifest).text}
+    texts[cmake] = SourceFile.read(cmake).text if cmake.exists() else _start_of_cmake(package.name)
     known = read_run_dependencies(texts[manifest])
     for name in sorted(set(used) - known - read_optional(texts[manifest])):
         line, column = used[name].position
@@ -55,8 +60,9 @@ def command(path: str, write: bool) -> int:
         click.echo(f"help: ur package --write {os.path.relpath(folder)}", err=True)
         return 1
     for each in changed:
-        if not each.exists():
-            each.touch()
+        if each.is_symlink() and not each.resolve().is_relative_to(folder.resolve()):
+            message = f"{os.path.relpath(each)} is a link that leads out of the package, expected a file"
+            raise UserError(error(message, rule="unwritable-file", help="put a file in its place"))
         replace_file(str(each), wanted[each])
         click.echo(f"wrote {os.path.relpath(each)}")
     return 0

@@ -6,8 +6,9 @@ import os
 import socket
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+from ur.cli.worlds import check_worlds, resolve_worlds
 from ur.launchfile.address import resolve_addresses
 from ur.launchfile.plan.load import load_plan
 from ur.launchfile.plan.model import MachineSpec, Origin, Plan
@@ -25,6 +26,7 @@ class Loaded:
     """What a command line means. `plan` is None when it has errors; `files` and `arguments` are what it was made of.
 
     `robot` is the machine whose nodes belong to the selected robot, which is another computer; '' where there is none.
+    `findings` have been shown.
     """
 
     plan: Plan | None
@@ -32,6 +34,36 @@ class Loaded:
     files: tuple[str, ...] = ()
     arguments: tuple[str, ...] = ()
     robot: str = ""
+    findings: tuple[Diagnostic, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class FileWords:
+    """The launch files that a command line names, the arguments they declare, and those that they are given."""
+
+    files: tuple[str, ...]
+    declared: tuple[str, ...]
+    given: tuple[str, ...]
+    arguments: tuple[str, ...]
+
+
+def read_file_words(words: Sequence[str], world: World, selection: Selection | None, *, here: bool) -> FileWords:
+    """Read `FILE` or `PACKAGE FILE`, and `[ARG:=VALUE]...`: the form of every verb that takes launch files.
+
+    The selection gives what the files declare and the words do not, and paths of worlds become absolute; without a
+    selection the words are complete. `here`: this computer is the robot. Raises UserError: no such file, a word that
+    is neither a file nor an argument, a world that cannot be used there.
+    """
+    files = resolve_addresses(words, world)
+    given = [word for word in words if ":=" in word]
+    declared = declared_arguments(files, world)
+    refuse_stray_words(files, declared, world)
+    if selection is None:
+        return FileWords(tuple(files), declared, tuple(given), tuple(given))
+    away = not here and "robot_machine" in declared and not any(word.startswith("robot_machine:=") for word in given)
+    given = resolve_worlds(given, files, declared, selection.robot if away else "")
+    selected = selected_arguments(selection, declared, given, here=here)
+    return FileWords(tuple(files), declared, tuple(given), (*given, *selected))
 
 
 def load_words(words: Sequence[str], selection: Selection, part: str | None = None) -> Loaded:
@@ -43,12 +75,10 @@ def load_words(words: Sequence[str], selection: Selection, part: str | None = No
     what the file needs, a driver whose package is not installed.
     """
     world = SystemWorld(os.environ, standard_input=lambda: sys.stdin.buffer.read())
-    files = resolve_addresses(words, world)
-    given = [word for word in words if ":=" in word]
-    declared = declared_arguments(files, world)
-    refuse_stray_words(files, declared, world)
     here = part is not None or selection.simulated or is_this_computer(selection.robot)
-    arguments = given if part is not None else [*given, *selected_arguments(selection, declared, given, here=here)]
+    read = read_file_words(words, world, None if part is not None else selection, here=here)
+    files, declared = read.files, read.declared
+    arguments = list(read.arguments)
     there = not here and f"robot_machine:={selection.robot}" in arguments
     values = dict(word.split(":=", 1) for word in arguments)
     if "robot_base" in values and "robot_base" in declared:
@@ -63,17 +93,19 @@ def load_words(words: Sequence[str], selection: Selection, part: str | None = No
     if any(node.terminal for node in plan.nodes):
         findings = tuple(map(_harden, findings))
     if findings:
-        from ur.source.render import render_human
+        from ur.source.render import render_human, shows_colour
 
-        sys.stderr.write(render_human(findings, colour=sys.stderr.isatty()))
+        sys.stderr.write(render_human(findings, colour=shows_colour(sys.stderr)))
         sys.stderr.flush()
     if values.get("simulate") == "false" and "robot_base" in declared and not there:
         from ur.cli.driver_packages import check_drivers
 
         check_drivers(files, values, plan.nodes, world)
     good = not any(each.severity is Severity.ERROR for each in findings)
+    if good:
+        check_worlds(plan)
     robot = selection.robot if there else ""
-    return Loaded(plan if good else None, world, tuple(files), tuple(arguments), robot)
+    return Loaded(plan if good else None, world, files, tuple(arguments), robot, findings)
 
 
 def describe_computer(name: str, address: str) -> MachineSpec:
@@ -103,12 +135,14 @@ def refuse_stray_words(files: Sequence[str], declared: Sequence[str], world: Wor
             continue
         bare = word.lstrip("-").partition("=")[0]
         near = did_you_mean(bare.replace("-", "_"), declared)
-        known = ", ".join(declared) or "(none)"
+        known = f", expected NAME:=VALUE with NAME one of {', '.join(declared)}"
+        if not declared:
+            known = ": the launch file declares no arguments"
         raise UserError(
             error(
-                f"{word!r} is no argument, expected NAME:=VALUE with NAME one of {known}",
+                f"{word!r} is no argument{known}",
                 rule="bad-argument",
-                help=f"did you mean {near}:=...?" if near else None,
+                help=f"did you mean {near}:=...?" if near else None if declared else f"leave {word} out",
             )
         )
 
@@ -148,4 +182,4 @@ def _harden(finding: Diagnostic) -> Diagnostic:
     # A program takes the screen: a mere warning about a misspelt argument would never be read.
     if finding.rule not in ("unknown-argument", "bad-argument"):
         return finding
-    return Diagnostic(Severity.ERROR, finding.message, finding.rule, finding.span, finding.notes, finding.help)
+    return replace(finding, severity=Severity.ERROR)

@@ -1,59 +1,149 @@
-"""The programs that `ur run` knows: `ur_*` in the launch package's `bin`."""
+"""Programs that `ur run` starts: the executables `bin/ur_*` of the launch library and of every package on the path."""
 
 from __future__ import annotations
 
 import os
 import re
-from dataclasses import dataclass
+import shlex
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from ur.source.diagnostic import UserError, error
 from ur.source.suggest import did_you_mean
 
 PREFIX = "ur_"
+_HEAD = 30  # lines
 _LAUNCH = re.compile(r"^[^#\n]*\blaunch\s+(\w+)\s+(\w+\.launch(?:\.xml)?)\b", re.MULTILINE)
 
 
 @dataclass(frozen=True, slots=True)
 class Program:
-    """A program: its name without `ur_`, where it is, and its `##Summary:` (may be empty)."""
+    """A program: its name without `ur_`, its path, its `##Summary:` (may be empty), and the name of its package."""
 
     name: str
     path: Path
     summary: str
+    package: str = ""
+
+    @property
+    def folder(self) -> Path:
+        """The folder of its package."""
+        return self.path.parent.parent
 
 
-def list_programs(folder: Path) -> tuple[Program, ...]:
+@dataclass(frozen=True, slots=True)
+class ProgramIndex:
+    """The programs of every package, the launch library's first; `problem` says why packages are left out."""
+
+    programs: tuple[Program, ...] = field(default=())
+    problem: str = ""
+
+
+def list_programs(folder: Path, package: str = "") -> tuple[Program, ...]:
     """Every executable `ur_*` of a folder, sorted by name."""
     return tuple(
-        Program(path.name.removeprefix(PREFIX), path, read_summary(path))
+        Program(path.name.removeprefix(PREFIX), path, read_summary(path), package)
         for path in sorted(folder.glob(PREFIX + "*"))
         if path.is_file() and os.access(path, os.X_OK)
     )
 
 
-def find_program(folder: Path, name: str) -> Program:
-    """The program with this name, `ur_` in front or not. Raises UserError: did you mean."""
-    bare = name.removeprefix(PREFIX)
-    path = folder / (PREFIX + bare)
-    if "/" not in bare and path.is_file() and os.access(path, os.X_OK):
-        return Program(bare, path, read_summary(path))
-    names = [program.name for program in list_programs(folder)]
-    near = did_you_mean(bare, names)
+def index_programs(library: Path, environment: Mapping[str, str]) -> ProgramIndex:
+    """Find the programs of the launch library, then those of the packages on ROS_PACKAGE_PATH by package name."""
+    from ur.launchfile.world.packages import find_packages, package_paths
+
+    own = list_programs(library / "bin", library.name)
+    try:
+        packages = find_packages(package_paths(environment))
+    except (OSError, ValueError) as problem:
+        return ProgramIndex(own, str(problem))
+    others = (
+        program
+        for name, folder in sorted(packages.items())
+        if name != library.name
+        for program in list_programs(Path(folder) / "bin", name)
+    )
+    return ProgramIndex((*own, *others))
+
+
+def find_program(library: Path, name: str, environment: Mapping[str, str]) -> Program:
+    """Find a program by its name, `ur_` in front or not, or by PACKAGE/NAME.
+
+    Raises UserError: no package has such a program, or several have.
+    """
+    index = index_programs(library, environment)
+    path = find_unlisted(name)
+    if path is not None and not any(each.name == path.name.removeprefix(PREFIX) for each in index.programs):
+        package = path.parent.parent
+        raise UserError(
+            error(
+                f"unknown program {name!r}: package {package.name!r} is not on ROS_PACKAGE_PATH",
+                rule="unknown-program",
+                help=f'export ROS_PACKAGE_PATH="{package.parent}:$ROS_PACKAGE_PATH"',
+            )
+        )
+    return choose_program(index.programs, name, index.problem)
+
+
+def find_unlisted(name: str) -> Path | None:
+    """The program of this name in the package around the working folder, whether ROS finds that package or not."""
+    bare = name.rpartition("/")[2].removeprefix(PREFIX)
+    try:
+        start = Path.cwd()
+    except OSError:
+        return None
+    package = next((each for each in (start, *start.parents) if (each / "package.xml").is_file()), None)
+    path = package / "bin" / (PREFIX + bare) if package is not None and bare else None
+    return path if path is not None and path.is_file() and os.access(path, os.X_OK) else None
+
+
+def choose_program(programs: Sequence[Program], word: str, problem: str = "") -> Program:
+    """Choose the program that a word names. Raises UserError with the nearest name."""
+    package, slash, last = word.rpartition("/")
+    bare = last.removeprefix(PREFIX)
+    found = [each for each in programs if each.name == bare and (not slash or each.package == package)]
+    if len(found) == 1:
+        return found[0]
+    if found:
+        names = " and ".join(each.package for each in found)
+        raise UserError(
+            error(
+                f"program {word!r} is in {names}, expected PACKAGE/PROGRAM",
+                rule="ambiguous-program",
+                help=" or ".join(f"ur run {each.package}/{each.name}" for each in found),
+            )
+        )
+    if last.endswith((".launch", ".launch.xml", ".launch.py", ".launch.yaml", ".test")):
+        raise UserError(
+            error(
+                f"{word!r} is the name of a launch file, expected the name of a program",
+                rule="unknown-program",
+                help=f"start a launch file: ur launch {shlex.quote(word)}; 'ur list' lists the programs",
+            )
+        )
+    near = did_you_mean(bare, {each.name for each in programs})
+    help_ = f"did you mean 'ur run {near}'?" if near else "'ur list' describes each"
+    if problem:
+        help_ = f"packages were not searched ({problem}); {help_}"
     raise UserError(
         error(
-            f"program {name!r} is not known, expected one of {', '.join(names) or '(none)'}",
+            f"unknown program {word!r}, expected one of {_describe(programs) or '(none)'}",
             rule="unknown-program",
-            help=f"did you mean 'ur run {near}'?" if near else "'ur list' says what each does",
+            help=help_,
         )
     )
 
 
+def _describe(programs: Iterable[Program]) -> str:
+    return ", ".join(dict.fromkeys(each.name for each in programs))
+
+
 def read_summary(path: Path) -> str:
-    """The text after `##Summary:` in a program's head; empty when it has none."""
+    """Read the text after `##Summary:` in a program's head; empty when it has none."""
     try:
         with path.open(encoding="utf-8", errors="replace") as file:
-            for line, _ in zip(file, range(30), strict=False):
+            for line, _ in zip(file, range(_HEAD), strict=False):
                 if line.startswith("##Summary:"):
                     return line.removeprefix("##Summary:").strip()
     except OSError:
@@ -61,14 +151,15 @@ def read_summary(path: Path) -> str:
     return ""
 
 
-def find_launch_file(program: Program, package: Path) -> Path | None:
+def find_launch_file(program: Program) -> Path | None:
     """The launch file of its own package that a program starts; None when it starts none."""
     try:
         text = program.path.read_text(encoding="utf-8", errors="replace")
     except OSError:
         return None
+    package = program.folder
     for owner, name in _LAUNCH.findall(text):
-        if owner == package.name:
-            path = package / name.partition(".")[0] / "launch" / name
-            return path if path.is_file() else None
+        if owner in (program.package, package.name):
+            paths = (package / name.partition(".")[0] / "launch" / name, package / "launch" / name, package / name)
+            return next((path for path in paths if path.is_file()), None)
     return None

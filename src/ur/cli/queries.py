@@ -12,8 +12,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 
 from ur.cli.environment import PACKAGE
-from ur.cli.plan_files import declared_arguments, localisation_argument, refuse_stray_words, selected_arguments
-from ur.launchfile.address import resolve_addresses
+from ur.cli.plan_files import localisation_argument, read_file_words
 from ur.launchfile.plan.load import load_plan
 from ur.launchfile.plan.model import NodeSpec, Plan
 from ur.launchfile.plan.names import join_names
@@ -155,20 +154,17 @@ def show_findings(findings: Iterable[Diagnostic]) -> None:
     """Print findings for people on standard error."""
     shown = list(findings)
     if shown:
-        from ur.source.render import render_human
+        from ur.source.render import render_human, shows_colour
 
-        sys.stderr.write(render_human(shown, colour=sys.stderr.isatty()))
+        sys.stderr.write(render_human(shown, colour=shows_colour(sys.stderr)))
         sys.stderr.flush()
 
 
 def _load(words: Sequence[str], selection: Selection, world: SystemWorld) -> Plan | None:
     # None when roslaunch would refuse to answer. It does not look whether machines are defined.
-    files = resolve_addresses(words, world)
-    given = [word for word in words if ":=" in word]
-    declared = declared_arguments(files, world)
-    refuse_stray_words(files, declared, world)
-    arguments = [*given, *selected_arguments(selection, declared, given, here=True)]
-    plan = load_plan(files, [*arguments, *localisation_argument(files, declared, arguments)], world)
+    read = read_file_words(words, world, selection, here=True)
+    arguments = [*read.arguments, *localisation_argument(read.files, read.declared, read.arguments)]
+    plan = load_plan(read.files, arguments, world)
     show_findings(plan.diagnostics)
     refused = any(each.severity is Severity.ERROR and each.rule != "unknown-machine" for each in plan.diagnostics)
     return None if refused else plan
@@ -177,16 +173,22 @@ def _load(words: Sequence[str], selection: Selection, world: SystemWorld) -> Pla
 def _print_arguments(words: Sequence[str], world: SystemWorld) -> int:
     from ur.launchfile.query.arguments import format_arguments, read_arguments
 
-    files = resolve_addresses(words, world)
-    refuse_stray_words(files, declared_arguments(files, world), world)
+    read = read_file_words(words, world, None, here=True)
+    files = read.files
     broken = parse_launch_file(files[-1], world.read_bytes(files[-1])).diagnostics
     if any(each.severity is Severity.ERROR for each in broken):
         raise UserError(*broken)
     # roslaunch shows those of the last file
-    sys.stdout.write(format_arguments(read_arguments(files[-1], [word for word in words if ":=" in word], world)))
+    sys.stdout.write(format_arguments(read_arguments(files[-1], read.given, world)))
     return 0
 
 
 def _print(lines: Iterable[str]) -> None:
-    sys.stdout.write("".join(f"{line}\n" for line in lines))
+    sys.stdout.write("".join(f"{line if line.isprintable() else _escape(line)}\n" for line in lines))
     sys.stdout.flush()
+
+
+def _escape(line: str) -> str:
+    from ur.source.printable import printable
+
+    return printable(line)

@@ -1,10 +1,9 @@
-"""Writing a file as a whole or not at all."""
+"""Replacement of a file, with errors that people understand."""
 
 from __future__ import annotations
 
-from pathlib import Path
-
 from ur.source.diagnostic import UserError, error
+from ur.source.replace import replace_file as replace
 
 
 def replace_file(path: str, text: str, doing: str = "written") -> None:
@@ -12,13 +11,8 @@ def replace_file(path: str, text: str, doing: str = "written") -> None:
 
     `doing` completes "cannot be ...".
     """
-    target = Path(path).resolve()  # a link stays a link
-    beside = target.with_name(f".{target.name}.ur-new")
     try:
-        beside.write_bytes(text.encode())
-        beside.chmod(target.stat().st_mode & 0o7777)
-        beside.replace(target)
+        replace(path, text)
     except OSError as problem:
-        beside.unlink(missing_ok=True)
         reason = (problem.strerror or str(problem)).lower()
         raise UserError(error(f"{path}: cannot be {doing}: {reason}", rule="unwritable-file")) from None

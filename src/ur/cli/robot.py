@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import getpass
 import os
+import shutil
 import signal
-import socket
 import sys
+import threading
 import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -15,24 +16,27 @@ from pathlib import Path
 
 import click
 
-from ur.cli.environment import PACKAGE, REPOSITORY
+from ur.cli.environment import REPOSITORY, current_selection
+from ur.cli.output import plain_text
+from ur.cli.robot_contact import confirm_host_key, decide_robot_login, read_fingerprint
 from ur.cli.robot_network import network
+from ur.cli.robot_questions import ask_task, check_names, read_passwords, read_tasks
 from ur.cli.robot_rename import rename
 from ur.cli.robot_wifi import wifi
-from ur.robot.base import list_bases, load_base
-from ur.robot.record import DEFAULT_USER
-from ur.robot.repository import read_repository
-from ur.robot.setup.robot import Task, open_robot, prepare_viewer, preview, set_up
-from ur.robot.setup.there import Robot, Viewer, is_robot_name
+from ur.robot.repository import read_programs, read_repository
+from ur.robot.selection import Selection, selection_path, store_selection
+from ur.robot.setup.login import Task, open_robot
+from ur.robot.setup.robot import prepare_viewer, preview, set_up
+from ur.robot.setup.there import Viewer
 from ur.robot.setup.verify import Check, verify
-from ur.robot.ssh.openssh import parse_address
-from ur.robot.ssh.secret import Secret
 from ur.robot.ssh.shell import LocalShell
-from ur.source.diagnostic import UserError, error
-from ur.source.render import render_human
-from ur.source.section import Section, read_section
+from ur.source.diagnostic import UserError
+from ur.source.printable import printable, printable_lines
+from ur.source.render import render_human, shows_colour
 
 MASTER_SECONDS = 60.0
+_CLEAR = "\r\033[K"
+PROGRESS_SECONDS = 15.0  # between lines of progress where they cannot be written over one another
 
 
 @click.group("robot", invoke_without_command=True)
@@ -48,11 +52,9 @@ def command(context: click.Context) -> None:
 @command.command("setup")
 @click.argument("hosts", nargs=-1, metavar="[HOST | USER@HOST] ...")
 @click.option("--name", help="Its new name; it will answer to NAME.local. With one HOST only.")
-@click.option("--base", help="What base it is.")
-@click.option("--variant", default=None, help="Which variant of the base.")
-@click.option(
-    "--from", "file", type=click.Path(dir_okay=False), help="A file that names robots and what they shall be."
-)
+@click.option("--base", help="The base of the robot.")
+@click.option("--variant", default=None, help="The variant of the base; 'plain' for none.")
+@click.option("--from", "file", type=click.Path(dir_okay=False), help="A YAML file with robots and their settings.")
 @click.option(
     "--passwords-from",
     type=int,
@@ -62,10 +64,22 @@ def command(context: click.Context) -> None:
 @click.option(
     "--master/--no-master",
     default=True,
-    help="Keep a ROS master up from the robot's boot on, or leave that as it is. [default: --master]",
+    help="Keep a ROS master running from the robot's boot on, or leave that unchanged. [default: --master]",
+)
+@click.option(
+    "--programs/--no-programs",
+    default=True,
+    help="Install everything that programs of this project need there, or leave that unchanged. [default: --programs]",
 )
 @click.option("--dry-run", is_flag=True, help="Show what would be changed on the robots, and change nothing there.")
-@click.option("--new-host-key", is_flag=True, help="It was flashed again: accept its new host key.")
+@click.option("--host-key", metavar="SHA256:...", help="The fingerprint of its host key, with one HOST: no question.")
+@click.option("--yes", is_flag=True, help="Accept an unknown host key without a question, in a network that you trust.")
+@click.option("--new-host-key", is_flag=True, help="It was flashed again: ask about its new host key.")
+@click.option(
+    "--robot-login/--no-robot-login",
+    default=None,
+    help="Let it log in to this computer by key, for nodes that roslaunch starts from there. [default: ask, else no]",
+)
 def setup(
     hosts: tuple[str, ...],
     name: str | None,
@@ -74,16 +88,24 @@ def setup(
     file: str | None,
     passwords_from: int | None,
     master: bool,
+    programs: bool,
     dry_run: bool,
+    host_key: str | None,
+    yes: bool,
     new_host_key: bool,
+    robot_login: bool | None,
 ) -> int:
-    """Bring freshly flashed robots to ready: name, keys, packages, ROS, time, announcement.
+    """Make freshly flashed robots ready: name, keys, packages, ROS, time, announcement, and this project.
 
-    Asks for what it needs to know. Looks first and changes only what is missing; interrupted anywhere, a second run
-    finishes. At the end it looks from both ends and prints what it saw.
+    Asks for what it needs to know. Before any password is sent, it shows the fingerprint of a host key that this
+    computer does not know, and asks; without a terminal, it then needs --host-key or --yes.
 
-    FILE is YAML: `robots:`, a list of mappings with `host`, `name`, `base` and, if wanted, `user`, `variant` and
-    `master: false`.
+    Looks first and changes only what is missing; interrupted anywhere, a second run finishes. A robot without internet
+    fetches its packages over this computer's connection. At the end it looks from both ends and prints what it saw;
+    then programs run there. One robot is selected (`ur use`), unless another one is.
+
+    FILE is YAML: `robots:`, a list of mappings with `host`, `name`, `base` and, if wanted, `user`, `variant`,
+    `host_key: SHA256:...`, `master: false` and `programs: false`.
     """
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     if file and (hosts or name or base):
@@ -92,45 +114,79 @@ def setup(
         raise click.UsageError("expected HOST, for instance ros@robot.local")
     if name and len(hosts) > 1:
         raise click.UsageError("--name is for one HOST, expected --from FILE for several")
-    tasks = _read_tasks(Path(file)) if file else [_ask_task(host, name, base, variant) for host in hosts]
-    _check_names(tasks)
-    current, new = _passwords(tasks, passwords_from, dry_run=dry_run)
-    library = read_repository(REPOSITORY)
+    if host_key and (file or len(hosts) > 1):
+        raise click.UsageError("--host-key is for one HOST, expected host_key in --from FILE for several")
+    fingerprints: dict[str, str] = {}
+    if file:
+        tasks, fingerprints = read_tasks(Path(file))
+    else:
+        tasks = [ask_task(host, name, base, variant) for host in hosts]
+        if host_key:
+            fingerprints = {tasks[0].robot.name: read_fingerprint(host_key, "--host-key")}
+    check_names(tasks)
+    here = LocalShell()
+    viewer = prepare_viewer(here, getpass.getuser())
+    met: list[Task] = []
+
+    def meet(task: Task) -> int:
+        wanted = fingerprints.get(task.robot.name, "")
+        met.append(confirm_host_key(task, fingerprint=wanted, yes=yes, new_host_key=new_host_key))
+        return 0
+
+    # One after the other: there is one terminal to ask on. Whoever is refused does not stop the others.
+    refused = max(_guard(task, meet) for task in tasks)
+    if not met:
+        return refused
+    tasks = met if dry_run else decide_robot_login(met, robot_login)
+    current, new = read_passwords(tasks, passwords_from, dry_run=dry_run)
+    library, environment = read_repository(REPOSITORY), read_programs(REPOSITORY)
     tasks = [
         replace(
             task,
-            robot=replace(task.robot, master=task.robot.master and master),
-            library=library,
+            robot=replace(task.robot, master=task.robot.master and master, programs=task.robot.programs and programs),
+            library=(library, environment) if task.robot.programs and programs else (library,),
             current=current,
             new=new,
-            new_host_key=new_host_key,
         )
         for task in tasks
     ]
-    here = LocalShell()
-    viewer = prepare_viewer(here, getpass.getuser())
     if dry_run:
-        return _for_each(tasks, lambda task: _preview(task, viewer))
-    return _for_each(tasks, lambda task: _set_up(task, here, viewer))
+        return max(refused, _for_each(tasks, lambda task: _preview(task, viewer)))
+    return max(refused, _for_each(tasks, lambda task: _set_up(task, here, viewer, alone=len(tasks) == 1)))
 
 
-def _set_up(task: Task, here: LocalShell, viewer: Viewer) -> int:
-    say = _reporter(task)
-    count = set_up(task, here, viewer, say)
+def _set_up(task: Task, here: LocalShell, viewer: Viewer, *, alone: bool) -> int:
+    say = Reporter(task.robot.name, live=alone and sys.stdout.isatty())
+    count = set_up(task, here, viewer, say, say.show_progress)
     # Looked at through the new name, by key, with strict host keys: as it will be used.
-    with open_robot(replace(task, address=task.later, new_host_key=False), say) as there:
+    with open_robot(replace(task, address=task.later, host_key=None, first_contact=False), say) as there:
         checks = verify(task, here, there, viewer, wait_for_master)
     _print_checks(task, checks)
     bad = sum(not check.good for check in checks)
     if bad:
         say(f"{bad} of {len(checks)} points are not as they should be; 'ur doctor {task.robot.name}' says more")
         return 1
-    say(
-        "nothing to do: it is ready"
-        if not count
-        else f"ready after {count} changes; select it: ur use {task.robot.name}"
-    )
+    changes = "1 change" if count == 1 else f"{count} changes"
+    chosen = alone and select_robot(task)
+    use = "it is selected" if chosen else f"select it: ur use {task.robot.name}"
+    say(f"ready after {changes}; {use}" if count else "nothing to do: it is ready")
     return 0
+
+
+def select_robot(task: Task) -> bool:
+    """Select a robot that was set up, unless the user has selected another one. Whether it is selected."""
+    path = selection_path(os.environ)
+    try:
+        selected = current_selection(os.environ)
+    except UserError:
+        return False
+    if selected.robot == task.robot.name:
+        return True
+    former = task.address.host.removesuffix(".local")
+    if path.exists() and not selected.simulated and selected.robot != former:
+        return False
+    store_selection(path, Selection(task.robot.name, ""))
+    return True
 
 
 def wait_for_master(host: str) -> bool:
@@ -148,7 +204,7 @@ def wait_for_master(host: str) -> bool:
 def _preview(task: Task, viewer: Viewer) -> int:
     from ur.cli.setup import show_changes
 
-    with open_robot(task, _reporter(task)) as shell:
+    with open_robot(task, Reporter(task.robot.name)) as shell:
         changes = preview(task, shell, viewer)
     click.echo(f"{task.robot.name} ({task.address}): " + ("" if changes else "nothing to do"))
     show_changes(changes)
@@ -159,11 +215,7 @@ def _for_each(tasks: Sequence[Task], work: Callable[[Task], int]) -> int:
     """Do all at once; a robot that fails does not stop the others. The worst exit code."""
 
     def guarded(task: Task) -> int:
-        try:
-            return work(task)
-        except UserError as problem:
-            sys.stderr.write(render_human(problem.diagnostics, colour=sys.stderr.isatty()))
-            return 2
+        return _guard(task, work)
 
     if len(tasks) == 1:
         return guarded(tasks[0])
@@ -179,109 +231,52 @@ def _for_each(tasks: Sequence[Task], work: Callable[[Task], int]) -> int:
         pool.shutdown()
 
 
-def _reporter(task: Task) -> Callable[[str], None]:
-    def say(text: str) -> None:
-        sys.stdout.write(f"{task.robot.name}: {text}\n")
-        sys.stdout.flush()
+def _guard(task: Task, work: Callable[[Task], int]) -> int:
+    """Do it; print what the user can put right, exit code 2."""
+    try:
+        return work(task)
+    except UserError as problem:
+        sys.stderr.write(render_human(problem.diagnostics, colour=shows_colour(sys.stderr)))
+        return 2
 
-    return say
+
+class Reporter:
+    """Print lines about one robot. With `live`, progress is one line that is written over again."""
+
+    def __init__(self, name: str, *, live: bool = False) -> None:
+        self._name, self._live = printable(name), live
+        self._shown = 0.0  # when progress was printed last
+        self._lock = threading.Lock()  # progress comes from another thread
+
+    def __call__(self, text: str) -> None:
+        """Print a line."""
+        with self._lock:
+            sys.stdout.write(f"{_CLEAR if self._live else ''}{self._name}: {printable_lines(text)}\n")
+            sys.stdout.flush()
+
+    def show_progress(self, title: str, seconds: float, line: str) -> None:
+        """Print how far a long change is: its last line of output, which is another computer's."""
+        text = f"{self._name}: {title}, {seconds:.0f} s: {printable(line)}"
+        with self._lock:
+            if self._live:
+                sys.stdout.write(_CLEAR + text[: shutil.get_terminal_size().columns - 1])
+            elif time.monotonic() - self._shown >= PROGRESS_SECONDS:
+                self._shown = time.monotonic()
+                sys.stdout.write(text[:160] + "\n")
+            sys.stdout.flush()
 
 
 def _print_checks(task: Task, checks: Sequence[Check]) -> None:
     from rich.console import Console
     from rich.table import Table
 
-    table = Table(title=task.robot.name, title_justify="left")
+    table = Table(title=plain_text(task.robot.name), title_justify="left")
     for column in ("", "point", "seen from", "what"):
         table.add_column(column)
     for check in checks:
-        table.add_row("[green]ok[/]" if check.good else "[red]NO[/]", check.title, check.place, check.seen)
+        mark = "[green]ok[/]" if check.good else "[red]NO[/]"
+        table.add_row(mark, *map(plain_text, (check.title, check.place, check.seen)))
     Console(soft_wrap=not sys.stdout.isatty()).print(table)
-
-
-def _ask_task(host: str, name: str | None, base: str | None, variant: str | None) -> Task:
-    address = parse_address(host, DEFAULT_USER)
-    if name is None:
-        name = _ask(f"name of the robot at {address.host}", address.host.split(".")[0])
-    if base is None:
-        base = _ask(f"base of {name} ({', '.join(list_bases(PACKAGE))})", None)
-    load_base(PACKAGE, base, variant or "")
-    return Task(address, Robot(name, base, variant or ""))
-
-
-def _ask(what: str, default: str | None) -> str:
-    if not sys.stdin.isatty():
-        option = what.split()[0]
-        raise UserError(
-            error(
-                f"{what} is not given, and there is no terminal to ask on",
-                rule="missing-answer",
-                help=f"give --{option}",
-            )
-        )
-    answer: str = click.prompt(what, default=default)
-    return answer
-
-
-def _read_tasks(path: Path) -> list[Task]:
-    top = read_section(path, "a file of robots")
-    tasks = [_read_task(item) for item in top.sections("robots")]
-    top.finish()
-    if not tasks:
-        raise UserError(error(f"{path}: no robots, expected a list 'robots'", rule="bad-value"))
-    return tasks
-
-
-def _read_task(item: Section) -> Task:
-    address = parse_address(item.text("host"), item.text("user", DEFAULT_USER))
-    robot = Robot(item.text("name"), item.text("base"), item.text("variant", ""), item.boolean("master", True))
-    item.finish()
-    load_base(PACKAGE, robot.base, robot.variant)
-    return Task(address, robot)
-
-
-def _check_names(tasks: Sequence[Task]) -> None:
-    names = [task.robot.name for task in tasks]
-    for name in names:
-        if not is_robot_name(name):
-            raise UserError(
-                error(
-                    f"{name!r} is not the name of a computer, expected up to 63 lower case letters, digits and -",
-                    rule="bad-name",
-                )
-            )
-        if names.count(name) > 1 or name in (socket.gethostname().split(".")[0], "localhost", "sim"):
-            raise UserError(
-                error(f"name {name!r} is taken, expected a name of its own for each computer", rule="taken-name")
-            )
-
-
-def _passwords(tasks: Sequence[Task], descriptor: int | None, *, dry_run: bool) -> tuple[Secret | None, Secret | None]:
-    """The present and the new password: from a descriptor, or asked without an echo; None for an empty one."""
-    if descriptor is not None:
-        try:
-            with os.fdopen(descriptor, encoding="utf-8") as stream:
-                lines = [*stream.read().split("\n"), "", ""]
-        except (OSError, UnicodeDecodeError) as problem:
-            raise UserError(
-                error(f"--passwords-from {descriptor}: cannot be read: {problem}", rule="bad-descriptor")
-            ) from None
-        current, new = lines[:2]
-    elif sys.stdin.isatty():
-        who = ", ".join(str(task.address) for task in tasks)
-        current = getpass.getpass(f"present password of {who} (empty: login by key): ")
-        new = "" if dry_run else _ask_new()
-    else:
-        current = new = ""
-    return (Secret(current) if current else None), (Secret(new) if new else None)
-
-
-def _ask_new() -> str:
-    while True:
-        new = getpass.getpass("new password (empty: keep the present one): ")
-        if new == "" or getpass.getpass("the same again: ") == new:
-            return new
-        click.echo("the two differ; once more")
 
 
 for _change in (rename, wifi, network):

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from ur.cli.guarded import DRY_RUN, PASSWORD_FROM, WAIT, become_root, begin, finish, read_lines, say, show_plan
+from ur.cli.output import plain_text
 from ur.source.diagnostic import UserError, error
 
 if TYPE_CHECKING:
@@ -23,8 +24,8 @@ LOOK_SECONDS = 60.0
 @click.command("network")
 @click.argument("robot", required=False)
 @click.option("--address", metavar="ADDRESS/LENGTH", help="Its address from now on, for instance 192.168.1.7/24.")
-@click.option("--gateway", metavar="ADDRESS", help="The way to other networks.")
-@click.option("--dns", "names", multiple=True, metavar="ADDRESS", help="Who resolves names; may be repeated.")
+@click.option("--gateway", metavar="ADDRESS", help="The address of the router.")
+@click.option("--dns", "names", multiple=True, metavar="ADDRESS", help="The address of a name server; may be repeated.")
 @click.option("--dhcp", is_flag=True, help="Let the network give it an address.")
 @click.option("--device", metavar="NAME", help="Which device. [default: the one by which it is reached]")
 @PASSWORD_FROM
@@ -90,15 +91,15 @@ def change_network(
 
     `literal` is an address that the robot has after the change. Raises UserError.
     """
-    from ur.cli.shell import robot_address
+    from ur.cli.shell import connect_robot, robot_address
     from ur.robot.change.guarded import change_request
     from ur.robot.change.network_facts import FACTS_SCRIPT, SCAN_SCRIPT, parse_networks
     from ur.robot.change.perform import Ways
     from ur.robot.setup.engine import gather
-    from ur.robot.ssh.openssh import Address, connect
+    from ur.robot.ssh.openssh import Address
 
     address = robot_address(robot)
-    with connect(address) as shell:
+    with connect_robot(address) as shell:
         sudo = become_root(shell, password)
         script = FACTS_SCRIPT + (SCAN_SCRIPT if scan else "")
         change = plan(shell, parse_networks(shell.run(script, root=True, timeout=LOOK_SECONDS).out))
@@ -154,11 +155,10 @@ def print_table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
     """A table of plain words."""
     from rich.console import Console
     from rich.table import Table
-    from rich.text import Text
 
     table = Table()
     for head in heads:
         table.add_column(head)
     for row in rows:
-        table.add_row(*map(Text, row))  # names of networks are not ours: they may look like markup
+        table.add_row(*map(plain_text, row))
     Console(soft_wrap=not sys.stdout.isatty()).print(table)

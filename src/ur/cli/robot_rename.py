@@ -36,8 +36,8 @@ def rename(robot: str, name: str, wait: int, password_from: int | None, dry_run:
     does not happen, because a cable was pulled or this computer was switched off, the robot takes everything back by
     itself; so it does when it loses power in the middle. Its boot services are started anew.
     """
-    from ur.cli.shell import robot_address
-    from ur.robot.ssh.openssh import Address, connect
+    from ur.cli.shell import connect_robot, robot_address
+    from ur.robot.ssh.openssh import Address
 
     check_name(name)
     address = robot_address(robot)
@@ -46,7 +46,7 @@ def rename(robot: str, name: str, wait: int, password_from: int | None, dry_run:
         raise UserError(error(f"{robot} is the same name, expected another one", rule="bad-name"))
     (password,) = read_lines(password_from, "--password-from", 1)
     try:
-        with connect(address) as shell:
+        with connect_robot(address) as shell:
             made = _begin(shell, name, password, wait, dry_run=dry_run)
     except UserError as problem:
         if problem.diagnostics[0].rule in AWAY and _is_there(later, address):
@@ -111,8 +111,13 @@ def _check_free(there: Shell, here: Shell, name: str, facts: Facts) -> None:
     """Raises UserError where another computer answers to the name, for the robot or for us."""
     from concurrent.futures import ThreadPoolExecutor
 
+    from ur.cli.progress import show_progress
+
     say(f"looking whether {name}.local is free")
-    with ThreadPoolExecutor(2) as pool:  # each waits for seconds until nobody has answered
+    with (
+        show_progress(f"looking up {name}.local"),
+        ThreadPoolExecutor(2) as pool,  # each waits for seconds until nobody has answered
+    ):
         answers = list(pool.map(lambda shell: shell.run(f"getent ahostsv4 {name}.local").out, (there, here)))
     own = {*facts.addresses, "127.0.1.1"}
     others = {line.split()[0] for answer in answers for line in answer.splitlines() if line.strip()} - own

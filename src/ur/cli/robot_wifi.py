@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 @click.command("wifi")
 @click.argument("robot", required=False)
 @click.option("--ssid", metavar="NAME", help="Join this network. Its password is asked for.")
-@click.option("--hidden", is_flag=True, help="The network does not tell its name.")
+@click.option("--hidden", is_flag=True, help="The network does not announce its name.")
 @click.option("--band", type=click.Choice(["2.4", "5"]), help="Use this band only (GHz).")
 @click.option("--forget", metavar="NAME", help="Forget this network.")
 @click.option(

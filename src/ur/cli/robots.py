@@ -13,61 +13,100 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ur.cli.on_demand import need
-from ur.cli.robots_asked import Asked
+from ur.cli.output import plain_text
+from ur.cli.progress import show_progress
+from ur.cli.robots_asked import SOON, Asked
 from ur.robot.discovery import Browser
 from ur.robot.listing import Answer, Row, list_robots
 from ur.robot.record import load_records, records_folder
 from ur.robot.seen import Seen, load_seen, note_seen, seen_path
+from ur.source.printable import printable
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
 REFRESH = 1.0  # s between looks at what changed, while watching
+SETTLE_SECONDS = 6.0  # the longest that robots which are starting are waited for, beyond the time to look
 Look = Callable[[], list[Row]]
 
 
 @click.command("robots")
-@click.option("--watch", is_flag=True, help="Go on looking until Ctrl-C.")
-@click.option("--seconds", type=click.FloatRange(min=0.1), default=2.0, show_default=True, help="How long to look.")
+@click.option("--watch", is_flag=True, help="Update the list until Ctrl-C.")
+@click.option(
+    "--seconds", type=click.FloatRange(min=0.1), default=2.0, show_default=True, help="How long to listen, in s."
+)
 @click.option("--json", "as_json", is_flag=True, help="Print JSON; with --watch, a line whenever something changed.")
 def command(watch: bool, seconds: float, as_json: bool) -> int:
     """List the robots on the network, and those known but away.
 
     Robots announce themselves once `ur robot setup` has set them up. `runs` is what the robot's ROS master knows and
-    what it starts at boot; `clock` how far its clock is ahead of ours. The two stay empty where our key is refused, or
-    no answer comes in time. The exit code is 1 when nobody is there, or two have one name.
+    what it starts at boot; `clock` how far its clock is ahead of ours, or why that is not known. A robot that is just
+    starting is waited for, some seconds longer than `--seconds`. The exit code is 1 when nobody is there, or a robot
+    has a problem with its name.
     """
     need("zeroconf", "robot.lock")
     changed = threading.Event()
-    with Browser(changed.set) as browser, Asked(browser, seconds, changed.set) as asked:
+    names = [record.name for record in load_records(records_folder(os.environ))]
+    memory = load_seen(seen_path(os.environ))
+
+    def former(address: str) -> list[str]:
+        return [name for name in names if name in memory and memory[name].address == address]
+
+    known = {*names, *memory}
+    with Browser(changed.set, known) as browser, Asked(browser, seconds, changed.set, former, known) as asked:
 
         def look() -> list[Row]:
             asked.ask(browser.sightings)
-            memory = load_seen(seen_path(os.environ))
-            return list_robots(browser.sightings, load_records(records_folder(os.environ)), asked.answers, memory)
+            remembered = load_seen(seen_path(os.environ))
+            return list_robots(browser.sightings, load_records(records_folder(os.environ)), asked.answers, remembered)
+
+        def settled() -> bool:
+            return asked.is_settled(browser.sightings)
 
         try:
-            rows = _watch(look, changed, as_json) if watch else _listen(look, changed, seconds)
+            if watch:
+                rows = _watch(look, changed, as_json)
+            else:
+                with show_progress("listening for robots"):
+                    rows = _listen(look, changed, seconds, settled)
         finally:
             here = [one for one in browser.sightings if asked.answers.get(one.host, Answer()).answers]
             note_seen(seen_path(os.environ), [Seen(one.name, one.address, time.time()) for one in here])
+        if not watch:
+            _show(rows, as_json)
+            _tell_left_out(*browser.left_out)
     if watch:
         return 0
+    return 1 if any(row.problem for row in rows) or not any(row.address for row in rows) else 0
+
+
+def _show(rows: Sequence[Row], as_json: bool) -> None:
     if as_json:
         click.echo(json.dumps([_as_dict(row) for row in rows], indent=2))
     elif rows:
         _print(rows)
     else:
         click.echo("no robot announces itself here; set one up: ur robot setup HOST")
-    return 1 if any(row.problem for row in rows) or not any(row.address for row in rows) else 0
+    sys.stdout.flush()
 
 
-def _listen(look: Look, changed: threading.Event, seconds: float) -> list[Row]:
-    """What is there after as long as the user wants to listen; whoever announces itself is asked at once."""
+def _tell_left_out(misshapen: int, too_many: int) -> None:
+    if misshapen:
+        click.echo(f"note: {misshapen} announcements that no robot of ours makes were ignored", err=True)
+    if too_many:
+        click.echo(f"note: {too_many} announcements of unknown robots are not listed: there are too many", err=True)
+
+
+def _listen(look: Look, changed: threading.Event, seconds: float, settled: Callable[[], bool]) -> list[Row]:
+    """The robots after as long as the user wants to listen, and until those that are there have answered.
+
+    Whoever announces itself is asked at once.
+    """
     end = time.monotonic() + seconds
+    last = end + SETTLE_SECONDS
     rows = look()
-    while (left := end - time.monotonic()) > 0:
-        changed.wait(left)
+    while (now := time.monotonic()) < end or (now < last and not settled()):
+        changed.wait(end - now if now < end else SOON)
         changed.clear()
         rows = look()
     return rows
@@ -124,10 +163,14 @@ def _picture(rows: Sequence[Row]) -> RenderableType:
         table.add_column(column, overflow="fold")
     now = time.time()
     for row in rows:
-        name = Text(f"{row.name} (!)", "red") if row.problem else Text(row.name)
+        name = plain_text(f"{row.name} (!)", "red") if row.problem else plain_text(row.name)
         cells = (row.address, row.base, row.variant, row.runs, row.clock, row.version, row.when(now))
-        table.add_row(name, *map(Text, cells), style="" if row.address else "dim")
-    problems = [Text(f"warning: {row.problem}\n  help: {row.help}", "yellow") for row in rows if row.problem]
+        table.add_row(name, *map(plain_text, cells), style="" if row.address else "dim")
+    problems = [
+        Text(f"warning: {printable(row.problem)}\n  help: {printable(row.help)}", "yellow")
+        for row in rows
+        if row.problem
+    ]
     return Group(table, *problems)
 
 
@@ -137,6 +180,7 @@ def _as_dict(row: Row) -> dict[str, Any]:
         "nodes": row.answer.nodes,
         "services": None if row.answer.services is None else dict(row.answer.services),
         "clock_offset": row.answer.offset,
+        "refused": row.answer.refused,
         "seen": {"address": row.seen.address, "time": row.seen.time} if row.seen else None,
     }
     return {**plain, **said}

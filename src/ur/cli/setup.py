@@ -9,6 +9,7 @@ from collections.abc import Sequence
 import click
 
 from ur.cli.environment import REPOSITORY
+from ur.cli.progress import show_progress
 from ur.complete.shells import SCRIPTS
 from ur.robot.setup.change import Change
 from ur.robot.setup.engine import apply_change, bring_about, gather, look, plan_changes, plan_undo
@@ -16,6 +17,7 @@ from ur.robot.setup.facts import Facts
 from ur.robot.setup.here import base_request, wanted_here
 from ur.robot.setup.wanted import Wanted
 from ur.robot.ssh.shell import LocalShell
+from ur.source.printable import printable
 
 
 @click.command("setup")
@@ -35,8 +37,9 @@ def command(dry_run: bool, undo: bool, only_mine: bool, yes: bool) -> int:
     def want(facts: Facts) -> list[Wanted]:
         return wanted_here(facts, REPOSITORY, system=not only_mine, completion=SCRIPTS)
 
-    items = want(gather(shell, base))
-    facts = look(shell, items, user, base, root=False)
+    with show_progress("examining this computer"):
+        items = want(gather(shell, base))
+        facts = look(shell, items, user, base, root=False)
     changes = plan_undo(items, facts) if undo else plan_changes(items, facts)
     if not changes:
         click.echo("nothing to take back" if undo else "nothing to do: this computer is set up")
@@ -60,8 +63,8 @@ def command(dry_run: bool, undo: bool, only_mine: bool, yes: bool) -> int:
 def show_changes(changes: Sequence[Change]) -> None:
     """Print what would be different, one change after the other, in colour where there is a terminal."""
     for change in changes:
-        click.echo(f"{click.style(change.title, bold=True)}:")
-        for line in change.difference.splitlines():
+        click.echo(f"{click.style(printable(change.title), bold=True)}:")
+        for line in map(printable, change.difference.splitlines()):
             colour = {"+": "green", "-": "red", "@": "cyan"}.get(line[:1])
             click.echo(f"  {click.style(line, fg=colour)}")
 

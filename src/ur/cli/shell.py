@@ -8,13 +8,16 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Sequence
+from contextlib import AbstractContextManager
 from pathlib import Path
 
 import click
 
 from ur.cli.environment import current_selection
+from ur.cli.progress import show_progress
 from ur.robot.record import find_user, records_folder
-from ur.robot.ssh.openssh import Address, explain_failure, parse_address
+from ur.robot.ssh.openssh import Address, SshShell, connect, explain_failure, parse_address
+from ur.robot.ssh.secret import Secret
 from ur.robot.ssh.shell import quote
 from ur.source.diagnostic import UserError, error
 
@@ -44,7 +47,7 @@ def run_ssh(address: Address, options: Sequence[str], words: Sequence[str]) -> i
     with tempfile.TemporaryDirectory(prefix="ur-") as folder:
         log = Path(folder) / "log"
         log.touch()
-        code = _run_in_front(["ssh", *STRICT, "-E", str(log), *options, str(address), *script])
+        code = _run_in_front(["ssh", *STRICT, "-E", str(log), *options, "--", str(address), *script])
         said = log.read_text(encoding="utf-8", errors="replace")
     if code == 255 and said.strip():
         raise explain_failure(address, said)
@@ -80,6 +83,13 @@ def _run_in_front(command: Sequence[str]) -> int:
     finally:
         for number, handler in zip(numbers, before, strict=True):
             signal.signal(number, handler)
+
+
+def connect_robot(
+    address: Address, *, password: Secret | None = None, options: Sequence[str] = ()
+) -> AbstractContextManager[SshShell]:
+    """Log in as `ur.robot.ssh.openssh.connect` does; the terminal shows who is waited for."""
+    return connect(address, password=password, options=options, waiting=show_progress)
 
 
 def robot_address(robot: str | None) -> Address:

@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+import os
 import select
 import sys
 import time
 
 import click
 
-from ur.cli.detached import choose_run, connect, find_node_name, list_own_runs
+from ur.cli.detached import choose_run, connect, find_node_name, leave_out_joined, list_own_runs
+from ur.cli.progress import show_progress
 from ur.run.client import RunClient
 from ur.run.events import NodeChanged, RunEnded, StopNode, StopRun, Synchronised
+from ur.run.join.owner import describe_joined, list_joined
+from ur.run.remote.local_runs import wait_exit
 from ur.source.diagnostic import UserError, error
 
+JOINED_SECONDS = 10.0  # that the runs get which end because they had joined this one
 IMPATIENCE = 8.0  # s after which a run is asked again; asking again sends stronger signals
 
 
@@ -28,8 +33,10 @@ def command(run: str | None, node: str | None, every: bool) -> int:
     if every:
         if run or node:
             raise UserError(error("--all stops every run, expected neither RUN nor --node", rule="bad-options"))
-        for entry in list_own_runs():
-            with connect(entry) as client:
+        runs = list_own_runs()
+        last = leave_out_joined(runs)
+        for entry in [*(each for each in runs if each not in last), *last]:
+            with connect(entry) as client, show_progress(f"waiting for {entry.run} to end"):
                 _stop_run(client)
             sys.stderr.write(f"{entry.run} has ended\n")
         return 0
@@ -37,8 +44,16 @@ def command(run: str | None, node: str | None, every: bool) -> int:
     with connect(entry) as client:
         if node is not None:
             return _stop_node(client, node)
-        _stop_run(client)
-    sys.stderr.write(f"{entry.run} has ended\n")
+        names = list_joined(entry.run, os.environ, os.getuid())
+        joined = [each for each in list_own_runs() if each.run in names]
+        with show_progress(f"waiting for {entry.run} to end"):
+            _stop_run(client)
+    until = time.monotonic() + JOINED_SECONDS
+    for each in joined:
+        with show_progress(f"waiting for {each.run} to end"):
+            wait_exit(each, until)
+    also = f"; {text}" if (text := describe_joined(names)) else ""
+    sys.stderr.write(f"{entry.run} has ended{also}\n")
     return 0
 
 

@@ -15,14 +15,15 @@ from pathlib import Path
 import click
 
 from ur.cli.mount import read_mounts
-from ur.cli.shell import robot_address
-from ur.robot.ssh.openssh import connect
+from ur.cli.progress import show_progress
+from ur.cli.shell import connect_robot, robot_address
 from ur.robot.sync.compare import compare
 from ur.robot.sync.memory import load_memory, memory_path, store_memory
 from ur.robot.sync.model import SIDES, Side, SyncPlan
 from ur.robot.sync.show import describe_plan, summarise
 from ur.robot.sync.sync import WORKSPACE, Outcome, carry_out, look_at
 from ur.source.diagnostic import UserError, error
+from ur.source.printable import printable
 
 
 @click.command("sync")
@@ -44,7 +45,7 @@ def command(
     dry_run: bool,
     yes: bool,
 ) -> int:
-    """Bring the workspaces here and on a robot in step.
+    """Synchronise the workspaces of this computer and a robot.
 
     Both ways, between ~/catkin_ws/src here and there. Shows what it will do and asks. A file that was changed on both
     sides since the last sync is a conflict: it is named and left alone on both, until --take says for its PATH which
@@ -62,9 +63,10 @@ def command(
     _check_mounts(root)
     only = [_inside(path, root) for path in paths]
     memory_file = memory_path(name, os.environ)
-    with _alone(memory_file), connect(address) as shell:
+    with _alone(memory_file), connect_robot(address) as shell:
         last = load_memory(memory_file)
-        look = look_at(shell, root, last)
+        with show_progress(f"listing the workspaces here and on {name}"):
+            look = look_at(shell, root, last)
         agreed = look.last.agreed if look.last else {}
         known = {*look.here.files, *look.there.files, *agreed}
         for path, typed in zip(only, paths, strict=True):
@@ -72,7 +74,7 @@ def command(
                 raise _problem(f"{typed}: nothing of this name is in {root}, here or on {name}", "ur sync --dry-run")
         sides: Sequence[Side] = ["there"] if only_to else ["here"] if only_from else SIDES
         plan = compare(look.here, look.there, agreed, to=sides, take=take, only=only if "" not in only else [])
-        click.echo("\n".join([*describe_plan(plan, name), summarise(plan, name)]))
+        click.echo("\n".join(map(printable, [*describe_plan(plan, name), summarise(plan, name)])))
         if dry_run:
             return 1 if plan.conflicts else 0
         if plan.steps and not yes and not _agree():
@@ -93,7 +95,7 @@ def command(
 def _finish(plan: SyncPlan, outcome: Outcome) -> int:
     left = {path: why for side in SIDES for path, why in outcome.left[side].items()}
     for path, why in sorted(left.items()):
-        click.echo(f"warning: {path}: {why}: left as it is; run this again")
+        click.echo(f"warning: {printable(path)}: {printable(why)}: left as it is; run this again")
     if any(step.keep for step in plan.steps):
         click.echo("what --take replaced is kept in ~/catkin_ws/.ur_sync/kept")
     if plan.steps:

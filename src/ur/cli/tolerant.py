@@ -7,13 +7,13 @@ import sys
 from collections.abc import Sequence
 
 from ur.cli.environment import apply_selection, current_selection
-from ur.cli.plan_files import declared_arguments, refuse_stray_words, selected_arguments
-from ur.launchfile.address import resolve_addresses
+from ur.cli.plan_files import read_file_words
+from ur.cli.progress import show_progress
 from ur.launchfile.plan.load import load_plan
 from ur.launchfile.plan.model import Plan
 from ur.launchfile.world.system import SystemWorld
 from ur.source.diagnostic import Severity
-from ur.source.render import render_human
+from ur.source.render import render_human, shows_colour
 
 
 def load_tolerantly(words: Sequence[str]) -> tuple[Plan, list[str], bool]:
@@ -25,13 +25,10 @@ def load_tolerantly(words: Sequence[str]) -> tuple[Plan, list[str], bool]:
     selection = current_selection(os.environ)
     apply_selection(selection)
     world = SystemWorld(os.environ, standard_input=lambda: sys.stdin.buffer.read())
-    files = resolve_addresses(words, world)
-    declared = declared_arguments(files, world)
-    refuse_stray_words(files, declared, world)
-    given = [word for word in words if ":=" in word]
-    arguments = [*given, *selected_arguments(selection, declared, given, here=True)]
-    plan = load_plan(files, arguments, world)
+    with show_progress(f"reading {' '.join(words)}"):
+        read = read_file_words(words, world, selection, here=True)
+        plan = load_plan(read.files, read.arguments, world)
     if plan.diagnostics:
-        sys.stderr.write(render_human(plan.diagnostics, colour=sys.stderr.isatty()))
+        sys.stderr.write(render_human(plan.diagnostics, colour=shows_colour(sys.stderr)))
     sound = not any(found.severity is Severity.ERROR for found in plan.diagnostics)
-    return plan, [world.absolute(path) for path in files], sound
+    return plan, [world.absolute(path) for path in read.files], sound

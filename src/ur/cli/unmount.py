@@ -5,15 +5,17 @@ from __future__ import annotations
 import click
 
 from ur.cli.mount import read_mounts
+from ur.cli.progress import show_progress
 from ur.cli.shell import robot_address
 from ur.robot.mount import mounts_of, unmount_command
 from ur.robot.ssh.shell import run_process
+from ur.source.printable import printable
 
 
 @click.command("unmount")
 @click.argument("robot", required=False)
 def command(robot: str | None) -> int:
-    """Take the mounted folders of a robot away again.
+    """Unmount the folders of a robot.
 
     Works without the robot, too: when it is off or out of reach.
     """
@@ -23,7 +25,9 @@ def command(robot: str | None) -> int:
         click.echo(f"nothing of {address.host} is mounted")
     code = 0
     for mount in found:
-        done = run_process(unmount_command(mount.target), timeout=20, what=f"unmounting {mount.target}")
-        click.echo(f"{mount.target}: " + ("unmounted" if done.code == 0 else done.err.strip()))
+        what = f"unmounting {mount.target}"
+        with show_progress(what):
+            done = run_process(unmount_command(mount.target), timeout=20, what=what)
+        click.echo(f"{mount.target}: " + ("unmounted" if done.code == 0 else printable(done.err.strip())))
         code = max(code, 1 if done.code else 0)
     return code

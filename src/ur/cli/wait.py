@@ -9,6 +9,7 @@ import time
 import click
 
 from ur.cli.detached import choose_run, connect
+from ur.cli.progress import show_progress
 from ur.run.events import NodeChanged, NodeReadiness, RunStopping, Watch
 from ur.run.registry import RunEntry
 
@@ -37,7 +38,7 @@ def wait_ready(entry: RunEntry, timeout: float) -> int:
     end = time.monotonic() + timeout
     nodes: dict[str, NodeChanged] = {}
     missing: dict[str, tuple[str, ...]] = {}
-    with connect(entry) as client:
+    with connect(entry) as client, show_progress(f"waiting for the nodes of {entry.run}") as progress:
         client.send(Watch(readiness=True))
         while (left := end - time.monotonic()) > 0:
             select.select([client], [], [], left)
@@ -56,8 +57,10 @@ def wait_ready(entry: RunEntry, timeout: float) -> int:
                 elif isinstance(event, RunStopping):
                     sys.stderr.write(f"error: run {entry.run} ends: {event.cause}\n")
                     return 1
-            if nodes and all(not missing[name] or _is_done(nodes[name]) for name in nodes):
+            late = [name for name in nodes if missing[name] and not _is_done(nodes[name])]
+            if nodes and not late:
                 return 0
+            progress(f"waiting for {len(late)} of {len(nodes)} nodes: {', '.join(late)}")
     _say_missing({name: missing[name] for name in nodes if missing[name] and not _is_done(nodes[name])}, timeout)
     return 1
 
@@ -74,6 +77,6 @@ def _explain(node: NodeChanged) -> str:
 
 
 def _say_missing(missing: dict[str, tuple[str, ...]], timeout: float) -> None:
-    sys.stderr.write(f"error: not up after {timeout:g} s:\n")
+    sys.stderr.write(f"error: not up after {timeout:g} s{':' if missing else ''}\n")
     for name, reasons in missing.items():
         sys.stderr.write(f"  {name}: {'; '.join(reasons)}\n")

@@ -14,6 +14,7 @@ from typing import TextIO
 
 import click
 
+from ur.cli.progress import show_progress
 from ur.cli.shell import robot_address
 from ur.cli.wifi_screen import describe_sample, draw_screen, print_summary
 from ur.robot.link.meter import Meter
@@ -41,7 +42,7 @@ SETTLE = 2  # seconds in which nothing can be settled yet
     help="Write each second to a CSV file, which must not be there yet.",
 )
 def command(robot: str | None, watch: bool, seconds: int | None, log: Path | None) -> int:
-    """Measure the way to a robot: signal of both, latency, loss.
+    """Measure the connection to a robot: signal of both, latency, loss.
 
     Carry this computer or the robot around and watch: where does it get worse? ROBOT is a name, HOST or USER@HOST;
     without it, the selected robot. When the robot drops away the gap is marked, and it goes on. Where there is no
@@ -61,8 +62,10 @@ def command(robot: str | None, watch: bool, seconds: int | None, log: Path | Non
         ticks = _measure(meter, samples, file, None if watch and seconds is None else seconds or 5)
         try:
             if not watch:
-                for _ in ticks:
-                    pass
+                count = seconds or 5
+                with show_progress(f"measuring for {count} s") as progress:
+                    for _ in ticks:
+                        progress(f"measuring: {len(samples)} of {count} samples")
             elif sys.stdout.isatty():
                 draw_screen(ticks, samples, names, meter)
             else:

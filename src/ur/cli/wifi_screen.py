@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from ur.cli.output import plain_text
 from ur.robot.doctor.wifi import Wifi
 from ur.robot.link.advice import advise
 from ur.robot.link.meter import Meter
@@ -102,11 +103,11 @@ def print_summary(samples: Sequence[Sample], names: Names, meter: Meter, log: Pa
         click.echo("nothing was measured")
         return
     whole = summarize(samples)
-    table = Table(title=f"{names[0]} - {names[1]}, {whole.seconds} s", title_justify="left")
+    table = Table(title=plain_text(f"{names[0]} - {names[1]}, {whole.seconds} s"), title_justify="left")
     for column in ("", "now", "median", "worst"):
         table.add_column(column)
     for row in _rows(samples[-1], whole, names):
-        table.add_row(*row)
+        table.add_row(*map(plain_text, row))
     Console(soft_wrap=not sys.stdout.isatty()).print(table)
     for line in (meter_note(meter, names), advise(samples, names), f"written to {log}" if log else ""):
         if line:

@@ -6,6 +6,7 @@ import os
 
 import click
 
+from ur.cli.progress import show_progress
 from ur.cli.shell import STRICT, robot_address, run_ssh
 from ur.robot.ssh.openssh import explain_failure
 from ur.robot.ssh.shell import quote, run_process
@@ -17,7 +18,7 @@ STILL_OPEN = 124  # timeout(1)
 
 
 @click.command("x", context_settings={"ignore_unknown_options": True, "allow_interspersed_args": False})
-@click.option("--check", is_flag=True, help="Only open a window and close it again, and say whether that works.")
+@click.option("--check", is_flag=True, help="Only open a window, close it, and print whether that works.")
 @click.argument("robot")
 @click.argument("words", nargs=-1, type=click.UNPROCESSED, metavar="[PROGRAM ...]")
 def command(robot: str, words: tuple[str, ...], check: bool) -> int:
@@ -42,8 +43,9 @@ def command(robot: str, words: tuple[str, ...], check: bool) -> int:
     if not check:
         return run_ssh(address, options, words)
     script = quote("timeout", str(OPEN_SECONDS), WINDOW)
-    command = ["ssh", *options, *STRICT, "-o", "BatchMode=yes", str(address), script]
-    done = run_process(command, timeout=30, what=f"a window of {address}")
+    command = ["ssh", *options, *STRICT, "-o", "BatchMode=yes", "--", str(address), script]
+    with show_progress(f"waiting for a window of {address.host}"):
+        done = run_process(command, timeout=30, what=f"a window of {address}")
     if done.code == STILL_OPEN:
         click.echo(f"a window of {address.host} opened here and was closed again")
         return 0

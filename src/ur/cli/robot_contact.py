@@ -1,0 +1,106 @@
+"""First contact of `ur robot setup`: the host key that the user confirms, and what the robot may do here."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import click
+
+from ur.robot.record import load_records, records_folder
+from ur.robot.setup.contact import COMPARE, Contact, meet, needs_answer
+from ur.robot.setup.login import Task
+from ur.robot.ssh.host_key import parse_fingerprint
+from ur.source.diagnostic import UserError, error
+
+
+def read_fingerprint(text: str, option: str) -> str:
+    """A fingerprint that the user has given. Raises UserError."""
+    try:
+        return parse_fingerprint(text)
+    except ValueError as problem:
+        raise UserError(error(f"{option}: {problem}", rule="bad-value", help=f"to see it, {COMPARE}")) from None
+
+
+def confirm_host_key(task: Task, *, fingerprint: str = "", yes: bool = False, new_host_key: bool = False) -> Task:
+    """Compare the robot's host key with the known one; ask for a new one. The task with the key that counts.
+
+    `fingerprint` is the one that the user gave, `yes` confirms any. Nothing secret is sent. Raises UserError: it is
+    another one, the user says no, or there is no terminal to ask on.
+    """
+    contact = meet(task.address, task.later, with_key=bool(fingerprint))
+    if needs_answer(task.address, contact, fingerprint=fingerprint, new_host_key=new_host_key):
+        assert contact.host_key
+        if yes:
+            click.echo(f"{task.robot.name}: first contact, host key {contact.host_key.fingerprint}: accepted by --yes")
+        else:
+            _ask(task, contact)
+    elif contact.is_first and contact.host_key:
+        click.echo(f"{task.robot.name}: first contact, host key {contact.host_key.fingerprint}: as given")
+    return replace(task, host_key=contact.pinned, first_contact=contact.is_first)
+
+
+def _ask(task: Task, contact: Contact) -> None:
+    assert contact.host_key
+    offered = contact.host_key.fingerprint
+    was = "another one was known before" if contact.state == "changed" else "not known to this computer"
+    if not sys.stdin.isatty():
+        raise UserError(
+            error(
+                f"{task.address}: its host key is {offered}, {was}, and there is no terminal to ask on",
+                rule="unconfirmed-host-key",
+                help=f"compare with the robot's own, {COMPARE}; then add --host-key {offered}, "
+                "or --yes in a network that you trust",
+            )
+        )
+    click.echo(
+        f"the host key of {task.address} is {was}:\n"
+        f"  {offered}\n"
+        f"  compare it with the robot's own, {COMPARE}\n"
+        "  the computer with this key gets the passwords that you give"
+    )
+    while True:
+        answer = click.prompt("is it the robot's? [y/N, or the fingerprint]", default="n", show_default=False).strip()
+        if answer.lower() in ("y", "yes") or answer.rstrip("=") == offered:
+            return
+        if answer.lower() in ("n", "no") or answer.startswith("SHA256:"):
+            raise UserError(
+                error(
+                    f"{task.address}: its host key is not confirmed, and nothing was sent to it",
+                    rule="unconfirmed-host-key",
+                    help="another computer may answer to this name: use the robot's address, or connect it by cable",
+                )
+            )
+
+
+def decide_robot_login(tasks: Sequence[Task], wanted: bool | None) -> list[Task]:
+    """The tasks with the decision whether the robots may log in to this computer.
+
+    `wanted` is what the user gave; else what was decided for a robot before; else a question, or, without a terminal,
+    no.
+    """
+    before = {record.name: record.robot_login for record in load_records(records_folder(os.environ))}
+    open_ = [task.robot.name for task in tasks if wanted is None and before.get(task.robot.name) is None]
+    answer = bool(open_) and _ask_login(open_)
+    return [replace(task, robot_login=_decide(task.robot.name, wanted, before, answer)) for task in tasks]
+
+
+def _decide(name: str, wanted: bool | None, before: Mapping[str, bool | None], answer: bool) -> bool:
+    if wanted is not None:
+        return wanted
+    known = before.get(name)
+    return answer if known is None else known
+
+
+def _ask_login(names: Sequence[str]) -> bool:
+    who = ", ".join(names)
+    if not sys.stdin.isatty():
+        click.echo(f"{who}: may not log in to this computer; --robot-login allows it")
+        return False
+    click.echo(
+        "roslaunch on a robot starts nodes on this computer by ssh; without that, the robot needs no login here, "
+        "and ur needs none"
+    )
+    return click.confirm(f"may {who} log in to this computer by key?", default=False)

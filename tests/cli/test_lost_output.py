@@ -1,0 +1,86 @@
+"""Output that nobody takes and a folder that is gone: one line, and the exit code of convention."""
+
+from __future__ import annotations
+
+import os
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+UR = shlex.join([sys.executable, "-I", "-m", "ur"])
+CALLS = [
+    "--version",
+    "--help",
+    "list",
+    "list --help",
+    "check a.launch",
+    "launch --nodes a.launch",
+    "env",
+    "graph a.launch",
+]
+CALLS += [
+    "docs . --output -",
+    "ps --json",
+    "completion zsh",
+    "explain a.launch n",
+    "use",
+    "check --explain bad-eval",
+]
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    (tmp_path / "a.launch").write_text('<launch><node pkg="p" type="t" name="n"/></launch>')
+    return tmp_path
+
+
+def run(line: str, folder: Path) -> subprocess.CompletedProcess[str]:
+    environment = {"PATH": os.environ["PATH"], "HOME": str(folder), "LC_ALL": "C.UTF-8"}
+    return subprocess.run(
+        ["bash", "-c", line], cwd=folder, env=environment, capture_output=True, text=True, timeout=60, check=False
+    )
+
+
+@pytest.mark.parametrize("call", CALLS)
+def test_full_disk_is_said_in_one_line(folder: Path, call: str) -> None:
+    done = run(f"{UR} {call} >/dev/full", folder)
+    assert done.returncode == 2
+    assert "error: standard output cannot be written: no space left on device" in done.stderr.splitlines()
+    assert "defect" not in done.stderr
+    assert "Exception" not in done.stderr
+
+
+@pytest.mark.parametrize("call", CALLS)
+def test_closed_output_is_said_in_one_line(folder: Path, call: str) -> None:
+    done = run(f"{UR} {call} >&-", folder)
+    assert done.returncode == 2
+    assert "error: standard output cannot be written: bad file descriptor" in done.stderr.splitlines()
+    assert "defect" not in done.stderr
+    assert "Exception" not in done.stderr
+
+
+def test_reader_that_has_gone_ends_it_quietly(folder: Path) -> None:
+    done = run(f"set -o pipefail; sleep 0.1 | {UR} list | true; echo ${{PIPESTATUS[1]}}", folder)
+    assert done.stdout in ("0\n", "141\n")
+    assert done.stderr == ""
+
+
+@pytest.mark.parametrize("how", ["2>/dev/full", "2>&-", ">/dev/full 2>&-"])
+def test_error_output_that_is_lost_changes_no_exit_code(folder: Path, how: str) -> None:
+    assert run(f"{UR} check no.launch {how}", folder).returncode == 2
+
+
+@pytest.mark.parametrize(
+    "call", ["check .", "check a.launch", "find x", "format --check .", "docs .", "launch a.launch"]
+)
+def test_folder_that_was_deleted_is_said_in_one_line(folder: Path, call: str) -> None:
+    (folder / "gone").mkdir()
+    done = run(f"cd gone && rmdir ../gone && exec {UR} {call}", folder)
+    assert done.returncode in (1, 2)
+    assert "defect" not in done.stderr
+    assert "Traceback" not in done.stderr
+    assert done.stderr.startswith(("error: ", "a.launch:"))
