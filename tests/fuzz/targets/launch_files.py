@@ -1,0 +1,91 @@
+"""Launch files: the plan and what is shown of it, the whole check, the layout."""
+
+from __future__ import annotations
+
+import os
+from contextlib import suppress
+from pathlib import Path
+
+from tests.fuzz.target import Target
+from tests.launchfile.fuzz.survive import CORPUS, check_survives, read_corpus
+
+from ur.check.render_text import render_text
+from ur.check.run import check_paths
+from ur.format.run import format_file
+from ur.launchfile import SystemWorld
+from ur.source.diagnostic import UserError
+
+_ENVIRONMENT = {"PATH": os.defpath, "HOME": "/home/robot", "ROS_PACKAGE_PATH": str(CORPUS), "LC_ALL": "C.UTF-8"}
+_WORDS = (
+    *(b"<", b">", b"/>", b"</", b'"', b"'", b"&", b"&amp;", b"&#0;", b"&#10;", b"$(", b")", b"$(arg a)", b"$(anon n)"),
+    *(b"$(eval ", b"$(find corpus_pkg)", b"<!--", b"-->", b"<![CDATA[", b"]]>", b"<?xml", b"?>", b"\xff", b"\xc3"),
+    *(b"$(dirname)", b"$(env HOME)", b"$(optenv A b)", b"1e999", b"-1", b"true", b' if="', b' unless="', b' ns="'),
+    *(b"<group>", b"</group>", b"<rosparam>", b"</rosparam>", b"<node ", b"<include ", b'<arg name="a" default="1"/>'),
+    *(
+        b" ** 9",
+        b" * 99999999",
+        b"[0] * ",
+        b"'a' * ",
+        b".format(",
+        b"{0.real}",
+        b"{:9999999d}",
+        b" for a in ",
+        b"str(",
+        b"<<",
+    ),
+    *(
+        b"<!DOCTYPE a [",
+        b"<!ENTITY a 'b'>]>",
+        b"&a;",
+        b"&b [*b]",
+        b"<!--Needs: lidar-->",
+        b"<!--ready: topic a 5 Hz-->",
+    ),
+    *(b"<!--ur: ignore bad-name: x-->", b"<!--a: text-->", b"<!--Summary: x-->", b'type="yaml"', b'command="dump"'),
+)
+
+
+def _load(data: bytes, folder: Path) -> None:
+    check_survives(_write(data, folder), _ENVIRONMENT)
+
+
+def _check(data: bytes, folder: Path) -> None:
+    path = _write(data, folder)
+    world = SystemWorld(_ENVIRONMENT)
+    render_text(check_paths([str(path)], world))
+    with suppress(UserError):
+        format_file(str(path), data, world)
+
+
+def _check_package(data: bytes, folder: Path) -> None:
+    package = folder / "fuzzed"
+    (package / "launch").mkdir(parents=True)
+    (package / "params").mkdir()
+    (package / "package.xml").write_text("<package><name>fuzzed</name></package>")
+    (package / "params" / "a.yaml").write_bytes(data)
+    (package / "launch" / "a.launch").write_text(
+        '<launch><rosparam file="$(find fuzzed)/params/a.yaml"/></launch>', encoding="utf-8"
+    )
+    render_text(check_paths([str(package)], SystemWorld({**_ENVIRONMENT, "ROS_PACKAGE_PATH": str(folder)})))
+
+
+def _make_yaml() -> list[bytes]:
+    return [b"a: 1\nb: [1, 2.5, x]\nc: {d: true, e: ~}\n", b"# x\nspeed: 0.5\nframes:\n  - map\n  - odom\ntext: 'a'\n"]
+
+
+def _write(data: bytes, folder: Path) -> Path:
+    path = folder / "a.launch"
+    path.write_bytes(data)
+    return path
+
+
+TARGETS = (
+    Target("launch", _load, _WORDS, read_corpus),
+    Target("launch_check", _check, _WORDS, read_corpus),
+    Target(
+        "parameters",
+        _check_package,
+        (*_WORDS, b"&a ", b"*a", b"<<: *a", b"? ", b"- - ", b"deg(90)", b"rad(pi)"),
+        _make_yaml,
+    ),
+)
