@@ -9,12 +9,14 @@ from pathlib import Path
 
 import pytest
 from tests.hosts.bench import REPOSITORY, Bench, wait_until
-from tests.hosts.bench.ledger import LEDGERS, Ledger, remove_stale
+from tests.hosts.bench import ledger as ledgers
+from tests.hosts.bench.ledger import Ledger, remove_stale
 from tests.hosts.bench.root import cache_folder, make_root
 
 OWNER = """
-import sys, time
-from tests.hosts.bench import boot
+import pathlib, sys, time
+from tests.hosts.bench import boot, ledger
+ledger.LEDGERS = pathlib.Path(sys.argv[1])
 with boot(["robot"]) as bench:
     print(bench.ledger.name, flush=True)
     time.sleep(600)
@@ -57,15 +59,17 @@ def test_computers_reach_nothing_but_each_other(bench: Bench) -> None:
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
-def test_nothing_is_left_however_the_owner_ends(number: signal.Signals) -> None:
+def test_nothing_is_left_however_the_owner_ends(
+    number: signal.Signals, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(ledgers, "LEDGERS", tmp_path)  # else another bench that starts meanwhile removes it first
     make_root(cache_folder())
-    owner = subprocess.Popen(
-        [sys.executable, "-c", OWNER], cwd=REPOSITORY, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
-    )
+    command = [sys.executable, "-c", OWNER, str(tmp_path)]
+    owner = subprocess.Popen(command, cwd=REPOSITORY, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
     assert owner.stdout
     with owner.stdout:
         name = owner.stdout.readline().strip()
-    ledger = Ledger.load(LEDGERS / f"{name}.json")
+    ledger = Ledger.load(tmp_path / f"{name}.json")
     assert all(process.alive for process in ledger.processes)
     owner.send_signal(number)
     owner.wait(30)

@@ -110,7 +110,7 @@ def test_library_is_brought_along_and_has_to_be_set_up_there(empty: Bench) -> No
     done = boot(empty, "install robot_base")
     assert done.code == 2
     assert "is there and not set up" in done.err
-    assert "ssh -t ros@bob.local ubiquity_launches/ur --version" in done.err
+    assert "ur robot setup bob completes it" in done.err
     assert "nothing" in boot(empty, "status").out
     found = robot.run(
         "/usr/bin/python3 -c 'import rospkg; print(rospkg.RosPack().get_path(\"ubiquity_launches\"))'; command -v ur",

@@ -57,6 +57,18 @@ def test_mount_over_the_workspace_hides_it_until_it_is_taken_away(pair: Bench) -
     assert robot.run("cat catkin_ws/src/new", user="ros").out == "new\n"
 
 
+def test_mount_whose_sshfs_was_killed_is_mounted_again(pair: Bench) -> None:
+    laptop, robot = pair["laptop"], pair["robot"]
+    robot.run("echo there >catkin_ws/src/file", user="ros").check()
+    laptop.run(f"{UR} mount bob", user="pat").check()
+    laptop.run("pkill -KILL -u pat -x sshfs").check()
+    laptop.wait_for("! cat robots/bob/file", user="pat", deadline=60)
+    again = laptop.run(f"{UR} mount bob", user="pat").check()
+    assert "already" not in again.out
+    assert laptop.run("cat robots/bob/file", user="pat").check().out == "there\n"
+    assert "unmounted" in laptop.run(f"{UR} unmount bob", user="pat").check().out
+
+
 def test_mount_on_a_folder_with_files_is_refused(pair: Bench) -> None:
     done = pair["laptop"].run(f"{UR} mount bob --at /etc", user="pat")
     assert done.code == 2
@@ -74,6 +86,7 @@ def test_mount_on_a_folder_with_files_is_refused(pair: Bench) -> None:
 )
 def test_mount_that_cannot_be_is_explained_and_leaves_nothing(pair: Bench, words: str, said: str) -> None:
     laptop = pair["laptop"]
+    laptop.run(f"{UR} use sim", user="pat").check()  # the set-up has selected the robot
     done = laptop.run(f"{UR} mount {words}", user="pat")
     assert done.code == 2
     assert said in done.err

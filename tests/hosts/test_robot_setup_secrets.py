@@ -96,13 +96,16 @@ def set_up_in_every_way(laptop: Machine, robot: Machine) -> None:
         robot.restore()
 
     terminal = Terminal(laptop, "pat")
-    terminal.answer("$ ", "ur robot setup robot.local --name bob --base magni")
+    terminal.answer("$ ", "ur robot setup robot.local --name bob --base magni --no-programs")
+    terminal.answer("variant of bob", "plain")
+    terminal.answer("may bob log in to this computer", "y")
     terminal.answer("present password of ros@robot.local", FLASHED)
     terminal.answer("new password", PASSWORD)
     terminal.answer("the same again", PASSWORD)
     terminal.answer("ready after", "history -a; exit")
     terminal.close()
     assert not any(secret in terminal.screen for secret in SECRETS)
+    assert "or the fingerprint]" not in terminal.screen  # an interrupted run has confirmed it already
 
     assert "nothing to do" in set_up(laptop, "bob.local", current=FLASHED).check().out
     robot.run("mv /home/ros/.ssh/authorized_keys /root/").check()

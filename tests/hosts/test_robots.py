@@ -9,7 +9,9 @@ from typing import Any
 
 import pytest
 from tests.hosts.bench import UR, Bench, wait_until
+from tests.hosts.managed import wait_settled
 from tests.hosts.test_doctor import pair
+from tests.hosts.test_robot_setup import PASSWORD
 from tests.terminal import Terminal
 
 pytestmark = pytest.mark.long
@@ -57,6 +59,53 @@ def test_list_tells_what_robots_are_how_their_clock_is_and_what_they_run(pair: B
     shown = laptop.run(f"{UR} robots", user="pat").check().out
     assert "magni" in shown
     assert "here" in shown
+
+
+def test_robot_that_is_starting_is_listed_with_its_nodes_and_its_clock(pair: Bench) -> None:
+    laptop, robot = pair["laptop"], pair["robot"]
+    laptop.run(f"{UR} boot install --robot bob", user="pat", timeout=120).check()
+    until_listed(pair, "nodes", 1)
+    robot.run("systemctl restart --no-block ubiquity-master").check()
+    check_whole(pair, "bob")
+    leader = robot.leader
+    robot.run("systemctl reboot")
+    robot.wait_rebooted(leader)
+    check_whole(pair, "bob")
+    # Renamed from elsewhere: this computer has no host key of that name.
+    kept = laptop.run("tar c .ssh .config | base64", user="pat").check().out
+    for old, new in (("bob", "eve"), ("eve", "bob")):
+        line = f"{UR} robot rename {old} {new} --password-from 0"
+        laptop.run(line, user="pat", stdin=f"{PASSWORD}\n", timeout=300).check()
+        wait_settled(robot)
+        check_whole(pair, new)
+        if new == "eve":
+            known = laptop.run("tar c .ssh .config | base64", user="pat").check().out
+            laptop.run("rm -rf .ssh .config; base64 -d | tar x", user="pat", stdin=kept).check()
+            row = check_whole(pair, "eve")
+            assert row["problem"] == "eve was renamed: this computer knows it as bob"
+            assert row["help"] == "ur robot rename bob eve"
+            laptop.run("rm -rf .ssh .config; base64 -d | tar x", user="pat", stdin=known).check()
+
+
+def check_whole(pair: Bench, name: str) -> dict[str, Any]:
+    """The row of a robot in the first list that has it: its clock is known, and its nodes once its master answers."""
+    rows: dict[str, Any] = {}
+
+    def is_listed() -> bool:
+        rows.update(list_robots(pair))
+        return name in rows and bool(rows[name]["address"])
+
+    wait_until(is_listed, f"{name} is listed", SECONDS)
+    row: dict[str, Any] = rows[name]
+    assert row["clock_offset"] is not None, str(row)
+    assert row["services"], str(row)
+
+    def has_nodes() -> bool:
+        rows.update(list_robots(pair))
+        return bool(rows[name]["nodes"])
+
+    wait_until(has_nodes, f"{name}'s master answers", SECONDS)
+    return row
 
 
 def test_robot_that_is_away_is_listed_with_where_it_was(pair: Bench) -> None:
@@ -129,6 +178,7 @@ def test_lines_are_printed_where_there_is_no_terminal(pair: Bench) -> None:
     ],
 )
 def test_what_cannot_be_done_is_said_in_one_line(pair: Bench, words: str, said: str) -> None:
+    pair["laptop"].run(f"{UR} use sim", user="pat").check()  # the set-up has selected the robot
     done = pair["laptop"].run(f"{UR} {words}", user="pat")
     assert done.code == 2
     assert said in done.err

@@ -75,10 +75,11 @@ FILES = {
     "package.xml": (PACKAGE, 0o644),
     "launch/chat.launch": (LAUNCH, 0o644),
     "launch/alone.launch": (ONLY_THERE, 0o644),
+    "launch/listen.launch": (LAUNCH.replace('name="hear"', 'name="listen"'), 0o644),
     "scripts/talk.py": (TALK, 0o755),
     "scripts/hear.py": (HEAR, 0o755),
 }
-USERS = {"laptop": "pat", "robot": "ros"}
+USERS = {"laptop": "pat", "laptop2": "pat", "robot": "ros"}
 
 
 @pytest.fixture(scope="module")
@@ -87,12 +88,17 @@ def pair() -> Iterator[Bench]:
     with boot(("laptop", "robot"), with_repository=("laptop", "robot")) as bench:
         prepare(bench["laptop"])
         set_up(bench["laptop"]).check()
-        bench["robot"].run(f"ln -s {REPOSITORY} ubiquity_launches", user="ros").check()
+        link_project(bench["robot"])
         for machine in (bench["laptop"], bench["robot"]):
             bring_package(machine)
         bench["laptop"].run(f"{UR} use bob", user="pat").check()
         bench["laptop"].wait_for("rosnode list", user="pat", deadline=120)
         yield bench
+
+
+def link_project(robot: Machine) -> None:
+    """Replace the robot's copy of this project by a link to this repository, whose environment is ready to run."""
+    robot.run(f"rm -rf ubiquity_launches && ln -s {REPOSITORY} ubiquity_launches", user="ros").check()
 
 
 def bring_package(machine: Machine) -> None:
@@ -135,17 +141,17 @@ class Started:
 
     def signal(self, number: signal.Signals) -> None:
         """Send a signal to `ur launch` itself, inside."""
-        self._laptop.run(f"pkill -{number.value} -u pat -f '^[^ ]*python -m ur launch'").check()
+        self._laptop.run(f"pkill -{number.value} -u pat -f '^[^ ]*python -I -m ur launch'").check()
 
 
 @contextmanager
-def started(pair: Bench, words: str, tmp_path: Path) -> Iterator[Started]:
-    found = Started(pair["laptop"], words, tmp_path / f"said{len(list(tmp_path.iterdir()))}")
+def started(pair: Bench, words: str, tmp_path: Path, laptop: str = "laptop") -> Iterator[Started]:
+    found = Started(pair[laptop], words, tmp_path / f"said{len(list(tmp_path.iterdir()))}")
     try:
         yield found
     finally:
         if found.process.poll() is None:
-            pair["laptop"].run("pkill -KILL -u pat -f '^[^ ]*python -m ur launch'")
+            pair[laptop].run("pkill -KILL -u pat -f '^[^ ]*python -I -m ur launch'")
         found.process.wait(60)
 
 
@@ -237,12 +243,32 @@ def test_node_that_runs_there_already_is_left_alone(pair: Bench, tmp_path: Path)
     assert nodes_of(robot) == ["talk.py"]
 
 
+def test_second_program_of_the_laptop_joins_and_the_robot_serves_it_when_the_first_has_ended(
+    pair: Bench, tmp_path: Path
+) -> None:
+    with started(pair, "launch chat chat.launch", tmp_path) as one:
+        one.wait_said("laptop heard ")
+        (run,) = runs_there(pair)
+        with started(pair, "launch chat listen.launch", tmp_path) as two:
+            two.wait_said("laptop heard ")
+            assert "bob: 1 node runs already: /talk" in two.said
+            assert nodes_of(pair["robot"]) == ["talk.py"]
+            pair["laptop"].run("pkill -INT -u pat -f 'm ur launch chat chat.launch'").check()
+            assert one.process.wait(90) == 0, one.said
+            assert f"bob: {run} goes on for laptop" in one.said
+            two.wait_said("laptop heard ", after=len(two.said))
+            two.signal(signal.SIGINT)
+            assert two.process.wait(90) == 0, two.said
+    assert runs_there(pair) == []
+    assert nodes_of(pair["robot"]) == []
+
+
 def test_program_of_the_robot_alone_is_followed_through_a_lost_connection(pair: Bench, tmp_path: Path) -> None:
     with started(pair, "launch chat alone.launch", tmp_path) as program:
         program.wait_said("it says alone")
         assert len(runs_there(pair)) == 1
         pair["laptop"].cut()
-        program.wait_said("the connection is gone")
+        program.wait_said("connection lost")
         at = len(program.said)
         pair["laptop"].restore()
         program.wait_said("it says alone", after=at)

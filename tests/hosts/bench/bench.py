@@ -34,10 +34,19 @@ LOGIN = """\
 UserStopDelaySec=infinity
 """
 # Started without systemd, systemd-nspawn leaves rebooting to its caller (exit code 133); and it empties its folder in
-# /run, which it refuses where /run is on a disk.
+# /run, which it refuses where /run is on a disk. Right after a reboot it may fail (1): the kernel still has the network
+# interface of the computer that went.
 KEEP_RUNNING = """
 mkdir -p /run/systemd/nspawn && mount -t tmpfs tmpfs /run/systemd/nspawn || exit
-while "$@"; code=$?; [ $code -eq 133 ]; do :; done
+failures=0 reboots=0
+while "$@"; code=$?; do
+  echo "systemd-nspawn has ended with exit code $code" >&2
+  case $code in
+    133) failures=0 reboots=$((reboots + 1)) ;;
+    1) failures=$((failures + 1)); [ $reboots -gt 0 ] && [ $failures -le 50 ] || break; sleep 0.1 ;;
+    *) break ;;
+  esac
+done
 exit $code
 """
 
@@ -48,29 +57,34 @@ class Bench:
 
     ledger: Ledger
     machines: Mapping[str, Machine]
+    root: Path
 
     def __getitem__(self, name: str) -> Machine:
         return self.machines[name]
 
     def boot_stranger(self, name: str, number: int = 90) -> Machine:
         """Boot one more computer on this network, which may have any host name; it goes with the bench."""
-        machine = _start(self.ledger, make_root(cache_folder()), name, f"10.77.0.{number}")
+        machine = _start(self.ledger, self.root, name, f"10.77.0.{number}")
         machine.wait_booted(180.0)
         return machine
 
 
 @contextmanager
 def boot(
-    names: Sequence[str] = ("laptop", "robot"), *, with_repository: Sequence[str] = ("laptop",)
+    names: Sequence[str] = ("laptop", "robot"),
+    *,
+    with_repository: Sequence[str] = ("laptop",),
+    programs: bool = False,
 ) -> Iterator[Bench]:
     """Boot computers with these host names and wait for their ssh servers; remove everything at the end.
 
-    Those `with_repository` have this repository where it is here, to read only, and its environment. What an earlier
+    Those `with_repository` have this repository where it is here, to read only, and its environment. With `programs`
+    all of them have the Debian packages that robot programs need, which else the set-up installs. What an earlier
     bench that was killed left behind is removed first. SIGTERM and SIGHUP end this one as Ctrl-C does (in the main
     thread).
     """
     remove_stale()
-    root = make_root(cache_folder())
+    root = make_root(cache_folder(), programs=programs)
     identity = secrets.token_hex(3)
     ledger = Ledger(identity, this_process(), str(FOLDERS / f"ur-hosts.{identity}"), bridge=f"urh{identity}")
     ledger.save()
@@ -83,7 +97,7 @@ def boot(
             }
             for machine in machines.values():
                 machine.wait_booted()
-            yield Bench(ledger, machines)
+            yield Bench(ledger, machines, root)
         finally:
             remove_all(ledger)
 

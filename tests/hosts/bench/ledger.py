@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fcntl
 import json
 import os
 import shutil
@@ -81,15 +82,22 @@ def start_time(pid: int) -> int | None:
 
 def remove_stale() -> list[str]:
     """Remove everything of benches whose owner is gone; the names of those benches."""
-    gone = [ledger for ledger in list_ledgers() if not ledger.owner.alive]
-    for ledger in gone:
-        remove_all(ledger)
+    LEDGERS.mkdir(parents=True, exist_ok=True)
+    with (LEDGERS / "lock").open("w") as lock:  # two that remove the same bench would fail over what is gone already
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        gone = [ledger for ledger in list_ledgers() if not ledger.owner.alive]
+        for ledger in gone:
+            remove_all(ledger)
     return [ledger.name for ledger in gone]
 
 
 def list_ledgers() -> list[Ledger]:
     """The ledgers of all benches on this computer."""
-    return [Ledger.load(path) for path in sorted(LEDGERS.glob("*.json"))]
+    found = []
+    for path in sorted(LEDGERS.glob("*.json")):
+        with suppress(FileNotFoundError):  # a bench that ends meanwhile removes its own
+            found.append(Ledger.load(path))
+    return found
 
 
 def remove_all(ledger: Ledger) -> None:

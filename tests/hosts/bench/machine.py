@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import shlex
+import signal
 import subprocess
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -111,21 +113,29 @@ class Machine:
         return done
 
     def wait_booted(self, deadline: float = 180.0) -> None:
-        """Wait until its ssh server and its avahi daemon run."""
+        """Wait until its ssh server and its avahi daemon run, and it is not about to reboot."""
         units = ("ssh", "avahi-daemon", "systemd-networkd")  # is-active is content with one of several
-        self.wait_for(" && ".join(f"systemctl is-active --quiet {unit}" for unit in units), deadline=deadline)
-        # A device of its own for sshfs: the one of this computer may be for root alone.
-        self.run("[ -e /dev/fuse ] || mknod -m 666 /dev/fuse c 10 229").check()
+        conditions = ['[ "$(systemctl is-system-running)" != stopping ]']
+        conditions += [f"systemctl is-active --quiet {unit}" for unit in units]
+        # A device of its own for sshfs: the one of this computer may be for root alone. It is made by the command that
+        # checks, which is repeated if a reboot ends it.
+        device = "{ [ -e /dev/fuse ] || mknod -m 666 /dev/fuse c 10 229; }"
+        self.wait_for(" && ".join([*conditions, device]), deadline=deadline)
 
     def wait_rebooted(self, leader: int, deadline: float = 180.0) -> None:
         """Wait until it has booted again after `leader` was its init."""
 
         def other() -> bool:
+            _continue_all(leader)
             with suppress(LookupError):
                 return self.leader != leader
             return False
 
-        wait_until(other, f"{self.name} reboots", deadline)
+        try:
+            wait_until(other, f"{self.name} reboots", deadline)
+        except AssertionError as problem:
+            lines = self.console.read_text(errors="replace").splitlines()[-8:]
+            raise AssertionError(f"{problem}; the end of its console: {lines}") from None
         self.wait_booted(deadline)
 
     def cut(self) -> None:
@@ -155,17 +165,7 @@ class Machine:
 
     def processes(self) -> list[tuple[int, str]]:
         """The processes that run inside: number as seen from here, and command line, a blank between words."""
-        space = Path(f"/proc/{self.leader}/ns/pid").readlink()
-        found = []
-        for entry in Path("/proc").iterdir():
-            if entry.name.isdigit():
-                try:
-                    if (entry / "ns/pid").readlink() == space:
-                        words = (entry / "cmdline").read_bytes().replace(b"\0", b" ")
-                        found.append((int(entry.name), words.decode(errors="replace").strip()))
-                except OSError:
-                    continue
-        return found
+        return _processes_of(self.leader)
 
     def _port(self) -> str:
         done = subprocess.run(
@@ -176,9 +176,34 @@ class Machine:
         )
         index = done.stdout.strip()
         for entry in Path("/sys/class/net").iterdir():
-            if (entry / "ifindex").read_text().strip() == index:
-                return entry.name
+            with suppress(OSError):  # another computer's, which goes at this moment
+                if (entry / "ifindex").read_text().strip() == index:
+                    return entry.name
         raise LookupError(f"{self.name}: no interface {index} here")
+
+
+def _processes_of(leader: int) -> list[tuple[int, str]]:
+    found: list[tuple[int, str]] = []
+    try:
+        space = Path(f"/proc/{leader}/ns/pid").readlink()
+    except OSError:
+        return found
+    for entry in Path("/proc").iterdir():
+        if entry.name.isdigit():
+            try:
+                if (entry / "ns/pid").readlink() == space:
+                    words = (entry / "cmdline").read_bytes().replace(b"\0", b" ")
+                    found.append((int(entry.name), words.decode(errors="replace").strip()))
+            except OSError:
+                continue
+    return found
+
+
+def _continue_all(leader: int) -> None:
+    """Continue what is stopped: systemd-shutdown stops all for a moment, and runuser then stops itself for good."""
+    for number, _ in _processes_of(leader):
+        with suppress(OSError):
+            os.kill(number, signal.SIGCONT)
 
 
 def wait_until(condition: Callable[[], bool], what: str, deadline: float = 30.0) -> None:

@@ -12,7 +12,8 @@ import tempfile
 from pathlib import Path
 
 HERE = Path(__file__).parent
-RECIPE = ("packages.txt", "offered.txt", "customize.bash", "root.py")
+PACKAGES, PROGRAMS = "packages.txt", "programs.txt"
+RECIPE = (PACKAGES, "offered.txt", "customize.bash", "root.py")
 TOOLS = ("mmdebstrap", "systemd-nspawn", "nsenter", "ip", "dpkg-deb", "mount")
 
 
@@ -28,30 +29,32 @@ def find_obstacle() -> str | None:
     return None
 
 
-def find_root(cache: Path) -> Path | None:
+def find_root(cache: Path, *, programs: bool = False) -> Path | None:
     """The cached root for today's recipe, or None when it has not been made."""
-    root = cache / _key()
+    root = cache / _key(programs=programs)
     return root if root.is_dir() else None
 
 
-def make_root(cache: Path) -> Path:
+def make_root(cache: Path, *, programs: bool = False) -> Path:
     """The cached root for today's recipe, made now when it is not there (a minute or two, needs the package mirror).
 
+    With `programs` it also has what robot programs need. The two are kept side by side; of each only today's is.
     Safe against a second process and against being killed: the unfinished has another name and is removed next time.
     """
     cache.mkdir(parents=True, exist_ok=True)
     with (cache / "lock").open("w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
-        found = find_root(cache)
+        found = find_root(cache, programs=programs)
         if found:
             return found
         used = Path("/proc/self/mounts").read_text()
+        kept = {cache / _key(programs=True), cache / _key(programs=False)}
         for old in cache.iterdir():
-            if old.is_dir() and f"lowerdir={old}," not in used:
+            if old.is_dir() and old not in kept and f"lowerdir={old}," not in used:
                 shutil.rmtree(old)
         unfinished = Path(tempfile.mkdtemp(prefix="unfinished.", dir=cache))
-        _bootstrap(unfinished / "root", cache / "mmdebstrap.log")
-        target = cache / _key()
+        _bootstrap(unfinished / "root", cache / "mmdebstrap.log", _packages(programs=programs))
+        target = cache / _key(programs=programs)
         (unfinished / "root").rename(target)
         unfinished.rmdir()
         return target
@@ -63,8 +66,12 @@ def cache_folder() -> Path:
     return Path(base) / "ur-hosts" if base else Path("/var/cache/ur-hosts")
 
 
-def _bootstrap(target: Path, log: Path) -> None:
-    names = [line for line in (HERE / "packages.txt").read_text().splitlines() if line and not line.startswith("#")]
+def _packages(*, programs: bool) -> list[str]:
+    lines = [line for name in (PACKAGES, PROGRAMS)[: 1 + programs] for line in (HERE / name).read_text().splitlines()]
+    return [line for line in lines if line and not line.startswith("#")]
+
+
+def _bootstrap(target: Path, log: Path, names: list[str]) -> None:
     command = [
         "mmdebstrap",
         "--mode=root",
@@ -83,9 +90,9 @@ def _bootstrap(target: Path, log: Path) -> None:
         raise RuntimeError(f"mmdebstrap failed ({done.returncode}); the end of {log}:\n{tail}")
 
 
-def _key() -> str:
+def _key(*, programs: bool) -> str:
     digest = hashlib.sha256()
-    for name in RECIPE:
+    for name in (*RECIPE, PROGRAMS)[: len(RECIPE) + programs]:
         digest.update((HERE / name).read_bytes())
     return f"{_codename()}-{platform.machine()}-{digest.hexdigest()[:12]}"
 
