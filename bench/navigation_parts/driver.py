@@ -23,10 +23,11 @@ from std_msgs.msg import Int32
 from tf2_msgs.msg import TFMessage
 
 from ur.robot.base import Base
-from ur_nodes.navigation.footprint import footprint_of_outline
-from ur_nodes.navigation.frame_history import FrameError, FrameHistory
-from ur_nodes.navigation.grid import OCCUPIED, Grid
-from ur_nodes.rosio.geometry import Pose2, pose_message, pose_of_message, pose_of_transform, wrap_angle
+from ur_nodes.costmap.footprint import footprint_of_outline
+from ur_nodes.geometry.grid import OCCUPIED, Grid
+from ur_nodes.geometry.pose import Pose2, wrap_angle
+from ur_nodes.geometry.transform_tree import TransformError, TransformTree
+from ur_nodes.rosio.geometry import pose3_of_transform, pose_message, pose_of_message
 
 FRAMES = ("odom", "base_footprint")
 
@@ -53,7 +54,7 @@ class Driver:
         self._free = free_cells(grid, footprint_of_outline(base.footprint, grid.resolution).inscribed)
         self._base = base_frame
         self._lock = threading.Lock()
-        self._frames = FrameHistory()
+        self._frames = TransformTree()
         self._waiting: deque[tuple[float, Pose2]] = deque(maxlen=200)
         self._errors: list[float] = []
         self._last: Pose2 | None = None
@@ -137,7 +138,7 @@ class Driver:
         with self._lock:
             for item in message.transforms:
                 frames = item.header.frame_id, item.child_frame_id
-                self._frames.add(*frames, item.header.stamp.to_sec(), pose_of_transform(item.transform))
+                self._frames.add(*frames, item.header.stamp.to_sec(), pose3_of_transform(item.transform))
             self._compare()
 
     def _compare(self) -> None:
@@ -151,7 +152,7 @@ class Driver:
             try:
                 correction = self._frames.pose("map", "odom")
                 told = correction.compose(self._frames.pose("odom", self._base, stamp))
-            except FrameError:
+            except TransformError:
                 continue
             self._errors.append(math.hypot(told.x - truth.x, told.y - truth.y))
 

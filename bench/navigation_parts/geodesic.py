@@ -18,7 +18,7 @@ from scipy.ndimage import distance_transform_edt
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
-from ur_nodes.navigation.grid import Grid
+from ur_nodes.geometry.grid import Grid
 
 # Coprime steps: one per direction; half of them, the other half goes back.
 _STEPS = [(r, c) for r in range(4) for c in range(-3, 4) if math.gcd(r, c) == 1 and (r > 0 or c > 0)]

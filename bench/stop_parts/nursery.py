@@ -2,7 +2,7 @@
 
 A node that dies by SIGKILL must start anew for each trial, and importing takes longer than the trial. What runs is the
 node's own `main`, with a command line and standard input as if it had been started by roslaunch. Each notes when it
-published each velocity, just before it did.
+published each velocity, and which, just before it did.
 """
 
 from __future__ import annotations
@@ -12,17 +12,35 @@ import ctypes
 import importlib
 import json
 import os
+import random
 import signal
 import socket
 import struct
 import sys
+import threading
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
-_STAMP = struct.Struct("=d")
+_STAMP = struct.Struct("=dddd")
 _PR_SET_PDEATHSIG = 1
+
+
+class Sent(NamedTuple):
+    """A velocity that was published: seconds of the wall clock and of the monotonic one, m/s, rad/s."""
+
+    at: float
+    monotonic: float
+    forward: float
+    turn: float
+
+
+def read_sent(path: Path) -> list[Sent]:
+    """All velocities that a node noted in a file; none when there is no file."""
+    data = path.read_bytes() if path.exists() else b""
+    whole = len(data) - len(data) % _STAMP.size
+    return [Sent(*record) for record in _STAMP.iter_unpack(data[:whole])]
 
 
 class Child:
@@ -30,7 +48,7 @@ class Child:
 
     def __init__(self, pid: int, stamps: Path) -> None:
         self.pid = pid
-        self._stamps = stamps
+        self.stamps = stamps
 
     def signal(self, number: int) -> None:
         """Send it a signal; one that is gone already does not mind."""
@@ -39,9 +57,8 @@ class Child:
 
     def last_sent(self) -> float:
         """When it sent its last velocity: seconds of the wall clock; 0 when it never did."""
-        data = self._stamps.read_bytes() if self._stamps.exists() else b""
-        whole = len(data) // _STAMP.size
-        return float(_STAMP.unpack_from(data, (whole - 1) * _STAMP.size)[0]) if whole else 0.0
+        sent = read_sent(self.stamps)
+        return sent[-1].at if sent else 0.0
 
 
 class Nursery:
@@ -51,6 +68,7 @@ class Nursery:
         """`modules` are imported once; `folder` takes what the nodes write."""
         self._folder = folder
         self._count = 0
+        self._lock = threading.Lock()
         ours, theirs = socket.socketpair()
         self._pid = os.fork()
         if self._pid == 0:
@@ -61,14 +79,34 @@ class Nursery:
         theirs.close()
         self._talk = ours.makefile("rw")
 
-    def bear(self, module: str, *arguments: str, terminal: str = "") -> Child:
-        """Start `main` of a module with a command line; on a terminal of that path, if one is given."""
-        self._count += 1
-        stamps = self._folder / f"stamps-{self._count}"
-        order = {"module": module, "arguments": arguments, "terminal": terminal, "stamps": str(stamps)}
-        self._talk.write(json.dumps(order) + "\n")
-        self._talk.flush()
-        answer = self._talk.readline()
+    def bear(
+        self,
+        module: str,
+        *arguments: str,
+        terminal: str = "",
+        namespace: str = "",
+        name: str = "",
+        main: str = "main",
+        more: Mapping[str, str] | None = None,
+    ) -> Child:
+        """Start `main` of a module with a command line in a ROS namespace, on a terminal or pipe of that path if any.
+
+        `name` becomes part of the name of the file with its notes. `main` is another function's name, `more` are
+        variables of its environment.
+        """
+        with self._lock:
+            self._count += 1
+            stamps = self._folder / f"stamps-{self._count}-{name}"
+            order: dict[str, Any] = {
+                "module": module,
+                "arguments": arguments,
+                "terminal": terminal,
+                "stamps": str(stamps),
+            }
+            order |= {"namespace": namespace, "more": dict(more or {}), "main": main}
+            self._talk.write(json.dumps(order) + "\n")
+            self._talk.flush()
+            answer = self._talk.readline()
         if not answer:
             raise SystemExit(f"bench/stop: the nursery is gone; its nodes wrote {self._folder / 'nodes.log'}")
         return Child(int(answer), stamps)
@@ -112,11 +150,16 @@ def _live(order: dict[str, Any]) -> None:
         if order["terminal"]:
             terminal = os.open(order["terminal"], os.O_RDWR | os.O_NOCTTY)
             os.dup2(terminal, 0)
-            os.dup2(terminal, 1)
+            if os.isatty(terminal):
+                os.dup2(terminal, 1)
         sys.argv = [order["module"], *order["arguments"]]
-        sys.modules["rospy"].names.reload_mappings(sys.argv)  # it has read them when it was imported
+        os.environ |= order["more"]
+        random.seed()  # else all children would draw the same numbers
+        names = sys.modules["rospy"].names
+        names.reload_mappings(sys.argv)  # it has read them when it was imported
+        names._set_caller_id(order["namespace"].rstrip("/") + "/unnamed")  # noqa: SLF001 - else read once
         _note_velocities(order["stamps"])
-        code = sys.modules[order["module"]].main()
+        code = getattr(sys.modules[order["module"]], order["main"])() or 0
     except BaseException:
         import traceback
 
@@ -129,14 +172,20 @@ def _live(order: dict[str, Any]) -> None:
 
 def _note_velocities(path: str) -> None:
     import rospy
-    from geometry_msgs.msg import Twist
+    from geometry_msgs.msg import Twist, TwistStamped
 
-    file = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o600)
+    flags = os.O_WRONLY | os.O_CREAT | os.O_APPEND
+    file, beats = os.open(path, flags, 0o600), os.open(f"{path}.beats", flags, 0o600)
     publish = rospy.Publisher.publish
 
     def note_and_publish(self: Any, *arguments: Any, **named: Any) -> None:
-        if self.data_class is Twist:
-            os.write(file, _STAMP.pack(time.time()))
+        if self.data_class in (Twist, TwistStamped):
+            message = arguments[0] if arguments and isinstance(arguments[0], self.data_class) else None
+            twist = message.twist if isinstance(message, TwistStamped) else message
+            velocity = (twist.linear.x, twist.angular.z) if twist else (0.0, 0.0)
+            os.write(file, _STAMP.pack(time.time(), time.monotonic(), *velocity))
+        elif self.resolved_name.endswith("/lease_request"):
+            os.write(beats, _STAMP.pack(time.time(), time.monotonic(), 0.0, 0.0))
         publish(self, *arguments, **named)
 
     rospy.Publisher.publish = note_and_publish

@@ -19,11 +19,11 @@ from typing import Any
 from bench.stop_parts.nursery import Child, Nursery
 
 KEYBOARD, JOYSTICK, NAVIGATION = (
-    "ur_nodes.teleop.teleop_twist_keyboard_node",
-    "ur_nodes.motion.teleop_twist_joy_node",
+    "ur_nodes.teleop.keyboard.teleop_twist_keyboard_node",
+    "ur_nodes.motion.joystick.teleop_twist_joy_node",
     "ur_nodes.navigation.move_base_node",
 )
-READER = "ur_nodes.motion.joy_node"
+READER = "ur_nodes.motion.joystick.joy_node"
 _KEYS = {(1, 0): "i", (-1, 0): ",", (0, 1): "j", (1, 1): "u", (-1, 1): "."}
 _REPEAT = 0.033  # s: how often a held key repeats
 _TURBO = 5  # the button that drives at full speed

@@ -21,7 +21,7 @@ from bench.stop_parts.people import JOYSTICK, KEYBOARD, NAVIGATION, READER, wait
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "ubiquity_launches"
 MUX = "ur_nodes.motion.cmd_vel_mux_node"
-MAP = "ur_nodes.navigation.map_server_node"
+MAP = "ur_nodes.mapping.map_server_node"
 TRUTH_RATE = 100  # Hz
 _STANDS = (0.01, 0.02)  # m/s, rad/s
 _WORLD = "maze"
@@ -120,6 +120,7 @@ class Robot:
         os.environ |= {
             "ROS_MASTER_URI": f"http://localhost:{port}",
             "ROS_HOSTNAME": "localhost",
+            "UR_LEASE": "take",  # each commander takes over from the one that was lost before it
             "ROS_HOME": str(folder),
             "ROS_LOG_DIR": str(folder / "log"),
         }

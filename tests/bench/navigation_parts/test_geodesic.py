@@ -8,9 +8,9 @@ from bench.navigation_parts.geodesic import free_cells, length_of, shortest_path
 from bench.navigation_parts.stack import MAPS
 from bench.navigation_parts.worlds import GOALS
 
-from ur_nodes.navigation.grid import Grid
-from ur_nodes.navigation.map_file import load_map
-from ur_nodes.rosio.pose import Pose2
+from ur_nodes.geometry.grid import Grid
+from ur_nodes.geometry.map_file import load_map
+from ur_nodes.geometry.pose import Pose2
 
 
 def room() -> np.ndarray:

@@ -1,0 +1,1 @@
+"""Parts of bench/stop_network: booted computers, their programs, and what goes wrong with them."""

@@ -1,0 +1,125 @@
+"""Compute from records how long a base moved after the last fresh command, and whether it moved without one.
+
+A command is fresh from the moment a living commander publishes it. Motion at a time `t` is due to the newest command
+that asked for motion along the same axis in the same direction and was published at `t` or before; its age is the time
+since. No motion may be older than the lane's limit. Motion that begins, from rest, when its command is older than that
+is a *ghost*: nobody has asked for it.
+"""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_right
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from bench.stop_network_parts.lane import Lane
+from bench.stop_network_parts.recorder import RESTS
+
+from ur.robot.base import Base
+from ur_nodes.simulator.drive import Drive
+
+_PERIOD = 0.005  # s
+_CONTROL = 2  # periods of the controller: 100 Hz
+_WHEELS = 0.025  # s: the time constant with which wheels obey their controller
+
+
+@dataclass(frozen=True, slots=True)
+class Ghost:
+    """Motion that nobody asked for: monotonic seconds, how long, and the age of the newest command that fits it (s)."""
+
+    began: float
+    seconds: float
+    age: float
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """The longest motion after the last fresh command (s), when that was, all ghosts, and how long the base moved."""
+
+    longest: float
+    at: float
+    ghosts: tuple[Ghost, ...]
+    moved: float
+
+
+@dataclass(frozen=True, slots=True)
+class Moving:
+    """Signs of the motion at a time: -1, 0 or 1 each."""
+
+    at: float
+    forward: int
+    turn: int
+
+
+def simulate_base(base: Base, outputs: Iterable[tuple[float, float, float]], end: float) -> list[Moving]:
+    """Motion of a base whose controller gets `outputs` (time, m/s, rad/s, in order of time), until `end`.
+
+    The controller is that of the simulator; wheels follow it with a lag.
+    """
+    waiting = list(outputs)
+    if not waiting:
+        return []
+    drive, forward, turn = Drive(base, _PERIOD * _CONTROL), 0.0, 0.0
+    share = 1.0 - math.exp(-_PERIOD / _WHEELS)
+    found, index, start = [], 0, waiting[0][0]
+    for step in range(int((end - start) / _PERIOD) + 1):
+        now = start + step * _PERIOD
+        while index < len(waiting) and waiting[index][0] <= now:
+            drive.command(waiting[index][1], waiting[index][2], waiting[index][0])
+            index += 1
+        if step % _CONTROL == 0:
+            drive.update(now)
+        forward += share * (drive.velocity[0] - forward)
+        turn += share * (drive.velocity[1] - turn)
+        found.append(Moving(now, _sign(forward, RESTS[0]), _sign(turn, RESTS[1])))
+    return found
+
+
+def judge(
+    lane: Lane, commands: Sequence[tuple[float, float, float]], motion: Iterable[Moving], since: float
+) -> Verdict:
+    """Judge the motion of a lane from `since` on by the commands (time, m/s, rad/s) that were published."""
+    asked: dict[int, list[float]] = {-1: [], 1: []}
+    for at, forward, turn in sorted(commands):
+        along, _ = lane.pick(forward, turn)
+        if along:
+            asked[1 if along > 0 else -1].append(at)
+    longest, longest_at, moved = 0.0, 0.0, 0.0
+    ghosts: list[Ghost] = []
+    began: tuple[int, float, float] | None = None  # sign, when, age then
+    last = -math.inf
+    for moving in motion:
+        along, across = lane.pick(moving.forward, moving.turn)
+        sign = int(along or 2 * across)  # across the lane nobody ever asks for motion
+        if began and began[0] != sign:
+            _end_motion(lane, began, last, since, ghosts)
+            began = None
+        last = moving.at
+        if not sign:
+            continue
+        age = _age(asked.get(sign, []), moving.at)
+        began = began or (sign, moving.at, age)
+        if moving.at < since:
+            continue
+        moved += _PERIOD
+        if began[2] <= lane.limit and age > longest:
+            longest, longest_at = age, moving.at
+    if began:
+        _end_motion(lane, began, last, since, ghosts)
+    return Verdict(longest, longest_at, tuple(ghosts), moved)
+
+
+def _end_motion(lane: Lane, began: tuple[int, float, float], last: float, since: float, ghosts: list[Ghost]) -> None:
+    _, at, age = began
+    if age > lane.limit and last >= since:
+        ghosts.append(Ghost(at, last - at + _PERIOD, age))
+
+
+def _age(asked: Sequence[float], now: float) -> float:
+    index = bisect_right(asked, now)
+    return now - asked[index - 1] if index else math.inf
+
+
+def _sign(value: float, rest: float) -> int:
+    return 0 if abs(value) < rest else int(math.copysign(1, value))

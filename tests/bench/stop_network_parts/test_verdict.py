@@ -1,0 +1,81 @@
+"""Verdicts on motion: what is due to a fresh command, what is too late, and what nobody asked for."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from bench.stop_network_parts.lane import ALTERNATING, Lane
+from bench.stop_network_parts.verdict import Moving, Verdict, judge, simulate_base
+
+from ur.robot.base import Base, load_base
+
+LIBRARY = Path(__file__).resolve().parents[3] / "ubiquity_launches"
+LINEAR, ANGULAR = Lane("keyboard", "linear", 0.5), Lane("keyboard", "angular", 1.0)
+
+
+@pytest.fixture(scope="module")
+def base() -> Base:
+    return load_base(LIBRARY, "magni", "")
+
+
+def drive(since: float, until: float, forward: float = 0.5, turn: float = 0.0) -> list[tuple[float, float, float]]:
+    """Commands at 50 Hz."""
+    return [(since + 0.02 * step, forward, turn) for step in range(round((until - since) * 50))]
+
+
+def moving(since: float, until: float, forward: int = 1, turn: int = 0) -> list[Moving]:
+    rest = [Moving(since - 0.01, 0, 0)]
+    return [*rest, *(Moving(since + 0.01 * step, forward, turn) for step in range(round((until - since) * 100)))]
+
+
+def verdict(commands: list[tuple[float, float, float]], motion: list[Moving], lane: Lane = LINEAR) -> Verdict:
+    return judge(lane, commands, motion, 0.0)
+
+
+def test_motion_while_commands_come_is_young() -> None:
+    found = verdict(drive(1.0, 3.0), moving(1.1, 3.0))
+    assert found.longest < 0.03
+    assert found.ghosts == ()
+
+
+def test_motion_after_the_last_command_counts_from_it() -> None:
+    found = verdict(drive(1.0, 3.0), moving(1.1, 3.5))
+    assert found.longest == pytest.approx(0.51, abs=0.02)
+    assert found.at == pytest.approx(3.49, abs=0.011)
+    assert found.ghosts == ()
+
+
+def test_motion_that_begins_without_a_command_is_a_ghost() -> None:
+    found = verdict(drive(1.0, 3.0), [*moving(1.1, 3.1), *moving(13.0, 13.4)])
+    assert found.longest < LINEAR.limit
+    (ghost,) = found.ghosts
+    assert ghost.began == 13.0
+    assert ghost.seconds == pytest.approx(0.4, abs=0.02)
+    assert ghost.age == pytest.approx(10.02, abs=0.03)
+
+
+@pytest.mark.parametrize(("forward", "turn"), [(-1, 0), (0, 1)])
+def test_motion_that_fits_no_command_is_a_ghost(forward: int, turn: int) -> None:
+    assert len(verdict(drive(1.0, 3.0), moving(1.5, 2.0, forward, turn)).ghosts) == 1
+
+
+def test_turns_are_what_counts_in_an_angular_lane() -> None:
+    assert verdict(drive(1.0, 3.0, 0.0, 1.0), moving(1.1, 3.0, 0, 1), ANGULAR).ghosts == ()
+
+
+def test_what_was_before_the_trial_does_not_count() -> None:
+    found = judge(LINEAR, drive(1.0, 3.0), [*moving(1.1, 4.0), *moving(6.0, 7.0)], 8.0)
+    assert (found.longest, found.ghosts) == (0.0, ())
+
+
+def test_base_follows_its_commands_and_stops_when_they_end(base: Base) -> None:
+    motion = simulate_base(base, drive(1.0, 3.0), 5.0)
+    moves = [each.at for each in motion if each.forward]
+    assert 1.0 < moves[0] < 1.1
+    assert 3.0 < moves[-1] < 3.0 + LINEAR.limit
+    assert not any(each.turn for each in motion)
+
+
+def test_pattern_repeats() -> None:
+    assert [ALTERNATING.sign_at(seconds) for seconds in (0.0, 1.0, 1.7, 2.6, 3.2, 4.2)] == [1, 0, -1, 0, 1, 0]
