@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 import os
 import re
 import shutil
 import socket
 import subprocess
+import time
 import uuid
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -25,7 +27,10 @@ _BLOCK = re.compile(r"^```(\w+)(?: (\S+))?\n(.*?)^```$", re.MULTILINE | re.DOTAL
 
 @dataclass(frozen=True)
 class Block:
-    kind: str  # bash: typed line by line; keys: typed, looked at, quit; file: written; edit: its first line is replaced
+    # bash: typed line by line; keys: typed, looked at, quit; watch: typed in a second terminal, looked at after the
+    # next block, and quit; second: typed in a second terminal, used, ended by Ctrl-C; file: written; edit: its first
+    # line is replaced
+    kind: str
     path: str
     text: str
 
@@ -34,18 +39,22 @@ BLOCKS = [Block(*found) for found in _BLOCK.findall((ROOT / "docs" / "tutorial.m
 
 
 @pytest.fixture
-def terminal(tmp_path: Path) -> Iterator[Terminal]:
+def terminals(tmp_path: Path) -> Iterator[tuple[Terminal, Terminal]]:
+    """The first and the second terminal of the tutorial."""
     with socket.socket() as probe:
         probe.bind(("localhost", 0))
         port = probe.getsockname()[1]
     own = {"ROS_MASTER_URI": f"http://localhost:{port}", "ROS_HOSTNAME": "localhost", "PS1": "$ "}
-    opened = Terminal(["bash", "--noprofile", "--norc", "-i"], tmp_path, own)
-    (tmp_path / "ur").unlink()  # the tutorial says how ur gets on PATH
-    opened.type(f"cd {ROOT}", "Enter")
+    opened = []
     try:
-        yield opened
+        for _ in range(2):
+            opened.append(Terminal(["bash", "--noprofile", "--norc", "-i"], tmp_path, own))
+            (tmp_path / "ur").unlink()  # the tutorial says how ur gets on PATH
+            opened[-1].type(f"cd {ROOT}", "Enter")
+        yield opened[0], opened[1]
     finally:
-        opened.close()  # whatever runs in it ends with it
+        for terminal in opened:
+            terminal.close()  # whatever runs in it ends with it
         done = subprocess.run(
             [ROOT / ".venv/bin/python", "-m", "ur", "stop", "--all"],
             env={**os.environ, "HOME": str(tmp_path)},
@@ -54,19 +63,72 @@ def terminal(tmp_path: Path) -> Iterator[Terminal]:
         assert done.returncode in (0, 2)  # 2: nothing runs
 
 
-def run(terminal: Terminal, command: str) -> None:
+def run(terminal: Terminal, command: str) -> str:
     mark = uuid.uuid4().hex[:8]  # what the command before this one left on the screen is no answer to this one
     terminal.type(f'clear; {command}; echo "{mark}"=$?', "Enter")
     screen = terminal.until(f"{mark}=", 120.0)
     assert f"{mark}=0" in screen, f"{command}:\n{screen}"
+    return screen
 
 
-def test_every_command_of_the_tutorial_works(terminal: Terminal, tmp_path: Path) -> None:
+def drive(terminal: Terminal, first: Terminal, command: str) -> None:
+    """Join the robot that runs, drive it, and leave it running."""
+    terminal.type(f"clear; {command}; echo en''ded=$?", "Enter")
+    terminal.until("1 subscriber", 120.0)
+    assert "■ stopped" in terminal.screen()
+    end = time.monotonic() + 60.0
+    while "▲ driving" not in terminal.screen():  # it ends soon after each press
+        assert time.monotonic() < end, terminal.screen()
+        terminal.type("i")
+    terminal.type("C-c")
+    screen = terminal.until("ended=", 60.0)
+    assert re.search(r"joining the robot that m_wander\.\d+ started", screen), screen
+    run(first, "ur ps | grep m_wander")
+
+
+def begin_to_watch(terminal: Terminal, command: str) -> None:
+    """Start the map in the second terminal, and leave it open."""
+    terminal.type("clear; " + command + "; echo en''ded", "Enter")
+    terminal.until("localised", 120.0)
+
+
+def see_it_wander(terminal: Terminal, first: Terminal) -> None:
+    """See the robot move on the map of the second terminal, quit there, and see what had joined end."""
+    before = pose_on(terminal)
+    end = time.monotonic() + 60.0
+    while math.dist(before, pose_on(terminal)) < 0.3:
+        assert time.monotonic() < end, terminal.screen()
+        time.sleep(0.2)
+    run(first, "ur ps | grep m_wander")
+    terminal.type("q", "Enter")
+    terminal.until("ended", 120.0)
+    first.type("clear; while ur ps | grep m_; do sleep 0.2; done; echo go''ne", "Enter")
+    first.until("gone", 60.0)
+
+
+def pose_on(terminal: Terminal) -> tuple[float, float]:
+    """The x and y (m) that the map's program shows."""
+    end = time.monotonic() + 60.0
+    while (found := re.search(r"x (-?[\d.]+) y (-?[\d.]+)", terminal.screen())) is None:
+        assert time.monotonic() < end, terminal.screen()
+        time.sleep(0.2)
+    return float(found[1]), float(found[2])
+
+
+def test_every_command_of_the_tutorial_works(terminals: tuple[Terminal, Terminal], tmp_path: Path) -> None:
+    terminal, second = terminals
     package = tmp_path / "robots" / "my_robot"
+    watching = False
     for block in BLOCKS:
         if block.kind == "bash":
-            for line in block.text.splitlines():
-                run(terminal, line)
+            screens = "".join(run(terminal, line) for line in block.text.splitlines())
+            if watching:
+                assert re.search(r"joining the robot that m_keyboard_navigate\.\d+ started", screens), screens
+                see_it_wander(second, terminal)
+                watching = False
+        elif block.kind == "watch":
+            begin_to_watch(second, block.text.strip())
+            watching = True
         elif block.kind == "keys":
             terminal.type("clear; " + block.text.strip() + "; echo en''ded", "Enter")
             terminal.until("maze", 120.0)
@@ -74,6 +136,8 @@ def test_every_command_of_the_tutorial_works(terminal: Terminal, tmp_path: Path)
             terminal.type("q", "Enter")
             terminal.until("ended", 120.0)
             run(terminal, "true")
+        elif block.kind == "second":
+            drive(second, terminal, block.text.strip())
         elif block.kind == "file":
             (package / block.path).parent.mkdir(parents=True, exist_ok=True)
             (package / block.path).write_text(block.text)
@@ -85,5 +149,5 @@ def test_every_command_of_the_tutorial_works(terminal: Terminal, tmp_path: Path)
 
 
 def test_tutorial_has_steps_of_every_kind() -> None:
-    assert {block.kind for block in BLOCKS} == {"bash", "keys", "file", "edit"}
+    assert {block.kind for block in BLOCKS} == {"bash", "keys", "watch", "second", "file", "edit"}
     assert sum(len(block.text.splitlines()) for block in BLOCKS if block.kind == "bash") > 25
