@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
-from ur_nodes.simulator.world import read_world
+from ur.worlds.world_file import read_world
+from ur_nodes.geometry.rigid import from_angles
 from ur_nodes.vision.fiducial_map import MapEntry, write_map
-from ur_nodes.vision.rigid import from_angles
 
 OFFICE = Path(__file__).resolve().parents[1] / "ubiquity_launches" / "n_simulator" / "worlds" / "office.yaml"
 

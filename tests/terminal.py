@@ -21,7 +21,7 @@ class Terminal:
 
     def __init__(self, command: Sequence[str], folder: Path, more: Mapping[str, str] | None = None) -> None:
         self.name = f"ur-test-{uuid.uuid4().hex[:8]}"
-        (folder / "ur").write_text(f'#!/bin/sh\nexec "{ROOT}/.venv/bin/python" -m ur "$@"\n')
+        (folder / "ur").write_text(f'#!/bin/sh\nexec "{ROOT}/.venv/bin/python" -I -m ur "$@"\n')
         (folder / "ur").chmod(0o755)
         environment = {
             "PATH": f"{folder}:{os.environ['PATH']}",

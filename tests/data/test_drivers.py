@@ -219,7 +219,7 @@ def test_bumpers_of_botvac_have_all_of_upstreams_names() -> None:
 def test_worlds_of_stage_lie_where_their_maps_lie_and_hold_the_base(world: str) -> None:
     from PIL import Image
 
-    from ur_nodes.simulator.floor_plan import read_floor_plan
+    from ur.worlds.floor_plan import read_floor_plan
 
     base = load("stage", "")
     path = PACKAGE / "n_stage_ros" / "worlds" / f"stage.{world}.world"

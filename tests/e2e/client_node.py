@@ -5,6 +5,7 @@ rospy can be started only once in a process, so each test session's client is a 
 
 from __future__ import annotations
 
+import contextlib
 import math
 import time
 from collections.abc import Callable
@@ -13,17 +14,19 @@ from typing import Any
 import actionlib
 import rospy
 import tf2_ros
-from actionlib_msgs.msg import GoalStatus
+from actionlib_msgs.msg import GoalStatus, GoalStatusArray
 from geometry_msgs.msg import PoseWithCovarianceStamped, Twist
-from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
+from move_base_msgs.msg import MoveBaseAction, MoveBaseActionGoal, MoveBaseGoal
 from nav_msgs.msg import Odometry
 from nav_msgs.srv import GetPlan, SetMap, SetMapRequest
 from sensor_msgs.msg import LaserScan
-from std_msgs.msg import Bool, String
+from std_msgs.msg import Bool, String, Time
 from std_srvs.srv import Empty, Trigger
 from tests.json_client import answer_requests, claim_output
 
-from ur_nodes.rosio.geometry import Pose2, pose_message, pose_of_message, pose_of_transform
+from ur_nodes.geometry.pose import Pose2
+from ur_nodes.motion.lease.client_node import LeaseClient
+from ur_nodes.rosio.geometry import pose_message, pose_of_message, pose_of_transform
 
 _STATES = {value: name for name, value in vars(GoalStatus).items() if name.isupper()}
 
@@ -38,15 +41,21 @@ class Client:
         self.scans = 0
         self.active: list[str] = []
         self.stopped: bool | None = None
+        self.challenge: rospy.Time | None = None
+        self.goals: list[GoalStatus] = []
         self.buffer = tf2_ros.Buffer()
         self.listener = tf2_ros.TransformListener(self.buffer)
         self.key_vel = rospy.Publisher("key_vel", Twist, queue_size=1)
         self.initial_pose = rospy.Publisher("initialpose", PoseWithCovarianceStamped, queue_size=1)
+        self.lease = LeaseClient("cmd_vel_mux", "test", conduct="watch")
         self.action = actionlib.SimpleActionClient("move_base", MoveBaseAction)
         rospy.Subscriber("base_pose_ground_truth", Odometry, self._set_truth)
         rospy.Subscriber("amcl_pose", PoseWithCovarianceStamped, self._set_localised)
         rospy.Subscriber("odom", Odometry, self._set_odom)
         rospy.Subscriber("scan", LaserScan, self._count_scan)
+        self.direct = rospy.Publisher("move_base/goal", MoveBaseActionGoal, queue_size=1)
+        rospy.Subscriber("move_base/status", GoalStatusArray, self._set_goals)
+        rospy.Subscriber("cmd_vel_mux/challenge", Time, self._set_challenge, queue_size=1)
         rospy.Subscriber("cmd_vel_mux/active", String, self._add_active)
         rospy.Subscriber("cmd_vel_mux/stopped", Bool, self._set_stopped)
 
@@ -69,9 +78,52 @@ class Client:
 
     def do_result(self, seconds: float) -> dict[str, Any]:
         """Wait for the end of the goal."""
-        ended = self.action.wait_for_result(rospy.Duration(seconds))
-        state = _STATES[self.action.get_state()] if ended else "RUNNING"
+
+        # SimpleActionClient misses a goal's end that arrives before its send_goal returns; the goal's handle does not.
+        def has_ended() -> bool:
+            return bool(self.action.gh.get_comm_state() == actionlib.CommState.DONE)
+
+        with contextlib.suppress(TimeoutError):
+            wait_until(has_ended, seconds, "")
+        state = _STATES[self.action.get_state()] if has_ended() else "RUNNING"
         return {"state": state, "text": self.action.get_goal_status_text(), **self.do_where()}
+
+    def do_goals(self, state: str, text: str, seconds: float) -> dict[str, Any]:
+        """Wait until the newest goal of all is in this state and its text begins like this."""
+
+        def is_so() -> bool:
+            newest = self.goals[-1:]
+            return bool(newest) and _STATES[newest[0].status] == state and newest[0].text.startswith(text)
+
+        try:
+            wait_until(is_so, seconds, "")
+        except TimeoutError:
+            said = [(_STATES[each.status], each.text) for each in self.goals[-3:]]
+            raise TimeoutError(f"no goal {state} {text!r} within {seconds:g} s, the last are {said}") from None
+        return self.do_where()
+
+    def do_late_goal(self, client: str, x: float, y: float, age: float) -> dict[str, Any]:
+        """Send a goal as our clients do, which answers a challenge so many seconds old."""
+        wait_until(lambda: self.challenge, 60, "a challenge")
+        stamp = self.challenge
+        assert stamp
+        wait_until(lambda: self.challenge and (self.challenge - stamp).to_sec() > age, 60, "newer challenges")
+        goal = MoveBaseActionGoal()
+        goal.goal_id.id = f"late@{client}@{stamp.secs}.{stamp.nsecs:09d}"
+        goal.goal.target_pose.header.frame_id = "map"
+        goal.goal.target_pose.pose = pose_message(Pose2(x, y, 0.0))
+        self.direct.publish(goal)
+        return {}
+
+    def do_free(self, seconds: float) -> dict[str, Any]:
+        """Take the lease, as a person would after a program that was killed, and let others have it."""
+        wait_until(lambda: self.lease.view().state != "unknown", seconds, "the lease of the mux")
+        if self.lease.view().state != "free":
+            self.lease.take()
+            wait_until(lambda: self.lease.view().mine, seconds, "the lease")
+            self.lease.release(final=False)
+            wait_until(lambda: not self.lease.view().mine, seconds, "the release of the lease")
+        return {}
 
     def do_cancel(self) -> dict[str, Any]:
         """Cancel the goal."""
@@ -167,6 +219,12 @@ class Client:
     def do_scans(self) -> dict[str, Any]:
         """How many scans came so far."""
         return {"scans": self.scans}
+
+    def _set_goals(self, message: GoalStatusArray) -> None:
+        self.goals = message.status_list
+
+    def _set_challenge(self, message: Time) -> None:
+        self.challenge = message.data
 
     def _add_active(self, message: String) -> None:
         self.active.append(message.data)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import select
@@ -115,10 +116,17 @@ class Robot:
 @pytest.fixture(scope="module")
 def robot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Robot]:
     """A simulated stage robot in the maze that navigates, one for all tests of a module."""
-    folder = tmp_path_factory.mktemp("robot")
+    with start_robot(tmp_path_factory.mktemp("robot")) as robot:
+        yield robot
+
+
+@contextlib.contextmanager
+def start_robot(folder: Path, *arguments: str) -> Iterator[Robot]:
+    """A simulated stage robot that navigates, started with these arguments of robot.launch besides."""
     env = make_environment(folder)
     log = folder / "launch.log"
-    command = [str(ROOT / "ur"), "launch", str(Path(__file__).with_name("robot.launch")), "robot_base:=stage"]
+    launch_file = str(Path(__file__).with_name("robot.launch"))
+    command = [str(ROOT / "ur"), "launch", launch_file, "robot_base:=stage", *arguments]
     with log.open("w") as output:
         launch = subprocess.Popen(
             command, env=env, text=True, stdin=subprocess.DEVNULL, stdout=output, stderr=subprocess.STDOUT, cwd=folder

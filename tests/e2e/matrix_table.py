@@ -73,16 +73,12 @@ def load_cells(bases: Sequence[Base], table: Path = TABLE, package: Path = PACKA
     groups, rows = whole["groups"], whole["programs"]
     programs = {program.name: program for program in list_programs(package / "bin")}
     assert sorted(rows) == sorted(programs), f"{table.name} is not about the programs that there are"
-    return tuple(
-        make_cell(program, base, rows[name], groups, package) for name, program in programs.items() for base in bases
-    )
+    return tuple(make_cell(program, base, rows[name], groups) for name, program in programs.items() for base in bases)
 
 
-def make_cell(
-    program: Program, base: Base, row: Mapping[str, Any], groups: Mapping[str, Any], package: Path = PACKAGE
-) -> Cell:
+def make_cell(program: Program, base: Base, row: Mapping[str, Any], groups: Mapping[str, Any]) -> Cell:
     """One program on one base, by its row of the table."""
-    path = find_launch_file(program, package)
+    path = find_launch_file(program)
     lacks = list_lacks(base, read_needs(str(path), SystemWorld({}))) if path else ()
     wanted = [] if lacks else [groups[name] for name in row["groups"]]
     frames = [name for group in wanted for name, _, _ in _expand(group["frames"], base)]

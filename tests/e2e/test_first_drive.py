@@ -22,7 +22,10 @@ def distance(first: list[float], second: tuple[float, float] | list[float]) -> f
 
 
 def put_at_start(robot: Robot) -> None:
-    """The robot stands at the start and believes it."""
+    """Stop the robot at the start, localised there, with no emergency and no lease left by a test that failed."""
+    robot.ask("call", service="cmd_vel_mux/release")
+    robot.ask("stopped", value=False, seconds=60)
+    robot.ask("free", seconds=60)
     robot.ask("cancel")
     robot.ask("still", seconds=60)
     assert robot.ask("place", **START)["success"]

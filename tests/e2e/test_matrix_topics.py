@@ -10,7 +10,7 @@ from tests.e2e.matrix_table import Topic, list_all_bases, load_cells, make_cell
 from tests.e2e.matrix_topics import Heard, find_fault, find_tree_faults, read_stamp, read_transforms
 
 from ur.cli.environment import PACKAGE
-from ur.cli.programs import find_program, list_programs
+from ur.cli.programs import choose_program, list_programs
 from ur.robot.base import load_base
 
 TREE = {"odom": {"map"}, "base": {"odom"}, "laser": {"base"}}
@@ -98,7 +98,7 @@ GROUPS: dict[str, Any] = {
 
 
 def test_table_is_worked_out_from_the_base() -> None:
-    program = find_program(PACKAGE / "bin", "robot_base")
+    program = choose_program(list_programs(PACKAGE / "bin"), "robot_base")
     loki = make_cell(program, load_base(PACKAGE, "loki"), {"groups": ["all"]}, GROUPS)
     assert loki.topics[1] == Topic("/sonars", 80.0)
     assert loki.frames == ()

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import psutil
 import pytest
+from PIL import Image, ImageDraw
 from tests.e2e.conftest import ROOT, make_environment
 from tests.office_fiducials import write_office_map
 from tests.ur_nodes.simulator.renderer import needs_renderer
@@ -57,6 +58,40 @@ def test_magni_with_a_lidar_navigates_in_the_office(tmp_path: Path) -> None:
     assert done.returncode == 0
 
 
+def test_goals_are_driven_in_a_world_made_from_a_picture(tmp_path: Path) -> None:
+    image = Image.new("L", (400, 300), 255)
+    ImageDraw.Draw(image).line((250, 0, 250, 200), fill=0, width=2)  # a wall between the start and the goal
+    image.save(tmp_path / "plan.png")
+    made = run_command(
+        tmp_path, str(ROOT / "ur"), "new", "world", "home", "--picture", "plan.png", "--width", "10", keys=""
+    )
+    assert made.returncode == 0, made.stderr
+    done = run_program(tmp_path, "keyboard_navigate", "world:=./home.yaml", keys="g 2.5 0\ng 0 40\n")
+    first, second = done.stdout.splitlines()
+    assert first.startswith("g 2.5 0: reached, "), done.stderr
+    assert "outside the map" in second
+
+
+def test_master_set_by_hand_on_this_computer_means_the_simulated_robot(tmp_path: Path) -> None:
+    selected = run_command(tmp_path, str(ROOT / "ur"), "use", "--away", "bob:magni:lidar", keys="")
+    assert selected.returncode == 0
+    done = run_program(tmp_path, "keyboard_navigate", keys="g 1 0 0\n")
+    assert "was set by hand: using sim:magni:lidar with that master, not bob:magni:lidar" in done.stderr
+    assert done.stdout.startswith("g 1 0 0: reached, ")
+    assert done.returncode == 0
+
+
+def test_programs_of_a_package_on_the_path_run_by_their_names(tmp_path: Path) -> None:
+    folder = tmp_path / "robots" / "my_robot" / "bin"
+    folder.mkdir(parents=True)
+    (folder.parent / "package.xml").write_text("<package><name>my_robot</name></package>")
+    (folder / "ur_greet").write_text('#!/bin/sh\n##Summary: Greet.\necho "hello $*"\n')
+    (folder / "ur_greet").chmod(0o755)
+    env = f"ROS_PACKAGE_PATH={tmp_path / 'robots'}"
+    done = run_command(tmp_path, "env", env, str(ROOT / "ur"), "run", "greet", "to:=you", keys="")
+    assert (done.stdout, done.stderr, done.returncode) == ("hello to:=you\n", "", 0)
+
+
 def test_magni_without_a_lidar_navigates_by_fiducials_that_were_mapped_before(tmp_path: Path) -> None:
     needs_renderer()
     arguments = ("robot_base:=magni", f"fiducial_map:={write_office_map(tmp_path / 'fiducials.txt')}")
@@ -92,10 +127,10 @@ def test_keyboard_drive_takes_keys_from_a_pipe(tmp_path: Path) -> None:
         (["robot_base:=magni", "robot_variant:=lidr"], "did you mean 'lidar'?"),
         (["robot_base:=magni"], "build it first: 'ur run fiducial_slam'"),
         (["robot_base:=botvac", "localisation:=fiducal"], "did you mean 'fiducials'?"),
-        (["robot_bse:=magni"], "argument 'robot_bse' is given"),
+        (["robot_bse:=magni"], "unknown argument 'robot_bse'"),
         (["office"], "expected NAME:=VALUE"),
         (["world:=mazze"], "did you mean"),
-        (["map_file:=/nowhere/map.yaml"], "there is no folder /nowhere"),
+        (["map_file:=/nowhere/map.yaml"], "map file '/nowhere/map.yaml' does not exist"),
     ],
 )
 def test_wrong_argument_ends_the_program_with_a_clear_line(tmp_path: Path, arguments: list[str], expected: str) -> None:

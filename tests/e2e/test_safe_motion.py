@@ -93,7 +93,7 @@ def test_space_in_keyboard_drive_stops_navigation_too(robot: Robot) -> None:
         stand(robot)
         terminal.type("r")
         robot.ask("stopped", value=False, seconds=60)
-        terminal.wait_for("standing still")
+        terminal.wait_for("■ stopped")
         terminal.hold("i")
         robot.ask("moving", seconds=60)
         terminal.hold("")
@@ -103,7 +103,7 @@ def test_space_in_keyboard_drive_stops_navigation_too(robot: Robot) -> None:
 def test_robot_stands_when_the_keyboard_is_killed(robot: Robot) -> None:
     put_at_start(robot)
     with Terminal([KEYBOARD, *ON_KEYS, "__name:=drive_by_hand"], robot.env) as terminal:
-        terminal.wait_for("standing still")
+        terminal.wait_for("■ stopped")
         terminal.hold("i")
         robot.ask("moving", seconds=60)
         terminal.kill()
@@ -113,7 +113,7 @@ def test_robot_stands_when_the_keyboard_is_killed(robot: Robot) -> None:
 def test_robot_stands_when_the_network_to_the_keyboard_is_gone(robot: Robot) -> None:
     put_at_start(robot)
     with Terminal([KEYBOARD, *ON_KEYS, "__name:=drive_by_hand"], robot.env) as terminal:
-        terminal.wait_for("standing still")
+        terminal.wait_for("■ stopped")
         terminal.hold("i")
         robot.ask("moving", seconds=60)
         terminal.process.send_signal(signal.SIGSTOP)  # connections stay open, nothing comes any more
@@ -124,7 +124,7 @@ def test_robot_stands_when_the_viewer_is_killed_and_the_robot_side_lives_on(robo
     put_at_start(robot)
     launch = Path(__file__).with_name("viewer.launch")
     with Terminal([str(ROOT / "ur"), "launch", str(launch), "robot_base:=stage"], robot.env) as viewer:
-        viewer.wait_for("standing still")
+        viewer.wait_for("■ stopped")
         viewer.hold("i")
         robot.ask("moving", seconds=60)
         viewer.process.kill()  # `ur` alone: what it started must not live on

@@ -1,0 +1,147 @@
+"""Goals whose program is killed, taken over, late or out of reach: real programs, real nodes."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+from tests.e2e.conftest import Robot, start_robot
+from tests.e2e.terminal import Terminal
+from tests.e2e.test_first_drive import find_node, put_at_start
+from tests.e2e.test_safe_motion import NAVIGATE, stand
+
+pytestmark = [pytest.mark.ros, pytest.mark.timeout(300)]
+
+FAR = "g 7.23 10.63\n"
+
+
+def environment(robot: Robot, name: str, **more: str) -> dict[str, str]:
+    return {**robot.env, "UR_CLIENT": f"client-of-{name}", "UR_CLIENT_NAME": name, **more}
+
+
+@contextmanager
+def navigate(
+    robot: Robot, name: str, lines: str, *, keep_open: bool = True, attended: str = "1"
+) -> Iterator[subprocess.Popen[str]]:
+    """keyboard_navigate on a computer of this name, with commands through a pipe."""
+    pipe = subprocess.PIPE
+    command = [NAVIGATE, f"__name:=navigate_{name}"]
+    env = environment(robot, name, UR_ATTENDED=attended)
+    process = subprocess.Popen(command, env=env, text=True, stdin=pipe, stdout=pipe, stderr=pipe)
+    try:
+        assert process.stdin
+        process.stdin.write(lines)
+        process.stdin.flush()
+        if not keep_open:
+            process.stdin.close()
+            process.stdin = None
+        yield process
+    finally:
+        if process.poll() is None:
+            process.kill()
+        process.communicate()
+
+
+def kill_on_the_way(robot: Robot, name: str) -> None:
+    """A program sends the robot away and is killed."""
+    put_at_start(robot)
+    with navigate(robot, name, FAR) as process:
+        robot.ask("moving", seconds=60)
+        process.kill()
+
+
+def test_robot_holds_the_goal_of_a_killed_program_and_goes_on_when_it_is_back(robot: Robot) -> None:
+    kill_on_the_way(robot, "laptop")
+    robot.ask("goals", state="ACTIVE", text="held: no word from laptop for ", seconds=60)
+    stand(robot)
+    with Terminal([NAVIGATE, "__name:=back"], environment(robot, "laptop")) as terminal:
+        robot.ask("moving", seconds=60)
+        robot.ask("goals", state="ACTIVE", text="", seconds=60)
+        terminal.wait_for("driving")
+        terminal.type("x\r")
+        robot.ask("goals", state="PREEMPTED", text="cancelled", seconds=60)
+        stand(robot)
+        terminal.type("q\r")
+        terminal.process.wait(60)
+
+
+def test_goal_is_cancelled_when_another_computer_takes_over(robot: Robot) -> None:
+    put_at_start(robot)
+    with navigate(robot, "laptop", FAR, keep_open=False) as former:
+        robot.ask("moving", seconds=60)
+        with navigate(robot, "laptop2", "g 1 0\n", keep_open=False) as second:
+            out, _ = second.communicate(timeout=60)
+            assert out.startswith("g 1 0: not sent: laptop (keyboard_navigate) drives since ")
+            assert second.returncode == 1
+        with navigate(robot, "laptop2", "take\ng 0.5 0\n", keep_open=False) as second:
+            out, _ = former.communicate(timeout=60)
+            assert "laptop2 took over" in out
+            assert former.returncode == 1
+            out, errors = second.communicate(timeout=90)
+            assert (second.returncode, out.splitlines()[0]) == (0, "take: drives now"), errors
+            assert "g 0.5 0: reached" in out
+
+
+def test_goal_that_was_sent_unattended_goes_on_without_its_program(robot: Robot) -> None:
+    put_at_start(robot)
+    with navigate(robot, "laptop", "g 1.5 0 0\n", attended="0") as process:
+        robot.ask("moving", seconds=60)
+        process.kill()
+    robot.ask("goals", state="SUCCEEDED", text="goal reached", seconds=60)
+    with navigate(robot, "laptop", "q\n", keep_open=False) as process:
+        process.communicate(timeout=60)
+
+
+def test_goal_that_arrives_late_is_refused(robot: Robot) -> None:
+    put_at_start(robot)
+    robot.ask("late_goal", client="anybody", x=3.0, y=0.0, age=1.2)
+    robot.ask("goals", state="ABORTED", text="the goal arrived late (1.", seconds=60)
+    stand(robot)
+
+
+def test_screen_says_that_the_robot_is_silent_and_holds_the_goal_open(robot: Robot) -> None:
+    put_at_start(robot)
+    silent = [find_node(robot, name) for name in ("cmd_vel_mux", "move_base")]
+    with Terminal([NAVIGATE, "__name:=at_hand"], environment(robot, "laptop")) as terminal:
+        terminal.wait_for("localised")
+        terminal.type("g 7.23 10.63\r")
+        robot.ask("moving", seconds=60)
+        try:
+            for pid in silent:
+                os.kill(pid, signal.SIGSTOP)
+            terminal.wait_for("no word from the robot for 1.")
+            terminal.wait_for("goal unknown until it answers")
+            stopped = robot.ask("still", seconds=60)
+            terminal.wait_for("no word from the robot for 5.")
+            assert "failed" not in terminal.text
+        finally:
+            for pid in silent:
+                os.kill(pid, signal.SIGCONT)
+        terminal.wait_for("driving")
+        assert robot.ask("moving", seconds=60)["true"] != stopped["true"]
+        terminal.type("q\r")
+        terminal.process.wait(60)
+    robot.ask("goals", state="PREEMPTED", text="cancelled", seconds=60)
+    stand(robot)
+
+
+def test_robot_that_is_told_to_ask_waits_for_the_answer_on_the_screen(tmp_path: Path) -> None:
+    with start_robot(tmp_path, "on_return:=ask") as robot:
+        kill_on_the_way(robot, "laptop")
+        robot.ask("goals", state="ACTIVE", text="held: no word from laptop for ", seconds=60)
+        stand(robot)
+        with Terminal([NAVIGATE, "__name:=back"], environment(robot, "laptop")) as terminal:
+            terminal.wait_for("held: the robot waits for you; Enter or c continues, x cancels")
+            stand(robot)
+            terminal.type("\r")
+            robot.ask("moving", seconds=60)
+            terminal.wait_for("driving")
+            terminal.type("x\r")
+            robot.ask("goals", state="PREEMPTED", text="cancelled", seconds=60)
+            terminal.type("q\r")
+            terminal.process.wait(60)
