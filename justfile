@@ -5,7 +5,15 @@ check:
     .venv/bin/ruff check .
     .venv/bin/ruff format --check .
     .venv/bin/mypy
-    shellcheck ur test .ci/run tests/fresh/run tools/*.bash ubiquity_launches/lib/node
+    bash tools/check_shell.bash
+
+# known vulnerabilities of the locked Python packages (asks a database of advisories)
+audit *ARGS:
+    bash tools/audit_locks.bash {{ARGS}}
+
+# broken inputs for every parser: just fuzz --minutes 30
+fuzz *ARGS:
+    .venv/bin/python -m tests.fuzz {{ARGS}}
 
 # everything that a change is tested with; `just test --fast` leaves out what starts ROS
 test *ARGS:
@@ -21,6 +29,7 @@ docs:
     .venv/bin/python tools/make_urdf.py
     ./ur docs ubiquity_launches
     .venv/bin/python tools/make_matrix.py
+    .venv/bin/python tools/make_verbs_page.py
     .venv/bin/python tools/make_base_pictures.py
     .venv/bin/python tools/make_base_page.py
     .venv/bin/python tools/make_screenshot.py

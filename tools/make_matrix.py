@@ -70,7 +70,7 @@ def _word(cell: Cell) -> str:
 
 
 def _render_program(program: Program) -> str:
-    path = find_launch_file(program, PACKAGE)
+    path = find_launch_file(program)
     file = f"\nLaunch file: `{path.relative_to(PACKAGE)}`.\n" if path else ""
     return f"### {program.name}\n\n{program.summary}\n\n{read_overview(program.path)}\n{file}"
 

@@ -17,11 +17,12 @@ from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt, uniform_filter1d
 from skimage.graph import route_through_array
 
-from ur_nodes.navigation.map_file import load_map
-from ur_nodes.teleop.app import NavigateApp
-from ur_nodes.teleop.emergency import Wish
-from ur_nodes.teleop.navigator import GoalReport, GoalState, MapGrid, Place, Snapshot
-from ur_nodes.teleop.waypoints import WaypointStore
+from ur_nodes.geometry.map_file import load_map
+from ur_nodes.teleop.mux.driver_text import DriverRequest
+from ur_nodes.teleop.mux.emergency import MuxRequest
+from ur_nodes.teleop.navigate.app import NavigateApp
+from ur_nodes.teleop.navigate.waypoints import WaypointStore
+from ur_nodes.teleop.navigator.model import GoalReport, GoalState, MapGrid, Place, Snapshot
 
 ROOT = Path(__file__).resolve().parents[1]
 MAP = ROOT / "ubiquity_launches/n_map_server/maps/maze.yaml"
@@ -45,10 +46,16 @@ class StillNavigator:
         """Nothing."""
         return 1
 
+    def resume(self) -> None:
+        """Nothing."""
+
+    def request_lease(self, _request: DriverRequest) -> None:
+        """Nothing."""
+
     def stop(self) -> None:
         """Nothing."""
 
-    def ask_mux(self, _wish: Wish) -> None:
+    def ask_mux(self, _wish: MuxRequest) -> None:
         """Nothing."""
 
     def set_pose(self, _place: Place) -> None:

@@ -2,8 +2,10 @@
 # Set this computer up: set_up.bash run|test. Debian packages, a virtual environment, the locked Python packages.
 #
 # Every step looks first and does only what is missing, so it may be interrupted anywhere and started again. The stamp
-# .venv/ready-PROFILE is written last and names this folder, since a virtual environment does not survive being moved.
+# .venv/ready-PROFILE is written last and names this folder, since a virtual environment does not survive being moved;
+# the second line of ready-run is the digest of the files that the environment was made from.
 set -uo pipefail
+umask o-w # nothing is writable for everybody, whatever the shell has set
 profile="${1:?set_up.bash run|test}"
 root="$(readlink -f "${BASH_SOURCE[0]}")"
 root="${root%/tools/*}"
@@ -19,7 +21,7 @@ packages=(
   python3-std-srvs "ros-robot-state-publisher|robot-state-publisher"
 )
 # EGL and Mesa render the simulated camera without a screen; the programs of the first drive have none.
-[[ $profile == test ]] && packages+=(git openssh-client tmux zsh fish xvfb liburdfdom-tools libegl1 libopengl0 libgl1-mesa-dri)
+[[ $profile == test ]] && packages+=(git openssh-client shellcheck tmux zsh fish xvfb liburdfdom-tools libegl1 libopengl0 libgl1-mesa-dri)
 # Images of systems are made and read back with the tools of others.
 [[ $profile == test ]] && packages+=(mtools dosfstools fdisk e2fsprogs openssl)
 # The site of ur docs is tried in Chromium. Ubuntu has it as a snap only, which tests cannot drive: they are left out.
@@ -183,12 +185,14 @@ fi
 exec 9>.cache/set_up.lock
 flock -n 9 || { say "another set-up of this folder is running: waiting for it" && flock 9; }
 begin=$SECONDS
+made_from="$(cat requirements/run.lock tools/set_up.bash pyproject.toml | sha256sum)"
+made_from="${made_from%% *}" # before it is used: a file that changes meanwhile makes the next start look again
 : >"$log"
 say "setting up this computer ($profile); details in $log"
 install_packages
 offer_rviz
 make_environment
 install_python
-printf '%s\n' "$root" >.venv/ready-run
+printf '%s\n%s\n' "$root" "$made_from" >.venv/ready-run
 [[ $profile == test ]] && printf '%s\n' "$root" >.venv/ready-test
 say "set up in $((SECONDS - begin)) s"
