@@ -15,6 +15,14 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 signal.signal(signal.SIGQUIT, signal.SIG_DFL)
 
 
+def pytest_configure(config: pytest.Config) -> None:
+    """Give the workers of pytest-xdist a minute to end what they started after Ctrl-C; its own limit is 10 s."""
+    if config.pluginmanager.hasplugin("xdist"):
+        from xdist.workermanage import NodeManager
+
+        NodeManager.EXIT_TIMEOUT = 60
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """A long test has half an hour, unless it says otherwise."""
     for item in items:
