@@ -24,8 +24,8 @@ TOPICS = ("tf", "status", "map", "key_vel", "goal")
 # A subscriber as roscpp is one: it says nothing of itself once it is connected, and has no limits.
 SUBSCRIBER = """
 import select, sys
-from ur.run.tcpros import NoTopic, listen_to
-from ur.run.xml_rpc import call_method
+from ur.run.master.tcpros import NoTopic, listen_to
+from ur.run.master.xml_rpc import call_method
 robot, topic = sys.argv[1:]
 _, _, uri = call_method((robot, 11311), "lookupNode", ["/x", "/robot"], 5.0)
 listener = listen_to(uri, topic, keep=0, timeout=5.0, caller="/x")

@@ -28,6 +28,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "ur.format": ("ur.source", "ur.launchfile", "ur.check"),
     "ur.run": ("ur.source", "ur.launchfile", "ur.robot"),
     "ur.tui": ("ur.source", "ur.run"),
+    "ur.request": ("ur.source", "ur.launchfile", "ur.robot", "ur.worlds", "ur.run"),
     "ur.cli": ("ur",),
     "ur": ("ur",),
     "ur_nodes.geometry": ("ur.source", "ur.worlds"),

@@ -14,9 +14,8 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
-from ur.run.client import RunClient
-from ur.run.debug_node import Ways
-from ur.run.events import (
+from ur.run.clients.client import RunClient
+from ur.run.clients.protocol import (
     NodeChanged,
     NodeReadiness,
     NodeStats,
@@ -27,6 +26,7 @@ from ur.run.events import (
     StatsSampled,
     find_severity,
 )
+from ur.run.debugger.attach import Ways
 from ur.tui.app import WatchApp
 from ur.tui.board import NodeRow
 

@@ -21,7 +21,7 @@ from PIL import Image, ImageGrab
 from rich.console import Console
 from rich.text import Text
 
-from ur.cli.robots import _picture
+from ur.cli.robots.robots import _picture
 from ur.robot.base import load_base
 from ur.robot.listing import Answer, Row
 from ur.robot.seen import Seen

@@ -16,7 +16,7 @@ def _run() -> int:
             if code is not None:
                 return code
     if sys.argv[1:2] == ["__complete"]:
-        from ur.cli.completing import answer_completion
+        from ur.cli.computer.completing import answer_completion
 
         return answer_completion(sys.argv[2:])
     from ur.cli.main import main

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from ur.cli.completing import answer_completion
+from ur.cli.computer.completing import answer_completion
 
 
 @pytest.fixture(autouse=True)

@@ -13,8 +13,8 @@ from pathlib import Path
 import pytest
 from tests.run.conftest import World, master, world  # noqa: F401 - fixtures
 
-from ur.cli.launch_options import ROSLAUNCH as ROSLAUNCH_OPTIONS
-from ur.cli.launch_options import make_parameters
+from ur.cli.launch.options import ROSLAUNCH as ROSLAUNCH_OPTIONS
+from ur.cli.launch.options import make_parameters
 
 ROSLAUNCH = "/usr/bin/roslaunch"
 FILES = {

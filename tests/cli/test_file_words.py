@@ -61,7 +61,7 @@ def test_tab_offers_the_names_of_a_file_to_explain(capsys: pytest.CaptureFixture
 
 
 def offered(line: str, capsys: pytest.CaptureFixture[str]) -> set[str]:
-    from ur.cli.completing import answer_completion
+    from ur.cli.computer.completing import answer_completion
 
     assert answer_completion(["fish", line]) == 0
     return {row.split("\t")[1] for row in capsys.readouterr().out.splitlines()}

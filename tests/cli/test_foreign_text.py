@@ -8,12 +8,12 @@ from pathlib import Path
 
 import pytest
 
-from ur.cli.doctor_report import Report, print_report
+from ur.cli.computer.doctor_report import Report, print_report
+from ur.cli.computer.setup import show_changes
 from ur.cli.main import main
-from ur.cli.robot import _print_checks
-from ur.cli.robot_network import print_table
-from ur.cli.robots import _print
-from ur.cli.setup import show_changes
+from ur.cli.robot_setup.network import print_table
+from ur.cli.robot_setup.robot import _print_checks
+from ur.cli.robots.robots import _print
 from ur.robot.doctor.model import Finding
 from ur.robot.doctor.way import Step
 from ur.robot.listing import Answer, Row

@@ -10,10 +10,10 @@ from pathlib import Path
 import click
 import pytest
 
-from ur.cli.environment import PACKAGE
 from ur.cli.help_pages import LAUNCH_GROUPS, PAGES
 from ur.cli.main import VERBS, load_verb, main
-from ur.cli.programs import list_programs
+from ur.request.environment import PACKAGE
+from ur.request.programs import list_programs
 
 
 def walk_verbs() -> Iterator[tuple[str, click.Command]]:

@@ -23,8 +23,8 @@ from ur.robot.doctor.messages import MESSAGES_SCRIPT
 from ur.robot.setup.environment import viewer_environment
 from ur.robot.setup.wanted import WantedFile
 from ur.robot.ssh.shell import LocalShell
-from ur.run import debug_pane
-from ur.run.debug_around import look_around
+from ur.run.debugger import pane as debug_pane
+from ur.run.debugger.environment import look_around
 from ur.source import UserError
 
 ROOT = Path(__file__).parents[2]
@@ -176,7 +176,7 @@ def test_scripts_for_other_computers_import_nothing_of_the_current_folder(
 
 def test_helper_processes_import_nothing_of_the_current_folder(trap: Trap) -> None:
     trap.run(PYTHON, "-I", build_attached.__file__, "true")
-    pip = "from ur.cli.on_demand import need_all; from pathlib import Path; import sys"
+    pip = "from ur.request.python_packages import need_all; from pathlib import Path; import sys"
     lock = trap.folder.parent / "requirements/none.lock"
     lock.parent.mkdir()
     lock.touch()

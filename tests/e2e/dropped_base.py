@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ur.cli.environment import PACKAGE
+from ur.request.environment import PACKAGE
 from ur.robot.base import Base, load_base
 from ur.robot.body_mesh import make_body, write_stl
 from ur.robot.urdf import write_urdf

@@ -14,9 +14,9 @@ from statistics import median
 
 from tests.e2e.matrix_table import Topic
 
-from ur.run.master import Master
-from ur.run.tcpros import Listener, NoTopic, listen_to
-from ur.run.xml_rpc import Refused, Unanswered
+from ur.run.master.client import Master
+from ur.run.master.tcpros import Listener, NoTopic, listen_to
+from ur.run.master.xml_rpc import Refused, Unanswered
 
 TF = ("/tf", "/tf_static")
 _TOLERANCE = 0.2

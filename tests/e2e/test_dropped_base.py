@@ -13,8 +13,8 @@ from tests.e2e.dropped_base import NAME, drop_base
 from tests.e2e.matrix_cell import try_cell
 from tests.e2e.matrix_table import load_cells
 
-from ur.cli.environment import PACKAGE
-from ur.cli.programs import list_programs
+from ur.request.environment import PACKAGE
+from ur.request.programs import list_programs
 
 SAMPLE = "robot_base"  # the default suite's
 

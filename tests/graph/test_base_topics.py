@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from ur.cli.environment import PACKAGE
 from ur.graph.base_topics import find_base_uses
 from ur.graph.text import draw_graph
 from ur.graph.topics import graph_plan
 from ur.launchfile import MemoryWorld, Plan, load_plan
+from ur.request.environment import PACKAGE
 
 PARAMS = """<param name="base" value="{base}"/><param name="variant" value="{variant}"/>
 <param name="package" value="{package}"/><param name="robots" value="{robots}"/>"""

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from ur.cli.environment import PACKAGE
+from ur.request.environment import PACKAGE
 from ur.robot.base_search import find_base_package, list_base_packages
 
 

@@ -12,11 +12,11 @@ from pathlib import Path
 import psutil
 import pytest
 from tests.run.conftest import World
-from tests.run.test_debug_pane import Tmux, tmux, until  # noqa: F401 - a fixture
+from tests.run.debugger.test_pane import Tmux, tmux, until  # noqa: F401 - a fixture
 
-from ur.run import debug_pane
-from ur.run.client import RunClient, connect_run
-from ur.run.events import NodeChanged, RestartNode, RunEvent
+from ur.run.clients.client import RunClient, connect_run
+from ur.run.clients.protocol import NodeChanged, RestartNode, RunEvent
+from ur.run.debugger import pane as debug_pane
 
 pytestmark = pytest.mark.ros
 BODY = '<node pkg="little_nodes" type="sleeper" name="one" launch-prefix="nice -n 1"/>'

@@ -13,8 +13,8 @@ from typing import Any
 import pytest
 from tests.run.leftovers import wait_nothing_left
 
-from ur.run.client import connect_run, iterate_events
-from ur.run.events import (
+from ur.run.clients.client import connect_run, iterate_events
+from ur.run.clients.protocol import (
     KillNode,
     NodeChanged,
     OutputLine,

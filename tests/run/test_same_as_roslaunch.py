@@ -15,7 +15,7 @@ from typing import Any
 import pytest
 from tests.run.test_launch import ask_master
 
-from ur.cli.environment import current_selection, environment_changes
+from ur.request.environment import current_selection, environment_changes
 
 ROSLAUNCH = Path("/usr/bin/roslaunch")
 RECORD = """#!/usr/bin/python3

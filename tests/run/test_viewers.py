@@ -8,8 +8,8 @@ from ur.launchfile.plan.load import load_plan
 from ur.launchfile.plan.model import NodeSpec
 from ur.launchfile.world import World
 from ur.launchfile.world.memory import MemoryWorld
-from ur.run.debian import describe_install
-from ur.run.placement import check_display, leave_out_viewers
+from ur.run.process.missing_package import describe_install
+from ur.run.startup.node_selection import check_display, leave_out_viewers
 from ur.source.diagnostic import UserError
 
 LAUNCH = """<launch>

@@ -10,9 +10,8 @@ from dataclasses import dataclass, field, replace
 
 from textual.pilot import Pilot
 
-from ur.run.client import RunClient
-from ur.run.debug_node import Way, Ways
-from ur.run.events import (
+from ur.run.clients.client import RunClient
+from ur.run.clients.protocol import (
     NodeChanged,
     NodeReadiness,
     NodeStats,
@@ -28,6 +27,7 @@ from ur.run.events import (
     find_severity,
     parse_command,
 )
+from ur.run.debugger.attach import Way, Ways
 from ur.tui.app import WatchApp
 from ur.tui.board import NodeRow
 

@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 from tests.tui.fake import RUN, line
 
-from ur.run.events import NodeChanged, NodeReadiness, NodeStats, RunEvent, RunStopping, StatsSampled
+from ur.run.clients.protocol import NodeChanged, NodeReadiness, NodeStats, RunEvent, RunStopping, StatsSampled
 from ur.tui.board import Board, NodeRow, apply_events
 from ur.tui.palette import DARK
 from ur.tui.texts import describe_run

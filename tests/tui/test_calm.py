@@ -6,7 +6,7 @@ import threading
 import pytest
 from tests.tui.fake import RUN, FakeRun, example, line
 
-from ur.run.events import LinkChanged, NodeChanged, NodeReadiness, Notice, RunEnded, RunEvent, RunStopping
+from ur.run.clients.protocol import LinkChanged, NodeChanged, NodeReadiness, Notice, RunEnded, RunEvent, RunStopping
 from ur.tui.board import Board, apply_events
 from ur.tui.calm import describe_status, show_events, watch_calmly
 

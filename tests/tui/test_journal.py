@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from tests.tui.fake import line
 
-from ur.run.events import Notice
+from ur.run.clients.protocol import Notice
 from ur.tui.journal import MOST_AT_ONCE, MOST_ENTRIES, MOST_LINES, Filter, Journal, clean, plain, strip_head
 
 

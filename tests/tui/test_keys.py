@@ -10,7 +10,7 @@ import pytest
 from rich.console import Console
 from tests.tui.fake import FakeDesk, FakeRun, line, until, watching
 
-from ur.run.events import RestartNode, StartNode, StopNode, StopRun
+from ur.run.clients.protocol import RestartNode, StartNode, StopNode, StopRun
 from ur.tui.app import WatchApp
 from ur.tui.dialogs import Page, Question
 from ur.tui.journal import Filter

@@ -6,7 +6,7 @@ import pytest
 from tests.tui.fake import FakeDesk, example, line, log_of, read_screen, until, watching
 from textual.widgets import Input
 
-from ur.run.events import NodeChanged
+from ur.run.clients.protocol import NodeChanged
 from ur.tui.dialogs import Page
 
 

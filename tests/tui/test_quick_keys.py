@@ -8,7 +8,7 @@ import pytest
 from tests.tui.fake import FakeDesk, FakeRun, read_screen, until, watching
 from textual import events
 
-from ur.run.events import KillNode, StartNode, StopNode, StopRun
+from ur.run.clients.protocol import KillNode, StartNode, StopNode, StopRun
 from ur.tui.app import WatchApp
 from ur.tui.dialogs import Page, Question
 from ur.tui.keys import KEYS

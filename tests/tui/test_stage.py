@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 from tests.tui.fake import RUN, FakeDesk, line, log_of, read_screen, until, watching
 
-from ur.run.debug_node import Way, Ways
-from ur.run.events import Notice, RunEnded, RunEvent, RunStopping
+from ur.run.clients.protocol import Notice, RunEnded, RunEvent, RunStopping
+from ur.run.debugger.attach import Way, Ways
 from ur.tui.journal import MOST_ENTRIES
 
 SNAPSHOTS = Path(__file__).parent / "snapshots"

@@ -3,8 +3,8 @@ from __future__ import annotations
 import pytest
 from tests.tui.fake import FakeDesk, example, read_screen, until, watching
 
-from ur.run.debug_node import Way, Ways
-from ur.run.events import KillNode, RestartNode, RunCommand, StartNode, StopNode, StopRun
+from ur.run.clients.protocol import KillNode, RestartNode, RunCommand, StartNode, StopNode, StopRun
+from ur.run.debugger.attach import Way, Ways
 from ur.tui.dialogs import Question
 
 

@@ -21,8 +21,8 @@ def answer_fast(words: Sequence[str]) -> int | None:
         return None
     gc.disable()  # nothing lives long enough to be worth collecting
     try:
-        from ur.cli.environment import current_selection
-        from ur.cli.queries import answer
+        from ur.request.environment import current_selection
+        from ur.request.questions import answer
 
         selection = current_selection(os.environ)
         if not selection.base:
@@ -41,8 +41,8 @@ def launch_fast(words: Sequence[str]) -> int | None:
     if len(words) < 2 or words[0] != "launch" or any(word.startswith("-") for word in words):
         return None
     try:
-        from ur.cli.launch_act import act_on, explain_problem
-        from ur.cli.launch_wishes import Wishes
+        from ur.cli.launch.act import act_on, explain_problem
+        from ur.request.options import Wishes
         from ur.source.diagnostic import UserError
         from ur.source.printable import guard_output
 

@@ -66,9 +66,9 @@ def show_help(words: list[str]) -> None:
 
 
 def _show_program(name: str, *, known_verb: bool) -> None:
-    from ur.cli.environment import PACKAGE, know_own_package
-    from ur.cli.program_help import describe_program
-    from ur.cli.programs import choose_program, index_programs
+    from ur.cli.launch.program_help import describe_program
+    from ur.request.environment import PACKAGE, know_own_package
+    from ur.request.programs import choose_program, index_programs
 
     index = index_programs(PACKAGE, know_own_package(os.environ))
     names = {each.name for each in index.programs}

@@ -7,23 +7,23 @@ from pathlib import Path
 
 from ur.launchfile.plan.model import NodeSpec, ParamValue, Plan
 from ur.launchfile.world import World
-from ur.run.command import Program, find_programs, number_logs
-from ur.run.console import Console
-from ur.run.core import await_master, core_parameters, find_core
-from ur.run.happenings import Event, SetupFailed, ShareFailed, ShareStarted
 from ur.run.loop import run_loop
-from ur.run.master import Master
-from ur.run.master_search import find_master, read_run_id
+from ur.run.master.client import Master
+from ur.run.master.local_master import await_master, core_parameters, find_core
+from ur.run.master.parameters import check_sendable, start_commands
+from ur.run.master.search import find_master, read_run_id
+from ur.run.master.upload import remove_registrations, upload_parameters
 from ur.run.options import Options
-from ur.run.parameters import check_sendable, start_commands
-from ur.run.placement import find_remote, find_terminals, force_options, leave_out_viewers
-from ur.run.places import make_home, make_run_folder, new_run_id
-from ur.run.presence import claim, list_joined_runs, plan_watch, register
-from ur.run.processes import HostLost, ProcessHost
-from ur.run.registry import unregister_run
+from ur.run.output.console import Console
+from ur.run.paths import make_home, make_run_folder, new_run_id
+from ur.run.process.command import Program, find_programs, number_logs
+from ur.run.process.host_client import HostLost, ProcessHost
+from ur.run.process.terminal import find_terminal, ignore_background_write
+from ur.run.record.presence import claim, list_joined_runs, plan_watch, register
+from ur.run.record.registry import unregister_run
 from ur.run.run import Run
-from ur.run.terminal import find_terminal, ignore_background_write
-from ur.run.upload import remove_registrations, upload_parameters
+from ur.run.startup.node_selection import find_remote, find_terminals, force_options, leave_out_viewers
+from ur.run.supervisor.events import Event, SetupFailed, ShareFailed, ShareStarted
 from ur.source.diagnostic import UserError, error
 
 __all__ = ["Options", "run_plan"]

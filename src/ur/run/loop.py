@@ -8,13 +8,32 @@ import signal
 import threading
 import time
 
-from ur.run.actions import Action, AwaitMaster, Finish, SetParameters, Signal, Start, StartShare, Sweep, Unregister
-from ur.run.audience import Audience
-from ur.run.changes import is_before
-from ur.run.command import Program
-from ur.run.console import Console
-from ur.run.front import Front
-from ur.run.happenings import (
+from ur.run.clients.audience import Audience
+from ur.run.host.protocol import GROUP, SESSION
+from ur.run.inbox import Inbox
+from ur.run.master.monitor import watch_any
+from ur.run.output.console import Console
+from ur.run.output.reporter import Teller
+from ur.run.output.router import Outputs
+from ur.run.process.command import Program
+from ur.run.process.foreground import Front
+from ur.run.process.host_client import HostLost, ProcessHost, Suspended
+from ur.run.process.terminal import Terminal
+from ur.run.run import Job, Run
+from ur.run.startup.progress import Progress
+from ur.run.supervisor.actions import (
+    Action,
+    AwaitMaster,
+    Finish,
+    SetParameters,
+    Signal,
+    Start,
+    StartShare,
+    Sweep,
+    Unregister,
+)
+from ur.run.supervisor.changes import is_before
+from ur.run.supervisor.events import (
     Begin,
     Event,
     Exited,
@@ -27,17 +46,8 @@ from ur.run.happenings import (
     StopRequested,
     Tick,
 )
-from ur.run.host.protocol import GROUP, SESSION
-from ur.run.inbox import Inbox
-from ur.run.master_watch import watch_any
-from ur.run.model import Phase, Status
-from ur.run.outputs import Outputs
-from ur.run.processes import HostLost, ProcessHost, Suspended
-from ur.run.progress import Progress
-from ur.run.run import Job, Run
-from ur.run.supervisor import begin_state, next_deadline, step
-from ur.run.teller import Teller
-from ur.run.terminal import Terminal
+from ur.run.supervisor.model import Phase, Status
+from ur.run.supervisor.supervisor import begin_state, next_deadline, step
 
 
 def run_loop(run: Run, host: ProcessHost, console: Console, terminal: Terminal | None) -> int:

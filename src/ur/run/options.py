@@ -7,11 +7,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from ur.run.model import Limits
+from ur.run.supervisor.model import Limits
 
 if TYPE_CHECKING:
-    from ur.run.registry import RunEntry
-    from ur.run.timings import Timings
+    from ur.run.record.registry import RunEntry
+    from ur.run.startup.timings import Timings
 
 
 @dataclass(frozen=True, slots=True)

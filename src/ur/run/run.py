@@ -7,15 +7,15 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from ur.run.command import Program
-from ur.run.happenings import Event
-from ur.run.master import Master
-from ur.run.model import Limits
+from ur.run.master.client import Master
+from ur.run.process.command import Program
+from ur.run.supervisor.events import Event
+from ur.run.supervisor.model import Limits
 
 if TYPE_CHECKING:
-    from ur.run.events import RunStarted
-    from ur.run.registry import RunEntry
-    from ur.run.timings import Timings
+    from ur.run.clients.protocol import RunStarted
+    from ur.run.record.registry import RunEntry
+    from ur.run.startup.timings import Timings
 
 Job = Callable[[], Event]
 
@@ -54,7 +54,7 @@ class Run:
     set_parameters: Job
     unregister: Job
     limits: Limits = field(default_factory=Limits)
-    restart_share: Callable[[], Event] | None = None  # see ur.run.actions.StartShare; None: no robot has a share
+    restart_share: Callable[[], Event] | None = None  # StartShare; None: no robot has a share
     master: Master | None = None  # asked which nodes are up, while somebody wants to know
     timings: Timings | None = None  # told once every node is up
     watch: WatchPlan = field(default_factory=WatchPlan)

@@ -9,8 +9,8 @@ import socket
 import sys
 from pathlib import Path
 
-from ur.run.client import RunClient, RunControl
-from ur.run.events import RunEvent, RunStarted
+from ur.run.clients.client import RunClient, RunControl
+from ur.run.clients.protocol import RunEvent, RunStarted
 from ur.tui.watch import own_terminal, watch_run
 
 

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
-from ur.run.events import (
+from ur.run.clients.protocol import (
     LinkChanged,
     NodeChanged,
     NodeReadiness,
@@ -19,7 +19,7 @@ from ur.run.events import (
     RunStopping,
     StatsSampled,
 )
-from ur.run.report import describe_link
+from ur.run.output.messages import describe_link
 
 Mood = Literal["up", "busy", "idle", "failed"]
 STANDING: tuple[Mood, ...] = ("up", "busy", "failed", "idle")  # the order in which moods are counted

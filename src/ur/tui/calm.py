@@ -12,8 +12,8 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from ur.run.client import RunControl
-from ur.run.events import Notice, OutputLine, RunEvent, RunStarted, StopRun, Watch
+from ur.run.clients.client import RunControl
+from ur.run.clients.protocol import Notice, OutputLine, RunEvent, RunStarted, StopRun, Watch
 from ur.tui.board import STANDING, Board, Mood, apply_events, begin_board
 
 SIGNS: dict[Mood, tuple[str, str]] = {

@@ -13,9 +13,9 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
 
-from ur.run.debug_around import look_around, look_at_node
-from ur.run.debug_node import Ways, plan_looking
-from ur.run.events import RunStarted
+from ur.run.clients.protocol import RunStarted
+from ur.run.debugger.attach import Ways, plan_looking
+from ur.run.debugger.environment import look_around, look_at_node
 from ur.tui.board import NodeRow
 
 

@@ -12,7 +12,7 @@ from textual.containers import Vertical, VerticalScroll
 from textual.screen import ModalScreen
 from textual.widgets import Static
 
-from ur.run.output import read_last_lines
+from ur.run.output.node_output import read_last_lines
 from ur.source.printable import printable
 from ur.tui.palette import Palette
 

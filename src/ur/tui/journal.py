@@ -7,7 +7,7 @@ from collections import deque
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
-from ur.run.events import Notice, OutputLine, Severity, find_severity
+from ur.run.clients.protocol import Notice, OutputLine, Severity, find_severity
 
 MOST_ENTRIES = 10_000
 MOST_LINES = 200  # of one message

@@ -11,7 +11,7 @@ from textual.message import Message
 from textual.scroll_view import ScrollView
 from textual.strip import Strip
 
-from ur.run.events import find_severity
+from ur.run.clients.protocol import find_severity
 from ur.tui.board import Mood, NodeRow
 from ur.tui.journal import clean, plain, strip_head
 from ur.tui.log_view import short_name

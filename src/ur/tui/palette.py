@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from rich.style import Style
 
-from ur.run.events import Severity
+from ur.run.clients.protocol import Severity
 from ur.tui.board import Mood
 
 

@@ -13,9 +13,9 @@ from textual.driver import Driver
 from textual.screen import ModalScreen
 from textual.widgets import Input, Static
 
-from ur.run.client import RunControl
-from ur.run.debug_node import Ways
-from ur.run.events import Notice, OutputLine, RunEvent, RunStarted, RunStopping, Watch
+from ur.run.clients.client import RunControl
+from ur.run.clients.protocol import Notice, OutputLine, RunEvent, RunStarted, RunStopping, Watch
+from ur.run.debugger.attach import Ways
 from ur.source.printable import printable
 from ur.tui.board import Board, NodeRow, apply_events, begin_board
 from ur.tui.journal import Journal

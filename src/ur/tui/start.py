@@ -13,10 +13,10 @@ from contextlib import suppress
 from typing import TYPE_CHECKING, Any, Literal
 
 from ur.run.host import restore_terminal, take_foreground
-from ur.run.terminal import ignore_background_write
+from ur.run.process.terminal import ignore_background_write
 
 if TYPE_CHECKING:
-    from ur.run.events import Severity
+    from ur.run.clients.protocol import Severity
 
 Mode = Literal["full", "calm", "plain"]
 LEAST_COLUMNS, LEAST_ROWS = 60, 15
@@ -62,7 +62,7 @@ class Viewer:
 
     def note(self, severity: Severity, text: str) -> None:
         """Say something before the run begins: it is the first in the interface's log."""
-        from ur.run.events import Notice, dump_line  # only for those who are told something
+        from ur.run.clients.protocol import Notice, dump_line  # only for those who are told something
 
         with suppress(OSError):
             self.link.sendall(dump_line(Notice(severity, text)))

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from ur.run.debug_node import Way
-from ur.run.events import KillNode, RestartNode, RunCommand, StartNode, StopNode, StopRun
+from ur.run.clients.protocol import KillNode, RestartNode, RunCommand, StartNode, StopNode, StopRun
+from ur.run.debugger.attach import Way
 from ur.tui.board import NodeRow
 from ur.tui.dialogs import Choice, Question
 from ur.tui.looking import Looking

@@ -8,8 +8,8 @@ import sys
 from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager
 
-from ur.run.client import RunControl
-from ur.run.events import RunEvent, StopRun
+from ur.run.clients.client import RunControl
+from ur.run.clients.protocol import RunEvent, StopRun
 from ur.run.host import take_foreground
 
 MOST_TOLD = 12  # lines about failures that stay on the screen afterwards

@@ -12,8 +12,8 @@ from ur.package.cmake import put_block, write_block
 from ur.package.manifest import add_run_dependencies, read_optional
 from ur.robot.image.content import describe_other, identify_filesystem, identify_packing
 from ur.robot.image.partitions import read_partitions
-from ur.run.debug_core import belongs_to
-from ur.run.tcpros import read_frames
+from ur.run.debugger.core_dump import belongs_to
+from ur.run.master.tcpros import read_frames
 from ur.source.diagnostic import UserError
 
 _XML_WORDS = (

@@ -9,7 +9,7 @@ from pathlib import Path
 import yaml
 from tests.fuzz.target import Target
 
-from ur.cli import boot_command
+from ur.cli.robots import boot_command
 from ur.robot.boot import tell_base_script
 from ur.robot.boot_file import RobotLaunch
 from ur.robot.change.rename import name_robot_file
@@ -19,9 +19,9 @@ from ur.robot.seen import load_seen
 from ur.robot.selection import load_selection
 from ur.robot.setup.there import Robot, robot_file
 from ur.robot.sync.memory import load_memory
-from ur.run.computer import Computer
-from ur.run.events import BadLineError, parse_command, parse_event
-from ur.run.registry import list_runs
+from ur.run.clients.protocol import BadLineError, parse_command, parse_event
+from ur.run.record.computer import Computer
+from ur.run.record.registry import list_runs
 from ur.run.remote.clients import read_clients
 from ur.source.diagnostic import UserError
 from ur.source.render import render_human

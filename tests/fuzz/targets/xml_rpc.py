@@ -14,14 +14,14 @@ from pathlib import Path
 
 from tests.fuzz.target import Target
 
-from ur.cli import master as cli_master
+from ur.cli.robots import master as cli_master
 from ur.graph.topics import graph_system
-from ur.run.master import Master
-from ur.run.readiness import ReadinessProbe
+from ur.run.master.client import Master
+from ur.run.master.tcpros import NoTopic, listen_to
+from ur.run.master.xml_rpc import Refused, Unanswered
 from ur.run.remote.lease import read_lease
 from ur.run.remote.signs import look_up_nodes, probe_node
-from ur.run.tcpros import NoTopic, listen_to
-from ur.run.xml_rpc import Refused, Unanswered
+from ur.run.startup.readiness import ReadinessProbe
 from ur.source.diagnostic import UserError
 
 _PATIENCE = 0.3  # s

@@ -6,7 +6,7 @@ from ur.robot.setup.facts import ABSENT, Facts
 from ur.robot.setup.here import wanted_here
 from ur.robot.setup.keys import HOST_KEY
 from ur.robot.setup.packages import WantedPackages
-from ur.run.debug import PACKAGES
+from ur.run.debugger.choice import PACKAGES
 
 
 def test_viewer_gets_every_debugger_that_launch_knows() -> None:

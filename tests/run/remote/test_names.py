@@ -5,7 +5,7 @@ import pytest
 from ur.launchfile.plan.load import load_plan
 from ur.launchfile.plan.model import Plan
 from ur.launchfile.world import MemoryWorld
-from ur.run.master import Master
+from ur.run.master.client import Master
 from ur.run.remote.names import choose_names, find_taken, is_same_master, rename_nodes
 from ur.run.remote.signs import Sign
 

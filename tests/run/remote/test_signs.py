@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from ur.run.master import Master
+from ur.run.master.client import Master
 from ur.run.remote.protocol import Client
 from ur.run.remote.signs import START_SECONDS, Sign, has_viewer, judge_client, look_up_nodes, probe_node, read_signs
 

@@ -19,6 +19,7 @@ from ur.source.progress import Waiting, no_waiting
 
 CONNECT_SECONDS = 10
 ALIVE_SECONDS = 3
+STRICT = ("-o", "StrictHostKeyChecking=yes", "-o", "ConnectTimeout=10")  # an unknown host key is an error
 _READY = "ubiquity: logged in"
 _SUDO_REFUSED = re.compile(r"^sudo: (\d+ incorrect|no password|a password is required)", re.MULTILINE)
 # Where the shared connection is gone, ssh would make one of its own: ten seconds of silence, and without the password.

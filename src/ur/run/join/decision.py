@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from ur.launchfile.plan.model import Plan
 from ur.run.join.claims import Definition, define_nodes, is_base
-from ur.run.machines import take_part
+from ur.run.startup.machine_assignment import take_part
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import os
 
-from ur.run.computer import read_computer
-from ur.run.happenings import Event, Evicted, Exited
-from ur.run.master import Master, parse_master_uri
-from ur.run.places import is_local_address
-from ur.run.registry import list_runs
-from ur.run.xml_rpc import Refused, Unanswered
+from ur.run.master.client import Master, parse_master_uri
+from ur.run.master.xml_rpc import Refused, Unanswered
+from ur.run.paths import is_local_address
+from ur.run.record.computer import read_computer
+from ur.run.record.registry import list_runs
+from ur.run.supervisor.events import Event, Evicted, Exited
 from ur.source.diagnostic import UserError
 
 _PATIENCE = 5.0  # s; a busy computer answers late, and a port that nobody listens at refuses at once
@@ -39,7 +39,7 @@ def _list_ancestors(pid: int) -> list[int]:
     while pid > 1 and len(found) < _MAX_DEPTH:
         found.append(pid)
         try:
-            with open(f"/proc/{pid}/stat", "rb") as file:  # noqa: PTH123 - as in ur.run.registry
+            with open(f"/proc/{pid}/stat", "rb") as file:  # noqa: PTH123 - as in ur.run.record.registry
                 pid = int(file.read().rpartition(b")")[2].split()[1])
         except (OSError, ValueError, IndexError):
             break

@@ -9,9 +9,9 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from ur.run.master import parse_master_uri
-from ur.run.places import is_local_address
-from ur.run.registry import runs_folders
+from ur.run.master.client import parse_master_uri
+from ur.run.paths import is_local_address
+from ur.run.record.registry import runs_folders
 
 _PERIOD = 0.05  # s
 _PATIENCE = 2.0  # s of silence, after which the wait is reported

@@ -7,14 +7,14 @@ import threading
 import time
 from collections.abc import Callable, Iterable, Mapping
 
-from ur.run.client import RunGone, connect_run
-from ur.run.computer import read_computer
-from ur.run.events import RunEnded, RunStopping
-from ur.run.happenings import Event, OwnerEnded
+from ur.run.clients.client import RunGone, connect_run
+from ur.run.clients.protocol import RunEnded, RunStopping
 from ur.run.join.claims import read_claims
-from ur.run.master import Master, parse_master_uri
-from ur.run.registry import RunEntry, list_runs, read_birth
-from ur.run.xml_rpc import Refused, Unanswered
+from ur.run.master.client import Master, parse_master_uri
+from ur.run.master.xml_rpc import Refused, Unanswered
+from ur.run.record.computer import read_computer
+from ur.run.record.registry import RunEntry, list_runs, read_birth
+from ur.run.supervisor.events import Event, OwnerEnded
 
 START_SECONDS = 60.0
 _PATIENCE = 2.0  # s of silence, after which the wait is reported

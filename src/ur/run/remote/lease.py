@@ -8,9 +8,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Literal
 
-from ur.run.master import Master, parse_master_uri
+from ur.run.master.client import Master, parse_master_uri
+from ur.run.master.xml_rpc import Refused, Unanswered
 from ur.run.remote.protocol import check_printable
-from ur.run.xml_rpc import Refused, Unanswered
 from ur.source.diagnostic import UserError
 
 PARAMETER = "/ur/lease"

@@ -10,10 +10,10 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-from ur.run.client import RunGone, connect_run, iterate_events
-from ur.run.events import NodeChanged, RunStopping, Synchronised
-from ur.run.master import parse_master_uri
-from ur.run.registry import RunEntry, read_birth, runs_folders
+from ur.run.clients.client import RunGone, connect_run, iterate_events
+from ur.run.clients.protocol import NodeChanged, RunStopping, Synchronised
+from ur.run.master.client import parse_master_uri
+from ur.run.record.registry import RunEntry, read_birth, runs_folders
 from ur.run.remote.protocol import Request
 from ur.source.diagnostic import UserError
 

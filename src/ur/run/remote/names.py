@@ -8,7 +8,7 @@ from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import replace
 
 from ur.launchfile.plan.model import NodeSpec, Plan
-from ur.run.master import Master, parse_master_uri
+from ur.run.master.client import Master, parse_master_uri
 from ur.run.remote.signs import Sign, look_up_nodes, probe_node
 from ur.source.diagnostic import UserError
 

@@ -16,9 +16,10 @@ from contextlib import suppress
 from dataclasses import replace
 
 from ur.robot.remote_run import MODULE
-from ur.run.computer import Computer, read_computer
-from ur.run.master import Master, parse_master_uri
-from ur.run.registry import RunEntry, list_runs
+from ur.run.master.client import Master, parse_master_uri
+from ur.run.master.xml_rpc import Refused, Unanswered
+from ur.run.record.computer import Computer, read_computer
+from ur.run.record.registry import RunEntry, list_runs
 from ur.run.remote.clients import (
     TooManyClientsError,
     add_client,
@@ -33,7 +34,6 @@ from ur.run.remote.names import choose_names
 from ur.run.remote.protocol import MAX_BYTES, Answer, Client, Problem, Request, dump, parse_request
 from ur.run.remote.signs import Sign, read_signs
 from ur.run.remote.start import scope, start_share
-from ur.run.xml_rpc import Refused, Unanswered
 from ur.source.diagnostic import UserError
 
 END_SECONDS = 25.0

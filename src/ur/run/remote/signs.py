@@ -10,9 +10,9 @@ from contextlib import suppress
 from enum import Enum
 from pathlib import Path
 
-from ur.run.master import Master, parse_master_uri
+from ur.run.master.client import Master, parse_master_uri
+from ur.run.master.xml_rpc import Refused, Unanswered
 from ur.run.remote.protocol import Client
-from ur.run.xml_rpc import Refused, Unanswered
 from ur.source.diagnostic import UserError
 
 PATIENCE = 3.0  # s for all clients together; a name that is gone costs 5 s to look up

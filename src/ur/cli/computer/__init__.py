@@ -1,0 +1,1 @@
+"""Commands on this computer: setup, env, doctor and completion."""

@@ -1,0 +1,234 @@
+"""Answers of `ur __complete SHELL LINE [REPLACED]`: a line for each candidate, `open|done<TAB>text<TAB>help`.
+
+For bash, `text` is quoted and takes the place of REPLACED, the end of LINE; zsh and fish quote by themselves. Names
+that hold control characters are not offered: no shell inserts them without surprises.
+
+It stands beside click: most answers need no more than the names of files, and a person is waiting.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
+
+from ur.complete.line import split_line
+from ur.complete.model import Candidate, Known, Option, Source
+from ur.complete.verbs import complete_line
+from ur.source.diagnostic import UserError
+
+_RUN_COMMANDS = {
+    "robot command": "ur.cli.robot_setup.robot",
+    "boot command": "ur.cli.robots.boot",
+    "new command": "ur.cli.files.new",
+    "image command": "ur.cli.robot_setup.image",
+}
+
+
+def answer_completion(words: Sequence[str]) -> int:
+    """Print what fits a command line up to the cursor. Whatever goes wrong: nothing is offered."""
+    with suppress(Exception):
+        from ur.launchfile.world.system import SystemWorld
+
+        environment = _follow_selection(dict(os.environ))
+        line = split_line(words[1] if len(words) > 1 else "")
+        found = complete_line(line, SystemWorld(environment), make_known(environment))
+        sys.stdout.write("".join(_row(each, *words) for each in found if each.text.isprintable()))
+    return 0
+
+
+def _row(candidate: Candidate, shell: str, line: str = "", replaced: str | None = None) -> str:
+    text: str | None = candidate.text
+    if shell == "bash":
+        from ur.complete.quoting import quote_insertion
+
+        text = quote_insertion(line, replaced, candidate.text)
+    return f"{'open' if candidate.open else 'done'}\t{text}\t{_flat(candidate.help)}\n" if text else ""
+
+
+def make_known(environment: Mapping[str, str]) -> Known:
+    """Where this computer's names come from."""
+    from ur.request.environment import PACKAGE
+
+    def programs() -> Iterator[Candidate]:
+        from ur.request.programs import index_programs
+
+        found = index_programs(PACKAGE, environment).programs
+        names = [each.name for each in found]
+        for each in found:
+            qualified = f"{each.package}/{each.name}" if names.count(each.name) > 1 else each.name
+            yield Candidate(qualified, each.summary)
+
+    def launch_file(name: str) -> str | None:
+        from ur.request.programs import find_launch_file, find_program
+
+        with suppress(UserError):
+            path = find_launch_file(find_program(PACKAGE, name, environment))
+            return str(path) if path else None
+        return None
+
+    return Known(
+        {
+            "verb": _verbs,
+            "program": programs,
+            "help topic": lambda: [*_verbs(), *programs()],
+            "robot": lambda: _robots(environment),
+            "selection": lambda: [*_selections(environment), *_robots(environment)],
+            "run": lambda: _runs(environment),
+            "node": lambda: _nodes(environment),
+            "rule": _rules,
+            "shell": lambda: [Candidate(each) for each in ("bash", "zsh", "fish")],
+            **{kind: _commands(module) for kind, module in _RUN_COMMANDS.items()},
+        },
+        _options,
+        launch_file,
+        lambda name, given: list_values(name, given, environment),
+        lambda path, words: _names(path, words, environment),
+    )
+
+
+def _follow_selection(environment: dict[str, str]) -> dict[str, str]:
+    from ur.request.environment import current_selection, environment_changes
+
+    with suppress(UserError):
+        environment.update(environment_changes(current_selection(environment), environment))
+    return environment
+
+
+def _verbs() -> Iterator[Candidate]:
+    from ur.cli.main import VERBS
+
+    yield from (Candidate(name, summary) for name, (_, summary) in VERBS.items())
+
+
+def _options(verb: str) -> tuple[Option, ...]:
+    import click
+
+    from ur.cli.main import VERBS, load_verb
+
+    if verb not in VERBS:
+        return ()
+    command = load_verb(verb)
+    commands = list(command.commands.values()) if isinstance(command, click.Group) else []
+    found = [
+        Option(
+            (*parameter.opts, *parameter.secondary_opts),
+            parameter.help or "",
+            not parameter.is_flag and not parameter.count,
+            tuple(map(str, parameter.type.choices)) if isinstance(parameter.type, click.Choice) else (),
+        )
+        for parameter in {each.name: each for one in (command, *commands) for each in one.params}.values()
+        if isinstance(parameter, click.Option) and not parameter.hidden
+    ]
+    return (*found, Option(("--help",), "Show this page."))
+
+
+def _robots(environment: Mapping[str, str]) -> Iterator[Candidate]:
+    from ur.robot.record import load_records, records_folder
+
+    for record in load_records(records_folder(environment)):
+        yield Candidate(record.name, " ".join(part for part in (record.base, record.variant) if part))
+
+
+def _selections(environment: Mapping[str, str]) -> Iterator[Candidate]:
+    yield Candidate("sim", "a simulated robot on this computer")
+    for base in _bases():
+        yield Candidate(f"sim:{base.text}", base.help)
+        for variant in _variants(base.text):
+            yield Candidate(f"sim:{base.text}:{variant.text}", base.help)
+    del environment
+
+
+def _bases() -> Iterator[Candidate]:
+    from ur.request.environment import PACKAGE
+
+    for path in sorted((PACKAGE / "bases").glob("*/base.yaml")):
+        with path.open(encoding="utf-8") as file:
+            summary = next((line for line in file if line.startswith("summary:")), "").partition(":")[2].strip()
+        yield Candidate(path.parent.name, summary)
+
+
+def _variants(base: str) -> Iterable[Candidate]:
+    from ur.request.environment import PACKAGE
+    from ur.robot.base import list_variants
+
+    with suppress(UserError):
+        return [Candidate(name) for name in list_variants(PACKAGE, base)]
+    return []
+
+
+def list_values(name: str, given: Mapping[str, str], environment: Mapping[str, str]) -> Iterable[Candidate]:
+    """The values that an argument of a launch file may have, as far as its name says; nothing for others."""
+    from ur.request.environment import PACKAGE, current_selection
+
+    if name == "robot_base":
+        return _bases()
+    if name == "robot_variant":
+        with suppress(UserError):
+            return _variants(given.get("robot_base") or current_selection(environment).base)
+    if name == "world":
+        return [Candidate(path.stem) for path in sorted((PACKAGE / "n_simulator" / "worlds").glob("*.yaml"))]
+    if name == "localisation":
+        from ur.request.localisation import WAYS
+
+        return [Candidate(each) for each in WAYS]
+    if name == "machine" or name.endswith("_machine"):
+        return [Candidate("localhost", "this computer"), *_robots(environment)]
+    return ()
+
+
+def _rules() -> Iterator[Candidate]:
+    from ur.check.catalogue import load_rules
+
+    rules = load_rules()
+    yield from (Candidate(rule.id, rule.summary) for rule in rules.values())
+    yield from (Candidate(name, "a group of rules") for name in sorted({rule.group.value for rule in rules.values()}))
+
+
+def _names(path: str, words: Sequence[str], environment: Mapping[str, str]) -> Iterator[Candidate]:
+    from ur.check.computer import make_world
+    from ur.launchfile.query.explain import list_names
+    from ur.request.environment import current_selection
+    from ur.request.plan_files import read_file_words
+
+    world = make_world([path], environment)
+    given = [word for word in words if ":=" in word]
+    read = read_file_words([path, *given], world, current_selection(environment), here=True)
+    yield from (Candidate(name, kind) for name, kind in list_names(read.files, read.arguments, world).items())
+
+
+def _runs(environment: Mapping[str, str]) -> Iterator[Candidate]:
+    from ur.run.record.computer import read_computer
+    from ur.run.record.registry import list_runs
+
+    for entry in list_runs(environment, os.getuid(), read_computer()):
+        yield Candidate(entry.run, entry.title)
+
+
+def _nodes(environment: Mapping[str, str]) -> Iterator[Candidate]:
+    from ur.run.record.computer import read_computer
+    from ur.run.record.registry import list_runs
+
+    for entry in list_runs(environment, os.getuid(), read_computer()):
+        for log in sorted(os.listdir(entry.log_folder)) if os.path.isdir(entry.log_folder) else ():  # noqa: PTH112, PTH208 - pathlib is not worth its import here
+            name, dash, rest = log.rpartition("-")
+            if dash and rest.endswith("stdout.log"):
+                yield Candidate(name, entry.title)
+
+
+def _commands(module: str) -> Source:
+    def source() -> Iterator[Candidate]:
+        from importlib import import_module
+
+        import click
+
+        group = import_module(module).command
+        if isinstance(group, click.Group):
+            yield from (Candidate(name, each.get_short_help_str(80)) for name, each in group.commands.items())
+
+    return source
+
+
+def _flat(text: str) -> str:
+    return "".join(each for each in " ".join(text.replace("`", "").split()) if each.isprintable())

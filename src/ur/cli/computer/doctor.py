@@ -1,0 +1,245 @@
+"""`ur doctor`: what keeps this computer and a robot from working together."""
+
+from __future__ import annotations
+
+import getpass
+import os
+import socket
+import sys
+import time
+from collections.abc import Sequence
+from contextlib import ExitStack, nullcontext
+
+import click
+
+from ur.cli.computer.doctor_report import Report, print_json, print_report, print_seen
+from ur.cli.robots.master import list_nodes
+from ur.request.connection import connect_robot, robot_address
+from ur.request.environment import current_selection
+from ur.robot.doctor.look import look_alone, look_at_pair, read_name
+from ur.robot.doctor.model import Command, Finding, Pair
+from ur.robot.doctor.rules import diagnose, diagnose_alone
+from ur.robot.doctor.side import Side
+from ur.robot.doctor.way import explain_way, list_steps, look_at_way
+from ur.robot.record import Record, load_records, records_folder
+from ur.robot.seen import Seen, load_seen, note_seen, seen_path
+from ur.robot.ssh.openssh import Address, SshShell
+from ur.robot.ssh.secret import Secret
+from ur.robot.ssh.shell import LocalShell, Shell
+from ur.source.diagnostic import UserError
+from ur.source.progress_line import show_progress
+
+FIX_SECONDS = 600.0  # packages may have to be fetched
+LOOKS = 3  # after the fixes: names need a moment until everybody knows them
+PAUSE = 2.0
+
+
+@click.command("doctor")
+@click.argument("robot", required=False)
+@click.option("--fix", is_flag=True, help="Run the commands that can do no harm, then check again.")
+@click.option("--verbose", "-v", is_flag=True, help="Show every result, and the packages that differ.")
+@click.option("--json", "as_json", is_flag=True, help="Print the findings and their commands as JSON.")
+@click.option(
+    "--password-from",
+    type=int,
+    metavar="FD",
+    help="Read the robot's password from this file descriptor, if it refuses your key.",
+)
+def command(robot: str | None, fix: bool, verbose: bool, as_json: bool, password_from: int | None) -> int:
+    """Find what is wrong between this computer and a robot.
+
+    Looks from both ends; each finding says what to do, as a command where there is one. ROBOT is a name, HOST or
+    USER@HOST; without it, the selected robot, or, when that is a simulated one, this computer alone. The exit code is 0
+    when all is well, 1 when something is wrong, 2 when the robot could not be reached.
+    """
+    here = LocalShell(terminal=sys.stdin.isatty())
+    if robot is None and current_selection(os.environ).simulated:
+        return _examine_alone(here, fix=fix, as_json=as_json)
+    address = robot_address(robot)
+    with ExitStack() as stack:
+        try:
+            there, password, refused = _enter(stack, address, password_from)
+        except UserError as problem:
+            return _explain_way(here, address, problem, as_json=as_json)
+        return _examine(here, there, password, refused, fix=fix, verbose=verbose, as_json=as_json)
+
+
+def _examine(
+    here: LocalShell,
+    there: SshShell,
+    password: Secret | None,
+    refused: bool,
+    *,
+    fix: bool,
+    verbose: bool,
+    as_json: bool,
+) -> int:
+    pair = _look(here, there, refused)
+    report = Report({"here": pair.here.name, "there": pair.there.name}, diagnose(pair))
+    note_seen(seen_path(os.environ), _seen(pair))
+    hint = f"ur doctor {pair.there.name} --fix"
+    if not as_json:
+        if verbose:
+            print_seen(pair)
+        print_report(report, fixable="" if fix else hint)
+    commands = [(finding.rule, each) for finding in report.findings for each in finding.commands if each.safe]
+    if fix and commands:
+        if any(each.where == "there" and each.root for _, each in commands):
+            _become_root(there, password)
+        _apply(commands, here, there, report, quiet=as_json)
+        report.findings = _look_again(here, there, report.findings)
+        if not as_json:
+            click.echo("after the fixes:")
+            print_report(report)
+    if as_json:
+        print_json(report)
+    return 1 if report.findings else 0
+
+
+def _examine_alone(here: LocalShell, *, fix: bool, as_json: bool) -> int:
+    side = _look_alone(here)
+    report = Report({"here": side.name, "there": ""}, diagnose_alone(side))
+    if not as_json:
+        click.echo(f"no robot is named or selected: this computer alone ({side.name})")
+        print_report(report, fixable="" if fix else "ur doctor --fix")
+    commands = [(finding.rule, each) for finding in report.findings for each in finding.commands if each.safe]
+    if fix and commands:
+        _apply(commands, here, here, report, quiet=as_json)
+        report.findings = diagnose_alone(_look_alone(here))
+        if not as_json:
+            click.echo("after the fixes:")
+            print_report(report)
+    if as_json:
+        print_json(report)
+    return 1 if report.findings else 0
+
+
+def _enter(stack: ExitStack, address: Address, password_from: int | None) -> tuple[SshShell, Secret | None, bool]:
+    """Log in: by key, by password, or, where the name leads nowhere, at the address where the robot was seen last.
+
+    Returns the shell, the password if one was needed, and whether the key was refused. Raises UserError.
+    """
+    try:
+        return _log_in(stack, address, password_from, ())
+    except UserError as problem:
+        seen = load_seen(seen_path(os.environ)).get(_short(address))
+        if not seen or problem.diagnostics[0].rule not in ("unknown-host", "no-answer"):
+            raise
+        first = problem
+    try:
+        same = ("-o", f"HostKeyAlias={address.host}", "-o", "CheckHostIP=no")
+        return _log_in(stack, Address(address.user, seen.address), password_from, same)
+    except UserError:
+        raise first from None
+
+
+def _log_in(
+    stack: ExitStack, address: Address, password_from: int | None, options: Sequence[str]
+) -> tuple[SshShell, Secret | None, bool]:
+    try:
+        return stack.enter_context(connect_robot(address, options=options)), None, False
+    except UserError as problem:
+        password = _password(address, password_from) if problem.diagnostics[0].rule == "refused" else None
+        if password is None:
+            raise
+        shell = stack.enter_context(connect_robot(address, password=password, options=options))
+        return shell, password, True
+
+
+def _explain_way(here: LocalShell, address: Address, problem: UserError, *, as_json: bool) -> int:
+    """Say which step towards a robot fails, and what is wrong with this computer besides."""
+    said = problem.diagnostics[0]
+    if said.rule in ("missing-program", "bad-address"):
+        raise problem
+    with show_progress(f"finding out which step towards {_short(address)} fails"):
+        way = look_at_way(here, address, said.rule, said.message.removeprefix(f"{address}: "))
+    seen = load_seen(seen_path(os.environ)).get(_short(address))
+    side = _look_alone(here)
+    findings = [*diagnose_alone(side), explain_way(address, way, seen, _record(_short(address)), time.time())]
+    report = Report({"here": side.name, "there": _short(address)}, findings, list_steps(address, way))
+    if as_json:
+        print_json(report)
+    else:
+        click.echo(f"{address} could not be reached:")
+        print_report(report)
+    return 2
+
+
+def _look(here: LocalShell, there: SshShell, refused: bool) -> Pair:
+    selection = current_selection(os.environ)
+    record = _record(read_name(there))
+    with show_progress(f"examining this computer and {_short(there.address)}"):
+        return look_at_pair(
+            here,
+            there,
+            list_nodes(there.address.host),
+            key_refused=refused,
+            known=record is not None,
+            robot_login=record is None or record.robot_login is not False,
+            selected="" if selection.simulated else selection.robot,
+        )
+
+
+def _look_alone(here: LocalShell) -> Side:
+    with show_progress("examining this computer"):
+        return look_alone(here)
+
+
+def _look_again(here: LocalShell, there: SshShell, before: Sequence[Finding]) -> list[Finding]:
+    mended = {finding.rule for finding in before if finding.fixable}
+    for attempt in range(LOOKS):
+        if attempt:
+            with show_progress("waiting for the fixes to take effect"):
+                time.sleep(PAUSE)
+        left = diagnose(_look(here, there, refused=False))
+        if not any(finding.rule in mended for finding in left):
+            break
+    return left
+
+
+def _password(address: Address, descriptor: int | None) -> Secret | None:
+    """A way in where the key is refused: asked for, or read from a descriptor; None when there is neither."""
+    if descriptor is not None:
+        with os.fdopen(descriptor, encoding="utf-8") as stream:
+            text = stream.readline().rstrip("\n")
+    elif sys.stdin.isatty():
+        text = getpass.getpass(f"{address} refuses our key; its password (empty: none): ")
+    else:
+        text = ""
+    return Secret(text) if text else None
+
+
+def _become_root(there: SshShell, password: Secret | None) -> None:
+    if not there.find_sudo([password] if password else []) and sys.stdin.isatty():
+        there.find_sudo([Secret(getpass.getpass(f"password of {there.place}: "))])
+
+
+def _apply(commands: Sequence[tuple[str, Command]], here: Shell, there: Shell, report: Report, *, quiet: bool) -> None:
+    for rule, each in commands:
+        shell = here if each.where == "here" else there
+        try:
+            # On this computer sudo may ask for a password on the terminal.
+            asks = each.root and each.where == "here"
+            with nullcontext() if asks else show_progress(f"running {each.line}"):
+                done = shell.run(each.line, root=each.root, timeout=FIX_SECONDS)
+            said = (done.err or done.out).strip().splitlines()
+            result = "done" if done.code == 0 else f"failed: {said[-1] if said else done.code}"
+        except UserError as problem:
+            result = f"failed: {problem}"
+        report.fixed.append((rule, result))
+        if not quiet:
+            click.echo(f"  {rule}: {result}")
+
+
+def _seen(pair: Pair) -> list[Seen]:
+    addresses = sorted(pair.here.resolves & set(pair.there.addresses))
+    return [Seen(pair.there.name, addresses[0], time.time())] if addresses else []
+
+
+def _record(name: str) -> Record | None:
+    return next((record for record in load_records(records_folder(os.environ)) if record.name == name), None)
+
+
+def _short(address: Address) -> str:
+    name = address.host.removesuffix(".local")
+    return socket.gethostname().split(".")[0] if name == "localhost" else name

@@ -1,0 +1,73 @@
+"""`ur setup`: this computer becomes a viewer."""
+
+from __future__ import annotations
+
+import getpass
+import sys
+from collections.abc import Sequence
+
+import click
+
+from ur.complete.shells import SCRIPTS
+from ur.request.environment import REPOSITORY
+from ur.robot.setup.change import Change
+from ur.robot.setup.engine import apply_change, bring_about, gather, look, plan_changes, plan_undo
+from ur.robot.setup.facts import Facts
+from ur.robot.setup.here import base_request, wanted_here
+from ur.robot.setup.wanted import Wanted
+from ur.robot.ssh.shell import LocalShell
+from ur.source.printable import printable
+from ur.source.progress_line import show_progress
+
+
+@click.command("setup")
+@click.option("--dry-run", is_flag=True, help="Show what would be changed, and change nothing.")
+@click.option("--undo", is_flag=True, help="Take back what this command wrote; packages, keys and groups stay.")
+@click.option("--only-mine", is_flag=True, help="Only what needs no root: your shells, keys and workspace.")
+@click.option("--yes", is_flag=True, help="Do not ask before changing.")
+def command(dry_run: bool, undo: bool, only_mine: bool, yes: bool) -> int:
+    """Set this computer up: shells, keys, workspace, names.
+
+    Shows every difference before it changes anything. Your own lines stay as they are. A second run changes nothing.
+    """
+    user = getpass.getuser()
+    shell = LocalShell(terminal=sys.stdin.isatty())
+    base = base_request(user)
+
+    def want(facts: Facts) -> list[Wanted]:
+        return wanted_here(facts, REPOSITORY, system=not only_mine, completion=SCRIPTS)
+
+    with show_progress("examining this computer"):
+        items = want(gather(shell, base))
+        facts = look(shell, items, user, base, root=False)
+    changes = plan_undo(items, facts) if undo else plan_changes(items, facts)
+    if not changes:
+        click.echo("nothing to take back" if undo else "nothing to do: this computer is set up")
+        return 0
+    show_changes(changes)
+    if dry_run:
+        return 0
+    if not yes and sys.stdin.isatty() and not click.confirm(f"{len(changes)} changes: make them?", default=True):
+        click.echo("nothing was changed")
+        return 1
+    if undo:
+        for change in changes:
+            _report(change)
+            apply_change(shell, change)
+    else:
+        bring_about(shell, want, user, base, root=False, report=_report)
+    click.echo("taken back; open a new terminal" if undo else "this computer is set up; open a new terminal to use it")
+    return 0
+
+
+def show_changes(changes: Sequence[Change]) -> None:
+    """Print what would be different, one change after the other, in colour where there is a terminal."""
+    for change in changes:
+        click.echo(f"{click.style(printable(change.title), bold=True)}:")
+        for line in map(printable, change.difference.splitlines()):
+            colour = {"+": "green", "-": "red", "@": "cyan"}.get(line[:1])
+            click.echo(f"  {click.style(line, fg=colour)}")
+
+
+def _report(change: Change) -> None:
+    click.echo(f"  {change.title} ...")

@@ -1,0 +1,110 @@
+"""`ur check`: what is wrong with launch files, YAML files and programs."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from ur.source.render import shows_colour
+
+if TYPE_CHECKING:
+    from ur.check.run import Report
+
+
+@click.command("check")
+@click.argument("paths", nargs=-1, metavar="[PATH]... [NAME:=VALUE]...")
+@click.option("--select", multiple=True, metavar="RULE", help="Check only these rules or groups; may be repeated.")
+@click.option("--ignore", multiple=True, metavar="RULE", help="Leave out these rules or groups; may be repeated.")
+@click.option("--fix", is_flag=True, help="Repair what can be repaired safely.")
+@click.option("--strict", is_flag=True, help="End with exit code 1 for warnings, too.")
+@click.option(
+    "--format",
+    "form",
+    type=click.Choice(["human", "json", "sarif", "github"]),
+    default="human",
+    show_default=True,
+    help="How findings are printed.",
+)
+@click.option("--explain", metavar="RULE", help="Print the page of a rule and check nothing.")
+def command(
+    paths: tuple[str, ...],
+    select: tuple[str, ...],
+    ignore: tuple[str, ...],
+    fix: bool,
+    strict: bool,
+    form: str,
+    explain: str | None,
+) -> int:
+    """Check launch files, YAML files and programs.
+
+    PATH is a file, a folder or a package; without one, the current folder is checked. Required arguments need not be
+    given, and packages with bases are checked for every base and variant; NAME:=VALUE checks with that value only.
+
+    Exit code: 0 when no error is found, 1 when there is one (with --strict: or a warning), 2 when the check could not
+    run.
+    """
+    from ur.check.catalogue import choose_rules, find_rule, load_rules
+    from ur.check.computer import make_world
+    from ur.check.links import describe_left_out
+    from ur.check.render_text import render_rule_page
+    from ur.check.run import check_paths
+    from ur.request.environment import know_own_package
+    from ur.source.progress_line import show_progress
+
+    if explain is not None:
+        click.echo(render_rule_page(find_rule(explain)), nl=False)
+        return 0
+    chosen = choose_rules(_words(select), _words(ignore))
+    arguments = dict(word.split(":=", 1) for word in paths if ":=" in word)
+    words = [word for word in paths if ":=" not in word] or ["."]
+
+    def check() -> Report:
+        with show_progress("finding launch files") as progress:
+            return check_paths(words, make_world(words, know_own_package(os.environ)), chosen, arguments, progress)
+
+    report = check()
+    if fix:
+        from ur.check.fix import plan_repairs
+        from ur.cli.files.replace_file import replace_file
+
+        repairs = plan_repairs(report.findings, load_rules())
+        for repair in repairs:
+            replace_file(repair.path, repair.text, "repaired")
+        repaired = sum(len(repair.findings) for repair in repairs)
+        click.echo(f"repaired {repaired} finding{'' if repaired == 1 else 's'} in {len(repairs)} files", err=True)
+        report = check()
+    _show(report, form)
+    if note := describe_left_out(report.left_out):
+        click.echo(note, err=True)
+    return 1 if report.errors or (strict and report.findings) else 0
+
+
+def _words(given: tuple[str, ...]) -> list[str]:
+    return [word for text in given for word in text.replace(",", " ").split()]
+
+
+def _show(report: Report, form: str) -> None:
+    from ur.check.catalogue import load_rules
+    from ur.check.render_text import render_text, shorten_paths
+
+    report = shorten_paths(report, str(Path.cwd()))
+    if form == "human":
+        click.echo(render_text(report, colour=shows_colour(sys.stdout)), nl=False)
+    elif form == "json":
+        from ur.check.render_json import render_json
+
+        click.echo(render_json(report), nl=False)
+    elif form == "sarif":
+        from importlib.metadata import version
+
+        from ur.check.render_sarif import render_sarif
+
+        click.echo(render_sarif(report, load_rules(), version("ubiquity-launches")), nl=False)
+    else:
+        from ur.check.render_github import render_github
+
+        click.echo(render_github(report), nl=False)

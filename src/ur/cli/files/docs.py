@@ -1,0 +1,222 @@
+"""`ur docs`: documents of a launch repository, made from its launch files."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from ur.source.printable import printable
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from ur.docs.collect import Repository
+    from ur.source.progress import Progress
+
+PAGE = "launches.md"
+
+
+@click.command("docs")
+@click.argument("path", default=".", metavar="[PACKAGE|PATH]")
+@click.option("--check", is_flag=True, help="Write nothing; fail with the difference when something is out of date.")
+@click.option("--output", metavar="FILE", help=f"Write the page there, - prints it [default: {PAGE} in PATH].")
+@click.option("--site", metavar="DIR", help="Make a web site in this folder instead: search, graphs, sources.")
+@click.option("--doc-attributes", is_flag=True, help="Write the comments of arguments into the files, as doc=.")
+def command(path: str, check: bool, output: str | None, site: str | None, doc_attributes: bool) -> int:
+    """Write documents of launch files: one page, or a web site.
+
+    PATH is a package, a folder of packages, or any folder with launch files; without one, the current folder. What the
+    pages say is resolved for every base and variant, so that includes that depend on the base are there, too. They say
+    the same on every computer.
+
+    With --doc-attributes the comments after arguments are written into the launch files as doc=, which `roslaunch
+    --ros-args` shows; nothing else in them changes.
+
+    Exit code: 0, or 1 when --check finds a difference, or 2 when there is nothing to document. Files that cannot be
+    read are reported and documented as broken; `ur check` says more about them.
+    """
+    import gc
+
+    was_enabled = gc.isenabled()
+    gc.disable()  # all that is made is needed until the end
+    try:
+        return _make(path, check, output, site, doc_attributes)
+    finally:
+        if was_enabled:
+            gc.enable()
+
+
+def _make(path: str, check: bool, output: str | None, site: str | None, doc_attributes: bool) -> int:
+    from ur.source.progress_line import show_progress
+
+    with show_progress("finding launch files") as progress:
+        return _write_documents(path, check, output, site, doc_attributes, progress)
+
+
+def _write_documents(
+    path: str, check: bool, output: str | None, site: str | None, doc_attributes: bool, progress: Progress
+) -> int:
+    from ur.docs.collect import collect_repository
+    from ur.launchfile.world import SystemWorld
+
+    repository = collect_repository(path, SystemWorld(_environment()), progress)
+    _report(repository)
+    if doc_attributes:
+        return _settle(_doc_attributes(repository), check)
+    if site is not None:
+        return _settle_site(repository, Path(site), check, progress)
+    if output == "-" and not check:
+        click.echo(_page(repository, repository.root, progress), nl=False)
+        return 0
+    target = Path(output) if output else Path(repository.root) / PAGE
+    # A link that the repository brings along may lead anywhere.
+    page = _page(repository, str(target.absolute().parent), progress)
+    return _settle({target: page}, check, follow=output is not None)
+
+
+def _environment() -> dict[str, str]:
+    from ur.request.environment import PACKAGE
+
+    paths = [path for path in (os.environ.get("ROS_PACKAGE_PATH"), str(PACKAGE)) if path]
+    return {**os.environ, "ROS_PACKAGE_PATH": os.pathsep.join(paths)}
+
+
+def _report(repository: Repository) -> None:
+    import sys
+
+    from ur.check.links import describe_left_out
+    from ur.source.render import render_human, shows_colour
+
+    sys.stderr.write(render_human(repository.findings, colour=shows_colour(sys.stderr)))
+    if note := describe_left_out(repository.left_out):
+        click.echo(note, err=True)
+
+
+def _page(repository: Repository, folder: str, progress: Progress) -> str:
+    from ur.docs.build import describe_repository
+    from ur.docs.markdown.page import render_markdown
+
+    # Links in the page lead from its folder to the repository.
+    way = os.path.relpath(repository.root, folder)
+    return render_markdown(describe_repository(repository, progress), "" if way == "." else f"{way}/")
+
+
+def _doc_attributes(repository: Repository) -> dict[Path, str]:
+    from ur.docs.doc_attributes import add_doc_attributes
+
+    changed = {}
+    for path, tree in repository.trees.items():
+        text = add_doc_attributes(tree)
+        if text == tree.source.text:
+            continue
+        if _read(Path(path)) == tree.source.text:
+            changed[Path(path)] = text
+        else:
+            click.echo(f"{_short(Path(path))} is not UTF-8 and stays as it is", err=True)
+    return changed
+
+
+def _settle(files: Mapping[Path, str], check: bool, *, brief: bool = False, follow: bool = True) -> int:
+    from ur.docs.difference import show_difference
+
+    differences = []
+    for path, text in sorted(files.items()):
+        old = _read(path)
+        if old != text:
+            name = _short(path)
+            differences.append(f"{name} is out of date\n" if brief else show_difference(name, old, text))
+            if not check:
+                # A site, as opposed to launch files, can be made again.
+                _write(path, text, lasting=not brief, follow=follow)
+    if not check:
+        names = ", ".join(_short(path) for path in sorted(files)[:3]) + (", ..." if len(files) > 3 else "")
+        written = f"{len(differences)} of {len(files)} files changed: {names}" if files else "nothing to change"
+        click.echo(written if len(files) != 1 else f"{names}: {'written' if differences else 'up to date'}", err=True)
+        return 0
+    click.echo("".join(differences), nl=False)
+    if differences:
+        click.echo(f"{len(differences)} file{'s are' if len(differences) > 1 else ' is'} out of date", err=True)
+        click.echo("  help: the same command without --check brings them up to date", err=True)
+    return 1 if differences else 0
+
+
+def _settle_site(repository: Repository, folder: Path, check: bool, progress: Progress) -> int:
+    from ur.docs.build import describe_repository
+    from ur.docs.site.render import render_site
+
+    documents = describe_repository(repository, progress)
+    progress("writing the pages")
+    site = render_site(documents)
+    if not check:
+        _prepare(folder)
+    before = _manifest(folder)
+    stale = [name for name in before if name not in site]
+    code = _settle({folder / name: text for name, text in site.items()}, check, brief=True, follow=False)
+    if check:
+        for name in stale:
+            click.echo(f"{_short(folder / name)} belongs to nothing any more")
+        return 1 if stale else code
+    for name in stale:
+        (folder / name).unlink(missing_ok=True)
+    click.echo(f"open {_short(folder / 'index.html')} in a browser", err=True)
+    return code
+
+
+def _prepare(folder: Path) -> None:
+    # Only a folder of our own is filled: index.html of somebody else must survive.
+    from ur.docs.site.render import MANIFEST
+    from ur.source.diagnostic import UserError, error
+
+    try:
+        taken = any(folder.iterdir()) and not (folder / MANIFEST).is_file()
+    except FileNotFoundError:
+        return
+    except OSError as problem:
+        reason = (problem.strerror or str(problem)).lower()
+        raise UserError(error(f"{folder}: {reason}, expected a folder", rule="unwritable-file")) from None
+    if taken:
+        raise UserError(
+            error(
+                f"{folder} holds other files, expected an empty folder or a site that was made before",
+                rule="folder-in-use",
+                help=f"give a new folder: --site {folder}/site",
+            )
+        )
+
+
+def _manifest(folder: Path) -> list[str]:
+    from ur.docs.site.render import MANIFEST, read_manifest
+
+    return read_manifest(_read(folder / MANIFEST) or "")
+
+
+def _read(path: Path) -> str | None:
+    try:
+        return path.read_bytes().decode("utf-8", "surrogateescape")
+    except OSError:
+        return None
+
+
+def _write(path: Path, text: str, *, lasting: bool, follow: bool) -> None:
+    from ur.source.diagnostic import UserError, error
+    from ur.source.replace import replace_file
+
+    try:
+        replace_file(path, text, parents=True, lasting=lasting, follow=follow)
+    except OSError as problem:
+        reason = (problem.strerror or str(problem)).lower()
+        raise UserError(
+            error(f"{path} cannot be written: {reason}", rule="unwritable-file", help="--output FILE writes elsewhere")
+        ) from None
+
+
+def _short(path: Path) -> str:
+    return printable(_shorten(path))
+
+
+def _shorten(path: Path) -> str:
+    way = os.path.relpath(path)
+    return way if not way.startswith("../..") else str(path)

@@ -1,0 +1,117 @@
+"""`ur format`: launch files in house order and layout, meaning what they meant."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from ur.cli.output import write_exactly
+from ur.source.printable import printable, printable_lines
+
+if TYPE_CHECKING:
+    from ur.check.collect import Targets
+    from ur.check.worlds import CachedWorld
+    from ur.format.run import Formatted
+    from ur.source.progress import Progress
+
+_STANDARD_INPUT = "-"
+
+
+@click.command("format")
+@click.argument("paths", nargs=-1, metavar="[PATH]...")
+@click.option("--check", is_flag=True, help="Change nothing; end with exit code 1 when something would change.")
+@click.option("--diff", is_flag=True, help="Change nothing; print what would change.")
+def command(paths: tuple[str, ...], check: bool, diff: bool) -> int:
+    """Put launch files into a standard order and layout.
+
+    PATH is a launch file, a folder or a package; without one, the launch files below the current folder; `-` formats
+    standard input to standard output. Comments stay. The plan of each file is compared, for every base and variant: a
+    file that would mean something else keeps its order.
+
+    Exit code: 0, or 1 when a file has errors (it stays as it is) or, with --check and --diff, would change.
+    """
+    if paths == (_STANDARD_INPUT,):
+        return _format_input()
+    from ur.check.collect import collect_targets
+    from ur.check.computer import make_world
+    from ur.check.links import describe_left_out
+    from ur.check.worlds import CachedWorld
+    from ur.request.environment import know_own_package
+    from ur.source.progress_line import show_progress
+
+    words = list(paths) or ["."]
+    world = CachedWorld(make_world(words, know_own_package(os.environ)))
+    with show_progress("finding launch files") as progress:
+        targets = collect_targets(words, world)
+        changed, broken = _format_files(targets, world, progress, check=check, diff=diff)
+    if note := describe_left_out(targets.left_out):
+        click.echo(note, err=True)
+    _sum_up(len(targets.launch_files), changed, broken, dry=check or diff)
+    return 1 if broken or (changed and (check or diff)) else 0
+
+
+def _format_files(
+    targets: Targets, world: CachedWorld, progress: Progress, *, check: bool, diff: bool
+) -> tuple[int, int]:
+    """Format the launch files, and return the numbers of those that change and of those with errors."""
+    from ur.cli.files.replace_file import replace_file
+    from ur.format.run import format_file
+    from ur.source.diagnostic import UserError
+    from ur.source.progress import counted
+    from ur.source.render import render_human, shows_colour
+
+    changed = broken = 0
+    for path in counted(targets.launch_files, "formatting", "launch files", progress):
+        try:
+            done = format_file(path, world.read_bytes(path), world, targets.package_of(path))
+            if done.changed and not check and not diff:
+                replace_file(path, done.text)
+        except UserError as problem:
+            broken += 1
+            click.echo(render_human(problem.diagnostics, colour=shows_colour(sys.stderr)), err=True, nl=False)
+            continue
+        except OSError as problem:
+            broken += 1
+            click.echo(f"error: {printable(path)}: {(problem.strerror or str(problem)).lower()}", err=True)
+            continue
+        changed += done.changed
+        _tell(done, check, diff)
+    return changed, broken
+
+
+def _format_input() -> int:
+    from ur.check.computer import make_world
+    from ur.format.run import format_file
+    from ur.request.environment import know_own_package
+
+    data = sys.stdin.buffer.read()
+    path = str(Path.cwd() / "<standard input>")
+    text = format_file(path, data, make_world(["."], know_own_package(os.environ))).text
+    write_exactly(text)
+    return 0
+
+
+def _tell(done: Formatted, check: bool, diff: bool) -> None:
+    name = printable(os.path.relpath(done.path))
+    if done.kept:
+        click.echo(f"note: {name}: {done.kept}", err=True)
+    if not done.changed:
+        return
+    if diff:
+        import difflib
+
+        lines = (done.before.splitlines(keepends=True), done.text.splitlines(keepends=True))
+        difference = "".join(difflib.unified_diff(*lines, f"{name} (now)", f"{name} (formatted)"))
+        click.echo(printable_lines(difference), nl=False)
+    else:
+        click.echo(f"would format {name}" if check else f"formatted {name}")
+
+
+def _sum_up(files: int, changed: int, broken: int, dry: bool) -> None:
+    verb = "would change" if dry else "changed"
+    errors = f", {broken} left alone because of errors" if broken else ""
+    click.echo(f"{files} launch file{'' if files == 1 else 's'}: {changed} {verb}{errors}", err=True)

@@ -1,0 +1,165 @@
+"""`ur graph`: a picture of a launch file, or of what runs."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from ur.source.printable import printable
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from ur.graph.model import Branch, Graph
+    from ur.graph.text import Line
+
+_COLOURS: dict[str, dict[str, object]] = {
+    "file": {"bold": True},
+    "node": {"fg": "green"},
+    "topic": {"fg": "blue"},
+    "service": {"fg": "yellow"},
+    "action": {"fg": "yellow"},
+    "missing": {"fg": "red", "bold": True},
+    "cycle": {"fg": "red", "bold": True},
+    "line": {"dim": True},
+    "note": {"dim": True},
+}
+
+
+_PICTURES = (".png", ".jpg", ".jpeg", ".gif", ".webp", ".pdf")
+
+
+@click.command("graph")
+@click.argument("words", nargs=-1, metavar="[PACKAGE] FILE [ARG:=VALUE]... | [NODE]...")
+@click.option("--topics", is_flag=True, help="Draw nodes and topics, without starting them.")
+@click.option("--live", is_flag=True, help="Nodes and topics that the master knows now; NODE limits it to neighbours.")
+@click.option(
+    "--as",
+    "form",
+    type=click.Choice(["text", "mermaid", "dot", "svg"]),
+    help="The format; by default that of --output's name, else text.",
+)
+@click.option("--output", "-o", type=click.Path(dir_okay=False), help="Write to a file.")
+def command(words: tuple[str, ...], topics: bool, live: bool, form: str | None, output: str | None) -> int:
+    """Draw what a launch file includes and starts, or what runs.
+
+    Without an option: the tree of included files and their nodes; files that are missing, and files that include
+    themselves, are red. Arguments about the robot come from the selection, as for `ur launch`. Nothing is started.
+
+    Exit code: 0; 1 when the launch file has errors (what can be drawn is drawn), 2 when there is nothing to draw.
+    """
+    if not words and not live:
+        raise click.UsageError("expected a launch file, or --live, for instance: ur graph robot.launch")
+    if form is None and Path(output or "").suffix.lower() in _PICTURES:
+        from ur.source.diagnostic import UserError, error
+
+        message = (
+            f"{output!r} cannot be written: graphs are drawn as SVG, not as {Path(str(output)).suffix[1:].upper()}"
+        )
+        help_ = f"-o {Path(str(output)).with_suffix('.svg')}"
+        raise UserError(error(message, rule="unknown-format", help=help_))
+    form = form or {".svg": "svg", ".dot": "dot", ".gv": "dot", ".mmd": "mermaid"}.get(
+        Path(output or "").suffix, "text"
+    )
+    if live:
+        return _write(_show_live(words, form), output)
+    return _draw_file(words, topics, form, output)
+
+
+def _draw_file(words: Sequence[str], topics: bool, form: str, output: str | None) -> int:
+    from ur.graph.includes import build_trees, merge_trees
+    from ur.graph.topics import graph_plan
+    from ur.request.tolerant import load_tolerantly
+    from ur.source.progress_line import show_progress
+
+    plan, files, sound = load_tolerantly(words)
+    title = " ".join(words)
+    with show_progress(f"drawing {title}"):
+        if topics:
+            text = _render(graph_plan(plan), form, title)
+        else:
+            trees = build_trees(plan, files)
+            text = _draw_trees(trees) if form == "text" else _render(merge_trees(trees), form, title)
+    _write(text, output)
+    return 0 if sound else 1
+
+
+def _draw_trees(trees: Sequence[Branch]) -> str:
+    from ur.graph.text import draw_tree
+
+    return "".join(_paint(draw_tree(tree, unicode=_speaks_unicode())) for tree in trees)
+
+
+def _show_live(nodes: Sequence[str], form: str) -> str:
+    from ur.graph.topics import graph_system
+    from ur.request.environment import apply_selection, current_selection
+    from ur.run.master.client import parse_master_uri
+    from ur.run.master.xml_rpc import Unanswered
+    from ur.source.diagnostic import UserError, error
+    from ur.source.progress_line import show_progress
+
+    apply_selection(current_selection(os.environ))
+    master = parse_master_uri(os.environ["ROS_MASTER_URI"])
+    try:
+        with show_progress(f"waiting for the master at {master.uri} to answer"):
+            state = master.get_system_state()
+    except Unanswered:
+        message = f"no master answers at {master.uri}, expected one"
+        raise UserError(error(message, rule="no-master", help="start something: ur run keyboard_drive")) from None
+    known = {node for part in state[:2] for _, names in part for node in names}
+    wanted = [name if name.startswith("/") else f"/{name}" for name in nodes]
+    for name in wanted:
+        if name not in known:
+            from ur.source.suggest import did_you_mean
+
+            near = did_you_mean(name, known)
+            message = (
+                f"no node {name} is known to the master at {master.uri}, expected one of {', '.join(sorted(known))}"
+            )
+            raise UserError(error(message, rule="unknown-node", help=f"did you mean {near}?" if near else None))
+    return _render(graph_system(state, wanted), form, f"nodes and topics at {master.uri}")
+
+
+def _render(graph: Graph, form: str, title: str) -> str:
+    from ur.graph.text import draw_graph, write_dot, write_mermaid
+
+    if form == "mermaid":
+        return write_mermaid(graph)
+    if form == "dot":
+        return write_dot(graph)
+    if form == "svg":
+        from ur.graph.svg import write_svg
+
+        return write_svg(graph, title)
+    return _paint(draw_graph(graph, unicode=_speaks_unicode()))
+
+
+def _paint(lines: Iterable[Line]) -> str:
+    return "".join("".join(_style(text, kind) for text, kind in line) + "\n" for line in lines)
+
+
+def _style(text: str, kind: str) -> str:
+    return click.style(printable(text), **_COLOURS[kind])  # type: ignore[arg-type]  # the options of style, by name
+
+
+def _speaks_unicode() -> bool:
+    return "utf" in (sys.stdout.encoding or "").lower()
+
+
+def _write(text: str, output: str | None) -> int:
+    if output is None:
+        click.echo(text, nl=False)
+        return 0
+    from ur.source.diagnostic import UserError, error
+
+    try:
+        Path(output).write_text(click.unstyle(text), encoding="utf-8")
+    except OSError as problem:
+        reason = (problem.strerror or str(problem)).lower()
+        raise UserError(error(f"{output}: {reason}, expected a file to write", rule="unwritable-file")) from None
+    click.echo(f"wrote {output}", err=True)
+    return 0

@@ -1,0 +1,193 @@
+"""`ur new`: launch directories, programs, bases and packages in house style."""
+
+from __future__ import annotations
+
+import click
+
+from ur.cli.files.new_parts import SUMMARY, in_package, show_done
+from ur.cli.files.new_things import ask, base_request, find_parts, know_person, node_request, urdf_files
+from ur.cli.files.new_world import new_world
+
+_NAME = r"[a-z][a-z0-9_]*"
+
+
+def _check_name(_context: click.Context, _parameter: click.Parameter, value: str | None) -> str | None:
+    import re
+
+    if value is not None and not re.fullmatch(_NAME, value):
+        raise click.BadParameter(f"{value!r}, expected small letters, digits and _, a letter first")
+    return value
+
+
+_name = click.argument("name", required=False, callback=_check_name)
+
+
+@click.group("new", invoke_without_command=True)
+@click.pass_context
+def command(context: click.Context) -> int:
+    """Write a new node, group, view, program, base, package or world.
+
+    Asks for what is not given; without a terminal everything has to be given. Nothing is ever overwritten. What is
+    written passes `ur check` and appears in `ur docs`.
+    """
+    if context.invoked_subcommand is None:
+        click.echo(_list_kinds(), err=True, nl=False)
+        return 2
+    return 0
+
+
+def _list_kinds() -> str:
+    """List what can be made: the first example of each, as the help pages have it."""
+    from ur.cli.help_pages import PAGES
+
+    lines = ["error: 'ur new' needs to know what to write, expected one of:"]
+    for name, kind in command.commands.items():
+        lines += [f"  {name}: {kind.get_short_help_str(limit=200)}", f"    {PAGES[f'new {name}'].examples[0][0]}"]
+    return "\n".join([*lines, "  help: 'ur help new node' describes the options of one", ""])
+
+
+@command.command("node")
+@_name
+@SUMMARY
+@in_package
+@click.option("--from-package", "source", metavar="PKG", help="The package that holds the node's executable.")
+@click.option("--type", "kind", metavar="NODE", help="The name of the executable.")
+@click.option("--look/--no-look", default=True, help="Start the node and observe its topics, services and parameters.")
+@click.option("--seconds", default=20.0, show_default=True, help="The longest time to observe the node, in s.")
+@click.option("--per-base", is_flag=True, help="One parameter file for each base of the package.")
+@click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metavar="[-- ARGUMENTS OF THE NODE]")
+def new_node(
+    name: str | None, summary: str | None, package: str | None, source: str | None, kind: str | None, look: bool,
+    seconds: float, per_base: bool, arguments: tuple[str, ...],
+) -> int:  # fmt: skip
+    """Write a launch directory n_NAME for a node.
+
+    The node is started with a master of its own, and the topics, services and parameters that it has to do with become
+    arguments, remaps and a parameter file.
+    """
+    from ur.new.node import plan_node
+
+    target = show_done.target(package)
+    source = ask(source, "--from-package", "Package of the node")
+    kind = ask(kind, "--type", f"Executable in {source}")
+    name = ask(name, "NAME", "Name of the directory, without n_", kind.partition(".")[0])
+    summary = ask(summary, "--summary", "What it does, in one line")
+    request = node_request(name, source, kind, summary, target, seconds if look else None, per_base, arguments)
+    return show_done(target, plan_node(request, target.name), f"ur launch {target.name} n_{name}.launch.xml")
+
+
+@command.command("multi")
+@_name
+@SUMMARY
+@in_package
+@click.option("--include", "includes", multiple=True, metavar="[PKG/]NAME", help="n_NAME or m_NAME; may be repeated.")
+@click.option("--program/--no-program", default=True, help="With a program that starts it, bin/ur_NAME.")
+def new_multi(
+    name: str | None, summary: str | None, package: str | None, includes: tuple[str, ...], program: bool
+) -> int:
+    """Write a launch file m_NAME that includes others, and a program that starts it."""
+    from ur.new.group import plan_multi, plan_program
+
+    target = show_done.target(package)
+    name = ask(name, "NAME", "Name of the directory, without m_")
+    summary = ask(summary, "--summary", "What it starts, in one line")
+    words = includes or tuple(ask(None, "--include", "What it includes, for example n_joy m_robot_base").split())
+    files = plan_multi(name, summary, "", find_parts(words, target))
+    if program:
+        files += plan_program(name, summary, "", target.name, f"m_{name}.launch.xml")
+    return show_done(target, files, f"ur launch {target.name} m_{name}.launch.xml")
+
+
+@command.command("rviz")
+@_name
+@SUMMARY
+@in_package
+@click.option("--frame", default="odom", show_default=True, help="The fixed frame.")
+@click.option("--topic", "topics", multiple=True, metavar="NAME:TYPE", help="scan:sensor_msgs/LaserScan; repeatable.")
+@click.option("--program/--no-program", default=True, help="With a program that starts it, bin/ur_rviz_NAME.")
+def new_rviz(
+    name: str | None, summary: str | None, package: str | None, frame: str, topics: tuple[str, ...], program: bool
+) -> int:
+    """Write a view rviz_NAME: a launch file, a configuration of RViz, and a program that starts it."""
+    from ur.new.group import plan_program, plan_rviz
+
+    target = show_done.target(package)
+    name = ask(name, "NAME", "Name of the view, without rviz_")
+    summary = ask(summary, "--summary", "What it shows, in one line")
+    shown = [(topic, kind) for topic, _, kind in (each.partition(":") for each in topics)]
+    files = plan_rviz(name, summary, target.name, frame, shown)
+    if program:
+        files += plan_program(f"rviz_{name}", summary, "", target.name, f"rviz_{name}.launch.xml")
+    return show_done(target, files, f"ur launch {target.name} rviz_{name}.launch.xml")
+
+
+@command.command("program")
+@_name
+@SUMMARY
+@in_package
+@click.option("--launch", metavar="FILE", help="The launch file of this package that it starts.")
+def new_program(name: str | None, summary: str | None, package: str | None, launch: str | None) -> int:
+    """Write a program bin/ur_NAME that starts a launch file."""
+    from ur.new.group import plan_program
+
+    target = show_done.target(package)
+    name = ask(name, "NAME", "Name of the program, without ur_")
+    summary = ask(summary, "--summary", "What it is for, in one line")
+    launch = ask(launch, "--launch", "Launch file that it starts", f"m_{name}.launch.xml")
+    return show_done(target, plan_program(name, summary, "", target.name, launch), f"ur run {name}")
+
+
+@command.command("base")
+@_name
+@SUMMARY
+@in_package
+@click.option("--length", type=float, help="From front to back, in m.")
+@click.option("--width", type=float, help="From left to right, in m.")
+@click.option("--height", type=float, help="In m.")
+@click.option("--mass", type=float, help="In kg.")
+@click.option("--wheel-radius", type=float, help="In m.")
+@click.option("--wheel-separation", type=float, help="Between the middles of the two driven wheels, in m.")
+@click.option("--velocity", type=float, help="The highest, in m/s.")
+@click.option("--angular-velocity", type=float, help="The highest, in rad/s.")
+@click.option("--lidar", is_flag=True, help="It has a lidar.")
+@click.option("--raspicam", is_flag=True, help="It has a Raspberry Pi camera.")
+@click.option("--like", default="stage", show_default=True, help="The base whose parameter files are copied.")
+def new_base(
+    name: str | None, summary: str | None, package: str | None, lidar: bool, raspicam: bool, like: str,
+    **figures: float | None,
+) -> int:  # fmt: skip
+    """Write a base: bases/NAME/base.yaml, its URDF, and a parameter file wherever others have one."""
+    from ur.new.model import NewFile
+    from ur.new.package import write_base
+
+    target = show_done.target(package)
+    name = ask(name, "NAME", "Name of the base")
+    summary = ask(summary, "--summary", "What it is, in one line")
+    request = base_request(name, summary, figures, lidar=lidar, raspicam=raspicam)
+    text = write_base(request)
+    files = (NewFile(f"bases/{name}/base.yaml", text), *urdf_files(target, name, text, like))
+    return show_done(target, files, f"ur use sim:{name}")
+
+
+@command.command("package")
+@_name
+@SUMMARY
+@click.option("--maintainer", help="Who looks after it.")
+@click.option("--email", help="Where to write to.")
+@click.option("--license", "license_name", default="BSD", show_default=True)
+def new_package(
+    name: str | None, summary: str | None, maintainer: str | None, email: str | None, license_name: str
+) -> int:
+    """Write a package for launch files: a folder NAME here."""
+    from ur.new.package import plan_package
+
+    name = ask(name, "NAME", "Name of the package")
+    summary = ask(summary, "--summary", "What it is for, in one line")
+    known = know_person()
+    maintainer = ask(maintainer, "--maintainer", "Who looks after it", known[0])
+    email = ask(email, "--email", "Their address", known[1])
+    target = show_done.folder(name)
+    return show_done(target, plan_package(name, summary, maintainer, email, license_name), f"cd {name} && ur new node")
+
+
+command.add_command(new_world)

@@ -1,0 +1,94 @@
+"""Where new files go, and what is said about them."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import click
+
+from ur.new.model import NewFile
+from ur.source.diagnostic import UserError, error
+
+SUMMARY = click.option("--summary", help="One line that says what it does.")
+in_package = click.option(
+    "--package", "-p", help="Name or folder of the package; without it the one around this folder."
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Target:
+    """The package that gets new files."""
+
+    name: str
+    folder: Path
+
+
+class _Done:
+    """Writes, and says what was written and what may come next."""
+
+    def __call__(self, target: Target, files: Sequence[NewFile], then: str) -> int:
+        from ur.new.write import write_files
+
+        files = [_formatted(target, file) for file in files]
+        write_files(target.folder, files)
+        for file in files:
+            click.echo(f"wrote {os.path.relpath(target.folder / file.path)}")
+        click.echo(f"next: ur check {os.path.relpath(target.folder)}, then {then}", err=True)
+        return 0
+
+    @staticmethod
+    def target(word: str | None) -> Target:
+        """The package of a name or folder, or the one around the current folder. Raises UserError."""
+        return find_target(word)
+
+    @staticmethod
+    def folder(name: str) -> Target:
+        """A package that is to be. Raises UserError when the folder is there."""
+        folder = Path.cwd() / name
+        if folder.exists():
+            raise UserError(error(f"{name} is there already, expected a new name", rule="file-exists"))
+        return Target(name, folder)
+
+
+show_done = _Done()
+
+
+def find_target(word: str | None) -> Target:
+    """The package of a name or folder, or the one around the current folder. Raises UserError."""
+    if word is not None and not Path(word).is_dir():
+        from ur.launchfile.world.protocol import PackageNotFound
+        from ur.launchfile.world.system import SystemWorld
+        from ur.request.environment import know_own_package
+
+        try:
+            return Target(word, Path(SystemWorld(know_own_package(os.environ)).find_package(word)))
+        except PackageNotFound:
+            message = f"{word} is neither a folder nor a package, expected one of them"
+            raise UserError(error(message, rule="unknown-package", help="ur new package makes one")) from None
+    start = Path(word or ".").resolve()
+    for folder in (start, *start.parents):
+        if (folder / "package.xml").is_file():
+            named = re.search(r"<name>\s*([\w-]+)\s*</name>", (folder / "package.xml").read_text(encoding="utf-8"))
+            return Target(named.group(1) if named else folder.name, folder)
+    message = f"no package.xml in {start} or above, expected a package that gets the new files"
+    raise UserError(error(message, rule="no-package", help="go into one, name it with --package, or: ur new package"))
+
+
+def _formatted(target: Target, file: NewFile) -> NewFile:
+    if isinstance(file.text, bytes) or not file.path.endswith((".launch", ".launch.xml")):
+        return file
+    from dataclasses import replace
+
+    from ur.check.computer import make_world
+    from ur.format.run import format_file
+    from ur.request.environment import know_own_package
+
+    path = str(target.folder / file.path)
+    return replace(
+        file,
+        text=format_file(path, file.text.encode(), make_world([str(target.folder)], know_own_package(os.environ))).text,
+    )

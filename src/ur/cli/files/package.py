@@ -1,0 +1,74 @@
+"""`ur package`: package.xml and CMakeLists.txt, compared with what the launch files use."""
+
+from __future__ import annotations
+
+import os
+
+import click
+
+
+@click.command("package")
+@click.argument("path", default=".", metavar="[PATH]")
+@click.option("--write", is_flag=True, help="Add what is missing.")
+def command(path: str, write: bool) -> int:
+    """Check package.xml and CMakeLists.txt of launch files.
+
+    Every package that a launch file or program takes something from has to be a dependency, and everything that it
+    needs has to be installed. Dependencies that nothing here uses are named, and stay. A comment in package.xml names
+    packages that it can do without: <!--ur: optional NAME NAME: REASON-->.
+
+    Exit code: 0 when nothing is missing (or with --write), 1 when something is.
+    """
+    from ur.check.computer import make_world
+    from ur.cli.files.new_parts import find_target
+    from ur.cli.files.replace_file import replace_file
+    from ur.package.cmake import choose_folders, put_block, write_block
+    from ur.package.manifest import add_run_dependencies, read_optional, read_run_dependencies
+    from ur.package.uses import find_used_packages
+    from ur.request.environment import know_own_package
+    from ur.source.diagnostic import UserError, error
+    from ur.source.file import SourceFile
+    from ur.source.progress_line import show_progress
+
+    folder = find_target(path).folder
+    with show_progress("finding launch files") as progress:
+        world = make_world([str(folder)], know_own_package(os.environ))
+        package, used = find_used_packages(str(folder), world, progress)
+    manifest, cmake = folder / "package.xml", folder / "CMakeLists.txt"
+    texts = {manifest: SourceFile.read(manifest).text}
+    texts[cmake] = SourceFile.read(cmake).text if cmake.exists() else _start_of_cmake(package.name)
+    known = read_run_dependencies(texts[manifest])
+    for name in sorted(set(used) - known - read_optional(texts[manifest])):
+        line, column = used[name].position
+        place = f"{os.path.relpath(used[name].file.path)}:{line}:{column}"
+        click.echo(f"package.xml: {name} is used at {place}, and no dependency")
+    for name in sorted((known | read_optional(texts[manifest])) - set(used)):
+        click.echo(f"package.xml: nothing here uses {name}; it stays", err=True)
+    folders = choose_folders(each.name for each in folder.iterdir() if each.is_dir())
+    files = [each.name for each in folder.iterdir() if each.name.endswith((".launch", ".launch.xml"))]
+    wanted = {
+        manifest: add_run_dependencies(texts[manifest], used),
+        cmake: put_block(texts[cmake], write_block(folders, files)),
+    }
+    if wanted[cmake] != texts[cmake]:
+        click.echo("CMakeLists.txt: its install rules are not those of what is here")
+    changed = [each for each in wanted if wanted[each] != texts[each] or not each.exists()]
+    if not changed:
+        click.echo(f"{package.name}: package.xml and CMakeLists.txt hold what it needs")
+        return 0
+    if not write:
+        click.echo(f"help: ur package --write {os.path.relpath(folder)}", err=True)
+        return 1
+    for each in changed:
+        if each.is_symlink() and not each.resolve().is_relative_to(folder.resolve()):
+            message = f"{os.path.relpath(each)} is a link that leads out of the package, expected a file"
+            raise UserError(error(message, rule="unwritable-file", help="put a file in its place"))
+        replace_file(str(each), wanted[each])
+        click.echo(f"wrote {os.path.relpath(each)}")
+    return 0
+
+
+def _start_of_cmake(name: str) -> str:
+    return (
+        f"cmake_minimum_required(VERSION 3.10)\nproject({name} NONE)\nfind_package(catkin REQUIRED)\ncatkin_package()\n"
+    )

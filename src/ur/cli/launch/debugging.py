@@ -1,0 +1,88 @@
+"""`ur launch --debug NODE[=pudb|gdb|debugpy]`: a plan in which these nodes start under a debugger."""
+
+from __future__ import annotations
+
+import os
+import shlex
+from collections.abc import Sequence
+from dataclasses import replace
+
+from ur.launchfile.plan.model import NodeSpec, Plan
+from ur.launchfile.world import World
+from ur.request.questions import find_node
+from ur.run.debugger.choice import TOOLS, Debugging, Tool, choose_tool, plan_debugging
+from ur.run.debugger.environment import find_core, find_free_port, look_around, look_at_program, read_core_rules
+from ur.run.paths import ros_home
+from ur.run.process.command import choose_folder, find_executable
+from ur.source.diagnostic import UserError, error
+from ur.source.suggest import did_you_mean
+
+
+def debug_nodes(plan: Plan, wishes: Sequence[str], world: World, *, terminal: bool) -> tuple[Plan, tuple[str, ...]]:
+    """The plan with debuggers, and what people have to do elsewhere. `terminal`: there is one, and it may be used.
+
+    A debugger replaces the node's own launch-prefix, and is not started again when it ends. Raises UserError: an
+    unknown node or debugger, one that does not suit or is not installed.
+    """
+    changed: dict[str, NodeSpec] = {}
+    told: list[str] = []
+    port = 5678  # debugpy's usual one
+    for wish in wishes:
+        name, _, word = wish.partition("=")
+        node = find_node(plan, name)
+        path = find_executable(node, world)
+        target = look_at_program(node.full_name, path)
+        around = look_around(
+            world.environment,
+            terminal=terminal and not any(each.terminal for each in (*plan.nodes, *changed.values())),
+            python=target.interpreter if target.kind == "python" else "",
+        )
+        tool = _read_tool(wish, word) if word else choose_tool(target.kind)
+        if tool == "debugpy":
+            port = find_free_port(port)
+        found = plan_debugging(target, tool, around, port)
+        changed[node.full_name] = _put_in_front(node, found)
+        told += found.say if found.place == "log" else found.say[1:]  # elsewhere one sees it
+        told += _tell_core(node.full_name, path, node.cwd, world) if tool == "gdb" else ()
+        port += 1
+    return replace(plan, nodes=tuple(changed.get(node.full_name, node) for node in plan.nodes)), tuple(told)
+
+
+def _tell_core(name: str, path: str, cwd: str | None, world: World) -> tuple[str, ...]:
+    folder = choose_folder(cwd, path) or ros_home(world.environment)
+    command, _ = find_core(os.path.realpath(path), folder, read_core_rules(os.getpid()))
+    return (f"{name} left a core file when it crashed before; {shlex.join(command)} looks at it",) if command else ()
+
+
+def has_terminal() -> bool:
+    """Whether keyboard and screen are a terminal of ours."""
+    try:
+        return os.isatty(0) and os.isatty(1) and os.tcgetpgrp(0) == os.getpgrp()
+    except OSError:
+        return False
+
+
+def _put_in_front(node: NodeSpec, found: Debugging) -> NodeSpec:
+    here = found.place == "here"
+    return replace(
+        node,
+        launch_prefix=shlex.join(found.prefix),
+        respawn=False,
+        terminal=here,
+        required=node.required or here,
+        output="screen" if found.place == "log" else node.output,
+    )
+
+
+def _read_tool(wish: str, word: str) -> Tool:
+    for tool in TOOLS:
+        if tool == word:
+            return tool
+    near = did_you_mean(word, TOOLS)
+    raise UserError(
+        error(
+            f"--debug {wish}: no such debugger, expected one of {', '.join(TOOLS)}",
+            rule="unknown-debugger",
+            help=f"did you mean {near}?" if near else None,
+        )
+    )

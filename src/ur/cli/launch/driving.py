@@ -1,0 +1,89 @@
+"""Beginning where somebody else drives the selected robot: what the options say, or the person at the terminal."""
+
+from __future__ import annotations
+
+import os
+import socket
+import sys
+import time
+from collections.abc import Callable, Mapping, Sequence
+
+from ur.launchfile.plan.model import NodeSpec, Plan
+from ur.request.options import Wishes
+from ur.run.master.client import parse_master_uri
+from ur.run.paths import is_local_address
+from ur.run.remote.lease import Lease, Mode, describe_lease, is_held_by_other, read_lease
+from ur.run.remote.names import choose_names, describe_names, find_taken, rename_nodes
+from ur.run.remote.own_clients import clients_folder, list_clients
+from ur.run.startup.node_selection import may_drive
+from ur.source.diagnostic import UserError, error
+
+_ANSWERS: Mapping[str, Mode | None] = {"w": "watch", "a": "ask", "t": "take", "q": None}
+
+
+def computer_name() -> str:
+    """The name of this computer as others see it."""
+    return socket.gethostname().partition(".")[0]
+
+
+def rename_taken(plan: Plan, robot: str, wishes: Wishes) -> Plan:
+    """Give nodes of this computer another name where a node elsewhere has theirs, and say so.
+
+    `robot` is the machine of the nodes that do not start here.
+    """
+    master = parse_master_uri(os.environ["ROS_MASTER_URI"])
+    ours = [node.full_name for node in plan.nodes if not robot or node.machine != robot]
+    names = choose_names(ours, computer_name(), lambda wanted: find_taken(wanted, master, is_local_address))
+    for line in describe_names(names):
+        wishes.say("info", line)
+    return rename_nodes(plan, names)
+
+
+def choose_mode(
+    wishes: Wishes, robot: str, nodes: Sequence[NodeSpec], name: str, ask: Callable[[str], str] | None = None
+) -> Mode | None:
+    """Choose how to begin on a robot; None: the person at the terminal does not want to.
+
+    Raises UserError: somebody else drives, no option says what to do about it, and there is no terminal to ask at.
+    """
+    if wishes.mode != "drive" or not may_drive(nodes):
+        return wishes.mode
+    lease = read_lease(os.environ["ROS_MASTER_URI"])
+    if not is_held_by_other(lease, name, list_clients(clients_folder(os.environ, os.getuid()))):
+        return "drive"
+    if ask is None and (wishes.detach or wishes.json or not (sys.stdin.isatty() and sys.stderr.isatty())):
+        raise refuse(lease, robot)
+    return ask_mode(describe_lease(lease, robot, time.time()), ask or _ask)
+
+
+def ask_mode(description: str, ask: Callable[[str], str]) -> Mode | None:
+    """Ask until the answer is one of those offered; the end of the input means to quit."""
+    question = f"{description}\n  [w]atch, [a]sk to drive, [t]ake over, [q]uit? "
+    while True:
+        try:
+            answer = ask(question).strip().lower()
+        except EOFError:
+            return None
+        if answer[:1] in _ANSWERS:
+            return _ANSWERS[answer[:1]]
+        question = "  expected w, a, t or q: "
+
+
+def refuse(lease: Lease, robot: str) -> UserError:
+    """Explain that somebody else drives the robot."""
+    return UserError(
+        error(
+            f"{describe_lease(lease, robot, time.time())}, expected a robot that nobody drives",
+            rule="robot-is-driven",
+            help="add --watch, --ask or --take-over",
+        )
+    )
+
+
+def _ask(question: str) -> str:
+    sys.stderr.write(question)
+    sys.stderr.flush()
+    line = sys.stdin.readline()
+    if not line:
+        raise EOFError
+    return line

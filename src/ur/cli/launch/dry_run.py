@@ -1,0 +1,100 @@
+"""`ur launch --dry-run`: what would be started, as lines that a shell takes."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from ur.launchfile.plan.model import MachineSpec, NodeSpec, Plan
+from ur.launchfile.world.protocol import World
+from ur.request.questions import changed_variables
+from ur.run.process.command import find_program
+from ur.source.diagnostic import UserError
+
+_LOCAL = frozenset({"localhost", "127.0.0.1", "::1"})
+
+
+def print_dry_run(plan: Plan, world: World, shell: Mapping[str, str], words: Sequence[str]) -> int:
+    """For each node a comment with its name and machine, and the command line that starts it, ready to paste.
+
+    `shell` is the environment of the shell that the lines are for, `world` the one that nodes run in. Programs that are
+    missing are named on standard error; then 1 is returned.
+    """
+    lines = []
+    if plan.params:
+        lines.append(f"# parameters first: ur launch --dump-params {shlex.join(words)} | rosparam load -")
+    machines = {machine.name: machine for machine in plan.machines}
+    problems: list[UserError] = []
+    for node in plan.nodes:
+        machine = machines.get(node.machine or "")
+        try:
+            lines += format_node(node, machine, world, shell)
+        except UserError as problem:
+            problems.append(problem)
+            lines.append(f"# {node.full_name}: cannot be started, see the error")
+    sys.stdout.write("".join(f"{line}\n" for line in lines))
+    sys.stdout.flush()
+    if problems:
+        from ur.source.render import render_human, shows_colour
+
+        found = [each for problem in problems for each in problem.diagnostics]
+        sys.stderr.write(render_human(found, colour=shows_colour(sys.stderr)))
+    return 1 if problems else 0
+
+
+def format_node(node: NodeSpec, machine: MachineSpec | None, world: World, shell: Mapping[str, str]) -> list[str]:
+    """A comment and a command line. Raises UserError: no such program on this computer."""
+    if machine is not None and machine.address not in _LOCAL:
+        return [f"# {node.full_name} on {_describe(machine)}", _format_remote(node, machine, world)]
+    program = find_program(node, world, 1)
+    folder = program.cwd or ros_home(world.environment)
+    enter = f"cd {shlex.quote(folder)}"
+    if not Path(folder).is_dir():
+        enter = f"mkdir -p {shlex.quote(folder)} && {enter}"
+    where = f"machine {machine.name!r}, this computer" if machine is not None else "this computer"
+    changes = changed_variables(node, shell, world.environment)
+    return [f"# {node.full_name} on {where}", f"({enter} && {_with_variables(changes, program.argv, shell)})"]
+
+
+def ros_home(environment: Mapping[str, str]) -> str:
+    """The folder that nodes run in: ROS_HOME, else `.ros` in the user's home."""
+    return environment.get("ROS_HOME") or str(Path(environment.get("HOME") or Path.home()) / ".ros")
+
+
+def _format_remote(node: NodeSpec, machine: MachineSpec, world: World) -> str:
+    # The path of the program is known on that computer only: its rosrun finds it.
+    remaps = [f"{source}:={target}" for source, target in node.remaps]
+    words = ["rosrun", node.package, node.type, *shlex.split(node.args), *remaps, f"__name:={node.name}"]
+    if node.launch_prefix:
+        words[1:1] = ["--prefix", node.launch_prefix]
+    master = world.environment.get("ROS_MASTER_URI")
+    changes = changed_variables(node, {}, {"ROS_MASTER_URI": master} if master else {})
+    there = " ".join(
+        filter(None, [machine.env_loader and shlex.quote(machine.env_loader), _with_variables(changes, words, {})])
+    )
+    port = ["-p", str(machine.ssh_port)] if machine.ssh_port != 22 else []
+    host = f"{machine.user}@{machine.address}" if machine.user else machine.address
+    return shlex.join(["ssh", "-t", *port, "--", host, there])
+
+
+def _with_variables(changes: Mapping[str, str | None], words: Sequence[str], shell: Mapping[str, str]) -> str:
+    if not changes:
+        return shlex.join(words)
+    removed = [word for name, value in changes.items() if value is None for word in ("-u", name)]
+    set_ = [_set(name, value, shell.get(name)) for name, value in changes.items() if value is not None]
+    return " ".join(["env", *removed, *set_, shlex.join(words)])
+
+
+def _set(name: str, value: str, known: str | None) -> str:
+    # Long lists of folders are written with what the shell has already.
+    front = value.removesuffix(f":{known}")
+    if known and front != value:
+        return f'{shlex.quote(f"{name}={front}")}:"${name}"'
+    return shlex.quote(f"{name}={value}")
+
+
+def _describe(machine: MachineSpec) -> str:
+    user = f"{machine.user}@" if machine.user else ""
+    return f"machine {machine.name!r}, {user}{machine.address}"

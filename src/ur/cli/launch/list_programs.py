@@ -1,0 +1,74 @@
+"""`ur list`: the programs there are, and which of them the selected robot cannot run."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Sequence
+
+import click
+
+from ur.request.environment import PACKAGE, current_selection, know_own_package
+from ur.request.programs import Program, find_launch_file, index_programs
+from ur.robot.base import Base
+from ur.source.diagnostic import UserError
+from ur.source.printable import printable
+from ur.source.render import shows_colour
+
+_DIM, _PLAIN = "\x1b[2m", "\x1b[0m"
+
+
+@click.command("list")
+def command() -> int:
+    """List the programs that `ur run` knows.
+
+    They are the executables `bin/ur_*` of every package on ROS_PACKAGE_PATH. A line in brackets says what the base of
+    the selected robot lacks for a program.
+    """
+    index = index_programs(PACKAGE, know_own_package(os.environ))
+    if index.problem:
+        sys.stderr.write(f"warning: only the programs of {PACKAGE.name} are listed: {printable(index.problem)}\n")
+    sys.stdout.write(render_list(index.programs, _selected_base(), colour=shows_colour(sys.stdout)))
+    sys.stdout.flush()
+    return 0
+
+
+def render_list(programs: Sequence[Program], base: Base | None, *, colour: bool) -> str:
+    """A line for each program, below the name of its package where there are several packages."""
+    width = max((len(program.name) for program in programs), default=0)
+    dim = (_DIM, _PLAIN) if colour else ("", "")
+    packages = list(dict.fromkeys(program.package for program in programs))
+    lines: list[str] = []
+    for package in packages:
+        if len(packages) > 1:
+            lines += ([""] if lines else []) + [f"{package}:"]
+        indent = "  " if len(packages) > 1 else ""
+        for program in (each for each in programs if each.package == package):
+            line = f"{indent}{program.name:<{width}}  {printable(program.summary)}".rstrip()
+            lack = _lack(program, base) if base else ""
+            lines.append(line + (f"  {dim[0]}[{lack}]{dim[1]}" if lack else ""))
+    return "".join(f"{line}\n" for line in lines)
+
+
+def _selected_base() -> Base | None:
+    """The base of the selected robot; None where nobody knows it."""
+    from ur.request.robot_facts import know_base
+    from ur.robot.base import load_base
+    from ur.robot.base_search import find_base_package
+
+    try:
+        selection = know_base(current_selection(os.environ), os.environ)
+        package = find_base_package(PACKAGE, selection.base, os.environ)
+        return load_base(package, selection.base, selection.variant) if selection.base else None
+    except UserError as problem:
+        sys.stderr.write(f"what the base lacks is not known: {problem}\n")
+        return None
+
+
+def _lack(program: Program, base: Base) -> str:
+    from ur.launchfile.world.system import SystemWorld
+    from ur.request.needs import describe_lack, list_lacks, read_needs
+
+    path = find_launch_file(program)
+    lacks = list_lacks(base, read_needs(str(path), SystemWorld(os.environ))) if path else ()
+    return describe_lack(base, lacks) if lacks else ""

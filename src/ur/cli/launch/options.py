@@ -1,0 +1,180 @@
+"""The options of `ur launch`: roslaunch's, each with its meaning or a line that says why not, and our own."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import click
+
+from ur.request.options import Wishes
+from ur.source.diagnostic import UserError, error
+
+_OURS = {"dry-run", "dump"}
+_EXCLUSIVE = {"nodes", "find-node", "args", "ros-args"}
+# roslaunch 1.16's own; '--dump-params' may be written '--dump' there, which is an option of ours.
+ROSLAUNCH = (
+    "--files", "--args", "--nodes", "--find-node", "--child", "--local", "--screen", "--required", "--log",
+    "--server_uri", "--run_id", "--wait", "--port", "--core", "--pid", "--no-summary", "--dump-params",
+    "--skip-log-check", "--ros-args", "--disable-title", "--numworkers", "--timeout", "--master-logger-level",
+    "--sigint-timeout", "--sigterm-timeout", "--help",
+)  # fmt: skip
+_SECONDS = click.FloatRange(min=0, min_open=True, max=1e6)
+# There is no summary, no look at the size of the log folder and no change of the title that could be left out.
+_NOTHING_TO_DO = ("--no-summary", "--skip-log-check", "--disable-title")
+_REFUSED = {
+    "-c": "ur has no child mode; it is how roslaunch starts itself on other computers",
+    "-u": "ur has no child mode; it is how roslaunch starts itself on other computers",
+    "--run_id": "the run id is the master's, or a new one where ur starts the master",
+}
+
+
+def make_parameters() -> list[click.Parameter]:
+    """Every option and the argument, as click has them."""
+
+    def flag(*names: str, **more: Any) -> click.Option:
+        return click.Option(names, is_flag=True, **more)
+
+    def refuse(ctx: click.Context, param: click.Parameter, value: object) -> None:
+        if value and not ctx.resilient_parsing:
+            name = param.opts[0]
+            raise UserError(error(f"{name} is not for ur launch: {_REFUSED[name]}", rule="refused-option"))
+
+    return [
+        flag("--screen", help="Show the output of every node."),
+        flag("--log", help="Keep the standard output of every node in log files."),
+        flag("--required", help="End the run with the first node that ends."),
+        click.Option(["--only"], multiple=True, metavar="NODE", help="Start only this node; may be repeated."),
+        click.Option(["--except", "except_"], multiple=True, metavar="NODE", help="Do not start this node."),
+        click.Option(
+            ["--prefix"], multiple=True, metavar="NODE=PREFIX", help="Put a program in front: 'talker=gdb --args'."
+        ),
+        click.Option(
+            ["--debug"],
+            multiple=True,
+            metavar="NODE[=TOOL]",
+            help="Start this node under a debugger: pudb, gdb or debugpy; may be repeated.",
+        ),
+        flag("--local", help="Leave nodes for other computers out."),
+        # How the laptop starts what belongs to the robot: see ur.run.remote.share. NAME is this computer's there.
+        click.Option(["--part"], hidden=True, metavar="NAME"),
+        click.Option(["--runs-already"], hidden=True, multiple=True, metavar="NODE"),
+        click.Option(["--report"], hidden=True, metavar="FILE"),
+        *make_lease_options(),
+        flag("--replace", help="End nodes of other runs that have the same names, as roslaunch does."),
+        flag("--core", help="Start only a master and rosout, as roscore does."),
+        flag("-v", "verbose", help="List files, parameters and nodes before the start."),
+        flag("--detach", help="Start it, and let it run on without this terminal: ur ps, attach, logs, stop."),
+        flag("--plain", "--no-ui", help="Print lines, as roslaunch does, also on a terminal."),
+        flag("--calm", help="Show one line with the state of the run, and warnings and errors."),
+        flag("--json", help="Print everything that happens as lines of JSON."),
+        flag("--wait", help="Wait for a master instead of starting one; with --detach: until every node is up."),
+        flag("--timings", help="Print how long each step of the start took, once every node is up."),
+        click.Option(
+            ["--timeout-ready"],
+            type=_SECONDS,
+            default=30.0,
+            show_default=True,
+            help="With --detach --wait: seconds that nodes get to be up.",
+        ),
+        click.Option(
+            ["--respawn-limit"],
+            type=click.IntRange(0),
+            help="Stop respawning a node after so many quick exits (default 10); 0: never, as roslaunch.",
+        ),
+        click.Option(["-p", "--port"], type=click.IntRange(1, 65535), help="Port of the master that is started."),
+        click.Option(["-w", "--numworkers"], type=click.IntRange(1), help="Threads of the master that is started."),
+        click.Option(["-t", "--timeout"], type=_SECONDS, help="Socket timeout of the master that is started."),
+        click.Option(
+            ["--master-logger-level"],
+            type=click.Choice(["debug", "info", "warn", "error", "fatal"]),
+            help="The log level of the master that is started.",
+        ),
+        click.Option(["--pid"], metavar="FILE", help="Write the process id to a file while it runs."),
+        click.Option(["--sigint-timeout"], type=_SECONDS, help="Seconds from SIGINT to SIGTERM at the end."),
+        click.Option(["--sigterm-timeout"], type=_SECONDS, help="Seconds from SIGTERM to SIGKILL at the end."),
+        flag("--nodes", help="Print the names of the nodes."),
+        flag("--files", help="Print the launch files that are read."),
+        click.Option(["--find-node"], metavar="NODE", help="Print the launch file that defines a node."),
+        click.Option(["--args"], metavar="NODE", help="Print the command line that starts a node."),
+        flag("--dump-params", help="Print the parameters as YAML."),
+        flag("--ros-args", help="Print the arguments of the launch file."),
+        flag("--dry-run", help="Print what would be started: command, environment and machine of every node."),
+        click.Option(["--dump"], type=click.Choice(["json"]), help="Print the complete plan of the launch file."),
+        flag("--with-origins", help="With --dump: where everything comes from."),
+        flag("--no-commands", help="With --dump: do not run the programs of <param command>; refuse them."),
+        *(flag(name, hidden=True, expose_value=False) for name in _NOTHING_TO_DO),
+        *(
+            click.Option(names, hidden=True, expose_value=False, callback=refuse)
+            for names in (["-c", "--child"], ["-u", "--server_uri"], ["--run_id"])
+        ),
+        click.Argument(["words"], nargs=-1, required=False, metavar="[PACKAGE] FILE [ARG:=VALUE]..."),
+    ]
+
+
+def make_lease_options() -> list[click.Option]:
+    """The options that say how to begin where somebody else drives the robot; `ur run` hands them on."""
+    texts = {
+        "--watch": "If somebody else drives the robot, watch.",
+        "--ask": "If somebody else drives the robot, ask to drive.",
+        "--take-over": "If somebody else drives the robot, take over.",
+        "--unattended": "Let the robot go on with its goal while this computer cannot be reached.",
+    }
+    return [click.Option([name], is_flag=True, help=text) for name, text in texts.items()]
+
+
+def check_seconds(wishes: Wishes) -> None:
+    """Raise UserError for times that are no numbers, which click takes."""
+    for name in ("timeout", "sigint_timeout", "sigterm_timeout", "timeout_ready"):
+        value = getattr(wishes, name)
+        if value is not None and value != value:
+            option = name.replace("_", "-")
+            raise UserError(error(f"--{option} nan, expected a number of seconds above 0", rule="bad-options"))
+
+
+class LaunchCommand(click.Command):
+    """Takes the beginnings of roslaunch's long options too, where only one begins so: optparse does."""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Parse a command line."""
+        known = {name for param in self.params for name in (*param.opts, *param.secondary_opts)}
+        return super().parse_args(ctx, list(_complete_options(args, known)))
+
+
+def _complete_options(words: Sequence[str], known: set[str]) -> Iterator[str]:
+    for number, word in enumerate(words):
+        if word == "--":
+            yield from words[number:]
+            return
+        name, sign, value = word.partition("=")
+        near = [each for each in ROSLAUNCH if each.startswith(name)]
+        if name.startswith("--") and name not in known and len(near) == 1:
+            name = near[0]
+        yield name + sign + value
+
+
+def check_wishes(words: Sequence[str], wishes: Wishes) -> None:
+    """Raise UserError for options that exclude each other, click.UsageError where files are missing or too many."""
+    if wishes.core and (words or wishes.wait or wishes.queries):
+        raise UserError(
+            error("--core starts a master alone, expected no launch file, --wait or question", rule="bad-options")
+        )
+    if not words and not wishes.core:
+        raise click.UsageError("missing argument '[PACKAGE] FILE [ARG:=VALUE]...'", click.get_current_context())
+    if words.count("-") > 1:
+        raise UserError(error("'-' is standard input, expected it once", rule="bad-options"))
+    if wishes.screen and wishes.log:
+        raise UserError(error("--screen and --log exclude each other, expected one", rule="bad-options"))
+    modes = [name for name in ("watch", "ask", "take_over") if getattr(wishes, name)]
+    if len(modes) > 1:
+        text = " and ".join(f"--{name.replace('_', '-')}" for name in modes)
+        raise UserError(error(f"{text} exclude each other, expected one", rule="bad-options"))
+    if wishes.detach and wishes.json:
+        help_ = "'ur attach --json' prints the events of a run that is detached"
+        raise UserError(error("--detach and --json exclude each other", rule="bad-options", help=help_))
+    check_seconds(wishes)
+    names = [name for name, _ in wishes.queries]
+    if len([name for name in names if name in _EXCLUSIVE]) > 1 or (len(names) > 1 and set(names) & _OURS):
+        raise UserError(
+            error(f"{' and '.join(f'--{name}' for name in names)} exclude each other, expected one", rule="bad-options")
+        )

@@ -1,0 +1,1 @@
+"""Commands that set robots up and change them: setup, rename, wifi, network and images."""

@@ -1,0 +1,277 @@
+"""`ur image`: images from which a robot's first boot makes a robot that can be reached."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager, suppress
+from dataclasses import replace
+from pathlib import Path
+
+import click
+
+from ur.cli.computer.setup import show_changes
+from ur.cli.robot_setup.image_answers import Given, Passwords, add_passwords, make_wish, read_passwords, read_robots
+from ur.robot.image.copy import copied_image, packing_of
+from ur.robot.image.device import Device, check_device, is_device
+from ur.robot.image.host_key import know_host_key, make_host_key
+from ur.robot.image.layout import find_layout
+from ur.robot.image.prepare import Write, plan_undo, plan_writes, read_seed, write_all
+from ur.robot.image.seed import Wish, hide_secrets, make_seed, present_host_key, present_password, takes_host_key
+from ur.robot.image.volume import run_tool
+from ur.robot.record import Record, records_folder, render_record
+from ur.robot.setup.change import Change, show_difference
+from ur.robot.ssh.host_key import HostKey
+from ur.source.diagnostic import UserError, error
+from ur.source.progress_line import show_progress
+from ur.source.replace import replace_file
+
+
+@click.group("image", invoke_without_command=True)
+@click.pass_context
+def command(context: click.Context) -> None:
+    """Prepare images for the first boot of robots."""
+    if context.invoked_subcommand is None:
+        from ur.cli.help import show_help
+
+        show_help(["image"])
+
+
+@command.command("prepare")
+@click.argument("image", metavar="IMAGE|DEVICE")
+@click.option("--output", help="Write the prepared image here, and leave IMAGE as it is; needed for compressed ones.")
+@click.option("--name", help="The robot's name; it will answer to NAME.local.")
+@click.option("--base", help="The base of the robot.")
+@click.option("--variant", help="The variant of the base.")
+@click.option("--user", help="The user that is created.  [default: ros]")
+@click.option("--key", help="The public key that may log in.  [default: ~/.ssh/id_ed25519.pub]")
+@click.option("--ssid", help="The WiFi network it joins; without one, it needs a cable.")
+@click.option("--country", help="The country, as two letters: the permitted WiFi channels depend on it.")
+@click.option("--wifi-interface", default="wlan0", show_default=True, help="The radio's name there.")
+@click.option("--timezone", help="For instance Europe/Berlin.  [default: the image's]")
+@click.option("--locale", help="For instance en_GB.UTF-8.  [default: the image's]")
+@click.option("--from", "file", help="A file that names robots: one image is written for each.")
+@click.option(
+    "--passwords-from",
+    type=int,
+    metavar="FD",
+    help="Read the user's password and that of the WiFi, a line each, from this file descriptor.",
+)
+@click.option("--dry-run", is_flag=True, help="Show what would be written, and write nothing.")
+@click.option("--undo", is_flag=True, help="Remove the seed and restore the image's own files.")
+@click.option("--yes", is_flag=True, help="Do not ask before writing to a device.")
+def prepare(
+    image: str,
+    output: str | None,
+    name: str | None,
+    base: str | None,
+    variant: str | None,
+    user: str | None,
+    key: str | None,
+    ssid: str | None,
+    country: str | None,
+    wifi_interface: str,
+    timezone: str | None,
+    locale: str | None,
+    file: str | None,
+    passwords_from: int | None,
+    dry_run: bool,
+    undo: bool,
+    yes: bool,
+) -> int:
+    """Write the seed of a robot's first boot into an image, or onto a flashed card.
+
+    Ubuntu for the Raspberry Pi, Raspberry Pi OS, and cloud images of Ubuntu and Debian. After its first boot the robot
+    has its name, its user, your key and the WiFi; then: ur robot setup USER@NAME.local.
+
+    Needs no root for image files, and asks for what it needs to know. Interrupted anywhere, an image is as it was.
+    """
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    if undo and (output or file or name or base):
+        raise click.UsageError("--undo takes what was written away again: expected no other choice beside it")
+    if file and (output or name or base):
+        raise click.UsageError("--from FILE names robots and outputs: expected no --output, --name or --base beside it")
+    source = Path(image)
+    if not source.exists():
+        raise UserError(error(f"{image}: not found, expected an image or a device", rule="unreadable-file"))
+    given = Given(name, base, variant, user, key, ssid, country, wifi_interface, timezone, locale)
+    if undo:
+        return _take_back(source, dry_run=dry_run, yes=yes)
+    wanted = read_robots(Path(file), given) if file else [(given, Path(output) if output else None)]
+    passwords: Passwords | None = None
+    for each, target in wanted:
+        with _opened(source, target) as (path, commit, device):
+            layout = find_layout(path)
+            _say(f"{image}: {layout.system}")
+            present = read_seed(layout)
+            wish = make_wish(each)
+            passwords = passwords or read_passwords(wish, passwords_from)
+            texts = [(text or b"").decode(errors="replace") for text in present.values()]
+            wish = add_passwords(wish, passwords, present_password(texts))
+            if takes_host_key(layout):
+                wish = replace(
+                    wish, host_key=present_host_key(texts, wish.robot.name) or make_host_key(wish.robot.name)
+                )
+            writes = plan_writes(layout, present, make_seed(wish, layout))
+            if dry_run:
+                _show(writes)
+            elif not writes and target is None:
+                _say(f"nothing to do: it is prepared for {wish.robot.name}")
+            else:
+                _confirm(device, writes, yes=yes)
+                with show_progress(f"writing {target or image}"):
+                    commit(writes)
+                _say(f"{target or image}: prepared for {wish.robot.name}")
+        if not dry_run:
+            _remember(wish)
+            _tell(wish)
+    return 0
+
+
+def _take_back(source: Path, *, dry_run: bool, yes: bool) -> int:
+    with _opened(source, None) as (path, commit, device):
+        layout = find_layout(path)
+        writes = plan_undo(layout, read_seed(layout))
+        if not writes:
+            _say("nothing to take back: there is no seed of ours")
+        elif dry_run:
+            _show(writes)
+        else:
+            _confirm(device, writes, yes=yes)
+            with show_progress(f"writing {source}"):
+                commit(writes)
+            _say("taken back")
+    return 0
+
+
+Commit = Callable[[Sequence[Write]], None]
+
+
+@contextmanager
+def _opened(source: Path, target: Path | None) -> Iterator[tuple[Path, Commit, Device | None]]:
+    """What to look into, what writes there, and the device if it is one. Raises UserError."""
+    if is_device(source):
+        if target:
+            raise click.UsageError("--output is for images: a device is written itself")
+        device = check_device(source)
+        yield source, lambda writes: _write_device(source, writes), device
+        return
+    packing = packing_of(source)
+    if packing and target is None:
+        plain = source.with_suffix("").name
+        raise UserError(
+            error(
+                f"{source} is compressed ({packing}), expected a place for the unpacked image",
+                rule="packed-image",
+                help=f"add --output {plain if plain.endswith(('.img', '.raw')) else plain + '.img'}",
+            )
+        )
+    if target and target.exists():
+        raise UserError(
+            error(
+                f"{target}: is there already, expected the name of a new file",
+                rule="existing-file",
+                help=f"remove it, or prepare it itself: ur image prepare {target}",
+            )
+        )
+    if packing:
+        assert target is not None
+        with _copied(source, target, f"unpacking {source}") as (beside, finish):
+
+            def keep(writes: Sequence[Write]) -> None:
+                write_all(beside, writes)
+                finish()
+
+            yield beside, keep, None
+    else:
+        yield source, lambda writes: _write_copy(source, target or source, writes), None
+
+
+def _write_copy(source: Path, target: Path, writes: Sequence[Write]) -> None:
+    target = target.resolve()  # a link stays a link
+    with _copied(source, target, f"copying {source}") as (beside, finish):
+        write_all(beside, writes)
+        finish()
+
+
+def _write_device(path: Path, writes: Sequence[Write]) -> None:
+    write_all(path, writes)
+    with path.open("rb") as device:
+        os.fsync(device.fileno())
+
+
+@contextmanager
+def _copied(source: Path, target: Path, title: str) -> Iterator[tuple[Path, Callable[[], None]]]:
+    with ExitStack() as stack:
+        with show_progress(title) as progress:
+
+            def show(done: int, total: int) -> None:
+                progress(f"{title}: {100 * done // max(total, 1)} %")
+
+            copied = stack.enter_context(copied_image(source, target, show))
+        yield copied
+
+
+def _show(writes: Sequence[Write]) -> None:
+    changes = [
+        Change(
+            f"{write.volume} partition",
+            show_difference(f"/{write.path}", _text(write.before), _text(write.after))
+            or f"/{write.path}: another password (not shown)",
+            (),
+        )
+        for write in writes
+    ]
+    show_changes(changes)
+    if not changes:
+        _say("nothing to do")
+
+
+def _text(content: bytes | None) -> str | None:
+    return None if content is None else hide_secrets(content.decode(errors="replace"))
+
+
+def _confirm(device: Device | None, writes: Sequence[Write], *, yes: bool) -> None:
+    if device is None or yes:
+        return
+    question = f"write {len(writes)} files onto {device}"
+    if not sys.stdin.isatty():
+        raise UserError(
+            error(
+                f"{question}? there is no terminal to ask on", rule="missing-answer", help="look twice, and give --yes"
+            )
+        )
+    if not click.confirm(f"{question}?", default=False):
+        raise click.Abort
+
+
+def _remember(wish: Wish) -> None:
+    record = Record(wish.robot.name, wish.user, wish.robot.base, wish.robot.variant)
+    path = records_folder(os.environ) / f"{record.name}.yaml"
+    try:
+        replace_file(path, render_record(record), parents=True)
+    except OSError as problem:
+        reason = (problem.strerror or str(problem)).lower()
+        raise UserError(error(f"{path}: cannot be written: {reason}", rule="unwritable-file")) from None
+    if wish.host_key:
+        know_host_key(wish.robot.name, wish.host_key)
+
+
+def _tell(wish: Wish) -> None:
+    name = wish.robot.name
+    choices = f"--name {name} --base {wish.robot.base}"
+    choices += f" --variant {wish.robot.variant}" if wish.robot.variant else ""
+    if wish.host_key:
+        _say(f"its host key is {HostKey(wish.host_key.public).fingerprint}, and known to this computer")
+        _say(f"boot {name} from it, then: ur robot setup {wish.user}@{name}.local {choices}")
+        return
+    with suppress(UserError):  # no ssh here
+        if run_tool(["ssh-keygen", "-F", f"{name}.local"]).returncode == 0:  # of what had this name before
+            choices += " --new-host-key"
+    _say(f"boot {name} from it, then: ur robot setup {wish.user}@{name}.local {choices}")
+
+
+def _say(text: str) -> None:
+    click.echo(text)

@@ -1,0 +1,174 @@
+"""`ur robot network`: a robot's network devices, and their addresses, changed without losing the robot."""
+
+from __future__ import annotations
+
+import sys
+from typing import TYPE_CHECKING
+
+import click
+
+from ur.cli.output import plain_text
+from ur.cli.robot_setup.guarded import (
+    DRY_RUN,
+    PASSWORD_FROM,
+    WAIT,
+    become_root,
+    begin,
+    finish,
+    read_lines,
+    say,
+    show_plan,
+)
+from ur.source.diagnostic import UserError, error
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from ur.robot.change.guarded import GuardedChange
+    from ur.robot.change.network_facts import Device, Networks
+    from ur.robot.ssh.openssh import SshShell
+
+LOOK_SECONDS = 60.0
+
+
+@click.command("network")
+@click.argument("robot", required=False)
+@click.option("--address", metavar="ADDRESS/LENGTH", help="Its address from now on, for instance 192.168.1.7/24.")
+@click.option("--gateway", metavar="ADDRESS", help="The address of the router.")
+@click.option("--dns", "names", multiple=True, metavar="ADDRESS", help="The address of a name server; may be repeated.")
+@click.option("--dhcp", is_flag=True, help="Let the network give it an address.")
+@click.option("--device", metavar="NAME", help="Which device. [default: the one by which it is reached]")
+@PASSWORD_FROM
+@WAIT
+@DRY_RUN
+def network(
+    robot: str | None,
+    address: str | None,
+    gateway: str | None,
+    names: tuple[str, ...],
+    dhcp: bool,
+    device: str | None,
+    password_from: int | None,
+    wait: int,
+    dry_run: bool,
+) -> int:
+    """Show a robot's network devices; give one another address, without losing the robot.
+
+    The robot takes the address and waits for this computer to reach it there. Where that does not happen, it goes back
+    to the address that it had. Needs NetworkManager on the robot.
+    """
+    from ur.robot.change.network import parse_addressing
+
+    if dhcp and (address or gateway):
+        raise click.UsageError("--dhcp gives address and gateway, expected no --address or --gateway beside it")
+    if (gateway or names) and not (address or dhcp):
+        raise click.UsageError("--gateway and --dns belong to an address, expected --address or --dhcp with them")
+    wanted = parse_addressing(address, gateway, names, dhcp=dhcp) if address or dhcp else None
+    (password,) = read_lines(password_from, "--password-from", 1)
+
+    def plan(shell: SshShell, networks: Networks) -> GuardedChange | None:
+        from ur.robot.change.network import check_managed, plan_addressing
+
+        chosen = _find_device(shell, networks, device)
+        if wanted is None:
+            _show_devices(networks)
+            return None
+        check_managed(networks, shell.place, chosen)
+        profile = networks.profile(chosen.profile)
+        if profile is None:
+            raise UserError(
+                error(
+                    f"{chosen.name}: it is in no network ({chosen.state}), expected a device in use", rule="bad-device"
+                )
+            )
+        return plan_addressing(networks, profile, chosen, wanted)
+
+    literal = str(wanted.address.ip) if wanted and wanted.address else None
+    return change_network(robot, password, plan, wait, dry_run=dry_run, literal=literal)
+
+
+def change_network(
+    robot: str | None,
+    password: str,
+    plan: Callable[[SshShell, Networks], GuardedChange | None],
+    wait: int,
+    *,
+    dry_run: bool,
+    scan: bool = False,
+    literal: str | None = None,
+) -> int:
+    """Look at a robot's networks, plan a change of them, make it and come back; None as a plan is no change.
+
+    `literal` is an address that the robot has after the change. Raises UserError.
+    """
+    from ur.request.connection import connect_robot, robot_address
+    from ur.robot.change.guarded import change_request
+    from ur.robot.change.network_facts import FACTS_SCRIPT, SCAN_SCRIPT, parse_networks
+    from ur.robot.change.perform import Ways
+    from ur.robot.setup.engine import gather
+    from ur.robot.ssh.openssh import Address
+
+    address = robot_address(robot)
+    with connect_robot(address) as shell:
+        sudo = become_root(shell, password)
+        script = FACTS_SCRIPT + (SCAN_SCRIPT if scan else "")
+        change = plan(shell, parse_networks(shell.run(script, root=True, timeout=LOOK_SECONDS).out))
+        if change is None:
+            return 0
+        facts = gather(shell, change_request(change, address.user), root=True)
+        if dry_run:
+            show_plan(change, facts)
+            return 0
+        identity = begin(shell, change, facts, wait)
+    after: tuple[Address, ...] = (*([Address(address.user, literal)] if literal else []), address)
+    finish(identity, change, Ways(after, address), wait, sudo, address.host)
+    say(f"{change.title}: done" + (f"; {address.host} may need a moment until it leads there" if literal else ""))
+    return 0
+
+
+def _find_device(shell: SshShell, networks: Networks, name: str | None) -> Device:
+    """The device that is meant: by its name, or the one that carries this connection. Raises UserError."""
+    if name is None:
+        words = shell.run('echo "$SSH_CONNECTION"').out.split()
+        found = networks.device_with(words[2]) if len(words) > 2 else None
+    else:
+        found = next((each for each in networks.devices if each.name == name), None)
+    if found is None:
+        from ur.robot.change.network import check_managed
+
+        check_managed(networks, shell.place, None)
+        names = ", ".join(each.name for each in networks.devices if each.kind != "loopback")
+        raise UserError(
+            error(
+                f"{shell.place}: {f'no network device {name!r}' if name else 'it is not clear which device is meant'}, "
+                f"expected one of {names}",
+                rule="bad-device",
+                help="give --device",
+            )
+        )
+    return found
+
+
+def _show_devices(networks: Networks) -> None:
+    """All devices and what they use."""
+    rows = []
+    for each in networks.devices:
+        profile = networks.profile(each.profile)
+        if each.kind != "loopback":
+            rows.append((each.name, each.kind, each.state, profile.name if profile else "", ", ".join(each.addresses)))
+    print_table(("device", "kind", "state", "network", "addresses"), rows)
+    if not networks.running:
+        say(f"NetworkManager does not run there, but: {', '.join(networks.others) or 'nobody known'}")
+
+
+def print_table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
+    """A table of plain words."""
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table()
+    for head in heads:
+        table.add_column(head)
+    for row in rows:
+        table.add_row(*map(plain_text, row))
+    Console(soft_wrap=not sys.stdout.isatty()).print(table)

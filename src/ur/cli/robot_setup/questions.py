@@ -1,0 +1,150 @@
+"""Settings of `ur robot setup`: read from options and files, else asked at the terminal."""
+
+from __future__ import annotations
+
+import getpass
+import os
+import socket
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import click
+
+from ur.request.environment import PACKAGE
+from ur.robot.base import list_bases, list_variants, load_base
+from ur.robot.record import DEFAULT_USER, Record, load_records, records_folder
+from ur.robot.setup.login import Task
+from ur.robot.setup.there import Robot, is_robot_name
+from ur.robot.ssh.host_key import parse_fingerprint
+from ur.robot.ssh.openssh import parse_address
+from ur.robot.ssh.secret import Secret
+from ur.source.diagnostic import UserError, error
+from ur.source.section import Section, read_section
+
+PLAIN = "plain"
+
+
+def ask_task(host: str, name: str | None, base: str | None, variant: str | None) -> Task:
+    """A task for one robot. What is not given is asked for; the default is what is known of a robot of that name.
+
+    Without a terminal, a variant that is not given is the known one, else the plain one. Raises UserError: no answer,
+    or no such base or variant.
+    """
+    address = parse_address(host, DEFAULT_USER)
+    if name is None:
+        name = _ask(f"name of the robot at {address.host}", address.host.split(".")[0])
+    known = {record.name: record for record in load_records(records_folder(os.environ))}
+    record = known.get(name) or known.get(address.host.split(".")[0]) or Record(name, address.user, "")
+    if base is None:
+        base = _ask(f"base of {name} ({', '.join(list_bases(PACKAGE))})", record.base or None)
+    load_base(PACKAGE, base)
+    if variant is None:
+        variant = _ask_variant(name, base, record.variant if record.base == base else "")
+    variant = "" if variant == PLAIN else variant
+    load_base(PACKAGE, base, variant)
+    return Task(address, Robot(name, base, variant))
+
+
+def _ask_variant(name: str, base: str, known: str) -> str:
+    variants = list_variants(PACKAGE, base)
+    if not variants:
+        return ""
+    if not sys.stdin.isatty():
+        return known if known in variants else ""
+    default = known if known in variants else PLAIN
+    return _ask(f"variant of {name}, a {base} ({', '.join((PLAIN, *variants))})", default)
+
+
+def _ask(what: str, default: str | None) -> str:
+    if not sys.stdin.isatty():
+        option = what.split()[0]
+        raise UserError(
+            error(
+                f"{what} is not given, and there is no terminal to ask on",
+                rule="missing-answer",
+                help=f"give --{option}",
+            )
+        )
+    answer: str = click.prompt(what, default=default)
+    return answer
+
+
+def read_tasks(path: Path) -> tuple[list[Task], dict[str, str]]:
+    """The tasks of a file that names robots, and the fingerprints of host keys, by robot's name. Raises UserError."""
+    top = read_section(path, "a file of robots")
+    items = list(top.sections("robots"))
+    fingerprints = {item.text("name"): _read_fingerprint(item) for item in items if item.has("host_key")}
+    tasks = [_read_task(item) for item in items]
+    top.finish()
+    if not tasks:
+        raise UserError(error(f"{path}: no robots, expected a list 'robots'", rule="bad-value"))
+    return tasks, fingerprints
+
+
+def _read_fingerprint(item: Section) -> str:
+    try:
+        return parse_fingerprint(item.text("host_key"))
+    except ValueError as problem:
+        item.fail("host_key", f"host_key: {problem}")
+
+
+def _read_task(item: Section) -> Task:
+    address = parse_address(item.text("host"), item.text("user", DEFAULT_USER))
+    robot = Robot(
+        item.text("name"),
+        item.text("base"),
+        item.text("variant", ""),
+        item.boolean("master", True),
+        item.boolean("programs", True),
+    )
+    item.finish()
+    load_base(PACKAGE, robot.base, robot.variant)
+    return Task(address, robot)
+
+
+def check_names(tasks: Sequence[Task]) -> None:
+    """Raise UserError when a name is no name for a computer, or is taken."""
+    names = [task.robot.name for task in tasks]
+    for name in names:
+        if not is_robot_name(name):
+            raise UserError(
+                error(
+                    f"{name!r} is not the name of a computer, expected up to 63 lower case letters, digits and -",
+                    rule="bad-name",
+                )
+            )
+        if names.count(name) > 1 or name in (socket.gethostname().split(".")[0], "localhost", "sim"):
+            raise UserError(
+                error(f"name {name!r} is taken, expected a name of its own for each computer", rule="taken-name")
+            )
+
+
+def read_passwords(
+    tasks: Sequence[Task], descriptor: int | None, *, dry_run: bool
+) -> tuple[Secret | None, Secret | None]:
+    """The present and the new password: from a descriptor, or asked without an echo; None for an empty one."""
+    if descriptor is not None:
+        try:
+            with os.fdopen(descriptor, encoding="utf-8") as stream:
+                lines = [*stream.read().split("\n"), "", ""]
+        except (OSError, UnicodeDecodeError) as problem:
+            raise UserError(
+                error(f"--passwords-from {descriptor}: cannot be read: {problem}", rule="bad-descriptor")
+            ) from None
+        current, new = lines[:2]
+    elif sys.stdin.isatty():
+        who = ", ".join(str(task.address) for task in tasks)
+        current = getpass.getpass(f"present password of {who} (empty: login by key): ")
+        new = "" if dry_run else _ask_new()
+    else:
+        current = new = ""
+    return (Secret(current) if current else None), (Secret(new) if new else None)
+
+
+def _ask_new() -> str:
+    while True:
+        new = getpass.getpass("new password (empty: keep the present one): ")
+        if new == "" or getpass.getpass("the same again: ") == new:
+            return new
+        click.echo("the two differ; once more")

@@ -1,0 +1,220 @@
+"""`ur robot rename`: another name for a robot."""
+
+from __future__ import annotations
+
+import getpass
+import os
+import socket
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import click
+
+from ur.cli.robot_setup.guarded import (
+    DRY_RUN,
+    PASSWORD_FROM,
+    WAIT,
+    become_root,
+    begin,
+    finish,
+    read_lines,
+    say,
+    show_plan,
+)
+from ur.source.diagnostic import UserError, error
+
+if TYPE_CHECKING:
+    from ur.robot.change.guarded import GuardedChange
+    from ur.robot.setup.facts import Facts
+    from ur.robot.ssh.openssh import Address, SshShell
+    from ur.robot.ssh.secret import Secret
+    from ur.robot.ssh.shell import Shell
+
+AWAY = ("unknown-host", "no-answer", "no-ssh")
+
+
+@click.command("rename")
+@click.argument("robot")
+@click.argument("name", metavar="NEWNAME")
+@WAIT
+@PASSWORD_FROM
+@DRY_RUN
+def rename(robot: str, name: str, wait: int, password_from: int | None, dry_run: bool) -> int:
+    """Give a robot another name, without losing it.
+
+    The robot changes its name in every place and waits for this computer to come back under the new one. Where that
+    does not happen, because a cable was pulled or this computer was switched off, the robot takes everything back by
+    itself; so it does when it loses power in the middle. Its boot services are started anew.
+    """
+    from ur.request.connection import connect_robot, robot_address
+    from ur.robot.ssh.openssh import Address
+
+    check_name(name)
+    address = robot_address(robot)
+    later = Address(address.user, f"{name}.local")
+    if later.host == address.host:
+        raise UserError(error(f"{robot} is the same name, expected another one", rule="bad-name"))
+    (password,) = read_lines(password_from, "--password-from", 1)
+    try:
+        with connect_robot(address) as shell:
+            made = _begin(shell, name, password, wait, dry_run=dry_run)
+    except UserError as problem:
+        if problem.diagnostics[0].rule in AWAY and _is_there(later, address):
+            remember(address.host.removesuffix(".local"), name)
+            say(f"no computer answers to {address.host}, and {name} is there: nothing more to do")
+            return 0
+        raise
+    if made is None:
+        return 0
+    from ur.robot.change.perform import Ways
+
+    identity, change, facts, sudo = made
+    finish(identity, change, Ways((later,), address), wait, sudo, address.host)
+    remember(facts.hostname, name)
+    say(f"{facts.hostname} is called {name} now: ur shell {name}")
+    say("what ran there already, and was not started at boot, keeps the old name until it is started anew")
+    return 0
+
+
+def check_name(name: str) -> None:
+    """Raises UserError unless a robot may be called so."""
+    from ur.robot.setup.there import is_robot_name
+
+    if not is_robot_name(name):
+        raise UserError(
+            error(
+                f"{name!r} is not the name of a computer, expected up to 63 lower case letters, digits and -",
+                rule="bad-name",
+            )
+        )
+    if name in (socket.gethostname().split(".")[0], "localhost", "sim"):
+        raise UserError(
+            error(f"name {name!r} is taken, expected a name of its own for each computer", rule="taken-name")
+        )
+
+
+def _begin(
+    shell: SshShell, name: str, password: str, wait: int, *, dry_run: bool
+) -> tuple[str, GuardedChange, Facts, list[Secret]] | None:
+    from ur.robot.change.guarded import change_request, list_changes
+    from ur.robot.change.rename import plan_rename, rename_request
+    from ur.robot.setup.engine import gather
+    from ur.robot.ssh.shell import LocalShell
+
+    user = shell.address.user
+    sudo = become_root(shell, password)
+    base = rename_request(user)
+    facts = gather(shell, base, root=True)
+    change = plan_rename(facts, name)
+    facts = gather(shell, base | change_request(change, user), root=True)
+    if facts.hostname == name and not list_changes(change, facts):
+        say(f"it is called {name} already, everywhere")
+        return None
+    _check_free(shell, LocalShell(), name, facts)
+    if dry_run:
+        show_plan(change, facts)
+        return None
+    return begin(shell, change, facts, wait), change, facts, sudo
+
+
+def _check_free(there: Shell, here: Shell, name: str, facts: Facts) -> None:
+    """Raises UserError where another computer answers to the name, for the robot or for us."""
+    from concurrent.futures import ThreadPoolExecutor
+
+    from ur.source.progress_line import show_progress
+
+    say(f"looking whether {name}.local is free")
+    with (
+        show_progress(f"looking up {name}.local"),
+        ThreadPoolExecutor(2) as pool,  # each waits for seconds until nobody has answered
+    ):
+        answers = list(pool.map(lambda shell: shell.run(f"getent ahostsv4 {name}.local").out, (there, here)))
+    own = {*facts.addresses, "127.0.1.1"}
+    others = {line.split()[0] for answer in answers for line in answer.splitlines() if line.strip()} - own
+    if others:
+        raise UserError(
+            error(
+                f"{name}.local is another computer already ({', '.join(sorted(others))}), expected a free name",
+                rule="taken-name",
+                help="choose another name, or rename that one",
+            )
+        )
+
+
+def _is_there(later: Address, before: Address) -> bool:
+    """Whether a robot that we know has the new name: an earlier run ended after its success.
+
+    Raises UserError where that is not decided yet.
+    """
+    from ur.robot.change.guard import BOOT_UNIT
+    from ur.robot.change.perform import open_as
+
+    for known_as in (before.host, later.host):
+        try:
+            with open_as(known_as)(later) as link:
+                done = link.run(f"cat /proc/sys/kernel/hostname; [ ! -e /etc/systemd/system/{BOOT_UNIT} ]")
+        except UserError as problem:
+            if problem.diagnostics[0].rule in AWAY:
+                return False
+            continue
+        if done.code:
+            raise UserError(
+                error(
+                    f"{later}: a change of its name is not finished, expected one at a time",
+                    rule="change-pending",
+                    help="nobody confirmed it: it is taken back by itself within a minute or two; then run this again",
+                )
+            )
+        if done.out.strip() == later.host.removesuffix(".local"):
+            return True
+    return False
+
+
+def remember(old: str, new: str) -> None:
+    """Bring what this computer knows of the robot to its new name; a second time changes nothing."""
+    from dataclasses import replace
+
+    from ur.request.environment import current_selection
+    from ur.robot.change.rename import WantedKnownName
+    from ur.robot.record import load_records, records_folder, render_record
+    from ur.robot.selection import selection_path, store_selection
+    from ur.robot.setup.engine import bring_about
+    from ur.robot.setup.facts import Request
+    from ur.robot.setup.wanted import Wanted, WantedFile
+    from ur.robot.ssh.shell import LocalShell
+
+    host_key = _host_key((old, f"{old}.local", f"{new}.local"))
+    folder = records_folder(os.environ)
+    records = {record.name: record for record in load_records(folder)}
+    record = records.get(old)
+
+    def make(_: Facts) -> list[Wanted]:
+        items: list[Wanted] = []
+        if host_key:
+            items.append(WantedKnownName(f"host key of {new}", old, new, host_key))
+        if record:
+            path = f"~/.config/ubiquity_launches/robots/{new}.yaml"
+            items.append(WantedFile("memory of it", path, render_record(replace(record, name=new))))
+        return items
+
+    user = getpass.getuser()
+    bring_about(LocalShell(), make, user, Request(user), root=False, report=lambda change: say(f"here: {change.title}"))
+    if record:
+        (folder / f"{old}.yaml").unlink(missing_ok=True)
+    selected = current_selection(os.environ)
+    if selected.robot == old:
+        store_selection(selection_path(os.environ), replace(selected, robot=new))
+        say(f"here: {new} is selected, as {old} was")
+
+
+def _host_key(names: Sequence[str]) -> str | None:
+    """The robot's public host key, of the kind that a set-up writes down, as known here under any of its names."""
+    from ur.robot.ssh.shell import run_process
+
+    for name in names:
+        done = run_process(["ssh-keygen", "-F", name], timeout=20, what="a known host key")
+        for line in done.out.splitlines():
+            words = line.split()
+            if len(words) >= 3 and words[1] == "ssh-ed25519":
+                return " ".join(words[1:3])
+    return None

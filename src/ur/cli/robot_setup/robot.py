@@ -1,0 +1,283 @@
+"""`ur robot setup`: freshly flashed robots become ready ones."""
+
+from __future__ import annotations
+
+import getpass
+import os
+import shutil
+import signal
+import sys
+import threading
+import time
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from pathlib import Path
+
+import click
+
+from ur.cli.output import plain_text
+from ur.cli.robot_setup.contact import confirm_host_key, decide_robot_login, read_fingerprint
+from ur.cli.robot_setup.network import network
+from ur.cli.robot_setup.questions import ask_task, check_names, read_passwords, read_tasks
+from ur.cli.robot_setup.rename import rename
+from ur.cli.robot_setup.wifi import wifi
+from ur.request.environment import REPOSITORY, current_selection
+from ur.robot.repository import read_programs, read_repository
+from ur.robot.selection import Selection, selection_path, store_selection
+from ur.robot.setup.login import Task, open_robot
+from ur.robot.setup.robot import prepare_viewer, preview, set_up
+from ur.robot.setup.there import Viewer
+from ur.robot.setup.verify import Check, verify
+from ur.robot.ssh.shell import LocalShell
+from ur.source.diagnostic import UserError
+from ur.source.printable import printable, printable_lines
+from ur.source.render import render_human, shows_colour
+
+MASTER_SECONDS = 60.0
+_CLEAR = "\r\033[K"
+PROGRESS_SECONDS = 15.0  # between lines of progress where they cannot be written over one another
+
+
+@click.group("robot", invoke_without_command=True)
+@click.pass_context
+def command(context: click.Context) -> None:
+    """Set robots up and change them, over the network."""
+    if context.invoked_subcommand is None:
+        from ur.cli.help import show_help
+
+        show_help(["robot"])
+
+
+@command.command("setup")
+@click.argument("hosts", nargs=-1, metavar="[HOST | USER@HOST] ...")
+@click.option("--name", help="Its new name; it will answer to NAME.local. With one HOST only.")
+@click.option("--base", help="The base of the robot.")
+@click.option("--variant", default=None, help="The variant of the base; 'plain' for none.")
+@click.option("--from", "file", type=click.Path(dir_okay=False), help="A YAML file with robots and their settings.")
+@click.option(
+    "--passwords-from",
+    type=int,
+    metavar="FD",
+    help="Read the present password and the new one, a line each, from this file descriptor.",
+)
+@click.option(
+    "--master/--no-master",
+    default=True,
+    help="Keep a ROS master running from the robot's boot on, or leave that unchanged. [default: --master]",
+)
+@click.option(
+    "--programs/--no-programs",
+    default=True,
+    help="Install everything that programs of this project need there, or leave that unchanged. [default: --programs]",
+)
+@click.option("--dry-run", is_flag=True, help="Show what would be changed on the robots, and change nothing there.")
+@click.option("--host-key", metavar="SHA256:...", help="The fingerprint of its host key, with one HOST: no question.")
+@click.option("--yes", is_flag=True, help="Accept an unknown host key without a question, in a network that you trust.")
+@click.option("--new-host-key", is_flag=True, help="It was flashed again: ask about its new host key.")
+@click.option(
+    "--robot-login/--no-robot-login",
+    default=None,
+    help="Let it log in to this computer by key, for nodes that roslaunch starts from there. [default: ask, else no]",
+)
+def setup(
+    hosts: tuple[str, ...],
+    name: str | None,
+    base: str | None,
+    variant: str | None,
+    file: str | None,
+    passwords_from: int | None,
+    master: bool,
+    programs: bool,
+    dry_run: bool,
+    host_key: str | None,
+    yes: bool,
+    new_host_key: bool,
+    robot_login: bool | None,
+) -> int:
+    """Make freshly flashed robots ready: name, keys, packages, ROS, time, announcement, and this project.
+
+    Asks for what it needs to know. Before any password is sent, it shows the fingerprint of a host key that this
+    computer does not know, and asks; without a terminal, it then needs --host-key or --yes.
+
+    Looks first and changes only what is missing; interrupted anywhere, a second run finishes. A robot without internet
+    fetches its packages over this computer's connection. At the end it looks from both ends and prints what it saw;
+    then programs run there. One robot is selected (`ur use`), unless another one is.
+
+    FILE is YAML: `robots:`, a list of mappings with `host`, `name`, `base` and, if wanted, `user`, `variant`,
+    `host_key: SHA256:...`, `master: false` and `programs: false`.
+    """
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    if file and (hosts or name or base):
+        raise click.UsageError("--from FILE names the robots: expected no HOST, --name or --base beside it")
+    if not file and not hosts:
+        raise click.UsageError("expected HOST, for instance ros@robot.local")
+    if name and len(hosts) > 1:
+        raise click.UsageError("--name is for one HOST, expected --from FILE for several")
+    if host_key and (file or len(hosts) > 1):
+        raise click.UsageError("--host-key is for one HOST, expected host_key in --from FILE for several")
+    fingerprints: dict[str, str] = {}
+    if file:
+        tasks, fingerprints = read_tasks(Path(file))
+    else:
+        tasks = [ask_task(host, name, base, variant) for host in hosts]
+        if host_key:
+            fingerprints = {tasks[0].robot.name: read_fingerprint(host_key, "--host-key")}
+    check_names(tasks)
+    here = LocalShell()
+    viewer = prepare_viewer(here, getpass.getuser())
+    met: list[Task] = []
+
+    def meet(task: Task) -> int:
+        wanted = fingerprints.get(task.robot.name, "")
+        met.append(confirm_host_key(task, fingerprint=wanted, yes=yes, new_host_key=new_host_key))
+        return 0
+
+    # One after the other: there is one terminal to ask on. Whoever is refused does not stop the others.
+    refused = max(_guard(task, meet) for task in tasks)
+    if not met:
+        return refused
+    tasks = met if dry_run else decide_robot_login(met, robot_login)
+    current, new = read_passwords(tasks, passwords_from, dry_run=dry_run)
+    library, environment = read_repository(REPOSITORY), read_programs(REPOSITORY)
+    tasks = [
+        replace(
+            task,
+            robot=replace(task.robot, master=task.robot.master and master, programs=task.robot.programs and programs),
+            library=(library, environment) if task.robot.programs and programs else (library,),
+            current=current,
+            new=new,
+        )
+        for task in tasks
+    ]
+    if dry_run:
+        return max(refused, _for_each(tasks, lambda task: _preview(task, viewer)))
+    return max(refused, _for_each(tasks, lambda task: _set_up(task, here, viewer, alone=len(tasks) == 1)))
+
+
+def _set_up(task: Task, here: LocalShell, viewer: Viewer, *, alone: bool) -> int:
+    say = Reporter(task.robot.name, live=alone and sys.stdout.isatty())
+    count = set_up(task, here, viewer, say, say.show_progress)
+    # Looked at through the new name, by key, with strict host keys: as it will be used.
+    with open_robot(replace(task, address=task.later, host_key=None, first_contact=False), say) as there:
+        checks = verify(task, here, there, viewer, wait_for_master)
+    _print_checks(task, checks)
+    bad = sum(not check.good for check in checks)
+    if bad:
+        say(f"{bad} of {len(checks)} points are not as they should be; 'ur doctor {task.robot.name}' says more")
+        return 1
+    changes = "1 change" if count == 1 else f"{count} changes"
+    chosen = alone and select_robot(task)
+    use = "it is selected" if chosen else f"select it: ur use {task.robot.name}"
+    say(f"ready after {changes}; {use}" if count else "nothing to do: it is ready")
+    return 0
+
+
+def select_robot(task: Task) -> bool:
+    """Select a robot that was set up, unless the user has selected another one. Whether it is selected."""
+    path = selection_path(os.environ)
+    try:
+        selected = current_selection(os.environ)
+    except UserError:
+        return False
+    if selected.robot == task.robot.name:
+        return True
+    former = task.address.host.removesuffix(".local")
+    if path.exists() and not selected.simulated and selected.robot != former:
+        return False
+    store_selection(path, Selection(task.robot.name, ""))
+    return True
+
+
+def wait_for_master(host: str) -> bool:
+    """Whether the ROS master of a robot answers here, which it may do only a while after the boot."""
+    from ur.cli.robots.master import list_node_names
+
+    end = time.monotonic() + MASTER_SECONDS
+    while time.monotonic() < end:
+        if list_node_names(host, 2.0) is not None:
+            return True
+        time.sleep(0.2)
+    return False
+
+
+def _preview(task: Task, viewer: Viewer) -> int:
+    from ur.cli.computer.setup import show_changes
+
+    with open_robot(task, Reporter(task.robot.name)) as shell:
+        changes = preview(task, shell, viewer)
+    click.echo(f"{task.robot.name} ({task.address}): " + ("" if changes else "nothing to do"))
+    show_changes(changes)
+    return 0
+
+
+def _for_each(tasks: Sequence[Task], work: Callable[[Task], int]) -> int:
+    """Do all at once; a robot that fails does not stop the others. The worst exit code."""
+
+    def guarded(task: Task) -> int:
+        return _guard(task, work)
+
+    if len(tasks) == 1:
+        return guarded(tasks[0])
+    pool = ThreadPoolExecutor(len(tasks))
+    try:
+        return max(pool.map(guarded, tasks))
+    except KeyboardInterrupt:
+        # The others wait for their robots, maybe for long. What they have started ends with this process.
+        sys.stderr.write("interrupted; the same command goes on where it stopped\n")
+        sys.stderr.flush()
+        os._exit(130)
+    finally:
+        pool.shutdown()
+
+
+def _guard(task: Task, work: Callable[[Task], int]) -> int:
+    """Do it; print what the user can put right, exit code 2."""
+    try:
+        return work(task)
+    except UserError as problem:
+        sys.stderr.write(render_human(problem.diagnostics, colour=shows_colour(sys.stderr)))
+        return 2
+
+
+class Reporter:
+    """Print lines about one robot. With `live`, progress is one line that is written over again."""
+
+    def __init__(self, name: str, *, live: bool = False) -> None:
+        self._name, self._live = printable(name), live
+        self._shown = 0.0  # when progress was printed last
+        self._lock = threading.Lock()  # progress comes from another thread
+
+    def __call__(self, text: str) -> None:
+        """Print a line."""
+        with self._lock:
+            sys.stdout.write(f"{_CLEAR if self._live else ''}{self._name}: {printable_lines(text)}\n")
+            sys.stdout.flush()
+
+    def show_progress(self, title: str, seconds: float, line: str) -> None:
+        """Print how far a long change is: its last line of output, which is another computer's."""
+        text = f"{self._name}: {title}, {seconds:.0f} s: {printable(line)}"
+        with self._lock:
+            if self._live:
+                sys.stdout.write(_CLEAR + text[: shutil.get_terminal_size().columns - 1])
+            elif time.monotonic() - self._shown >= PROGRESS_SECONDS:
+                self._shown = time.monotonic()
+                sys.stdout.write(text[:160] + "\n")
+            sys.stdout.flush()
+
+
+def _print_checks(task: Task, checks: Sequence[Check]) -> None:
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table(title=plain_text(task.robot.name), title_justify="left")
+    for column in ("", "point", "seen from", "what"):
+        table.add_column(column)
+    for check in checks:
+        mark = "[green]ok[/]" if check.good else "[red]NO[/]"
+        table.add_row(mark, *map(plain_text, (check.title, check.place, check.seen)))
+    Console(soft_wrap=not sys.stdout.isatty()).print(table)
+
+
+for _change in (rename, wifi, network):
+    command.add_command(_change)

@@ -1,0 +1,1 @@
+"""Commands on robots: selection, shells, files, wireless link and boot services."""

@@ -1,0 +1,152 @@
+"""`ur boot`: what a robot starts by itself."""
+
+from __future__ import annotations
+
+import os
+import sys
+
+import click
+
+from ur.cli.computer.setup import show_changes
+from ur.cli.robot_setup.guarded import PASSWORD_FROM, become_root, read_lines
+from ur.request.connection import connect_robot, robot_address
+from ur.robot.boot import FOLDER, MASTER, PREFIX, Unit, is_unit_name, master_unit, program_unit
+from ur.robot.boot_status import SCRIPT, describe_status, log_command, parse_status
+from ur.robot.setup.engine import bring_about
+from ur.robot.setup.facts import Facts, Request
+from ur.robot.setup.packages import WantedService
+from ur.robot.setup.wanted import Wanted, WantedFile
+from ur.source.diagnostic import UserError, error
+
+_robot = click.option("--robot", help="Which robot. [default: the selected one]")
+
+
+@click.group("boot", invoke_without_command=True)
+@click.pass_context
+def command(context: click.Context) -> None:
+    """Choose what a robot starts when it boots."""
+    if context.invoked_subcommand is None:
+        from ur.cli.help import show_help
+
+        show_help(["boot"])
+
+
+@command.command("install", context_settings={"ignore_unknown_options": True, "allow_interspersed_args": False})
+@_robot
+@click.option("--name", help="The name of the service. [default: that of the launch file or program]")
+@PASSWORD_FROM
+@click.argument(
+    "words", nargs=-1, type=click.UNPROCESSED, metavar="[PACKAGE FILE.launch | PROGRAM | COMMAND] [ARG:=VALUE ...]"
+)
+def install(robot: str | None, name: str | None, password_from: int | None, words: tuple[str, ...]) -> int:
+    """Start a ROS master when the robot boots, and a launch file, program or command after it.
+
+    Both wait for the robot's address; what ends is started again, after pauses that grow while it keeps ending. The
+    launch file has to be on the robot: `ur sync` brings it. It is told what the robot knows of itself: base, variant,
+    that nothing is simulated. All run as the robot's user, with the environment of that user's login shell.
+    """
+    from ur.cli.robots.boot_command import bring_library, make_line, read_wish
+
+    address = robot_address(robot)
+    known_as = address.host.removesuffix(".local")
+    wish = read_wish(words) if words else None
+    called = name or (wish.name if wish else MASTER)
+    if wish and not is_unit_name(called):
+        raise _bad_name(called, "give --name")
+    with connect_robot(address) as shell:
+        copied = bring_library(wish, shell, address.user) if wish else 0
+        line = make_line(wish, shell, known_as) if wish else ""
+
+        def make(facts: Facts) -> list[Wanted]:
+            units = [master_unit(address.user, facts.home)]
+            if line:
+                units.append(program_unit(called, line, address.user, facts.home))
+            return [item for unit in units for item in _wanted(unit)]
+
+        become_root(shell, read_lines(password_from, "--password-from", 1)[0])
+        _, count = bring_about(
+            shell,
+            make,
+            address.user,
+            Request(address.user),
+            root=True,
+            report=lambda change: show_changes([change]),
+        )
+    if not count + copied:
+        click.echo("nothing to do")
+        return 0
+    click.echo(f"{address.host} starts it now, and whenever it boots; how it is: ur boot status --robot {known_as}")
+    return 0
+
+
+@command.command("status")
+@_robot
+def status(robot: str | None) -> int:
+    """Show what the robot starts when it boots, its state, and its last lines.
+
+    The exit code is 1 when one of them does not run.
+    """
+    with connect_robot(robot_address(robot)) as shell:
+        services = parse_status(shell.run(SCRIPT).out)
+    lines = [line for service in services for line in describe_status(service)]
+    click.echo("\n".join(lines) or "nothing is started at boot")
+    return 1 if any(service.active != "active" for service in services) else 0
+
+
+@command.command("log")
+@_robot
+@click.option("--follow", "-f", is_flag=True, help="Continue with new output, until Ctrl-C.")
+@click.option("--lines", "-n", type=click.IntRange(1), default=50, show_default=True, help="How many lines.")
+@click.argument("name")
+def log(robot: str | None, follow: bool, lines: int, name: str) -> int:
+    """Print the output of a boot service; NAME as `ur boot status` shows it."""
+    if name != MASTER and not is_unit_name(name):
+        raise _bad_name(name, "ur boot status")
+    address = robot_address(robot)
+    with connect_robot(address) as shell:
+        if shell.run(f"[ -e {FOLDER}/{PREFIX}{name}.service ]").code:
+            raise UserError(
+                error(f"{address.host} has no boot service {name!r}", rule="bad-name", help="ur boot status")
+            )
+    options = ["-o", "StrictHostKeyChecking=yes", "-o", "ConnectTimeout=10"]
+    terminal = ["-t"] if follow and sys.stdin.isatty() else []
+    words = ["ssh", *options, *terminal, "--", str(address), log_command(name, lines, follow=follow)]
+    sys.stdout.flush()
+    os.execvp("ssh", words)  # noqa: S606 - no shell
+
+
+@command.command("remove")
+@_robot
+@PASSWORD_FROM
+@click.argument("names", nargs=-1, metavar="[NAME ...]")
+def remove(robot: str | None, password_from: int | None, names: tuple[str, ...]) -> int:
+    """Stop boot services and start them no more; without NAME, all of them."""
+    bad = [name for name in names if not is_unit_name(name) and name != MASTER]
+    if bad:
+        raise _bad_name(bad[0], "ur boot status")
+    patterns = " ".join(f"{FOLDER}/{PREFIX}{name}.service" for name in names or ["*"])
+    script = (
+        f'for f in {patterns}; do [ -e "$f" ] || continue; u=${{f##*/}}; '
+        'systemctl disable --now "$u" 2>&1; rm -f "$f"; echo "$u: removed"; done; systemctl daemon-reload'
+    )
+    with connect_robot(robot_address(robot)) as shell:
+        become_root(shell, read_lines(password_from, "--password-from", 1)[0])
+        done = shell.run(script, root=True)
+    removed = [line for line in done.out.splitlines() if line.endswith(": removed")]
+    click.echo("\n".join(removed) or "nothing to remove")
+    return 0 if done.code == 0 else 1
+
+
+def _wanted(unit: Unit) -> list[Wanted]:
+    service = f"{unit.service}.service"
+    return [
+        WantedFile(
+            unit.service, unit.path, unit.text, then=f"systemctl daemon-reload; systemctl try-restart {service}"
+        ),
+        WantedService(f"{unit.service} runs", service),
+    ]
+
+
+def _bad_name(name: str, help: str) -> UserError:
+    message = f"{name!r} is not a name for a boot service, expected lower case letters, digits, - and _"
+    return UserError(error(message, rule="bad-name", help=help))

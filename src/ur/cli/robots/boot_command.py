@@ -1,0 +1,129 @@
+"""What `ur boot install` was asked to start: a launch file, a program, or a command."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from ur.cli.computer.setup import show_changes
+from ur.request.environment import PACKAGE, REPOSITORY, know_own_package
+from ur.robot.boot import LIBRARIES, command_line, launch_line
+from ur.robot.boot_file import RobotLaunch, choose_arguments, find_launch, is_launch_name
+from ur.robot.repository import read_repository
+from ur.robot.robot_file import ROBOT_FILE
+from ur.robot.setup.engine import bring_about
+from ur.robot.setup.facts import Request
+from ur.robot.ssh.openssh import SshShell
+from ur.robot.ssh.shell import Shell, quote
+from ur.source.diagnostic import UserError, error
+
+
+@dataclass(frozen=True, slots=True)
+class Wish:
+    """What to start: a launch file of a package with arguments, or, with an empty `package`, the words of a command.
+
+    `name` is what the service is called unless the user says otherwise.
+    """
+
+    name: str
+    package: str
+    file: str
+    words: tuple[str, ...]
+
+
+def read_wish(words: Sequence[str]) -> Wish:
+    """Tell the three forms apart. Raises UserError: a program that starts no launch file."""
+    first, rest = words[0], tuple(words[1:])
+    if rest and is_launch_name(rest[0]):
+        return Wish(rest[0].partition(".")[0].lower(), first, rest[0], rest[1:])
+    program = first.removeprefix("ur_")
+    if "/" not in first and (PACKAGE / "bin" / f"ur_{program}").is_file():
+        from ur.request.programs import choose_program, find_launch_file, list_programs
+
+        path = find_launch_file(choose_program(list_programs(PACKAGE / "bin", PACKAGE.name), program))
+        if path is not None:
+            return Wish(program, PACKAGE.name, path.name, rest)
+    return Wish(first.rpartition("/")[2].lower(), "", "", tuple(words))
+
+
+def make_line(wish: Wish, shell: Shell, robot: str) -> str:
+    """The command line of the service. Raises UserError: not on the robot, a wrong argument, a terminal is needed."""
+    if not wish.package:
+        found = shell.run(quote("bash", "-lc", f"command -v {quote(wish.words[0])}"))
+        if found.code:
+            raise _problem(
+                f"{robot}: {wish.words[0]!r} is no command there, expected PACKAGE FILE.launch, PROGRAM or a command",
+                "'ur list' names the programs",
+            )
+        return command_line(wish.words)
+    launch = find_launch(shell, wish.package, wish.file, robot)
+    arguments = choose_arguments(_declared(launch), wish.words, _facts(launch), wish.file)
+    _refuse_terminal(wish, arguments)
+    return launch_line(wish.package, wish.file, arguments)
+
+
+def bring_library(wish: Wish, shell: SshShell, user: str) -> int:
+    """Copy this project to the robot when a launch file of it is wanted; how many changes that took.
+
+    Raises UserError when it is not set up there: its nodes could not run.
+    """
+    if wish.package != PACKAGE.name:
+        return 0
+    wanted = read_repository(REPOSITORY)
+    _, count = bring_about(
+        shell, lambda _: [wanted], user, Request(user), root=False, report=lambda change: show_changes([change])
+    )
+    if shell.run(f"for d in {' '.join(LIBRARIES)}; do [ -r $d/.venv/ready-run ] && exit; done; exit 1").code:
+        raise _problem(
+            f"{shell.address.host}: {wish.package} is there and not set up, and its nodes need that",
+            f"ur robot setup {shell.address.host.removesuffix('.local')} completes it; then run this again",
+        )
+    return count
+
+
+def _declared(launch: RobotLaunch) -> dict[str, bool]:
+    from ur.launchfile.syntax.parse import parse_launch_file
+
+    parsed = parse_launch_file(launch.path, launch.data)
+    if parsed.launch is None:
+        raise UserError(*parsed.diagnostics)
+    return {
+        element.attributes.get("name", ""): "default" not in element.attributes
+        for element in parsed.launch.elements
+        if element.name == "arg" and "value" not in element.attributes
+    }
+
+
+def _facts(launch: RobotLaunch) -> dict[str, str]:
+    from ur.source.file import SourceFile
+    from ur.source.section import parse_section
+
+    try:
+        top = parse_section(SourceFile(str(ROBOT_FILE), launch.robot_file), "a robot file")
+        return {key: top.text(key, "") for key in ("base", "variant")}
+    except UserError:
+        return {}
+
+
+def _refuse_terminal(wish: Wish, arguments: Sequence[str]) -> None:
+    """Nobody sits at a robot that boots: refuse what wants a terminal, as far as this computer knows the file."""
+    from ur.launchfile.address import resolve_addresses
+    from ur.launchfile.plan.load import load_plan
+    from ur.launchfile.world.system import SystemWorld
+
+    world = SystemWorld(know_own_package(os.environ))
+    try:
+        plan = load_plan(resolve_addresses([wish.package, wish.file], world), [*arguments], world)
+    except (UserError, LookupError, OSError):
+        return
+    wanting = [node.full_name for node in plan.nodes if node.terminal]
+    if wanting:
+        raise _problem(
+            f"{wish.file}: {wanting[0]} needs the terminal, which a robot that boots does not have",
+            "the robot can start its own part: ur boot install robot_base",
+        )
+
+
+def _problem(message: str, help: str) -> UserError:
+    return UserError(error(message, rule="no-boot-service", help=help))

@@ -1,0 +1,95 @@
+"""`ur build`: catkin, here or on a robot."""
+
+from __future__ import annotations
+
+import base64
+import signal
+import subprocess
+import sys
+import zlib
+from collections.abc import Sequence
+from contextlib import suppress
+from pathlib import Path
+
+import click
+
+from ur.request.connection import connect_robot, robot_address
+from ur.robot import build_attached
+from ur.robot.build import FACTS, Builder, build_command, check_builder, choose_jobs, parse_builder
+from ur.robot.ssh.shell import LocalShell, Shell, quote
+from ur.source.diagnostic import UserError, error
+from ur.source.progress_line import show_progress
+
+END_SECONDS = 15.0  # longer than build_attached takes over all its steps
+
+
+@click.command("build")
+@click.argument("robot", required=False)
+@click.option("--packages", multiple=True, metavar="NAME", help="Build only this package; may be repeated.")
+@click.option("-j", "jobs", type=click.IntRange(1, 256), help="How many compilers at once. [default: as memory allows]")
+def command(robot: str | None, packages: tuple[str, ...], jobs: int | None) -> int:
+    """Build the catkin workspace here or on a robot.
+
+    ~/catkin_ws of this computer, or with ROBOT of that one, with catkin_make, or with catkin build where the workspace
+    was made with it. Prints what it says as it comes; Ctrl-C ends it, over there too. The exit code is that of the
+    build.
+    """
+    names = [name for each in packages for name in each.replace(",", " ").split()]
+    if robot is None:
+        with show_progress("examining the workspace"):
+            builder = _look(LocalShell(), here=True)
+        line = _prepare(builder, names, jobs)
+        return run_attached([sys.executable, "-I", build_attached.__file__, line])
+    with connect_robot(robot_address(robot)) as shell:
+        builder = _look(shell, here=False)
+        line = _prepare(builder, names, jobs)
+        source = base64.b64encode(zlib.compress(Path(build_attached.__file__).read_bytes())).decode()
+        code = f"import base64,zlib;exec(zlib.decompress(base64.b64decode('{source}')))"
+        done = run_attached([*shell.words, "--", shell.place, quote("python3", "-I", "-c", code, line)])
+    if done == 255:
+        raise UserError(
+            error(
+                f"{shell.place}: the connection is gone, and the build with it",
+                rule="lost-connection",
+                help="ur doctor",
+            )
+        )
+    return done
+
+
+def _look(shell: Shell, *, here: bool) -> Builder:
+    done = shell.run(quote("bash", "-lc", FACTS))
+    builder = parse_builder(done.out)
+    check_builder(builder, shell.place, here=here)
+    return builder
+
+
+def _prepare(builder: Builder, names: Sequence[str], jobs: int | None) -> str:
+    bad = [name for name in names if not name.replace("-", "").replace("_", "").isalnum()]
+    if bad:
+        raise UserError(error(f"{bad[0]!r} is not the name of a package", rule="no-build", help="rospack list-names"))
+    count, note = choose_jobs(builder, jobs)
+    if note:
+        click.echo(note, err=True)
+    return build_command(builder, names, count)
+
+
+def run_attached(words: Sequence[str]) -> int:
+    """Run a program that ends when its standard input does; Ctrl-C ends it so, and shows its last words. Exit code."""
+    sys.stdout.flush()
+    process = subprocess.Popen(words, stdin=subprocess.PIPE, start_new_session=True)
+    try:
+        return process.wait()
+    except KeyboardInterrupt:
+        # Once more would leave it to end by itself.
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+        if process.stdin:
+            process.stdin.close()
+        with suppress(subprocess.TimeoutExpired):
+            process.wait(END_SECONDS)
+        click.echo("interrupted: the build was ended", err=True)
+        return 130
+    finally:
+        if process.poll() is None:
+            process.kill()
+            process.wait()

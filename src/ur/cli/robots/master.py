@@ -1,0 +1,31 @@
+"""What a ROS master knows of its nodes, asked without ROS."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from urllib.parse import urlsplit
+
+from ur.robot.doctor.look import Node
+from ur.run.master.xml_rpc import Refused, Unanswered, call_method
+
+MASTER_PORT = 11311
+_FAILURES = (Refused, Unanswered, OSError, ValueError, TypeError, IndexError)
+
+
+def list_node_names(host: str, timeout: float) -> list[str] | None:
+    """The nodes that the master at an address knows; None when no master answers."""
+    try:
+        _, _, state = call_method((host, MASTER_PORT), "getSystemState", ["/ur"], timeout)
+        return sorted({node for group in state for _, nodes in group for node in nodes})
+    except _FAILURES:
+        return None
+
+
+def list_nodes(host: str) -> list[Node]:
+    """The nodes, with host and port in the address of each; empty when no master answers."""
+    found = []
+    for name in list_node_names(host, 2.0) or ():
+        with suppress(*_FAILURES):  # it ended in the meantime
+            address = urlsplit(str(call_method((host, MASTER_PORT), "lookupNode", ["/ur", name], 2.0)[2]))
+            found.append(Node(name, address.hostname or "", address.port or 0))
+    return found

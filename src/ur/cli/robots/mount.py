@@ -1,0 +1,115 @@
+"""`ur mount`: a folder of a robot, here."""
+
+from __future__ import annotations
+
+import errno
+import os
+from contextlib import suppress
+from pathlib import Path
+
+import click
+
+from ur.request.connection import connect_robot, robot_address
+from ur.robot.mount import REMOTE, Mount, default_target, mount_command, mounts_of, parse_mounts, unmount_command
+from ur.robot.ssh.openssh import Address
+from ur.robot.ssh.shell import quote, run_process
+from ur.source.diagnostic import UserError, error
+from ur.source.progress_line import show_progress
+
+SECONDS = 30.0
+
+
+@click.command("mount")
+@click.argument("robot", required=False)
+@click.option("--at", type=click.Path(path_type=Path), help="Where. [default: ~/robots/ROBOT]")
+@click.option("--over", is_flag=True, help="Over ~/catkin_ws/src: what is there is hidden until the unmount.")
+@click.option("--folder", default=REMOTE, show_default=True, help="Which folder of the robot.")
+def command(robot: str | None, at: Path | None, over: bool, folder: str) -> int:
+    """Mount a folder of a robot here.
+
+    When the network drops, programs get an error within seconds instead of freezing, and go on when it is back.
+    """
+    if at and over:
+        raise click.UsageError("--at and --over are two places, expected one of them")
+    address = robot_address(robot)
+    target = (
+        at or (Path.home() / REMOTE if over else default_target(Path.home(), address.host.split(".")[0]))
+    ).absolute()
+    mounted = _mounts_at(target)
+    if mounts_of(mounted, address.host):
+        if not _is_dead(target):
+            click.echo(f"{target}: already mounted")
+            return 0
+        _unmount(target)
+        mounted = _mounts_at(target)
+    if mounted:
+        raise _problem(
+            f"{target}: {mounted[0].source} is mounted there", "ur unmount, or choose another place with --at"
+        )
+    with connect_robot(address) as shell:  # for its words, which are better than those of sshfs
+        if shell.run(f"cd && [ -d {quote(folder)} ]").code:
+            raise _problem(f"{address}: {folder} is not there, expected a folder", "name another one with --folder")
+    made = _make_folder(target, hide=over)
+    try:
+        _mount(address, folder, target)
+    except BaseException:
+        if mounts_of(_mounts_at(target), address.host):  # sshfs mounts before it has an answer to its first question
+            _unmount(target)
+        if made:
+            with suppress(OSError):
+                target.rmdir()
+        raise
+    click.echo(f"{target}: {folder} of {address}")
+    return 0
+
+
+def read_mounts() -> list[Mount]:
+    """What sshfs has mounted here."""
+    return parse_mounts(Path("/proc/self/mounts").read_text(encoding="utf-8"))
+
+
+def _mounts_at(target: Path) -> list[Mount]:
+    return [mount for mount in read_mounts() if mount.target == target]
+
+
+def _is_dead(target: Path) -> bool:
+    """Return whether the sshfs of a mount was killed: every access fails until it is unmounted."""
+    try:
+        target.stat()
+    except OSError as problem:
+        return problem.errno == errno.ENOTCONN
+    return False
+
+
+def _mount(address: Address, folder: str, target: Path) -> None:
+    what = f"mounting a folder of {address}"
+    with show_progress(what):
+        done = run_process(mount_command(address, folder, target), timeout=SECONDS, what=what)
+    if done.code:
+        said = (done.err.strip().splitlines() or ["sshfs said nothing"])[-1]
+        raise _problem(f"{address}: {folder} could not be mounted: {said}", f"ur doctor {address}")
+
+
+def _unmount(target: Path) -> None:
+    done = run_process(unmount_command(target), timeout=20, what=f"unmounting {target}")
+    if done.code:
+        raise _problem(f"{target}: cannot be unmounted: {done.err.strip()}", f"fusermount3 -u -z {quote(str(target))}")
+
+
+def _make_folder(target: Path, *, hide: bool) -> bool:
+    """Make sure of a place to mount at; whether it had to be made. Raises UserError: it cannot be used."""
+    made = not target.exists()
+    try:
+        target.mkdir(parents=True, exist_ok=True)
+        used = any(os.scandir(target)) and not hide
+    except OSError as problem:
+        raise _problem(
+            f"{target}: {(problem.strerror or str(problem)).lower()}", "choose another place with --at"
+        ) from None
+    if used:
+        raise _problem(f"{target} is not empty, expected an empty folder", "choose another place with --at")
+    return made
+
+
+def _problem(message: str, help: str) -> UserError:
+    return UserError(error(message, rule="no-mount", help=help))

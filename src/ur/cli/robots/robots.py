@@ -1,0 +1,186 @@
+"""`ur robots`: who is on the network."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+import threading
+import time
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from ur.cli.output import plain_text
+from ur.cli.robots.robots_asked import SOON, Asked
+from ur.request.python_packages import need
+from ur.robot.discovery import Browser
+from ur.robot.listing import Answer, Row, list_robots
+from ur.robot.record import load_records, records_folder
+from ur.robot.seen import Seen, load_seen, note_seen, seen_path
+from ur.source.printable import printable
+from ur.source.progress_line import show_progress
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+
+REFRESH = 1.0  # s between looks at what changed, while watching
+SETTLE_SECONDS = 6.0  # the longest that robots which are starting are waited for, beyond the time to look
+Look = Callable[[], list[Row]]
+
+
+@click.command("robots")
+@click.option("--watch", is_flag=True, help="Update the list until Ctrl-C.")
+@click.option(
+    "--seconds", type=click.FloatRange(min=0.1), default=2.0, show_default=True, help="How long to listen, in s."
+)
+@click.option("--json", "as_json", is_flag=True, help="Print JSON; with --watch, a line whenever something changed.")
+def command(watch: bool, seconds: float, as_json: bool) -> int:
+    """List the robots on the network, and those known but away.
+
+    Robots announce themselves once `ur robot setup` has set them up. `runs` is what the robot's ROS master knows and
+    what it starts at boot; `clock` how far its clock is ahead of ours, or why that is not known. A robot that is just
+    starting is waited for, some seconds longer than `--seconds`. The exit code is 1 when nobody is there, or a robot
+    has a problem with its name.
+    """
+    need("zeroconf", "robot.lock")
+    changed = threading.Event()
+    names = [record.name for record in load_records(records_folder(os.environ))]
+    memory = load_seen(seen_path(os.environ))
+
+    def former(address: str) -> list[str]:
+        return [name for name in names if name in memory and memory[name].address == address]
+
+    known = {*names, *memory}
+    with Browser(changed.set, known) as browser, Asked(browser, seconds, changed.set, former, known) as asked:
+
+        def look() -> list[Row]:
+            asked.ask(browser.sightings)
+            remembered = load_seen(seen_path(os.environ))
+            return list_robots(browser.sightings, load_records(records_folder(os.environ)), asked.answers, remembered)
+
+        def settled() -> bool:
+            return asked.is_settled(browser.sightings)
+
+        try:
+            if watch:
+                rows = _watch(look, changed, as_json)
+            else:
+                with show_progress("listening for robots"):
+                    rows = _listen(look, changed, seconds, settled)
+        finally:
+            here = [one for one in browser.sightings if asked.answers.get(one.host, Answer()).answers]
+            note_seen(seen_path(os.environ), [Seen(one.name, one.address, time.time()) for one in here])
+        if not watch:
+            _show(rows, as_json)
+            _tell_left_out(*browser.left_out)
+    if watch:
+        return 0
+    return 1 if any(row.problem for row in rows) or not any(row.address for row in rows) else 0
+
+
+def _show(rows: Sequence[Row], as_json: bool) -> None:
+    if as_json:
+        click.echo(json.dumps([_as_dict(row) for row in rows], indent=2))
+    elif rows:
+        _print(rows)
+    else:
+        click.echo("no robot announces itself here; set one up: ur robot setup HOST")
+    sys.stdout.flush()
+
+
+def _tell_left_out(misshapen: int, too_many: int) -> None:
+    if misshapen:
+        click.echo(f"note: {misshapen} announcements that no robot of ours makes were ignored", err=True)
+    if too_many:
+        click.echo(f"note: {too_many} announcements of unknown robots are not listed: there are too many", err=True)
+
+
+def _listen(look: Look, changed: threading.Event, seconds: float, settled: Callable[[], bool]) -> list[Row]:
+    """The robots after as long as the user wants to listen, and until those that are there have answered.
+
+    Whoever announces itself is asked at once.
+    """
+    end = time.monotonic() + seconds
+    last = end + SETTLE_SECONDS
+    rows = look()
+    while (now := time.monotonic()) < end or (now < last and not settled()):
+        changed.wait(end - now if now < end else SOON)
+        changed.clear()
+        rows = look()
+    return rows
+
+
+def _watch(look: Look, changed: threading.Event, as_json: bool) -> list[Row]:
+    show = _show_lines if as_json or not sys.stdout.isatty() else _show_live
+    rows: list[Row] = []
+    try:
+        show(look, changed, as_json)
+    except KeyboardInterrupt:
+        rows = look()  # the way to end it
+    return rows
+
+
+def _show_live(look: Look, changed: threading.Event, _: bool) -> None:
+    from rich.live import Live
+
+    with Live(_picture(look()), auto_refresh=False) as live:
+        while True:
+            changed.wait(REFRESH)
+            changed.clear()
+            live.update(_picture(look()), refresh=True)
+
+
+def _show_lines(look: Look, changed: threading.Event, as_json: bool) -> None:
+    before: list[Row] | None = None
+    while True:
+        rows = look()
+        if rows != before:
+            before = rows
+            if as_json:
+                click.echo(json.dumps([_as_dict(row) for row in rows]))
+            else:
+                _print(rows)
+        changed.wait(REFRESH)
+        changed.clear()
+
+
+def _print(rows: Sequence[Row]) -> None:
+    from rich.console import Console
+
+    Console(soft_wrap=not sys.stdout.isatty()).print(_picture(rows))
+    sys.stdout.flush()
+
+
+def _picture(rows: Sequence[Row]) -> RenderableType:
+    from rich.console import Group
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table()
+    for column in ("robot", "address", "base", "variant", "runs", "clock", "version", "seen"):
+        table.add_column(column, overflow="fold")
+    now = time.time()
+    for row in rows:
+        name = plain_text(f"{row.name} (!)", "red") if row.problem else plain_text(row.name)
+        cells = (row.address, row.base, row.variant, row.runs, row.clock, row.version, row.when(now))
+        table.add_row(name, *map(plain_text, cells), style="" if row.address else "dim")
+    problems = [
+        Text(f"warning: {printable(row.problem)}\n  help: {printable(row.help)}", "yellow")
+        for row in rows
+        if row.problem
+    ]
+    return Group(table, *problems)
+
+
+def _as_dict(row: Row) -> dict[str, Any]:
+    plain = {key: getattr(row, key) for key in ("name", "address", "base", "variant", "version", "problem", "help")}
+    said = {
+        "nodes": row.answer.nodes,
+        "services": None if row.answer.services is None else dict(row.answer.services),
+        "clock_offset": row.answer.offset,
+        "refused": row.answer.refused,
+        "seen": {"address": row.seen.address, "time": row.seen.time} if row.seen else None,
+    }
+    return {**plain, **said}

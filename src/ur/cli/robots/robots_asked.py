@@ -1,0 +1,115 @@
+"""Questions to robots, to all at once and again and again, while they are listed."""
+
+from __future__ import annotations
+
+import socket
+import threading
+import time
+from collections.abc import Callable, Collection, Iterable, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import replace
+
+from ur.cli.robots.master import list_node_names
+from ur.robot.ask import ask_robot
+from ur.robot.discovery import Browser, Sighting
+from ur.robot.listing import Answer, is_settled
+from ur.robot.record import DEFAULT_USER
+
+SSH_PORT = 22
+AGAIN = 5.0  # s after an answer until a robot is asked once more
+SOON = 0.3  # s, likewise, of a robot that is starting
+SSH_SECONDS = 5.0  # a login on a small computer that has just booted takes seconds
+AT_ONCE = 16
+
+
+class Asked:
+    """Asks robots in the background while it is open; use as a context manager. `changed` is called from other threads.
+
+    `answers` holds the latest of each, by its host name. No question takes longer than `seconds`, but for those over
+    ssh. `former` gives names under which an address was known here. Robots whose names are `known` have threads of
+    their own, so that a crowd of strangers that do not answer is not waited for.
+    """
+
+    def __init__(
+        self,
+        browser: Browser,
+        seconds: float,
+        changed: Callable[[], None],
+        former: Callable[[str], Sequence[str]] = lambda _: (),
+        known: Collection[str] = (),
+    ) -> None:
+        self.answers: dict[str, Answer] = {}
+        self._browser, self._seconds, self._changed, self._former = browser, seconds, changed, former
+        self._known = frozenset(known)
+        self._next: dict[str, float] = {}
+        self._over = threading.Event()
+        self._lock = threading.Lock()
+
+    def __enter__(self) -> Asked:
+        self._pools = {is_known: ThreadPoolExecutor(AT_ONCE) for is_known in (True, False)}
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._over.set()
+        for pool in self._pools.values():
+            pool.shutdown(wait=False, cancel_futures=True)
+        for pool in self._pools.values():
+            pool.shutdown(wait=True)
+
+    def ask(self, sightings: Iterable[Sighting]) -> None:
+        """Ask those who were not asked lately."""
+        now = time.monotonic()
+        for one in sightings:
+            if one.address and self._next.get(one.host, 0.0) <= now:
+                self._next[one.host] = float("inf")  # until this answer is there
+                pool = self._pools[one.name in self._known]
+                for question in (self._answers, self._nodes, self._services, self._twin):
+                    pool.submit(question, one).add_done_callback(self._notify)
+
+    def is_settled(self, sightings: Iterable[Sighting]) -> bool:
+        """Return whether no more answers are expected soon of the robots found; of a crowd, of the known ones."""
+        waited = [one for one in sightings if one.address]
+        if len(waited) > AT_ONCE:
+            waited = [one for one in waited if one.name in self._known]
+        return all(is_settled(self.answers.get(one.host, Answer())) for one in waited)
+
+    def _answers(self, one: Sighting) -> None:
+        answers = True
+        try:
+            socket.create_connection((one.address, SSH_PORT), timeout=self._seconds).close()
+        except ConnectionRefusedError:
+            pass  # an answer, too
+        except OSError:
+            answers = False
+        self._note(one, answers=answers)
+
+    def _nodes(self, one: Sighting) -> None:
+        names = list_node_names(one.address, self._seconds)
+        self._note(one, nodes=None if names is None else len(names))
+
+    def _services(self, one: Sighting) -> None:
+        login = f"{one.user or DEFAULT_USER}@{one.address}"
+        names = dict.fromkeys((one.name, one.host, *self._former(one.address)))
+        answer = ask_robot(login, [*names], max(self._seconds, SSH_SECONDS), time.time, self._over)
+        self._note(
+            one,
+            services=answer.services,
+            offset=answer.offset,
+            refused=answer.refused,
+            known_as=answer.known_as,
+        )
+        settled = is_settled(self.answers[one.host])
+        self._next[one.host] = time.monotonic() + (AGAIN if settled else SOON)
+
+    def _twin(self, one: Sighting) -> None:
+        if one.host == one.name:  # else it is the twin itself
+            self._note(one, twin=self._browser.find_twin(one.name, self._seconds))
+
+    def _note(self, one: Sighting, **said: object) -> None:
+        with self._lock:
+            before = self.answers.get(one.host, Answer())
+            self.answers[one.host] = replace(before, **said)  # type: ignore[arg-type] # keywords of this module
+
+    def _notify(self, done: Future[None]) -> None:
+        if not done.cancelled():
+            self._changed()

@@ -1,0 +1,78 @@
+"""`ur shell`: a shell, or one command, on a robot."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import sys
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+
+import click
+
+from ur.request.connection import robot_address
+from ur.robot.ssh.openssh import STRICT, Address, explain_failure
+from ur.robot.ssh.shell import quote
+from ur.source.diagnostic import UserError, error
+
+
+@click.command("shell", context_settings={"ignore_unknown_options": True, "allow_interspersed_args": False})
+@click.argument("robot", required=False)
+@click.argument("words", nargs=-1, type=click.UNPROCESSED, metavar="[COMMAND ...]")
+def command(robot: str | None, words: tuple[str, ...]) -> int:
+    """Open a shell on a robot, or run one command there.
+
+    ROBOT is a name, HOST or USER@HOST; without it, the selected robot. Its host key must be known: `ur robot setup` has
+    seen to that. The exit code is that of the command. A COMMAND of one word is a line for the shell there ('ls | wc');
+    several words arrive as they are.
+    """
+    return run_ssh(robot_address(robot), [] if words else ["-t"], words)
+
+
+def run_ssh(address: Address, options: Sequence[str], words: Sequence[str]) -> int:
+    """Run ssh with this terminal and return its exit code. Raises UserError when there was no connection.
+
+    One word is a line for the shell there, several words arrive as they are.
+    """
+    script = [words[0] if len(words) == 1 else quote(*words)] if words else []
+    sys.stdout.flush()
+    with tempfile.TemporaryDirectory(prefix="ur-") as folder:
+        log = Path(folder) / "log"
+        log.touch()
+        code = _run_in_front(["ssh", *STRICT, "-E", str(log), *options, "--", str(address), *script])
+        said = log.read_text(encoding="utf-8", errors="replace")
+    if code == 255 and said.strip():
+        raise explain_failure(address, said)
+    sys.stderr.writelines(line for line in said.splitlines(keepends=True) if not line.startswith("Connection to "))
+    return code if code >= 0 else 128 - code
+
+
+def _run_in_front(command: Sequence[str]) -> int:
+    """Run a program with this terminal; what ends us ends it, and Ctrl-C is its own business. Its exit code."""
+    running: list[subprocess.Popen[bytes]] = []
+    early: list[int] = []
+
+    def hand_on(number: int, _: object) -> None:
+        if number == signal.SIGINT:  # that one comes from the terminal, to both
+            return
+        if running:
+            running[0].send_signal(number)
+        else:
+            early.append(number)
+
+    numbers = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+    # Before it starts, so that nothing ends us alone. It does not inherit them: handlers end with exec.
+    before = [signal.signal(number, hand_on) for number in numbers]
+    try:
+        running.append(subprocess.Popen(command))
+        for number in early:
+            running[0].send_signal(number)
+        return running[0].wait()
+    except FileNotFoundError:
+        raise UserError(
+            error(f"{command[0]} is not installed here", rule="missing-program", help="run: ur setup")
+        ) from None
+    finally:
+        for number, handler in zip(numbers, before, strict=True):
+            signal.signal(number, handler)

@@ -1,0 +1,154 @@
+"""`ur sync`: the workspaces here and on a robot, in step."""
+
+from __future__ import annotations
+
+import fcntl
+import getpass
+import os
+import socket
+import sys
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+import click
+
+from ur.cli.robots.mount import read_mounts
+from ur.request.connection import connect_robot, robot_address
+from ur.robot.sync.compare import compare
+from ur.robot.sync.memory import load_memory, memory_path, store_memory
+from ur.robot.sync.model import SIDES, Side, SyncPlan
+from ur.robot.sync.show import describe_plan, summarise
+from ur.robot.sync.sync import WORKSPACE, Outcome, carry_out, look_at
+from ur.source.diagnostic import UserError, error
+from ur.source.printable import printable
+from ur.source.progress_line import show_progress
+
+
+@click.command("sync")
+@click.argument("robot", required=False)
+@click.argument("paths", nargs=-1, metavar="[PATH ...]")
+@click.option("--to", "only_to", is_flag=True, help="Only from here to the robot.")
+@click.option("--from", "only_from", is_flag=True, help="Only from the robot to here.")
+@click.option(
+    "--take", type=click.Choice(SIDES), help="Decide conflicts of the PATHs: the file here, or the one there."
+)
+@click.option("--dry-run", is_flag=True, help="Show what would be done, and change nothing.")
+@click.option("--yes", is_flag=True, help="Do not ask before changing.")
+def command(
+    robot: str | None,
+    paths: tuple[str, ...],
+    only_to: bool,
+    only_from: bool,
+    take: Side | None,
+    dry_run: bool,
+    yes: bool,
+) -> int:
+    """Synchronise the workspaces of this computer and a robot.
+
+    Both ways, between ~/catkin_ws/src here and there. Shows what it will do and asks. A file that was changed on both
+    sides since the last sync is a conflict: it is named and left alone on both, until --take says for its PATH which
+    one counts; the other one is kept. A deletion is carried over only when the other side has not changed the file.
+    With PATHs, only these and what is below them. Not carried: .git, build, devel, __pycache__, and what .ursyncignore
+    in the workspace names.
+    """
+    if only_to and only_from:
+        raise click.UsageError("--to and --from exclude each other; without them both directions are synced")
+    if take and not paths:
+        raise click.UsageError("--take is for the conflicts of PATHs, expected at least one ('.' is everything)")
+    address = robot_address(robot)
+    name = address.host.removesuffix(".local")
+    root = Path.home() / WORKSPACE
+    _check_mounts(root)
+    only = [_inside(path, root) for path in paths]
+    memory_file = memory_path(name, os.environ)
+    with _alone(memory_file), connect_robot(address) as shell:
+        last = load_memory(memory_file)
+        with show_progress(f"listing the workspaces here and on {name}"):
+            look = look_at(shell, root, last)
+        agreed = look.last.agreed if look.last else {}
+        known = {*look.here.files, *look.there.files, *agreed}
+        for path, typed in zip(only, paths, strict=True):
+            if path and path not in known and not any(each.startswith(f"{path}/") for each in known):
+                raise _problem(f"{typed}: nothing of this name is in {root}, here or on {name}", "ur sync --dry-run")
+        sides: Sequence[Side] = ["there"] if only_to else ["here"] if only_from else SIDES
+        plan = compare(look.here, look.there, agreed, to=sides, take=take, only=only if "" not in only else [])
+        click.echo("\n".join(map(printable, [*describe_plan(plan, name), summarise(plan, name)])))
+        if dry_run:
+            return 1 if plan.conflicts else 0
+        if plan.steps and not yes and not _agree():
+            return 1
+        outcome = carry_out(
+            plan,
+            look.pair,
+            shell,
+            name=f"{socket.gethostname().split('.')[0]}-{getpass.getuser()}",
+            stamp=time.strftime("%Y-%m-%d-%H%M%S"),
+            progress=sys.stdout.isatty(),
+            report=click.echo,
+        )
+        store_memory(memory_file, outcome.memory)
+    return _finish(plan, outcome)
+
+
+def _finish(plan: SyncPlan, outcome: Outcome) -> int:
+    left = {path: why for side in SIDES for path, why in outcome.left[side].items()}
+    for path, why in sorted(left.items()):
+        click.echo(f"warning: {printable(path)}: {printable(why)}: left as it is; run this again")
+    if any(step.keep for step in plan.steps):
+        click.echo("what --take replaced is kept in ~/catkin_ws/.ur_sync/kept")
+    if plan.steps:
+        click.echo(f"done: {len(plan.steps) - len(left)} of {len(plan.steps)} changes")
+    return 1 if left or plan.conflicts else 0
+
+
+def _agree() -> bool:
+    if not sys.stdin.isatty():
+        raise _problem("there is no terminal to ask on, so nothing was changed", "--yes makes these changes")
+    if click.confirm("make these changes?", default=True):
+        return True
+    click.echo("nothing was changed")
+    return False
+
+
+def _inside(path: str, root: Path) -> str:
+    """A PATH relative to the workspace: below the current folder when that lies in the workspace; '' is all of it."""
+    real = root.resolve()
+    here = Path.cwd()
+    base = here if here.is_relative_to(real) else real
+    whole = Path(os.path.normpath(base / Path(path).expanduser()))
+    for top in (real, root):
+        if whole.is_relative_to(top):
+            relative = str(whole.relative_to(top))
+            return "" if relative == "." else relative
+    raise _problem(f"{path} is not in {root}", "name paths of the workspace")
+
+
+def _check_mounts(root: Path) -> None:
+    for mount in read_mounts():
+        if root.resolve().is_relative_to(mount.target):
+            whose = mount.source.partition(":")[0]
+            raise _problem(f"{mount.target} is a mounted folder of {whose}, expected files of here", "ur unmount ROBOT")
+
+
+@contextmanager
+def _alone(path: Path) -> Iterator[None]:
+    """No second sync with the same robot from here meanwhile. Raises UserError."""
+    place = path.with_suffix(".lock")
+    try:
+        place.parent.mkdir(parents=True, exist_ok=True)
+        lock = place.open("w")
+    except OSError as problem:
+        reason = (problem.strerror or str(problem)).lower()
+        raise _problem(f"{place}: {reason}", "mend that and run this again") from None
+    with lock:
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise _problem("another sync with this robot is running", "wait for it, then run this again") from None
+        yield
+
+
+def _problem(message: str, help: str) -> UserError:
+    return UserError(error(message, rule="no-sync", help=help))

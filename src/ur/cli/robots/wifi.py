@@ -1,0 +1,128 @@
+"""`ur wifi`: signal, latency and loss between this computer and a robot, once or while you walk."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import socket
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from pathlib import Path
+from typing import TextIO
+
+import click
+
+from ur.cli.robots.wifi_screen import describe_sample, draw_screen, print_summary
+from ur.request.connection import robot_address
+from ur.robot.link.meter import Meter
+from ur.robot.link.record import HEADER, write_row
+from ur.robot.link.sample import Sample
+from ur.robot.seen import load_seen, seen_path
+from ur.robot.ssh.openssh import Address
+from ur.source.diagnostic import UserError, error
+from ur.source.progress_line import show_progress
+
+TICK = 1.0  # s
+KEPT = 3600  # samples
+SETTLE = 2  # seconds in which nothing can be settled yet
+
+
+@click.command("wifi")
+@click.argument("robot", required=False)
+@click.option("--watch", is_flag=True, help="Go on until Ctrl-C, with plots; without a terminal, a line each second.")
+@click.option(
+    "--seconds", type=click.IntRange(1, 86400), default=None, help="How long to measure. [default: 5; --watch: no end]"
+)
+@click.option(
+    "--log",
+    type=click.Path(dir_okay=False, path_type=Path),
+    metavar="FILE",
+    help="Write each second to a CSV file, which must not be there yet.",
+)
+def command(robot: str | None, watch: bool, seconds: int | None, log: Path | None) -> int:
+    """Measure the connection to a robot: signal of both, latency, loss.
+
+    Carry this computer or the robot around and watch: where does it get worse? ROBOT is a name, HOST or USER@HOST;
+    without it, the selected robot. When the robot drops away the gap is marked, and it goes on. Where there is no
+    wireless interface, latency and loss remain. The exit code is 1 when nothing came back.
+    """
+    address = robot_address(robot)
+    if shutil.which("ping") is None:
+        raise UserError(error("ping is not installed here", rule="no-ping", help="sudo apt-get install iputils-ping"))
+    names = socket.gethostname().split(".")[0], address.host.removesuffix(".local")
+    samples: list[Sample] = []
+    with ExitStack() as stack:
+        file = stack.enter_context(_open_log(log)) if log else None
+        try:
+            meter = stack.enter_context(Meter(address.user, address.host, lambda: resolve(address)))
+        except OSError:
+            raise _unknown(address) from None
+        ticks = _measure(meter, samples, file, None if watch and seconds is None else seconds or 5)
+        try:
+            if not watch:
+                count = seconds or 5
+                with show_progress(f"measuring for {count} s") as progress:
+                    for _ in ticks:
+                        progress(f"measuring: {len(samples)} of {count} samples")
+            elif sys.stdout.isatty():
+                draw_screen(ticks, samples, names, meter)
+            else:
+                for sample in ticks:
+                    click.echo(describe_sample(sample, names))
+        except KeyboardInterrupt:
+            pass  # the way to end it
+    print_summary(samples, names, meter, log)
+    return 0 if any(not sample.gap for sample in samples) else 1
+
+
+def _measure(
+    meter: Meter,
+    samples: list[Sample],
+    file: TextIO | None,
+    seconds: int | None,
+    clock: Callable[[], float] = time.monotonic,
+) -> Iterator[Sample]:
+    """A sample each second, kept in `samples` and written to `file`."""
+    due = clock() + SETTLE
+    while seconds is None or len(samples) < seconds:
+        time.sleep(max(0.0, due - clock()))
+        due += TICK
+        sample = meter.take()
+        samples.append(sample)
+        del samples[:-KEPT]
+        if file:
+            write_row(file, sample, samples[0].time)
+        yield sample
+
+
+def resolve(address: Address) -> str:
+    """The robot's IPv4 address: by its name, else where it was seen last. Raises OSError."""
+    try:
+        found = socket.getaddrinfo(address.host, None, socket.AF_INET, socket.SOCK_STREAM)
+        return str(found[0][4][0])
+    except OSError:
+        seen = load_seen(seen_path(os.environ)).get(address.host.removesuffix(".local"))
+        if seen is None:
+            raise
+        return seen.address
+
+
+def _open_log(path: Path) -> TextIO:
+    try:
+        file = path.open("x", encoding="utf-8")
+    except FileExistsError:
+        raise UserError(
+            error(f"{path} is there already, expected a new file", rule="bad-log", help="give --log another name")
+        ) from None
+    except OSError as problem:
+        reason = (problem.strerror or str(problem)).lower()
+        raise UserError(error(f"{path}: cannot be written: {reason}", rule="bad-log")) from None
+    file.write(HEADER)
+    return file
+
+
+def _unknown(address: Address) -> UserError:
+    help = f"is it on, and in the same network? ur doctor {address.host} goes the way step by step"
+    return UserError(error(f"{address.host}: no computer answers to this name", rule="unknown-host", help=help))

@@ -1,0 +1,60 @@
+"""`ur x`: a program of a robot, with its windows here."""
+
+from __future__ import annotations
+
+import os
+
+import click
+
+from ur.cli.robots.shell import run_ssh
+from ur.request.connection import robot_address
+from ur.robot.ssh.openssh import STRICT, explain_failure
+from ur.robot.ssh.shell import quote, run_process
+from ur.source.diagnostic import UserError, error
+from ur.source.progress_line import show_progress
+
+WINDOW = "xlogo"  # of x11-apps, which `ur robot setup` installs
+OPEN_SECONDS = 3
+STILL_OPEN = 124  # timeout(1)
+
+
+@click.command("x", context_settings={"ignore_unknown_options": True, "allow_interspersed_args": False})
+@click.option("--check", is_flag=True, help="Only open a window, close it, and print whether that works.")
+@click.argument("robot")
+@click.argument("words", nargs=-1, type=click.UNPROCESSED, metavar="[PROGRAM ...]")
+def command(robot: str, words: tuple[str, ...], check: bool) -> int:
+    """Run a program on a robot with its windows here.
+
+    For instance: ur x bob xterm. The exit code is that of the program. One word is a line for the shell there, several
+    words arrive as they are.
+    """
+    if not words and not check:
+        raise click.UsageError("expected PROGRAM, or --check")
+    if not os.environ.get("DISPLAY"):
+        raise UserError(
+            error(
+                "there is no display here, expected DISPLAY to be set",
+                rule="no-display",
+                help="run this in a terminal of your desktop",
+            )
+        )
+    address = robot_address(robot)
+    # Trusted forwarding: OpenGL, and with it RViz, needs extensions that untrusted clients are refused.
+    options = ["-Y", "-o", "ExitOnForwardFailure=yes"]
+    if not check:
+        return run_ssh(address, options, words)
+    script = quote("timeout", str(OPEN_SECONDS), WINDOW)
+    command = ["ssh", *options, *STRICT, "-o", "BatchMode=yes", "--", str(address), script]
+    with show_progress(f"waiting for a window of {address.host}"):
+        done = run_process(command, timeout=30, what=f"a window of {address}")
+    if done.code == STILL_OPEN:
+        click.echo(f"a window of {address.host} opened here and was closed again")
+        return 0
+    if done.code == 255:
+        raise explain_failure(address, done.err)
+    said = (done.err.strip().splitlines() or ["no reason was given"])[-1]
+    if "not found" in said or "No such file" in said:
+        help_ = f"ur robot setup {address.host}"
+    else:
+        help_ = f"is the display here open to you? 'xauth list' and 'echo $DISPLAY'; then ur doctor {address.host}"
+    raise UserError(error(f"{address}: no window opened: {said}", rule="no-window", help=help_))

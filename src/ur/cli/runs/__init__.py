@@ -1,0 +1,1 @@
+"""Commands on runs: list, attach, logs, restart, stop and wait."""

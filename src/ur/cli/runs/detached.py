@@ -1,0 +1,124 @@
+"""What verbs about runs share: finding one, following it, and starting one that is detached."""
+
+from __future__ import annotations
+
+import os
+import sys
+import time
+from collections.abc import Callable
+
+from ur.run.clients.client import RunClient, RunGone, connect_run
+from ur.run.join.claims import read_claims
+from ur.run.process.detach import LetGo, run_detached
+from ur.run.record.computer import read_computer
+from ur.run.record.ended import EndedRun, find_ended, list_ended
+from ur.run.record.registry import RunEntry, find_run, list_runs
+from ur.source.diagnostic import UserError, error
+from ur.source.printable import printable
+from ur.source.suggest import did_you_mean
+
+
+def list_own_runs() -> list[RunEntry]:
+    """The runs of this user on this computer, oldest first."""
+    return list_runs(os.environ, os.getuid(), read_computer())
+
+
+def choose_run(word: str | None) -> RunEntry:
+    """The run that a word of the command line means; without one the only one that has not joined another.
+
+    Raises UserError: there is none, or several; for one that has ended with how it ended.
+    """
+    runs = list_own_runs()
+    try:
+        return find_run(runs if word is not None else leave_out_joined(runs), word)
+    except UserError as problem:
+        if problem.diagnostics[0].rule not in ("no-run", "unknown-run"):
+            raise
+        ended = find_ended(list_own_ended(), word)
+        if ended is None:
+            raise
+        what = "nothing runs" if word is None else f"run {word!r} does not run"
+        raise UserError(
+            error(
+                f"{what}; {describe_end(ended, time.time())}",
+                rule=problem.diagnostics[0].rule,
+                help=f"'ur logs --run {ended.entry.run}' prints its last lines, 'ur ps --ended' lists what has ended",
+            )
+        ) from None
+
+
+def leave_out_joined(runs: list[RunEntry]) -> list[RunEntry]:
+    """The runs that have not joined another one of these."""
+    names = {entry.run for entry in runs}
+    return [entry for entry in runs if not names.intersection(read_claims(entry.folder).joined)]
+
+
+def list_own_ended() -> list[EndedRun]:
+    """The runs of this user on this computer that have ended, latest last."""
+    list_own_runs()  # turns those that were killed into ended ones
+    return list_ended(os.environ, os.getuid(), read_computer())
+
+
+def describe_end(run: EndedRun, now: float) -> str:
+    """Say how a run ended: 'm_wander.7952 ended 3 min 2 s ago with exit code 1: /wander is required and has ended'."""
+    ago = describe_age(now - run.ended)
+    return f"{run.entry.run} ended {ago} ago, {describe_reason(run)}"
+
+
+def describe_reason(run: EndedRun) -> str:
+    """Say how and why a run ended: 'exit code 1: /wander is required and has ended'."""
+    if run.exit_code is None:
+        return printable(run.cause)
+    return f"exit code {run.exit_code}" + (f": {printable(run.cause)}" if run.cause else "")
+
+
+def describe_age(seconds: float) -> str:
+    """A time in its two largest units: `3 min 20 s`."""
+    left = int(max(0.0, seconds))
+    units = (("d", 86400), ("h", 3600), ("min", 60), ("s", 1))
+    parts = []
+    for unit, length in units:
+        count, left = divmod(left, length)
+        if count or unit == "s":
+            parts.append(f"{count} {unit}")
+    return " ".join(parts[:2])
+
+
+def connect(entry: RunEntry) -> RunClient:
+    """Connect to a run. Raises UserError when it has ended meanwhile."""
+    try:
+        return connect_run(entry.folder)
+    except RunGone:
+        raise UserError(error(f"run {entry.run} has ended just now", rule="unknown-run", help="ur ps")) from None
+
+
+def find_node_name(word: str, names: list[str]) -> str:
+    """The full name of a node, given with or without leading slash. Raises UserError."""
+    full = word if word.startswith("/") or word in names else "/" + word
+    if full in names:
+        return full
+    near = did_you_mean(full, names)
+    raise UserError(
+        error(
+            f"node {word!r} is not in this run, expected one of {', '.join(names) or '(none)'}",
+            rule="unknown-node",
+            help=f"did you mean {near}?" if near else None,
+        )
+    )
+
+
+def start_detached(run: Callable[[LetGo], int], wait: float | None) -> int:
+    """Start a run that is detached, say how to reach it, and with `wait` (s) wait until every node is up."""
+
+    def tell(name: str) -> int:
+        sys.stdout.write(f"{name}\n")
+        sys.stdout.flush()
+        if sys.stderr.isatty():
+            sys.stderr.write(f"it runs on: ur attach {name}, ur logs NODE, ur stop {name}\n")
+        if wait is None:
+            return 0
+        from ur.cli.runs.wait import wait_ready
+
+        return wait_ready(choose_run(name), wait)
+
+    return run_detached(run, tell)

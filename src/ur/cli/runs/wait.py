@@ -1,0 +1,82 @@
+"""`ur wait`: until every node of a run is up."""
+
+from __future__ import annotations
+
+import select
+import sys
+import time
+
+import click
+
+from ur.cli.runs.detached import choose_run, connect
+from ur.run.clients.protocol import NodeChanged, NodeReadiness, RunStopping, Watch
+from ur.run.record.registry import RunEntry
+from ur.source.progress_line import show_progress
+
+
+@click.command("wait")
+@click.argument("run", required=False)
+@click.option(
+    "--timeout-ready",
+    "timeout",
+    type=click.FloatRange(min=0),
+    default=30.0,
+    show_default=True,
+    help="Seconds that nodes get to be up.",
+)
+def command(run: str | None, timeout: float) -> int:
+    """Return when every node of a run is up.
+
+    A node is up when its process runs, the master knows it, and what its `ready:` comment asks for is there. Exit code
+    1, with what is missing and why, when that is not so in time, or when the run ends.
+    """
+    return wait_ready(choose_run(run), timeout)
+
+
+def wait_ready(entry: RunEntry, timeout: float) -> int:
+    """Wait until every node is up, for so many s at most; say what is missing, and return the exit code."""
+    end = time.monotonic() + timeout
+    nodes: dict[str, NodeChanged] = {}
+    missing: dict[str, tuple[str, ...]] = {}
+    with connect(entry) as client, show_progress(f"waiting for the nodes of {entry.run}") as progress:
+        client.send(Watch(readiness=True))
+        while (left := end - time.monotonic()) > 0:
+            select.select([client], [], [], left)
+            events = client.receive()
+            if events is None:
+                sys.stderr.write(f"error: run {entry.run} has ended\n")
+                return 1
+            for event in events:
+                if isinstance(event, NodeChanged) and not event.core:
+                    nodes[event.name] = event
+                    missing.setdefault(event.name, ("it is not looked at yet",))
+                    if event.state != "running":
+                        missing[event.name] = (_explain(event),)
+                elif isinstance(event, NodeReadiness) and event.name in nodes:
+                    missing[event.name] = event.missing
+                elif isinstance(event, RunStopping):
+                    sys.stderr.write(f"error: run {entry.run} ends: {event.cause}\n")
+                    return 1
+            late = [name for name in nodes if missing[name] and not _is_done(nodes[name])]
+            if nodes and not late:
+                return 0
+            progress(f"waiting for {len(late)} of {len(nodes)} nodes: {', '.join(late)}")
+    _say_missing({name: missing[name] for name in nodes if missing[name] and not _is_done(nodes[name])}, timeout)
+    return 1
+
+
+def _is_done(node: NodeChanged) -> bool:
+    """A program that did its work and ended well is no longer waited for."""
+    return node.state == "ended" and node.exit_code == 0
+
+
+def _explain(node: NodeChanged) -> str:
+    from ur.cli.runs.attach import describe_node
+
+    return f"it does not run: {describe_node(node)}" + (f" (log: {node.log})" if node.log else "")
+
+
+def _say_missing(missing: dict[str, tuple[str, ...]], timeout: float) -> None:
+    sys.stderr.write(f"error: not up after {timeout:g} s{':' if missing else ''}\n")
+    for name, reasons in missing.items():
+        sys.stderr.write(f"  {name}: {'; '.join(reasons)}\n")

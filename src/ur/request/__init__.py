@@ -1,0 +1,1 @@
+"""Requests to launch files and programs: arguments, selection, requirements, and where nodes run."""

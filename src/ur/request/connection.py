@@ -1,0 +1,38 @@
+"""Connections to the robot that a command is about: the ROBOT that it names, else the selected one."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from contextlib import AbstractContextManager
+
+from ur.request.environment import current_selection
+from ur.robot.record import find_user, records_folder
+from ur.robot.ssh.openssh import Address, SshShell, connect, parse_address
+from ur.robot.ssh.secret import Secret
+from ur.source.diagnostic import UserError, error
+from ur.source.progress_line import show_progress
+
+
+def connect_robot(
+    address: Address, *, password: Secret | None = None, options: Sequence[str] = ()
+) -> AbstractContextManager[SshShell]:
+    """Log in as `ur.robot.ssh.openssh.connect` does; the terminal shows which robot it waits for."""
+    return connect(address, password=password, options=options, waiting=show_progress)
+
+
+def robot_address(robot: str | None) -> Address:
+    """The address of ROBOT on a command line. Raises UserError: none is given and none is selected."""
+    if robot is None:
+        selected = current_selection(os.environ)
+        if selected.simulated:
+            raise UserError(
+                error(
+                    "no robot is given, and the selected one is simulated, expected a robot with a computer of its own",
+                    rule="no-robot",
+                    help="ur use ROBOT, or name it; 'ur robots' shows who is there",
+                )
+            )
+        robot = selected.robot
+    name = robot.rpartition("@")[2].removesuffix(".local")
+    return parse_address(robot, find_user(name, records_folder(os.environ)))

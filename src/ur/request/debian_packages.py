@@ -1,0 +1,66 @@
+"""Debian packages that only some programs need, installed when one of those is started first."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Sequence
+
+from ur.request.python_packages import run_installer
+from ur.source.diagnostic import UserError, error
+
+_APT = ("apt-get", "-q", "-o", "DPkg::Lock::Timeout=300")
+
+
+def install_debian(alternatives: Sequence[Sequence[str]], title: str, *, ask: bool = True) -> None:
+    """Install the first set of Debian packages unless one of the sets is installed already.
+
+    `title` says what that is, for people. With `ask` sudo may ask for a password on the terminal. A system without dpkg
+    is left alone. Raises UserError: the packages could not be installed, or nobody may.
+    """
+    if shutil.which("dpkg-query") is None or any(not list_missing(names) for names in alternatives):
+        return
+    missing = list_missing(alternatives[0])
+    command = "apt-get install " + " ".join(missing)
+    root = _become_root(missing, command, ask=ask)
+    sys.stderr.write(f"installing {title}: Debian packages {' '.join(missing)}, once ...\n")
+    install = [*root, *_APT, "install", "-y", "--no-install-recommends", *missing]
+    settings = f"apt's sources, or try it by hand: sudo {command}"
+    try:
+        run_installer(install, " ".join(missing), settings)
+    except UserError:  # the package lists may be old, or not there at all
+        sys.stderr.write("fetching new package lists ...\n")
+        run_installer([*root, *_APT, "update"], "new package lists", settings)
+        run_installer(install, " ".join(missing), settings)
+
+
+def list_missing(names: Sequence[str]) -> list[str]:
+    """List those of the Debian packages that are not installed."""
+    query = ["dpkg-query", "--show", "--showformat=${Package} ${db:Status-Status}\n", *names]
+    done = subprocess.run(query, stdin=subprocess.DEVNULL, capture_output=True, text=True, check=False)
+    installed = {line.removesuffix(" installed") for line in done.stdout.splitlines() if line.endswith(" installed")}
+    return [name for name in names if name not in installed]
+
+
+def _become_root(missing: Sequence[str], command: str, *, ask: bool) -> list[str]:
+    """The words in front of a command that root has to run."""
+    environment = ["env", "DEBIAN_FRONTEND=noninteractive"]
+    if os.geteuid() == 0:
+        return environment
+    sudo = shutil.which("sudo")
+    if sudo is None:
+        raise _refusal(missing, "sudo is not installed", f"as root: {command}")
+    if subprocess.run([sudo, "-n", "true"], stdin=subprocess.DEVNULL, capture_output=True, check=False).returncode:
+        if not ask or not sys.stdin.isatty():
+            raise _refusal(missing, "sudo asks for a password and there is no terminal", f"sudo {command}")
+        sys.stderr.write(f"Debian packages are missing ({' '.join(missing)}): sudo asks for your password\n")
+        if subprocess.run([sudo, "-v"], check=False).returncode:
+            raise _refusal(missing, "sudo was refused", f"ask an administrator to run: {command}")
+    return [sudo, *environment]
+
+
+def _refusal(missing: Sequence[str], reason: str, help_: str) -> UserError:
+    message = f"Debian packages {' '.join(missing)} are missing and could not be installed: {reason}"
+    return UserError(error(message, rule="no-package", help=help_))

@@ -1,0 +1,273 @@
+"""A program on two computers: the robot's nodes as a detached run there, the others here."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
+from types import FrameType
+
+from ur.launchfile.plan.model import Plan
+from ur.launchfile.world.protocol import World
+from ur.request.connection import robot_address
+from ur.request.environment import current_selection
+from ur.request.options import Wishes
+from ur.request.plan_files import Loaded
+from ur.request.share_again import LinkReporter, ShareAgain, examine_robot
+from ur.request.share_messages import describe_end, describe_part, explain_problem
+from ur.robot.record import load_records, records_folder
+from ur.robot.remote_run import ask_part
+from ur.robot.ssh.openssh import STRICT, Address, connect
+from ur.robot.ssh.shell import quote
+from ur.run.record.computer import describe_user, read_computer
+from ur.run.remote.names import describe_names, rename_nodes
+from ur.run.remote.own_clients import clients_folder, list_clients
+from ur.run.remote.protocol import Answer, Client, Request, dump, parse_answer
+from ur.run.remote.share import END_SECONDS
+from ur.run.remote.start import START_SECONDS
+from ur.run.startup.machine_assignment import take_part
+from ur.source.diagnostic import UserError, error
+
+AGAIN_SECONDS = 0.5
+MARGIN = 30.0  # s more than what the robot itself waits for: login and network
+_ALIVE = ("-o", "BatchMode=yes", "-o", "ServerAliveInterval=1", "-o", "ServerAliveCountMax=3")
+_WITH_US = ("setpriv", "--pdeathsig", "TERM", "--")  # it ends when this process does, killed or not
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """A program whose robot's nodes run there. `here` is the rest; `run` is the id of the robot's run, '' for none.
+
+    `client` is the id of this run among those that use the robot's.
+    """
+
+    here: Plan
+    address: Address
+    robot: str
+    run: str
+    detached: bool
+    client: str
+    again: ShareAgain
+
+    def follow(self) -> int:
+        """Show what the robot's run prints until it ends or we are to end; returns the exit code.
+
+        A connection that breaks is made again: the run goes on meanwhile. A detached run is left alone.
+        """
+        if self.detached or not self.run:
+            return 0
+        with _interrupted_by_signals(), LinkReporter(self.robot, self.address.host, _say) as link:
+            try:
+                return self._follow(link)
+            except KeyboardInterrupt:
+                return 0
+
+    def _follow(self, link: LinkReporter) -> int:
+        run, lost = self.run, False
+        while True:
+            code = self._show(run)
+            if code == 255:
+                if not lost:
+                    _say(f"{self.robot}: connection lost; {run} keeps running on the robot; retrying")
+                lost = True
+                link.wait_reachable(AGAIN_SECONDS)
+                continue
+            if not (lost and code and self.again.has_restarted()):
+                return code
+            _say(f"{self.robot} has restarted: its nodes are started again")
+            if problem := self.again.start():
+                _say(f"error: {problem}")
+                return 1
+            if not self.again.run:
+                return 0  # they start with the robot, and are not of this run
+            run, lost = self.again.run, False
+
+    def _show(self, run: str) -> int:
+        # The robot knows by this variable that somebody is still here: see ur.run.remote.signs.
+        line = quote("bash", "-lc", f"UR_CLIENT={quote(self.client)} exec ur attach --plain {quote(run)}")
+        sys.stdout.flush()
+        process = subprocess.Popen(
+            [*_WITH_US, "ssh", *STRICT, *_ALIVE, "--", str(self.address), line],
+            stdin=subprocess.DEVNULL,
+            start_new_session=True,
+        )
+        try:
+            return process.wait()
+        finally:
+            if process.poll() is None:
+                process.terminate()
+                process.wait()
+
+
+@contextmanager
+def start_there(loaded: Loaded, words: Sequence[str], wishes: Wishes, client: str) -> Iterator[Part]:
+    """Start the robot's nodes on the robot, or find them running; leave them with the context.
+
+    They end there when no other computer uses them. A run that is detached here and has no node here goes on.
+    `client` is the id of this run. Raises UserError: no way to the robot, nothing there that could start nodes, no such
+    launch file there.
+    """
+    plan = loaded.plan
+    assert plan is not None
+    was_known = loaded.robot in _list_known()
+    theirs = [node.full_name for node in plan.nodes if node.machine == loaded.robot]
+    address = robot_address(loaded.robot)
+    here = take_part(plan, {node.full_name for node in plan.nodes} - set(theirs))
+    here = replace(here, commands=tuple(each for each in plan.commands if each.command == "dump"))
+    ours = bool(here.nodes) or not wishes.detach
+    names = tuple(node.full_name for node in here.nodes if not _is_anonymous(node.full_name))
+    request = Request(
+        "begin",
+        loaded.robot,
+        (*name_file(words, loaded.files, loaded.world, loaded.robot), *loaded.arguments),
+        choose_options(wishes),
+        tuple(name for name in theirs if not _is_anonymous(name)),
+        f"http://{address.host}:11311",
+        address.host,
+        describe_client(client, names, detached=not ours),
+    )
+    try:
+        answer = _ask(address, request, START_SECONDS)
+    except KeyboardInterrupt:
+        _end(address, request, loaded.robot)  # it may have started
+        raise
+    if answer.problem:
+        raise explain_problem(loaded.robot, answer.problem)
+    for line in describe_part(loaded.robot, answer, len(theirs)):
+        wishes.say("info", line)
+    for line in describe_names(answer.names):
+        wishes.say("info", line)
+    here = rename_nodes(here, answer.names)
+    final = tuple(answer.names.get(name, name) for name in names)
+    request = replace(request, client=describe_client(client, final, detached=not ours))
+    again = _make_again(address, request, words)
+    try:
+        yield Part(here, address, loaded.robot, answer.run, wishes.detach, client, again)
+    finally:
+        again.close()
+        if ours and (answer.run or answer.running):
+            _end(address, request, find_new_name(loaded.robot) if was_known else loaded.robot)
+
+
+def describe_client(client: str, nodes: tuple[str, ...], *, detached: bool) -> Client:
+    """This run as a client of the robot's."""
+    computer = read_computer()
+    name = computer.host.partition(".")[0]
+    return Client(client, name, describe_user(computer, os.getuid()), os.getpid(), nodes, detached)
+
+
+def _make_again(address: Address, request: Request, words: Sequence[str]) -> ShareAgain:
+    """Make the object that starts the robot's run again after a restart of the robot."""
+
+    def begin() -> tuple[str, str]:
+        answer = _ask(address, request, START_SECONDS)
+        if answer.problem:
+            return "", explain_problem(request.machine, answer.problem).diagnostics[0].message
+        return answer.run, ""
+
+    began = time.clock_gettime(time.CLOCK_BOOTTIME)
+    return ShareAgain(
+        request.machine,
+        lambda: examine_robot(address),
+        begin,
+        lambda: time.clock_gettime(time.CLOCK_BOOTTIME) - began,
+        quote("ur", "launch", *words),
+    )
+
+
+def name_file(words: Sequence[str], files: Sequence[str], world: World, robot: str) -> list[str]:
+    """The words that name the launch file on the robot, too: a package and a file name. Raises UserError."""
+    names = [word for word in words if ":=" not in word]
+    path = Path(files[0])
+    if len(names) >= 2 and path.name == names[1] and names[0] != "-":
+        return names
+    found = next((folder for folder in path.resolve().parents if (folder / "package.xml").is_file()), None)
+    if found is not None and "-" not in names:
+        try:
+            if [Path(each).resolve() for each in world.find_files(found.name, path.name)] == [path.resolve()]:
+                return [found.name, path.name, *names[1:]]
+        except (LookupError, OSError, ValueError):
+            pass
+    raise UserError(
+        error(
+            f"{names[0]}: part of it runs on {robot}, expected a launch file of a package, which {robot} has too",
+            rule="robot-part",
+            help=f"put it into a package in ~/catkin_ws/src; then: ur sync {robot}",
+        )
+    )
+
+
+def choose_options(wishes: Wishes) -> tuple[str, ...]:
+    """The options that count for the robot's nodes as well."""
+    chosen = [word for name in wishes.only for word in ("--only", name)]
+    return (*chosen, *(word for name in wishes.except_ for word in ("--except", name)))
+
+
+def find_new_name(robot: str) -> str:
+    """The name of a robot that has been renamed from this computer since it was known here by `robot`; else that."""
+    selected = current_selection(os.environ)
+    known = _list_known()
+    return selected.robot if robot not in known and selected.robot in known else robot
+
+
+def _list_known() -> set[str]:
+    return {record.name for record in load_records(records_folder(os.environ))}
+
+
+def _ask(address: Address, request: Request, seconds: float) -> Answer:
+    alive = tuple(list_clients(clients_folder(os.environ, os.getuid())))
+    with connect(address) as shell:
+        text = ask_part(shell, dump(replace(request, alive=alive)), seconds + MARGIN)
+    try:
+        return parse_answer(text)
+    except (ValueError, TypeError):
+        raise UserError(
+            error(f"{address.host}: its answer cannot be read: {text[:80]!r}", rule="robot-part", help="ur boot status")
+        ) from None
+
+
+def _end(address: Address, request: Request, robot: str) -> None:
+    """Leave the robot's run; where that fails it keeps running and a line says so. `robot` is its present name."""
+    if robot != request.machine:
+        address = replace(address, host=f"{robot}.local")
+    try:
+        answer = _ask(address, replace(request, action="end"), END_SECONDS)
+        problem = answer.problem.message if answer.problem else ""
+    except UserError as failed:
+        answer, problem = Answer(), failed.diagnostics[0].message.removeprefix(f"{robot}: ")
+    except KeyboardInterrupt:
+        answer, problem = Answer(), "interrupted"
+    for line in describe_end(robot, answer):
+        _say(line)
+    if problem:
+        _say(f"warning: {robot}: its nodes go on there: {problem}\n  help: ur shell {robot} ur stop --all")
+
+
+def _is_anonymous(name: str) -> bool:
+    # Such a name has another host and process in it there: see SystemWorld.make_anonymous.
+    host = os.uname().nodename.replace(".", "_").replace("-", "_")
+    return f"_{host}_{os.getpid()}_" in name
+
+
+@contextmanager
+def _interrupted_by_signals() -> Iterator[None]:
+    def interrupt(_: int, __: FrameType | None) -> None:
+        raise KeyboardInterrupt
+
+    before = {number: signal.signal(number, interrupt) for number in (signal.SIGTERM, signal.SIGHUP)}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+def _say(text: str) -> None:
+    sys.stderr.write(f"{text}\n")
+    sys.stderr.flush()

@@ -1,0 +1,80 @@
+"""What the options of `ur launch` ask for, as values; without click, whose import is a sixth of the start of a run."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from ur.run.clients.protocol import Severity
+    from ur.run.remote.lease import Mode
+
+Query = tuple[str, str | None]
+_PRECEDENCE = (
+    "args",
+    "find-node",
+    "dump-params",
+    "files",
+    "ros-args",
+    "nodes",
+    "dry-run",
+    "dump",
+)  # as roslaunch's main
+
+
+@dataclass(slots=True)
+class Wishes:
+    """The options of the command line, as click found them."""
+
+    core: bool = False
+    local: bool = False
+    part: str | None = None  # only the nodes of this machine, which is this computer
+    runs_already: Sequence[str] = ()  # nodes of that part that are not to be started again
+    verbose: bool = False
+    screen: bool = False
+    log: bool = False
+    required: bool = False
+    wait: bool = False
+    port: int | None = None
+    numworkers: int | None = None
+    timeout: float | None = None
+    master_logger_level: str | None = None
+    pid: str | None = None
+    sigint_timeout: float | None = None
+    sigterm_timeout: float | None = None
+    only: Sequence[str] = ()
+    except_: Sequence[str] = ()
+    prefix: Sequence[str] = ()
+    debug: Sequence[str] = ()
+    detach: bool = False
+    plain: bool = False
+    calm: bool = False
+    json: bool = False
+    timeout_ready: float = 30.0
+    respawn_limit: int | None = None
+    timings: bool = False
+    watch: bool = False  # these three: how to begin where somebody else drives the robot
+    ask: bool = False
+    take_over: bool = False
+    unattended: bool = False
+    replace: bool = False
+    report: str | None = None  # a file for what goes wrong before it runs, as JSON
+    queries: Sequence[Query] = field(default=())
+    notes: list[tuple[Severity, str]] = field(default_factory=list)  # what was said so far, for the interface's log
+
+    @property
+    def mode(self) -> Mode:
+        """The conduct that the options ask for where another client drives the robot."""
+        return "watch" if self.watch else "ask" if self.ask else "take" if self.take_over else "drive"
+
+    def say(self, severity: Severity, text: str) -> None:
+        """Tell people something before anything starts."""
+        self.notes.append((severity, text))
+        sys.stderr.write(f"{text}\n")
+
+
+def choose_query(queries: Sequence[Query]) -> Query | None:
+    """The question that is answered, where roslaunch allows several; None without one."""
+    return min(queries, key=lambda query: _PRECEDENCE.index(query[0]), default=None)

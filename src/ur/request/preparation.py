@@ -1,0 +1,175 @@
+"""Requirements of the launch library's programs, satisfied before a run starts anything.
+
+Their heads say it, below `##Summary:` and `##Overview:`:
+
+    ##Python: vision.lock: cv2 gtsam: OpenCV and gtsam (110 MB)
+    ##Debian: camera_needed: libegl1 libgl1-mesa-dri | libosmesa6: OpenGL for the simulated camera (41 MB)
+    ##File: map_file: read_only_map: a map of fiducials: drive once with 'ur run fiducial_slam', which builds it
+
+The first names a lock file, the modules that it holds and what people call them: where one is missing it is installed.
+The second names a private parameter that says whether the Debian packages are needed, alternative sets of packages, and
+what people call them: where no set is complete the first is installed.
+The third names a private parameter that is the path of a file, another that says whether it has to be there, what the
+file is, and how to come by it.
+RViz is installed likewise where a node of the plan needs it and there is a display; only a view insists on it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Protocol
+
+from ur.launchfile.plan.model import NodeSpec, Plan
+from ur.launchfile.world.protocol import PackageNotFound, World
+from ur.request.debian_packages import install_debian
+from ur.request.environment import PACKAGE
+from ur.request.python_packages import need_all
+from ur.run.startup.node_selection import has_display
+from ur.source.diagnostic import UserError, error
+
+_LOCAL = frozenset({"localhost", "127.0.0.1", "::1"})
+_HEAD = 30  # lines
+_PYTHON, _DEBIAN, _FILE = "##Python:", "##Debian:", "##File:"
+_RVIZ = "RViz (77 MB to download)"
+Install = Callable[[Sequence[str], str, str], None]
+
+
+class InstallDebian(Protocol):
+    """As `install_debian`."""
+
+    def __call__(self, alternatives: Sequence[Sequence[str]], title: str, *, ask: bool = True) -> None:
+        """Install Debian packages."""
+
+
+@dataclass(frozen=True, slots=True)
+class PythonNeed:
+    """Modules that a lock file of this project holds, and their names for people."""
+
+    lock: str
+    modules: tuple[str, ...]
+    title: str
+
+
+@dataclass(frozen=True, slots=True)
+class DebianNeed:
+    """Alternative sets of Debian packages that are needed when the private parameter `condition` is true."""
+
+    condition: str
+    alternatives: tuple[tuple[str, ...], ...]
+    title: str
+
+
+@dataclass(frozen=True, slots=True)
+class FileNeed:
+    """A file that the private parameter `path` names has to be there when the parameter `condition` is true."""
+
+    path: str
+    condition: str
+    what: str
+    help: str
+
+
+def prepare(
+    plan: Plan,
+    world: World,
+    install: Install = need_all,
+    install_packages: InstallDebian = install_debian,
+    *,
+    library: Path = PACKAGE,
+    view: bool = False,
+) -> bool:
+    """Install what the plan's programs on this computer lack, and return whether RViz was installed.
+
+    Only programs of the launch library are read, and RViz. Without RViz a `view` cannot start; other programs start all
+    the same, so nobody is asked for a password then. Raises UserError: that failed, or a file is missing.
+    """
+    parameters = {each.name: each.value for each in plan.params}
+    wanted: dict[str, PythonNeed] = {}
+    packages: dict[tuple[tuple[str, ...], ...], str] = {}
+    for node, executable in _local_programs(plan, world, library):
+        for need in read_needs(executable):
+            if isinstance(need, PythonNeed):
+                known = wanted.get(need.lock)
+                modules = tuple(dict.fromkeys((*(known.modules if known else ()), *need.modules)))
+                longest = max((need.title, known.title if known else ""), key=len)
+                wanted[need.lock] = PythonNeed(need.lock, modules, longest)
+            elif parameters.get(f"{node.full_name}/{need.condition}") is not True:
+                continue
+            elif isinstance(need, DebianNeed):
+                packages[need.alternatives] = need.title
+            else:
+                _check_file(node, str(parameters.get(f"{node.full_name}/{need.path}", "")), need)
+    for each in wanted.values():
+        install(each.modules, each.lock, each.title)
+    for alternatives, title in packages.items():
+        install_packages(alternatives, title)
+    if not needs_rviz(plan, world):
+        return False
+    try:
+        install_packages([["rviz"]], _RVIZ, ask=view)
+    except UserError:
+        if view:
+            raise
+        return False  # the run reports that RViz is left out, and how to install it
+    return True
+
+
+def needs_rviz(plan: Plan, world: World) -> bool:
+    """Determine whether the plan has a node of RViz for this computer, which has a display and no RViz."""
+    if not has_display(world.environment) or not any(node.package == "rviz" for node in _local_nodes(plan)):
+        return False
+    try:
+        world.find_package("rviz")
+    except PackageNotFound:
+        return True
+    return False
+
+
+def read_needs(program: Path) -> tuple[PythonNeed | DebianNeed | FileNeed, ...]:
+    """Read what a program's head names; nothing where it cannot be read.
+
+    Raises ValueError for a line with too few parts.
+    """
+    try:
+        with program.open(encoding="utf-8", errors="replace") as file:
+            lines = [line.strip() for line, _ in zip(file, range(_HEAD), strict=False)]
+    except OSError:
+        return ()
+    needs: list[PythonNeed | DebianNeed | FileNeed] = []
+    for line in lines:
+        if line.startswith(_PYTHON):
+            lock, modules, title = (part.strip() for part in line.removeprefix(_PYTHON).split(":", 2))
+            needs.append(PythonNeed(lock, tuple(modules.split()), title))
+        elif line.startswith(_DEBIAN):
+            condition, names, title = (part.strip() for part in line.removeprefix(_DEBIAN).split(":", 2))
+            needs.append(DebianNeed(condition, tuple(tuple(each.split()) for each in names.split("|")), title))
+        elif line.startswith(_FILE):
+            path, condition, what, how = (part.strip() for part in line.removeprefix(_FILE).split(":", 3))
+            needs.append(FileNeed(path, condition, what, how))
+    return tuple(needs)
+
+
+def _local_nodes(plan: Plan) -> Iterator[NodeSpec]:
+    addresses = {machine.name: machine.address for machine in plan.machines}
+    for node in plan.nodes:
+        if node.machine is None or addresses.get(node.machine) in _LOCAL:
+            yield node
+
+
+def _local_programs(plan: Plan, world: World, library: Path) -> Iterator[tuple[NodeSpec, Path]]:
+    for node in _local_nodes(plan):
+        if node.package != library.name:
+            continue
+        try:
+            found = world.find_executables(node.package, node.type)
+        except PackageNotFound:
+            continue
+        yield from ((node, Path(path)) for path in found[:1])
+
+
+def _check_file(node: NodeSpec, path: str, need: FileNeed) -> None:
+    if path and not Path(path).expanduser().is_file():
+        message = f"{node.full_name}: {path} is not there, expected {need.what}"
+        raise UserError(error(message, rule="no-file", help=need.help))

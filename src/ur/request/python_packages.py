@@ -1,0 +1,101 @@
+"""Python packages that only some verbs and programs need, installed when one of those is used first."""
+
+from __future__ import annotations
+
+import fcntl
+import importlib
+import subprocess
+import sys
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from importlib.util import find_spec
+from pathlib import Path
+
+from ur.request.environment import REPOSITORY
+from ur.source.diagnostic import UserError, error
+from ur.source.progress_line import show_progress
+
+_PROBLEM = ("ERROR", "E: ")  # of pip, of apt-get
+
+
+def need(module: str, lock: str) -> None:
+    """Make sure that a module is there: install the lock file that holds it. Raises UserError when that fails."""
+    need_all([module], lock, f"what {lock} holds")
+
+
+def need_all(
+    modules: Sequence[str], lock: str, title: str, *, folder: Path = REPOSITORY, pip: Sequence[str] = ()
+) -> None:
+    """Make sure that modules are there: install the lock file that holds them. Raises UserError when that fails.
+
+    `title` says what that is, for people. Two that want the same at once wait for one another. A terminal shows what
+    goes on. `pip` is the command to install with, pip of the running Python unless given.
+    """
+    if all(map(find_spec, modules)):
+        return
+    with _turn(folder / ".cache" / "on_demand.lock"):
+        importlib.invalidate_caches()  # whoever had the turn before may have installed it
+        missing = [module for module in modules if find_spec(module) is None]
+        if missing:
+            path = folder / "requirements" / lock
+            sys.stderr.write(f"installing {title}, once ...\n")
+            command = [*(pip or (sys.executable, "-I", "-m", "pip")), *_words(path)]
+            run_installer(command, " and ".join(missing), "pip's settings (pip config list)")
+            importlib.invalidate_caches()
+
+
+def _words(path: Path) -> list[str]:
+    return [
+        *("install", "--disable-pip-version-check", "--progress-bar", "off", "--require-hashes"),
+        *("--only-binary", ":all:", "-r", str(path)),
+    ]
+
+
+def run_installer(command: Sequence[str], missing: str, settings: str) -> None:
+    """Run pip or apt-get, with its progress on a terminal. Raises UserError when it fails.
+
+    `missing` is what it installs; `settings`, where people find out why that failed.
+    """
+    help_ = f"check the network and {settings}, then run this again"
+    began = time.monotonic()
+    try:
+        process = subprocess.Popen(
+            command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+        )
+    except OSError as problem:
+        raise _failure(missing, str(problem), help_) from None
+    said: list[str] = []
+    assert process.stdout is not None
+    with process, show_progress(f"installing {missing}") as progress:
+        try:
+            for line in filter(None, map(str.strip, process.stdout)):
+                said.append(line)
+                progress(line)
+        except KeyboardInterrupt:
+            process.terminate()
+            raise
+    if process.returncode:
+        problems = [line for line in said if line.startswith(_PROBLEM)]
+        reason = (problems or said or [f"exit code {process.returncode} of {command[0]}"])[-1]
+        raise _failure(missing, reason.removeprefix("ERROR: ").removeprefix("E: "), help_)
+    sys.stderr.write(f"installed in {time.monotonic() - began:.0f} s\n")
+
+
+def _failure(missing: str, reason: str, help_: str) -> UserError:
+    return UserError(error(f"{missing} could not be installed: {reason}", rule="no-package", help=help_))
+
+
+@contextmanager
+def _turn(path: Path) -> Iterator[None]:
+    """Alone in this for as long as it takes. Raises UserError where the file cannot be written."""
+    try:
+        path.parent.mkdir(exist_ok=True)
+        file = path.open("w")
+    except OSError as problem:
+        reason = (problem.strerror or str(problem)).lower()
+        message = f"{path}: {reason}, expected a copy of this project that is yours to write to"
+        raise UserError(error(message, rule="no-package", help="git clone it into your home folder")) from None
+    with file:
+        fcntl.flock(file, fcntl.LOCK_EX)
+        yield

@@ -1,0 +1,194 @@
+"""roslaunch's questions about a launch file, and two of our own: answered from the plan, nothing is started.
+
+The answers are about the shell that asks, as roslaunch's are: of the selection they take arguments only.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import sys
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
+
+from ur.launchfile.plan.load import load_plan
+from ur.launchfile.plan.model import NodeSpec, Plan
+from ur.launchfile.plan.names import join_names
+from ur.launchfile.query.items import all_nodes, find_node_file, list_files, list_nodes
+from ur.launchfile.syntax.parse import parse_launch_file
+from ur.launchfile.world.system import SystemWorld
+from ur.request.environment import PACKAGE
+from ur.request.plan_files import localisation_argument, read_file_words
+from ur.robot.selection import Selection
+from ur.source.diagnostic import Diagnostic, Severity, UserError, error
+from ur.source.suggest import did_you_mean
+
+_ANONYMOUS = re.compile(r"\$\(anon ([^)]*)\)")
+_MASTER = "http://localhost:11311/"  # rosgraph's default
+_NAMESPACE = "ROS_NAMESPACE"
+
+
+class _AsWritten(SystemWorld):
+    """The computer, but `$(anon name)` stays as it is written: so that one can ask for a node by that name."""
+
+    def make_anonymous(self, prefix: str) -> str:
+        """See World."""
+        return f"$(anon {prefix})"
+
+
+def answer(words: Sequence[str], selection: Selection, query: tuple[str, str | None], shell: Mapping[str, str]) -> int:
+    """Print the answer to one question and return the exit code. `shell` is the environment before any selection."""
+    name, node = query
+    world = make_world(shell, anonymous="$(anon " not in (node or ""))
+    if name == "ros-args":
+        return _print_arguments(words, world)
+    plan = _load(words, selection, world)
+    if plan is None:
+        return 1
+    match name:
+        case "nodes":
+            _print(list_nodes(plan))
+        case "files":
+            _print(list_files(plan))
+        case "find-node":
+            _print([find_node_file(plan, resolve_name(node or "", shell))])
+        case "dump-params":
+            print_parameters(plan)
+        case _:
+            found = find_node(plan, resolve_name(node or "", shell))
+            _print([format_command(found, world, shell, given_master(words))])
+    return 0
+
+
+def make_world(shell: Mapping[str, str], *, anonymous: bool) -> SystemWorld:
+    """The computer as a shell sees it; our own package is found also where nothing names it.
+
+    With `anonymous`, `$(anon name)` makes names; else it stays as it is written.
+    """
+    environment = dict(shell)
+    path = environment.get("ROS_PACKAGE_PATH", "")
+    if str(PACKAGE) not in path.split(os.pathsep):
+        environment["ROS_PACKAGE_PATH"] = f"{path}{os.pathsep}{PACKAGE}"
+    kind = SystemWorld if anonymous else _AsWritten
+    return kind(environment, standard_input=lambda: sys.stdin.buffer.read())
+
+
+def print_parameters(plan: Plan) -> None:
+    """The parameters as YAML; runs the programs that print some of them. Raises UserError when one fails."""
+    from ur.launchfile.plan.commands import run_command, run_commands
+    from ur.launchfile.query.items import dump_params
+
+    known = len(plan.diagnostics)
+    plan = run_commands(plan, run_command)
+    if plan.diagnostics[known:]:
+        raise UserError(*plan.diagnostics[known:])
+    sys.stdout.write(dump_params(plan))
+
+
+def find_node(plan: Plan, name: str) -> NodeSpec:
+    """The node or test with this name, with or without leading slash. Raises UserError: did you mean, or two tests."""
+    full = name if name.startswith(("/", "$")) else "/" + name
+    found = [node for node in all_nodes(plan) if node.name and full in (node.full_name, node.name)]
+    if len(found) == 1:
+        return found[0]
+    if found:
+        raise UserError(error(f"{len(found)} tests are named {full}, expected names to differ", rule="duplicate-node"))
+    names = list_nodes(plan)
+    near = did_you_mean(full, names)
+    raise UserError(
+        error(
+            f"node {name!r} is not in this launch file, expected one of {', '.join(names) or '(none)'}",
+            rule="unknown-node",
+            help=f"did you mean {near}?" if near else None,
+        )
+    )
+
+
+def format_command(node: NodeSpec, world: SystemWorld, shell: Mapping[str, str], master: str | None = None) -> str:
+    """What `roslaunch --args NODE` prints: variables in double quotes, then the words, joined with single spaces."""
+    from ur.run.process.command import find_program
+
+    program = find_program(name_anonymous(node, SystemWorld(shell).make_anonymous), world, 1)
+    changed = changed_variables(node, shell, {"ROS_MASTER_URI": master or shell.get("ROS_MASTER_URI", _MASTER)})
+    return " ".join([*(f'{name}="{value}"' for name, value in changed.items() if value is not None), *program.argv])
+
+
+def changed_variables(
+    node: NodeSpec, shell: Mapping[str, str], more: Mapping[str, str] | None = None
+) -> dict[str, str | None]:
+    """What a node's environment has that the shell's has not, in roslaunch's order; None for a variable that goes."""
+    environment: dict[str, str | None] = {**shell, **(more or {})}
+    environment.pop(_NAMESPACE, None)
+    if node.namespace.rstrip("/"):
+        environment[_NAMESPACE] = node.namespace.removesuffix("/")
+    environment.update(node.env)
+    if _NAMESPACE in shell:
+        environment.setdefault(_NAMESPACE, None)
+    return {name: value for name, value in environment.items() if value != shell.get(name)}
+
+
+def name_anonymous(node: NodeSpec, make: Callable[[str], str]) -> NodeSpec:
+    """The node with a name for each `$(anon ...)` in its name and arguments, the same for the same."""
+    made: dict[str, str] = {}
+
+    def name(match: re.Match[str]) -> str:
+        return made.setdefault(match[1], make(match[1]))
+
+    return replace(node, name=_ANONYMOUS.sub(name, node.name), args=_ANONYMOUS.sub(name, node.args))
+
+
+def resolve_name(name: str, shell: Mapping[str, str]) -> str:
+    """A node's full name from what was typed: in ROS_NAMESPACE, as roslaunch has it; `$(anon ...)` stays."""
+    if name.startswith("$"):
+        return name
+    namespace = "/" + shell.get(_NAMESPACE, "").strip("/")
+    return join_names("/roslaunch", name[1:]) if name.startswith("~") else join_names(namespace, name)
+
+
+def given_master(words: Sequence[str]) -> str | None:
+    """The `__master:=URI` among the words."""
+    return next((word.split(":=", 1)[1] for word in words if word.startswith("__master:=")), None)
+
+
+def show_findings(findings: Iterable[Diagnostic]) -> None:
+    """Print findings for people on standard error."""
+    shown = list(findings)
+    if shown:
+        from ur.source.render import render_human, shows_colour
+
+        sys.stderr.write(render_human(shown, colour=shows_colour(sys.stderr)))
+        sys.stderr.flush()
+
+
+def _load(words: Sequence[str], selection: Selection, world: SystemWorld) -> Plan | None:
+    # None when roslaunch would refuse to answer. It does not look whether machines are defined.
+    read = read_file_words(words, world, selection, here=True)
+    arguments = [*read.arguments, *localisation_argument(read.files, read.declared, read.arguments)]
+    plan = load_plan(read.files, arguments, world)
+    show_findings(plan.diagnostics)
+    refused = any(each.severity is Severity.ERROR and each.rule != "unknown-machine" for each in plan.diagnostics)
+    return None if refused else plan
+
+
+def _print_arguments(words: Sequence[str], world: SystemWorld) -> int:
+    from ur.launchfile.query.arguments import format_arguments, read_arguments
+
+    read = read_file_words(words, world, None, here=True)
+    files = read.files
+    broken = parse_launch_file(files[-1], world.read_bytes(files[-1])).diagnostics
+    if any(each.severity is Severity.ERROR for each in broken):
+        raise UserError(*broken)
+    # roslaunch shows those of the last file
+    sys.stdout.write(format_arguments(read_arguments(files[-1], read.given, world)))
+    return 0
+
+
+def _print(lines: Iterable[str]) -> None:
+    sys.stdout.write("".join(f"{line if line.isprintable() else _escape(line)}\n" for line in lines))
+    sys.stdout.flush()
+
+
+def _escape(line: str) -> str:
+    from ur.source.printable import printable
+
+    return printable(line)

@@ -1,0 +1,292 @@
+"""Launches beside nodes that run at the master already: join their runs, start what is missing, replace nothing."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Collection, Iterable, Sequence
+from contextlib import ExitStack
+from typing import TYPE_CHECKING
+
+from ur.request.options import Wishes
+from ur.robot.selection import Selection
+from ur.run.join.claims import Definition, read_claims
+from ur.run.join.lock import MasterLock, lock_master
+from ur.run.master.client import Master, parse_master_uri
+from ur.run.record.registry import RunEntry
+from ur.source.diagnostic import Diagnostic, UserError, error
+
+if TYPE_CHECKING:
+    from ur.launchfile.plan.model import Plan
+    from ur.request.plan_files import Loaded
+    from ur.run.join.decision import Decision, Held
+
+_WORLDS = "/n_simulator/worlds/"
+_STOP_SECONDS = 10.0
+_ROBOT_ARGUMENTS = {"robot_base": 0, "robot_variant": 1}  # their places in what `read_facts` returns
+
+
+def begin_launch(words: Sequence[str], wishes: Wishes, stack: ExitStack) -> tuple[MasterLock, list[str]]:
+    """Keep other launches of this user at the same master waiting, as long as `stack` is open or until the release.
+
+    Returns the arguments of the command line, too, with the world of the simulated robot that runs where they leave it
+    open. A robot's share of a run and a mere master wait for nobody.
+    """
+    if wishes.part is not None or wishes.core:
+        return MasterLock(), list(words)
+    uri = find_master_uri(wishes)
+    lock = stack.enter_context(lock_master(uri, os.environ, os.getuid(), lambda text: wishes.say("info", text)))
+    return lock, _follow_robot(words, uri)
+
+
+def find_master_uri(wishes: Wishes) -> str:
+    """The address of the master of a launch."""
+    uri = os.environ["ROS_MASTER_URI"]
+    return uri if wishes.port is None else f"http://{parse_master_uri(uri).host}:{wishes.port}"
+
+
+def _follow_robot(words: Sequence[str], uri: str) -> list[str]:
+    given = {word.partition(":=")[0] for word in words if ":=" in word}
+    if given & {"world", "world_file"}:
+        return list(words)
+    names = [name for entry in _list_runs(uri) if (name := _find_world(entry))]
+    if not names or "-" in words:  # standard input can be read only once
+        return list(words)
+    from ur.launchfile.address import resolve_addresses
+    from ur.launchfile.world.system import SystemWorld
+    from ur.request.plan_files import declared_arguments
+
+    world = SystemWorld(os.environ)
+    declared = declared_arguments(resolve_addresses(words, world), world)
+    return [*words, f"world:={names[0]}"] if "world" in declared else list(words)
+
+
+def join_running(
+    loaded: Loaded, words: Sequence[str], selection: Selection, wishes: Wishes
+) -> tuple[Plan, tuple[RunEntry, ...]]:
+    """The plan without the nodes that run already, and the runs of this user on this computer that it joins.
+
+    Raises UserError: a node would end, the robot that runs is another than the arguments ask for, or every node of this
+    computer runs.
+    """
+    plan, robot = loaded.plan, loaded.robot
+    assert plan is not None
+    ours = [node.full_name for node in plan.nodes if not robot or node.machine != robot]
+    uri = find_master_uri(wishes)
+    entries = {entry.run: entry for entry in _await_stopping(_list_runs(uri), wishes)}
+    held = _find_held(ours, entries.values(), uri, elsewhere=not selection.simulated)
+    if not held:
+        return plan, ()
+    from ur.run.join.decision import decide, find_free_names, leave_out
+    from ur.run.remote.names import rename_nodes
+
+    decision = decide(plan, held)
+    _check_refused(decision, declares_bring_up="bring_up" in _declared(loaded))
+    _check_arguments(loaded, words, decision, uri)
+    if decision.joined and len(decision.joined) == len(ours):
+        raise _explain_nothing_left(decision)
+    owners = tuple(entries[run] for run in dict.fromkeys(each.run for each in decision.joined) if run)
+    for line in describe_join(decision):
+        wishes.say("info", line)
+    _await_owners(owners, wishes)
+    names = find_free_names(
+        [each.name for each in decision.renamed], [*ours, *(name for entry in owners for name in _list_nodes(entry))]
+    )
+    for each in decision.renamed:
+        where = f"in run {each.run}" if each.run else "already"
+        wishes.say("info", f"{each.name} runs {where}, so this one is called {names[each.name]}")
+    return rename_nodes(leave_out(plan, decision), names), owners
+
+
+def describe_join(decision: Decision) -> list[str]:
+    """Say what is joined: 'joining the robot that m_wander.7952 started'."""
+    lines = [
+        f"joining the robot that {run} started" if run else "joining the robot that runs already"
+        for run in dict.fromkeys(each.run for each in decision.base)
+    ]
+    for run in dict.fromkeys(each.run for each in decision.used):
+        names = ", ".join(each.name for each in decision.used if each.run == run)
+        lines.append(f"using {names} of {run}")
+    return lines
+
+
+def _list_runs(uri: str) -> list[RunEntry]:
+    from ur.run.record.computer import read_computer
+    from ur.run.record.registry import list_runs
+
+    runs = list_runs(os.environ, os.getuid(), read_computer())
+    if not runs:
+        return []
+    from ur.run.remote.names import is_same_master
+
+    return [entry for entry in runs if is_same_master(entry.master_uri, uri)]
+
+
+def _await_stopping(entries: Sequence[RunEntry], wishes: Wishes) -> list[RunEntry]:
+    """Those of these runs that go on, once those that are stopping are gone, or take too long."""
+    left = []
+    for entry in entries:
+        from ur.run.remote.local_runs import is_stopping, wait_exit
+
+        if is_stopping(entry):
+            wishes.say("info", f"waiting for the end of {entry.run}, which is stopping")
+            if wait_exit(entry, time.monotonic() + _STOP_SECONDS):
+                continue
+        left.append(entry)
+    return left
+
+
+def _find_world(entry: RunEntry) -> str:
+    claims = read_claims(entry.folder)
+    files = [claims.nodes.get(name, {}).get("param world_file", "") for name in claims.base]
+    path = next(filter(None, files), "")
+    name = path.rpartition(_WORLDS)[2].removesuffix(".yaml")
+    return name if _WORLDS in path and "/" not in name else path
+
+
+def _find_held(names: Collection[str], entries: Iterable[RunEntry], uri: str, *, elsewhere: bool) -> list[Held]:
+    """Those of these nodes that run. With `elsewhere` nodes of other computers are none: ours get other names."""
+    found: dict[str, tuple[str, Definition | None]] = {}
+    for entry in entries:
+        claims = read_claims(entry.folder)
+        running = _list_nodes(entry)
+        found |= {name: (entry.run, claims.nodes.get(name)) for name in names if name in running}
+    rest = [name for name in names if name not in found]
+    found |= dict.fromkeys(_find_foreign(rest, uri, elsewhere=elsewhere), ("", None))
+    if not found:
+        return []
+    from ur.run.join.decision import Held
+
+    return [Held(name, *facts) for name, facts in found.items()]
+
+
+def _list_nodes(entry: RunEntry) -> frozenset[str]:
+    from ur.run.clients.client import RunGone, connect_run
+    from ur.run.remote.local_runs import list_nodes
+
+    try:
+        connect_run(entry.folder).close()
+    except RunGone:
+        return frozenset()
+    return list_nodes(entry) or frozenset(read_claims(entry.folder).nodes)
+
+
+def _find_foreign(names: Sequence[str], uri: str, *, elsewhere: bool) -> list[str]:
+    from ur.run.master.xml_rpc import Refused, Unanswered
+
+    known = parse_master_uri(uri)
+    master = Master(known.uri, known.host, known.port, 1.0)
+    try:
+        live = master.find_live_nodes(names) if names else []
+    except (Unanswered, Refused, ValueError, TypeError):
+        return []
+    if not live or not elsewhere:
+        return live
+    from ur.run.paths import is_local_address
+    from ur.run.remote.names import find_taken
+
+    away = find_taken(live, master, is_local_address)
+    return [name for name in live if name not in away]
+
+
+def _declared(loaded: Loaded) -> tuple[str, ...]:
+    from ur.request.plan_files import declared_arguments
+
+    return declared_arguments(loaded.files, loaded.world) if "-" not in loaded.files else ()
+
+
+def _check_refused(decision: Decision, *, declares_bring_up: bool) -> None:
+    problems: list[Diagnostic] = []
+    for run in dict.fromkeys(each.run for each in decision.refused):
+        names = [each.name for each in decision.refused if each.run == run]
+        of = f" of run {run}" if run else ", which 'ur' has not started here,"
+        stop = f"'ur stop {run}' ends it" if run else f"'rosnode kill {' '.join(names)}' ends what runs"
+        leave = " ".join(f"--except {name}" for name in names)
+        also = ", bring_up:=false leaves the robot out" if declares_bring_up and decision.base else ""
+        problems.append(
+            error(
+                f"{', '.join(names)}{of} would end, expected nodes that do not run yet",
+                rule="node-runs-already",
+                help=f"{stop}; {leave} leaves out what runs{also}; --replace starts it anyway, as roslaunch does",
+            )
+        )
+    if problems:
+        raise UserError(*problems)
+
+
+def _check_arguments(loaded: Loaded, words: Sequence[str], decision: Decision, uri: str) -> None:
+    """Raise UserError for an argument that the running robot contradicts."""
+    given = [word for word in words if ":=" in word]
+    if not decision.base or not given:
+        return
+    run = next((each.run for each in decision.base if each.run), "")
+    robot = f"the robot that {run} started" if run else "the robot that runs already"
+    stop = f"'ur stop {run}' ends that robot" if run else "stop that robot first"
+    problems = [
+        error(
+            f"{argument!r} is not possible: {robot} has {name} {value!r}",
+            rule="robot-runs-already",
+            help=f"{stop}; to join it leave {argument} out, or give bring_up:=false",
+        )
+        for argument, name, value in _list_misfits(loaded, given, decision, uri)
+    ]
+    if problems:
+        raise UserError(*problems)
+
+
+def _list_misfits(loaded: Loaded, given: Sequence[str], decision: Decision, uri: str) -> list[tuple[str, str, str]]:
+    from ur.launchfile.plan.load import load_plan
+    from ur.request.robot_facts import read_facts
+    from ur.run.join.decision import find_misfits
+
+    assert loaded.plan is not None
+    facts = read_facts(uri)
+    found = []
+    varied = {}
+    for word in given:
+        name, _, value = word.partition(":=")
+        if name in _ROBOT_ARGUMENTS:
+            if facts is not None and facts[_ROBOT_ARGUMENTS[name]] != value:
+                found.append((word, name, facts[_ROBOT_ARGUMENTS[name]]))
+            continue
+        rest = [each for each in loaded.arguments if each != word]
+        # Left out it has its default, which may be what was given; with one more digit it is another text or number.
+        varied[word] = [load_plan(loaded.files, more, loaded.world) for more in (rest, [*rest, f"{word}0"])]
+    if found or "-" in loaded.files:
+        return found
+    misfits: dict[str, tuple[str, str, str]] = {}
+    for each in find_misfits(loaded.plan, decision, varied):
+        value = each.value.rpartition("/")[2] if _WORLDS in each.value else each.value
+        name = each.item.removeprefix("param ")
+        misfits.setdefault(each.argument, (each.argument, f"{each.node}/{name}", value))
+    return list(misfits.values())
+
+
+def _explain_nothing_left(decision: Decision) -> UserError:
+    runs = [run for run in dict.fromkeys(each.run for each in decision.joined) if run]
+    names = ", ".join(each.name for each in decision.joined)
+    if not runs:
+        return UserError(
+            error(f"{names} run already, expected a node to start", rule="node-runs-already", help="rosnode list")
+        )
+    return UserError(
+        error(
+            f"everything of this runs already, in {', '.join(runs)}: {names}",
+            rule="node-runs-already",
+            help=f"'ur attach {runs[0]}' shows it, 'ur stop {runs[0]}' ends it; --replace starts it anew",
+        )
+    )
+
+
+def _await_owners(owners: Iterable[RunEntry], wishes: Wishes) -> None:
+    from ur.run.join.owner import await_owner
+
+    for entry in owners:
+        if not await_owner(entry, lambda text: wishes.say("info", text)):
+            raise UserError(
+                error(
+                    f"{entry.run} has ended, or has not started, while this program was to join it",
+                    rule="run-gone",
+                    help="ur ps --ended; then start this program again",
+                )
+            )

@@ -1,0 +1,157 @@
+"""Start a robot's share of a run again after the robot's restart, or say why that cannot be."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+
+from ur.robot.ssh.openssh import Address, connect
+from ur.run.master.client import DEFAULT_PORT, Master
+from ur.run.master.link_monitor import watch_link
+from ur.run.master.xml_rpc import Unanswered
+from ur.run.output.messages import LossLines, describe_link
+from ur.run.supervisor.events import Event, LinkLost, LinkRestored
+from ur.source.diagnostic import UserError
+
+LIMIT = 180.0  # s for a robot to restart and to start its nodes
+MASTER_LIMIT = 30.0  # s for its master alone: whatever keeps one up has started another by then
+PAUSE = 1.0  # s between two tries
+_SCRIPT = """\
+read -r up _ </proc/uptime
+set -- $(sed 's/.*) //' /proc/1/stat)
+echo "$up ${20} $(getconf CLK_TCK) $(systemctl is-system-running 2>/dev/null)"
+"""
+
+
+@dataclass(frozen=True, slots=True)
+class Health:
+    """The time since a robot started (s), whether it is shutting down, and whether a ROS master answers on it."""
+
+    age: float
+    stopping: bool
+    master: bool = False
+
+
+@dataclass(slots=True)
+class ShareAgain:
+    """Starts a share again. `begin` asks the robot for it; returns the id of its run, and '' or why it does not start.
+
+    `examine` and `begin` raise UserError while there is no way to the robot. `age` is that of our own run (s);
+    `command` is what a person types to start everything again.
+    """
+
+    robot: str
+    examine: Callable[[], Health]
+    begin: Callable[[], tuple[str, str]]
+    age: Callable[[], float]
+    command: str
+    run: str = ""  # the id of the run that was started again
+    over: threading.Event = field(default_factory=threading.Event)
+    _busy: threading.Lock = field(default_factory=threading.Lock)
+
+    def start(self) -> str:
+        """Start the share again once the robot has restarted, or has a master again; return '' or what went wrong.
+
+        A master that does not return although the robot did not restart was ended by somebody: it is left at that.
+        """
+        begun = time.monotonic()
+        problem = "it does not answer"
+        while (now := time.monotonic()) < begun + LIMIT and not self.over.is_set():
+            try:
+                health = self.examine()
+                if not health.stopping and (health.master or health.age < self.age()):
+                    problem = self._begin_unless_over()
+                    return self._explain(f"its nodes do not start again: {problem}") if problem else ""
+                problem = "it is shutting down" if health.stopping else "it has no ROS master"
+                if not health.stopping and now >= begun + MASTER_LIMIT:
+                    break
+            except UserError as failed:
+                problem = failed.diagnostics[0].message
+            self.over.wait(PAUSE)
+        return self._explain(f"its nodes were not started again: {problem}")
+
+    def has_restarted(self) -> bool:
+        """Return whether the robot has restarted since our run began. False while the robot does not answer."""
+        try:
+            return self.examine().age < self.age()
+        except UserError:
+            return False
+
+    def close(self) -> None:
+        """Start nothing any more; returns once nothing is being started."""
+        self.over.set()
+        if self._busy.acquire(timeout=LIMIT):
+            self._busy.release()
+
+    def _begin_unless_over(self) -> str:
+        with self._busy:
+            if self.over.is_set():
+                return "the run ends"
+            self.run, problem = self.begin()
+            return problem
+
+    def _explain(self, what: str) -> str:
+        return f"{self.robot}: {what}\n  help: start them again: {self.command}"
+
+
+def examine_robot(address: Address) -> Health:
+    """Examine a robot over ssh. Raises UserError."""
+    with connect(address) as shell:
+        done = shell.run(_SCRIPT, timeout=10.0)
+    return replace(parse_health(done.out), master=_has_master(address.host))
+
+
+def _has_master(host: str) -> bool:
+    try:
+        Master(f"http://{host}:{DEFAULT_PORT}", host, DEFAULT_PORT).get_run_id()
+    except Unanswered:
+        return False
+    return True
+
+
+def parse_health(text: str) -> Health:
+    """Read what the script prints. A robot that says nothing sensible counts as running for ever."""
+    try:
+        uptime, started, rate, *state = text.split()
+        return Health(float(uptime) - float(started) / float(rate), state == ["stopping"])
+    except (ValueError, ZeroDivisionError):
+        return Health(float("inf"), stopping=False)
+
+
+class LinkReporter:
+    """Prints what becomes of the link to a robot while a run is followed that has no nodes here."""
+
+    def __init__(self, robot: str, host: str, say: Callable[[str], None]) -> None:
+        self._robot, self._say = robot, say
+        self._lines = LossLines()
+        self._reachable = threading.Event()
+        self._reachable.set()
+        self._over = threading.Event()
+        master = Master(f"http://{host}:{DEFAULT_PORT}", host, DEFAULT_PORT)
+        self._thread = threading.Thread(target=watch_link, args=(master, self._take, self._over), daemon=True)
+
+    def __enter__(self) -> LinkReporter:
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._over.set()
+
+    def wait_reachable(self, pause: float) -> None:
+        """Wait a little, and then until the robot answers."""
+        time.sleep(pause)
+        while not self._reachable.wait(1.0):
+            pass
+
+    def _take(self, event: Event) -> None:
+        if not isinstance(event, (LinkLost, LinkRestored)):
+            return
+        lost = isinstance(event, LinkLost)
+        if lost:
+            self._reachable.clear()
+        else:
+            self._reachable.set()
+        if self._lines.is_due(event.seconds, lost=lost):
+            self._say(describe_link(self._robot, event.seconds, lost=lost))

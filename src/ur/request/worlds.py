@@ -1,0 +1,141 @@
+"""Worlds and maps that a command line names, checked before anything starts."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from ur.launchfile.plan.model import NodeSpec, Plan
+from ur.request.environment import PACKAGE
+from ur.source.diagnostic import UserError, error
+from ur.worlds.choice import (
+    PATHS,
+    WORLD,
+    explain_missing_map,
+    explain_missing_world,
+    is_path,
+    list_worlds,
+    resolve_paths,
+)
+
+_LOCAL = frozenset({"localhost", "127.0.0.1", "::1"})
+
+
+def resolve_worlds(words: Sequence[str], files: Sequence[str], declared: Sequence[str], robot: str = "") -> list[str]:
+    """Complete the arguments that choose worlds and maps: absolute paths, and where the world says that robots start.
+
+    Launch files of the launch library take every relative path from the working folder; those of others only paths of
+    files that exist. `robot` is the other computer that reads the map, '' where that is this one. Raises UserError for
+    an argument without a value, and for a path of this computer that the other one is to read.
+    """
+    if not any(word.partition(":=")[0] in PATHS for word in words):
+        return list(words)
+    for word in words:
+        name, _, value = word.partition(":=")
+        if name in PATHS and name in declared and not value:
+            expected = f"one of {', '.join(list_worlds(PACKAGE))}, or " if name == WORLD else ""
+            message = f"{name}:= has no value, expected {expected}the path of a YAML file"
+            raise UserError(error(message, rule="bad-argument", help=f"write {name}:=VALUE without a blank"))
+        if name == "map_file" and robot and value and not value.startswith("/"):
+            message = f"{name}:={value} is read on {robot}, expected the absolute path of a file there"
+            help_ = f"copy the map to {robot}, for example with 'ur sync {robot}', and give its path there"
+            raise UserError(error(message, rule="bad-argument", help=help_))
+    own = all(Path(path).is_relative_to(PACKAGE) for path in files)
+    resolved = resolve_paths(words, Path.cwd(), always=own)
+    return [*resolved, *_start_arguments(resolved, declared)]
+
+
+def _start_arguments(words: Sequence[str], declared: Sequence[str]) -> list[str]:
+    given = dict(word.split(":=", 1) for word in words)
+    path = given.get("world_file") or given.get(WORLD, "")
+    names = ("x", "y", "yaw")
+    if not is_path(path) or any(name in given or name not in declared for name in names):
+        return []
+    from ur.worlds.world_file import read_world
+
+    try:
+        start = read_world(path).start
+    except UserError:  # the simulator of the plan decides whether this is a world at all
+        return []
+    return [f"{name}:={value!r}" for name, value in zip(names, start, strict=True)] if any(start) else []
+
+
+def check_worlds(plan: Plan) -> None:
+    """Read the worlds and maps that nodes of the launch library on this computer are given.
+
+    Raises UserError: one does not exist or cannot be used, or the robot would start in a wall.
+    """
+    parameters = {each.name: each.value for each in plan.params}
+    by_fiducials = any(node.package == PACKAGE.name and node.type == "fiducial_slam" for node in plan.nodes)
+    for node in _local_nodes(plan):
+        if node.type == "simulator":
+            path = parameters.get(f"{node.full_name}/world_file")
+            start = [parameters.get(f"{node.full_name}/{name}", 0.0) for name in ("x", "y")]
+            if isinstance(path, str) and path:
+                _check_world(path, [each if isinstance(each, (int, float)) else 0.0 for each in start])
+                if by_fiducials:
+                    _check_fiducials(path)
+        elif node.type == "map_server":
+            _check_map(node)
+
+
+def _check_world(path: str, start: Sequence[float]) -> None:
+    if not Path(path).is_file():
+        raise explain_missing_world(path, PACKAGE)
+    if Path(path).is_relative_to(PACKAGE):
+        return  # those of the launch library are read by its tests
+    from ur.worlds.world_file import read_world
+
+    plan = read_world(path).floor_plan
+    x, y = start
+    if not plan.contains(x, y) or plan.is_occupied(x, y):
+        place = "in a wall of" if plan.contains(x, y) else "outside"
+        raise UserError(
+            error(
+                f"the robot starts at x = {x:g} m, y = {y:g} m, {place} world {Path(path).name!r}; expected free floor",
+                rule="bad-start",
+                help="choose another place with x:=METRES y:=METRES, or change 'origin' in the file",
+            )
+        )
+
+
+def _check_fiducials(path: str) -> None:
+    from ur.worlds.world_file import read_world
+
+    if not read_world(path).fiducials:
+        name = Path(path).name.removesuffix(".yaml")
+        message = f"world {name!r} has no fiducials, expected some for a robot that finds its place by them"
+        help_ = "choose a base with a lidar, for example robot_base:=magni robot_variant:=lidar, or add 'fiducials:'"
+        raise UserError(error(message, rule="no-fiducials", help=help_))
+
+
+def _check_map(node: NodeSpec) -> None:
+    words = _split(node.args)
+    if len(words) != 1 or Path(words[0]).is_relative_to(PACKAGE):
+        return
+    path = Path(words[0])
+    if not path.is_file():
+        raise explain_missing_map(words[0])
+    from ur.source.section import read_section
+    from ur.worlds.floor_plan import parse_floor_plan
+
+    top = read_section(path, "a map file")
+    if top.has("floor_plan") and not top.has("image"):
+        path = path.parent / top.text("floor_plan")
+        top = read_section(path, "a map file")
+    parse_floor_plan(top, path.parent)
+
+
+def _split(text: str) -> list[str]:
+    try:
+        return shlex.split(text)
+    except ValueError:
+        return []
+
+
+def _local_nodes(plan: Plan) -> Iterator[NodeSpec]:
+    addresses = {machine.name: machine.address for machine in plan.machines}
+    for node in plan.nodes:
+        if node.package == PACKAGE.name and (node.machine is None or addresses.get(node.machine) in _LOCAL):
+            yield node

@@ -1,0 +1,210 @@
+"""What watchers are told about a run: its state as events, and what is only looked into while somebody watches."""
+
+from __future__ import annotations
+
+import socket
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
+
+from ur.run.clients.protocol import (
+    LinkChanged,
+    NodeChanged,
+    NodeReadiness,
+    NodeState,
+    NodeStats,
+    Notice,
+    OutputLine,
+    OutputSource,
+    RunCommand,
+    RunEnded,
+    RunEvent,
+    RunStarted,
+    RunStopping,
+    Severity,
+    StatsSampled,
+    Watch,
+    find_severity,
+)
+from ur.run.clients.watchers import Watchers
+from ur.run.process.stats import Usage, read_usage
+from ur.run.supervisor.model import Phase, State, Status, UnitState
+
+SAMPLE_PERIOD = 1.0  # s between two samples of what nodes use
+TAIL_PERIOD = 0.1  # s between two looks into log files
+_NODE_STATES: dict[Status, NodeState] = {
+    Status.WAITING: "waiting",
+    Status.STARTING: "starting",
+    Status.RUNNING: "running",
+    Status.ENDED: "ended",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class NodeFacts:
+    """What does not change about a node: its log file, its executable, and where it is started."""
+
+    log: str
+    program: str
+    folder: str
+
+
+class Watching:
+    """The watchers of one run, and what they know."""
+
+    def __init__(
+        self,
+        started: RunStarted,
+        listener: socket.socket | None,
+        facts: Mapping[str, NodeFacts],
+        read_back: Callable[[bool], None],
+        state: State,
+        now: float,
+    ) -> None:
+        """`facts` are by the names of units; `read_back(anew)` tells new lines of logs, or begins to."""
+        self._started = started
+        self._facts = facts
+        self._read_back = read_back
+        self._state = state
+        self._now = now
+        self._readiness: dict[str, tuple[str, ...]] = {}
+        self._link: LinkChanged | None = None  # while it is lost
+        self._wanted = Watch()
+        self._usage: tuple[float, dict[str, Usage]] = (0.0, {})
+        self._next_sample: float | None = None
+        self._next_tail: float | None = None
+        self.watchers = Watchers(listener, self._describe)
+
+    @property
+    def wants_readiness(self) -> bool:
+        """Whether somebody wants to know which nodes are up."""
+        return self._wanted.readiness
+
+    @property
+    def due(self) -> float | None:
+        """When `work` has something to do."""
+        return min((time for time in (self._next_sample, self._next_tail) if time is not None), default=None)
+
+    def note_state(self, state: State, now: float) -> None:
+        """Tell what has changed."""
+        before, self._state, self._now = self._state, state, now
+        for old, new in zip(before.units, state.units, strict=True):
+            if old is not new:
+                self._note_unit(old, new)
+        if before.phase is not state.phase and state.phase is Phase.STOPPING_NODES:
+            self.watchers.publish(RunStopping(state.cause or ""))
+
+    def note_readiness(self, name: str, missing: tuple[str, ...]) -> None:
+        """Tell whether a node is up (nothing missing), where that is new."""
+        if self._readiness.get(name) == missing:
+            return
+        self._readiness[name] = missing
+        self.watchers.publish(NodeReadiness(name, not missing, missing))
+
+    def is_ready(self, name: str) -> bool:
+        """Whether a node is known to be up."""
+        return self._readiness.get(name) == ()
+
+    def tell_output(self, name: str, source: OutputSource, text: str) -> None:
+        """Tell a line that a node printed."""
+        if self._wanted.output:
+            self.watchers.publish(OutputLine(name, source, find_severity(text), text))
+
+    def tell_notice(self, severity: Severity, text: str) -> None:
+        """Tell what the run has to say."""
+        self.watchers.publish(Notice(severity, text))
+
+    def tell_link(self, robot: str, seconds: float, *, lost: bool) -> None:
+        """Tell how the link to the robot is."""
+        news = LinkChanged(robot, lost, round(seconds, 1))
+        self._link = news if lost else None
+        self.watchers.publish(news)
+
+    def attend(self, descriptor: int, now: float) -> list[RunCommand]:
+        """Somebody came, went, asked or can be written to; returns what was asked for."""
+        asked = self.watchers.attend(descriptor)
+        self.follow_wishes(now)
+        return asked
+
+    def follow_wishes(self, now: float) -> None:
+        """Begin and end what is only done while somebody wants it."""
+        before, self._wanted = self._wanted, self.watchers.wanted()
+        if self._wanted.output != before.output:
+            self._next_tail = now if self._wanted.output else None
+            if self._wanted.output:
+                self._read_back(True)
+        if self._wanted.stats != before.stats:
+            self._next_sample = now if self._wanted.stats else None
+            self._usage = (now, {})
+
+    def work(self, now: float) -> None:
+        """Sample and read back what is due."""
+        if self._next_tail is not None and now >= self._next_tail:
+            self._read_back(False)
+            self._next_tail = now + TAIL_PERIOD
+        if self._next_sample is not None and now >= self._next_sample:
+            self._sample(now)
+            self._next_sample = now + SAMPLE_PERIOD
+
+    def end(self, exit_code: int, limit: float = 1.0) -> None:
+        """Tell the end and let everyone go."""
+        if self._wanted.output:
+            self._read_back(False)
+        self.watchers.publish(RunEnded(exit_code))
+        self.watchers.close(limit)
+
+    def _note_unit(self, old: UnitState, new: UnitState) -> None:
+        name = new.unit.name
+        if not new.alive or old.pid != new.pid:
+            self._readiness.pop(name, None)
+        self.watchers.publish(self._describe_unit(new))
+
+    def _describe(self) -> Iterable[RunEvent]:
+        yield replace(self._started)
+        for each in self._state.units:
+            yield self._describe_unit(each)
+        for name, missing in self._readiness.items():
+            yield NodeReadiness(name, not missing, missing)
+        if self._link is not None:
+            yield self._link
+        if self._state.cause is not None:
+            yield RunStopping(self._state.cause)
+
+    def _describe_unit(self, each: UnitState) -> NodeChanged:
+        state = _NODE_STATES[each.status]
+        facts = self._facts.get(each.unit.name, NodeFacts("", "", ""))
+        stopping = each.alive and (each.wish is not None or self._state.cause is not None)
+        return NodeChanged(
+            name=each.unit.name,
+            state="stopping" if stopping else state,
+            pid=each.pid,
+            exit_code=each.exit.code if each.exit else None,
+            signal=each.exit.signal if each.exit else None,
+            restarts=each.restarts,
+            restart_in=None if each.due is None else max(0.0, each.due - self._now),
+            reason=each.reason,
+            held=each.held,
+            core=each.unit.core,
+            required=each.unit.required,
+            log=facts.log,
+            program=facts.program,
+            folder=facts.folder,
+        )
+
+    def _sample(self, now: float) -> None:
+        pids = {each.unit.name: each.pid for each in self._state.units if each.pid is not None}
+        then, before = self._usage
+        usage = read_usage(pids)
+        self._usage = (now, usage)
+        passed = max(now - then, 1e-3)
+        self.watchers.publish(
+            StatsSampled(
+                tuple(
+                    NodeStats(
+                        name,
+                        round(max(0.0, found.cpu - before[name].cpu) / passed, 3) if name in before else 0.0,
+                        found.memory,
+                    )
+                    for name, found in usage.items()
+                )
+            )
+        )

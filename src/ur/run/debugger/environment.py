@@ -1,0 +1,149 @@
+"""What there is to debug with on this computer: looked up, then decided upon by `ur.run.debugger.choice`."""
+
+from __future__ import annotations
+
+import glob
+import importlib.util
+import os
+import shutil
+import socket
+import subprocess
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+
+from ur.run.debugger import pane as debug_pane
+from ur.run.debugger.attach import Looked
+from ur.run.debugger.choice import Surroundings, Target, find_kind
+from ur.run.debugger.core_dump import CoreRules, belongs_to, explain_no_core, plan_search
+
+_USES_PID = "/proc/sys/kernel/core_uses_pid"
+_HEAD = 1 << 20  # bytes of a core file: its notes come first
+_PTRACE_SCOPE = "/proc/sys/kernel/yama/ptrace_scope"  # 0: any process of the same user, ptrace(2)
+
+
+def look_around(environment: Mapping[str, str], *, terminal: bool, python: str = "") -> Surroundings:
+    """What is there. `python` is the interpreter whose modules count, '' for that of this project."""
+    path = environment.get("PATH")
+    tools = {name for name in ("gdb", "xterm") if shutil.which(name, path=path)}
+    tools |= _find_modules(python or sys.executable, ("pudb", "debugpy"))
+    return Surroundings(
+        terminal=terminal,
+        tmux=bool(environment.get("TMUX")) and shutil.which("tmux", path=path) is not None,
+        display=bool(environment.get("DISPLAY")),
+        tools=frozenset(tools),
+        may_attach=os.geteuid() == 0 or _read(_PTRACE_SCOPE).strip() in ("", "0"),
+        python=sys.executable,
+        pane_program=debug_pane.__file__,
+    )
+
+
+def look_at_program(name: str, path: str) -> Target:
+    """What kind of program a node is."""
+    try:
+        with Path(path).open("rb") as file:
+            kind, interpreter = find_kind(file.read(4096))
+    except OSError:
+        kind, interpreter = "script", ""
+    return Target(name, kind, interpreter or "python3")
+
+
+def look_at_node(name: str, program: str, folder: str, pid: int | None, run_pid: int) -> Looked:
+    """What is known of a node: whether its process runs, what that runs, and where a crash left its core file.
+
+    `folder` is where it is started, `run_pid` the supervisor, whose limits nodes have. Raises PermissionError when the
+    process is somebody else's.
+    """
+    target = look_at_program(name, program)
+    if pid is not None:
+        try:
+            return Looked(target, program, pid, os.readlink(f"/proc/{pid}/exe"))  # noqa: PTH115 - a magic link
+        except FileNotFoundError:
+            pass  # it has just ended
+    if target.kind != "binary":
+        return Looked(target, program)
+    core, why = find_core(os.path.realpath(program), folder, read_core_rules(run_pid))
+    return Looked(target, program, None, "", core, why)
+
+
+def read_core_rules(pid: int) -> CoreRules:
+    """What the system does with core files of a process and its children."""
+    limit: int | None = None
+    for line in _read(f"/proc/{pid}/limits").splitlines():
+        if line.startswith("Max core file size"):
+            soft = line.split()[4]
+            limit = int(soft) if soft.isdigit() else None
+    return CoreRules(_read("/proc/sys/kernel/core_pattern"), _read(_USES_PID).strip() == "1", limit)
+
+
+def find_core(program: str, folder: str, rules: CoreRules) -> tuple[tuple[str, ...], str]:
+    """The command that opens the newest core file of a program (its real path) in gdb; () and why there is none."""
+    names = plan_search(rules, program, folder)
+    if names.keeper == "coredumpctl":
+        if _coredumpctl_has(program):
+            return ("coredumpctl", "debug", program), ""
+        return (), explain_no_core(rules, names, folder)
+    found = [path for pattern in names.patterns for path in glob.glob(pattern)]  # noqa: PTH207 - absolute patterns
+    for path in sorted(found, key=_age):
+        if belongs_to(_read_head(path), program):
+            return ("gdb", "-q", program, path), ""
+    return (), explain_no_core(rules, names, folder)
+
+
+def find_free_port(first: int = 5678) -> int:
+    """A port that nobody listens on now, debugpy's usual one first."""
+    for port in (first, 0):
+        with socket.socket() as probe:
+            try:
+                probe.bind(("localhost", port))
+            except OSError:
+                continue
+            found: int = probe.getsockname()[1]
+            return found
+    return first
+
+
+def _find_modules(python: str, names: tuple[str, ...]) -> set[str]:
+    """List the modules that an interpreter has; ours is asked without starting it."""
+    if python == sys.executable:
+        return {name for name in names if importlib.util.find_spec(name) is not None}
+    words = [python, "-c", f"import importlib.util as u; print(*(n for n in {names!r} if u.find_spec(n)))"]
+    try:
+        done = subprocess.run(  # in the root folder: it would import what lies in the current one
+            words, stdin=subprocess.DEVNULL, capture_output=True, timeout=20, check=False, text=True, cwd="/"
+        )
+    except (OSError, subprocess.TimeoutExpired):
+        return set()
+    return set(done.stdout.split())
+
+
+def _coredumpctl_has(program: str) -> bool:
+    words = ["coredumpctl", "--no-pager", "-q", "list", program]
+    try:
+        done = subprocess.run(words, stdin=subprocess.DEVNULL, capture_output=True, timeout=20, check=False, text=True)
+    except (OSError, subprocess.TimeoutExpired):
+        return False
+    last = done.stdout.strip().splitlines()[-1:]
+    return bool(last) and " present" in last[0]
+
+
+def _age(path: str) -> float:
+    try:
+        return -os.stat(path).st_mtime  # noqa: PTH116 - glob gives texts
+    except OSError:
+        return 0.0
+
+
+def _read_head(path: str) -> bytes:
+    try:
+        with open(path, "rb") as file:  # noqa: PTH123 - glob gives texts
+            return file.read(_HEAD)
+    except OSError:
+        return b""
+
+
+def _read(path: str) -> str:
+    try:
+        return Path(path).read_text(encoding="ascii")
+    except OSError:
+        return ""

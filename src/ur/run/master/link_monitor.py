@@ -1,0 +1,112 @@
+"""Watch over the network link to a robot and over the robot's master: what a run on another computer depends on.
+
+`step_link` is pure; `watch_link` is the shell around it, in a thread of its own.
+"""
+
+from __future__ import annotations
+
+import socket
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from threading import Event as Flag
+
+from ur.robot.addresses import Addresses
+from ur.run.master.client import Master
+from ur.run.master.xml_rpc import Refused, Unanswered
+from ur.run.supervisor.events import Event, LinkLost, LinkRestored, MasterGone, MasterReplaced, MasterReturned
+
+PERIOD = 0.3  # s between two questions
+LOST_AFTER = 1.0  # s without a word from the robot, after which the link is lost
+GONE_AFTER = 3.0  # s in which the robot says that no master runs, after which the master is gone
+LONGEST_QUESTION, SHORTEST_QUESTION = 0.5, 0.2  # s for an answer
+
+
+@dataclass(frozen=True, slots=True)
+class Word:
+    """An answer of the robot: its master's process and run id. `pid` None: the robot says that no master runs."""
+
+    pid: int | None
+    run_id: str = ""
+
+
+BUSY = Word(-1)  # the robot takes connections, and its master is slow
+
+
+@dataclass(frozen=True, slots=True)
+class LinkState:
+    """`last` is when the robot gave a word; `master` is who answered last; `refused` since when no master runs."""
+
+    last: float
+    lost: bool = False
+    master: Word | None = None
+    refused: float | None = None
+
+
+def step_link(state: LinkState, word: Word | None, now: float) -> tuple[LinkState, tuple[Event, ...]]:
+    """Return the state and the events that follow from an answer, or from none (None)."""
+    if word is None:
+        silent = now - state.last
+        if silent < LOST_AFTER:
+            return state, ()
+        return replace(state, lost=True, refused=None), (LinkLost(silent),)
+    events: list[Event] = [LinkRestored(now - state.last)] if state.lost else []
+    state = replace(state, last=now, lost=False)
+    if word is BUSY:
+        return state, tuple(events)
+    if word.pid is None:
+        since = now if state.refused is None else state.refused
+        if now - since >= GONE_AFTER:
+            events.append(MasterGone(now - since))
+        return replace(state, refused=since), tuple(events)
+    if state.master is not None and is_another(state.master, word):
+        events.append(MasterReplaced())
+    elif state.refused is not None and now - state.refused >= GONE_AFTER:
+        events.append(MasterReturned())
+    return replace(state, master=word, refused=None), tuple(events)
+
+
+def is_another(before: Word, now: Word) -> bool:
+    """Return whether another master answers: one with another process, or another run id, as after a restart."""
+    return before.pid != now.pid or bool(before.run_id and now.run_id and before.run_id != now.run_id)
+
+
+def choose_limit(state: LinkState, now: float) -> float:
+    """Choose the time (s) to wait for the next answer, so that a loss is noticed in time."""
+    if state.lost:
+        return LONGEST_QUESTION
+    return min(LONGEST_QUESTION, max(SHORTEST_QUESTION, state.last + LOST_AFTER - now))
+
+
+def watch_link(master: Master, tell: Callable[[Event], None], over: Flag) -> None:
+    """Ask a robot and its master until `over`, and tell what happens to them."""
+    addresses = Addresses()
+    state = LinkState(time.monotonic())
+    heard = True
+    while not over.wait(PERIOD if heard else 0.0):
+        word, now = _ask(master, addresses, choose_limit(state, time.monotonic()), over)
+        heard = word is not None
+        state, events = step_link(state, word, now)
+        for event in events:
+            tell(event)
+
+
+def _ask(master: Master, addresses: Addresses, limit: float, over: Flag) -> tuple[Word | None, float]:
+    """Return the robot's answer within a limit (s), and the time when it was reachable or given up."""
+    end = time.monotonic() + limit
+    try:
+        asked = replace(master, host=addresses.find(master.host), timeout=LONGEST_QUESTION)
+        socket.create_connection((asked.host, asked.port), limit).close()
+    except (ConnectionRefusedError, ConnectionResetError):
+        return Word(None), time.monotonic()
+    except OSError:
+        over.wait(max(0.0, end - time.monotonic()))  # an unreachable network says so at once
+        return None, time.monotonic()
+    alive = time.monotonic()
+    try:
+        pid, run_id = asked.call_many([("getPid", ()), ("getParam", ("/run_id",))])
+        return Word(int(pid), run_id if isinstance(run_id, str) else ""), alive
+    except Unanswered:
+        return BUSY, alive
+    except (Refused, ValueError, TypeError):
+        return Word(None), alive  # something answers, and is no master

@@ -1,0 +1,92 @@
+"""The master of a run: the one that is there, or our own together with rosout."""
+
+from __future__ import annotations
+
+import shutil
+import time
+from collections.abc import Mapping
+
+from ur.launchfile.plan.model import ParamValue
+from ur.launchfile.world import World
+from ur.run.master.client import Master
+from ur.run.master.xml_rpc import Refused, Unanswered
+from ur.run.options import Options
+from ur.run.process.command import Program
+from ur.run.supervisor.events import Event, MasterAnswered, SetupFailed
+from ur.run.supervisor.model import Unit
+from ur.source.diagnostic import UserError, error
+
+MASTER = "master"
+ROSOUT = "/rosout"
+
+
+def find_core(master: Master, world: World, options: Options) -> tuple[Program, ...]:
+    """The master and rosout. Raises UserError when they are not installed, or cannot listen at that address."""
+    if ":" in master.host and world.environment.get("ROS_IPV6") != "on":
+        raise UserError(
+            error(
+                f"no ROS master answers at {master.uri}, and one that is started here does not listen on IPv6",
+                rule="no-master",
+                help=f"export ROS_IPV6=on; or use IPv4: export ROS_MASTER_URI=http://localhost:{master.port}",
+            )
+        )
+    rosmaster = shutil.which("rosmaster", path=world.environment.get("PATH"))
+    try:
+        rosout = world.find_executables("rosout", "rosout")
+    except LookupError:
+        rosout = ()
+    for found, package in ((rosmaster, "python3-rosmaster"), (rosout, "rosout")):
+        if not found:
+            raise UserError(
+                error(
+                    f"no ROS master answers at {master.uri}, and package {package}, which starts one, is not installed",
+                    rule="no-master",
+                    help=f"sudo apt-get install {package}",
+                )
+            )
+    assert rosmaster is not None
+    from ur.robot.boot import MASTER_WORKERS  # now: only where a master is started
+
+    argv = (
+        rosmaster,
+        "--core",
+        "-p",
+        str(master.port),
+        "-w",
+        str(options.workers or MASTER_WORKERS),
+        *options.master_words,
+    )
+    return (
+        Program(Unit(MASTER, core=True, required=True), argv, log_name="master"),
+        Program(
+            Unit(ROSOUT, core=True, respawn=True),
+            (rosout[0], "__name:=rosout"),
+            (("ROS_NAMESPACE", None),),
+            log_name="rosout-1",
+        ),
+    )
+
+
+def core_parameters(world: World, environment: Mapping[str, str]) -> dict[str, ParamValue]:
+    """What roscore sets on its master."""
+    # What roscore.xml sets by running `rosversion`, line breaks included.
+    version = ""
+    try:
+        text = world.read_bytes(world.find_package("roslaunch") + "/package.xml").decode("utf-8", "replace")
+        version = text.partition("<version>")[2].partition("</version>")[0].strip()
+    except (LookupError, OSError):
+        version = "<unknown>"
+    return {"/rosdistro": environment.get("ROS_DISTRO", "Debian") + "\n", "/rosversion": version + "\n"}
+
+
+def await_master(master: Master, limit: float) -> Event:
+    """Ask a master that was started until it answers, or a time limit (s) is over."""
+    end = time.monotonic() + limit
+    while time.monotonic() < end:
+        try:
+            master.call("getPid")
+        except (Unanswered, Refused):  # noqa: PERF203 - asking again is the point
+            time.sleep(0.005)
+        else:
+            return MasterAnswered()
+    return SetupFailed(f"the master at {master.uri} did not answer within {limit:g} s")

@@ -1,0 +1,52 @@
+"""Keeping an eye on a master that somebody else runs."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+
+from ur.run.master.client import Master
+from ur.run.master.link_monitor import watch_link
+from ur.run.master.xml_rpc import Refused, Unanswered
+from ur.run.paths import is_local_address
+from ur.run.supervisor.events import Event, MasterLost, MasterReplaced, MasterReturned
+
+PERIOD = 3.0  # s between two looks
+LOST_PERIOD = 0.5  # the same while it does not answer
+MISSES = 2  # in a row, before it counts as lost: a busy computer may answer late
+
+
+def watch_any(master: Master, tell: Callable[[Event], None], over: threading.Event) -> None:
+    """Look after a master of this computer, or after one of a robot and the link to it, until `over`."""
+    if is_local_address(master.host):
+        watch_master(master, tell, over)
+    else:
+        watch_link(master, tell, over)
+
+
+def watch_master(master: Master, tell: Callable[[Event], None], over: threading.Event) -> None:
+    """Look after a master until `over`. Tells when it is lost, answers again, or another one answers in its place.
+
+    A master is known by its process: one that was started again has another, and has forgotten every node.
+    """
+    known = _read_pid(master)
+    misses = 0
+    while not over.wait(LOST_PERIOD if misses else PERIOD):
+        pid = _read_pid(master)
+        if pid is None:
+            misses += 1
+            if misses == MISSES:
+                tell(MasterLost())
+            continue
+        if known is not None and pid != known:
+            tell(MasterReplaced())
+        elif misses >= MISSES:
+            tell(MasterReturned())
+        known, misses = pid, 0
+
+
+def _read_pid(master: Master) -> int | None:
+    try:
+        return int(master.call("getPid"))
+    except (Unanswered, Refused, ValueError, TypeError):
+        return None

@@ -1,0 +1,111 @@
+"""The parameters of a plan as values, those included that a program has to print first."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from ur.launchfile.plan.convert import convert_scalar
+from ur.launchfile.plan.model import ParamSpec, ParamValue
+from ur.source.diagnostic import UserError, error
+
+if TYPE_CHECKING:
+    import subprocess
+
+
+class CommandParameters:
+    """The programs of `<param command=...>`, all running at once. Make it with `start_commands`."""
+
+    def __init__(self, running: list[tuple[ParamSpec, subprocess.Popen[bytes]]]) -> None:
+        self._running = running
+
+    def collect(self) -> dict[str, ParamValue]:
+        """Wait for all and return the values by name. Raises UserError: a program that failed, or a wrong type."""
+        return {spec.name: _convert(spec, *_finish(process)) for spec, process in self._running}
+
+    def stop(self) -> None:
+        """End those that still run."""
+        for _, process in self._running:
+            if process.poll() is None:
+                process.kill()
+                process.wait()
+
+
+def start_commands(specs: Sequence[ParamSpec], environment: Mapping[str, str]) -> CommandParameters:
+    """Start the programs that print a parameter's value. Raises UserError when one cannot be started."""
+    started = CommandParameters([])
+    running = []
+    for spec in specs:
+        if spec.command is None:
+            continue
+        import subprocess  # few plans have such parameters
+
+        try:
+            process = subprocess.Popen(
+                shlex.split(spec.command),
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.PIPE,
+                env=environment,
+                start_new_session=True,
+            )
+        except (OSError, ValueError, IndexError) as problem:
+            started.stop()
+            reason = str(getattr(problem, "strerror", None) or problem).lower()
+            raise UserError(
+                error(f"{spec.name}: {spec.command!r} cannot be run: {reason}", spec.origin.span, rule="bad-command")
+            ) from None
+        running.append((spec, process))
+        started = CommandParameters(running)
+    return started
+
+
+def plain_values(specs: Sequence[ParamSpec]) -> dict[str, ParamValue]:
+    """The values that need no program, in order."""
+    return {spec.name: spec.value for spec in specs if spec.command is None}
+
+
+def check_sendable(specs: Sequence[ParamSpec]) -> None:
+    """Raise UserError for the first value that a parameter server cannot hold."""
+    from ur.run.master.xml_rpc import dump_value
+
+    for spec in specs:
+        if spec.command is None:
+            try:
+                dump_value(spec.value)
+            except ValueError as problem:
+                raise UserError(error(f"{spec.name}: {problem}", spec.origin.span, rule="bad-parameter")) from None
+
+
+def _finish(process: subprocess.Popen[bytes]) -> tuple[bytes, bytes, int]:
+    out, err = process.communicate()
+    return out, err, process.returncode
+
+
+def _convert(spec: ParamSpec, out: bytes, err: bytes, code: int) -> ParamValue:
+    if code != 0:
+        last = err.decode("utf-8", "replace").strip().splitlines()[-1:]
+        raise UserError(
+            error(
+                f"{spec.name}: {spec.command!r} ended with exit code {code}" + "".join(f": {line}" for line in last),
+                spec.origin.span,
+                rule="bad-command",
+            )
+        )
+    text = out.decode("utf-8", "replace")
+    try:
+        return _parse_yaml(text) if spec.command_type == "yaml" else convert_scalar(text, spec.command_type)
+    except ValueError as problem:
+        raise UserError(
+            error(f"{spec.name}: what {spec.command!r} printed: {problem}", spec.origin.span, rule="bad-command")
+        ) from None
+
+
+def _parse_yaml(text: str) -> Any:
+    import yaml  # only where a command prints YAML
+
+    try:
+        return yaml.safe_load(text)
+    except (yaml.YAMLError, ValueError, TypeError, LookupError, AttributeError, RecursionError) as problem:
+        raise ValueError(str(problem).replace("\n", " ")) from None

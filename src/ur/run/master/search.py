@@ -1,0 +1,112 @@
+"""The master that a run uses: where it is, whether it answers, and what else may listen in its place."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
+from dataclasses import replace
+from pathlib import Path
+
+from ur.run.master.client import DEFAULT_PORT, Master, format_master_uri, parse_master_uri
+from ur.run.master.xml_rpc import SilentServer, Unanswered, WrongServer
+from ur.run.options import Options
+from ur.run.output.console import Console
+from ur.run.paths import is_local_address
+from ur.source.diagnostic import UserError, error
+from ur.source.printable import printable
+
+NAMED_SECONDS = 1.5  # after which a server that does not answer is named: a master answers within milliseconds
+BUSY_SECONDS = 10.0  # for which it may be a master that is busy
+_LISTEN = "0A"  # the state of a socket in /proc/net/tcp, proc(5)
+
+
+def find_master(environment: Mapping[str, str], options: Options) -> Master:
+    """Find the master of a run, which may not run yet. Raises UserError for a ROS_MASTER_URI that is none."""
+    master = parse_master_uri(environment.get("ROS_MASTER_URI") or f"http://localhost:{DEFAULT_PORT}")
+    if options.port is None:
+        return master
+    return parse_master_uri(format_master_uri(master.host, options.port))
+
+
+def read_run_id(master: Master, options: Options, console: Console) -> str | None:
+    """The run id of the master that is there, '' when it has none; None when we may start one.
+
+    A server that does not answer is named soon, and asked for BUSY_SECONDS, since it may be a busy master. Raises
+    UserError for a server that is no master, and for a master on another computer that does not answer.
+    """
+    # A local server is named sooner than a robot behind a slow network is given up.
+    timeout = min(master.timeout, NAMED_SECONDS)
+    began = time.monotonic()
+    warned = False
+    while True:
+        try:
+            return replace(master, timeout=timeout).get_run_id() or ""
+        except Unanswered as problem:  # noqa: PERF203 - asking again is the point
+            late = time.monotonic() - began
+            local = is_local_address(master.host)
+            wrong = local and isinstance(problem, WrongServer)
+            if not options.wait_for_master:
+                if not local and (late >= master.timeout or late < timeout):
+                    raise _no_master(master, problem) from None
+                if local and not wrong:
+                    return None
+                if wrong and late > (BUSY_SECONDS if isinstance(problem, SilentServer) else NAMED_SECONDS):
+                    raise _wrong_server(master) from None
+            if not warned and (options.wait_for_master or (wrong and late >= timeout)):
+                console.warn(_describe_server(master) if wrong else f"waiting for the master at {master.uri}")
+                console.finish(1.0)
+                warned = True
+            timeout = timeout if local else master.timeout
+            time.sleep(0.1)
+
+
+def find_listener(port: int) -> str | None:
+    """Name the process of this computer that listens on a TCP port, as `NAME, process ID`; None if it is not known.
+
+    Processes of other users are known to root alone.
+    """
+    sockets = {f"socket:[{inode}]" for inode in _listening(port)}
+    for folder in Path("/proc").iterdir():
+        if sockets and folder.name.isdigit():
+            with suppress(OSError):
+                if any(str(each.readlink()) in sockets for each in (folder / "fd").iterdir()):
+                    name = (folder / "comm").read_text(encoding="utf-8", errors="replace").strip()
+                    return f"{printable(name)}, process {folder.name}"
+    return None
+
+
+def _listening(port: int) -> Iterator[str]:
+    for table in ("/proc/net/tcp", "/proc/net/tcp6"):
+        with suppress(OSError):
+            for line in Path(table).read_text(encoding="ascii").splitlines()[1:]:
+                words = line.split()
+                if words[3] == _LISTEN and int(words[1].rpartition(":")[2], 16) == port:
+                    yield words[9]
+
+
+def _describe_server(master: Master) -> str:
+    place = master.uri.removeprefix("http://").rstrip("/")
+    listener = find_listener(master.port)
+    return f"a server that does not answer as a ROS master listens on {place}" + (f" ({listener})" if listener else "")
+
+
+def _wrong_server(master: Master) -> UserError:
+    who = "" if find_listener(master.port) else f"; sudo ss -ltnp 'sport = :{master.port}' names it"
+    return UserError(
+        error(
+            f"{_describe_server(master)}, expected a ROS master or a free port",
+            rule="no-master",
+            help=f"end that process{who}; or use another port: ur launch -p {master.port + 1} ...",
+        )
+    )
+
+
+def _no_master(master: Master, problem: Unanswered) -> UserError:
+    return UserError(
+        error(
+            f"no ROS master answers at {master.uri}: {problem}",
+            rule="no-master",
+            help="is the robot on and in this network? 'ur use sim' selects the simulated robot",
+        )
+    )

@@ -1,0 +1,1 @@
+"""Output of nodes and reports of the run: log files, the console, messages."""

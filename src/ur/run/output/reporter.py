@@ -1,0 +1,101 @@
+"""What a run tells people, in words: on the console, and to those who watch."""
+
+from __future__ import annotations
+
+import os
+import signal
+from collections import deque
+from typing import TYPE_CHECKING
+
+from ur.run.output.messages import LossLines, describe_death, describe_link
+from ur.run.supervisor.actions import (
+    Action,
+    TellDeath,
+    TellLink,
+    TellMaster,
+    TellPressure,
+    TellRevival,
+    TellStop,
+    TellWish,
+)
+
+if TYPE_CHECKING:
+    from ur.run.clients.audience import Audience
+    from ur.run.clients.protocol import Severity
+    from ur.run.output.console import Console
+    from ur.run.output.router import Outputs
+    from ur.run.process.command import Program
+    from ur.run.run import Run
+
+KEPT_LINES = 30
+
+
+class Teller:
+    """Turns what the supervisor wants told into lines."""
+
+    def __init__(self, run: Run, console: Console, outputs: Outputs, audience: Audience) -> None:
+        self._folder = run.folder
+        self._master = "" if run.master is None else run.master.uri
+        self._robot = "" if run.master is None else run.master.host.removesuffix(".local")
+        self._loss_lines = LossLines()
+        self._programs = {program.unit.name: program for program in run.programs}
+        self._shared = run.restart_share is not None
+        self._console = console
+        self._outputs = outputs
+        self._audience = audience
+        self.last_lines: deque[str] = deque(maxlen=KEPT_LINES)
+
+    def inform(self, text: str) -> None:
+        """What is good to know."""
+        self.last_lines.append(text)
+        self._console.inform(text)
+        self._audience.tell_notice("info", text)
+
+    def warn(self, text: str) -> None:
+        """What matters; a text that begins with `error: ` is one."""
+        for line in text.split("\n"):
+            self.last_lines.append(line)
+            self._console.warn(line)
+        severity: Severity = "error" if text.startswith("error: ") else "warning"
+        self._audience.tell_notice(severity, text.removeprefix("error: "))
+
+    def tell(self, action: Action) -> None:
+        """What the supervisor wants told; every other action is none of ours."""
+        match action:
+            case TellDeath():
+                self._tell_death(action)
+            case TellPressure(names, signum):
+                self.warn(f"{', '.join(names)} did not stop: {signal.Signals(signum).name}")
+            case TellWish(name, refused):
+                self.warn(f"{name}: {refused}") if refused else self.inform(f"{name} is stopped, as asked")
+            case TellMaster(lost=True):
+                what = "does not answer any more; nodes go on, new connections wait for it"
+                self.warn(f"error: the master at {self._master} {what}")
+            case TellMaster():
+                self.warn(f"the master at {self._master} answers again")
+            case TellLink(lost, seconds):
+                if self._loss_lines.is_due(seconds, lost=lost):
+                    self.warn(describe_link(self._robot, seconds, lost=lost))
+                self._audience.tell_link(self._robot, seconds, lost=lost)
+            case TellRevival() if self._shared:
+                self.warn(f"{self._robot} has another master, or none: its nodes are started again, then those here")
+            case TellRevival():
+                self.warn("another master answers: parameters are set again, and every node is restarted")
+            case TellStop(cause, failed):
+                self.warn(f"error: {cause}") if failed else self.inform(f"stopping: {cause}")
+
+    def _tell_death(self, death: TellDeath) -> None:
+        if death.status.clean and not death.evicted_by:
+            self.inform(describe_death(death, (), None)[0])
+            return
+        program = self._programs[death.name]
+        if program.unit.terminal:  # what it printed was on the screen
+            lines = describe_death(death, None, self._find_own_log(program))
+        else:
+            last = self._outputs.find_last_lines(death.name)
+            lines = describe_death(death, last, self._outputs.find_path(program))
+        self.warn("\n".join(lines))
+
+    def _find_own_log(self, program: Program) -> str | None:
+        path = f"{self._folder}/{program.log_name}.log"
+        return path if os.path.exists(path) else None  # noqa: PTH110 - pathlib is not worth its import here

@@ -1,0 +1,212 @@
+"""Where what nodes print goes: to their log files, to people, and the last lines to crash reports."""
+
+from __future__ import annotations
+
+import os
+import select
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from ur.run.output.console import Console
+from ur.run.output.node_output import KEPT_LINES, LineSplitter, Stream, make_printable, read_last_lines
+from ur.run.process.command import Program
+
+if TYPE_CHECKING:
+    from ur.run.clients.protocol import OutputSource
+
+MOST_TAIL = 256 * 1024  # bytes of a log that are read back at once; who prints faster is not read anyway
+
+
+@dataclass(slots=True)
+class _Output:
+    path: str
+    log: int
+    streams: list[Stream]
+    recent: deque[str]
+    direct: bool = False  # something goes to the log without passing us
+    read_back: int = 0
+    splitter: LineSplitter | None = None
+
+
+class Outputs:
+    """The outputs of all nodes of a run, by name."""
+
+    def __init__(
+        self,
+        poll: select.poll,
+        folder: str,
+        console: Console,
+        tell: Callable[[str, OutputSource, str], None],
+        *,
+        unattended: bool,
+    ) -> None:
+        """Log files go to `folder`, lines to `console` and `tell`. `unattended`: nobody sees them but in log files."""
+        self._poll = poll
+        self._folder = folder
+        self._console = console
+        self._tell = tell
+        self._unattended = unattended
+        self._outputs: dict[str, _Output] = {}
+        self._streams: dict[int, Stream] = {}
+
+    def open(self, program: Program) -> None:
+        """Make, or go on with, the log file of a node that is about to start."""
+        name = program.unit.name
+        before = self._outputs.get(name)
+        if before is not None:
+            self._close(before)
+        path = self.find_path(program)
+        log = _open_log(path, fresh=before is None)
+        recent = before.recent if before else deque[str](maxlen=KEPT_LINES)
+        output = _Output(path, log, [], recent)
+        if before is not None:
+            output.read_back, output.splitter = before.read_back, before.splitter
+        self._outputs[name] = output
+
+    def wire(self, program: Program) -> tuple[tuple[int, int, int], list[int]]:
+        """The stdio of a node that was opened, and which of these to close once it is started."""
+        name = program.unit.name
+        output = self._outputs[name]
+        null = os.open(os.devnull, os.O_RDONLY | os.O_CLOEXEC)
+        if program.unit.core or self._unattended:
+            output.direct = True
+            return (null, output.log, output.log), [null]
+        given = [null]
+        ends = []
+        output.direct = not program.screen
+        wishes: tuple[tuple[bool, bool, Callable[[str, str], None], OutputSource], ...] = (
+            (program.screen, self._console.is_terminal, self._console.show, "out"),
+            (True, False, self._console.show_error, "err"),
+        )
+        for wanted, as_terminal, show, source in wishes:
+            if not wanted:
+                ends.append(output.log)
+                continue
+            reader, writer = _open_pseudo_terminal() if as_terminal else os.pipe2(os.O_CLOEXEC)
+            told = show if output.direct else self._tee(show, source)
+            stream = Stream(name, reader, output.log, told)
+            output.streams.append(stream)
+            self._streams[reader] = stream
+            self._poll.register(reader, select.POLLIN)
+            given.append(writer)
+            ends.append(writer)
+        return (null, ends[0], ends[1]), given
+
+    def read(self, descriptor: int) -> bool:
+        """Take what is there. False when this was the end."""
+        stream = self._streams.get(descriptor)
+        if stream is None:
+            return False
+        output = self._outputs[stream.name]
+        more = stream.read(output.recent)
+        if not more:
+            self._close_stream(stream)
+            output.streams.remove(stream)
+        return more
+
+    def drain(self, name: str) -> None:
+        """Take what a node printed before it ended."""
+        output = self._outputs.get(name)
+        for stream in list(output.streams) if output else ():
+            limit = 64  # a child that goes on printing must not keep us here
+            while limit and select.select([stream.descriptor], [], [], 0)[0] and self.read(stream.descriptor):
+                limit -= 1
+
+    def drain_all(self) -> None:
+        """The same for every node."""
+        for name in self._outputs:
+            self.drain(name)
+
+    def find_path(self, program: Program) -> str:
+        """The log file with what a node prints."""
+        return f"{self._folder}/{program.log_name}-stdout.log"
+
+    def find_last_lines(self, name: str) -> tuple[str, ...]:
+        """What a node printed last."""
+        output = self._outputs.get(name)
+        return () if output is None else tuple(output.recent or read_last_lines(output.path))
+
+    def skip_back(self) -> None:
+        """Begin to read log files back from here on."""
+        for output in self._outputs.values():
+            output.read_back = _size(output.path)
+            output.splitter = LineSplitter()
+
+    def read_back(self) -> None:
+        """Tell the new lines of log files that nodes write without passing us."""
+        for name, output in self._outputs.items():
+            if output.direct:
+                self._read_back(name, output)
+
+    def close(self) -> None:
+        """Give every descriptor back."""
+        for output in self._outputs.values():
+            self._close(output)
+
+    def _tee(self, show: Callable[[str, str], None], source: OutputSource) -> Callable[[str, str], None]:
+        def tell(name: str, line: str) -> None:
+            show(name, line)
+            self._tell(name, source, line)
+
+        return tell
+
+    def _read_back(self, name: str, output: _Output) -> None:
+        size = _size(output.path)
+        if size < output.read_back:
+            output.read_back = 0
+        if size == output.read_back:
+            return
+        output.splitter = output.splitter or LineSplitter()
+        try:
+            with open(output.path, "rb") as file:  # noqa: PTH123 - pathlib is not worth its import here
+                if size - output.read_back > MOST_TAIL:
+                    output.read_back = size - MOST_TAIL
+                    output.splitter = LineSplitter()
+                    self._tell(name, "log", "... lines are not shown here; the log file has them")
+                file.seek(output.read_back)
+                data = file.read(MOST_TAIL)
+        except OSError:
+            return
+        output.read_back += len(data)
+        for line in output.splitter.feed(data):
+            self._tell(name, "log", make_printable(line))
+
+    def _close_stream(self, stream: Stream) -> None:
+        self._poll.unregister(stream.descriptor)
+        self._streams.pop(stream.descriptor, None)
+        stream.close()
+
+    def _close(self, output: _Output) -> None:
+        for stream in output.streams:
+            self._close_stream(stream)
+        output.streams.clear()
+        os.close(output.log)
+
+
+def _size(path: str) -> int:
+    try:
+        return os.stat(path).st_size  # noqa: PTH116 - pathlib is not worth its import here
+    except OSError:
+        return 0
+
+
+def _open_log(path: str, *, fresh: bool) -> int:
+    flags = os.O_WRONLY | os.O_CREAT | os.O_APPEND | os.O_CLOEXEC | (os.O_TRUNC if fresh else 0)
+    try:
+        return os.open(path, flags, 0o644)
+    except OSError:
+        return os.open(os.devnull, os.O_WRONLY | os.O_CLOEXEC)
+
+
+def _open_pseudo_terminal() -> tuple[int, int]:
+    # Programs print line by line to a terminal; through a pipe their output would come in late blocks.
+    import termios
+
+    reader, writer = os.openpty()
+    attributes = termios.tcgetattr(writer)
+    attributes[1] &= ~termios.OPOST  # no carriage returns
+    attributes[3] &= ~termios.ECHO
+    termios.tcsetattr(writer, termios.TCSANOW, attributes)
+    return reader, writer

@@ -1,0 +1,1 @@
+"""Processes of a run: commands, the process host, the terminal, and detached runs."""

@@ -1,0 +1,158 @@
+"""From a node of a plan to the program that is started: as roslaunch does it, argument for argument.
+
+Sources: roslaunch's `node_args.create_local_process_args`, `core.setup_env` and `nodeprocess.LocalProcess`.
+"""
+
+from __future__ import annotations
+
+import os
+import shlex
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from ur.launchfile.plan.model import NodeSpec, ReadyCondition
+from ur.launchfile.world import PackageNotFound, World
+from ur.run.process.missing_package import describe_install
+from ur.run.supervisor.model import Unit
+from ur.source.diagnostic import Diagnostic, Severity, UserError, error
+from ur.source.suggest import did_you_mean
+
+
+@dataclass(frozen=True, slots=True)
+class Program:
+    """A unit and how to start it. `changes` are laid over the environment of the run, None removes a variable.
+
+    `log_name` is the stem of its log files; `screen` whether its standard output is shown to people; `ready` what else
+    has to be there before it is up. `executable` is the one word of `argv` that is the node's own program.
+    """
+
+    unit: Unit
+    argv: tuple[str, ...]
+    changes: tuple[tuple[str, str | None], ...] = ()
+    cwd: str | None = None
+    log_name: str = ""
+    screen: bool = False
+    ready: tuple[ReadyCondition, ...] = ()
+    executable: str = ""
+
+    def with_prefix(self, prefix: Sequence[str]) -> tuple[str, ...]:
+        """The command with other words in front of the executable."""
+        start = self.argv.index(self.executable) if self.executable else 0
+        return (*prefix, *self.argv[start:])
+
+
+def find_programs(nodes: Sequence[NodeSpec], world: World) -> tuple[tuple[Program, ...], tuple[Diagnostic, ...]]:
+    """The program of each node, and an error for each that does not exist. Nothing is started.
+
+    Log names are numbered from 1 in the order of the plan.
+    """
+    programs = []
+    problems: list[Diagnostic] = []
+    for number, node in enumerate(nodes, 1):
+        try:
+            programs.append(find_program(node, world, number))
+        except UserError as problem:  # noqa: PERF203 - every node that is missing is to be named
+            problems.extend(problem.diagnostics)
+    return tuple(programs), tuple(problems)
+
+
+def number_logs(programs: Sequence[Program], first: int) -> tuple[Program, ...]:
+    """The same programs, their log names numbered from `first`."""
+    return tuple(
+        replace(program, log_name=f"{program.log_name.rpartition('-')[0]}-{number}")
+        for number, program in enumerate(programs, first)
+    )
+
+
+def find_program(node: NodeSpec, world: World, number: int) -> Program:
+    """The program of a node. Raises UserError: no such package or executable, or arguments that cannot be split."""
+    executable = find_executable(node, world)
+    words = _split(node, "args", node.args)
+    prefix = _split(node, "launch-prefix", node.launch_prefix or "")
+    remaps = [f"{source}:={target}" for source, target in node.remaps]
+    name = f"{node.full_name.lstrip('/')}-{number}"
+    namespace = node.namespace.rstrip("/") or None
+    return Program(
+        unit=Unit(
+            name=node.full_name,
+            required=node.required,
+            respawn=node.respawn,
+            respawn_delay=node.respawn_delay,
+            terminal=node.terminal,
+        ),
+        argv=(*prefix, executable, *words, *remaps, f"__name:={node.name}"),
+        changes=(("ROS_NAMESPACE", namespace), *node.env),
+        cwd=choose_folder(node.cwd, (*prefix, executable)[0]),
+        log_name=name.replace("/", "-"),
+        screen=node.output == "screen",
+        ready=node.ready,
+        executable=executable,
+    )
+
+
+def find_executable(node: NodeSpec, world: World) -> str:
+    """The path of a node's executable. Raises UserError that names the package, or what it does have."""
+    try:
+        found = world.find_executables(node.package, node.type)
+    except PackageNotFound:
+        near = did_you_mean(node.package, world.package_names())
+        raise UserError(
+            error(
+                f"{node.full_name}: package {node.package!r} is not on this computer",
+                node.origin.span,
+                rule="unknown-package",
+                help=f"did you mean {near!r}?" if near else describe_install(node.package),
+            )
+        ) from None
+    except (OSError, ValueError) as problem:
+        raise UserError(
+            error(f"packages cannot be searched: {problem}", node.origin.span, rule="bad-package")
+        ) from None
+    if found:
+        return found[0]
+    files = world.find_files(node.package, node.type)
+    if files:
+        raise UserError(
+            error(
+                f"{node.full_name}: {files[0]} may not be executed",
+                node.origin.span,
+                rule="not-executable",
+                help=f"chmod +x {shlex.quote(files[0])}",
+            )
+        )
+    raise UserError(
+        error(
+            f"{node.full_name}: package {node.package!r} has no executable {node.type!r}",
+            node.origin.span,
+            rule="unknown-executable",
+            help=f"it was searched for below {world.find_package(node.package)} and /usr/lib/{node.package}",
+        )
+    )
+
+
+def choose_folder(cwd: str | None, first_word: str) -> str | None:
+    """The working directory that `cwd=` asks for; None stands for ROS_HOME, the default."""
+    if cwd == "node":
+        return str(Path(first_word).parent)
+    if cwd == "cwd":
+        return os.getcwd()  # noqa: PTH109 - as roslaunch: the folder the user is in
+    return None
+
+
+def warnings_only(problems: Sequence[Diagnostic]) -> bool:
+    """Whether nothing among the findings is an error."""
+    return all(problem.severity is not Severity.ERROR for problem in problems)
+
+
+def _split(node: NodeSpec, attribute: str, text: str) -> list[str]:
+    try:
+        return shlex.split(text)
+    except ValueError as problem:
+        raise UserError(
+            error(
+                f"{node.full_name}: {attribute}={text!r} cannot be split into words: {str(problem).lower()}",
+                node.origin.span,
+                rule="bad-arguments",
+            )
+        ) from None

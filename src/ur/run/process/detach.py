@@ -1,0 +1,69 @@
+"""A run that goes on without its terminal: start it in another session, wait until it stands, and let go of it."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+from collections.abc import Callable
+
+from ur.run.record.registry import RunEntry
+from ur.source.diagnostic import UserError, error
+
+LetGo = Callable[[RunEntry], None]
+
+
+def run_detached(run: Callable[[LetGo], int], tell: Callable[[str], int]) -> int:
+    """Run in a process of its own that outlives this one once it calls what it is given; until then it speaks here.
+
+    Returns twice, as fork does: in the new process what `run` returned, in this one what `tell` makes of the run's id,
+    or the exit code of a run that ended before it was let go. Ctrl-C reaches the new process until then.
+    """
+    reader, writer = os.pipe2(os.O_CLOEXEC)
+    sys.stdout.flush()
+    sys.stderr.flush()
+    pid = os.fork()
+    if pid == 0:
+        os.close(reader)
+        os.setsid()
+        return run(lambda entry: _let_go(entry, writer))
+    os.close(writer)
+    handlers = {
+        signum: signal.signal(signum, lambda number, _: os.kill(pid, number))
+        for signum in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+    }
+    with os.fdopen(reader, "rb") as pipe:
+        name = pipe.read().decode()
+    for signum, handler in handlers.items():
+        signal.signal(signum, handler)
+    if name:
+        return tell(name)
+    return _exit_code(os.waitpid(pid, 0)[1])
+
+
+def open_run_log(entry: RunEntry) -> int:
+    """The file that takes what a detached run says itself. Raises UserError."""
+    path = f"{entry.log_folder}/{entry.run}.log"
+    try:
+        return os.open(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND | os.O_CLOEXEC, 0o644)
+    except OSError as problem:
+        reason = (problem.strerror or str(problem)).lower()
+        raise UserError(error(f"{path}: cannot be written: {reason}", rule="bad-log-folder")) from None
+
+
+def _let_go(entry: RunEntry, writer: int) -> None:
+    null = os.open(os.devnull, os.O_RDONLY)
+    try:
+        log = open_run_log(entry)
+    except UserError:  # a full disk: the run goes on, its log does not
+        log = os.open(os.devnull, os.O_WRONLY)
+    for descriptor, number in ((null, 0), (log, 1), (log, 2)):
+        os.dup2(descriptor, number)
+    os.close(null)
+    os.close(log)
+    os.write(writer, entry.run.encode())
+    os.close(writer)
+
+
+def _exit_code(status: int) -> int:
+    return 128 + os.WTERMSIG(status) if os.WIFSIGNALED(status) else os.WEXITSTATUS(status)

@@ -1,0 +1,45 @@
+"""The terminal, while a node of the run owns it."""
+
+from __future__ import annotations
+
+import signal
+
+from ur.run.host.protocol import FOREGROUND, GROUP
+from ur.run.output.console import Console
+from ur.run.process.host_client import ProcessHost
+from ur.run.process.terminal import Terminal
+
+
+class Front:
+    """Lends keyboard and screen to the one unit (if any) that needs them, and keeps the console quiet meanwhile."""
+
+    def __init__(self, name: str | None, terminal: Terminal | None, console: Console, host: ProcessHost) -> None:
+        """`name` is the unit that needs the terminal."""
+        self._name = name
+        self._terminal = terminal
+        self._console = console
+        self._host = host
+
+    def lend(self) -> str:
+        """Make way for the unit, which is about to start; returns the place where it has to."""
+        self._console.hold()
+        if self._terminal is None or not self._terminal.in_foreground():
+            return GROUP
+        self._terminal.mark_lent()
+        return FOREGROUND
+
+    def take_back(self, *, reset: bool) -> None:
+        """The unit has ended; `reset` after one that was killed and may have left the screen in disorder."""
+        if self._terminal is not None:
+            self._terminal.take_back(reset=reset)
+        self._console.release()
+
+    def suspend(self, name: str, pid: int | None) -> None:
+        """A unit was stopped (Ctrl-Z). Stop with it, and go on with it (`pid`, if it is still there)."""
+        if self._terminal is None or name != self._name:
+            return
+        self._terminal.take_back(reset=False)
+        self._terminal.wait_suspended()
+        if self._terminal.in_foreground() and pid is not None:
+            self._terminal.lend(pid)
+        self._host.signal_process(name, signal.SIGCONT)

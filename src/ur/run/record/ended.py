@@ -1,0 +1,97 @@
+"""Runs that have ended: how, when and why, kept for the last MAX_RUNS of a user."""
+
+from __future__ import annotations
+
+import json
+import os
+import time
+from collections.abc import Collection, Mapping
+from contextlib import suppress
+from dataclasses import asdict, dataclass, field, fields
+from pathlib import Path
+
+from ur.run.record.computer import Computer
+from ur.run.record.registry import RunEntry, is_own, runs_folders
+
+MAX_RUNS = 50
+MAX_LINES = 30
+_MAX_BYTES = 1 << 18
+_MAX_LINE = 500
+
+
+@dataclass(frozen=True, slots=True)
+class EndedRun:
+    """A run that has ended. `ended` is in s since the epoch, `exit_code` None for one that was killed.
+
+    `cause` is for people, '' when there is nothing to say. `lines` are the last that the run itself has printed; `logs`
+    are the log files of its nodes by name.
+    """
+
+    entry: RunEntry
+    ended: float
+    exit_code: int | None
+    cause: str = ""
+    lines: tuple[str, ...] = ()
+    logs: Mapping[str, str] = field(default_factory=dict)
+
+
+def write_ended(run: EndedRun, environment: Mapping[str, str], uid: int) -> None:
+    """Keep a run that has ended, and forget the oldest beyond MAX_RUNS. Nothing happens where it cannot be written."""
+    folder = _folder(environment, uid)
+    lines = tuple(line[:_MAX_LINE] for line in run.lines[-MAX_LINES:])
+    text = json.dumps({**asdict(run), "lines": lines}, ensure_ascii=False)
+    with suppress(OSError):
+        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+        unfinished = folder / f".{run.entry.run}.{os.getpid()}"
+        unfinished.write_text(text, encoding="utf-8")
+        unfinished.replace(folder / f"{run.entry.run}.{int(run.entry.started)}.json")
+        kept = sorted(folder.glob("*.json"), key=lambda path: path.stat().st_mtime)
+        for path in kept[:-MAX_RUNS]:
+            path.unlink(missing_ok=True)
+
+
+def write_killed(entry: RunEntry, environment: Mapping[str, str], uid: int) -> None:
+    """Keep a run whose process was killed, with what its log file holds and the time at which that was found."""
+    lines: tuple[str, ...] = ()
+    with suppress(OSError), Path(entry.log_folder, f"{entry.run}.log").open("rb") as file:
+        file.seek(max(0, file.seek(0, os.SEEK_END) - _MAX_BYTES))
+        lines = tuple(file.read(_MAX_BYTES).decode("utf-8", "replace").splitlines()[-MAX_LINES:])
+    write_ended(EndedRun(entry, time.time(), None, "its process was killed", lines), environment, uid)
+
+
+def list_ended(environment: Mapping[str, str], uid: int, computer: Computer) -> list[EndedRun]:
+    """The runs of a user on this computer that have ended, latest last."""
+    found = [_read(path) for path in _folder(environment, uid).glob("*.json")]
+    return sorted((run for run in found if run and is_own(run.entry, computer)), key=lambda run: run.ended)
+
+
+def find_ended(runs: Collection[EndedRun], word: str | None) -> EndedRun | None:
+    """The latest run that a word means: its id or its beginning, or its launch file. Without a word: the latest."""
+    for exact in (True, False):
+        for run in reversed(list(runs)):
+            names = (run.entry.run, run.entry.title)
+            if word is None or (word in names if exact else run.entry.run.startswith(word)):
+                return run
+    return None
+
+
+def _folder(environment: Mapping[str, str], uid: int) -> Path:
+    return Path(runs_folders(environment, uid)[0]).parent / "ended"
+
+
+def _read(path: Path) -> EndedRun | None:
+    try:
+        with path.open(encoding="utf-8") as file:
+            found = json.loads(file.read(_MAX_BYTES * 4))
+        entry = RunEntry(**{each.name: found["entry"][each.name] for each in fields(RunEntry)})
+        code = found["exit_code"]
+        return EndedRun(
+            entry,
+            float(found["ended"]),
+            None if code is None else int(code),
+            str(found["cause"]),
+            tuple(map(str, found["lines"])),
+            {str(name): str(log) for name, log in found["logs"].items()},
+        )
+    except (OSError, ValueError, TypeError, LookupError, AttributeError, RecursionError):
+        return None

@@ -1,0 +1,117 @@
+"""How a run appears to others on this computer: its entry in the registry, and who may watch it."""
+
+from __future__ import annotations
+
+import os
+import socket
+import time
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from typing import TYPE_CHECKING
+
+from ur.launchfile.plan.model import NodeSpec, Plan
+from ur.run.master.client import Master
+from ur.run.options import Options
+from ur.run.output.console import Console
+from ur.run.record.computer import read_computer
+from ur.run.record.registry import RunEntry, make_run_name, read_birth, register_run, runs_folders
+from ur.run.run import WatchPlan
+from ur.source.diagnostic import UserError, error
+
+if TYPE_CHECKING:
+    from ur.run.clients.protocol import RunStarted
+
+Registered = tuple[RunEntry, socket.socket | None]
+
+
+def register(
+    plan: Plan, master: Master, folder: str, environment: Mapping[str, str], console: Console, *, detached: bool
+) -> Registered:
+    """Enter a run in the registry; the socket is None where that cannot be done. Raises UserError if it is detached."""
+    pid = os.getpid()
+    title, name = make_run_name(plan.files, pid)
+    computer = read_computer()
+    entry = RunEntry(
+        name,
+        pid,
+        read_birth(pid) or 0,
+        title,
+        master.uri,
+        folder,
+        time.time(),
+        detached,
+        computer.host,
+        machine=computer.machine,
+        boot=computer.boot,
+    )
+    made = register_run(entry, environment, os.getuid())
+    if made is not None:
+        return made
+    folders = " or ".join(runs_folders(environment, os.getuid()))
+    if detached:
+        raise UserError(
+            error(
+                f"no private folder for the run can be made in {folders}, so nobody could reach it once it is detached",
+                rule="bad-state-folder",
+                help="they belong to somebody else or cannot be written: XDG_STATE_HOME chooses another place",
+            )
+        )
+    console.warn(
+        f"this run is not listed by 'ur ps': no private folder for it can be made in {folders}; "
+        "XDG_STATE_HOME chooses another place"
+    )
+    return entry, None
+
+
+def claim(entry: RunEntry, nodes: Sequence[NodeSpec], plan: Plan, options: Options) -> None:
+    """Let other launches see which nodes a run starts, and which runs it has joined."""
+    if entry.folder:
+        from ur.run.join.claims import make_claims, write_claims
+
+        with suppress(OSError):  # a full disk: what runs is still seen, once it runs
+            write_claims(entry.folder, make_claims(nodes, plan.params, (each.run for each in options.owners)))
+    if options.call_registered is not None:
+        options.call_registered()
+
+
+def list_joined_runs(entry: RunEntry) -> Sequence[str]:
+    """The ids of the runs that have joined a run."""
+    from ur.run.join.owner import list_joined
+
+    return list_joined(entry.run, os.environ, os.getuid())
+
+
+def plan_watch(here: Registered, nodes: tuple[NodeSpec, ...], options: Options) -> WatchPlan:
+    """Who may watch a run that was registered."""
+    entry, listener = here
+    call = options.call_started
+
+    def describe() -> RunStarted:
+        from ur.run.clients.protocol import RunStarted  # only for those who watch
+
+        return RunStarted(
+            run=entry.run,
+            pid=entry.pid,
+            title=entry.title,
+            master_uri=entry.master_uri,
+            log_folder=entry.log_folder,
+            started=entry.started,
+            detached=entry.detached,
+            terminal=next((node.full_name for node in nodes if node.terminal), ""),
+        )
+
+    def record(exit_code: int, cause: str, lines: Sequence[str], logs: dict[str, str]) -> None:
+        from ur.run.record.ended import EndedRun, write_ended  # only at the end
+
+        ended = EndedRun(entry, time.time(), exit_code, cause, tuple(lines), logs)
+        write_ended(ended, os.environ, os.getuid())
+
+    return WatchPlan(
+        describe=describe,
+        record_end=record if entry.folder else None,
+        listener=listener,
+        viewer=options.viewer,
+        events=options.events,
+        unattended=call is not None,
+        call_started=None if call is None else lambda: call(entry),
+    )

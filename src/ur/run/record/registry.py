@@ -1,0 +1,219 @@
+"""Which runs there are on this computer: one private folder each, with a description and the control socket."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import socket
+import stat
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict, dataclass, fields
+
+from ur.run.record.computer import Computer
+from ur.source.diagnostic import UserError, error
+from ur.source.suggest import did_you_mean
+
+SOCKET = "control"
+DESCRIPTION = "run.json"
+SHARED = "/tmp"  # noqa: S108 - what is in it is used only if it is private
+MOST_CHARACTERS = 100_000
+_LATEST = 1e12  # s since the epoch; what calculates with times later than that fails
+_TYPES = {"str": (str,), "int": (int,), "float": (float, int), "bool": (bool,)}
+
+
+@dataclass(frozen=True, slots=True)
+class RunEntry:
+    """A run: `born` is when its process started, in clock ticks since the boot `boot`: a reused process id is not it.
+
+    `run` is its id, `title` the launch file, `started` s since the epoch, `folder` its control folder. It belongs to
+    the computer `machine` (see `ur.run.record.computer`); `host` is the name of this computer when the run started.
+    Entries of earlier versions have neither `machine` nor `boot`.
+    """
+
+    run: str
+    pid: int
+    born: int
+    title: str
+    master_uri: str
+    log_folder: str
+    started: float
+    detached: bool
+    host: str
+    folder: str = ""
+    machine: str = ""
+    boot: str = ""
+
+
+def runs_folders(environment: Mapping[str, str], uid: int) -> list[str]:
+    """Where runs of a user are registered, best first. Not the session's runtime folder first: that goes at logout."""
+    state = environment.get("XDG_STATE_HOME", "")
+    if not state.startswith("/"):
+        home = environment.get("HOME") or os.path.expanduser("~")  # noqa: PTH111 - pathlib is not worth its import here
+        state = f"{home}/.local/state"
+    found = [f"{state}/ur/runs"]
+    runtime = environment.get("XDG_RUNTIME_DIR", "")
+    found.append(f"{runtime}/ur/runs" if runtime.startswith("/") else f"{SHARED}/ur-{uid}/runs")
+    return found
+
+
+def register_run(entry: RunEntry, environment: Mapping[str, str], uid: int) -> tuple[RunEntry, socket.socket] | None:
+    """Make the folder of a run and listen on its socket. None when no folder can be written: then nobody can watch."""
+    import json
+
+    for root in runs_folders(environment, uid):
+        folder = f"{root}/{entry.run}"
+        try:
+            _make_private(root)
+            if not _is_private(root, uid):
+                continue
+            os.mkdir(folder, 0o700)  # noqa: PTH102 - likewise
+            listener = _listen(folder)
+            made = RunEntry(**{**asdict(entry), "folder": folder})
+            text = json.dumps(asdict(made), ensure_ascii=False)
+            with open(f"{folder}/{DESCRIPTION}.new", "w", encoding="utf-8") as file:  # noqa: PTH123 - likewise
+                file.write(text)
+            os.rename(f"{folder}/{DESCRIPTION}.new", f"{folder}/{DESCRIPTION}")  # noqa: PTH104 - likewise
+        except OSError:
+            shutil.rmtree(folder, ignore_errors=True)
+            continue
+        return made, listener
+    return None
+
+
+def unregister_run(entry: RunEntry) -> None:
+    """Remove the folder of a run."""
+    if entry.folder:
+        shutil.rmtree(entry.folder, ignore_errors=True)
+
+
+def list_runs(environment: Mapping[str, str], uid: int, computer: Computer) -> list[RunEntry]:
+    """The runs that are alive on this computer, oldest first. Runs that were killed become ended ones."""
+    found = []
+    for root in runs_folders(environment, uid):
+        try:
+            names = sorted(os.listdir(root)) if _is_private(root, uid) else []  # noqa: PTH208 - likewise
+        except OSError:
+            continue
+        for name in names:
+            entry = _read_entry(f"{root}/{name}")
+            if entry is None:
+                _remove_unfinished(f"{root}/{name}")
+                continue
+            if not is_own(entry, computer):
+                continue  # of another computer with the same home folder
+            if is_alive(entry, computer):
+                found.append(entry)
+            else:
+                from ur.run.record.ended import write_killed  # rarely: it was killed
+
+                write_killed(entry, environment, uid)
+                unregister_run(entry)
+    return sorted(found, key=lambda entry: entry.started)
+
+
+def is_own(entry: RunEntry, computer: Computer) -> bool:
+    """Return whether a run belongs to this computer, which may have had another name when the run started."""
+    return entry.machine == computer.machine if entry.machine else entry.host == computer.host
+
+
+def is_alive(entry: RunEntry, computer: Computer) -> bool:
+    """Return whether the supervisor of a run of this computer still runs."""
+    return entry.boot in ("", computer.boot) and read_birth(entry.pid) == entry.born
+
+
+def find_run(runs: Iterable[RunEntry], word: str | None) -> RunEntry:
+    """The run that a word means: its id or the beginning of it, or its launch file. Without a word: the only one.
+
+    Raises UserError: none runs, none or several match.
+    """
+    runs = list(runs)
+    if not runs:
+        raise UserError(error("nothing runs", rule="no-run", help="ur launch --detach FILE starts a run"))
+    matching = [run for run in runs if word is None or run.run == word or run.title == word]
+    if not matching and word is not None:
+        matching = [run for run in runs if run.run.startswith(word)]
+    if len(matching) == 1:
+        return matching[0]
+    names = ", ".join(run.run for run in (matching or runs))
+    if matching:
+        what = "several runs" if word is None else f"{word!r} is the name of several runs"
+        raise UserError(error(f"{what}: {names}, expected one of them", rule="several-runs", help="ur ps lists them"))
+    near = did_you_mean(str(word), [run.run for run in runs] + [run.title for run in runs])
+    raise UserError(
+        error(
+            f"run {word!r} is not there, expected one of {names}",
+            rule="unknown-run",
+            help=f"did you mean {near!r}?" if near else "ur ps lists them",
+        )
+    )
+
+
+def read_birth(pid: int) -> int | None:
+    """When a process started, in clock ticks since boot (field 22 of /proc/PID/stat, proc(5)); None: there is none."""
+    try:
+        with open(f"/proc/{pid}/stat", "rb") as file:  # noqa: PTH123 - pathlib is not worth its import here
+            words = file.read().rpartition(b")")[2].split()
+    except OSError:
+        return None
+    return None if words[0] in (b"Z", b"X") else int(words[19])
+
+
+def make_run_name(files: Iterable[str], pid: int) -> tuple[str, str]:
+    """A run's title and id: the name of its first launch file, and that with the process id."""
+    first = next(iter(files), "run").rpartition("/")[2]
+    title = first.removesuffix(".xml").removesuffix(".launch") or "run"
+    safe = "".join(letter if letter.isalnum() or letter in "-_" else "_" for letter in title)[:60]
+    return title, f"{safe}.{pid}"
+
+
+def _listen(folder: str) -> socket.socket:
+    listener = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+    place = os.open(folder, os.O_PATH | os.O_DIRECTORY | os.O_CLOEXEC)
+    try:
+        listener.bind(f"/proc/self/fd/{place}/{SOCKET}")  # a socket's address holds 107 bytes only, unix(7)
+    finally:
+        os.close(place)
+    listener.listen(8)
+    listener.setblocking(False)
+    return listener
+
+
+def _make_private(root: str) -> None:
+    above = os.path.dirname(root)  # noqa: PTH120 - likewise
+    if not os.path.lexists(above):
+        os.makedirs(os.path.dirname(above), exist_ok=True)  # noqa: PTH103, PTH120 - likewise
+        os.mkdir(above, 0o700)  # noqa: PTH102 - likewise
+    if not os.path.lexists(root):
+        os.mkdir(root, 0o700)  # noqa: PTH102 - likewise
+
+
+def _is_private(root: str, uid: int) -> bool:
+    # Whoever owns the folder above, or may write to it, can put another one in the place of this one at any time; in
+    # /tmp that may be anybody who was there first. A group may be the user's own.
+    for folder, open_to in ((os.path.dirname(root), 0o002), (root, 0o022)):  # noqa: PTH120 - likewise
+        status = os.lstat(folder)
+        if not stat.S_ISDIR(status.st_mode) or status.st_uid != uid or status.st_mode & open_to:
+            return False
+    return True
+
+
+def _remove_unfinished(folder: str) -> None:
+    pid = folder.rpartition(".")[2]
+    if pid.isdigit() and read_birth(int(pid)) is None:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def _read_entry(folder: str) -> RunEntry | None:
+    import json
+
+    try:
+        # A FIFO in its place would be waited for; nothing else that is no file has a description.
+        descriptor = os.open(f"{folder}/{DESCRIPTION}", os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
+        with open(descriptor, encoding="utf-8") as file:  # noqa: PTH123 - likewise
+            if not stat.S_ISREG(os.fstat(descriptor).st_mode):
+                return None
+            entry = RunEntry(**{**json.loads(file.read(MOST_CHARACTERS)), "folder": folder})
+    except (OSError, ValueError, TypeError, RecursionError):
+        return None
+    typed = all(type(getattr(entry, each.name)) in _TYPES[str(each.type)] for each in fields(entry))
+    return entry if typed and 0 <= entry.started < _LATEST else None

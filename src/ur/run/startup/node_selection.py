@@ -1,0 +1,137 @@
+"""Which nodes of a plan run, and which plans cannot run here: decided before anything is started."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from pathlib import PurePath
+
+from ur.launchfile.plan.model import NodeSpec, Plan
+from ur.launchfile.world import World
+from ur.run.options import Options
+from ur.run.paths import is_local_address
+from ur.run.process.missing_package import describe_install
+from ur.source.diagnostic import Diagnostic, UserError, error
+
+VIEWERS = ("rviz", "image_view")  # packages whose nodes need a display
+# Executables that command a robot, ours and those that ours stand in for.
+COMMANDERS = frozenset(
+    {"joy_node", "keyboard_navigate_node", "teleop_node", "teleop_twist_joy", "teleop_twist_keyboard.py"}
+)
+
+
+def may_drive(nodes: Iterable[NodeSpec]) -> bool:
+    """Return whether one of these nodes commands a robot."""
+    return any(node.type in COMMANDERS for node in nodes)
+
+
+def has_display(environment: Mapping[str, str]) -> bool:
+    """Determine whether programs can open windows: X11 or Wayland."""
+    return bool(environment.get("DISPLAY") or environment.get("WAYLAND_DISPLAY"))
+
+
+def is_view(files: Sequence[str]) -> bool:
+    """Determine whether one of these launch files belongs to a directory `rviz_*`."""
+    return any(map(_view_name, files))
+
+
+def check_display(files: Sequence[str], nodes: Iterable[NodeSpec], environment: Mapping[str, str]) -> None:
+    """Raise UserError where a launch file of a directory `rviz_*` is started without a display.
+
+    Other files leave their windows out (`leave_out_viewers`); these are about nothing else.
+    """
+    views = [name for name in map(_view_name, files) if name]
+    viewers = [node for node in nodes if node.package in VIEWERS]
+    if not views or not viewers or has_display(environment):
+        return
+    message = f"{views[0]!r} opens a window of RViz and there is no display (DISPLAY is not set)"
+    help_ = "run it in a terminal of the desktop, or log in with 'ssh -X'; 'ur run keyboard_navigate' needs no display"
+    raise UserError(error(message, rule="no-display", help=help_))
+
+
+def leave_out_viewers(
+    nodes: tuple[NodeSpec, ...], world: World, environment: Mapping[str, str]
+) -> tuple[tuple[NodeSpec, ...], tuple[str, ...]]:
+    """The nodes that can be shown here, and one line for each reason why others are left out."""
+    viewers = [node for node in nodes if node.package in VIEWERS]
+    if viewers and not has_display(environment):
+        left_out, notes = viewers, [f"no display: {_names(viewers)} left out"]
+    else:
+        left_out = [node for node in viewers if not _is_installed(node, world)]
+        notes = [
+            f"package {package} is not installed: {_names(nodes_of)} left out ({describe_install(package)})"
+            for package in VIEWERS
+            if (nodes_of := [node for node in left_out if node.package == package])
+        ]
+    return tuple(node for node in nodes if node not in left_out), tuple(notes)
+
+
+def force_options(node: NodeSpec, options: Options) -> NodeSpec:
+    """A node as options for all nodes want it."""
+    if options.force_screen:
+        node = replace(node, output="screen")
+    if options.force_log:
+        node = replace(node, output="log")
+    return replace(node, required=True) if options.force_required and not node.respawn else node
+
+
+def find_remote(plan: Plan, nodes: Sequence[NodeSpec]) -> list[Diagnostic]:
+    """An error for each node that belongs to another computer."""
+    machines = {machine.name: machine for machine in plan.machines}
+    local: dict[str, bool] = {}
+    problems = []
+    for node in nodes:
+        machine = machines.get(node.machine or "")
+        address = machine.address if machine else (node.machine or "")
+        if address not in local:
+            local[address] = is_local_address(address)
+        if not local[address]:
+            problems.append(
+                error(
+                    f"{node.full_name}: machine {node.machine!r} ({address}) is another computer, expected this one",
+                    node.origin.span,
+                    rule="remote-machine",
+                    help="ur launch starts nodes on this computer only; roslaunch starts them over ssh",
+                )
+            )
+    return problems
+
+
+def find_terminals(nodes: Sequence[NodeSpec], *, detached: bool) -> list[Diagnostic]:
+    """An error for each node that needs the terminal and cannot have it: one may, of a run that has one."""
+    wanting = [node for node in nodes if node.terminal]
+    if detached:
+        return [
+            error(
+                f"{node.full_name} needs the terminal, which a detached run does not have",
+                node.origin.span,
+                rule="detached-terminal",
+                help="leave --detach out, or this node: --except " + node.full_name,
+            )
+            for node in wanting
+        ]
+    return [
+        error(
+            f"{node.full_name}: {wanting[0].full_name} has the terminal already, expected one such node",
+            node.origin.span,
+            rule="several-terminals",
+        )
+        for node in wanting[1:]
+    ]
+
+
+def _view_name(path: str) -> str:
+    """The directory `rviz_*` that a launch file belongs to; '' for other files."""
+    folders = PurePath(path).parts[-3:-1]
+    return folders[0] if len(folders) == 2 and folders[0].startswith("rviz_") and folders[1] == "launch" else ""
+
+
+def _names(nodes: Sequence[NodeSpec]) -> str:
+    return ", ".join(node.full_name for node in nodes)
+
+
+def _is_installed(node: NodeSpec, world: World) -> bool:
+    try:
+        return bool(world.find_executables(node.package, node.type))
+    except LookupError:
+        return False

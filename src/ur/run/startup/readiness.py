@@ -1,0 +1,199 @@
+"""Which nodes are up: registered with the master, and what their `ready:` comments ask for is there."""
+
+from __future__ import annotations
+
+import math
+import select
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field
+
+from ur.launchfile.plan.model import ReadyCondition
+from ur.run.master.client import CALLER, Master
+from ur.run.master.tcpros import Listener, NoTopic, listen_to, read_frames
+from ur.run.master.xml_rpc import Refused, Unanswered
+
+PERIOD = 0.1  # s between two looks while something is missing
+TIMEOUT = 1.0  # s that a publisher gets to answer
+STALE = 2.0  # s without a message after which a topic does not come any more
+TF_TOPICS = ("/tf", "/tf_static")
+
+Report = Callable[[str, int, tuple[str, ...]], None]
+
+
+@dataclass(frozen=True, slots=True)
+class Graph:
+    """Who publishes, subscribes and serves, by name, as the master knows it."""
+
+    publishers: Mapping[str, Sequence[str]]
+    subscribers: Mapping[str, Sequence[str]]
+    services: Mapping[str, Sequence[str]]
+
+    def knows(self, node: str) -> bool:
+        """Whether a node is registered."""
+        return any(
+            node in nodes for kind in (self.publishers, self.subscribers, self.services) for nodes in kind.values()
+        )
+
+
+@dataclass(slots=True)
+class Heard:
+    """What came on a topic: when (any clock, s), and frames where it is one of tf."""
+
+    times: deque[float] = field(default_factory=lambda: deque(maxlen=1000))
+    frames: set[str] = field(default_factory=set)
+
+
+def find_missing(
+    node: str, conditions: Sequence[ReadyCondition], graph: Graph, heard: Mapping[str, Heard], now: float
+) -> tuple[str, ...]:
+    """What a running node lacks to be up, for people; nothing when it is."""
+    if not any(condition.kind == "process" for condition in conditions) and not graph.knows(node):
+        return ("it runs, but is not registered with the master",)
+    found = (_find_lack(condition, graph, heard, now) for condition in conditions)
+    return tuple(lack for lack in found if lack)
+
+
+def measure_rate(times: Sequence[float], rate: float, now: float) -> float | None:
+    """Messages per s over the last half second at the expected rate, three messages at least; None: too few so far."""
+    count = max(3, math.ceil(rate / 2))
+    if len(times) <= count or now - times[-1] > max(STALE, 2.0 / rate):
+        return None
+    return count / max(times[-1] - times[-1 - count], 1e-6)
+
+
+def _find_lack(condition: ReadyCondition, graph: Graph, heard: Mapping[str, Heard], now: float) -> str:
+    name = condition.name
+    match condition.kind:
+        case "topic":
+            return _find_topic_lack(name, condition.rate, graph, heard, now)
+        case "service":
+            return "" if name in graph.services else f"service {name} is not offered"
+        case "action":
+            served = f"{name}/goal" in graph.subscribers and f"{name}/status" in graph.publishers
+            return "" if served else f"action {name} has no server"
+        case "frame":
+            frames = set().union(*(heard[topic].frames for topic in TF_TOPICS if topic in heard))
+            there = ", ".join(sorted(frames)) or "none at all"
+            return "" if name in frames else f"tf frame {name} is not there, only: {there}"
+    return ""
+
+
+def _find_topic_lack(name: str, rate: float | None, graph: Graph, heard: Mapping[str, Heard], now: float) -> str:
+    if name not in graph.publishers:
+        return f"topic {name} is not published"
+    if rate is None:
+        return ""
+    times = heard[name].times if name in heard else ()
+    if not times:
+        return f"topic {name} is published by {', '.join(graph.publishers[name])}, but no message has come"
+    measured = measure_rate(tuple(times), rate, now)
+    if measured is not None and measured >= 0.9 * rate:
+        return ""
+    how = f"{len(times)} messages so far" if measured is None else f"{measured:.1f} Hz"
+    return f"topic {name} comes too slowly: {how}, expected {rate:g} Hz"
+
+
+class ReadinessProbe:
+    """Looks, in a thread of its own, until every node is up; `report(name, pid, missing)` tells what is new."""
+
+    def __init__(self, master: Master, conditions: Mapping[str, Sequence[ReadyCondition]], report: Report) -> None:
+        self._master = master
+        self._conditions = conditions
+        self._report = report
+        self._running: dict[str, int] = {}
+        self._told: dict[tuple[str, int], tuple[str, ...]] = {}
+        self._changed = threading.Event()
+        self._over = False
+        self._listeners: dict[tuple[str, str], Listener] = {}
+        self._heard: dict[str, Heard] = {}
+        self._thread = threading.Thread(target=self._look_on, daemon=True)
+        self._thread.start()
+
+    def follow(self, running: Mapping[str, int]) -> None:
+        """These nodes run now, with these process ids."""
+        self._running = dict(running)
+        self._changed.set()
+
+    def close(self) -> None:
+        """Look no longer; the thread ends by itself."""
+        self._over = True
+        self._changed.set()
+
+    def _look_on(self) -> None:
+        while not self._over:
+            open_ = {name: pid for name, pid in self._running.items() if self._told.get((name, pid)) != ()}
+            self._changed.clear()
+            if open_:
+                self._look(open_)
+            if not open_ or not self._listeners:
+                self._forget_listeners()
+                self._changed.wait(PERIOD if open_ else None)
+            else:
+                self._listen(PERIOD)
+        self._forget_listeners()
+
+    def _look(self, open_: Mapping[str, int]) -> None:
+        try:
+            publishers, subscribers, services = (dict(kind) for kind in self._master.get_system_state())
+        except (Unanswered, Refused, ValueError, TypeError) as problem:
+            for name, pid in open_.items():
+                self._tell(name, pid, (f"the master does not answer: {problem}",))
+            return
+        graph = Graph(publishers, subscribers, services)
+        self._connect({topic for name in open_ for topic in self._topics(name)}, graph)
+        for name, pid in open_.items():
+            self._tell(
+                name, pid, find_missing(name, self._conditions.get(name, ()), graph, self._heard, time.monotonic())
+            )
+
+    def _tell(self, name: str, pid: int, missing: tuple[str, ...]) -> None:
+        if self._told.get((name, pid)) != missing:
+            self._told[name, pid] = missing
+            self._report(name, pid, missing)
+
+    def _topics(self, name: str) -> set[str]:
+        found: set[str] = set()
+        for condition in self._conditions.get(name, ()):
+            if condition.kind == "frame":
+                found.update(TF_TOPICS)
+            elif condition.kind == "topic" and condition.rate is not None:
+                found.add(condition.name)
+        return found
+
+    def _connect(self, topics: set[str], graph: Graph) -> None:
+        for topic in topics:
+            for node in graph.publishers.get(topic, ()):
+                if (topic, node) in self._listeners:
+                    continue
+                with suppress(NoTopic, Unanswered, Refused):  # it is asked again at the next look
+                    uri = self._master.call("lookupNode", node)
+                    keep = 1 << 20 if topic in TF_TOPICS else 0
+                    listener = listen_to(uri, topic, keep=keep, timeout=TIMEOUT, caller=CALLER)
+                    self._listeners[topic, node] = listener
+                    self._heard.setdefault(topic, Heard())
+
+    def _listen(self, period: float) -> None:
+        end = time.monotonic() + period
+        while self._listeners and (left := end - time.monotonic()) > 0:
+            keys = {listener.fileno(): key for key, listener in self._listeners.items()}
+            for descriptor in select.select(list(keys), [], [], left)[0]:
+                key = keys[descriptor]
+                heard = self._heard[key[0]]
+                try:
+                    messages = self._listeners[key].receive()
+                except NoTopic:
+                    self._listeners.pop(key).close()
+                    continue
+                heard.times.extend([time.monotonic()] * len(messages))
+                if key[0] in TF_TOPICS:
+                    heard.frames.update(*(read_frames(message) for message in messages))
+
+    def _forget_listeners(self) -> None:
+        for listener in self._listeners.values():
+            listener.close()
+        self._listeners.clear()
+        self._heard.clear()

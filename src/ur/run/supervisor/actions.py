@@ -1,0 +1,136 @@
+"""What the supervisor wants done, and what it wants told. Values only."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ur.run.supervisor.model import ExitStatus
+
+
+@dataclass(frozen=True, slots=True)
+class Start:
+    """Start the process of a unit."""
+
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class Signal:
+    """Send a signal to the process group of a unit."""
+
+    name: str
+    signum: int
+
+
+@dataclass(frozen=True, slots=True)
+class AwaitMaster:
+    """Find out when the master answers; then MasterAnswered or SetupFailed."""
+
+
+@dataclass(frozen=True, slots=True)
+class SetParameters:
+    """Put the parameters on the master; then ParametersSet or SetupFailed."""
+
+
+@dataclass(frozen=True, slots=True)
+class Sweep:
+    """Signal every process that is left; NothingLeft once there is none."""
+
+    signum: int
+
+
+@dataclass(frozen=True, slots=True)
+class Unregister:
+    """Remove what is left of the run's nodes from a master that stays; then Unregistered."""
+
+
+@dataclass(frozen=True, slots=True)
+class TellDeath:
+    """Tell people that a unit ended. `restart_in` is set when it comes again, `ends_run` when nothing goes on.
+
+    `deaths` is set when it will not be started any more because it died so often in a row. `evicted_by` is set when
+    another node registered under its name: who started that.
+    """
+
+    name: str
+    status: ExitStatus
+    reason: str | None = None
+    restart_in: float | None = None
+    ends_run: bool = False
+    deaths: int = 0
+    evicted_by: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class TellWish:
+    """Tell people that a unit was stopped because someone wanted it, or (`refused`) why that is not done."""
+
+    name: str
+    refused: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class TellRevival:
+    """Tell people that nodes start again because another master is there."""
+
+
+@dataclass(frozen=True, slots=True)
+class TellMaster:
+    """Tell people that the master does not answer any more, or answers again."""
+
+    lost: bool
+
+
+@dataclass(frozen=True, slots=True)
+class StartShare:
+    """Have the robot start its nodes again, with a master where it has none; then ShareStarted or ShareFailed."""
+
+
+@dataclass(frozen=True, slots=True)
+class TellLink:
+    """Tell people that nothing has come from the robot for so long (s), or (`lost` false) that it answers again."""
+
+    lost: bool
+    seconds: float
+
+
+@dataclass(frozen=True, slots=True)
+class TellPressure:
+    """Tell people that units do not stop and get the next signal."""
+
+    names: tuple[str, ...]
+    signum: int
+
+
+@dataclass(frozen=True, slots=True)
+class TellStop:
+    """Tell people why the run ends now. `failed` when it could not even begin."""
+
+    cause: str
+    failed: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Finish:
+    """The run is over; this is its exit code."""
+
+    exit_code: int
+
+
+Action = (
+    Start
+    | Signal
+    | AwaitMaster
+    | SetParameters
+    | StartShare
+    | Sweep
+    | Unregister
+    | TellDeath
+    | TellPressure
+    | TellWish
+    | TellRevival
+    | TellMaster
+    | TellLink
+    | TellStop
+    | Finish
+)

@@ -1,0 +1,102 @@
+"""What to try first after a node has died. Pure: what is known in, one line for people out."""
+
+from __future__ import annotations
+
+import re
+import signal
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from ur.run.supervisor.model import ExitStatus
+
+_Advice = Callable[["Crash"], str]
+
+
+@dataclass(frozen=True, slots=True)
+class Crash:
+    """A node that died: how, what it printed last, and why it could not be started ('' when it was)."""
+
+    name: str
+    status: ExitStatus
+    lines: Sequence[str] = ()
+    reason: str = ""
+
+
+def advise(crash: Crash) -> str:
+    """The first thing to try, one line without a full stop; '' when nothing is known that is better than the log."""
+    if crash.reason:
+        return _advise_unstarted(crash)
+    text = "\n".join(re.sub("\x1b\\[[0-9;]*m", "", line) for line in crash.lines)
+    for pattern, tell in _BY_TEXT:
+        found = re.search(pattern, text, re.MULTILINE)
+        if found:
+            return tell.format(*found.groups(), name=crash.name)
+    if crash.status.signal is not None:
+        return _BY_SIGNAL.get(crash.status.signal, "").format(name=crash.name)
+    if "Traceback (most recent call last)" in text:
+        return f"ur launch --debug {crash.name}=pudb ... steps through it"
+    return _BY_CODE.get(crash.status.code or 0, "").format(name=crash.name)
+
+
+def _advise_unstarted(crash: Crash) -> str:
+    if "permission denied" in crash.reason:
+        return f"chmod +x {crash.reason.partition(':')[0]}"
+    if "no such file" in crash.reason:
+        return "does the program exist, and the interpreter that its first line (#!) names?"
+    return ""
+
+
+_DEBUG_GDB = "ur launch --debug {name}=gdb ... shows where"
+
+# The most telling text first; {0} is what the pattern caught.
+_BY_TEXT: tuple[tuple[str, str], ...] = (
+    (r"(?:ModuleNotFoundError|ImportError): No module named '?([\w.]+)", "install the Python package that has {0!r}: "
+     "apt-cache search python3-{0}; a ROS package may need its workspace sourced"),
+    (r"ImportError: cannot import name '?(\w+)'? from '?([\w.]+)", "another version of {1!r} is installed than it "
+     "expects: it has no {0!r}"),
+    (r"error while loading shared libraries: ([^\s:]+)", "install the package that has {0}: apt-file search {0}, "
+     "or source the workspace that built it"),
+    (r"symbol lookup error: ", "it was built for another version of a library: build its workspace again"),
+    (r"(?:\[rospack\] Error: package|ResourceNotFound: |PackageNotFound: ?)\s*'?([\w-]+)", "install package {0!r}, or "
+     "source its workspace"),
+    (r"(?:Address already in use|Errno 98)", "something else has its port: is another run still there? ur ps"),
+    (r"(/dev/[\w./-]+)[^\n]*Permission denied|Permission denied[^\n]*?(/dev/[\w./-]+)", "you may not use the device: "
+     "sudo usermod -aG dialout,video $USER, then log in again"),
+    (r"(?:No such file or directory|could not open port|[Cc]annot open)[^\n]*?(/dev/[\w./-]+)", "is {0} plugged in? "
+     "ls -l {0}"),
+    (r"KeyError: '?([~/][\w/~]+)'?$", "the parameter {0!r} is not set: ur launch --dump-params shows those that are"),
+    (r"(?:[Uu]nable to contact my own server|[Cc]ouldn't find an AF_INET address|Unable to register with master)",
+     "the network names are wrong: look at ROS_HOSTNAME, ROS_IP and ROS_MASTER_URI (ur env)"),
+    (r"shutdown request: \[?/?[\w/]*\]? ?Reason: new node registered", "two nodes have this name: rosnode list; give "
+     "one of them another name"),
+    (r"(?:could not connect to display|[Cc]annot open display|no Qt platform plugin)", "it needs a display, and there "
+     "is none here: echo $DISPLAY"),
+    (r"No space left on device", "the disk is full: df -h; rosclean purge removes old logs"),
+    (r"(?:std::bad_alloc|MemoryError)", "it ran out of memory: free -h"),
+    (r"ParserError|expat.ExpatError|could not parse|XML parsing error", "a file that it reads is not well-formed: the "
+     "lines above name it"),
+)  # fmt: skip
+
+_BY_SIGNAL: dict[int, str] = {
+    signal.SIGSEGV: _DEBUG_GDB,
+    signal.SIGABRT: "the last lines name what it gave up on; " + _DEBUG_GDB,
+    signal.SIGFPE: _DEBUG_GDB,
+    signal.SIGBUS: "is the disk or /dev/shm full? df -h; " + _DEBUG_GDB,
+    signal.SIGILL: "it was built for another processor: build it here",
+    signal.SIGTRAP: _DEBUG_GDB,
+    signal.SIGKILL: "somebody killed it; when it was the kernel, for want of memory: journalctl -k | grep -i oom",
+    signal.SIGTERM: "somebody stopped it: rosnode kill, another node with its name, or the system",
+    signal.SIGINT: "somebody stopped it: rosnode kill, another node with its name, or the system",
+    signal.SIGHUP: "its terminal went away: ur launch --detach keeps a run",
+    signal.SIGPIPE: "what read its output went away",
+    signal.SIGXCPU: "it used more processor time than it may: ulimit -t",
+    signal.SIGXFSZ: "it wrote a larger file than it may: ulimit -f",
+}
+_BY_CODE: dict[int, str] = {
+    2: "it was given something it cannot use: the last lines say what",
+    126: "it may not be executed: chmod +x, or a file system that is mounted noexec",
+    127: "a command that it calls is not installed, or not on PATH: the last lines name it",
+    134: _DEBUG_GDB,
+    137: "somebody killed it; when it was the kernel, for want of memory: journalctl -k | grep -i oom",
+    139: _DEBUG_GDB,
+}

@@ -1,0 +1,41 @@
+"""Small changes to the state of a run, from which the steps of the supervisor are made. Pure."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+from signal import SIGINT, SIGKILL, SIGTERM
+
+from ur.run.supervisor.actions import Action, Start
+from ur.run.supervisor.model import Limits, Phase, State, Status, UnitState
+
+Step = tuple[State, list[Action]]
+SIGNALS = (SIGINT, SIGTERM, SIGKILL)  # one after the other, ever stronger
+
+_ORDER = list(Phase)
+
+
+def is_before(state: State, phase: Phase) -> bool:
+    """Whether the run has not come to a phase yet."""
+    return _ORDER.index(state.phase) < _ORDER.index(phase)
+
+
+def put_unit(state: State, changed: UnitState) -> State:
+    """The state with one unit replaced."""
+    name = changed.unit.name
+    return replace(state, units=tuple(changed if each.unit.name == name else each for each in state.units))
+
+
+def start_units(state: State, chosen: Iterable[UnitState], now: float) -> Step:
+    """Start those that wait."""
+    actions: list[Action] = []
+    for each in chosen:
+        if each.status is Status.WAITING:
+            state = put_unit(state, replace(each, status=Status.STARTING, since=now, due=None, reason="", held=False))
+            actions.append(Start(each.unit.name))
+    return state, actions
+
+
+def signal_patience(limits: Limits, pressure: int) -> float:
+    """How long to wait, in s, after the signal that follows so many others."""
+    return (limits.interrupt, limits.terminate, 1.0)[pressure]

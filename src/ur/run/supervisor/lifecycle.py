@@ -1,0 +1,107 @@
+"""The life of one unit: what follows when its process is there, and when that has ended. Pure."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from signal import SIGINT
+
+from ur.run.supervisor.actions import Action, Signal, TellDeath
+from ur.run.supervisor.changes import SIGNALS, Step, is_before, put_unit
+from ur.run.supervisor.model import ExitStatus, Limits, Phase, State, Status, UnitState
+from ur.run.supervisor.requests import fulfil_wish
+from ur.run.supervisor.shutdown import advance_end, begin_end
+
+
+def note_started(state: State, name: str, pid: int, now: float) -> Step:
+    """A unit has a process; it gets the signal that was meant for it before it had one."""
+    each = state.find(name)
+    if each is None or each.status is not Status.STARTING:
+        return state, []
+    state = put_unit(state, replace(each, status=Status.RUNNING, pid=pid, since=now))
+    pressure = 0 if each.unit.core and state.phase is Phase.STOPPING_NODES else state.pressure or each.pressure
+    return state, [Signal(name, SIGNALS[pressure - 1])] if pressure else []
+
+
+def note_ended(state: State, name: str, status: ExitStatus, now: float, reason: str = "", evicted_by: str = "") -> Step:
+    """A unit's process has ended, or (`reason`) never was one.
+
+    One that another node's registration has ended (`evicted_by`) is not started again: it would end that node in turn.
+    """
+    before = state.find(name)
+    if before is None or not before.alive:
+        return state, []
+    each = replace(
+        before,
+        status=Status.ENDED,
+        pid=None,
+        since=now,
+        exit=status,
+        wish=None,
+        pressure=0,
+        deadline=None,
+        reason=reason or (f"ended by {evicted_by}" if evicted_by else ""),
+        gave_up=bool(evicted_by),
+    )
+    state = put_unit(state, each)
+    if not is_before(state, Phase.STOPPING_NODES):
+        return advance_end(state, now)
+    if before.wish is not None:
+        return fulfil_wish(state, each, before.wish, now)
+    death = TellDeath(name, status, reason or None, evicted_by=evicted_by)
+    if each.unit.terminal or each.unit.required:
+        return _end_with(state, each, death, now)
+    if each.unit.respawn and not evicted_by:
+        lived = now - before.since if before.status is Status.RUNNING else 0.0
+        return _respawn(state, each, death, lived, now)
+    return _end_when_idle(state, [death], now)
+
+
+def _end_with(state: State, each: UnitState, death: TellDeath, now: float) -> Step:
+    """The run ends with this unit."""
+    unit, status = each.unit, death.status
+    if not unit.terminal:
+        # roslaunch exits with 0 then; a run that has a program of ours in front has not done what it was asked to.
+        counts = unit.core or any(other.unit.terminal for other in state.units)
+        code = int(bool(death.evicted_by) or (counts and not status.clean))
+        state, actions = begin_end(state, f"{unit.name} is required and has ended", code, now)
+        return state, [replace(death, ends_run=True), *actions]
+    state, actions = begin_end(state, "", status.shell_code or int(bool(death.evicted_by)), now)
+    if death.evicted_by:
+        return state, [replace(death, ends_run=True), *actions]
+    if status.code is not None or status.signal == SIGINT:  # then it has said itself why it ends
+        return state, actions
+    return state, [replace(death, ends_run=True), *actions]
+
+
+def _respawn(state: State, each: UnitState, death: TellDeath, lived: float, now: float) -> Step:
+    """Start it again, ever later; or not any more, when it only ever dies."""
+    quick = each.quick_deaths + 1 if lived < state.limits.quick_death else 0
+    each = replace(each, quick_deaths=quick)
+    if _is_storm(quick, death.status, state.limits):
+        each = replace(each, gave_up=True, reason=each.reason or f"died {quick} times in a row")
+        return _end_when_idle(put_unit(state, each), [replace(death, deaths=quick)], now)
+    delay = max(each.unit.respawn_delay, _backoff(quick, state.limits))
+    again = replace(each, status=Status.WAITING, due=now + delay, restarts=each.restarts + 1)
+    return put_unit(state, again), [replace(death, restart_in=delay)]
+
+
+def _end_when_idle(state: State, told: list[Action], now: float) -> Step:
+    """The run ends with its last node, unless a person stopped one and may want it back."""
+    nodes = [other for other in state.units if not other.unit.core]
+    if state.phase is not Phase.RUNNING or any(other.status is not Status.ENDED or other.held for other in nodes):
+        return state, told
+    # As roslaunch, which has no limit to respawning: otherwise only what never started counts.
+    failed = any(other.exit == ExitStatus() or other.gave_up for other in nodes)
+    state, actions = begin_end(state, "every node has ended", int(failed), now)
+    return state, told + actions
+
+
+def _is_storm(quick_deaths: int, status: ExitStatus, limits: Limits) -> bool:
+    if not limits.quick_deaths:
+        return False
+    return quick_deaths >= (min(limits.bad_inputs, limits.quick_deaths) if status.code == 2 else limits.quick_deaths)
+
+
+def _backoff(quick_deaths: int, limits: Limits) -> float:
+    # The first restart is as prompt as roslaunch's; only a unit that keeps dying is slowed down.
+    return 0.0 if quick_deaths < 2 else min(limits.longest_backoff, 0.25 * 2.0 ** min(quick_deaths - 2, 16))

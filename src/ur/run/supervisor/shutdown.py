@@ -1,0 +1,99 @@
+"""How a run ends: its nodes, then rosout and the master, then what they left behind, then its registrations. Pure."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from signal import SIGINT, SIGKILL, SIGTERM
+
+from ur.run.supervisor.actions import Action, Finish, Signal, Sweep, TellPressure, TellStop, Unregister
+from ur.run.supervisor.changes import SIGNALS, Step, put_unit, signal_patience
+from ur.run.supervisor.model import Phase, State, Status
+
+
+def begin_end(state: State, cause: str, exit_code: int, now: float, *, failed: bool = False) -> Step:
+    """End the run. `cause` is for people, '' when there is nothing to say; `failed` when it could not even begin."""
+    state = replace(state, phase=Phase.STOPPING_NODES, exit_code=exit_code, cause=cause, pressure=0, deadline=None)
+    for each in state.units:
+        if each.status is Status.WAITING:
+            state = put_unit(state, replace(each, status=Status.ENDED, due=None))
+        else:
+            state = put_unit(state, replace(each, wish=None, pressure=0, deadline=None))
+    told: list[Action] = [TellStop(cause, failed)] if cause else []
+    state, actions = advance_end(state, now)
+    return state, told + actions
+
+
+def advance_end(state: State, now: float) -> Step:
+    """Go on once nothing of this phase is left; send the first signal where that has not happened."""
+    if state.phase is Phase.STOPPING_NODES:
+        if any(each.alive for each in state.units if not each.unit.core):
+            return (state, []) if state.pressure else press_all(state, now)
+        state = replace(state, phase=Phase.STOPPING_CORE, pressure=0, deadline=None)
+    if state.phase is Phase.STOPPING_CORE:
+        left = [each for each in state.units if each.alive]
+        if left:
+            # The last core unit first: rosout says goodbye to a master that is still there.
+            if state.pressure > 1:
+                return state, []
+            deadline = state.deadline or now + state.limits.core
+            return replace(state, pressure=1, deadline=deadline), [Signal(left[-1].unit.name, SIGINT)]
+        state = replace(state, phase=Phase.SWEEPING, pressure=2, deadline=now + state.limits.sweep)
+        return state, [Sweep(SIGTERM)]
+    return state, []
+
+
+def press_all(state: State, now: float) -> Step:
+    """The next, stronger signal to all that is left; or the next phase where there is none stronger."""
+    match state.phase:
+        case Phase.STOPPING_NODES:
+            return _press_nodes(state, now)
+        case Phase.STOPPING_CORE:
+            return _press_core(state, now)
+        case Phase.SWEEPING:
+            return _press_rest(state, now)
+    return finish_end(state)
+
+
+def remove_registrations(state: State, now: float) -> Step:
+    """Nothing runs any more: clean up at a master that stays, where there is one."""
+    if state.own_master:
+        return finish_end(state)
+    return replace(state, phase=Phase.UNREGISTERING, deadline=now + state.limits.unregister), [Unregister()]
+
+
+def finish_end(state: State) -> Step:
+    """Nothing is left to do."""
+    return replace(state, phase=Phase.DONE, deadline=None), [Finish(state.exit_code)]
+
+
+def _press_nodes(state: State, now: float) -> Step:
+    if state.pressure >= len(SIGNALS):
+        return _abandon(state, now)
+    left = tuple(each.unit.name for each in state.units if each.alive and not each.unit.core)
+    signum = SIGNALS[state.pressure]
+    told: list[Action] = [TellPressure(left, signum)] if state.pressure else []
+    wait = signal_patience(state.limits, state.pressure)
+    state = replace(state, pressure=state.pressure + 1, deadline=now + wait)
+    return state, told + [Signal(name, signum) for name in left]
+
+
+def _press_core(state: State, now: float) -> Step:
+    if state.pressure >= len(SIGNALS):
+        return _abandon(state, now)
+    left = tuple(each.unit.name for each in state.units if each.alive)
+    state = replace(state, pressure=len(SIGNALS), deadline=now + 1.0)
+    return state, [Signal(name, SIGKILL) for name in left]
+
+
+def _press_rest(state: State, now: float) -> Step:
+    if state.pressure >= len(SIGNALS):
+        return remove_registrations(state, now)
+    return replace(state, pressure=len(SIGNALS), deadline=now + 1.0), [Sweep(SIGKILL)]
+
+
+def _abandon(state: State, now: float) -> Step:
+    """Nothing survives SIGKILL except a process that hangs in the kernel: wait no longer for it."""
+    for each in state.units:
+        if each.alive and each.unit.core == (state.phase is Phase.STOPPING_CORE):
+            state = put_unit(state, replace(each, status=Status.ENDED, pid=None))
+    return advance_end(state, now)

@@ -1,0 +1,141 @@
+"""The pure core of a run: the actions that follow an event. It has no process, no clock and no network.
+
+`step(state, event, now)` returns the next state and the actions. The shell around it (`ur.run.loop`) carries the
+actions out and feeds back events. `lifecycle` handles the start and the end of one unit, `requests` those of people,
+`master_reactions` a master that is lost or restarted, and `shutdown` the end of the whole run.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+
+from ur.run.supervisor.actions import Action, AwaitMaster, SetParameters
+from ur.run.supervisor.changes import Step, is_before, start_units
+from ur.run.supervisor.events import (
+    Begin,
+    Event,
+    Evicted,
+    Exited,
+    MasterAnswered,
+    NothingLeft,
+    OwnerEnded,
+    ParametersSet,
+    RestartWanted,
+    SetupFailed,
+    Started,
+    StartFailed,
+    StartWanted,
+    StopRequested,
+    StopWanted,
+    Tick,
+    Unregistered,
+)
+from ur.run.supervisor.lifecycle import note_ended, note_started
+from ur.run.supervisor.master_reactions import follow_master
+from ur.run.supervisor.model import ExitStatus, Limits, Phase, State, Unit, UnitState
+from ur.run.supervisor.requests import press_overdue, restart_all, take_wish
+from ur.run.supervisor.shutdown import begin_end, finish_end, press_all, remove_registrations
+
+
+def begin_state(
+    units: Iterable[Unit], *, own_master: bool, limits: Limits | None = None, shared: bool = False
+) -> State:
+    """The state before anything happened. Units start in this order, core units first and terminal units last."""
+    ordered = sorted(units, key=lambda unit: (not unit.core, unit.terminal))
+    return State(tuple(UnitState(unit) for unit in ordered), own_master, limits or Limits(), shared=shared)
+
+
+def step(state: State, event: Event, now: float) -> tuple[State, tuple[Action, ...]]:
+    """What follows from an event. `now` is any clock that never goes back, in s."""
+    following, actions = _handle(state, event, now)
+    return following, tuple(actions)
+
+
+def next_deadline(state: State) -> float | None:
+    """When `Tick` is due at the latest; None when only events matter."""
+    times = []
+    if state.phase is Phase.RUNNING and not state.reviving:
+        times = [each.due for each in state.units if each.due is not None]
+    if is_before(state, Phase.STOPPING_NODES):
+        times += [each.deadline for each in state.units if each.deadline is not None]
+    if state.deadline is not None:
+        times.append(state.deadline)
+    return min(times, default=None)
+
+
+def _handle(state: State, event: Event, now: float) -> Step:
+    if state.phase is Phase.DONE:
+        return state, []
+    match event:
+        case Started(name, pid):
+            return note_started(state, name, pid, now)
+        case StartFailed(name, reason):
+            return note_ended(state, name, ExitStatus(), now, reason)
+        case Exited(name, status):
+            return note_ended(state, name, status, now)
+        case Evicted(name, status, by):
+            return note_ended(state, name, status, now, evicted_by=by)
+        case OwnerEnded(cause):
+            return (
+                begin_end(state, cause, 1, now, failed=True) if is_before(state, Phase.STOPPING_NODES) else (state, [])
+            )
+        case StopRequested(cause, exit_code):
+            if is_before(state, Phase.STOPPING_NODES):
+                return begin_end(state, cause, exit_code, now)
+            return press_all(state, now)
+        case StartWanted() | StopWanted() | RestartWanted():
+            return take_wish(state, event, now)
+        case Tick():
+            return _tick(state, now)
+    return _proceed(state, event, now)
+
+
+def _proceed(state: State, event: Event, now: float) -> Step:
+    """From phase to phase: each of these events belongs to one phase and means nothing in another."""
+    match event:
+        case Begin() if state.phase is Phase.MASTER:
+            return _begin(state, now)
+        case MasterAnswered() if state.phase is Phase.MASTER:
+            started, actions = start_units(state, (each for each in state.units if each.unit.core), now)
+            return replace(started, phase=Phase.PARAMETERS, deadline=None), [*actions, SetParameters()]
+        case ParametersSet() if state.phase is Phase.PARAMETERS:
+            running = replace(state, phase=Phase.RUNNING)
+            return start_units(running, (each for each in running.units if not each.unit.core), now)
+        case ParametersSet() if state.reviving:
+            return restart_all(state, now)
+        case SetupFailed() if state.reviving:
+            return replace(state, reviving=False, stale=True), []  # the master is gone once more; it is looked after
+        case SetupFailed(reason) if is_before(state, Phase.STOPPING_NODES):
+            return begin_end(state, reason, 1, now, failed=True)
+        case NothingLeft() if state.phase is Phase.SWEEPING:
+            return remove_registrations(state, now)
+        case Unregistered() if state.phase is Phase.UNREGISTERING:
+            return finish_end(state)
+        case _ if state.phase is Phase.RUNNING:
+            return follow_master(state, event, now)
+    return state, []
+
+
+def _begin(state: State, now: float) -> Step:
+    if not state.own_master:
+        return replace(state, phase=Phase.PARAMETERS), [SetParameters()]
+    first = next(each for each in state.units if each.unit.core)
+    started, actions = start_units(state, [first], now)
+    return replace(started, deadline=now + state.limits.master), [*actions, AwaitMaster()]
+
+
+def _tick(state: State, now: float) -> Step:
+    if is_before(state, Phase.STOPPING_NODES):
+        pressed, actions = press_overdue(state, now)
+        if actions:
+            return pressed, actions
+        state = pressed
+    if state.phase is Phase.RUNNING:
+        due = (each for each in state.units if each.due is not None and each.due <= now)
+        return (state, []) if state.reviving else start_units(state, due, now)
+    if state.deadline is None or now < state.deadline:
+        return state, []
+    if state.phase is Phase.MASTER:
+        return begin_end(state, f"the master did not answer within {state.limits.master:g} s", 1, now, failed=True)
+    return press_all(state, now)

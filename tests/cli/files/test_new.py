@@ -1,0 +1,121 @@
+"""`ur new` as it is typed: what it writes passes the check, and is laid out as `ur format` does."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+import pytest
+
+from ur.cli.files.new_parts import find_target
+from ur.cli.files.new_things import describe_observed
+from ur.cli.main import load_verb, main
+from ur.new.model import Observed, Topic
+from ur.request.environment import PACKAGE as LIBRARY
+
+PACKAGE = ["new", "package", "my_robot", "--summary", "Mine.", "--maintainer", "A & B", "--email", "a@b.invalid"]
+
+
+@pytest.fixture
+def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path / "config"))
+    monkeypatch.setenv("ROS_PACKAGE_PATH", "")
+    monkeypatch.chdir(tmp_path)
+    assert main(PACKAGE) == 0
+    monkeypatch.chdir(tmp_path / "my_robot")
+    return tmp_path / "my_robot"
+
+
+def test_new_alone_lists_what_can_be_made_with_an_example_each(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["new"]) == 2
+    out, told = capsys.readouterr()
+    assert out == ""
+    assert told.startswith("error: 'ur new' needs to know what to write, expected one of:\n")
+    group = load_verb("new")
+    assert isinstance(group, click.Group)
+    for name, kind in group.commands.items():
+        summary = (kind.help or "").split("\n")[0].removesuffix(".")
+        assert f"\n  {name}: {summary}" in told
+        (example,) = [line.split() for line in told.splitlines() if line.startswith(f"    ur new {name} ")]
+        kind.make_context(name, example[3:], resilient_parsing=True)  # every option exists
+
+
+@pytest.mark.parametrize(
+    ("observed", "text"),
+    [
+        (Observed((Topic("a", "b/C", True),), ("s",), {"p": 1}), "seen: 1 topic, 1 service, 1 parameter"),
+        (Observed((), (), {"p": 1, "q": 2}), "seen: 0 topics, 0 services, 2 parameters"),
+    ],
+)
+def test_one_parameter_is_not_called_several(observed: Observed, text: str) -> None:
+    assert describe_observed(observed) == text
+
+
+def finds_nothing(capsys: pytest.CaptureFixture[str]) -> None:
+    capsys.readouterr()
+    # RViz need not be installed here.
+    check = ["check", "--strict", "--ignore", "unknown-package", "--ignore", "package-not-installed", "."]
+    assert main(check) == 0, capsys.readouterr().out
+    assert main(["format", "--check", "."]) == 0
+
+
+def test_package_with_group_view_and_program_passes_the_check(
+    package: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert (
+        main(["new", "multi", "drive", "--summary", "Drive.", "--include", "m_robot_base", "--include", "n_joy"]) == 0
+    )
+    assert main(["new", "rviz", "scan", "--summary", "See.", "--topic", "scan:sensor_msgs/LaserScan"]) == 0
+    assert (package / "bin" / "ur_drive").stat().st_mode & 0o111
+    assert "A &amp; B" in (package / "package.xml").read_text()
+    finds_nothing(capsys)
+
+
+def test_node_that_is_not_looked_at_passes_the_check(package: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["--from-package", "ubiquity_launches", "--type", "joy_node", "--summary", "Read a joystick.", "--no-look"]
+    assert main(["new", "node", "stick", *words]) == 0
+    assert main(["new", "multi", "drive", "--summary", "Drive.", "--include", "n_stick"]) == 0
+    assert (package / "n_stick" / "launch" / "n_stick.launch.xml").is_file()
+    finds_nothing(capsys)
+
+
+@pytest.mark.usefixtures("package")
+def test_base_is_there_at_once(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["new", "base", "dot", "--summary", "A dot.", "--length", "0.2", "--width", "0.2", "--lidar"]) == 0
+    assert "wrote bases/dot/base.yaml" in capsys.readouterr().out
+    finds_nothing(capsys)
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["multi", "x", "--summary", "s", "--include", "n_joi"], "did you mean n_joy?"),
+        (
+            ["node", "x", "--from-package", "ubiquity_launches", "--type", "joy_nod", "--summary", "s"],
+            "did you mean joy_node?",
+        ),
+        (["node", "x", "--from-package", "ubiquity_launch", "--type", "joy"], "--summary is not given"),
+        (["rviz", "Bad-Name", "--summary", "s"], "expected small letters, digits and _"),
+        (["program", "x"], "--summary is not given"),
+        (["rviz", "x", "--summary", "s", "--package", "nowhere"], "nowhere is neither a folder nor a package"),
+    ],
+)
+@pytest.mark.usefixtures("package")
+def test_wrong_words_are_explained(words: list[str], told: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["new", *words]) == 2
+    assert told in capsys.readouterr().err
+
+
+def test_nothing_is_written_twice(package: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["new", "rviz", "scan", "--summary", "See."]
+    assert main(words) == 0
+    text = (package / "rviz_scan" / "launch" / "rviz_scan.launch.xml").read_text()
+    assert main(words) == 2
+    assert "is there already" in capsys.readouterr().err
+    assert (package / "rviz_scan" / "launch" / "rviz_scan.launch.xml").read_text() == text
+
+
+def test_the_launch_library_is_a_package_that_is_found_by_its_name(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("ROS_PACKAGE_PATH", raising=False)
+    target = find_target("ubiquity_launches")
+    assert (target.name, target.folder) == ("ubiquity_launches", LIBRARY)

@@ -1,0 +1,97 @@
+from __future__ import annotations
+
+import time
+from typing import Any
+
+import pytest
+
+from ur.cli.launch import driving
+from ur.cli.launch.driving import ask_mode, choose_mode
+from ur.cli.launch.options import check_wishes
+from ur.launchfile.plan.load import load_plan
+from ur.launchfile.plan.model import NodeSpec
+from ur.launchfile.world import MemoryWorld
+from ur.request.options import Wishes
+from ur.run.remote.lease import Lease
+from ur.source import UserError
+
+HELD = Lease("held", "a1", "laptop2", "keyboard_drive", time.time())
+
+
+def nodes_of(type_: str) -> tuple[NodeSpec, ...]:
+    text = f'<launch><node name="keys" pkg="ubiquity_launches" type="{type_}"/></launch>'
+    return load_plan(["/a.launch"], [], MemoryWorld(files={"/a.launch": text.encode()})).nodes
+
+
+KEYS = nodes_of("teleop_twist_keyboard.py")
+
+
+@pytest.fixture
+def held(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ROS_MASTER_URI", "http://bob.local:11311")
+    monkeypatch.setattr(driving, "read_lease", lambda _: HELD)
+
+
+@pytest.mark.parametrize(
+    ("answers", "mode"),
+    [
+        (["w\n"], "watch"),
+        (["a"], "ask"),
+        (["Take"], "take"),
+        (["q"], None),
+        (["", "x", "5", "w"], "watch"),
+    ],
+)
+def test_person_is_asked_until_the_answer_is_one_of_those_offered(answers: list[str], mode: str | None) -> None:
+    left = iter(answers)
+    asked: list[str] = []
+
+    def ask(question: str) -> str:
+        asked.append(question)
+        return next(left)
+
+    assert ask_mode("laptop2 drives bob", ask) == mode
+    assert asked[0].startswith("laptop2 drives bob\n")
+    assert len(asked) == len(answers)
+
+
+def test_end_of_the_input_means_to_quit() -> None:
+    def ask(_: str) -> str:
+        raise EOFError
+
+    assert ask_mode("laptop2 drives bob", ask) is None
+
+
+@pytest.mark.usefixtures("held")
+def test_robot_that_is_driven_is_refused_where_nobody_can_be_asked() -> None:
+    with pytest.raises(UserError) as caught:
+        choose_mode(Wishes(detach=True), "bob", KEYS, "laptop")
+    (found,) = caught.value.diagnostics
+    assert found.message.startswith("laptop2 drives bob since ")
+    assert "(keyboard_drive)" in found.message
+    assert all(option in str(found.help) for option in ("--watch", "--ask", "--take-over"))
+
+
+@pytest.mark.usefixtures("held")
+@pytest.mark.parametrize(
+    ("wishes", "mode"), [(Wishes(watch=True), "watch"), (Wishes(ask=True), "ask"), (Wishes(take_over=True), "take")]
+)
+def test_option_says_it_without_a_question(wishes: Wishes, mode: str) -> None:
+    assert choose_mode(wishes, "bob", KEYS, "laptop") == mode
+
+
+@pytest.mark.usefixtures("held")
+def test_program_that_commands_nothing_is_not_asked_about() -> None:
+    assert choose_mode(Wishes(detach=True), "bob", nodes_of("rviz"), "laptop") == "drive"
+
+
+def test_free_robot_is_driven_without_a_question(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ROS_MASTER_URI", "http://bob.local:11311")
+    monkeypatch.setattr(driving, "read_lease", lambda _: Lease())
+    assert choose_mode(Wishes(detach=True), "bob", KEYS, "laptop") == "drive"
+
+
+@pytest.mark.parametrize("given", [{"watch": True, "ask": True}, {"ask": True, "take_over": True}])
+def test_options_exclude_each_other(given: dict[str, Any]) -> None:
+    with pytest.raises(UserError, match="exclude each other"):
+        check_wishes(("a.launch",), Wishes(**given))

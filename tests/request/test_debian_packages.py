@@ -1,0 +1,75 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from ur.request.debian_packages import install_debian, list_missing
+from ur.source.diagnostic import UserError
+
+# Stand in for the programs of a computer: packages are words in a file, and apt-get knows some after an update only.
+DPKG = """#!/bin/sh
+for name in "$@"; do grep -qx "$name" {folder}/installed && echo "$name installed"; done; true
+"""
+APT = """#!/bin/sh
+echo "$*" >>{folder}/calls
+case "$*" in
+  *update*) touch {folder}/lists ;;
+  *broken*) echo "E: Unable to locate package broken"; exit 100 ;;
+  *) [ -e {folder}/lists ] || exit 100; for name in "$@"; do echo "$name" >>{folder}/installed; done ;;
+esac
+"""
+
+
+@pytest.fixture
+def computer(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    for name, text in (("dpkg-query", DPKG), ("apt-get", APT)):
+        (tmp_path / name).write_text(text.format(folder=tmp_path))
+        (tmp_path / name).chmod(0o755)
+    (tmp_path / "installed").write_text("here\n")
+    (tmp_path / "calls").write_text("")
+    monkeypatch.setenv("PATH", f"{tmp_path}:/usr/bin:/bin")
+    monkeypatch.setattr("os.geteuid", lambda: 0)
+    return tmp_path
+
+
+def calls(computer: Path) -> list[str]:
+    return (computer / "calls").read_text().splitlines()
+
+
+@pytest.mark.parametrize("alternatives", [[["here"]], [["absent"], ["here"]]])
+def test_packages_that_are_there_or_that_an_alternative_provides_are_not_installed(
+    computer: Path, alternatives: list[list[str]]
+) -> None:
+    install_debian(alternatives, "something")
+    assert calls(computer) == []
+
+
+def test_missing_packages_are_installed_with_fresh_lists_where_the_old_ones_lack_them(
+    computer: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    install_debian([["here", "absent"]], "something (1 MB)")
+    install, update, again = calls(computer)
+    assert install == again
+    assert install.endswith("install -y --no-install-recommends absent")
+    assert "update" in update
+    assert list_missing(["absent"]) == []
+    assert "installing something (1 MB): Debian packages absent, once ..." in capsys.readouterr().err
+
+
+@pytest.mark.usefixtures("computer")
+def test_failure_is_told_in_the_words_of_apt() -> None:
+    with pytest.raises(UserError, match="broken could not be installed: Unable to locate package broken") as caught:
+        install_debian([["broken"]], "something")
+    assert "sudo apt-get install broken" in str(caught.value.diagnostics[0].help)
+
+
+def test_without_sudo_the_command_for_root_is_printed(computer: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("os.geteuid", lambda: 1000)
+    monkeypatch.setattr("shutil.which", lambda name: None if name == "sudo" else name)
+    with pytest.raises(
+        UserError, match="absent are missing and could not be installed: sudo is not installed"
+    ) as caught:
+        install_debian([["absent"]], "something")
+    assert caught.value.diagnostics[0].help == "as root: apt-get install absent"
+    assert calls(computer) == []

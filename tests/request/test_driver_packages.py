@@ -1,0 +1,63 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from ur.launchfile.plan.load import load_plan
+from ur.launchfile.world.system import SystemWorld
+from ur.request.driver_packages import check_drivers
+from ur.source.diagnostic import Diagnostic, UserError
+
+LIBRARY = Path(__file__).parents[2] / "ubiquity_launches"
+FILE = str(LIBRARY / "m_robot_base" / "launch" / "m_robot_base.launch.xml")
+
+
+def make_world(*packages: Path) -> SystemWorld:
+    return SystemWorld({"ROS_PACKAGE_PATH": ":".join(map(str, (LIBRARY, *packages)))})
+
+
+def find_problems(world: SystemWorld, **values: str) -> tuple[Diagnostic, ...]:
+    plan = load_plan([FILE], [f"{name}:={value}" for name, value in values.items() if value], world)
+    assert plan.diagnostics == ()
+    try:
+        check_drivers([FILE], values, plan.nodes, world)
+    except UserError as problem:
+        return problem.diagnostics
+    return ()
+
+
+@pytest.mark.parametrize(
+    ("base", "variant", "packages"),
+    [
+        ("magni", "", ["ubiquity_motor", "pi_sonar", "raspicam_node"]),
+        ("magni", "lidar", ["ubiquity_motor", "pi_sonar", "raspicam_node", "rplidar_ros"]),
+        ("loki", "", ["loki_base_node", "raspicam_node"]),
+        ("botvac", "", ["neato_node", "raspicam_node"]),
+        ("botvac", "xv11", ["neato_node"]),
+        ("stage", "", ["stage_ros"]),
+    ],
+)
+def test_each_missing_driver_is_named_with_why_and_how_to_get_it(base: str, variant: str, packages: list[str]) -> None:
+    found = find_problems(make_world(), robot_base=base, robot_variant=variant, simulate="false")
+    assert [each.message.split("'")[1] for each in found] == packages
+    for each in found:
+        assert f"of a real {base}" in each.message or f"drives a real {base}" in each.message
+        assert each.help is not None
+        assert each.help.startswith("clone https://github.com/")
+        assert each.span is not None
+
+
+def test_driver_that_is_not_used_may_be_missing() -> None:
+    found = find_problems(make_world(), robot_base="magni", simulate="false", use_sonars="false", use_raspicam="false")
+    assert [each.message.split("'")[1] for each in found] == ["ubiquity_motor"]
+
+
+def test_driver_that_is_installed_is_not_mentioned(tmp_path: Path) -> None:
+    (tmp_path / "neato_node").mkdir()
+    (tmp_path / "neato_node" / "package.xml").write_text("<package><name>neato_node</name></package>")
+    assert not find_problems(make_world(tmp_path), robot_base="botvac", robot_variant="xv11", simulate="false")
+
+
+def test_simulated_base_needs_no_driver() -> None:
+    assert not find_problems(make_world(), robot_base="magni")

@@ -1,0 +1,59 @@
+from __future__ import annotations
+
+import os
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from ur.request.environment import environment_changes, render_exports
+from ur.robot.selection import Selection
+
+PACKAGE = Path("/place/ubiquity_launches")
+ROBOT = Selection("robbie", "", "")
+
+
+def changes(selection: Selection, **environment: str) -> dict[str, str]:
+    return environment_changes(selection, environment, package=PACKAGE, hostname="laptop")
+
+
+def test_simulation_is_on_this_computer() -> None:
+    assert changes(Selection(), PATH="/bin") == {
+        "ROS_PACKAGE_PATH": "/place/ubiquity_launches:/usr/share",
+        "PATH": "/place/ubiquity_launches/bin:/bin",
+        "UR_SELECTION": "sim:stage",
+        "ROS_MASTER_URI": "http://localhost:11311",
+        "ROS_HOSTNAME": "localhost",
+    }
+
+
+def test_robot_is_reached_by_name_and_reaches_us_by_name() -> None:
+    found = changes(ROBOT, PATH="/bin")
+    assert found["ROS_MASTER_URI"] == "http://robbie.local:11311"
+    assert found["ROS_HOSTNAME"] == "laptop.local"
+
+
+def test_applying_twice_changes_nothing() -> None:
+    once = changes(ROBOT, PATH="/bin", ROS_PACKAGE_PATH="/mine:/usr/share")
+    assert changes(ROBOT, **once) == once
+    assert once["ROS_PACKAGE_PATH"] == "/place/ubiquity_launches:/mine:/usr/share"
+
+
+def test_new_selection_replaces_the_old_one() -> None:
+    before = changes(ROBOT, PATH="/bin")
+    assert changes(Selection(), **before) == changes(Selection(), PATH="/bin")
+
+
+def test_what_a_person_has_set_stays() -> None:
+    mine = {"ROS_MASTER_URI": "http://other:11311", "ROS_HOSTNAME": "me", "PATH": "/bin"}
+    found = {**mine, **changes(ROBOT, **mine)}
+    assert found["ROS_MASTER_URI"] == "http://other:11311"
+    assert found["ROS_HOSTNAME"] == "me"
+    assert "ROS_HOSTNAME" not in changes(ROBOT, ROS_IP="10.0.0.2")
+
+
+@pytest.mark.parametrize("value", ["plain", "with space", "it's", '$HOME "`x`'])
+def test_exports_survive_the_shell(value: str) -> None:
+    script = render_exports({"NAME": value}) + 'printf %s "$NAME"'
+    done = subprocess.run(["bash", "-c", script], capture_output=True, text=True, check=True, env=dict(os.environ))
+    assert done.stdout == value

@@ -1,0 +1,123 @@
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+from ur.launchfile.world import MemoryWorld
+from ur.request.on_robot import choose_options, find_new_name, name_file
+from ur.request.options import Wishes
+from ur.request.share_messages import describe_end, describe_part, explain_problem
+from ur.robot.record import Record, records_folder, render_record
+from ur.robot.selection import parse_selection, selection_path, store_selection
+from ur.run.remote.protocol import Answer, Problem
+from ur.source import UserError
+
+
+@pytest.mark.parametrize(
+    ("answer", "lines"),
+    [
+        (Answer("x.1"), ["bob: 3 nodes, run x.1; what they print: ur shell bob ur attach x.1"]),
+        (
+            Answer("x.1", found=True),
+            ["bob: 3 nodes, run x.1, which ran already and is taken over; what they print: ur shell bob ur attach x.1"],
+        ),
+        (
+            Answer("x.1", running=("/a", "/b")),
+            [
+                "bob: 2 nodes run already: /a, /b",
+                "bob: 1 node, run x.1; what they print: ur shell bob ur attach x.1",
+            ],
+        ),
+        (Answer(running=("/a",)), ["bob: 1 node runs already: /a"]),
+        (
+            Answer("x.1", found=True, clients=("laptop",)),
+            ["bob: 3 nodes, run x.1, which laptop uses too; what they print: ur shell bob ur attach x.1"],
+        ),
+        (
+            Answer(running=("/a",), clients=("laptop", "desk")),
+            ["bob: 1 node runs already: /a", "bob: laptop, desk use these nodes too"],
+        ),
+        (
+            Answer("x.1", renamed_from="tom"),
+            [
+                "bob: its nodes ran under its old name tom and are started again",
+                "bob: 3 nodes, run x.1; what they print: ur shell bob ur attach x.1",
+            ],
+        ),
+    ],
+)
+def test_what_runs_on_the_robot_is_told_in_a_line(answer: Answer, lines: list[str]) -> None:
+    assert describe_part("bob", answer, 3) == lines
+
+
+@pytest.mark.parametrize(
+    ("problem", "message", "help_"),
+    [
+        (Problem("no package x", "install it"), "bob: no package x", "install it"),
+        (Problem("chat is neither a package", rule="unknown-package"), "bob: chat is neither", "ur sync bob"),
+        (
+            Problem("/talk: package 'x' is not on this computer", "apt install x", "unknown-package", "a.launch:3:5"),
+            "bob: a.launch:3:5: /talk: package 'x' is not on bob",
+            "apt install x",
+        ),
+        (Problem("run x has not ended", "ur shell {robot} ur stop x"), "bob: run x", "ur shell bob ur stop x"),
+        (Problem("Segmentation fault"), "bob: Segmentation fault", "ur doctor bob"),
+    ],
+)
+def test_problem_of_the_robot_becomes_an_error_that_names_the_robot(problem: Problem, message: str, help_: str) -> None:
+    (found,) = explain_problem("bob", problem).diagnostics
+    assert found.message.startswith(message)
+    assert help_ in (found.help or "")
+
+
+@pytest.mark.parametrize(
+    ("answer", "lines"),
+    [
+        (Answer(ended=("x.1",)), ["bob: x.1 has ended"]),
+        (Answer(kept=("x.1",), clients=("laptop2", "desk")), ["bob: x.1 goes on for laptop2, desk"]),
+        (Answer(), []),
+    ],
+)
+def test_end_says_which_runs_go_on_and_for_whom(answer: Answer, lines: list[str]) -> None:
+    assert describe_end("bob", answer) == lines
+
+
+def test_options_that_choose_nodes_are_handed_on() -> None:
+    assert choose_options(Wishes(only=["a", "b"], except_=["c"], screen=True)) == (
+        *("--only", "a", "--only", "b"),
+        *("--except", "c"),
+    )
+
+
+def test_file_of_a_package_is_named_by_both() -> None:
+    words = ["chat", "chat.launch", "text:=x"]
+    assert name_file(words, ["/ws/chat/launch/chat.launch"], MemoryWorld(files={}), "bob") == ["chat", "chat.launch"]
+
+
+@pytest.mark.parametrize("word", ["/no/package/x.launch", "-"])
+def test_file_that_the_robot_cannot_have_is_explained(word: str) -> None:
+    with pytest.raises(UserError, match="expected a launch file of a package, which bob has too"):
+        name_file([word], [word], MemoryWorld(files={}), "bob")
+
+
+@pytest.mark.parametrize(
+    ("selected", "known", "name"),
+    [
+        ("bob", ("bob",), "bob"),
+        ("eve", ("eve",), "eve"),
+        ("eve", ("bob", "eve"), "bob"),
+        ("sim", ("tom",), "bob"),
+    ],
+)
+def test_robot_that_was_renamed_from_this_computer_is_found_by_its_new_name(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, selected: str, known: tuple[str, ...], name: str
+) -> None:
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
+    for each in known:
+        path = records_folder(os.environ) / f"{each}.yaml"
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(render_record(Record(each, "ros", "magni")))
+    store_selection(selection_path(os.environ), parse_selection(selected))
+    assert find_new_name("bob") == name

@@ -1,0 +1,112 @@
+"""What a node lacks to be up: decided from what the master and publishers say."""
+
+from __future__ import annotations
+
+import socket
+import struct
+from collections import deque
+
+import pytest
+
+from ur.launchfile.plan.model import ReadyCondition
+from ur.run.master.tcpros import Listener, NoTopic, read_frames
+from ur.run.startup.readiness import Graph, Heard, find_missing, measure_rate
+
+GRAPH = Graph(
+    {"/chat": ["/talker"], "/act/status": ["/server"], "/lonely/status": ["/server"]},
+    {"/act/goal": ["/server"]},
+    {"/talker/get_loggers": ["/talker"]},
+)
+
+
+def missing(
+    *conditions: ReadyCondition, node: str = "/talker", heard: dict[str, Heard] | None = None
+) -> tuple[str, ...]:
+    return find_missing(node, conditions, GRAPH, heard or {}, now=10.0)
+
+
+def times(rate: float, count: int, end: float = 10.0) -> Heard:
+    return Heard(deque(end - number / rate for number in reversed(range(count))))
+
+
+def test_registered_node_without_conditions_is_up() -> None:
+    assert missing() == ()
+    assert missing(node="/unknown") == ("it runs, but is not registered with the master",)
+    assert missing(ReadyCondition("process", ""), node="/unknown") == ()
+
+
+@pytest.mark.parametrize(
+    ("condition", "lack"),
+    [
+        (ReadyCondition("topic", "/chat"), ""),
+        (ReadyCondition("topic", "/none"), "topic /none is not published"),
+        (ReadyCondition("service", "/talker/get_loggers"), ""),
+        (ReadyCondition("service", "/none"), "service /none is not offered"),
+        (ReadyCondition("action", "/act"), ""),
+        (ReadyCondition("action", "/lonely"), "action /lonely has no server"),
+        (ReadyCondition("frame", "map"), "tf frame map is not there, only: none at all"),
+        (ReadyCondition("topic", "/chat", 5.0), "topic /chat is published by /talker, but no message has come"),
+    ],
+)
+def test_conditions_name_what_is_not_there(condition: ReadyCondition, lack: str) -> None:
+    assert missing(condition) == ((lack,) if lack else ())
+
+
+def test_rate_is_reached_or_told() -> None:
+    condition = ReadyCondition("topic", "/chat", 10.0)
+    assert missing(condition, heard={"/chat": times(10.0, 20)}) == ()
+    assert missing(condition, heard={"/chat": times(4.0, 20)}) == (
+        "topic /chat comes too slowly: 4.0 Hz, expected 10 Hz",
+    )
+    assert missing(condition, heard={"/chat": times(10.0, 2)}) == (
+        "topic /chat comes too slowly: 2 messages so far, expected 10 Hz",
+    )
+
+
+def test_rate_of_a_topic_that_no_longer_comes_is_unknown() -> None:
+    heard = times(10.0, 20)
+    assert measure_rate(tuple(heard.times), 10.0, 10.1) == pytest.approx(10.0)
+    assert measure_rate(tuple(heard.times), 10.0, 20.0) is None
+
+
+def test_frames_come_from_both_tf_topics() -> None:
+    heard = {"/tf": Heard(frames={"odom"}), "/tf_static": Heard(frames={"laser"})}
+    assert missing(ReadyCondition("frame", "odom"), ReadyCondition("frame", "laser"), heard=heard) == ()
+    assert missing(ReadyCondition("frame", "map"), heard=heard) == ("tf frame map is not there, only: laser, odom",)
+
+
+def test_frames_are_read_from_messages_and_broken_ones_are_harmless() -> None:
+    def transform(parent: bytes, child: bytes) -> bytes:
+        head = struct.pack("<III", 1, 2, 3)
+        return head + b"".join(struct.pack("<I", len(name)) + name for name in (parent, child)) + bytes(56)
+
+    message = struct.pack("<I", 2) + transform(b"/map", b"odom") + transform(b"odom", b"base_link")
+    assert read_frames(message) == {"map", "odom", "base_link"}
+    assert "map" in read_frames(message[:60])
+    assert read_frames(b"") == set()
+
+
+def test_listener_takes_messages_in_any_pieces_and_keeps_only_their_beginning() -> None:
+    ours, theirs = socket.socketpair()
+    listener = Listener(ours, keep=3)
+    stream = b"".join(struct.pack("<I", len(body)) + body for body in (b"header", b"abcdef", b"", b"xy" * 40))
+    got = []
+    for index in range(len(stream)):
+        theirs.send(stream[index : index + 1])
+        got += listener.receive()
+    assert got == [b"abc", b"", b"xyx"]
+    theirs.close()
+    with pytest.raises(NoTopic):
+        listener.receive()
+    listener.close()
+
+
+def test_listener_reports_a_publisher_that_refuses() -> None:
+    ours, theirs = socket.socketpair()
+    listener = Listener(ours, keep=3)
+    header = struct.pack("<I", 8) + b"error=no"
+    theirs.send(struct.pack("<I", len(header)) + header)
+    with pytest.raises(NoTopic, match="no"):
+        listener.receive()
+    listener.close()
+    theirs.close()
