@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from ur.check.catalogue import load_rules
-from ur.check.render_text import render_index_page, render_rule_page
+from ur.check.render.pages import render_index_page, render_rule_page
 
 FOLDER = Path(__file__).parents[1] / "docs" / "reference" / "rules"
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from ur.check.examples import FOLDER, check_example
-from ur.check.executables import is_misspelt
 from ur.check.model import Example
-from ur.check.render_text import render_text
+from ur.check.queries.executables import is_misspelt
+from ur.check.render.text import render_text
 from ur.check.run import Report, check_paths
 from ur.launchfile.world import MemoryWorld
 

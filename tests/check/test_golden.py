@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from ur.check.render_text import shorten_paths
+from ur.check.render.text import shorten_paths
 from ur.check.run import Report, check_paths
 from ur.launchfile import SystemWorld
 from ur.source.render import render_human

@@ -1,1 +1,1 @@
-"""Checking launch files, YAML files and programs: rules, one file each, and what runs them."""
+"""Lint checks for launch files, YAML files and programs: the rules, and the engine that applies them."""

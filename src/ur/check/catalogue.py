@@ -1,4 +1,4 @@
-"""Every rule, by id. A file in `rules/` is a rule; nothing has to be listed twice."""
+"""Rules by id, collected from the modules of `rules/`; nothing has to be listed twice."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from ur.source.suggest import did_you_mean
 def load_rules() -> dict[str, Rule]:
     """All rules, sorted by id."""
     modules = (import_module(f"{rules.__name__}.{info.name}") for info in iter_modules(rules.__path__))
-    found = {rule.id: rule for rule in (module.RULE for module in modules) if isinstance(rule, Rule)}
-    return dict(sorted(found.items()))
+    found: list[Rule] = [rule for module in modules for rule in module.RULES]
+    return {rule.id: rule for rule in sorted(found, key=lambda rule: rule.id)}
 
 
 def choose_rules(select: Iterable[str], ignore: Iterable[str]) -> frozenset[str]:

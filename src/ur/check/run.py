@@ -10,11 +10,11 @@ from functools import partial
 from ur.check.cases import Resolved, list_cases, resolve_cases
 from ur.check.catalogue import load_rules
 from ur.check.collect import Targets, collect_targets, list_launch_files
+from ur.check.findings.installed import judge_package
+from ur.check.findings.merge import Hit, merge_hits
+from ur.check.findings.suppress import Suppression, Suppressions, read_line_suppressions, read_xml_suppressions
 from ur.check.inclusion import Inclusions, find_inclusions
-from ur.check.installed import judge_package
-from ur.check.merge import Hit, merge_hits
 from ur.check.model import LaunchView, Package, PackageView, ProgramView, Rule, YamlView
-from ur.check.suppress import Suppression, Suppressions, read_line_suppressions, read_xml_suppressions
 from ur.check.survey import survey_launch_file, walk_elements
 from ur.check.visitor import Visitor, stamp_severity
 from ur.check.worlds import CachedWorld

@@ -9,7 +9,7 @@ from pathlib import Path
 from tests.fuzz.target import Target
 from tests.launchfile.fuzz.survive import CORPUS, check_survives, read_corpus
 
-from ur.check.render_text import render_text
+from ur.check.render.text import render_text
 from ur.check.run import check_paths
 from ur.format.run import format_file
 from ur.launchfile import SystemWorld

@@ -1,1 +1,1 @@
-"""The rules: each file here is one, with its page, its examples and, where it looks for itself, its hook."""
+"""The rules in groups: each module has `RULES`, their examples, and the functions that find what they report."""

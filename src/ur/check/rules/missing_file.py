@@ -1,4 +1,4 @@
-"""A file that is named does not exist."""
+"""Rule for files that a launch file names and that do not exist."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ import shlex
 from collections.abc import Iterable, Iterator
 from itertools import pairwise
 
-from ur.check.executables import is_stand_in
 from ur.check.model import Found, Group, NodeView, ParamView, Rule, launch_example
+from ur.check.queries.executables import is_stand_in
 from ur.check.worlds import has_marker
 from ur.launchfile.syntax import Element
 from ur.launchfile.world import World
@@ -79,83 +79,86 @@ _PART = """
 </launch>
 """
 
-RULE = Rule(
-    id="missing-file",
-    group=Group.FILES,
-    severity=Severity.ERROR,
-    summary="A file that is named does not exist.",
-    explanation="""
+
+RULES = (
+    Rule(
+        id="missing-file",
+        group=Group.FILES,
+        severity=Severity.ERROR,
+        summary="A file that is named does not exist.",
+        explanation="""
 Included launch files, parameter files, robot descriptions (`textfile`, xacro), maps and RViz configurations are looked
 for, for every base and variant of the package, and in the branches of options that are off by default. Paths that
 depend on something unknown are left alone: required arguments, arguments whose default is no path, and environment
 variables that are not set. So are absolute paths outside of packages, which may be those of another computer. A file
 that others include is judged with the values that they pass.
 """,
-    bad=(
-        launch_example(
-            """
+        bad=(
+            launch_example(
+                """
 <launch>
   <include file="«$(find my_robot)/launch/prat.launch.xml»"/>
 </launch>
 """,
-            {"launch/part.launch.xml": _PART},
-        ),
-        launch_example("""
+                {"launch/part.launch.xml": _PART},
+            ),
+            launch_example("""
 <launch>
   <rosparam command="load" file="«$(find my_robot)/params/none.yaml»"/>
 </launch>
 """),
-        launch_example("""
+            launch_example("""
 <launch>
   <arg name="simulate" default="false"/>
   <param name="robot_description" textfile="«$(find my_robot)/urdf/robot.urdf»" if="$(arg simulate)"/>
 </launch>
 """),
-        launch_example("""
+            launch_example("""
 <launch>
   <param name="robot_description" command="«xacro $(find my_robot)/urdf/robot.xacro»"/>
 </launch>
 """),
-        launch_example("""
+            launch_example("""
 <launch>
   <node name="rviz" pkg="rviz" type="rviz" args="«-d $(find my_robot)/rviz/view.rviz»"/>
 </launch>
 """),
-        launch_example(
-            """
+            launch_example(
+                """
 <launch>
   <arg name="robot_base"/>
   <rosparam command="load" file="«$(find my_robot)/params/$(arg robot_base).yaml»"/>
 </launch>
 """,
-            {
-                "bases/loki/base.yaml": "summary: a base\n",
-                "bases/magni/base.yaml": "summary: a base\n",
-                "params/magni.yaml": "speed: 0.3\n",
-            },
+                {
+                    "bases/loki/base.yaml": "summary: a base\n",
+                    "bases/magni/base.yaml": "summary: a base\n",
+                    "params/magni.yaml": "speed: 0.3\n",
+                },
+            ),
         ),
-    ),
-    good=(
-        launch_example(
-            """
+        good=(
+            launch_example(
+                """
 <launch>
   <arg name="robot"/>
   <include file="$(find my_robot)/launch/part.launch.xml"/>
   <include file="$(find my_robot)/launch/$(arg robot).launch.xml"/>
 </launch>
 """,
-            {"launch/part.launch.xml": _PART},
-        ),
-        launch_example(
-            """
+                {"launch/part.launch.xml": _PART},
+            ),
+            launch_example(
+                """
 <launch>
   <arg name="robot_base"/>
   <rosparam command="load" file="$(find my_robot)/params/$(arg robot_base).yaml"/>
 </launch>
 """,
-            {"bases/magni/base.yaml": "summary: a base\n", "params/magni.yaml": "speed: 0.3\n"},
+                {"bases/magni/base.yaml": "summary: a base\n", "params/magni.yaml": "speed: 0.3\n"},
+            ),
         ),
+        node=_find_in_arguments,
+        param=_find_in_command,
     ),
-    node=_find_in_arguments,
-    param=_find_in_command,
 )

@@ -50,7 +50,7 @@ def command(
     from ur.check.catalogue import choose_rules, find_rule, load_rules
     from ur.check.computer import make_world
     from ur.check.links import describe_left_out
-    from ur.check.render_text import render_rule_page
+    from ur.check.render.pages import render_rule_page
     from ur.check.run import check_paths
     from ur.request.environment import know_own_package
     from ur.source.progress_line import show_progress
@@ -68,7 +68,7 @@ def command(
 
     report = check()
     if fix:
-        from ur.check.fix import plan_repairs
+        from ur.check.findings.fix import plan_repairs
         from ur.cli.files.replace_file import replace_file
 
         repairs = plan_repairs(report.findings, load_rules())
@@ -89,22 +89,22 @@ def _words(given: tuple[str, ...]) -> list[str]:
 
 def _show(report: Report, form: str) -> None:
     from ur.check.catalogue import load_rules
-    from ur.check.render_text import render_text, shorten_paths
+    from ur.check.render.text import render_text, shorten_paths
 
     report = shorten_paths(report, str(Path.cwd()))
     if form == "human":
         click.echo(render_text(report, colour=shows_colour(sys.stdout)), nl=False)
     elif form == "json":
-        from ur.check.render_json import render_json
+        from ur.check.render.json import render_json
 
         click.echo(render_json(report), nl=False)
     elif form == "sarif":
         from importlib.metadata import version
 
-        from ur.check.render_sarif import render_sarif
+        from ur.check.render.sarif import render_sarif
 
         click.echo(render_sarif(report, load_rules(), version("ubiquity-launches")), nl=False)
     else:
-        from ur.check.render_github import render_github
+        from ur.check.render.github import render_github
 
         click.echo(render_github(report), nl=False)

@@ -1,0 +1,1 @@
+"""Facts that rules ask about packages, programs, comments and YAML files."""

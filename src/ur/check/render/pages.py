@@ -1,0 +1,68 @@
+"""Reference pages of the rules in Markdown, made from the rules and their examples."""
+
+from __future__ import annotations
+
+from ur.check.examples import check_example, strip_marks
+from ur.check.model import Example, Rule
+from ur.check.render.text import shorten_paths
+from ur.source.render import render_human
+
+
+def render_rule_page(rule: Rule) -> str:
+    """A rule as a page in Markdown, made from its own examples."""
+    kinds = [f"group `{rule.group.value}`", rule.severity.value]
+    if rule.house:
+        kinds.append("only for packages that follow the house layout")
+    if rule.fix is not None:
+        kinds.append("repaired by `--fix`, where that is safe")
+    parts = [f"# {rule.id}\n", f"{rule.summary}\n", f"*{', '.join(kinds)}*\n", f"{rule.explanation.strip()}\n"]
+    for heading, examples in (("Not like this", rule.bad), ("But like this", rule.good)):
+        if not examples:
+            continue
+        parts.append(f"## {heading}\n")
+        for example in examples:
+            parts.append(_show_files(example))
+            if example in rule.bad:
+                found = shorten_paths(check_example(example), "/ws/my_robot").findings
+                parts.append(f"```text\n{render_human(found)}```\n")
+    parts.append("## To hide it\n")
+    parts.append(f"Put `{hide_comment(rule)}` before the place, with your reason; see [the index](index.md).\n")
+    return "\n".join(parts)
+
+
+def hide_comment(rule: Rule) -> str:
+    """The comment that hides a rule's findings, in the language that most of its examples are in."""
+    in_xml = not rule.bad or any(path.endswith((".launch", ".xml")) for path in rule.bad[0].files)
+    words = f"ur: ignore {rule.id}: why it is meant to be so"
+    return f"<!--{words}-->" if in_xml else f"# {words}"
+
+
+def _show_files(example: Example) -> str:
+    kinds = {"launch": "xml", "xml": "xml", "yaml": "yaml", "py": "python", "txt": "cmake"}
+    parts = []
+    for path, text in example.files.items():
+        kind = kinds.get(path.rpartition(".")[2], "bash")
+        parts.append(f"`{path}`\n\n```{kind}\n{strip_marks(text).strip()}\n```\n")
+    return "\n".join(parts)
+
+
+def render_index_page(rules: dict[str, Rule]) -> str:
+    """The list of all rules as a page in Markdown."""
+    lines = [
+        "# Rules of `ur check`",
+        "",
+        "Mistakes are errors, conventions are warnings. `--select` and `--ignore` take ids and groups.",
+        "",
+        "A comment hides findings where they are meant to be so, and says why: `<!--ur: ignore RULE: REASON-->` in the",
+        "element that follows, `<!--ur: ignore-file RULE: REASON-->` in the whole file; in YAML and programs",
+        "`# ur: ignore RULE: REASON`, at the end of a line or alone above it.",
+        "",
+        "| rule | group | | finds |",
+        "|---|---|---|---|",
+    ]
+    for rule in rules.values():
+        marks = rule.severity.value + (", house" if rule.house else "") + (", `--fix`" if rule.fix else "")
+        lines.append(
+            f"| [{rule.id}]({rule.id}.md) | {rule.group.value} | {marks} | {rule.summary.replace('<', '&lt;')} |"
+        )
+    return "\n".join(lines) + "\n"

@@ -1,0 +1,66 @@
+"""Reports as text, for people."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from textwrap import fill
+
+from ur.check.findings.installed import NotInstalled, split_not_installed
+from ur.check.run import Report
+from ur.source.diagnostic import Diagnostic, Note
+from ur.source.file import SourceFile, Span
+from ur.source.printable import printable
+from ur.source.render import render_human
+
+_WIDTH = 100
+_INSTALL = "source the setup.bash of their workspace, or run 'rosdep install --from-paths . --ignore-src'"
+
+
+def render_text(report: Report, *, colour: bool = False) -> str:
+    """The findings, one paragraph about packages that are not installed, and one line that counts."""
+    findings, not_installed = split_not_installed(report.findings)
+    nothing = "nothing else found" if not_installed.packages else "nothing found"
+    text = render_human(findings, colour=colour) + _describe_not_installed(not_installed)
+    return text + summarise(replace(report, findings=findings), nothing=nothing) + "\n"
+
+
+def _describe_not_installed(missing: NotInstalled) -> str:
+    if not missing.packages:
+        return ""
+    subject = "1 package is" if len(missing.packages) == 1 else f"{len(missing.packages)} packages are"
+    users = f"{_count(missing.files, 'file')} {'takes' if missing.files == 1 else 'take'}"
+    names = printable(", ".join(missing.packages))
+    text = f"{subject} not installed or not built here; what {users} from there is not checked: {names}"
+    return fill(text, _WIDTH, subsequent_indent="  ", break_on_hyphens=False) + f"\n  help: {_INSTALL}\n"
+
+
+def summarise(report: Report, *, nothing: str = "nothing found") -> str:
+    """`2 errors and 1 warning in 40 files`; `nothing` is for no finding."""
+    warnings = len(report.findings) - report.errors
+    counts = [_count(number, word) for number, word in ((report.errors, "error"), (warnings, "warning")) if number]
+    hidden = f" ({_count(report.suppressed, 'finding')} hidden by comments)" if report.suppressed else ""
+    return f"{' and '.join(counts) or nothing} in {_count(report.files, 'file')}{hidden}"
+
+
+def _count(number: int, word: str) -> str:
+    return f"{number} {word}" + ("" if number == 1 else "s")
+
+
+def shorten_paths(report: Report, folder: str) -> Report:
+    """The same report with the paths of its places relative to a folder, where they lie in it."""
+    files: dict[int, SourceFile] = {}
+    prefix = folder.rstrip("/") + "/"
+
+    def move(span: Span | None) -> Span | None:
+        if span is None or not span.file.path.startswith(prefix):
+            return span
+        file = files.setdefault(id(span.file), SourceFile(span.file.path.removeprefix(prefix), span.file.text))
+        return Span(file, span.start, span.end)
+
+    def moved(found: Diagnostic) -> Diagnostic:
+        notes = tuple(Note(note.message.replace(prefix, ""), move(note.span)) for note in found.notes)
+        help_ = found.help.replace(prefix, "") if found.help else None
+        message = found.message.replace(prefix, "")
+        return replace(found, span=move(found.span), notes=notes, message=message, help=help_)
+
+    return replace(report, findings=tuple(moved(found) for found in report.findings))

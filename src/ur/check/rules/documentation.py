@@ -1,0 +1,179 @@
+"""Rules about the documentation comments of a launch file."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from ur.check.example_parts import (
+    MARKED_LAUNCH,
+    OVERVIEW,
+    SUMMARY,
+    TALKER,
+    house_example,
+    make_launch,
+    make_talk_launch,
+)
+from ur.check.model import Found, Group, LaunchView, Rule
+from ur.check.queries.layout import KNOWN_HEADINGS, comments_after, find_heading, heading_of, house_folder
+from ur.launchfile.syntax import Comment, Element
+from ur.source.diagnostic import Severity
+from ur.source.file import Span
+from ur.source.suggest import did_you_mean
+
+
+def _find_missing_overview(view: LaunchView) -> Iterable[Found]:
+    launch = view.tree.launch
+    if launch is not None and house_folder(view) is not None and not find_heading(view, "Overview"):
+        yield Found(
+            launch.span,
+            "a launch file without an Overview, expected a few sentences, in Markdown, on how the file is used",
+            "write <!--Overview: ...--> after <launch>",
+        )
+
+
+def _find_missing_summary(view: LaunchView) -> Iterable[Found]:
+    launch = view.tree.launch
+    if launch is not None and house_folder(view) is not None and not find_heading(view, "Summary"):
+        yield Found(
+            launch.span,
+            "a launch file without a Summary, expected one line that says what the file does",
+            "write <!--Summary: ...--> after <launch>",
+        )
+
+
+def _find_undocumented(view: LaunchView) -> Iterable[Found]:
+    launch = view.tree.launch
+    if launch is None or house_folder(view) is None:
+        return
+    tags: dict[str, list[Element]] = {}
+    for element in launch.elements:
+        if element.name == "arg" and element.attributes.get("name"):
+            tags.setdefault(element.attributes["name"], []).append(element)
+    for name, elements in tags.items():
+        if not any(_is_documented(launch, element, name) for element in elements):
+            yield Found(
+                elements[-1].value_span("name"),
+                f"argument '{name}' is not documented, expected a comment after it",
+                f"write <!--{name}: ...--> in the next line",
+            )
+
+
+def _is_documented(launch: Element, element: Element, name: str) -> bool:
+    if element.attributes.get("doc", "").strip():
+        return True
+    return any((name, True) == (heading[0], bool(heading[1])) for heading in _headings(launch, element))
+
+
+def _headings(launch: Element, element: Element) -> list[tuple[str, str]]:
+    return [heading for heading in map(heading_of, comments_after(launch, element)) if heading]
+
+
+def _find_unknown_documentation(view: LaunchView) -> Iterable[Found]:
+    launch = view.tree.launch
+    if launch is None or house_folder(view) is None:
+        return
+    after_arg = False
+    for child in launch.children:
+        if isinstance(child, Element):
+            after_arg = child.name == "arg"
+            continue
+        heading = heading_of(child)
+        if heading is None or heading[0] in view.declared or heading[0].lower() in KNOWN_HEADINGS:
+            continue
+        # A comment of another kind may hold a colon, too: a name has no capital, and stands after an <arg>.
+        near = did_you_mean(heading[0], view.declared)
+        if near or (after_arg and heading[0].islower()):
+            yield Found(
+                _name_span(child, heading[0]),
+                f"'{heading[0]}' is documented, and there is no argument of this name",
+                f"did you mean {near}?" if near else "remove the comment, or declare the argument",
+            )
+
+
+def _name_span(comment: Comment, name: str) -> Span:
+    start = comment.span.file.text.find(name, comment.span.start)
+    return Span(comment.span.file, start, start + len(name))
+
+
+RULES = (
+    Rule(
+        id="missing-overview",
+        group=Group.HOUSE,
+        severity=Severity.WARNING,
+        summary="A launch file has no Overview.",
+        explanation="""
+`<!--Overview: ...-->` is a few sentences, in Markdown, on how the file is used. The generated pages begin with it.
+""",
+        bad=(house_example(make_launch(SUMMARY, TALKER, tag=MARKED_LAUNCH)),),
+        good=(house_example(make_talk_launch()),),
+        house=True,
+        launch_file=_find_missing_overview,
+    ),
+    Rule(
+        id="missing-summary",
+        group=Group.HOUSE,
+        severity=Severity.WARNING,
+        summary="A launch file has no Summary.",
+        explanation="""
+`<!--Summary: ...-->` is one line that says what the file does. Lists of launch files show it.
+""",
+        bad=(house_example(make_launch(OVERVIEW, TALKER, tag=MARKED_LAUNCH)),),
+        good=(house_example(make_talk_launch()),),
+        house=True,
+        launch_file=_find_missing_summary,
+    ),
+    Rule(
+        id="undocumented-argument",
+        group=Group.HOUSE,
+        severity=Severity.WARNING,
+        summary="An argument is not documented.",
+        explanation="""
+After each `<arg>` follows `<!--name: ...-->`: what it means, in which unit, what it may be. `doc=` counts, too.
+""",
+        bad=(house_example(make_talk_launch('<arg name="«word»"/>', says="$(arg word)")),),
+        good=(
+            house_example(
+                make_talk_launch(
+                    '<arg name="word"/>',
+                    "<!--word: What is said.-->",
+                    '<arg name="rate" default="1" doc="How often, in Hz."/>',
+                    says="$(arg word) $(arg rate)",
+                )
+            ),
+        ),
+        house=True,
+        launch_file=_find_undocumented,
+    ),
+    Rule(
+        id="unknown-documentation",
+        group=Group.HOUSE,
+        severity=Severity.WARNING,
+        summary="A comment documents an argument that does not exist.",
+        explanation="""
+A comment `<!--name: ...-->` is about the argument `name`. Where there is none, the argument was renamed or removed, or
+the comment is misspelt.
+""",
+        bad=(
+            house_example(
+                make_talk_launch(
+                    '<arg name="word"/>',
+                    "<!--word: What is said.-->",
+                    "<!--«volume»: How loud it is said.-->",
+                    says="$(arg word)",
+                )
+            ),
+        ),
+        good=(
+            house_example(
+                make_talk_launch(
+                    '<arg name="word"/>',
+                    "<!--word: What is said.-->",
+                    "<!-- Note: the rest is for listeners. -->",
+                    says="$(arg word)",
+                )
+            ),
+        ),
+        house=True,
+        launch_file=_find_unknown_documentation,
+    ),
+)

@@ -1,0 +1,197 @@
+"""Rules about the packages and executables of nodes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from ur.check.model import Found, Group, NodeView, Rule, launch_example
+from ur.check.queries.executables import find_program, is_misspelt
+from ur.check.worlds import has_marker
+from ur.source.diagnostic import Severity
+from ur.source.suggest import did_you_mean
+
+
+def _find_missing_executable(view: NodeView) -> Iterable[Found]:
+    package, name = view.node.package, view.node.type
+    if not view.local or has_marker(package) or has_marker(name):
+        return
+    verdict = find_program(package, name, view.world)
+    if verdict.kind not in ("missing", "not-executable"):
+        return
+    if verdict.kind == "not-executable":
+        help_ = f"make it executable: chmod +x {verdict.path}"
+    else:
+        near = did_you_mean(name, verdict.near)
+        names = ", ".join(sorted(set(verdict.near))[:10]) or "no programs"
+        help_ = f"did you mean {near}?" if near else f"{package} has: {names}"
+    message = f"package {package} has no executable '{name}', expected one for node {view.node.full_name}"
+    yield Found(view.element.value_span("type"), message, help_)
+
+
+_CMAKE = """
+project(my_robot)
+add_executable(${PROJECT_NAME}_driver src/driver.cpp)
+"""
+
+
+def _find_not_installed(view: NodeView) -> Iterable[Found]:
+    package, name = view.node.package, view.node.type
+    if not view.local or has_marker(package) or has_marker(name):
+        return
+    verdict = find_program(package, name, view.world)
+    if verdict.kind == "no-package":
+        near = did_you_mean(package, view.world.package_names())
+        if near is None or not is_misspelt(package, near):
+            yield Found(
+                view.element.value_span("pkg"),
+                f"package '{package}' is not installed here, expected it where its nodes run",
+                f"install {package}, or source its workspace's setup.bash; what it holds is not checked until then",
+                subject=package,
+            )
+    elif verdict.kind == "no-programs":
+        yield Found(
+            view.element.value_span("type"),
+            f"package '{package}' holds no programs here, expected '{name}'",
+            f"build {package}, or source its workspace's setup.bash; its programs are not checked until then",
+            subject=package,
+        )
+
+
+_MANIFEST = """
+<package format="2">
+  <name>my_robot</name>
+  <exec_depend>far_away</exec_depend>
+</package>
+"""
+
+
+def _find_unknown_package(view: NodeView) -> Iterable[Found]:
+    package = view.node.package
+    if not view.local or has_marker(package) or has_marker(view.node.type):
+        return
+    if find_program(package, view.node.type, view.world).kind == "no-package":
+        near = did_you_mean(package, view.world.package_names())
+        if near and is_misspelt(package, near):
+            message = f"package '{package}' is not found, expected an installed one"
+            yield Found(view.element.value_span("pkg"), message, f"did you mean {near}?", subject=package)
+
+
+RULES = (
+    Rule(
+        id="missing-executable",
+        group=Group.FILES,
+        severity=Severity.ERROR,
+        summary="A package does not hold the program of a node.",
+        explanation="""
+roslaunch looks for an executable file of this name in the package and where the package is installed, and says
+"cannot launch node" when it starts, also when the file's mode does not allow to run it. Programs that the package's
+CMakeLists.txt builds or installs count as there, and nodes of other computers are left alone.
+""",
+        bad=(
+            launch_example("""
+<launch>
+  <node name="talker" pkg="demo_nodes" type="«tlker»"/>
+</launch>
+"""),
+            launch_example(
+                """
+<launch>
+  <node name="driver" pkg="my_robot" type="«driver.py»"/>
+</launch>
+""",
+                {"scripts/driver.py": "#!/usr/bin/env python3\n"},
+            ),
+        ),
+        good=(
+            launch_example(
+                """
+<launch>
+  <node name="talker" pkg="demo_nodes" type="talker"/>
+  <node name="driver" pkg="my_robot" type="my_robot_driver"/>
+</launch>
+""",
+                {"CMakeLists.txt": _CMAKE},
+            ),
+            launch_example(
+                """
+<launch>
+  <machine name="robot" address="robot.local"/>
+  <node name="driver" pkg="my_robot" type="driver.py"/>
+  <node name="camera" pkg="my_robot" type="camera" machine="robot"/>
+</launch>
+""",
+                {"scripts/driver.py": "#!/usr/bin/env python3\n"},
+                executables=("scripts/driver.py",),
+            ),
+        ),
+        node=_find_missing_executable,
+    ),
+    Rule(
+        id="package-not-installed",
+        group=Group.FILES,
+        severity=Severity.WARNING,
+        summary="A package that is needed is not installed on this computer.",
+        explanation="""
+The launch file may well be right, and what it takes from that package cannot be checked here. `ur check` lists all such
+packages in one paragraph after the other findings.
+""",
+        bad=(
+            launch_example(
+                """
+<launch>
+  <node name="talker" pkg="«far_away»" type="talker"/>
+</launch>
+""",
+                {"package.xml": _MANIFEST},
+            ),
+            launch_example("""
+<launch>
+  <arg name="simulate" default="false"/>
+  <include file="«$(find far_away)»/launch/world.launch" if="$(arg simulate)"/>
+</launch>
+"""),
+        ),
+        good=(
+            launch_example("""
+<launch>
+  <node name="talker" pkg="demo_nodes" type="talker"/>
+</launch>
+"""),
+        ),
+        node=_find_not_installed,
+    ),
+    Rule(
+        id="unknown-package",
+        group=Group.FILES,
+        severity=Severity.ERROR,
+        summary="A package cannot be found.",
+        explanation="""
+`$(find PACKAGE)` and `pkg` name packages that are installed or on ROS_PACKAGE_PATH; packages beside the checked one
+are found, too. Only a name that is nearly that of another package is an error; every other package that is not found is
+reported as `package-not-installed` instead, a warning.
+""",
+        bad=(
+            launch_example("""
+<launch>
+  <rosparam command="load" file="«$(find my_robto)»/params/speed.yaml"/>
+</launch>
+"""),
+            launch_example("""
+<launch>
+  <node name="talker" pkg="«demo_node»" type="talker"/>
+</launch>
+"""),
+        ),
+        good=(
+            launch_example("""
+<launch>
+  <arg name="package" default="demo_nodes"/>
+  <arg name="other"/>
+  <node name="talker" pkg="$(arg package)" type="talker"/>
+  <node name="other" pkg="$(arg other)" type="talker"/>
+</launch>
+"""),
+        ),
+        node=_find_unknown_package,
+    ),
+)

@@ -1,0 +1,136 @@
+"""Rules about tags and attributes that roslaunch does not know."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+
+from ur.check.example_parts import group_example
+from ur.check.model import Found, Group, LaunchView, Rule, launch_example
+from ur.check.survey import is_switched_off
+from ur.launchfile.plan.arguments import ARG_ATTRIBUTES
+from ur.launchfile.plan.body import GROUP_ATTRIBUTES, INCLUDE_ATTRIBUTES, TAGS
+from ur.launchfile.plan.nodes import NODE_ATTRIBUTES, TEST_ATTRIBUTES
+from ur.launchfile.plan.params import PARAM_ATTRIBUTES, ROSPARAM_ATTRIBUTES
+from ur.launchfile.plan.simple import MACHINE_ATTRIBUTES
+from ur.launchfile.syntax import Element
+from ur.source.diagnostic import Severity
+from ur.source.suggest import did_you_mean
+
+_KNOWN: Mapping[str, Sequence[str]] = {
+    "arg": ARG_ATTRIBUTES,
+    "env": ("name", "value"),
+    "group": GROUP_ATTRIBUTES,
+    "include": INCLUDE_ATTRIBUTES,
+    "machine": MACHINE_ATTRIBUTES,
+    "node": NODE_ATTRIBUTES,
+    "param": PARAM_ATTRIBUTES,
+    "remap": ("from", "to"),
+    "rosparam": ROSPARAM_ATTRIBUTES,
+    "test": TEST_ATTRIBUTES,
+}
+_REFUSED = frozenset({"ros-root", "ros-package-path", "ros-ip", "ros-hostname"})  # obsolete-machine speaks of these
+
+
+def _find_unknown_attributes(element: Element, _view: LaunchView) -> Iterable[Found]:
+    known = _KNOWN.get(element.name)
+    if known is None:
+        return
+    for name in element.attributes:
+        if name in known or name in ("if", "unless") or name in _REFUSED or ":" in name:
+            continue
+        near = did_you_mean(name, [*known, "if", "unless"])
+        yield Found(
+            element.name_span(name),
+            f"unknown attribute '{name}' of <{element.name}>, expected one of {', '.join(known)}",
+            f"did you mean {near}?" if near else "remove it: roslaunch ignores it",
+        )
+
+
+_IN_NODE = ("remap", "param", "rosparam", "env")
+_INSIDE = {"launch": TAGS, "group": TAGS, "include": ("arg", "env"), "node": _IN_NODE, "test": _IN_NODE}
+
+
+def _find_unknown_tags(view: LaunchView) -> Iterable[Found]:
+    # Resolving reports those that take part; here are the others, in branches that a condition leaves out.
+    stack = [view.tree.launch] if view.tree.launch else []
+    while stack:
+        element = stack.pop()
+        known = _INSIDE.get(element.name)
+        if known is None:
+            continue
+        for child in element.elements:
+            name = child.name if known is TAGS else child.name.lower()
+            if name in known:
+                if is_switched_off(child):
+                    continue
+                stack.append(child)
+            elif name != "master":  # had a meaning once: resolving warns of it
+                yield _explain(child, element, known)
+
+
+def _explain(child: Element, parent: Element, known: tuple[str, ...]) -> Found:
+    near = did_you_mean(child.name, known)
+    return Found(
+        child.span,
+        f"unknown tag <{child.name}> inside <{parent.name}>, expected one of {', '.join(known)}",
+        f"did you mean <{near}>?" if near else "remove it: roslaunch ignores it with all that is inside",
+    )
+
+
+RULES = (
+    Rule(
+        id="unknown-attribute",
+        group=Group.XML,
+        severity=Severity.ERROR,
+        summary="An attribute is not one that its tag knows.",
+        explanation="""
+roslaunch prints a warning among many other lines and goes on without the attribute: a node with `respaen="true"`
+is not started again.
+""",
+        bad=(
+            launch_example("""
+<launch>
+  <node name="talker" pkg="demo_nodes" type="talker" «respaen»="true"/>
+</launch>
+"""),
+        ),
+        good=(
+            launch_example("""
+<launch>
+  <node name="talker" pkg="demo_nodes" type="talker" respawn="true"/>
+</launch>
+"""),
+        ),
+        element=_find_unknown_attributes,
+    ),
+    Rule(
+        id="unknown-tag",
+        group=Group.XML,
+        severity=Severity.ERROR,
+        summary="A tag is not one that roslaunch knows.",
+        explanation="""
+roslaunch prints a warning among many other lines, ignores the tag with everything inside it, and starts the rest.
+""",
+        bad=(
+            launch_example("""
+<launch>
+  «<gruop» ns="left">
+    <node name="talker" pkg="demo_nodes" type="talker"/>
+  </gruop>
+</launch>
+"""),
+            launch_example("""
+<launch>
+  <arg name="loud" default="false"/>
+  <group if="$(arg loud)">
+    <node name="talker" pkg="demo_nodes" type="talker">
+      «<parm» name="volume" value="11"/>
+    </node>
+  </group>
+</launch>
+"""),
+        ),
+        good=(group_example('<group ns="left">'),),
+        launch_file=_find_unknown_tags,
+    ),
+)

@@ -1,0 +1,273 @@
+"""Rules about the values of attributes, and about attributes that exclude one another."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from ur.check.example_parts import group_example
+from ur.check.model import Edit, Found, Group, LaunchView, Rule, launch_example
+from ur.launchfile.syntax import Element
+from ur.source.diagnostic import Diagnostic, Severity
+
+_FLAGS = ("respawn", "required", "clear_params", "pass_all_args", "subst_value")
+_MEANT = {"1": "true", "0": "false", "yes": "true", "no": "false", "on": "true", "off": "false"}
+
+
+def _find_bad_booleans(element: Element, view: LaunchView) -> Iterable[Found]:
+    if element is view.tree.launch:
+        return
+    for name, value in element.attributes.items():
+        if "$" in value:
+            continue
+        if name in ("if", "unless") and value.lower().strip() not in ("true", "false", "1", "0"):
+            meant = _MEANT.get(value.lower().strip())
+            yield Found(
+                element.value_span(name),
+                f"'{name}' of <{element.name}> is '{value}', expected true, false, 1 or 0",
+                f'write {name}="{meant}"' if meant else None,
+            )
+        elif name in _FLAGS and value and value.lower() not in ("true", "false"):
+            meant = _MEANT.get(value.lower().strip(), value.lower().strip())
+            yield Found(
+                element.value_span(name),
+                f"'{name}' of <{element.name}> is '{value}', expected true or false",
+                f'write {name}="{meant}"' if meant in ("true", "false") else None,
+            )
+
+
+def _repair_boolean(found: Diagnostic) -> tuple[Edit, ...]:
+    span = found.span
+    if span is None:
+        return ()
+    written = span.text.strip().lower()
+    meant = _MEANT.get(written, written)
+    return (Edit(span, meant),) if meant in ("true", "false") else ()
+
+
+RULES = (
+    Rule(
+        id="bad-boolean",
+        group=Group.VALUES,
+        severity=Severity.ERROR,
+        summary="Something that is true or false is neither.",
+        explanation="""
+`if` and `unless` take `true`, `false`, `1` and `0`; `respawn`, `required`, `clear_params`, `pass_all_args` and
+`subst_value` only `true` and `false`. `--fix` writes `true` for 1, yes and on, `false` for 0, no and off.
+""",
+        bad=(
+            launch_example("""
+<launch>
+  <node name="talker" pkg="demo_nodes" type="talker" respawn="«1»"/>
+</launch>
+"""),
+            launch_example("""
+<launch>
+  <group if="«yes»">
+    <node name="talker" pkg="demo_nodes" type="talker"/>
+  </group>
+</launch>
+"""),
+        ),
+        good=(
+            launch_example("""
+<launch>
+  <arg name="again"/>
+  <group if="1">
+    <node name="talker" pkg="demo_nodes" type="talker" respawn="$(arg again)"/>
+  </group>
+</launch>
+"""),
+        ),
+        element=_find_bad_booleans,
+        fix=_repair_boolean,
+    ),
+    Rule(
+        id="bad-choice",
+        group=Group.VALUES,
+        severity=Severity.ERROR,
+        summary="An attribute takes one of a few words, and this is another.",
+        explanation="""
+`output` is `log` or `screen`, `cwd` is `ROS_HOME` or `node`, `command` of `<rosparam>` is `load`, `dump` or
+`delete`.
+""",
+        bad=(
+            launch_example("""
+<launch>
+  <node name="talker" pkg="demo_nodes" type="talker" output="«sceen»"/>
+</launch>
+"""),
+        ),
+        good=(
+            launch_example("""
+<launch>
+  <node name="talker" pkg="demo_nodes" type="talker" output="screen"/>
+</launch>
+"""),
+        ),
+    ),
+    Rule(
+        id="bad-condition",
+        group=Group.VALUES,
+        severity=Severity.ERROR,
+        summary="A tag has both if and unless.",
+        explanation="""
+A tag takes one condition. Two of them are one expression: an `if` with `$(eval ...)`.
+""",
+        bad=(
+            launch_example("""
+<launch>
+  <arg name="a" default="true"/>
+  <arg name="b" default="true"/>
+  <node name="talker" pkg="demo_nodes" type="talker" if="$(arg a)" «unless»="$(arg b)"/>
+</launch>
+"""),
+        ),
+        good=(
+            launch_example("""
+<launch>
+  <arg name="a" default="true"/>
+  <arg name="b" default="true"/>
+  <node name="talker" pkg="demo_nodes" type="talker" if="$(eval a and not b)"/>
+</launch>
+"""),
+        ),
+    ),
+    Rule(
+        id="bad-number",
+        group=Group.VALUES,
+        severity=Severity.ERROR,
+        summary="A number was expected.",
+        explanation="""
+`respawn_delay`, `timeout`, `ssh-port`, `time-limit` and `retry` are numbers; times are in seconds.
+""",
+        bad=(
+            launch_example("""
+<launch>
+  <node name="talker" pkg="demo_nodes" type="talker" respawn="true" respawn_delay="«5s»"/>
+</launch>
+"""),
+        ),
+        good=(
+            launch_example("""
+<launch>
+  <node name="talker" pkg="demo_nodes" type="talker" respawn="true" respawn_delay="5"/>
+</launch>
+"""),
+        ),
+    ),
+    Rule(
+        id="bad-ready",
+        group=Group.VALUES,
+        severity=Severity.WARNING,
+        summary="A ready: comment is not made of conditions.",
+        explanation="""
+`ur launch` reads `<!--ready: ...-->` inside a node as what has to be there before the node is up, and `ur wait` waits
+for it. A part that it does not understand is left out, so nobody would wait for it. roslaunch ignores the comment.
+""",
+        bad=(
+            launch_example("""
+<launch>
+  <node name="talker" pkg="demo_nodes" type="talker">
+    «<!--ready: topics chatter-->»
+  </node>
+</launch>
+"""),
+        ),
+        good=(
+            launch_example("""
+<launch>
+  <node name="talker" pkg="demo_nodes" type="talker">
+    <!--ready: topic chatter 5 Hz; service ~set_logger_level-->
+  </node>
+</launch>
+"""),
+        ),
+    ),
+    Rule(
+        id="empty-attribute",
+        group=Group.VALUES,
+        severity=Severity.ERROR,
+        summary="An attribute is empty that has to say something.",
+        explanation="""
+`pkg` and `type` of a node and `name` of an environment variable cannot be empty.
+""",
+        bad=(
+            launch_example("""
+<launch>
+  <node name="talker" pkg="demo_nodes" «type»=""/>
+</launch>
+"""),
+        ),
+        good=(
+            launch_example("""
+<launch>
+  <node name="talker" pkg="demo_nodes" type="talker"/>
+</launch>
+"""),
+        ),
+    ),
+    Rule(
+        id="misplaced-attribute",
+        group=Group.VALUES,
+        severity=Severity.ERROR,
+        summary="An attribute of <node> stands in a <test>.",
+        explanation="""
+A test ends by itself: it is not respawned, and its output goes to the results.
+""",
+        bad=(
+            launch_example("""
+<launch>
+  <test test-name="hears" pkg="demo_nodes" type="talker" «respawn»="true"/>
+</launch>
+"""),
+        ),
+        good=(
+            launch_example("""
+<launch>
+  <test test-name="hears" pkg="demo_nodes" type="talker" time-limit="20"/>
+</launch>
+"""),
+        ),
+    ),
+    Rule(
+        id="required-and-respawn",
+        group=Group.VALUES,
+        severity=Severity.ERROR,
+        summary="A node is both required and respawned.",
+        explanation="""
+`required` ends everything when the node ends, `respawn` starts it again: a node can be one of the two.
+""",
+        bad=(
+            launch_example("""
+<launch>
+  <node name="talker" pkg="demo_nodes" type="talker" «required»="true" respawn="true"/>
+</launch>
+"""),
+        ),
+        good=(
+            launch_example("""
+<launch>
+  <node name="talker" pkg="demo_nodes" type="talker" required="true"/>
+</launch>
+"""),
+        ),
+    ),
+    Rule(
+        id="useless-condition",
+        group=Group.VALUES,
+        severity=Severity.WARNING,
+        summary="A condition on <launch> has no effect.",
+        explanation="""
+roslaunch reads `if` and `unless` of `<launch>` and forgets them. The condition belongs on the `<include>` of
+the file.
+""",
+        bad=(
+            launch_example("""
+<launch «if»="false">
+  <node name="talker" pkg="demo_nodes" type="talker"/>
+</launch>
+"""),
+        ),
+        good=(group_example('<group if="false">'),),
+    ),
+)

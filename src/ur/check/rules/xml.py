@@ -1,0 +1,171 @@
+"""Rules about the XML of a launch file, which reading it reports."""
+
+from __future__ import annotations
+
+from ur.check.example_parts import speed_example
+from ur.check.model import Group, Rule, launch_example
+from ur.source.diagnostic import Severity
+
+RULES = (
+    Rule(
+        id="attribute-too-long",
+        group=Group.XML,
+        severity=Severity.ERROR,
+        summary="An attribute's value is longer than 1 MB.",
+        explanation="""
+Put the text into a file and name that with `textfile=` or `<rosparam file=...>`. The limit is part of what
+keeps `ur` from hanging, so there is no example here.
+""",
+        bad=(),
+        good=(),
+    ),
+    Rule(
+        id="bad-xml",
+        group=Group.XML,
+        severity=Severity.ERROR,
+        summary="The file is not well-formed XML.",
+        explanation="""
+A launch file is XML: every tag is closed, quotes come in pairs, and `<` and `&` in a value are written `&lt;`
+and `&amp;`. roslaunch refuses the whole file, and every file that includes it.
+""",
+        bad=(
+            launch_example("""
+<launch>
+  <group ns="left">
+    <node name="talker" pkg="demo_nodes" type="talker"/>
+«</launch>»
+"""),
+            launch_example("""
+<launch>
+  <param name="question" value="black «&» white"/>
+</launch>
+"""),
+        ),
+        good=(
+            launch_example("""
+<launch>
+  <group ns="left">
+    <node name="talker" pkg="demo_nodes" type="talker"/>
+  </group>
+  <param name="question" value="black &amp; white"/>
+</launch>
+"""),
+        ),
+    ),
+    Rule(
+        id="entity-declaration",
+        group=Group.XML,
+        severity=Severity.ERROR,
+        summary="The file declares an XML entity.",
+        explanation="""
+Entities can make a small file as large as the memory, so they are refused. An argument does what an entity is
+used for.
+""",
+        bad=(
+            launch_example("""
+<!DOCTYPE launch [
+  «<!ENTITY» speed "0.3">
+]>
+<launch>
+  <param name="speed" value="&speed;"/>
+</launch>
+"""),
+        ),
+        good=(speed_example('<arg name="speed" default="0.3"/>'),),
+    ),
+    Rule(
+        id="file-too-large",
+        group=Group.XML,
+        severity=Severity.ERROR,
+        summary="The file is larger than any launch file.",
+        explanation="""
+A launch file of more than 8 MB, or of more than 200,000 elements, is not read: it would take the memory that
+nodes need. Split it, or load large data with `<rosparam file=...>` and `textfile=`. The limit is part of what
+keeps `ur` from hanging, so there is no example here.
+""",
+        bad=(),
+        good=(),
+    ),
+    Rule(
+        id="launch-element",
+        group=Group.XML,
+        severity=Severity.ERROR,
+        summary="The file does not hold exactly one <launch>.",
+        explanation="""
+Everything in a launch file stands inside one `<launch>` element, which is the outermost one.
+""",
+        bad=(
+            launch_example("""
+«<robot»>
+  <param name="speed" value="0.3"/>
+</robot>
+"""),
+        ),
+        good=(
+            launch_example("""
+<launch>
+  <param name="speed" value="0.3"/>
+</launch>
+"""),
+        ),
+    ),
+    Rule(
+        id="missing-attribute",
+        group=Group.XML,
+        severity=Severity.ERROR,
+        summary="A tag lacks an attribute that it cannot do without.",
+        explanation="""
+`<node>` needs `name`, `pkg` and `type`, `<include>` needs `file`, `<remap>` needs `from` and `to`, and so on.
+""",
+        bad=(
+            launch_example("""
+<launch>
+  «<node» name="talker" type="talker"/>
+</launch>
+"""),
+        ),
+        good=(
+            launch_example("""
+<launch>
+  <node name="talker" pkg="demo_nodes" type="talker"/>
+</launch>
+"""),
+        ),
+    ),
+    Rule(
+        id="nested-too-deep",
+        group=Group.XML,
+        severity=Severity.ERROR,
+        summary="Elements or mappings are nested too deep.",
+        explanation="""
+More than 900 elements inside one another, or 100 mappings in YAML, are not read. The limit is part of what
+keeps `ur` from hanging, so there is no example here.
+""",
+        bad=(),
+        good=(),
+    ),
+    Rule(
+        id="wrong-ros-version",
+        group=Group.XML,
+        severity=Severity.ERROR,
+        summary="The file is a launch file for ROS 2.",
+        explanation="""
+`<let>`, `<node exec=...>` and `$(find-pkg-share ...)` belong to the launch language of ROS 2, which roslaunch does not
+read. Nothing else is reported about such a file. Files named `*.launch.py` and `*.launch.yaml` are for ROS 2, too.
+""",
+        bad=(
+            launch_example("""
+<launch>
+  «<let» name="speed" value="0.3"/>
+</launch>
+"""),
+        ),
+        good=(
+            launch_example("""
+<launch>
+  <param name="speed" value="0.3"/>
+</launch>
+"""),
+        ),
+    ),
+)

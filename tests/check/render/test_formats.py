@@ -1,0 +1,64 @@
+"""Reports as JSON, SARIF, GitHub commands and text."""
+
+from __future__ import annotations
+
+import json
+
+from ur.check.catalogue import load_rules
+from ur.check.render.github import render_github
+from ur.check.render.json import render_json
+from ur.check.render.sarif import render_sarif
+from ur.check.render.text import render_text, shorten_paths
+from ur.check.run import Report, check_paths
+from ur.launchfile.world import MemoryWorld
+
+FILES = {
+    "/w/main.launch": '<launch>\n  <include file="/w/part.launch"/>\n</launch>\n',
+    "/w/part.launch": '<launch>\n  <arg name="100%, all"/>\n  <param name="é" value="$(arg b)"/>\n</launch>\n',
+}
+
+
+def report() -> Report:
+    return shorten_paths(check_paths(["/w"], MemoryWorld(FILES)), "/w")
+
+
+def test_json_has_places_from_one_and_counts() -> None:
+    body = json.loads(render_json(report()))
+    assert body["summary"] == {"files": 2, "errors": 2, "warnings": 1, "suppressed": 0}
+    finding = next(each for each in body["findings"] if each["rule"] == "undeclared-argument")
+    assert {key: finding[key] for key in ("path", "line", "column", "end_line", "end_column", "severity")} == {
+        "path": "part.launch",
+        "line": 3,
+        "column": 26,
+        "end_line": 3,
+        "end_column": 34,
+        "severity": "error",
+    }
+    assert [(note["path"], note["line"]) for note in finding["notes"]] == [("main.launch", 2)]
+
+
+def test_sarif_names_rules_places_and_related_places() -> None:
+    body = json.loads(render_sarif(report(), load_rules(), "1.2.3"))
+    run = body["runs"][0]
+    assert body["version"] == "2.1.0"
+    assert run["tool"]["driver"]["version"] == "1.2.3"
+    for result in run["results"]:
+        assert run["tool"]["driver"]["rules"][result["ruleIndex"]]["id"] == result["ruleId"]
+    result = next(each for each in run["results"] if each["ruleId"] == "undeclared-argument")
+    place = result["locations"][0]["physicalLocation"]
+    assert place["artifactLocation"]["uri"] == "part.launch"
+    assert place["region"] == {"startLine": 3, "startColumn": 26, "endLine": 3, "endColumn": 34}
+    assert result["relatedLocations"][0]["physicalLocation"]["region"]["startLine"] == 2
+
+
+def test_github_commands_are_one_line_each_with_escapes() -> None:
+    lines = render_github(report()).splitlines()
+    assert len(lines) == 3
+    assert lines[0].startswith("::error file=main.launch,line=2,endLine=2,title=missing-argument,col=3,endColumn=11::")
+    assert "100%25, all" in lines[0]
+    assert "%0Ahelp: " in lines[0]
+
+
+def test_text_ends_with_counts() -> None:
+    assert render_text(report()).endswith("\n2 errors and 1 warning in 2 files\n")
+    assert render_text(Report((), 1, 2)) == "nothing found in 1 file (2 findings hidden by comments)\n"
