@@ -18,13 +18,13 @@ from ur.check.worlds import ANONYMOUS, CachedWorld, Environment, Unknowns, has_m
 from ur.launchfile.plan.budget import Budget
 from ur.launchfile.plan.load import load_plan
 from ur.launchfile.plan.model import Plan, TraceStep
+from ur.launchfile.plan.problems import NOT_GIVEN, NOT_PYTHON
 from ur.launchfile.syntax import Element
 from ur.source.diagnostic import Diagnostic, Severity
 
 _ROUNDS = 5
 _CONDITION = re.compile(r"\s*\$\(arg (\w+)\)\s*\Z")
 _BOOLEANS = {"true": "false", "1": "false", "false": "true", "0": "true"}
-_CHOICE = re.compile(r"expected (\w+) or ")
 _OPPOSITES = {"true": "false", "1": "0"}
 _ABOUT_VALUES = frozenset({"bad-boolean", "bad-number", "bad-param-value", "bad-choice"})
 _ABOUT_EVERY_FILE = frozenset({"unknown-machine"})  # not sure unless every included file is known
@@ -180,11 +180,11 @@ def _learn(findings: Iterable[Diagnostic], unknowns: Unknowns) -> dict[str, str]
         for name in unknowns.names_in(found.message):
             value: str | None = None
             if found.rule == "bad-boolean":
-                value = "1" if found.message.startswith(("'if'", "'unless'")) else "true"
+                value = "1" if "1" in found.expected else "true"
             elif found.rule in ("bad-number", "bad-param-value"):
                 value = "1"
-            elif found.rule == "bad-choice" and (choice := _CHOICE.search(found.message)):
-                value = choice.group(1)
+            elif found.rule == "bad-choice" and found.expected:
+                value = found.expected[0]
             if value is not None and learnt.get(name, "1") == "1":
                 learnt[name] = value
     return learnt
@@ -228,9 +228,9 @@ def _is_sure(found: Diagnostic, case: Case, unknowns: Unknowns, world: CachedWor
         return False
     if found.span is not None and found.span.file.path == "<command line>":
         return False
-    if found.rule == "missing-argument" and found.message.endswith(":=VALUE"):
+    if found.rule == "missing-argument" and found.kind == NOT_GIVEN:
         return False  # an argument of the file itself: whoever starts it gives it
-    if found.rule == "bad-eval" and "not a Python expression" not in found.message:
+    if found.rule == "bad-eval" and found.kind != NOT_PYTHON:
         return not (unknowns.any_used or case.flipped)  # the result may depend on something unknown
     if found.rule in _ABOUT_VALUES and unknowns.tried and found.span is not None and "$" in found.span.text:
         return False  # the value was guessed

@@ -8,6 +8,7 @@ from dataclasses import replace
 from ur.check.model import Found, LaunchView, NodeView, Package, PackageView, ParamView, ProgramView, Rule, YamlView
 from ur.check.survey import walk_possible
 from ur.launchfile.plan.model import Origin, Plan
+from ur.launchfile.plan.problems import OBSOLETE
 from ur.launchfile.syntax import Element
 from ur.launchfile.world import World
 from ur.source.diagnostic import Diagnostic, Note
@@ -82,7 +83,7 @@ def _with_includes(findings: Iterable[Diagnostic], origin: Origin) -> Iterable[D
 
 
 def _is_old_master(found: Diagnostic) -> bool:
-    return found.rule == "unknown-tag" and found.message.startswith("<master>")  # many old files hold it
+    return found.rule == "unknown-tag" and found.kind == OBSOLETE  # many old files hold it
 
 
 def stamp_severity(found: Diagnostic, rules: Mapping[str, Rule]) -> Diagnostic:

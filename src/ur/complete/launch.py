@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
@@ -16,7 +15,6 @@ if TYPE_CHECKING:
 
 _MAX_DEPTH = 6
 _YAML = (".yaml", ".yml")
-_MISSING = re.compile(r"'(\w+)'")
 
 
 def complete_launch(words: Sequence[str], prefix: str, world: World, known: Known) -> Iterator[Candidate]:
@@ -133,8 +131,8 @@ def _read_arguments(path: str, words: Sequence[str], world: World) -> tuple[Argu
         return read_arguments(path, list(words), world)
     except UserError as problem:
         # A default that rests on a required argument cannot be resolved before that one is given.
-        missing = _MISSING.search(problem.diagnostics[0].message)
-        guess = f"{missing.group(1)}:=..." if missing else ""
+        missing = problem.diagnostics[0].subject
+        guess = f"{missing}:=..." if missing else ""
         return _read_arguments(path, [*words, guess], world) if guess and guess not in words else ()
 
 

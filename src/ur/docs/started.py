@@ -13,6 +13,7 @@ from ur.check.worlds import CachedWorld
 from ur.launchfile.plan.model import IncludeSpec, NodeSpec, Plan
 from ur.launchfile.plan.names import read_assignments
 from ur.launchfile.plan.one_file import HERE, load_one_file
+from ur.launchfile.plan.problems import NOT_GIVEN
 from ur.launchfile.syntax import Element, LaunchFile
 from ur.source.diagnostic import Diagnostic, Severity, error
 
@@ -228,10 +229,9 @@ def _explain(include: IncludeSpec, started: Started) -> Iterator[Diagnostic]:
 
 def _as_included(found: Diagnostic, include: IncludeSpec, child: Started) -> Diagnostic:
     # Seen from the root an argument may be given; here somebody should have passed it.
-    if found.rule == "missing-argument" and found.message.endswith(":=VALUE"):
-        name = found.message.split("'")[1]
-        message = f"argument '{name}' of {child.path} is required and was not passed"
-        return Diagnostic(found.severity, message, found.rule, include.origin.span)
+    if found.rule == "missing-argument" and found.kind == NOT_GIVEN:
+        message = f"argument '{found.subject}' of {child.path} is required and was not passed"
+        return Diagnostic(found.severity, message, found.rule, include.origin.span, subject=found.subject)
     if found.rule == "unknown-argument" and found.span is None:
         return Diagnostic(Severity.ERROR, found.message, found.rule, include.origin.span)
     return found

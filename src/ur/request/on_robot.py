@@ -31,8 +31,7 @@ from ur.run.remote.own_clients import clients_folder, list_clients
 from ur.run.remote.protocol import Answer, Client, Request, dump, parse_answer
 from ur.run.remote.share import END_SECONDS
 from ur.run.remote.start import START_SECONDS
-from ur.run.startup.machine_assignment import take_part
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, error, error_about
 
 AGAIN_SECONDS = 0.5
 MARGIN = 30.0  # s more than what the robot itself waits for: login and network
@@ -228,7 +227,9 @@ def _ask(address: Address, request: Request, seconds: float) -> Answer:
         return parse_answer(text)
     except (ValueError, TypeError):
         raise UserError(
-            error(f"{address.host}: its answer cannot be read: {text[:80]!r}", rule="robot-part", help="ur boot status")
+            error_about(
+                address.host, f"its answer cannot be read: {text[:80]!r}", rule="robot-part", help="ur boot status"
+            )
         ) from None
 
 
@@ -240,7 +241,7 @@ def _end(address: Address, request: Request, robot: str) -> None:
         answer = _ask(address, replace(request, action="end"), END_SECONDS)
         problem = answer.problem.message if answer.problem else ""
     except UserError as failed:
-        answer, problem = Answer(), failed.diagnostics[0].message.removeprefix(f"{robot}: ")
+        answer, problem = Answer(), failed.diagnostics[0].reason or failed.diagnostics[0].message
     except KeyboardInterrupt:
         answer, problem = Answer(), "interrupted"
     for line in describe_end(robot, answer):

@@ -30,8 +30,9 @@ class Diagnostic:
     """A finding: the thing first, then what was expected; where; and one action that helps.
 
     `rule` is a kebab-case id that never changes its meaning. `span` is None when the finding is not in a text,
-    for instance when it is about the command line. `subject` is the name that the finding is about: a package, an
-    argument, a file; programs read it, so that messages can be reworded freely.
+    for instance when it is about the command line. The fields after `help` are for programs, so that messages can be
+    reworded freely: `subject` is the name that the finding is about: a package, an argument, a file; `kind` tells apart
+    findings of one rule; `expected` are values that would be accepted; `reason` is the message without its subject.
     """
 
     severity: Severity
@@ -41,6 +42,9 @@ class Diagnostic:
     notes: tuple[Note, ...] = ()
     help: str | None = None
     subject: str = ""
+    kind: str = ""
+    expected: tuple[str, ...] = ()
+    reason: str = ""
 
 
 class UserError(Exception):
@@ -62,6 +66,14 @@ def error(
     help: str | None = None,
     notes: tuple[Note, ...] = (),
     subject: str = "",
+    kind: str = "",
+    expected: tuple[str, ...] = (),
+    reason: str = "",
 ) -> Diagnostic:
     """A Diagnostic with severity ERROR."""
-    return Diagnostic(Severity.ERROR, message, rule, span, notes, help, subject)
+    return Diagnostic(Severity.ERROR, message, rule, span, notes, help, subject, kind, expected, reason)
+
+
+def error_about(subject: str, reason: str, *, rule: str, help: str | None = None) -> Diagnostic:
+    """An error without a place, whose message is the subject, a colon and the reason."""
+    return error(f"{subject}: {reason}", rule=rule, help=help, subject=subject, reason=reason)

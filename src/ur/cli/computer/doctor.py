@@ -152,7 +152,7 @@ def _explain_way(here: LocalShell, address: Address, problem: UserError, *, as_j
     if said.rule in ("missing-program", "bad-address"):
         raise problem
     with show_progress(f"finding out which step towards {_short(address)} fails"):
-        way = look_at_way(here, address, said.rule, said.message.removeprefix(f"{address}: "))
+        way = look_at_way(here, address, said.rule, said.reason or said.message)
     seen = load_seen(seen_path(os.environ)).get(_short(address))
     side = _look_alone(here)
     findings = [*diagnose_alone(side), explain_way(address, way, seen, _record(_short(address)), time.time())]

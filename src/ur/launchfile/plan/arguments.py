@@ -7,7 +7,7 @@ from typing import Literal
 from ur.launchfile.plan.attributes import check_attributes, read_optional, read_required
 from ur.launchfile.plan.draft import Draft
 from ur.launchfile.plan.model import ArgumentStep
-from ur.launchfile.plan.problems import Refused, as_warning, refuse
+from ur.launchfile.plan.problems import NOT_GIVEN, Refused, as_warning, refuse
 from ur.launchfile.plan.scope import Scope
 from ur.launchfile.syntax import Element
 from ur.source.diagnostic import Note, error
@@ -142,10 +142,11 @@ def warn_missing(draft: Draft, scope: Scope) -> None:
             include, chain = scope.chain[-1], scope.chain[:-1]
             message = f"argument '{name}' of {scope.filename} is required and was not passed"
             help_ = f'add <arg name="{name}" value="..."/> inside the <include>'
-            finding = error(message, include, rule="missing-argument", notes=note, help=help_)
+            finding = error(message, include, rule="missing-argument", notes=note, help=help_, subject=name)
         else:
             chain = ()
             message = f"argument '{name}' is required and was not given, expected {name}:=VALUE"
             place = element.value_span("name")
-            finding = error(message, place, rule="missing-argument", help=f"give it on the command line: {name}:=VALUE")
+            help_ = f"give it on the command line: {name}:=VALUE"
+            finding = error(message, place, rule="missing-argument", help=help_, subject=name, kind=NOT_GIVEN)
         draft.add_diagnostic(as_warning(finding), chain)

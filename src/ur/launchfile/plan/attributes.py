@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from functools import cache
 
-from ur.launchfile.plan.convert import read_boolean
+from ur.launchfile.plan.convert import CONDITIONS, read_boolean
 from ur.launchfile.plan.draft import Draft
-from ur.launchfile.plan.problems import Refused, refuse
+from ur.launchfile.plan.problems import NOT_GIVEN, Refused, refuse
 from ur.launchfile.plan.scope import Scope
 from ur.launchfile.plan.substitute import MissingArgument, substitute
 from ur.launchfile.syntax import Element, SubstitutionProblem
@@ -77,7 +77,7 @@ def explain_problem(problem: SubstitutionProblem, span: Span, scope: Scope) -> R
     """What is wrong with a substitution, as a finding."""
     if isinstance(problem, MissingArgument):
         return _explain_missing_argument(problem.name, span, scope)
-    return Refused(error(problem.message, span, rule=problem.rule, help=problem.help, subject=problem.subject))
+    return refuse(problem.message, span, problem.rule, problem.help, subject=problem.subject, kind=problem.kind)
 
 
 def _explain_missing_argument(name: str, span: Span, scope: Scope) -> Refused:
@@ -105,6 +105,7 @@ def _explain_missing_argument(name: str, span: Span, scope: Scope) -> Refused:
             f"give it on the command line: {name}:=VALUE",
             (used,),
             name,
+            kind=NOT_GIVEN,
         )
     return Refused(
         error(
@@ -142,7 +143,10 @@ def _condition(value: str, element: Element, name: str) -> bool:
         return read_boolean(value)
     except ValueError as problem:
         raise refuse(
-            f"'{name}' of <{element.name}> is '{value}', {problem}", element.value_span(name), "bad-boolean", None
+            f"'{name}' of <{element.name}> is '{value}', {problem}",
+            element.value_span(name),
+            "bad-boolean",
+            expected=CONDITIONS,
         ) from None
 
 
@@ -163,6 +167,7 @@ def as_flag(value: str, element: Element, name: str) -> bool:
         element.value_span(name),
         "bad-boolean",
         {"1": f'write {name}="true"', "0": f'write {name}="false"'}.get(value.strip()),
+        expected=("true", "false"),
     )
 
 

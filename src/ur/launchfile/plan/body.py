@@ -6,11 +6,12 @@ from collections.abc import Callable
 
 from ur.launchfile.plan.arguments import check_passed, check_used, resolve_arg, trace_arg, warn_missing
 from ur.launchfile.plan.attributes import as_flag, check_attributes, is_wanted, read_optional, read_required
+from ur.launchfile.plan.convert import CONDITIONS
 from ur.launchfile.plan.draft import MAX_INCLUDES, Draft, TooMuch
 from ur.launchfile.plan.model import IncludeSpec, MachineSpec
 from ur.launchfile.plan.nodes import resolve_namespace, resolve_node, resolve_test
 from ur.launchfile.plan.params import missing_file, resolve_param, resolve_rosparam
-from ur.launchfile.plan.problems import Refused, refuse
+from ur.launchfile.plan.problems import OBSOLETE, Refused, refuse
 from ur.launchfile.plan.scope import Scope
 from ur.launchfile.plan.simple import read_remap, resolve_env, resolve_machine
 from ur.launchfile.syntax import Element, LaunchFile
@@ -63,6 +64,7 @@ def check_launch_tag(launch: Element, draft: Draft, scope: Scope | None) -> None
                 launch.value_span(name),
                 "bad-boolean",
                 "put the condition on the <include> of this file",
+                expected=CONDITIONS,
             )
         draft.warn(
             f"'{name}' of <launch> has no effect, expected it on an <include> or <group>",
@@ -82,7 +84,8 @@ def check_launch_tag(launch: Element, draft: Draft, scope: Scope | None) -> None
 
 def _warn_unknown(element: Element, draft: Draft, scope: Scope) -> None:
     if element.name == "master":
-        draft.warn("<master> has no effect since ROS Diamondback", element.span, scope, "unknown-tag", "remove it")
+        message = "<master> has no effect since ROS Diamondback"
+        draft.warn(message, element.span, scope, "unknown-tag", "remove it", kind=OBSOLETE)
         return
     near = did_you_mean(element.name, TAGS)
     draft.warn(

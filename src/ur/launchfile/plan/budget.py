@@ -26,13 +26,27 @@ _DIVISION = 180_000  # square bits per unit: schoolbook division
 
 
 class ExpressionProblem(Exception):  # noqa: N818 - carries a finding to where its place is known
-    """Something is wrong with an expression. `start` and `end` are offsets in it; equal when the place is not known."""
+    """Something is wrong with an expression. `start` and `end` are offsets in it; equal when the place is not known.
 
-    def __init__(self, message: str, start: int = 0, end: int = 0, help: str | None = None) -> None:
+    `subject` and `kind` are as in a Diagnostic.
+    """
+
+    def __init__(
+        self,
+        message: str,
+        start: int = 0,
+        end: int = 0,
+        help: str | None = None,
+        *,
+        subject: str = "",
+        kind: str = "",
+    ) -> None:
         super().__init__(message)
         self.start = start
         self.end = end
         self.help = help
+        self.subject = subject
+        self.kind = kind
 
 
 class TooLong(Exception):  # noqa: N818 - carries a finding to where its place is known

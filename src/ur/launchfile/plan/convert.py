@@ -15,6 +15,7 @@ _TYPES: dict[str, ParamType] = {
     "yaml": "yaml",
 }
 TYPE_NAMES = tuple(_TYPES)
+CONDITIONS = ("true", "false", "1", "0")
 
 
 def read_type(text: str) -> ParamType | None:

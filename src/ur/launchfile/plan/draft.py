@@ -79,10 +79,12 @@ class Draft:
         rule: str,
         help: str | None = None,
         notes: tuple[Note, ...] = (),
+        *,
+        kind: str = "",
     ) -> None:
         """Report something that roslaunch accepts, though it cannot be what was meant."""
         chain = scope.chain if scope else ()
-        self.add_diagnostic(Diagnostic(Severity.WARNING, message, rule, span, notes, help), chain)
+        self.add_diagnostic(Diagnostic(Severity.WARNING, message, rule, span, notes, help, kind=kind), chain)
 
     def refuse(self, refused: Refused, scope: Scope | None) -> None:
         """Report what made a tag impossible to resolve."""

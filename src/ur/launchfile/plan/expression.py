@@ -25,7 +25,7 @@ from ur.launchfile.plan.budget import (
     hash_cost,
 )
 from ur.launchfile.plan.expression_formats import CONVERSIONS, format_value
-from ur.launchfile.plan.problems import Refused
+from ur.launchfile.plan.problems import NOT_PYTHON, Refused
 from ur.launchfile.syntax.substitution import SubstitutionProblem
 from ur.source.suggest import did_you_mean
 
@@ -61,9 +61,10 @@ def evaluate_expression(
         tree = ast.parse(stripped, mode="eval")
     except SyntaxError as problem:
         start = min(max((problem.offset or 1) - 1, 0) + shift, max(len(text) - 1, 0))
-        raise ExpressionProblem(f"not a Python expression: {problem.msg}", start, start + 1) from None
+        raise ExpressionProblem(f"not a Python expression: {problem.msg}", start, start + 1, kind=NOT_PYTHON) from None
     except (ValueError, RecursionError, MemoryError) as problem:
-        raise ExpressionProblem(f"not a Python expression: {problem or 'nested too deep'}") from None
+        message = f"not a Python expression: {problem or 'nested too deep'}"
+        raise ExpressionProblem(message, kind=NOT_PYTHON) from None
     evaluator = _Evaluator(stripped, shift, commands, look_up, known, budget or Budget())
     evaluator.budget.begin()
     try:
@@ -104,11 +105,12 @@ class _Evaluator:
         self.inside = 0  # how many comprehensions hide the names around them
         self.at: ast.expr | None = None
 
-    def problem(self, message: str, node: ast.expr, help_: str | None = None) -> ExpressionProblem:
+    def problem(self, message: str, node: ast.expr, help_: str | None = None, subject: str = "") -> ExpressionProblem:
         def offset(column: int) -> int:
             return self.shift + len(self.text.encode()[:column].decode(errors="replace"))
 
-        return ExpressionProblem(message, offset(node.col_offset), offset(node.end_col_offset or 0), help_)
+        start, end = offset(node.col_offset), offset(node.end_col_offset or 0)
+        return ExpressionProblem(message, start, end, help_, subject=subject)
 
     def visit(self, node: ast.expr) -> Any:
         method = getattr(self, f"visit_{type(node).__name__}", None)
@@ -176,6 +178,7 @@ class _Evaluator:
             f"'{name}' is not known, expected an argument or a function",
             node,
             f"did you mean {near}?" if near else f'declare it: <arg name="{name}" .../>, or quote it as a text',
+            name,
         )
 
     def visit_UnaryOp(self, node: ast.UnaryOp) -> Any:  # noqa: N802

@@ -291,6 +291,7 @@ def _choice(value: str | None, element: Element, name: str, choices: tuple[str, 
         element.value_span(name),
         "bad-choice",
         f"did you mean {near}?" if near else None,
+        expected=choices,
     )
 
 

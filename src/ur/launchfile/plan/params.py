@@ -170,6 +170,7 @@ def resolve_rosparam(element: Element, draft: Draft, scope: Scope) -> None:
             element.value_span("command"),
             "bad-choice",
             f"did you mean {near}?" if near else None,
+            expected=("load", "dump", "delete"),
         )
 
 

@@ -7,6 +7,11 @@ from dataclasses import replace
 from ur.source.diagnostic import Diagnostic, Note, Severity, error
 from ur.source.file import Span
 
+# Kinds of diagnostics.
+NOT_GIVEN = "not-given"  # a `missing-argument` of the file that is started, not of one that it includes
+NOT_PYTHON = "not-python"  # a `bad-eval` that no argument can make right
+OBSOLETE = "obsolete"  # an `unknown-tag` that had a meaning once
+
 
 class Refused(Exception):  # noqa: N818 - carries a finding
     """A tag that roslaunch would refuse. Without a diagnostic it follows from one that was reported before."""
@@ -23,9 +28,13 @@ def refuse(
     help: str | None = None,
     notes: tuple[Note, ...] = (),
     subject: str = "",
+    *,
+    kind: str = "",
+    expected: tuple[str, ...] = (),
 ) -> Refused:
     """An exception to raise for a finding."""
-    return Refused(error(message, span, rule=rule, help=help, notes=notes, subject=subject))
+    found = error(message, span, rule=rule, help=help, notes=notes, subject=subject, kind=kind, expected=expected)
+    return Refused(found)
 
 
 def as_warning(found: Diagnostic) -> Diagnostic:

@@ -76,6 +76,7 @@ def resolve_machine(element: Element, draft: Draft, scope: Scope) -> MachineSpec
             f"'default' of <machine> is '{default}', expected true, false or never",
             element.value_span("default"),
             "bad-choice",
+            expected=("true", "false", "never"),
         )
     for child in element.elements:
         if child.name == "env":

@@ -237,5 +237,7 @@ def _evaluate(piece: Substitution, scope: Scope, world: World, budget: Budget) -
     except ExpressionProblem as problem:
         offset = start + len("$(eval ")
         where = (offset + problem.start, offset + problem.end) if problem.end > problem.start else (start, end)
-        raise SubstitutionProblem(f"$(eval): {problem}", *where, "bad-eval", problem.help) from None
+        raise SubstitutionProblem(
+            f"$(eval): {problem}", *where, "bad-eval", problem.help, problem.subject, problem.kind
+        ) from None
     return result

@@ -12,7 +12,7 @@ _EVAL = "$(eval "
 class SubstitutionProblem(Exception):  # noqa: N818 - carries a finding to where its place is known
     """Something is wrong with a piece of `$(...)`. `start` and `end` are offsets in the value it stands in.
 
-    `subject` is the name that the problem is about, as in a Diagnostic.
+    `subject` and `kind` are as in a Diagnostic.
     """
 
     def __init__(
@@ -23,6 +23,7 @@ class SubstitutionProblem(Exception):  # noqa: N818 - carries a finding to where
         rule: str = "bad-substitution",
         help: str | None = None,
         subject: str = "",
+        kind: str = "",
     ) -> None:
         super().__init__(message)
         self.message = message
@@ -31,6 +32,7 @@ class SubstitutionProblem(Exception):  # noqa: N818 - carries a finding to where
         self.rule = rule
         self.help = help
         self.subject = subject
+        self.kind = kind
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,7 +15,7 @@ from ur.robot.ssh.guard import private_folder
 from ur.robot.ssh.host_key import HostKey, find_known_keys, pin_host_key
 from ur.robot.ssh.openssh import Address, SshShell, connect, host_key_options
 from ur.robot.ssh.secret import Secret
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, error, error_about
 
 
 @dataclass(frozen=True, slots=True)
@@ -151,7 +151,7 @@ def explain_sudo(address: Address, said: str, *, given: bool) -> UserError:
         message, help = f"{user} may not use sudo there", f"as root there: usermod --append --groups sudo {user}"
     elif "sudo: not found" in said or "sudo: command not found" in said:
         message, help = "sudo is not installed there", "as root there: apt-get install sudo"
-    return UserError(error(f"{address}: {message}", rule="no-root", help=help))
+    return UserError(error_about(str(address), message, rule="no-root", help=help))
 
 
 def _list_tries(task: Task, pinned: Path | None) -> Iterator[_Try]:

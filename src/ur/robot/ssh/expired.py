@@ -14,7 +14,7 @@ from ur.robot.ssh.askpass import answer_password
 from ur.robot.ssh.guard import private_folder
 from ur.robot.ssh.openssh import Address, lost_connection, password_options
 from ur.robot.ssh.secret import Secret
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, error_about
 
 PATIENCE = 60.0
 MOST_BYTES = 1 << 16  # of such a talk, which has some lines
@@ -84,8 +84,9 @@ def _explain(address: Address, said: str) -> UserError:
     if not lines:
         return lost_connection(str(address), "")
     return UserError(
-        error(
-            f"{address}: the new password is refused: {lines[0].removeprefix('passwd: ')}",
+        error_about(
+            str(address),
+            f"the new password is refused: {lines[0].removeprefix('passwd: ')}",
             rule="refused-password",
             help="its password has to be changed at the first login: run this again with another new one",
         )

@@ -12,7 +12,7 @@ from ur.robot.ssh.guard import private_folder
 from ur.robot.ssh.openssh import CONNECT_SECONDS, Address, explain_failure
 from ur.robot.ssh.public_key import parse_public_key
 from ur.robot.ssh.shell import Done, run_process
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, error_about
 
 _FINGERPRINT = re.compile(r"SHA256:[A-Za-z0-9+/]{43}")
 
@@ -82,8 +82,9 @@ def fetch_host_key(address: Address) -> HostKey:
     except (IndexError, ValueError):
         if done.code == 0 or "no matching host key type" in done.err or "Permission denied" in done.err:
             raise UserError(
-                error(
-                    f"{address}: it offers no host key of type ed25519",
+                error_about(
+                    str(address),
+                    "it offers no host key of type ed25519",
                     rule="no-host-key",
                     help="at that computer: sudo ssh-keygen -A; sudo systemctl restart ssh",
                 )

@@ -14,7 +14,7 @@ from ur.robot.ssh.askpass import answer_password
 from ur.robot.ssh.guard import private_folder, run_guarded
 from ur.robot.ssh.secret import Secret
 from ur.robot.ssh.shell import Done, quote, run_process
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, error, error_about
 from ur.source.progress import Waiting, no_waiting
 
 CONNECT_SECONDS = 10
@@ -267,7 +267,7 @@ def lost_connection(place: str, said: str) -> UserError:
     reason = said.strip().splitlines()[-1] if said.strip() else "it closed"
     if reason.startswith("kex_exchange_identification"):  # the shared connection had ended before: see _ONLY_SHARED
         reason = "it closed"
-    return UserError(error(f"{place}: the connection is gone: {reason}", rule="lost-connection", help=_AGAIN))
+    return UserError(error_about(place, f"the connection is gone: {reason}", rule="lost-connection", help=_AGAIN))
 
 
 def is_expired(said: str) -> bool:
@@ -278,8 +278,9 @@ def is_expired(said: str) -> bool:
 def expired_password(address: Address) -> UserError:
     """The error of a computer that wants a new password at the first login, as Ubuntu's images do."""
     return UserError(
-        error(
-            f"{address}: its password has to be changed at the first login, expected one that lasts",
+        error_about(
+            str(address),
+            "its password has to be changed at the first login, expected one that lasts",
             rule="expired-password",
             help=f"run: ssh {address}; choose a password; then run this again with that one",
         )
@@ -292,8 +293,8 @@ def explain_failure(address: Address, said: str) -> UserError:
     last = lines[-1] if lines else "ssh said nothing"
     for pattern, rule, message, help in _FAILURES:
         if pattern in said:
-            return UserError(error(f"{address}: {message}", rule=rule, help=help.format(host=address.host)))
-    return UserError(error(f"{address}: no login: {last}", rule="no-login", help=_AGAIN))
+            return UserError(error_about(str(address), message, rule=rule, help=help.format(host=address.host)))
+    return UserError(error_about(str(address), f"no login: {last}", rule="no-login", help=_AGAIN))
 
 
 _AGAIN = "check the network (ur doctor), then run this again: it goes on where it stopped"
