@@ -23,8 +23,8 @@ from rich.text import Text
 
 from ur.cli.robots.robots import _picture
 from ur.robot.base import load_base
-from ur.robot.listing import Answer, Row
-from ur.robot.seen import Seen
+from ur.robot.discovery.listing import Answer, Row
+from ur.robot.discovery.seen import Seen
 from ur.worlds.world_file import read_world
 from ur_nodes.simulator.camera_process import CameraProcess
 from ur_nodes.simulator.simulation import Simulation

@@ -1,6 +1,6 @@
 """Write the URDF of every base and variant, and the meshes of their bodies: make_urdf.py [PACKAGE].
 
-PACKAGE is a launch package, or `share/PACKAGE` of a workspace that adds bases to one (see `ur.robot.base_search`). The
+PACKAGE is a launch package, or `share/PACKAGE` of a workspace that adds bases to one (see `ur.robot.base.search`). The
 files are n_robot_state_publisher/{urdf/<base>[.<variant>].urdf,meshes/<base>[.<variant>].stl}; a variant whose body is
 that of the plain base has no mesh of its own. Files of bases that are no more are taken away.
 """
@@ -12,9 +12,9 @@ import sys
 from pathlib import Path
 
 from ur.robot.base import list_bases, list_variants, load_base
-from ur.robot.base_search import MARKER
-from ur.robot.body_mesh import make_body, write_stl
-from ur.robot.urdf import write_urdf
+from ur.robot.base.body_mesh import make_body, write_stl
+from ur.robot.base.search import MARKER
+from ur.robot.base.urdf import write_urdf
 from ur.source.diagnostic import UserError, error
 from ur.source.render import render_human
 

@@ -42,7 +42,7 @@ def test_plain_question_is_answered_without_click(tmp_path: Path) -> None:
     (tmp_path / "a.launch").write_text('<launch><node pkg="p" type="t" name="n"/></launch>')
     done = _run(["launch", "--nodes", str(tmp_path / "a.launch")], tmp_path)
     assert (done.returncode, done.stdout) == (0, "/n\n")
-    for heavy in ("click", "yaml", "ur.run", "ur.launchfile.dump", "ur.launchfile.plan.expression"):
+    for heavy in ("click", "yaml", "ur.run", "ur.launchfile.dump", "ur.launchfile.plan.values.expression"):
         assert f" {heavy}\n" not in done.stderr
 
 

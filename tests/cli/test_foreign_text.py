@@ -14,12 +14,12 @@ from ur.cli.main import main
 from ur.cli.robot_setup.network import print_table
 from ur.cli.robot_setup.robot import _print_checks
 from ur.cli.robots.robots import _print
+from ur.robot.discovery.listing import Answer, Row
 from ur.robot.doctor.model import Finding
-from ur.robot.doctor.way import Step
-from ur.robot.listing import Answer, Row
+from ur.robot.doctor.route import Step
 from ur.robot.setup.change import Change
 from ur.robot.setup.login import Task
-from ur.robot.setup.there import Robot
+from ur.robot.setup.robot_states import Robot
 from ur.robot.setup.verify import Check
 from ur.robot.ssh.openssh import Address
 

@@ -16,9 +16,10 @@ import pytest
 from tests.ros_session import RosSession
 
 from ur.cli.main import VERBS
-from ur.robot import build_attached, remote_run
-from ur.robot.boot import launch_line, master_unit
-from ur.robot.boot_file import find_launch
+from ur.robot import remote_run
+from ur.robot.boot.launch_file import find_launch
+from ur.robot.boot.units import launch_line, master_unit
+from ur.robot.deploy import build_attached
 from ur.robot.doctor.messages import MESSAGES_SCRIPT
 from ur.robot.setup.environment import viewer_environment
 from ur.robot.setup.wanted import WantedFile

@@ -12,7 +12,7 @@ import yaml
 from tests.ros_session import ROOT, RosSession
 
 from ur.request.robot_facts import read_facts
-from ur.robot.boot import tell_base_script
+from ur.robot.boot.units import tell_base_script
 
 pytestmark = [pytest.mark.ros, pytest.mark.timeout(200)]
 

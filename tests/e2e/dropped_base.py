@@ -6,8 +6,8 @@ from pathlib import Path
 
 from ur.request.environment import PACKAGE
 from ur.robot.base import Base, load_base
-from ur.robot.body_mesh import make_body, write_stl
-from ur.robot.urdf import write_urdf
+from ur.robot.base.body_mesh import make_body, write_stl
+from ur.robot.base.urdf import write_urdf
 
 NAME = "foobot"
 _MODEL = "stage"  # whose parameters it starts from

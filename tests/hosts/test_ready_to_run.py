@@ -12,7 +12,7 @@ from tests.hosts.bench.wheels import wheel_folder
 from tests.hosts.test_robot_setup import PASSWORD, prepare
 from tests.hosts.test_robot_setup_interrupted import run_until
 
-from ur.robot.setup.there import PROGRAM_PACKAGES
+from ur.robot.setup.robot_states import PROGRAM_PACKAGES
 
 pytestmark = [pytest.mark.long, pytest.mark.timeout(1800)]
 SET_UP = f"{UR} robot setup robot.local --name bob --base magni --variant lidar --passwords-from 0 --yes"

@@ -8,7 +8,7 @@ import pytest
 from tests.hosts.bench import REPOSITORY, UR, Machine, boot
 from tests.hosts.test_robot_setup_interrupted import run_until
 
-from ur.robot.setup.here import GROUPS, PACKAGES
+from ur.robot.setup.viewer_states import GROUPS, PACKAGES
 
 SUDO = "pat ALL=(ALL) NOPASSWD: ALL\n"
 # Home folders as people have them, made by pat: each computer is used for all of them.

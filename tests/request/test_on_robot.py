@@ -9,7 +9,7 @@ from ur.launchfile.world import MemoryWorld
 from ur.request.on_robot import choose_options, find_new_name, name_file
 from ur.request.options import Wishes
 from ur.request.share_messages import describe_end, describe_part, explain_problem
-from ur.robot.record import Record, records_folder, render_record
+from ur.robot.discovery.record import Record, records_folder, render_record
 from ur.robot.selection import parse_selection, selection_path, store_selection
 from ur.run.remote.protocol import Answer, Problem
 from ur.source import UserError

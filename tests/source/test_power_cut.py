@@ -95,7 +95,7 @@ CASES = {
     "key": Case(":", set_up("WantedKeyPair('t', '~/.ssh/id_ed25519', 'c')"), ".ssh/id_ed25519", "PRIVATE KEY"),
     "copy on the robot": Case(
         "mkdir r; echo old >r/a",
-        "import base64\nfrom pathlib import Path\nfrom ur.robot.repository_side import put\n"
+        "import base64\nfrom pathlib import Path\nfrom ur.robot.deploy.repository_side import put\n"
         "put(Path('r'), 'd', {'a': (0o644, base64.b64encode(b'new').decode())})",
         "r/a",
         "new",

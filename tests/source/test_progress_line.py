@@ -16,7 +16,7 @@ from tests.terminal import Terminal
 
 from ur.check.run import check_paths
 from ur.docs.build import describe_repository
-from ur.docs.collect import collect_repository
+from ur.docs.repository.collect import collect_repository
 from ur.find.search import find_name
 from ur.launchfile.world import World
 from ur.launchfile.world.memory import MemoryWorld

@@ -15,10 +15,10 @@ from functools import partial
 from ur.check.model import LaunchView
 from ur.check.survey import walk_elements
 from ur.check.worlds import ANONYMOUS, CachedWorld, Environment, Unknowns, has_marker
-from ur.launchfile.plan.budget import Budget
 from ur.launchfile.plan.load import load_plan
 from ur.launchfile.plan.model import Plan, TraceStep
 from ur.launchfile.plan.problems import NOT_GIVEN, NOT_PYTHON
+from ur.launchfile.plan.values.budget import Budget
 from ur.launchfile.syntax import Element
 from ur.source.diagnostic import Diagnostic, Severity
 

@@ -7,12 +7,12 @@ import shlex
 from collections.abc import Iterator, Mapping
 
 from ur.check.model import LaunchView
-from ur.docs.bases import read_base
-from ur.docs.collect import Part, Repository, collect_repository, relative_path
-from ur.docs.launch_docs import LaunchDescriber
+from ur.docs.launch.launch_file import LaunchDescriber
 from ur.docs.links import settle_links
 from ur.docs.model import BaseDoc, DirectoryDoc, Documents, LaunchDoc, PackageDoc, ProgramDoc, TreeDoc
-from ur.docs.programs import Start, find_starts, read_headings
+from ur.docs.repository.bases import read_base
+from ur.docs.repository.collect import Part, Repository, collect_repository, relative_path
+from ur.docs.repository.programs import Start, find_starts, read_headings
 from ur.launchfile.world import World
 from ur.source.diagnostic import Diagnostic
 from ur.source.file import SourceFile

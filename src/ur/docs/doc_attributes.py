@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from xml.sax.saxutils import escape
 
-from ur.docs.comments import find_argument_comment
+from ur.docs.repository.comments import find_argument_comment
 from ur.launchfile.syntax import Element, LaunchFile
 
 _QUOTES = {'"': "&quot;"}

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from ur.check.cases import Resolved
 from ur.check.model import LaunchView
 from ur.check.survey import walk_elements
-from ur.docs.world import is_elsewhere, show_elsewhere
+from ur.docs.repository.world import is_elsewhere, show_elsewhere
 from ur.launchfile.plan.one_file import HERE
 from ur.launchfile.syntax import Element
 

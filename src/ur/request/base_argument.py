@@ -8,7 +8,7 @@ from pathlib import Path
 from ur.launchfile.world.protocol import World
 from ur.request.needs import Need, describe_need, find_variants, list_lacks, read_needs
 from ur.robot.base import Base, list_bases, load_base
-from ur.robot.base_search import find_base_package
+from ur.robot.base.search import find_base_package
 from ur.source.diagnostic import UserError, error
 
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from contextlib import AbstractContextManager
 
 from ur.request.environment import current_selection
-from ur.robot.record import find_user, records_folder
+from ur.robot.discovery.record import find_user, records_folder
 from ur.robot.ssh.openssh import Address, SshShell, connect, parse_address
 from ur.robot.ssh.secret import Secret
 from ur.source.diagnostic import UserError, error

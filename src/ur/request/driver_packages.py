@@ -8,7 +8,7 @@ from ur.launchfile.plan.model import NodeSpec
 from ur.launchfile.world.protocol import PackageNotFound, World
 from ur.request.base_argument import find_package
 from ur.robot.base import Base, Driver, load_base
-from ur.robot.base_search import find_base_package
+from ur.robot.base.search import find_base_package
 from ur.source.diagnostic import Diagnostic, UserError, error
 
 

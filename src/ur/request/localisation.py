@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from ur.robot.base import load_base
-from ur.robot.base_search import find_base_package
+from ur.robot.base.search import find_base_package
 from ur.source.diagnostic import UserError, error
 from ur.source.suggest import did_you_mean
 

@@ -21,7 +21,7 @@ from ur.request.options import Wishes
 from ur.request.plan_files import Loaded
 from ur.request.share_again import LinkReporter, ShareAgain, examine_robot
 from ur.request.share_messages import describe_end, describe_part, explain_problem
-from ur.robot.record import load_records, records_folder
+from ur.robot.discovery.record import load_records, records_folder
 from ur.robot.remote_run import ask_part
 from ur.robot.ssh.openssh import STRICT, Address, connect
 from ur.robot.ssh.shell import quote
@@ -31,6 +31,7 @@ from ur.run.remote.own_clients import clients_folder, list_clients
 from ur.run.remote.protocol import Answer, Client, Request, dump, parse_answer
 from ur.run.remote.share import END_SECONDS
 from ur.run.remote.start import START_SECONDS
+from ur.run.startup.machine_assignment import take_part
 from ur.source.diagnostic import UserError, error, error_about
 
 AGAIN_SECONDS = 0.5

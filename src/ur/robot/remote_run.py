@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ur.robot.boot import LIBRARIES
+from ur.robot.boot.units import LIBRARIES
 from ur.robot.ssh.shell import Done, Shell, quote
 from ur.source.diagnostic import UserError, error
 

@@ -24,7 +24,7 @@ from tests.robot.image.images import (
     read_fat,
 )
 
-from ur.robot.record import Record, load_records
+from ur.robot.discovery.record import Record, load_records
 from ur.robot.ssh.host_key import HostKey
 
 pytestmark = needs_tools

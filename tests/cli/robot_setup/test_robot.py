@@ -10,11 +10,11 @@ import pytest
 from ur.cli.robot_setup.contact import confirm_host_key, decide_robot_login
 from ur.cli.robot_setup.questions import ask_task, read_tasks
 from ur.cli.robot_setup.robot import Reporter, select_robot
-from ur.robot.record import Record, render_record
+from ur.robot.discovery.record import Record, render_record
 from ur.robot.selection import Selection, load_selection, selection_path, store_selection
 from ur.robot.setup.contact import Contact
 from ur.robot.setup.login import Task
-from ur.robot.setup.there import Robot
+from ur.robot.setup.robot_states import Robot
 from ur.robot.ssh.host_key import HostKey
 from ur.robot.ssh.openssh import Address
 from ur.source.diagnostic import UserError

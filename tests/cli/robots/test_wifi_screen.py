@@ -6,7 +6,7 @@ import pytest
 
 from ur.cli.robots.wifi_screen import describe_sample, render_screen
 from ur.robot.doctor.wifi import Wifi
-from ur.robot.link.sample import Sample
+from ur.robot.wireless.sample import Sample
 
 NAMES = ("laptop", "bob")
 LINK = Wifi("wlan0", 5180.0, -60.0, 300.0)

@@ -11,8 +11,8 @@ from tests.fuzz.target import Target
 from zeroconf import DNSCache, ServiceInfo, ServiceStateChange
 from zeroconf._protocol.incoming import DNSIncoming
 
-from ur.robot.discovery import SERVICE_TYPE, Browser, Sighting, parse_sighting, read_texts
-from ur.robot.listing import list_robots
+from ur.robot.discovery.announcements import SERVICE_TYPE, Browser, Sighting, parse_sighting, read_texts
+from ur.robot.discovery.listing import list_robots
 
 _WORDS = (
     *(b"name", b"base", b"variant", b"user", b"version", b"bob", b"magni", b"-2", b".local.", b"txtvers=1"),

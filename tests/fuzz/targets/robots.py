@@ -11,11 +11,11 @@ from typing import Any
 from tests.fuzz.target import Target
 from tests.robot.doctor.pairs import PAIR
 
-from ur.robot.boot_file import find_launch
-from ur.robot.boot_status import describe_status, parse_status
-from ur.robot.build import parse_builder
-from ur.robot.change.guard import parse_last
-from ur.robot.change.network_facts import parse_networks
+from ur.robot.boot.launch_file import find_launch
+from ur.robot.boot.status import describe_status, parse_status
+from ur.robot.commit_confirm.guard import parse_last
+from ur.robot.commit_confirm.network_facts import parse_networks
+from ur.robot.deploy.build import parse_builder
 from ur.robot.doctor.observe import parse_side
 from ur.robot.doctor.rules import diagnose
 from ur.robot.doctor.summary import summarize

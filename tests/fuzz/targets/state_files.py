@@ -10,14 +10,14 @@ import yaml
 from tests.fuzz.target import Target
 
 from ur.cli.robots import boot_command
-from ur.robot.boot import tell_base_script
-from ur.robot.boot_file import RobotLaunch
-from ur.robot.change.rename import name_robot_file
-from ur.robot.record import load_records
+from ur.robot.boot.launch_file import RobotLaunch
+from ur.robot.boot.units import tell_base_script
+from ur.robot.commit_confirm.rename import name_robot_file
+from ur.robot.discovery.record import load_records
+from ur.robot.discovery.seen import load_seen
 from ur.robot.robot_file import load_robot_file
-from ur.robot.seen import load_seen
 from ur.robot.selection import load_selection
-from ur.robot.setup.there import Robot, robot_file
+from ur.robot.setup.robot_states import Robot, robot_file
 from ur.robot.sync.memory import load_memory
 from ur.run.clients.protocol import BadLineError, parse_command, parse_event
 from ur.run.record.computer import Computer

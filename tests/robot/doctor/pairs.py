@@ -8,7 +8,8 @@ from ur.robot.doctor.messages import Message
 from ur.robot.doctor.model import Pair
 from ur.robot.doctor.side import Disk, Side
 from ur.robot.doctor.wifi import Wifi
-from ur.robot.setup import here, there
+from ur.robot.setup import robot_states as there
+from ur.robot.setup import viewer_states as here
 from ur.robot.setup.environment import robot_setup_text
 
 ACTIVE = {"ssh.service": "active", "avahi-daemon.service": "active", "chrony.service": "active"}

@@ -22,7 +22,7 @@ from tests.robot.image.images import (
 from ur.robot.image.layout import find_layout
 from ur.robot.image.prepare import Write, plan_undo, plan_writes, read_seed, write_all
 from ur.robot.image.seed import Wifi, Wish, make_seed
-from ur.robot.setup.there import Robot
+from ur.robot.setup.robot_states import Robot
 
 pytestmark = needs_tools
 WISH = Wish(Robot("bob", "magni"), "ros", (KEY,), wifi=Wifi("home", "ab" * 32, "DE"))

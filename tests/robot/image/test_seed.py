@@ -21,7 +21,7 @@ from ur.robot.image.seed import (
     takes_host_key,
     user_data_text,
 )
-from ur.robot.setup.there import Robot
+from ur.robot.setup.robot_states import Robot
 from ur.source.diagnostic import UserError
 
 HASH = "$6$saltstring$svn8UoSVapNtMuq1ukKS4tPQd8iKwSMHWjl/O817G3uBnIFNjnQJuesI68u4OTLiBFdcbYEdFCoEOfaS35inz1"

@@ -11,7 +11,7 @@ import pytest
 
 from ur.robot.setup import login
 from ur.robot.setup.login import Task, _enter_sudo, _explain_refusal, _list_tries
-from ur.robot.setup.there import Robot
+from ur.robot.setup.robot_states import Robot
 from ur.robot.ssh.openssh import Address, explain_failure
 from ur.robot.ssh.secret import Secret
 from ur.robot.ssh.shell import Done

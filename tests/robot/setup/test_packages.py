@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from ur.robot.setup import here, there
+from ur.robot.setup import robot_states as there
+from ur.robot.setup import viewer_states as here
 
 BENCH = Path(__file__).parents[2] / "hosts" / "bench"
 SET_UP = Path(__file__).parents[3] / "tools" / "set_up.bash"

@@ -7,11 +7,11 @@ from collections.abc import Iterable, Mapping, Sequence
 from ur.check.example_parts import group_example
 from ur.check.model import Found, Group, LaunchView, Rule, launch_example
 from ur.check.survey import is_switched_off
-from ur.launchfile.plan.arguments import ARG_ATTRIBUTES
-from ur.launchfile.plan.body import GROUP_ATTRIBUTES, INCLUDE_ATTRIBUTES, TAGS
-from ur.launchfile.plan.nodes import NODE_ATTRIBUTES, TEST_ATTRIBUTES
-from ur.launchfile.plan.params import PARAM_ATTRIBUTES, ROSPARAM_ATTRIBUTES
-from ur.launchfile.plan.simple import MACHINE_ATTRIBUTES
+from ur.launchfile.plan.tags.arguments import ARG_ATTRIBUTES
+from ur.launchfile.plan.tags.body import GROUP_ATTRIBUTES, INCLUDE_ATTRIBUTES, TAGS
+from ur.launchfile.plan.tags.nodes import NODE_ATTRIBUTES, TEST_ATTRIBUTES
+from ur.launchfile.plan.tags.params import PARAM_ATTRIBUTES, ROSPARAM_ATTRIBUTES
+from ur.launchfile.plan.tags.simple import MACHINE_ATTRIBUTES
 from ur.launchfile.syntax import Element
 from ur.source.diagnostic import Severity
 from ur.source.suggest import did_you_mean

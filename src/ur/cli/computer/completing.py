@@ -125,7 +125,7 @@ def _options(verb: str) -> tuple[Option, ...]:
 
 
 def _robots(environment: Mapping[str, str]) -> Iterator[Candidate]:
-    from ur.robot.record import load_records, records_folder
+    from ur.robot.discovery.record import load_records, records_folder
 
     for record in load_records(records_folder(environment)):
         yield Candidate(record.name, " ".join(part for part in (record.base, record.variant) if part))

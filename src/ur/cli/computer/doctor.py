@@ -16,13 +16,13 @@ from ur.cli.computer.doctor_report import Report, print_json, print_report, prin
 from ur.cli.robots.master import list_nodes
 from ur.request.connection import connect_robot, robot_address
 from ur.request.environment import current_selection
-from ur.robot.doctor.look import look_alone, look_at_pair, read_name
+from ur.robot.discovery.record import Record, load_records, records_folder
+from ur.robot.discovery.seen import Seen, load_seen, note_seen, seen_path
+from ur.robot.doctor.inspect import look_alone, look_at_pair, read_name
 from ur.robot.doctor.model import Command, Finding, Pair
+from ur.robot.doctor.route import explain_way, list_steps, look_at_way
 from ur.robot.doctor.rules import diagnose, diagnose_alone
 from ur.robot.doctor.side import Side
-from ur.robot.doctor.way import explain_way, list_steps, look_at_way
-from ur.robot.record import Record, load_records, records_folder
-from ur.robot.seen import Seen, load_seen, note_seen, seen_path
 from ur.robot.ssh.openssh import Address, SshShell
 from ur.robot.ssh.secret import Secret
 from ur.robot.ssh.shell import LocalShell, Shell

@@ -11,8 +11,8 @@ import click
 
 from ur.cli.output import plain_text
 from ur.robot.doctor.model import Finding, Pair
+from ur.robot.doctor.route import Step
 from ur.robot.doctor.summary import compare_packages, summarize
-from ur.robot.doctor.way import Step
 from ur.source.printable import printable, printable_lines
 from ur.source.render import shows_colour
 

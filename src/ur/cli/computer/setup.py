@@ -13,7 +13,7 @@ from ur.request.environment import REPOSITORY
 from ur.robot.setup.change import Change
 from ur.robot.setup.engine import apply_change, bring_about, gather, look, plan_changes, plan_undo
 from ur.robot.setup.facts import Facts
-from ur.robot.setup.here import base_request, wanted_here
+from ur.robot.setup.viewer_states import base_request, wanted_here
 from ur.robot.setup.wanted import Wanted
 from ur.robot.ssh.shell import LocalShell
 from ur.source.printable import printable

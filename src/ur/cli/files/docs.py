@@ -13,7 +13,7 @@ from ur.source.printable import printable
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from ur.docs.collect import Repository
+    from ur.docs.repository.collect import Repository
     from ur.source.progress import Progress
 
 PAGE = "launches.md"
@@ -59,7 +59,7 @@ def _make(path: str, check: bool, output: str | None, site: str | None, doc_attr
 def _write_documents(
     path: str, check: bool, output: str | None, site: str | None, doc_attributes: bool, progress: Progress
 ) -> int:
-    from ur.docs.collect import collect_repository
+    from ur.docs.repository.collect import collect_repository
     from ur.launchfile.world import SystemWorld
 
     repository = collect_repository(path, SystemWorld(_environment()), progress)

@@ -154,8 +154,8 @@ def urdf_files(target: Target, name: str, text: str, like: str) -> list[NewFile]
     Raises UserError when the figures make no base, or `like` is not known in the package.
     """
     from ur.robot.base import list_bases, read_base
-    from ur.robot.body_mesh import make_body, write_stl
-    from ur.robot.urdf import write_urdf
+    from ur.robot.base.body_mesh import make_body, write_stl
+    from ur.robot.base.urdf import write_urdf
 
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "base.yaml"

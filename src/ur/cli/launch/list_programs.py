@@ -54,7 +54,7 @@ def _selected_base() -> Base | None:
     """The base of the selected robot; None where nobody knows it."""
     from ur.request.robot_facts import know_base
     from ur.robot.base import load_base
-    from ur.robot.base_search import find_base_package
+    from ur.robot.base.search import find_base_package
 
     try:
         selection = know_base(current_selection(os.environ), os.environ)

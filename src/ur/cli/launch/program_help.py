@@ -29,7 +29,7 @@ def describe_program(program: Program, environment: Mapping[str, str]) -> str:
 
     Raises UserError when its launch file cannot be read.
     """
-    from ur.docs.programs import read_headings
+    from ur.docs.repository.programs import read_headings
     from ur.source.file import SourceFile
 
     width = min(_WIDEST, shutil.get_terminal_size().columns)

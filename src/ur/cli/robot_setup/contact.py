@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import click
 
-from ur.robot.record import load_records, records_folder
+from ur.robot.discovery.record import load_records, records_folder
 from ur.robot.setup.contact import COMPARE, Contact, meet, needs_answer
 from ur.robot.setup.login import Task
 from ur.robot.ssh.host_key import parse_fingerprint

@@ -14,8 +14,8 @@ import click
 from ur.source.diagnostic import UserError, error
 
 if TYPE_CHECKING:
-    from ur.robot.change.guarded import GuardedChange
-    from ur.robot.change.perform import Ways
+    from ur.robot.commit_confirm.guarded import GuardedChange
+    from ur.robot.commit_confirm.perform import Ways
     from ur.robot.setup.facts import Facts
     from ur.robot.ssh.openssh import Address, SshShell
     from ur.robot.ssh.secret import Secret
@@ -53,7 +53,7 @@ def become_root(shell: SshShell, given: str) -> list[Secret]:
 
     Raises UserError: there is none, or another change is pending there.
     """
-    from ur.robot.change.perform import refuse_pending
+    from ur.robot.commit_confirm.perform import refuse_pending
     from ur.robot.ssh.secret import Secret
 
     candidates = [Secret(given)] if given else []
@@ -78,7 +78,7 @@ def become_root(shell: SshShell, given: str) -> list[Secret]:
 def show_plan(change: GuardedChange, facts: Facts) -> None:
     """What would be different, for --dry-run."""
     from ur.cli.computer.setup import show_changes
-    from ur.robot.change.guarded import list_changes
+    from ur.robot.commit_confirm.guarded import list_changes
 
     click.echo(f"{change.title}:")
     show_changes(list_changes(change, facts))
@@ -88,8 +88,8 @@ def show_plan(change: GuardedChange, facts: Facts) -> None:
 
 def begin(shell: SshShell, change: GuardedChange, facts: Facts, wait: int) -> str:
     """Hand the change to the robot; the identity of the attempt. Raises UserError when it did not begin."""
-    from ur.robot.change.guarded import Order
-    from ur.robot.change.perform import hand_over, is_doubtful, new_identity
+    from ur.robot.commit_confirm.guarded import Order
+    from ur.robot.commit_confirm.perform import hand_over, is_doubtful, new_identity
 
     order = Order(new_identity(), f"{getpass.getuser()}@{socket.gethostname()}", wait, change)
     try:
@@ -109,7 +109,7 @@ def finish(
     identity: str, change: GuardedChange, ways: Ways, wait: int, sudo: Sequence[Secret], known_as: str
 ) -> Address:
     """Come back to the robot and confirm; the way that led there. Raises UserError: taken back, or not seen again."""
-    from ur.robot.change.perform import come_back, open_as
+    from ur.robot.commit_confirm.perform import come_back, open_as
     from ur.source.progress_line import show_progress
 
     try:

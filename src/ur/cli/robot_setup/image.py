@@ -14,6 +14,7 @@ import click
 
 from ur.cli.computer.setup import show_changes
 from ur.cli.robot_setup.image_answers import Given, Passwords, add_passwords, make_wish, read_passwords, read_robots
+from ur.robot.discovery.record import Record, records_folder, render_record
 from ur.robot.image.copy import copied_image, packing_of
 from ur.robot.image.device import Device, check_device, is_device
 from ur.robot.image.host_key import know_host_key, make_host_key
@@ -21,7 +22,6 @@ from ur.robot.image.layout import find_layout
 from ur.robot.image.prepare import Write, plan_undo, plan_writes, read_seed, write_all
 from ur.robot.image.seed import Wish, hide_secrets, make_seed, present_host_key, present_password, takes_host_key
 from ur.robot.image.volume import run_tool
-from ur.robot.record import Record, records_folder, render_record
 from ur.robot.setup.change import Change, show_difference
 from ur.robot.ssh.host_key import HostKey
 from ur.source.diagnostic import UserError, error

@@ -13,10 +13,10 @@ import click
 
 from ur.request.environment import PACKAGE
 from ur.robot.base import list_bases, load_base
+from ur.robot.discovery.record import DEFAULT_USER
 from ur.robot.image.hashes import derive_network_key, hash_password, is_hash_of
 from ur.robot.image.seed import Wifi, Wish
-from ur.robot.record import DEFAULT_USER
-from ur.robot.setup.there import Robot, is_robot_name
+from ur.robot.setup.robot_states import Robot, is_robot_name
 from ur.robot.ssh.secret import Secret
 from ur.source.diagnostic import UserError, error
 from ur.source.section import read_section

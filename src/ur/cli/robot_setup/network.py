@@ -24,8 +24,8 @@ from ur.source.diagnostic import UserError, error
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from ur.robot.change.guarded import GuardedChange
-    from ur.robot.change.network_facts import Device, Networks
+    from ur.robot.commit_confirm.guarded import GuardedChange
+    from ur.robot.commit_confirm.network_facts import Device, Networks
     from ur.robot.ssh.openssh import SshShell
 
 LOOK_SECONDS = 60.0
@@ -57,7 +57,7 @@ def network(
     The robot takes the address and waits for this computer to reach it there. Where that does not happen, it goes back
     to the address that it had. Needs NetworkManager on the robot.
     """
-    from ur.robot.change.network import parse_addressing
+    from ur.robot.commit_confirm.network import parse_addressing
 
     if dhcp and (address or gateway):
         raise click.UsageError("--dhcp gives address and gateway, expected no --address or --gateway beside it")
@@ -67,7 +67,7 @@ def network(
     (password,) = read_lines(password_from, "--password-from", 1)
 
     def plan(shell: SshShell, networks: Networks) -> GuardedChange | None:
-        from ur.robot.change.network import check_managed, plan_addressing
+        from ur.robot.commit_confirm.network import check_managed, plan_addressing
 
         chosen = _find_device(shell, networks, device)
         if wanted is None:
@@ -102,9 +102,9 @@ def change_network(
     `literal` is an address that the robot has after the change. Raises UserError.
     """
     from ur.request.connection import connect_robot, robot_address
-    from ur.robot.change.guarded import change_request
-    from ur.robot.change.network_facts import FACTS_SCRIPT, SCAN_SCRIPT, parse_networks
-    from ur.robot.change.perform import Ways
+    from ur.robot.commit_confirm.guarded import change_request
+    from ur.robot.commit_confirm.network_facts import FACTS_SCRIPT, SCAN_SCRIPT, parse_networks
+    from ur.robot.commit_confirm.perform import Ways
     from ur.robot.setup.engine import gather
     from ur.robot.ssh.openssh import Address
 
@@ -134,7 +134,7 @@ def _find_device(shell: SshShell, networks: Networks, name: str | None) -> Devic
     else:
         found = next((each for each in networks.devices if each.name == name), None)
     if found is None:
-        from ur.robot.change.network import check_managed
+        from ur.robot.commit_confirm.network import check_managed
 
         check_managed(networks, shell.place, None)
         names = ", ".join(each.name for each in networks.devices if each.kind != "loopback")

@@ -13,9 +13,9 @@ import click
 
 from ur.request.environment import PACKAGE
 from ur.robot.base import list_bases, list_variants, load_base
-from ur.robot.record import DEFAULT_USER, Record, load_records, records_folder
+from ur.robot.discovery.record import DEFAULT_USER, Record, load_records, records_folder
 from ur.robot.setup.login import Task
-from ur.robot.setup.there import Robot, is_robot_name
+from ur.robot.setup.robot_states import Robot, is_robot_name
 from ur.robot.ssh.host_key import parse_fingerprint
 from ur.robot.ssh.openssh import parse_address
 from ur.robot.ssh.secret import Secret

@@ -24,7 +24,7 @@ from ur.cli.robot_setup.guarded import (
 from ur.source.diagnostic import UserError, error
 
 if TYPE_CHECKING:
-    from ur.robot.change.guarded import GuardedChange
+    from ur.robot.commit_confirm.guarded import GuardedChange
     from ur.robot.setup.facts import Facts
     from ur.robot.ssh.openssh import Address, SshShell
     from ur.robot.ssh.secret import Secret
@@ -66,7 +66,7 @@ def rename(robot: str, name: str, wait: int, password_from: int | None, dry_run:
         raise
     if made is None:
         return 0
-    from ur.robot.change.perform import Ways
+    from ur.robot.commit_confirm.perform import Ways
 
     identity, change, facts, sudo = made
     finish(identity, change, Ways((later,), address), wait, sudo, address.host)
@@ -78,7 +78,7 @@ def rename(robot: str, name: str, wait: int, password_from: int | None, dry_run:
 
 def check_name(name: str) -> None:
     """Raises UserError unless a robot may be called so."""
-    from ur.robot.setup.there import is_robot_name
+    from ur.robot.setup.robot_states import is_robot_name
 
     if not is_robot_name(name):
         raise UserError(
@@ -96,8 +96,8 @@ def check_name(name: str) -> None:
 def _begin(
     shell: SshShell, name: str, password: str, wait: int, *, dry_run: bool
 ) -> tuple[str, GuardedChange, Facts, list[Secret]] | None:
-    from ur.robot.change.guarded import change_request, list_changes
-    from ur.robot.change.rename import plan_rename, rename_request
+    from ur.robot.commit_confirm.guarded import change_request, list_changes
+    from ur.robot.commit_confirm.rename import plan_rename, rename_request
     from ur.robot.setup.engine import gather
     from ur.robot.ssh.shell import LocalShell
 
@@ -146,8 +146,8 @@ def _is_there(later: Address, before: Address) -> bool:
 
     Raises UserError where that is not decided yet.
     """
-    from ur.robot.change.guard import BOOT_UNIT
-    from ur.robot.change.perform import open_as
+    from ur.robot.commit_confirm.guard import BOOT_UNIT
+    from ur.robot.commit_confirm.perform import open_as
 
     for known_as in (before.host, later.host):
         try:
@@ -175,8 +175,8 @@ def remember(old: str, new: str) -> None:
     from dataclasses import replace
 
     from ur.request.environment import current_selection
-    from ur.robot.change.rename import WantedKnownName
-    from ur.robot.record import load_records, records_folder, render_record
+    from ur.robot.commit_confirm.rename import WantedKnownName
+    from ur.robot.discovery.record import load_records, records_folder, render_record
     from ur.robot.selection import selection_path, store_selection
     from ur.robot.setup.engine import bring_about
     from ur.robot.setup.facts import Request

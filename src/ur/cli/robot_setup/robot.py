@@ -23,11 +23,11 @@ from ur.cli.robot_setup.questions import ask_task, check_names, read_passwords, 
 from ur.cli.robot_setup.rename import rename
 from ur.cli.robot_setup.wifi import wifi
 from ur.request.environment import REPOSITORY, current_selection
-from ur.robot.repository import read_programs, read_repository
+from ur.robot.deploy.repository import read_programs, read_repository
 from ur.robot.selection import Selection, selection_path, store_selection
 from ur.robot.setup.login import Task, open_robot
 from ur.robot.setup.robot import prepare_viewer, preview, set_up
-from ur.robot.setup.there import Viewer
+from ur.robot.setup.robot_states import Viewer
 from ur.robot.setup.verify import Check, verify
 from ur.robot.ssh.shell import LocalShell
 from ur.source.diagnostic import UserError

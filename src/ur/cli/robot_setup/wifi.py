@@ -14,9 +14,9 @@ from ur.source.diagnostic import UserError, error
 from ur.source.suggest import did_you_mean
 
 if TYPE_CHECKING:
-    from ur.robot.change.guarded import GuardedChange
-    from ur.robot.change.network import Wifi
-    from ur.robot.change.network_facts import Device, Networks, Profile
+    from ur.robot.commit_confirm.guarded import GuardedChange
+    from ur.robot.commit_confirm.network import Wifi
+    from ur.robot.commit_confirm.network_facts import Device, Networks, Profile
     from ur.robot.ssh.openssh import SshShell
 
 
@@ -57,7 +57,7 @@ def wifi(
     network_password, own_password = read_lines(passwords_from, "--passwords-from", 2)
 
     def plan(shell: SshShell, networks: Networks) -> GuardedChange | None:
-        from ur.robot.change.network import check_managed, plan_forget, plan_join
+        from ur.robot.commit_confirm.network import check_managed, plan_forget, plan_join
 
         device = networks.wireless
         if device is None:
@@ -78,7 +78,7 @@ def wifi(
 
 def _choose(networks: Networks, ssid: str, password: str, *, hidden: bool, band: str) -> Wifi:
     """What to join, after asking for what is missing. Raises UserError: out of reach, or not a password."""
-    from ur.robot.change.network import Wifi, check_password, choose_management, find_profile
+    from ur.robot.commit_confirm.network import Wifi, check_password, choose_management, find_profile
     from ur.robot.ssh.secret import Secret
 
     seen = next((each for each in networks.seen if each.ssid == ssid), None)
@@ -117,7 +117,7 @@ def _choose(networks: Networks, ssid: str, password: str, *, hidden: bool, band:
 
 def _refuse_wireless(place: str, networks: Networks) -> None:
     """Raises UserError: there is no wireless device, or it is not ours to change."""
-    from ur.robot.change.network import check_managed
+    from ur.robot.commit_confirm.network import check_managed
 
     device = next((each for each in networks.devices if each.kind == "wifi"), None)
     check_managed(networks, place, device)
@@ -132,7 +132,7 @@ def _refuse_wireless(place: str, networks: Networks) -> None:
 
 def _find_known(networks: Networks, name: str) -> Profile:
     """The profile of a network. Raises UserError: the robot knows no such network."""
-    from ur.robot.change.network import find_profile
+    from ur.robot.commit_confirm.network import find_profile
 
     profile = find_profile(networks, name)
     if profile is None:

@@ -10,8 +10,8 @@ import click
 from ur.cli.computer.setup import show_changes
 from ur.cli.robot_setup.guarded import PASSWORD_FROM, become_root, read_lines
 from ur.request.connection import connect_robot, robot_address
-from ur.robot.boot import FOLDER, MASTER, PREFIX, Unit, is_unit_name, master_unit, program_unit
-from ur.robot.boot_status import SCRIPT, describe_status, log_command, parse_status
+from ur.robot.boot.status import SCRIPT, describe_status, log_command, parse_status
+from ur.robot.boot.units import FOLDER, MASTER, PREFIX, Unit, is_unit_name, master_unit, program_unit
 from ur.robot.setup.engine import bring_about
 from ur.robot.setup.facts import Facts, Request
 from ur.robot.setup.packages import WantedService

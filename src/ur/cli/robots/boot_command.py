@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 from ur.cli.computer.setup import show_changes
 from ur.request.environment import PACKAGE, REPOSITORY, know_own_package
-from ur.robot.boot import LIBRARIES, command_line, launch_line
-from ur.robot.boot_file import RobotLaunch, choose_arguments, find_launch, is_launch_name
-from ur.robot.repository import read_repository
+from ur.robot.boot.launch_file import RobotLaunch, choose_arguments, find_launch, is_launch_name
+from ur.robot.boot.units import LIBRARIES, command_line, launch_line
+from ur.robot.deploy.repository import read_repository
 from ur.robot.robot_file import ROBOT_FILE
 from ur.robot.setup.engine import bring_about
 from ur.robot.setup.facts import Request

@@ -5,7 +5,7 @@ from __future__ import annotations
 from contextlib import suppress
 from urllib.parse import urlsplit
 
-from ur.robot.doctor.look import Node
+from ur.robot.doctor.inspect import Node
 from ur.run.master.xml_rpc import Refused, Unanswered, call_method
 
 MASTER_PORT = 11311

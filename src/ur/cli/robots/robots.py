@@ -15,10 +15,10 @@ import click
 from ur.cli.output import plain_text
 from ur.cli.robots.robots_asked import SOON, Asked
 from ur.request.python_packages import need
-from ur.robot.discovery import Browser
-from ur.robot.listing import Answer, Row, list_robots
-from ur.robot.record import load_records, records_folder
-from ur.robot.seen import Seen, load_seen, note_seen, seen_path
+from ur.robot.discovery.announcements import Browser
+from ur.robot.discovery.listing import Answer, Row, list_robots
+from ur.robot.discovery.record import load_records, records_folder
+from ur.robot.discovery.seen import Seen, load_seen, note_seen, seen_path
 from ur.source.printable import printable
 from ur.source.progress_line import show_progress
 

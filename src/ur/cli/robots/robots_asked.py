@@ -10,10 +10,10 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import replace
 
 from ur.cli.robots.master import list_node_names
-from ur.robot.ask import ask_robot
-from ur.robot.discovery import Browser, Sighting
-from ur.robot.listing import Answer, is_settled
-from ur.robot.record import DEFAULT_USER
+from ur.robot.discovery.announcements import Browser, Sighting
+from ur.robot.discovery.ask import ask_robot
+from ur.robot.discovery.listing import Answer, is_settled
+from ur.robot.discovery.record import DEFAULT_USER
 
 SSH_PORT = 22
 AGAIN = 5.0  # s after an answer until a robot is asked once more

@@ -44,7 +44,7 @@ def check_robot(chosen: Selection, *, away: bool) -> str:
 
     Return the note about one that is not set up from this computer: it may be somebody else's.
     """
-    from ur.robot.known import look_up_robot
+    from ur.robot.discovery.known import look_up_robot
     from ur.source.progress_line import show_progress
 
     with show_progress(f"looking up {chosen.robot}.local"):
@@ -81,7 +81,7 @@ def _advise(chosen: Selection, near: str | None) -> str:
 
 def _list_bases() -> tuple[str, ...]:
     from ur.robot.base import list_bases
-    from ur.robot.base_search import list_base_packages
+    from ur.robot.base.search import list_base_packages
 
     return tuple(name for package in list_base_packages(PACKAGE, os.environ) for name in list_bases(package))
 
@@ -90,6 +90,6 @@ def check_base(chosen: Selection) -> None:
     """Raise UserError when the base or its variant is not one that we have."""
     if chosen.base:
         from ur.robot.base import load_base  # YAML is only needed here
-        from ur.robot.base_search import find_base_package
+        from ur.robot.base.search import find_base_package
 
         load_base(find_base_package(PACKAGE, chosen.base, os.environ), chosen.base, chosen.variant)

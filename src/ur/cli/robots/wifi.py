@@ -16,11 +16,11 @@ import click
 
 from ur.cli.robots.wifi_screen import describe_sample, draw_screen, print_summary
 from ur.request.connection import robot_address
-from ur.robot.link.meter import Meter
-from ur.robot.link.record import HEADER, write_row
-from ur.robot.link.sample import Sample
-from ur.robot.seen import load_seen, seen_path
+from ur.robot.discovery.seen import load_seen, seen_path
 from ur.robot.ssh.openssh import Address
+from ur.robot.wireless.meter import Meter
+from ur.robot.wireless.record import HEADER, write_row
+from ur.robot.wireless.sample import Sample
 from ur.source.diagnostic import UserError, error
 from ur.source.progress_line import show_progress
 

@@ -12,10 +12,10 @@ import click
 
 from ur.cli.output import plain_text
 from ur.robot.doctor.wifi import Wifi
-from ur.robot.link.advice import advise
-from ur.robot.link.meter import Meter
-from ur.robot.link.plot import log_scale, plot, plot_bars
-from ur.robot.link.sample import Sample, Summary, summarize
+from ur.robot.wireless.advice import advise
+from ur.robot.wireless.meter import Meter
+from ur.robot.wireless.plot import log_scale, plot, plot_bars
+from ur.robot.wireless.sample import Sample, Summary, summarize
 
 if TYPE_CHECKING:
     from rich.text import Text

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Protocol
 
-from ur.launchfile.plan.convert import convert_scalar
 from ur.launchfile.plan.model import ParamSpec, ParamValue, Plan
-from ur.launchfile.plan.yaml_values import YamlProblem, read_yaml
+from ur.launchfile.plan.values.convert import convert_scalar
+from ur.launchfile.plan.values.yaml_values import YamlProblem, read_yaml
 from ur.source.diagnostic import Diagnostic, Note, error
 
 MAX_OUTPUT = 64 * 1024 * 1024

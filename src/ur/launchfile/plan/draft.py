@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ur.launchfile.plan.budget import PER_PARAMETER, Budget, TooLong
 from ur.launchfile.plan.model import (
     IncludeSpec,
     MachineSpec,
@@ -19,6 +18,7 @@ from ur.launchfile.plan.model import (
 from ur.launchfile.plan.names import parents_of
 from ur.launchfile.plan.problems import Refused, refuse
 from ur.launchfile.plan.scope import Scope
+from ur.launchfile.plan.values.budget import PER_PARAMETER, Budget, TooLong
 from ur.launchfile.syntax import Element, LaunchFile, parse_launch_file
 from ur.launchfile.world.protocol import World
 from ur.source.diagnostic import Diagnostic, Note, Severity

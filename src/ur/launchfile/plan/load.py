@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ur.launchfile.plan.arguments import warn_missing
-from ur.launchfile.plan.body import check_launch_tag, resolve_body
-from ur.launchfile.plan.budget import Budget
 from ur.launchfile.plan.draft import Draft, TooMuch
 from ur.launchfile.plan.model import MachineSpec, Plan, TraceStep
 from ur.launchfile.plan.names import initial_namespace, read_assignments
 from ur.launchfile.plan.problems import Refused, refuse
 from ur.launchfile.plan.scope import Scope
+from ur.launchfile.plan.tags.arguments import warn_missing
+from ur.launchfile.plan.tags.body import check_launch_tag, resolve_body
+from ur.launchfile.plan.values.budget import Budget
 from ur.launchfile.syntax import LaunchFile
 from ur.launchfile.world.protocol import World
 from ur.source.diagnostic import error

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from ur.launchfile.plan.arguments import resolve_arg
-from ur.launchfile.plan.attributes import is_wanted
 from ur.launchfile.plan.draft import Draft
 from ur.launchfile.plan.names import initial_namespace, read_assignments
 from ur.launchfile.plan.problems import Refused
 from ur.launchfile.plan.scope import Scope
+from ur.launchfile.plan.tags.arguments import resolve_arg
+from ur.launchfile.plan.tags.attributes import is_wanted
 from ur.launchfile.syntax import Comment, Element
 from ur.launchfile.world.protocol import World
 from ur.source.diagnostic import UserError, error

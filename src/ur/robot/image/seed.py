@@ -13,7 +13,7 @@ import yaml
 
 from ur.robot.image.layout import SEED_FOLDER, Layout, Scheme
 from ur.robot.robot_file import ROBOT_FILE
-from ur.robot.setup.there import KEEP_NAME, Robot, announcement, robot_file
+from ur.robot.setup.robot_states import KEEP_NAME, Robot, announcement, robot_file
 from ur.robot.ssh.shell import quote
 from ur.source.diagnostic import UserError, error
 

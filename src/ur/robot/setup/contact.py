@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from ur.robot.seen import seen_path
+from ur.robot.discovery.seen import seen_path
 from ur.robot.ssh.host_key import HostKey, check_known, fetch_host_key, find_known_keys
 from ur.robot.ssh.openssh import Address
 from ur.source.diagnostic import UserError, error_about

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ur.robot.setup.contact import note_contact
-from ur.robot.setup.there import Robot
+from ur.robot.setup.robot_states import Robot
 from ur.robot.setup.wanted import Wanted
 from ur.robot.ssh.expired import renew_password
 from ur.robot.ssh.guard import private_folder

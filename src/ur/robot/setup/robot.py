@@ -10,8 +10,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from ur.robot.boot import tell_base_script
-from ur.robot.record import Record, render_record
+from ur.robot.boot.units import tell_base_script
+from ur.robot.discovery.record import Record, render_record
 from ur.robot.setup.change import Change
 from ur.robot.setup.contact import forget_contact, note_contact
 from ur.robot.setup.engine import Progress, bring_about, gather, look, plan_changes
@@ -20,7 +20,7 @@ from ur.robot.setup.internet.share import share_internet
 from ur.robot.setup.keys import HOST_KEY, KEY, allowed_key, known_host, own_keys
 from ur.robot.setup.lock import hold_robot
 from ur.robot.setup.login import Report, Task, find_passwords, is_password, open_robot
-from ur.robot.setup.there import Robot, Viewer, WantedPassword, base_request, wanted_there
+from ur.robot.setup.robot_states import Robot, Viewer, WantedPassword, base_request, wanted_there
 from ur.robot.setup.wanted import Wanted, WantedFile
 from ur.robot.ssh.host_key import HostKey, find_known_keys
 from ur.robot.ssh.openssh import Address, SshShell, connect

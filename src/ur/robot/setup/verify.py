@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from ur.robot.boot import LIBRARIES
+from ur.robot.boot.units import LIBRARIES
 from ur.robot.robot_file import ROBOT_FILE
 from ur.robot.setup.login import Task
-from ur.robot.setup.there import SERVICE_TYPE, Viewer, robot_file
+from ur.robot.setup.robot_states import SERVICE_TYPE, Viewer, robot_file
 from ur.robot.ssh.openssh import SshShell
 from ur.robot.ssh.shell import Shell, quote
 

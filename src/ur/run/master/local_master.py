@@ -45,7 +45,7 @@ def find_core(master: Master, world: World, options: Options) -> tuple[Program, 
                 )
             )
     assert rosmaster is not None
-    from ur.robot.boot import MASTER_WORKERS  # now: only where a master is started
+    from ur.robot.boot.units import MASTER_WORKERS  # now: only where a master is started
 
     argv = (
         rosmaster,

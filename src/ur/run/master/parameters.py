@@ -6,8 +6,8 @@ import shlex
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from ur.launchfile.plan.convert import convert_scalar
 from ur.launchfile.plan.model import ParamSpec, ParamValue
+from ur.launchfile.plan.values.convert import convert_scalar
 from ur.source.diagnostic import UserError, error
 
 if TYPE_CHECKING:

@@ -7,7 +7,8 @@ from collections.abc import Iterator
 from ur.robot.doctor.model import Command, Finding, Pair, Where
 from ur.robot.doctor.rules.registry import PairRule, Rule, SideRule
 from ur.robot.doctor.side import Side
-from ur.robot.setup import here, there
+from ur.robot.setup import robot_states as there
+from ur.robot.setup import viewer_states as here
 from ur.robot.ssh.shell import quote
 
 SHOWN = 4

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ur.robot.boot import PREFIX
+from ur.robot.boot.units import PREFIX
 from ur.robot.doctor.model import Command, Finding, Where
 from ur.robot.doctor.rules.registry import Rule, SideRule
 from ur.robot.doctor.side import Side

@@ -1,0 +1,1 @@
+"""A launch file resolved in every case: per base, variant and option."""

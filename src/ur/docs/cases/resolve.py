@@ -1,0 +1,158 @@
+"""A launch file in every case: per base and variant, with its options as they are and changed one at a time."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
+
+from ur.check.cases import resolve_cases
+from ur.check.model import LaunchView
+from ur.check.worlds import CachedWorld
+from ur.docs.cases.outline import Outline
+from ur.docs.cases.started import Started, StartedPlan, Starter, find_taking_part
+from ur.docs.cases.switches import Assignment, list_assignments
+from ur.docs.model import Case
+from ur.launchfile.plan.model import IncludeSpec, NodeSpec
+from ur.launchfile.syntax import Element
+
+MAX_DORMANT = 40  # tags below one root that are tried to turn on
+
+
+@dataclass(frozen=True, slots=True)
+class Files:
+    """The launch files of a repository by path, and their tags."""
+
+    views: Mapping[str, LaunchView]
+    outline_of: Callable[[str], Outline]
+
+    def list_dormant(self, path: str, taking_part: set[int]) -> Iterator[Element]:
+        """The conditional nodes and includes of a file that are not among those that take part."""
+        outline = self.outline_of(path)
+        if path not in self.views:
+            return
+        for element in (*outline.includes, *outline.nodes):
+            if element.start in outline.conditions and element.start not in taking_part:
+                yield element
+
+
+@dataclass(frozen=True, slots=True)
+class Way:
+    """One plan of a case. `label`: the option that is changed, `use_rviz:=false`; empty for other guesses."""
+
+    label: str
+    plan: StartedPlan
+
+    @property
+    def started(self) -> Started:
+        """What is started."""
+        assert self.plan.started is not None
+        return self.plan.started
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """A launch file in one case: with its defaults, and in other ways. `given` are the arguments of the case."""
+
+    case: Case
+    given: Assignment
+    plain: Way
+    others: tuple[Way, ...]
+
+    @property
+    def ways(self) -> tuple[Way, ...]:
+        """All of them, the plain one first."""
+        return (self.plain, *self.others)
+
+
+def resolve_outcomes(
+    view: LaunchView, files: Files, world: CachedWorld, starter: Starter, given: Assignment = ()
+) -> tuple[Outcome, ...]:
+    """What a launch file is in each case, in the order of the bases; `given` arguments are the same in all.
+
+    What no case starts is looked for with other values of the arguments that its conditions speak of.
+    """
+    plain: dict[Case, Way] = {}
+    others: dict[Case, list[Way]] = {}
+    arguments: dict[Case, tuple[tuple[str, str], ...]] = {}
+    for resolved in resolve_cases(view, world, given, load=starter.load):
+        plan = resolved.plan
+        assert isinstance(plan, StartedPlan)
+        values = dict(resolved.case.given)
+        case = Case(values.get("robot_base", ""), values.get("robot_variant", ""))
+        flipped = resolved.case.flipped
+        way = Way(f"{flipped}:={values[flipped]}" if flipped else "", plan)
+        if case in plain:
+            others[case].append(way)
+        else:
+            plain[case], others[case], arguments[case] = way, [], resolved.case.given
+    outcomes = tuple(Outcome(case, arguments[case], way, tuple(others[case])) for case, way in plain.items())
+    extra = list(_find_switches(view, files, outcomes, world, starter))
+    if not extra:
+        return outcomes
+    return tuple(
+        replace(outcome, others=(*outcome.others, *_take_ways(view, outcome, extra, world, starter)))
+        for outcome in outcomes
+    )
+
+
+def _find_switches(
+    view: LaunchView, files: Files, outcomes: tuple[Outcome, ...], world: CachedWorld, starter: Starter
+) -> Iterator[Assignment]:
+    there = find_taking_part(way.started for outcome in outcomes for way in outcome.ways)
+    dormant = [(path, element) for path in list(there) for element in files.list_dormant(path, there[path])]
+    for path, element in dormant[:MAX_DORMANT]:
+        if element.start in there[path]:
+            continue  # an earlier one has turned it on, too
+        assignments = list_assignments(element, files.views[path], files.outline_of(path))
+        usable = (each for each in assignments if all(name in view.declared for name, _ in each))
+        for assignment, outcome in itertools.product(usable, outcomes):
+            plan = _load_with(view, outcome, assignment, world, starter)
+            assert plan.started is not None
+            now = find_taking_part([plan.started])
+            if element.start in now.get(path, ()):
+                for each, places in now.items():
+                    there.setdefault(each, set()).update(places)
+                yield assignment
+                break
+
+
+def _take_ways(
+    view: LaunchView, outcome: Outcome, extra: list[Assignment], world: CachedWorld, starter: Starter
+) -> Iterator[Way]:
+    for assignment in extra:
+        label = " ".join(f"{name}:={value}" for name, value in assignment)
+        yield Way(label, _load_with(view, outcome, assignment, world, starter))
+
+
+def _load_with(
+    view: LaunchView, outcome: Outcome, assignment: Assignment, world: CachedWorld, starter: Starter
+) -> StartedPlan:
+    given = tuple(dict((*outcome.given, *assignment)).items())
+    plan = next(resolve_cases(view, world, given, load=starter.load)).plan
+    assert isinstance(plan, StartedPlan)
+    return plan
+
+
+def find_node(way: Way, start: int) -> NodeSpec | None:
+    """The node of the file itself whose tag starts here; None when it does not take part."""
+    plan = way.plan
+    for node in plan.nodes:
+        if node.origin.span.start == start:
+            return node
+    return next((test.node for test in plan.tests if test.node.origin.span.start == start), None)
+
+
+def find_include(way: Way, start: int) -> IncludeSpec | None:
+    """Likewise the include."""
+    return next((include for include in way.plan.includes if include.origin.span.start == start), None)
+
+
+def list_switches(takes_part: Iterator[tuple[Outcome, Way]]) -> str:
+    """The options that have to be changed for something that no plain way has; empty where a plain way has it."""
+    labels: dict[str, None] = {}
+    for outcome, way in takes_part:
+        if way is outcome.plain:
+            return ""
+        labels[way.label] = None
+    return " or ".join(label for label in labels if label)

@@ -1,0 +1,175 @@
+"""A launch file and everything that is to be said about it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+from ur.check.model import LaunchView
+from ur.docs.cases.outline import Outline, outline_file
+from ur.docs.cases.resolve import Files, Outcome, resolve_outcomes
+from ur.docs.cases.started import Starter
+from ur.docs.launch.graph import draw_graph
+from ur.docs.launch.includes import describe_include
+from ur.docs.launch.nodes import NodeDescriber
+from ur.docs.launch.support import describe_support, list_unreadable
+from ur.docs.launch.tree import TreeMaker
+from ur.docs.links import settle_links
+from ur.docs.model import ArgumentDoc, BaseDoc, GraphDoc, IncludeDoc, LaunchDoc, NodeDoc, TreeDoc
+from ur.docs.repository.bases import match_paths
+from ur.docs.repository.collect import Repository, relative_path
+from ur.docs.repository.comments import find_argument_doc, find_needs, find_overview, find_summary
+from ur.docs.repository.world import is_unknown
+from ur.docs.words import Words, describe_condition, describe_type, join_words, types_from_use
+from ur.launchfile.syntax import Element
+
+_NAMES = 4
+
+
+class LaunchDescriber:
+    """Describes the launch files of a repository. `bases` are all that it has, by name."""
+
+    def __init__(self, repository: Repository, bases: Mapping[str, BaseDoc]) -> None:
+        self.repository = repository
+        self.bases = bases
+        self.starter = Starter(repository.trees)
+        self.outlines: dict[str, Outline] = {}
+        self.files = Files(repository.views, self.outline_of)
+        self.outcomes: dict[str, tuple[Outcome, ...]] = {}
+        self.trees = TreeMaker(repository.views, self.outline_of, self.show_path)
+        self.packages = {part.package.folder: part.package.name if part.is_package else "" for part in repository.parts}
+        self.includers: dict[str, dict[str, None]] = {}
+        for path in repository.views:
+            for outcome in self.resolve(path):
+                for way in outcome.ways:
+                    for include in way.plan.includes:
+                        self.includers.setdefault(include.file, {})[path] = None
+            for element in self.list_open_includes(path):
+                for target in match_paths(element.attributes.get("file", ""), repository.views[path]):
+                    self.includers.setdefault(target, {})[path] = None
+
+    def list_open_includes(self, path: str) -> Iterator[Element]:
+        """The includes of a file that take part in no case, or whose file only the user knows."""
+        known: dict[int, bool] = {}
+        for outcome in self.resolve(path):
+            for way in outcome.ways:
+                for include in way.plan.includes:
+                    start = include.origin.span.start
+                    known[start] = known.get(start, True) and not is_unknown(include.file)
+        yield from (element for element in self.outline_of(path).includes if not known.get(element.start, False))
+
+    def show_path(self, path: str) -> str:
+        """A path from the root of the repository."""
+        return relative_path(path, self.repository.root)
+
+    def find_inside(self, path: str) -> str | None:
+        """A path from the root of the repository; None for one that is not inside."""
+        shown = self.show_path(path)
+        return None if is_unknown(path) or shown.startswith("..") else shown
+
+    def outline_of(self, path: str) -> Outline:
+        """The tags of a file."""
+        if path not in self.outlines:
+            tree = self.repository.trees.get(path)
+            self.outlines[path] = outline_file(tree) if tree is not None else Outline((), (), (), {}, {}, "")
+        return self.outlines[path]
+
+    def resolve(self, path: str) -> tuple[Outcome, ...]:
+        """A file in every case."""
+        if path not in self.outcomes:
+            view = self.repository.views[path]
+            self.outcomes[path] = resolve_outcomes(view, self.files, self.repository.world, self.starter)
+        return self.outcomes[path]
+
+    def exists(self, path: str) -> bool:
+        """Whether there is a file or folder at a path from the root of the repository."""
+        whole = f"{self.repository.root}/{path}"
+        return self.repository.world.is_file(whole) or bool(self.repository.world.list_folder(whole))
+
+    def describe_trees(self, view: LaunchView, given: tuple[tuple[str, str], ...] = ()) -> tuple[TreeDoc, ...]:
+        """What a file starts, per base, when it is given some arguments."""
+        outcomes = (
+            resolve_outcomes(view, self.files, self.repository.world, self.starter, given)
+            if given
+            else self.resolve(view.path)
+        )
+        return self.trees.make_trees(view.path, outcomes, Words(view, self.packages))
+
+    def describe(self, view: LaunchView, started_by: tuple[str, ...]) -> LaunchDoc:
+        """Everything about a launch file."""
+        outcomes = self.resolve(view.path)
+        words = Words(view, self.packages)
+        outline = self.outline_of(view.path)
+        nodes = NodeDescriber(outcomes, words, view.path, self.find_inside)
+        node_docs = tuple(nodes.describe(each, outline.conditions.get(each.start, ())) for each in outline.nodes)
+        includes = tuple(
+            describe_include(each, outline.conditions.get(each.start, ()), view, outcomes, words, self.show_path)
+            for each in outline.includes
+        )
+        needs = find_needs(view)
+        support, problems = describe_support(
+            outcomes, needs, self.bases, words, takes_variant="robot_variant" in view.declared
+        )
+        unreadable = list_unreadable(view.tree.diagnostics, view.path, words)
+        trees = self.trees.make_trees(view.path, outcomes, words)
+        path = self.show_path(view.path)
+        return LaunchDoc(
+            path=path,
+            package=view.package.name if view.package is not None else "",
+            folder=_directory_of(path),
+            summary=find_summary(view) or _summarise(node_docs, includes),
+            overview=settle_links(find_overview(view), path.rpartition("/")[0], self.exists),
+            needs=needs,
+            arguments=tuple(_describe_arguments(view)),
+            nodes=node_docs,
+            params=tuple(param for group in outline.groups for param in nodes.describe_params(group)),
+            param_files=tuple(each for group in outline.groups for each in nodes.describe_param_files(group)),
+            includes=includes,
+            included_by=tuple(sorted(self.show_path(each) for each in self.includers.get(view.path, ()))),
+            started_by=started_by,
+            trees=trees,
+            support=support if not unreadable else (),
+            problems=tuple(dict.fromkeys((*unreadable, *problems))),
+            graph=draw_graph(path, trees) if outline.includes or outline.nodes else GraphDoc((), ()),
+            source=view.tree.source.text,
+        )
+
+
+def _describe_arguments(view: LaunchView) -> Iterator[ArgumentDoc]:
+    launch = view.tree.launch
+    used = types_from_use(view)
+    for name, elements in view.declared.items():
+        element = elements[0]
+        value, default = element.attributes.get("value"), element.attributes.get("default")
+        documented = (find_argument_doc(each, launch) for each in elements if launch and each in launch.children)
+        yield ArgumentDoc(
+            name=name,
+            kind="convenience" if value is not None else "required" if default is None else "optional",
+            default=value if value is not None else default or "",
+            type=describe_type(name, default if value is None else value, used),
+            doc=next((text for text in documented if text), ""),
+            condition=describe_condition(element),
+            line=element.span.position.line,
+        )
+
+
+def _directory_of(path: str) -> str:
+    folder = path.rpartition("/")[0]
+    return folder.removesuffix("/launch") if folder != "launch" else "launch"
+
+
+def _summarise(nodes: tuple[NodeDoc, ...], includes: tuple[IncludeDoc, ...]) -> str:
+    # For a file that says nothing about itself.
+    names = list(dict.fromkeys(value.text for node in nodes for value in node.names))
+    files = list(dict.fromkeys(target.name for include in includes for target in include.targets))
+    parts = []
+    if names:
+        parts.append("Starts " + _list_some([f"`{name}`" for name in names]))
+    if files:
+        parts.append(("includes " if parts else "Includes ") + _list_some([f"`{name}`" for name in files]))
+    return "; ".join(parts) + "." if parts else ""
+
+
+def _list_some(words: list[str]) -> str:
+    if len(words) <= _NAMES:
+        return join_words(words)
+    return f"{', '.join(words[: _NAMES - 1])} and {len(words) - _NAMES + 1} more"

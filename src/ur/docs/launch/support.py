@@ -1,0 +1,75 @@
+"""Which bases and variants a launch file works for, and what is missing where it does not."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+
+from ur.docs.cases.resolve import Outcome
+from ur.docs.model import BaseDoc, Case, SupportDoc
+from ur.docs.repository.bases import find_lacks
+from ur.docs.repository.world import is_unknown
+from ur.docs.words import Words
+from ur.source.diagnostic import Diagnostic, Severity
+
+# About this computer, or about what other tools say better; see ur check.
+_NOT_HERE = frozenset({"unknown-package", "unset-variable", "unknown-machine", "duplicate-machine"})
+
+
+def describe_support(
+    outcomes: tuple[Outcome, ...],
+    needs: tuple[str, ...],
+    bases: Mapping[str, BaseDoc],
+    words: Words,
+    *,
+    takes_variant: bool,
+) -> tuple[tuple[SupportDoc, ...], tuple[str, ...]]:
+    """For each case what is missing, and what is wrong in all of them.
+
+    A file that does not ask for the variant works for a base one of whose variants has what it needs.
+    """
+    wrong = {outcome.case: tuple(dict.fromkeys(_list_errors(outcome, words))) for outcome in outcomes}
+    everywhere = tuple(text for text in wrong[outcomes[0].case] if all(text in texts for texts in wrong.values()))
+    if not outcomes[0].case.base:
+        return (), everywhere
+    support = []
+    for outcome in outcomes:
+        lacks = _list_lacks(outcome.case, needs, bases, takes_variant)
+        errors = (text for text in wrong[outcome.case] if text not in everywhere or len(outcomes) == 1)
+        support.append(SupportDoc(outcome.case, (*lacks, *errors)))
+    return tuple(support), everywhere
+
+
+def _list_lacks(
+    case: Case, needs: tuple[str, ...], bases: Mapping[str, BaseDoc], takes_variant: bool
+) -> tuple[str, ...]:
+    base = bases.get(case.base)
+    if base is None:
+        return ()
+    by_variant = {"": base.sensors, **dict(base.variants)}
+    tried = [by_variant.get(case.variant, base.sensors)] if takes_variant else list(by_variant.values())
+    lacks = min((find_lacks(needs, features) for features in tried), key=len)
+    return tuple(f"needs {' or '.join(need.split('|'))}" for need in lacks)
+
+
+def _list_errors(outcome: Outcome, words: Words) -> Iterator[str]:
+    for found in outcome.plain.plan.diagnostics:
+        if found.severity is Severity.ERROR and found.rule not in _NOT_HERE and not is_unknown(found.message):
+            yield describe_finding(found, words)
+
+
+def describe_finding(found: Diagnostic, words: Words) -> str:
+    """A finding in one line, with its place."""
+    message = words.show(found.message)
+    if found.span is None:
+        return message
+    line = found.span.position.line
+    return f"{message} ({words.show(found.span.file.path)}, line {line})"
+
+
+def list_unreadable(findings: Iterable[Diagnostic], path: str, words: Words) -> tuple[str, ...]:
+    """What made it impossible to read a file."""
+    return tuple(
+        describe_finding(found, words)
+        for found in findings
+        if found.span is not None and found.span.file.path == path and found.severity is Severity.ERROR
+    )

@@ -1,0 +1,1 @@
+"""The contents of a launch repository, each file read once."""

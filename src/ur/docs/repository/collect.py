@@ -1,0 +1,195 @@
+"""What a launch repository holds: packages, bases, launch files and programs, each read once."""
+
+from __future__ import annotations
+
+import os
+import posixpath
+import re
+import shlex
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
+from dataclasses import dataclass, replace
+
+from ur.check.collect import Targets, collect_targets, is_script
+from ur.check.model import BaseNames, LaunchView, Package
+from ur.check.survey import survey_launch_file
+from ur.check.worlds import CachedWorld
+from ur.docs.repository.bases import infer_bases
+from ur.docs.repository.world import RepositoryWorld
+from ur.launchfile.syntax import LaunchFile
+from ur.launchfile.world import World
+from ur.source.diagnostic import Diagnostic, UserError, error
+from ur.source.file import SourceFile, Span
+from ur.source.progress import Progress, counted, no_progress
+
+_DESCRIPTION = re.compile(r"<description[^>]*>(.*?)</description>", re.DOTALL)
+_TAG = re.compile(r"<[^>]*>")
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """A package of the repository, or what of it belongs to none."""
+
+    package: Package
+    is_package: bool
+    description: str
+    views: tuple[LaunchView, ...]
+    programs: tuple[SourceFile, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Repository:
+    """Everything that is documented, and the world in which it is resolved. `findings`: what could not be read."""
+
+    root: str
+    parts: tuple[Part, ...]
+    views: Mapping[str, LaunchView]  # by absolute path
+    trees: dict[str, LaunchFile]
+    world: CachedWorld
+    findings: tuple[Diagnostic, ...]
+    left_out: tuple[str, ...] = ()  # links that lead out of it
+
+
+def collect_repository(path: str, world: World, progress: Progress = no_progress) -> Repository:
+    """Read a package (by name or folder), a folder of packages, or any folder that holds launch files.
+
+    Raises UserError when there is no such folder, or no launch file in it.
+    """
+    cached = CachedWorld(world)
+    targets = collect_targets([path], cached)
+    root = _root_of(path, cached)
+    if not targets.launch_files:
+        raise UserError(
+            error(
+                f"{path} holds no launch file, expected a launch repository: a package or a folder of packages",
+                rule="no-launch-files",
+                help="launch files end in .launch or .launch.xml",
+            )
+        )
+    packages = _complete(targets, root, cached)
+    sealed = CachedWorld(RepositoryWorld(cached, {each.name: each.folder for each in reversed(packages.values())}))
+    findings: list[Diagnostic] = []
+    views = list(_read(targets, packages, sealed, findings, progress))
+    views = list(_with_bases(views, packages))
+    parts = tuple(_make_parts(root, packages, targets, views, cached))
+    return Repository(
+        root,
+        parts,
+        {view.path: view for view in views},
+        {view.path: view.tree for view in views},
+        sealed,
+        tuple(findings),
+        targets.left_out,
+    )
+
+
+def _root_of(path: str, world: CachedWorld) -> str:
+    folder = world.absolute(path)
+    if world.is_file(folder):
+        message = f"{path} is a file, expected the folder or the package that it is in"
+        raise UserError(error(message, rule="not-a-folder", help=f"ur docs {shlex.quote(_enclosing(folder, world))}"))
+    return folder if world.list_folder(folder) else world.absolute(world.find_package(path))
+
+
+def _enclosing(file: str, world: CachedWorld) -> str:
+    # The package of a file, or the folder of a file that is in none, as seen from the current folder.
+    beside = folder = file.rpartition("/")[0]
+    while folder:
+        if world.is_file(f"{folder}/package.xml"):
+            return os.path.relpath(folder)
+        folder = folder.rpartition("/")[0]
+    return os.path.relpath(beside or "/")
+
+
+def _complete(targets: Targets, root: str, world: CachedWorld) -> dict[str, Package]:
+    # Files outside of every package count as a package of their own, called like the folder.
+    packages = {folder: targets.packages[folder] for folder in sorted(targets.packages)}
+    if any(targets.package_of(path) is None for path in targets.launch_files):
+        bases = tuple(
+            BaseNames(name, ())
+            for name in world.list_folder(f"{root}/bases")
+            if world.is_file(f"{root}/bases/{name}/base.yaml")
+        )
+        packages[root] = Package(root.rpartition("/")[2], root, False, bases, frozenset())
+    return packages
+
+
+def _read(
+    targets: Targets,
+    packages: Mapping[str, Package],
+    world: CachedWorld,
+    findings: list[Diagnostic],
+    progress: Progress,
+) -> Iterator[LaunchView]:
+    for path in counted(targets.launch_files, "reading", "launch files", progress):
+        package = _package_of(path, packages)
+        try:
+            view = survey_launch_file(path, package, world)
+        except OSError as problem:
+            reason = (problem.strerror or str(problem)).lower()
+            place = Span(SourceFile(path, ""), 0, 0)
+            findings.append(error(f"{path}: {reason}, expected a readable text", place, rule="unreadable-file"))
+            continue
+        findings.extend(view.tree.diagnostics)
+        yield view
+
+
+def _package_of(path: str, packages: Mapping[str, Package]) -> Package | None:
+    folder = path
+    while folder:
+        folder = folder.rpartition("/")[0]
+        if folder in packages:
+            return packages[folder]
+    return None
+
+
+def _with_bases(views: Iterable[LaunchView], packages: dict[str, Package]) -> Iterator[LaunchView]:
+    # A package without bases of its own uses those of the repository; without any, what file names and values tell.
+    views = list(views)
+    everywhere: dict[str, BaseNames] = {}
+    for package in packages.values():
+        for base in package.bases:
+            everywhere.setdefault(base.name, base)
+    for folder, package in packages.items():
+        if not package.bases:
+            own = [view for view in views if view.package is not None and view.package.folder == folder]
+            guessed = tuple(BaseNames(name, ()) for name in infer_bases(own))
+            packages[folder] = replace(package, bases=tuple(everywhere.values()) or guessed)
+    for view in views:
+        package_ = packages[view.package.folder] if view.package is not None else None
+        yield replace(view, package=package_)
+
+
+def _make_parts(
+    root: str, packages: Mapping[str, Package], targets: Targets, views: list[LaunchView], world: CachedWorld
+) -> Iterator[Part]:
+    programs = {path for path in targets.programs if not path.endswith("/bin/ur")}
+    if root in packages and not world.is_file(f"{root}/package.xml"):
+        entries = (f"{root}/bin/{name}" for name in world.list_folder(f"{root}/bin"))
+        programs |= {path for path in entries if world.is_file(path) and is_script(path, world)}
+    for folder, package in packages.items():
+        own = tuple(view for view in views if view.package is not None and view.package.folder == folder)
+        sources = tuple(_read_programs(sorted(path for path in programs if path.startswith(f"{folder}/bin/")), world))
+        if own or sources:
+            manifest = f"{folder}/package.xml"
+            is_package = world.is_file(manifest)
+            yield Part(package, is_package, _describe(manifest, world) if is_package else "", own, sources)
+
+
+def _read_programs(paths: Iterable[str], world: CachedWorld) -> Iterator[SourceFile]:
+    for path in paths:
+        with suppress(OSError):
+            yield SourceFile(path, world.read_bytes(path).decode("utf-8", "replace"))
+
+
+def _describe(manifest: str, world: CachedWorld) -> str:
+    try:
+        found = _DESCRIPTION.search(world.read_bytes(manifest).decode("utf-8", "replace"))
+    except OSError:
+        return ""
+    return " ".join(_TAG.sub(" ", found.group(1)).split()) if found else ""
+
+
+def relative_path(path: str, root: str) -> str:
+    """A path as seen from the root of the repository."""
+    return path[len(root) + 1 :] if path.startswith(root + "/") else posixpath.relpath(path, root)

@@ -1,0 +1,1 @@
+"""The meaning of each tag of a launch file."""

@@ -1,0 +1,181 @@
+"""Reading a tag's attributes: substituted, checked, converted. Errors point at the attribute."""
+
+from __future__ import annotations
+
+from functools import cache
+
+from ur.launchfile.plan.draft import Draft
+from ur.launchfile.plan.problems import NOT_GIVEN, Refused, refuse
+from ur.launchfile.plan.scope import Scope
+from ur.launchfile.plan.values.convert import CONDITIONS, read_boolean
+from ur.launchfile.plan.values.substitute import MissingArgument, substitute
+from ur.launchfile.syntax import Element, SubstitutionProblem
+from ur.source.diagnostic import Note, error
+from ur.source.file import Span
+from ur.source.suggest import did_you_mean
+
+
+@cache
+def _known_names(known: tuple[str, ...]) -> frozenset[str]:
+    return frozenset((*known, "if", "unless"))
+
+
+def check_attributes(element: Element, known: tuple[str, ...], draft: Draft, scope: Scope) -> None:
+    """Warn of attributes that roslaunch does not know: it reads over them."""
+    if element.attributes.keys() <= _known_names(known):
+        return
+    for name in element.attributes:
+        if name in known or name in ("if", "unless"):
+            continue
+        near = did_you_mean(name, [*known, "if", "unless"])
+        draft.warn(
+            f"unknown attribute '{name}' of <{element.name}>, expected one of {', '.join(dict.fromkeys(known))}",
+            element.name_span(name),
+            scope,
+            "unknown-attribute",
+            f"did you mean {near}?" if near else "remove it: roslaunch ignores it",
+        )
+
+
+def read_optional(element: Element, name: str, draft: Draft, scope: Scope) -> str | None:
+    """An attribute's value with `$(...)` replaced; None when it is not there. Raises Refused."""
+    value = element.attributes.get(name)
+    if not value or "$" not in value:
+        return value
+    return resolve_value(value, element, name, draft, scope)
+
+
+def read_required(element: Element, name: str, draft: Draft, scope: Scope) -> str:
+    """As read_optional, for an attribute that has to be there."""
+    value = element.attributes.get(name)
+    if value is None:
+        raise missing_attribute(element, name)
+    return value if "$" not in value else resolve_value(value, element, name, draft, scope)
+
+
+def missing_attribute(element: Element, name: str) -> Refused:
+    """An exception to raise when an attribute is not there."""
+    near = did_you_mean(name, element.attributes)
+    return refuse(
+        f"<{element.name}> without attribute '{name}', expected one",
+        element.span,
+        "missing-attribute",
+        f"did you mean {name} where it says {near}?" if near else f'add {name}="..."',
+    )
+
+
+def resolve_value(value: str, element: Element, name: str, draft: Draft, scope: Scope, shift: int = 0) -> str:
+    """A text that stands in an attribute, `shift` characters from its start, with `$(...)` replaced. Raises Refused."""
+    try:
+        return substitute(value, scope, draft.world, draft.budget)
+    except SubstitutionProblem as problem:
+        span = element.piece_span(name, problem.start + shift, problem.end + shift)
+        raise explain_problem(problem, span, scope) from None
+
+
+def explain_problem(problem: SubstitutionProblem, span: Span, scope: Scope) -> Refused:
+    """What is wrong with a substitution, as a finding."""
+    if isinstance(problem, MissingArgument):
+        return _explain_missing_argument(problem.name, span, scope)
+    return refuse(problem.message, span, problem.rule, problem.help, subject=problem.subject, kind=problem.kind)
+
+
+def _explain_missing_argument(name: str, span: Span, scope: Scope) -> Refused:
+    if scope.passing is not None and scope.parent is not None:
+        scope = scope.parent  # what an <include> passes on is the including file's
+    declaration = scope.declared.get(name)
+    if declaration is None:
+        near = did_you_mean(name, set(scope.declared) | set(scope.args))
+        help_ = f"did you mean {near}?" if near else f'declare it before it is used: <arg name="{name}" default="..."/>'
+        return refuse(
+            f"argument '{name}' is not declared, expected <arg name=\"{name}\">",
+            span,
+            "undeclared-argument",
+            help_,
+            (),
+            name,
+        )
+    scope.missing.pop(name, None)
+    used = Note(f"'{name}' is used here", span)
+    if not scope.chain:
+        return refuse(
+            f"argument '{name}' is required and was not given, expected {name}:=VALUE",
+            declaration.value_span("name"),
+            "missing-argument",
+            f"give it on the command line: {name}:=VALUE",
+            (used,),
+            name,
+            kind=NOT_GIVEN,
+        )
+    return Refused(
+        error(
+            f"argument '{name}' of {scope.filename} is required and was not passed",
+            scope.chain[-1],
+            rule="missing-argument",
+            help=f'add <arg name="{name}" value="..."/> inside the <include>',
+            notes=(Note(f"'{name}' is declared here", declaration.value_span("name")), used),
+            subject=name,
+        )
+    )
+
+
+def is_wanted(element: Element, draft: Draft, scope: Scope) -> bool:
+    """Whether `if` and `unless` let a tag take part. Raises Refused when they say neither yes nor no."""
+    attributes = element.attributes
+    if "if" not in attributes and "unless" not in attributes:
+        return True
+    condition = read_optional(element, "if", draft, scope)
+    exception = read_optional(element, "unless", draft, scope)
+    if condition is not None and exception is not None:
+        raise refuse(
+            f"<{element.name}> with both 'if' and 'unless', expected one of them",
+            element.name_span("unless"),
+            "bad-condition",
+            'combine them: if="$(eval ... and not ...)"',
+        )
+    if condition is not None:
+        return _condition(condition, element, "if")
+    return not _condition(exception or "", element, "unless")
+
+
+def _condition(value: str, element: Element, name: str) -> bool:
+    try:
+        return read_boolean(value)
+    except ValueError as problem:
+        raise refuse(
+            f"'{name}' of <{element.name}> is '{value}', {problem}",
+            element.value_span(name),
+            "bad-boolean",
+            expected=CONDITIONS,
+        ) from None
+
+
+def read_flag(element: Element, name: str, draft: Draft, scope: Scope) -> bool:
+    """A boolean attribute: `true` or `false`, False when it is not there. Raises Refused; 1 and 0 are refused too."""
+    value = read_optional(element, name, draft, scope)
+    if value is None:
+        return False
+    return as_flag(value, element, name)
+
+
+def as_flag(value: str, element: Element, name: str) -> bool:
+    """`true` or `false` in any case. Raises Refused."""
+    if value.lower() in ("true", "false"):
+        return value.lower() == "true"
+    raise refuse(
+        f"'{name}' of <{element.name}> is '{value}', expected true or false",
+        element.value_span(name),
+        "bad-boolean",
+        {"1": f'write {name}="true"', "0": f'write {name}="false"'}.get(value.strip()),
+        expected=("true", "false"),
+    )
+
+
+def as_number(value: str, element: Element, name: str) -> float:
+    """A number. Raises Refused."""
+    try:
+        return float(value)
+    except ValueError:
+        raise refuse(
+            f"'{name}' of <{element.name}> is '{value}', expected a number", element.value_span(name), "bad-number"
+        ) from None

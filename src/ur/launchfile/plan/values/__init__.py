@@ -1,0 +1,1 @@
+"""Values of attributes: substitution, expressions, conversion and YAML, within limits."""

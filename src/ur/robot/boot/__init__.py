@@ -1,0 +1,1 @@
+"""Programs and the master that a robot starts when it boots, as systemd units."""

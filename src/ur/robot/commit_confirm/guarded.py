@@ -1,0 +1,109 @@
+"""A guarded change as a value: what is wanted on the robot, and what makes a running robot follow. Pure."""
+
+from __future__ import annotations
+
+import base64
+import io
+import tarfile
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from ur.robot.commit_confirm.guard import FOLDER
+from ur.robot.setup.change import Change, Command
+from ur.robot.setup.facts import Facts, Request
+from ur.robot.setup.wanted import Wanted
+from ur.robot.ssh.secret import Secret
+from ur.robot.ssh.shell import quote
+
+
+@dataclass(frozen=True, slots=True)
+class GuardedChange:
+    """A change that is made all at once on the robot, and undone all at once.
+
+    `wanted`: files that will be different. `also_kept`: files and folders that `live` touches, absolute; what lies in
+    /run is not restored after a boot. `live` makes the running robot follow the new files; when it fails, everything is
+    taken back. `back` makes it follow the restored ones; `early` the same while it boots, before its network. Scripts
+    run as root and hold no secrets. `words` tell people what `live` does.
+    """
+
+    title: str
+    wanted: tuple[Wanted, ...]
+    live: str
+    back: str
+    early: str = ":"
+    also_kept: tuple[str, ...] = ()
+    words: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Order:
+    """A change as it is handed to a robot: `identity` names this attempt, `who` asked, `wait` is in seconds."""
+
+    identity: str
+    who: str
+    wait: int
+    change: GuardedChange
+
+
+def list_changes(change: GuardedChange, facts: Facts) -> list[Change]:
+    """What will be different on the robot, for people and for `pack_order`."""
+    return [planned for item in change.wanted if (planned := item.plan(facts))]
+
+
+def list_kept(change: GuardedChange, facts: Facts) -> list[str]:
+    """The files and folders that are to be restored, absolute."""
+    requests = [item.request(facts.user) for item in change.wanted]
+    paths = {path for request in requests for path in request.files}
+    return [*sorted(facts.resolve(path) for path in paths), *change.also_kept]
+
+
+def change_request(change: GuardedChange, user: str) -> Request:
+    """The facts that `list_changes` looks at."""
+    request = Request(user)
+    for item in change.wanted:
+        request |= item.request(user)
+    return request
+
+
+def pack_order(order: Order, facts: Facts) -> Secret:
+    """All that the robot needs, as a tar archive in base64: a secret, since a new file may hold a password."""
+    commands = [command for change in list_changes(order.change, facts) for command in change.commands]
+    texts = {
+        "id": f"{order.identity}\n",
+        "title": f"{order.change.title}\n",
+        "who": f"{order.who}\n",
+        "wait": f"{order.wait}\n",
+        "keeps": "".join(f"{path}\n" for path in list_kept(order.change, facts)),
+        "apply": apply_script(commands, facts),
+        "live": order.change.live + "\n",
+        "back": order.change.back + "\n",
+        "early": order.change.early + "\n",
+        **dict(_steps(commands)),
+        "open": "",
+        "end": "",  # last: without it the archive is not whole
+    }
+    buffer = io.BytesIO()
+    with tarfile.open(fileobj=buffer, mode="w") as archive:
+        for name, text in texts.items():
+            content = text.encode(errors="surrogateescape")
+            member = tarfile.TarInfo(name)
+            member.size, member.mode = len(content), 0o600
+            archive.addfile(member, io.BytesIO(content))
+    return Secret(base64.encodebytes(buffer.getvalue()).decode())
+
+
+def apply_script(commands: Sequence[Command], facts: Facts) -> str:
+    """The script, run by the guard, that makes the change; it stops at the first thing that fails."""
+    lines = ["set -e", f"cd {FOLDER}/pending"]
+    for number, command in enumerate(commands):
+        # A user may not enter the folder: the script becomes a word, which holds no secret, and the input is open.
+        own = f'runuser -u {quote(facts.user)} -- env HOME={quote(facts.home)} sh -c "$(cat step{number})"'
+        lines.append(f"{f'sh step{number}' if command.root else own} <step{number}.in")
+    return "\n".join([*lines, "sh live", ""])
+
+
+def _steps(commands: Sequence[Command]) -> Iterator[tuple[str, str]]:
+    for number, command in enumerate(commands):
+        yield f"step{number}", command.script + "\n"
+        given = command.stdin
+        yield f"step{number}.in", given.reveal() if isinstance(given, Secret) else given

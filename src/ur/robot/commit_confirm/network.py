@@ -1,0 +1,280 @@
+"""Changes of a robot's networks, through NetworkManager. Pure."""
+
+from __future__ import annotations
+
+import ipaddress
+import re
+import uuid
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from ur.robot.commit_confirm.guarded import GuardedChange
+from ur.robot.commit_confirm.network_facts import Device, Networks, Profile, Seen
+from ur.robot.setup.change import Change, Command
+from ur.robot.setup.facts import Facts, Request
+from ur.robot.setup.wanted import write_file
+from ur.robot.ssh.secret import Secret
+from ur.robot.ssh.shell import quote
+from ur.source.diagnostic import UserError, error
+
+PROFILES = "/etc/NetworkManager/system-connections"
+# All that NetworkManager, and netplan behind it, remember of profiles. The state file names wired devices that shall
+# have no profile made for them by itself: where it is not restored, a robot that lived of such a profile is lost.
+KEPT = (
+    PROFILES,
+    "/run/NetworkManager/system-connections",
+    "/etc/netplan",
+    "/var/lib/NetworkManager/no-auto-default.state",
+)
+UP_SECONDS = 40  # until a network that answers has given an address
+NAMESPACE = uuid.UUID("6f0e1a3c-52a5-4e0c-9a0e-8d0c3a9b7f14")
+
+
+@dataclass(frozen=True, slots=True)
+class Addressing:
+    """How a device gets its IPv4 address: an address with its prefix length, or None for DHCP."""
+
+    address: ipaddress.IPv4Interface | None
+    gateway: ipaddress.IPv4Address | None = None
+    names: tuple[ipaddress.IPv4Address, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Wifi:
+    """A wireless network to join. `password` is None for an open one; `band` '' is any, '2.4' or '5' is in GHz."""
+
+    ssid: str
+    password: Secret | None
+    management: str
+    hidden: bool = False
+    band: str = ""
+
+    @property
+    def uuid(self) -> str:
+        """The identity of its profile: the same whenever it is joined."""
+        return str(uuid.uuid5(NAMESPACE, self.ssid))
+
+    @property
+    def path(self) -> str:
+        """The file of its profile."""
+        return f"{PROFILES}/ur-{self.uuid}.nmconnection"
+
+
+@dataclass(frozen=True, slots=True)
+class WantedProfile:
+    """The profile of a wireless network. The change never shows its text, which holds the password."""
+
+    wifi: Wifi
+
+    @property
+    def title(self) -> str:
+        """A few words."""
+        return f"profile of {self.wifi.ssid}"
+
+    def request(self, user: str) -> Request:
+        """The folder, which is kept as a whole by others."""
+        return Request(user)
+
+    def plan(self, facts: Facts) -> Change | None:
+        """Write it, always: whether the password is the same is nobody's business."""
+        text = render_profile(self.wifi)
+        command = write_file(facts, self.wifi.path, text, 0o600)
+        secret = Command(command.script, root=True, stdin=Secret(text))
+        return Change(self.title, f"{self.wifi.path}: profile of {self.wifi.ssid!r}", (secret,))
+
+    def undo(self, facts: Facts) -> Change | None:  # noqa: ARG002 - of the protocol
+        """It stays."""
+        return None
+
+
+def render_profile(wifi: Wifi) -> str:
+    """The text of a keyfile (nm-settings-keyfile(5)). It is preferred over older profiles, which stay as they are."""
+    security = ["[wifi-security]", f"key-mgmt={wifi.management}"] if wifi.management else []
+    if wifi.management in ("wpa-psk", "sae") and wifi.password:
+        security.append(f"psk={_escape(wifi.password.reveal())}")
+    parts = [
+        ["[connection]", f"id={_escape(wifi.ssid)}", f"uuid={wifi.uuid}", "type=wifi", "autoconnect-priority=10"],
+        [
+            "[wifi]",
+            "mode=infrastructure",
+            f"ssid={''.join(f'{byte};' for byte in wifi.ssid.encode(errors='surrogateescape'))}",
+            *(["hidden=true"] if wifi.hidden else []),
+            *([f"band={'a' if wifi.band == '5' else 'bg'}"] if wifi.band else []),
+        ],
+        *([security] if security else []),
+        ["[ipv4]", "method=auto"],
+        ["[ipv6]", "method=auto"],
+    ]
+    return "# Written by ur robot wifi.\n" + "\n\n".join("\n".join(part) for part in parts) + "\n"
+
+
+def _escape(text: str) -> str:
+    """A value as GLib's key files take it: backslashes, line breaks, and blanks at either end are escaped."""
+    for plain, escaped in (("\\", "\\\\"), ("\n", "\\n"), ("\r", "\\r"), ("\t", "\\t")):
+        text = text.replace(plain, escaped)
+    body = text.strip(" ")
+    if not body:
+        return "\\s" * len(text)
+    before, after = len(text) - len(text.lstrip(" ")), len(text) - len(text.rstrip(" "))
+    return "\\s" * before + body + "\\s" * after
+
+
+def choose_management(seen: Seen | None, *, with_password: bool) -> str:
+    """The key management of a network, in NetworkManager's word; '' for an open one. Raises UserError.
+
+    `seen` is None for a hidden one: then it is what most are.
+    """
+    if seen is None:
+        return "wpa-psk" if with_password else ""
+    words = seen.security.split()
+    if "802.1X" in words:
+        raise _refused(
+            f"{seen.ssid}: it asks for a user name (802.1X), expected a network with one password for all",
+            "bad-network",
+            "make its profile on the robot with nmcli, then choose it here with --ssid",
+        )
+    if not words:
+        return ""
+    if "WEP" in words:
+        raise _refused(
+            f"{seen.ssid}: it is protected by WEP, which is no protection, expected WPA2 or WPA3",
+            "bad-network",
+            "change that in the settings of the access point",
+        )
+    if "OWE" in words:
+        return "owe"
+    return "wpa-psk" if {"WPA1", "WPA2"} & set(words) else "sae"
+
+
+def check_password(ssid: str, password: Secret) -> None:
+    """Raises UserError unless a network may have it (IEEE 802.11: 8 to 63 characters, or 64 hex digits)."""
+    text = password.reveal()
+    if not (8 <= len(text.encode()) <= 63 or re.fullmatch(r"[0-9a-fA-F]{64}", text)) or not text.isprintable():
+        raise _refused(
+            f"{ssid}: this password has {len(text)} characters, expected 8 to 63 that can be printed",
+            "bad-password",
+            "",
+        )
+
+
+def plan_join(networks: Networks, wifi: Wifi, device: Device) -> GuardedChange:
+    """Join a network; the others' profiles stay, and are used where this one is not in reach."""
+    known = find_profile(networks, wifi.ssid)
+    use_known = known is not None and wifi.password is None
+    wanted = () if use_known else (WantedProfile(wifi),)
+    target = known.uuid if known and use_known else wifi.uuid
+    load = [f"nmcli connection load {quote(wifi.path)}"] if wanted else []
+    return _guard(networks, f"join {wifi.ssid}", wanted, [*load, _bring_up(target, device.name)])
+
+
+def plan_forget(networks: Networks, profile: Profile) -> GuardedChange:
+    """Forget a network; where it is used, the robot goes to another one that it knows."""
+    return _guard(
+        networks, f"forget {profile.ssid or profile.name}", (), [f"nmcli connection delete {quote(profile.uuid)}"]
+    )
+
+
+def plan_addressing(networks: Networks, profile: Profile, device: Device, wanted: Addressing) -> GuardedChange:
+    """Give a device its address by DHCP or by hand."""
+    values = {
+        "ipv4.method": "manual" if wanted.address else "auto",
+        "ipv4.addresses": str(wanted.address or ""),
+        "ipv4.gateway": str(wanted.gateway or ""),
+        "ipv4.dns": " ".join(map(str, wanted.names)),
+    }
+    words = [word for pair in values.items() for word in pair]
+    title = f"{wanted.address if wanted.address else 'address by DHCP'} on {device.name}"
+    modify = f"nmcli connection modify {quote(profile.uuid, *words)}"
+    return _guard(networks, title, (), [modify, _bring_up(profile.uuid, device.name)])
+
+
+def _guard(networks: Networks, title: str, wanted: tuple[WantedProfile, ...], live: Sequence[str]) -> GuardedChange:
+    used = [
+        (each.profile, each.name) for each in networks.devices if each.profile and each.kind in ("wifi", "ethernet")
+    ]
+    # A network that is not in reach at the moment must not keep the others from coming up.
+    first = [f"{_bring_up(*pair)} || failed=1" for pair in used]
+    again = [f"{_bring_up(*pair, wait=5)} || :" for pair in used]
+    script = [
+        "nmcli connection reload; failed=",
+        *first,
+        # A profile that NetworkManager makes by itself comes back with it only.
+        '[ -n "$failed" ] || exit 0',
+        "systemctl restart NetworkManager; nm-online -q -s -t 15",
+        *again,
+    ]
+    return GuardedChange(
+        title, wanted, live="\n".join(["set -e", *live]), back="\n".join(script), also_kept=KEPT, words=tuple(live)
+    )
+
+
+def _bring_up(identity: str, device: str, wait: int = UP_SECONDS) -> str:
+    return f"nmcli --wait {wait} connection up uuid {quote(identity)} ifname {quote(device)}"
+
+
+def find_profile(networks: Networks, ssid: str) -> Profile | None:
+    """The profile of a wireless network, by the network's name or its own."""
+    wireless = [each for each in networks.profiles if each.kind == "802-11-wireless"]
+    return next((each for each in wireless if ssid == each.ssid), None) or next(
+        (each for each in wireless if ssid == each.name), None
+    )
+
+
+def check_managed(networks: Networks, place: str, device: Device | None) -> None:
+    """Raises UserError where something else than NetworkManager is in charge of the device (None: of all)."""
+    if networks.running and (device is None or device.managed):
+        return
+    what = device.name if device else "the network"
+    owner = "netplan and systemd-networkd" if networks.netplan and "systemd-networkd" in networks.others else None
+    owner = owner or (networks.others[0] if networks.others else "something else")
+    if networks.netplan:
+        how = f"on the robot, edit {networks.netplan[0]} and run: sudo netplan try"
+    else:
+        how = f"change it in the settings of {owner}"
+    raise _refused(
+        f"{place}: {what} is managed by {owner}, expected NetworkManager; nothing was changed",
+        "no-network-manager",
+        f"{how}; or hand it to NetworkManager: sudo apt-get install network-manager"
+        + ("; set 'renderer: NetworkManager' there" if networks.netplan else ""),
+    )
+
+
+def parse_addressing(address: str | None, gateway: str | None, names: Sequence[str], *, dhcp: bool) -> Addressing:
+    """Read the options. Raises UserError: not an address, no prefix length, a gateway that is out of reach."""
+    if dhcp:
+        return Addressing(None, None, tuple(_parse_ip(name, "--dns") for name in names))
+    text = address or ""
+    try:
+        interface = ipaddress.IPv4Interface(text)
+        good = "/" in text and 0 < interface.network.prefixlen < 31
+        good = good and interface.ip not in (interface.network.network_address, interface.network.broadcast_address)
+    except ValueError:
+        good = False
+    if not good:
+        raise _refused(
+            f"--address {text!r} is not the address of a computer, expected one with the length of its network's part, "
+            "for instance 192.168.1.7/24",
+            "bad-address",
+            "",
+        )
+    way = _parse_ip(gateway, "--gateway") if gateway else None
+    if way is not None and way not in interface.network:
+        raise _refused(
+            f"--gateway {way} is not in the network {interface.network}, expected one that {interface.ip} reaches",
+            "bad-address",
+            "",
+        )
+    return Addressing(interface, way, tuple(_parse_ip(name, "--dns") for name in names))
+
+
+def _parse_ip(text: str, option: str) -> ipaddress.IPv4Address:
+    try:
+        return ipaddress.IPv4Address(text)
+    except ValueError:
+        raise _refused(
+            f"{option} {text!r} is not an IPv4 address, expected one like 192.168.1.1", "bad-address", ""
+        ) from None
+
+
+def _refused(message: str, rule: str, help: str) -> UserError:
+    return UserError(error(message, rule=rule, help=help or None))

@@ -1,0 +1,204 @@
+"""The viewer's part of a guarded change: hand it over, come back over the new way, confirm."""
+
+from __future__ import annotations
+
+import secrets
+import time
+from collections.abc import Callable, Iterable, Sequence
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
+from typing import Protocol
+
+from ur.robot.commit_confirm.guard import (
+    BUSY,
+    EARLY,
+    GONE,
+    LATE,
+    UNCONFIRMED,
+    Ended,
+    arm_script,
+    confirm_script,
+    look_script,
+    parse_last,
+    pending_script,
+)
+from ur.robot.commit_confirm.guarded import Order, pack_order
+from ur.robot.setup.facts import Facts
+from ur.robot.ssh.openssh import Address, connect
+from ur.robot.ssh.secret import Secret
+from ur.robot.ssh.shell import Done, Shell
+from ur.source.diagnostic import Note, UserError, error
+
+GRACE = 90.0  # s after the robot's own limit: it makes the change, goes back, and its network comes up again
+PAUSE = 1.0
+NEVER = 20.0  # s after which a robot that knows nothing of a change has not been told
+CONNECT_SECONDS = 4
+Report = Callable[[str], None]
+
+
+class Link(Shell, Protocol):
+    """A shell on another computer that can become root there."""
+
+    def find_sudo(self, candidates: Sequence[Secret]) -> bool:
+        """Whether there is a way."""
+
+
+Open = Callable[[Address], AbstractContextManager[Link]]
+
+
+@dataclass(frozen=True, slots=True)
+class Ways:
+    """How the robot may be reached after the change, best first, and how before it."""
+
+    after: tuple[Address, ...]
+    before: Address
+
+
+def open_as(host: str) -> Open:
+    """Connections that expect the host key that is known for `host`, whatever the robot is called or where it is."""
+    settings = (f"HostKeyAlias={host}", "CheckHostIP=no", f"ConnectTimeout={CONNECT_SECONDS}")
+
+    def open_link(address: Address) -> AbstractContextManager[Link]:
+        return connect(address, options=[word for each in settings for word in ("-o", each)])
+
+    return open_link
+
+
+def new_identity() -> str:
+    """What an attempt is called."""
+    return secrets.token_hex(4)
+
+
+def hand_over(shell: Shell, order: Order, facts: Facts) -> None:
+    """Arm the robot's guard, which begins a second later.
+
+    Raises UserError: another change is pending, or the robot could not take it, and nothing has changed; or the
+    connection broke (see `is_doubtful`), and nobody knows.
+    """
+    change = order.change
+    done = shell.run(
+        arm_script(order.identity, change.title), root=True, stdin=pack_order(order, facts), timeout=60 + GRACE
+    )
+    if done.code == BUSY:
+        raise _pending(shell.place, done.out)
+    if done.code:
+        said = (done.err or done.out).strip().splitlines()
+        raise UserError(
+            error(
+                f"{shell.place}: {change.title}: the robot could not prepare its way back, so nothing was changed: "
+                f"{said[-1] if said else f'exit code {done.code}'}",
+                rule="failed-change",
+                help="mend that and run this again",
+            )
+        )
+
+
+def refuse_pending(shell: Shell) -> None:
+    """Raises UserError, which names it, while another change is pending: what is seen of the robot may not last."""
+    done = shell.run(pending_script(), root=True)
+    if done.code == BUSY:
+        raise _pending(shell.place, done.out)
+
+
+def _pending(place: str, said: str) -> UserError:
+    title, by = [*said.splitlines(), "another change", "somebody"][:2]
+    return UserError(
+        error(
+            f"{place}: '{title}', begun by {by}, is not finished, expected one change at a time",
+            rule="change-pending",
+            help="it is confirmed or taken back by itself within a minute or two; then run this again",
+        )
+    )
+
+
+def is_doubtful(problem: UserError) -> bool:
+    """Whether the connection broke while a change was handed over, so that it may have begun."""
+    return problem.diagnostics[0].rule in ("lost-connection", "no-answer")
+
+
+def come_back(
+    identity: str,
+    title: str,
+    ways: Ways,
+    wait: int,
+    sudo: Sequence[Secret],
+    open_link: Open,
+    *,
+    report: Report,
+    clock: Callable[[], float] = time.monotonic,
+    sleep: Callable[[float], None] = time.sleep,
+) -> Address:
+    """Reach the robot over a new way and confirm; the way that led to it.
+
+    Raises UserError when the robot took the change back, or is not seen again within `wait` seconds and GRACE.
+    """
+    end = clock() + wait + GRACE
+    doubts: dict[Address, str] = {}
+    missing = None
+    while clock() < end:
+        sleep(PAUSE)
+        for address in dict.fromkeys((*ways.after, ways.before)):
+            new = address in ways.after
+            try:
+                with open_link(address) as link:
+                    if not link.find_sudo(sudo):
+                        doubts[address] = f"{address}: sudo refuses"
+                        continue
+                    done = link.run(confirm_script(identity) if new else look_script(identity), root=True)
+            except UserError as problem:
+                doubts[address] = problem.diagnostics[0].message
+                continue
+            ended = _read(identity, done)
+            if done.code != GONE or ended:
+                missing = None
+            elif missing is None:
+                missing = clock()
+            elif clock() > missing + NEVER:
+                raise _never_begun(title, address)
+            if ended and not ended.confirmed:
+                raise _taken_back(title, address, ended, [doubts[each] for each in ways.after if each in doubts])
+            if ended:
+                report(f"{address}: answers, confirmed")
+                return address if new else ways.after[0]
+    raise UserError(
+        error(
+            f"{title}: {ways.before.host} is not seen again {wait + GRACE:g} s after it began",
+            rule="not-seen-again",
+            help="it goes back by itself; is this computer still in its network? if nothing else helps, switch the "
+            "robot off and on: it then starts as it was before",
+            notes=_seen(doubts.values()),
+        )
+    )
+
+
+def _read(identity: str, done: Done) -> Ended | None:
+    if done.code in (EARLY, LATE):
+        return None
+    if done.code == GONE:
+        return parse_last(identity, done.out)
+    return Ended(done.code == 0, "") if done.code == 0 else None
+
+
+def _never_begun(title: str, address: Address) -> UserError:
+    return UserError(
+        error(
+            f"{title}: {address} was not told, and nothing has changed: the connection broke too early",
+            rule="lost-connection",
+            help="check the network (ur doctor), then run this again",
+        )
+    )
+
+
+def _taken_back(title: str, address: Address, ended: Ended, doubts: Sequence[str]) -> UserError:
+    return UserError(
+        error(
+            f"{title}: the robot took it back: {ended.reason}",
+            rule="taken-back",
+            help=f"it is {address} as before, and nothing is lost; once the cause is mended, run this again",
+            notes=_seen(doubts) if ended.reason.startswith(UNCONFIRMED) else (),
+        )
+    )
+
+
+def _seen(doubts: Iterable[str]) -> tuple[Note, ...]:
+    return tuple(Note(f"seen from here: {doubt}") for doubt in doubts)

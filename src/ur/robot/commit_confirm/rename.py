@@ -1,0 +1,126 @@
+"""Another name for a robot, in every place that holds one. Pure."""
+
+from __future__ import annotations
+
+import base64
+import hmac
+import re
+from dataclasses import dataclass
+
+from ur.robot.commit_confirm.guarded import GuardedChange
+from ur.robot.robot_file import ROBOT_FILE
+from ur.robot.setup.change import Change, show_difference
+from ur.robot.setup.facts import Facts, Request
+from ur.robot.setup.keys import HOST_KEY, KNOWN_HOSTS
+from ur.robot.setup.robot_states import CLOUD
+from ur.robot.setup.wanted import Wanted, WantedFile, WantedLine, write_file
+from ur.robot.ssh.shell import quote
+
+ANNOUNCEMENT = "/etc/avahi/services/ubiquity.service"
+# NetworkManager sets the name that systemd-hostnamed told it, which reads /etc/hostname when it starts. Boot services
+# wait for their name by themselves.
+_FOLLOW = (
+    "hostname {name} || exit; systemctl try-restart systemd-hostnamed; "
+    "systemctl try-restart avahi-daemon || exit; systemctl --no-block try-restart 'ubiquity-*.service'; :"
+)
+
+
+@dataclass(frozen=True, slots=True)
+class WantedKnownName:
+    """A computer's public host key in ~/.ssh/known_hosts, under its name and no more under its old one."""
+
+    title: str
+    old: str
+    new: str
+    host_key: str
+
+    def request(self, user: str) -> Request:
+        """The file."""
+        return Request(user, files=frozenset({KNOWN_HOSTS}))
+
+    def plan(self, facts: Facts) -> Change | None:
+        """Add the one, take away the other; other computers' lines stay."""
+        state = facts.file(KNOWN_HOSTS)
+        text = rename_known_host(state.text or "", self.old, self.new, self.host_key)
+        if text == state.text:
+            return None
+        mode = state.mode if state.text is not None else 0o600
+        difference = show_difference(KNOWN_HOSTS, state.text, text)
+        return Change(self.title, difference, (write_file(facts, KNOWN_HOSTS, text, mode),))
+
+    def undo(self, facts: Facts) -> Change | None:  # noqa: ARG002 - of the protocol
+        """It stays."""
+        return None
+
+
+def rename_known_host(text: str, old: str, new: str, host_key: str) -> str:
+    """The text of a known_hosts file (sshd(8)) with one computer under another name; also where names are hashed."""
+    kind, key = host_key.split()[:2]
+    wanted = f"{new}.local,{new} {kind} {key}"
+    gone = {old, f"{old}.local", new, f"{new}.local"}
+    lines = text.split("\n")
+    if wanted in lines:  # where it is, it stays: a second run changes nothing
+        gone -= {new, f"{new}.local"}
+    kept = [left for line in lines if (left := _without_names(line, gone)) is not None]
+    if wanted not in kept:
+        while kept and not kept[-1]:
+            kept.pop()
+        kept += [wanted, ""]
+    return "\n".join(kept)
+
+
+def _without_names(line: str, gone: set[str]) -> str | None:
+    """A line without these names; None when no other name is left in it."""
+    names, blank, rest = line.partition(" ")
+    if not blank or names.startswith(("#", "@")):
+        return line
+    kept = [name for name in names.split(",") if not any(_means(name, each) for each in gone)]
+    return f"{','.join(kept)} {rest}" if kept else None
+
+
+def _means(entry: str, name: str) -> bool:
+    if not entry.startswith("|1|"):
+        return entry == name
+    try:
+        salt, digest = (base64.b64decode(part) for part in entry.split("|")[2:4])
+    except ValueError:
+        return False
+    return hmac.digest(salt, name.encode(), "sha1") == digest
+
+
+def rename_request(user: str) -> Request:
+    """The facts that `plan_rename` needs."""
+    return Request(user, files=frozenset({str(ROBOT_FILE), ANNOUNCEMENT, HOST_KEY, CLOUD}))
+
+
+def plan_rename(facts: Facts, new: str) -> GuardedChange:
+    """The robot under another name: what was set up gets it, what is not there is left alone."""
+    old = facts.hostname
+    items: list[Wanted] = []
+    robot, announcement, key = (facts.file(path) for path in (str(ROBOT_FILE), ANNOUNCEMENT, HOST_KEY))
+    if robot.text is not None:
+        items.append(WantedFile("robot file", str(ROBOT_FILE), name_robot_file(robot.text, new), robot.mode))
+    if announcement.text is not None:
+        text = re.sub(r"(<txt-record>name=)[^<]*", rf"\g<1>{new}", announcement.text)
+        items.append(WantedFile("announcement", ANNOUNCEMENT, text, announcement.mode))
+    if key.text:
+        items.append(WantedKnownName("its own host key", old, new, key.text))
+    if facts.file(CLOUD).text is not None:
+        items.append(WantedFile("cloud-init", "/etc/cloud/cloud.cfg.d/99-ubiquity.cfg", "preserve_hostname: true\n"))
+    items += [
+        WantedLine("host name (hosts)", "/etc/hosts", f"127.0.1.1\t{new}", old=("127.0.1.1",)),
+        WantedFile("host name", "/etc/hostname", f"{new}\n"),
+    ]
+    return GuardedChange(
+        f"rename {old} to {new}",
+        tuple(items),
+        live=_FOLLOW.format(name=quote(new)),
+        back=_FOLLOW.format(name=quote(old)),
+        early=f"hostname {quote(old)}",
+        words=("the name counts at once: avahi and the boot services are started anew",),
+    )
+
+
+def name_robot_file(text: str, new: str) -> str:
+    """The text of robot.yaml with another name; the user's own lines stay."""
+    return re.sub(r"^name:.*$", f'name: "{new}"', text, count=1, flags=re.MULTILINE)

@@ -1,0 +1,1 @@
+"""This project, and catkin workspaces, on a robot: copied and built."""

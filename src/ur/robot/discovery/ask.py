@@ -1,0 +1,138 @@
+"""Ask a robot for its clock and for what it starts at boot: over one ssh connection by key, for a short time only."""
+
+from __future__ import annotations
+
+import subprocess
+import threading
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import replace
+from typing import IO
+
+from ur.robot.boot.units import PREFIX
+from ur.robot.discovery.listing import Answer
+from ur.robot.setup.verify import clock_offset
+
+ROUNDS = 4
+UNKNOWN_KEY = "host key unknown"
+_REFUSALS = (
+    ("Host key verification failed", UNKNOWN_KEY),
+    ("IDENTIFICATION HAS CHANGED", "another host key"),
+    ("Permission denied", "key refused"),
+    ("Connection refused", "no ssh server"),
+)
+END = "end"
+# After END, each line is answered with the time: the connection stands by then, so that an answer takes no time.
+SCRIPT = (
+    f"systemctl list-units --all --plain --no-legend '{PREFIX}*.service' 2>/dev/null; echo {END}; "
+    "while read -r x; do date +%s.%N; done"
+)
+
+
+def ask_robot(
+    login: str, names: Sequence[str], seconds: float, clock: Callable[[], float], over: threading.Event
+) -> Answer:
+    """Ask a robot at USER@ADDRESS, whose host key is known as NAME.local for one of `names`, which are tried in turn.
+
+    Each gets so many seconds. `clock` gives the time here (s since 1970). When `over` is set, it ends at once. Without
+    an answer, `refused` of the result is the reason. Raises nothing.
+    """
+    answer = Answer()
+    for name in names:
+        answer = _ask(login, name, seconds, clock, over)
+        if not answer.refused:
+            return replace(answer, known_as=name)
+        if answer.refused != UNKNOWN_KEY:
+            break
+    return answer
+
+
+def _ask(login: str, name: str, seconds: float, clock: Callable[[], float], over: threading.Event) -> Answer:
+    options = [
+        *("BatchMode=yes", "StrictHostKeyChecking=yes", f"HostKeyAlias={name}.local", "CheckHostIP=no"),
+        *(f"ConnectTimeout={max(1, round(seconds))}", "LogLevel=ERROR", "ForwardX11=no", "ControlPath=none"),
+    ]
+    command = ["ssh", "-T", *(word for option in options for word in ("-o", option)), "--", login, SCRIPT]
+    with suppress(OSError, ValueError), _process(command, seconds, over) as process:
+        assert process.stdin is not None
+        assert process.stdout is not None
+        assert process.stderr is not None
+        said = list(_until_end(process.stdout))
+        if said[-1:] == [END]:
+            return Answer(services=parse_services(said[:-1]), offset=_compare(process.stdin, process.stdout, clock))
+        return Answer(refused=explain_refusal(process.stderr.read(), seconds))
+    return Answer(refused=explain_refusal("", seconds))
+
+
+def explain_refusal(said: str, seconds: float) -> str:
+    """The meaning of what ssh printed instead of an answer, in a few words; nothing means that it took too long."""
+    return next((reason for words, reason in _REFUSALS if words in said), f"no answer in {seconds:g} s")
+
+
+@contextmanager
+def _process(command: list[str], seconds: float, over: threading.Event) -> Iterator[subprocess.Popen[str]]:
+    process = subprocess.Popen(
+        command,
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,  # Ctrl-C is for us
+    )
+    done = threading.Event()
+
+    def guard() -> None:
+        step = 0.05
+        for _ in range(round(seconds / step)):
+            if done.wait(step) or over.is_set():
+                break
+        process.kill()
+
+    thread = threading.Thread(target=guard, name="ask", daemon=True)
+    thread.start()
+    try:
+        yield process
+    finally:
+        done.set()
+        thread.join()
+        process.wait()
+        for stream in (process.stdin, process.stdout, process.stderr):
+            with suppress(OSError):
+                if stream:
+                    stream.close()
+
+
+def _until_end(stream: IO[str]) -> Iterator[str]:
+    for line in stream:
+        yield line.strip()
+        if line.strip() == END:
+            return
+
+
+def _compare(questions: IO[str], answers: IO[str], clock: Callable[[], float]) -> float | None:
+    readings = []
+    for _ in range(ROUNDS):
+        before = clock()
+        questions.write("\n")
+        questions.flush()
+        answer = answers.readline()
+        if not answer:
+            break
+        readings.append((before, float(answer), clock()))
+    return best_offset(readings)
+
+
+def best_offset(readings: Iterable[tuple[float, float, float]]) -> float | None:
+    """How far (s) the other clock is ahead, by the quickest of (asked, its time, answered); None without any."""
+    quickest = min(readings, key=lambda each: each[2] - each[0], default=None)
+    return None if quickest is None else clock_offset(*quickest)
+
+
+def parse_services(lines: Iterable[str]) -> tuple[tuple[str, str], ...]:
+    """(name, state) of the units in systemctl's list; a state in its word for ActiveState."""
+    rows = (line.split() for line in lines)
+    return tuple(
+        (row[0].removeprefix(PREFIX).removesuffix(".service"), "starting" if row[2] == "activating" else row[2])
+        for row in rows
+        if len(row) >= 4 and row[1] == "loaded"
+    )

@@ -1,0 +1,130 @@
+"""The list of robots: who is there and what each said of itself, who is known and away, and names taken twice. Pure."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+from ur.robot.discovery.announcements import Sighting
+from ur.robot.discovery.record import Record
+from ur.robot.discovery.seen import Seen, describe_age
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """The answers of a robot; None where there is none yet.
+
+    `nodes`: how many its ROS master knows; `services`: what it starts at boot, and systemd's word for how that is;
+    `offset` (s): how far its clock is ahead; `twin`: the address of another computer with its name, '' when there is
+    none. `answers` is False when nothing at all came back: what was announced is remembered for an hour and more.
+    `refused` is why it did not answer over ssh, '' when it did; `known_as` the name of its host key on this computer.
+    """
+
+    nodes: int | None = None
+    services: tuple[tuple[str, str], ...] | None = None
+    offset: float | None = None
+    twin: str = ""
+    answers: bool | None = None
+    refused: str = ""
+    known_as: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """A robot as it is listed. `address` is empty when it is away; `problem` is empty when there is none."""
+
+    name: str
+    address: str
+    base: str = ""
+    variant: str = ""
+    version: str = ""
+    answer: Answer = Answer()
+    seen: Seen | None = None
+    problem: str = ""
+    help: str = ""
+
+    @property
+    def runs(self) -> str:
+        """The ROS nodes and the boot services there, in a few words."""
+        nodes = self.answer.nodes
+        if nodes is None:
+            words = ["no ROS master"] if self.answer.services is not None else []
+        else:
+            words = ["no nodes yet" if nodes == 0 else "1 node" if nodes == 1 else f"{nodes} nodes"]
+        words += [name if state == "active" else f"{name} ({state})" for name, state in self.answer.services or ()]
+        return ", ".join(words)
+
+    @property
+    def clock(self) -> str:
+        """The offset of its clock from this one, or the reason why that is unknown."""
+        if self.answer.offset is None:
+            return f"unknown: {self.answer.refused}" if self.answer.refused else ""
+        return f"{self.answer.offset:+.3f} s"
+
+    def when(self, now: float) -> str:
+        """Since when it is away, and where it was; 'here' for one that is not away."""
+        if self.address:
+            return "here"
+        return f"away, {describe_age(now - self.seen.time)} at {self.seen.address}" if self.seen else "away"
+
+
+def is_settled(answer: Answer) -> bool:
+    """Return whether no more answers are expected of a robot: it is away, has refused, or has answered completely.
+
+    A master without nodes is not settled: on a robot that has just booted or was renamed the first node starts later.
+    """
+    if answer.answers is False or answer.refused:
+        return True
+    if answer.services is None or answer.offset is None:
+        return False
+    return "master" not in dict(answer.services) or bool(answer.nodes)
+
+
+def list_robots(
+    sightings: Iterable[Sighting],
+    records: Sequence[Record],
+    answers: Mapping[str, Answer] | None = None,
+    memory: Mapping[str, Seen] | None = None,
+) -> list[Row]:
+    """Everybody who is there, then those known from earlier who are not; each group by name.
+
+    `answers` are by the host name of a sighting, `memory` by the name of a robot.
+    """
+    said = answers or {}
+    heard = sorted(sightings, key=lambda one: (one.name, one.host))
+    there = [one for one in heard if said.get(one.host, Answer()).answers is not False]
+    names = [one.name for one in there]
+    rows = [_row(one, names.count(one.name) > 1, said.get(one.host, Answer())) for one in there]
+    known = {
+        **{one.name: Record(one.name, one.user, one.base, one.variant) for one in heard},
+        **{record.name: record for record in records},
+    }
+    taken = {address for one in there for address in one.addresses}
+    # Who was seen where another robot is now, and was never set up from here, is that robot by its former name.
+    remembered = {name for name, seen in (memory or {}).items() if seen.address not in taken}
+    for name in sorted({*known, *remembered} - {*names}):
+        record = known.get(name, Record(name, "", ""))
+        rows.append(Row(name, "", record.base, record.variant, seen=(memory or {}).get(name)))
+    return rows
+
+
+def _row(one: Sighting, twice: bool, answer: Answer) -> Row:
+    problem = help = ""
+    name = one.name
+    where = one.address or ", ".join(one.addresses)
+    if not twice and one.host != one.name and not re.fullmatch(rf"{re.escape(one.name)}-\d+", one.host):
+        name = one.host
+        problem = f"{name} announces its former name, {one.name}"
+        help = f"ur robot setup {name}.local --name {name}"
+    elif twice or one.host != one.name:
+        problem = f"two computers are called {one.name}: this one ({where}) answers to {one.host}.local"
+        # The one that kept the name may keep it.
+        help = f"ur robot setup {one.host}.local --name ANOTHER" if one.host != one.name else "rename the other one"
+    elif answer.twin and answer.twin not in one.addresses:
+        problem = f"two computers are called {one.name}: the other one ({answer.twin}) answers to {one.name}-2.local"
+        help = f"ur robot setup {one.name}-2.local --name ANOTHER"
+    elif answer.known_as not in ("", one.name):
+        problem = f"{one.name} was renamed: this computer knows it as {answer.known_as}"
+        help = f"ur robot rename {answer.known_as} {one.name}"
+    return Row(name, where, one.base, one.variant, one.version, answer, problem=problem, help=help)

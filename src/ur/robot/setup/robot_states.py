@@ -1,0 +1,204 @@
+"""What a robot's computer shall be."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from importlib.metadata import version
+
+from ur.robot.boot.units import master_unit
+from ur.robot.robot_file import ROBOT_FILE
+from ur.robot.setup.change import Change, Command
+from ur.robot.setup.environment import robot_environment
+from ur.robot.setup.facts import Facts, Request
+from ur.robot.setup.keys import HOST_KEY, KEY, allowed_key, known_host, own_keys
+from ur.robot.setup.packages import WantedPackages, WantedService
+from ur.robot.setup.wanted import Wanted, WantedFile, WantedFolder, WantedGroups, WantedLine
+from ur.robot.ssh.secret import Secret
+
+SERVICE_TYPE = "_ubiquity-robot._tcp"
+PACKAGES = (
+    *("openssh-server", "avahi-daemon", "libnss-mdns", "chrony", "xauth", "x11-apps", "rsync", "python3"),
+    *("ros-core", "python3-rospy", "python3-roslaunch", "python3-rostopic", "python3-rosnode"),
+    *("ros-robot-state-publisher|robot-state-publisher", "iw", "catkin", "cmake", "g++", "make"),
+)
+# What programs of this project need beside these: the packages of tools/set_up.bash.
+PROGRAM_PACKAGES = (
+    *("python3-venv", "ca-certificates", "rosbash", "python3-tf2-ros", "python3-actionlib", "python3-geometry-msgs"),
+    *("python3-nav-msgs", "python3-sensor-msgs", "python3-move-base-msgs", "python3-visualization-msgs"),
+    "python3-std-srvs",
+)
+GROUPS = ("dialout", "video", "plugdev", "input", "gpio", "i2c")
+CLOUD = "/etc/cloud/cloud.cfg"
+AVAHI = "/etc/avahi/avahi-daemon.conf"
+KEEP_NAME = "# Written by ur robot setup.\npreserve_hostname: true\nmanage_etc_hosts: false\n"
+
+
+@dataclass(frozen=True, slots=True)
+class Viewer:
+    """What a robot has to know of the computer in front of the user. `host_key` is None when no ssh server is there."""
+
+    user: str
+    name: str
+    public_key: str
+    host_key: str | None
+
+
+@dataclass(frozen=True, slots=True)
+class Robot:
+    """The name and base that a robot is to have. With `master`, it keeps a ROS master running from its boot on.
+
+    With `programs`, everything that programs of this project need is installed there.
+    """
+
+    name: str
+    base: str
+    variant: str = ""
+    master: bool = True
+    programs: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class WantedPassword:
+    """A password of the user. Whether it is set already cannot be read: `is_set` was found out by comparing."""
+
+    password: Secret
+    is_set: bool
+    title: str = "password"
+
+    def request(self, user: str) -> Request:
+        """No facts."""
+        return Request(user)
+
+    def plan(self, facts: Facts) -> Change | None:
+        """Set it, through standard input."""
+        if self.is_set:
+            return None
+        line = Secret(f"{facts.user}:{self.password.reveal()}\n")
+        command = Command("chpasswd", root=True, stdin=line)
+        return Change(self.title, f"new password for {facts.user}", (command,))
+
+    def undo(self, facts: Facts) -> Change | None:  # noqa: ARG002 - of the protocol
+        """It stays."""
+        return None
+
+
+def is_robot_name(text: str) -> bool:
+    """Whether a robot may be called so: a host name of one label (RFC 1123), in lower case."""
+    return re.fullmatch(r"[a-z0-9]([a-z0-9-]{0,61}[a-z0-9])?", text) is not None
+
+
+def base_request(user: str) -> Request:
+    """The facts that `wanted_there` needs."""
+    return Request(user, files=frozenset({HOST_KEY, KEY + ".pub", CLOUD, AVAHI, str(ROBOT_FILE)}))
+
+
+def wanted_there(
+    facts: Facts, robot: Robot, viewer: Viewer, password: WantedPassword | None, *, library: Sequence[Wanted] = ()
+) -> list[Wanted]:
+    """The robot's wanted states, in the order of their making: the way in first, the name last.
+
+    `library` is the copy of this project that it is to have, and what makes it run.
+
+    The new name takes effect with the next boot. Until then, wherever this is interrupted, the robot answers to the old
+    one; and from the first change on to the viewer's key.
+    """
+    items: list[Wanted] = [
+        WantedFolder("ssh folder", "~/.ssh", mode=0o700),
+        allowed_key("login from the viewer", viewer.public_key),
+        WantedFile("robot file", str(ROBOT_FILE), robot_file(robot, facts.file(str(ROBOT_FILE)).text)),
+        WantedPackages("packages", PACKAGES + (PROGRAM_PACKAGES if robot.programs else ())),
+        WantedService("ssh server", "ssh.service"),
+        WantedService("names ending in .local", "avahi-daemon.service"),
+        WantedFile("announcement", "/etc/avahi/services/ubiquity.service", announcement(robot, facts.user)),
+        WantedFile(
+            "X11 over ssh", "/etc/ssh/sshd_config.d/60-ubiquity.conf", SSHD, then="systemctl try-reload-or-restart ssh"
+        ),
+        WantedFile(
+            "time from the viewer",
+            "/etc/chrony/conf.d/ubiquity.conf",
+            time_source(viewer),
+            then="systemctl try-restart chrony",
+        ),
+        WantedService("time", "chrony.service"),
+        WantedGroups("groups", GROUPS),
+        *robot_environment(),
+        *own_keys(facts.user, robot.name, facts.file(HOST_KEY).text),
+    ]
+    if viewer.host_key:
+        items.append(known_host("host key of the viewer", viewer.name, viewer.host_key))
+    if robot.master:
+        items += boot_master(facts.user, facts.home)
+    if password:
+        items.append(password)
+    items += library
+    if facts.file(CLOUD).text is not None:
+        items.append(WantedFile("cloud-init", "/etc/cloud/cloud.cfg.d/99-ubiquity.cfg", KEEP_NAME))
+    avahi = facts.file(AVAHI).text or ""
+    if follow_host_name(avahi) != avahi:
+        items.append(WantedFile("host name (avahi)", AVAHI, follow_host_name(avahi)))
+    items += [
+        WantedLine("host name (hosts)", "/etc/hosts", f"127.0.1.1\t{robot.name}", old=("127.0.1.1",)),
+        WantedFile("host name", "/etc/hostname", f"{robot.name}\n"),
+    ]
+    return items
+
+
+def follow_host_name(settings: str) -> str:
+    """Avahi's settings without a host name of their own, which would be told to others in place of the computer's."""
+    return re.sub(r"(?m)^([ \t]*host-name[ \t]*=)", r"#\1", settings)
+
+
+def boot_master(user: str, home: str) -> list[Wanted]:
+    """A ROS master that is kept up from the boot on, so that viewers and programs find one."""
+    unit = master_unit(user, home)
+    service = f"{unit.service}.service"
+    reload = f"systemctl daemon-reload; systemctl try-restart {service}"
+    return [
+        WantedFile("ROS master at boot", unit.path, unit.text, then=reload),
+        WantedService("ROS master", service),
+    ]
+
+
+def robot_file(robot: Robot, present: str | None = None) -> str:
+    """The text of robot.yaml. What else the present one holds, such as devices, stays.
+
+    Names and bases are plain words, which YAML may still take for numbers or truths: they stand in quotes.
+    """
+    head = "# What this robot is; read by ur. Written by ur robot setup.\n"
+    rows = {"name": robot.name, "base": robot.base, "variant": robot.variant}
+    ours = "".join(f'{key}: "{value}"\n' for key, value in rows.items() if value)
+    return (
+        head
+        + ours
+        + re.sub(r"(?m)^(?:(?:name|base|variant)[ \t]*:.*|# .* Written by ur robot setup\.)\n?", "", present or "")
+    )
+
+
+def announcement(robot: Robot, user: str) -> str:
+    """The avahi service by which viewers find the robot. `version` is that of `ur`, which set it up."""
+    own = {"name": robot.name, "base": robot.base, "variant": robot.variant, "user": user}
+    records = {**own, "version": version("ubiquity-launches")}
+    texts = "".join(f"    <txt-record>{key}={value}</txt-record>\n" for key, value in records.items() if value)
+    return (
+        '<?xml version="1.0" standalone="no"?>\n<!DOCTYPE service-group SYSTEM "avahi-service.dtd">\n'
+        '<!-- Written by ur robot setup. -->\n<service-group>\n  <name replace-wildcards="yes">%h</name>\n'
+        f"  <service>\n    <type>{SERVICE_TYPE}</type>\n    <port>22</port>\n{texts}  </service>\n</service-group>\n"
+    )
+
+
+def time_source(viewer: Viewer) -> str:
+    """Chrony's settings: the viewer counts when there is no better source, as on a robot without internet."""
+    return (
+        "# Written by ur robot setup. The viewer's time, where no server of the internet answers.\n"
+        f"server {viewer.name}.local iburst minpoll 3 maxpoll 6\n"
+        "# A robot without a clock of its own starts years ago: step, then be smooth.\nmakestep 1 3\n"
+    )
+
+
+SSHD = """\
+# Written by ur robot setup: windows of programs on the robot open on the viewer.
+X11Forwarding yes
+X11UseLocalhost yes
+"""
