@@ -50,7 +50,7 @@ def test_full_disk_is_said_in_one_line(folder: Path, call: str) -> None:
     done = run(f"{UR} {call} >/dev/full", folder)
     assert done.returncode == 2
     assert "error: standard output cannot be written: no space left on device" in done.stderr.splitlines()
-    assert "defect" not in done.stderr
+    assert "internal error" not in done.stderr
     assert "Exception" not in done.stderr
 
 
@@ -59,7 +59,7 @@ def test_closed_output_is_said_in_one_line(folder: Path, call: str) -> None:
     done = run(f"{UR} {call} >&-", folder)
     assert done.returncode == 2
     assert "error: standard output cannot be written: bad file descriptor" in done.stderr.splitlines()
-    assert "defect" not in done.stderr
+    assert "internal error" not in done.stderr
     assert "Exception" not in done.stderr
 
 
@@ -81,6 +81,6 @@ def test_folder_that_was_deleted_is_said_in_one_line(folder: Path, call: str) ->
     (folder / "gone").mkdir()
     done = run(f"cd gone && rmdir ../gone && exec {UR} {call}", folder)
     assert done.returncode in (1, 2)
-    assert "defect" not in done.stderr
+    assert "internal error" not in done.stderr
     assert "Traceback" not in done.stderr
     assert done.stderr.startswith(("error: ", "a.launch:"))

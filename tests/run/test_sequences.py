@@ -100,7 +100,7 @@ def live(world: Any, dice: random.Random) -> None:
         run.wait()
         own = [line for line in run.text.splitlines() if not line.startswith(("[/", "  | "))]  # not what nodes print
         if not any(words in run.text for words in PYTHON_STARTS):
-            assert not any("Traceback" in line or "defect" in line for line in own), run.text
+            assert not any("Traceback" in line or "internal error" in line for line in own), run.text
         wait_nothing_left(world.folder, without=frozenset({master.pid}) if master else frozenset())
         if master is not None and how not in ("kill supervisor", "kill host"):
             assert not {name for name in registered(world.port) if name.startswith(("/n", "/last"))}, (how, run.text)

@@ -53,4 +53,4 @@ def test_package_with_files_that_are_none_is_refused(tmp_path: Path, name: str, 
     done = subprocess.run(words, capture_output=True, text=True, check=False, timeout=60)
     assert done.returncode == 2
     assert done.stderr.startswith("error: ")
-    assert "defect" not in done.stderr
+    assert "internal error" not in done.stderr

@@ -267,9 +267,13 @@ def _has_folder() -> bool:
 
 def report_defect(problem: Exception, words: list[str]) -> int:
     """Write down what only a developer can use, and tell where it is; returns the exit code."""
-    from ur.cli.defects import write_defect
+    from pathlib import Path
 
-    path = write_defect(problem, words, os.environ)
+    from ur.source.crash import write_crash_report
+    from ur.source.user_folders import user_folder
+
+    folder = Path(user_folder("XDG_STATE_HOME", os.environ), "ubiquity_launches")
+    path = write_crash_report(problem, "ur", [folder], words)
     _say(
         f"error: internal error in 'ur {printable(' '.join(words))}': "
         f"{type(problem).__name__}: {printable(str(problem))}"

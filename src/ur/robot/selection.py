@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ur.source.diagnostic import UserError, error
+from ur.source.user_folders import user_folder
 
 SIMULATION = "sim"
 DEFAULT_BASE = "stage"
@@ -63,10 +64,7 @@ def parse_selection(text: str) -> Selection:
 
 def selection_path(environment: Mapping[str, str]) -> Path:
     """The file that holds the selection, below the user's configuration folder (XDG base directory specification)."""
-    folder = environment.get("XDG_CONFIG_HOME", "")
-    if not folder.startswith("/"):  # the specification: anything but an absolute path is to be ignored
-        folder = str(Path(environment.get("HOME") or Path.home()) / ".config")
-    return Path(folder) / "ubiquity_launches" / "selection"
+    return Path(user_folder("XDG_CONFIG_HOME", environment)) / "ubiquity_launches" / "selection"
 
 
 def load_selection(path: Path) -> Selection:

@@ -17,19 +17,22 @@ EXIT_CODE = 70
 _LONGEST_REASON = 200
 
 
-def write_crash_report(problem: BaseException, program: str, folders: Sequence[Path]) -> Path | None:
+def write_crash_report(
+    problem: BaseException, program: str, folders: Sequence[Path], arguments: Sequence[str] = ()
+) -> Path | None:
     """Write the traceback to a new file in the first folder that takes it, at last in the temporary folder.
 
-    Return the file; None when no folder can be written to. Never raises.
+    Only the user can read the file. Return it; None when no folder can be written to. Never raises.
     """
-    text = f"{program}\nPython {platform.python_version()}, {platform.platform()}\n\n"
+    text = f"{' '.join((program, *arguments))}\nPython {platform.python_version()}, {platform.platform()}\n\n"
     text += "".join(traceback.format_exception(problem))
     for folder in (*folders, Path(tempfile.gettempdir())):
-        path = folder / f"{program}-crash-{os.getpid()}.log"
+        path = folder / f"{program}-crash-{os.getpid()}-{os.urandom(2).hex()}.log"
         try:
             folder.mkdir(parents=True, exist_ok=True)
-            path.unlink(missing_ok=True)
-            with path.open("x", encoding="utf-8", errors="replace") as file:  # never through somebody's symbolic link
+            # Exclusive: in a folder for everybody, somebody may have put a link of this name.
+            descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
+            with open(descriptor, "w", encoding="utf-8", errors="backslashreplace") as file:  # noqa: PTH123
                 file.write(text)
         except OSError:
             continue

@@ -15,7 +15,7 @@ from ur.launchfile.plan.model import Plan
 from ur.launchfile.world import MemoryWorld, SystemWorld
 from ur.source.diagnostic import Severity
 
-CORPUS = Path(__file__).parents[1] / "launchfile" / "corpus"
+CORPUS = Path(__file__).parents[2] / "launchfile" / "corpus"
 
 
 def walk_includes(started: Started, namespace: str = "/") -> Iterator[tuple[str, str]]:

@@ -11,7 +11,7 @@ from ur.robot.base import Base, list_bases, list_variants, load_base
 from ur.robot.base.body_mesh import Triangle, make_body, write_stl
 from ur.robot.base.outline import find_hull, is_inside, measure_area
 
-PACKAGE = Path(__file__).parents[2] / "ubiquity_launches"
+PACKAGE = Path(__file__).parents[3] / "ubiquity_launches"
 EVERY = [(name, variant) for name in list_bases(PACKAGE) for variant in ("", *list_variants(PACKAGE, name))]
 
 

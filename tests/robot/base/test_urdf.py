@@ -13,7 +13,7 @@ import pytest
 from ur.robot.base import list_bases, list_variants, load_base
 from ur.robot.base.urdf import write_urdf
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 PACKAGE = ROOT / "ubiquity_launches"
 FOLDER = PACKAGE / "n_robot_state_publisher"
 MESH = "package://p/body.stl"

@@ -23,7 +23,7 @@ from ur.robot.deploy.repository import (
 )
 from ur.robot.setup.facts import ABSENT, Facts, FileState
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 WANTED = WantedRepository("digest", {"src/a.py": (0o644, b"1"), "ur": (0o755, b"2"), "bin/ur": (0, b"../ur")})
 FOLDER = FileState("", 0o755, folder=True)
 KNOWN = {

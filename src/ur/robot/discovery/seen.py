@@ -9,6 +9,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from ur.source.replace import replace_file
+from ur.source.user_folders import user_folder
 
 KEPT = 90 * 86400.0  # s
 
@@ -24,10 +25,7 @@ class Seen:
 
 def seen_path(environment: Mapping[str, str]) -> Path:
     """The file of the memory, below the user's state folder (XDG base directory specification)."""
-    folder = environment.get("XDG_STATE_HOME", "")
-    if not folder.startswith("/"):  # the specification: anything but an absolute path is to be ignored
-        folder = str(Path(environment.get("HOME") or Path.home()) / ".local" / "state")
-    return Path(folder) / "ubiquity_launches" / "seen.json"
+    return Path(user_folder("XDG_STATE_HOME", environment)) / "ubiquity_launches" / "seen.json"
 
 
 def load_seen(path: Path) -> dict[str, Seen]:

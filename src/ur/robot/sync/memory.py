@@ -10,6 +10,7 @@ from pathlib import Path
 from ur.robot.sync.model import Agreed, File
 from ur.source.diagnostic import UserError, error
 from ur.source.replace import replace_file
+from ur.source.user_folders import user_folder
 
 VERSION = 1
 
@@ -33,10 +34,7 @@ class Memory:
 
 def memory_path(robot: str, environment: Mapping[str, str]) -> Path:
     """The file of a robot, below the user's state folder (XDG base directory specification)."""
-    folder = environment.get("XDG_STATE_HOME", "")
-    if not folder.startswith("/"):
-        folder = str(Path(environment.get("HOME") or Path.home()) / ".local" / "state")
-    return Path(folder) / "ubiquity_launches" / "sync" / f"{robot}.json"
+    return Path(user_folder("XDG_STATE_HOME", environment)) / "ubiquity_launches" / "sync" / f"{robot}.json"
 
 
 def load_memory(path: Path) -> Memory | None:

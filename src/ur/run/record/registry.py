@@ -12,6 +12,7 @@ from dataclasses import asdict, dataclass, fields
 from ur.run.record.computer import Computer
 from ur.source.diagnostic import UserError, error
 from ur.source.suggest import did_you_mean
+from ur.source.user_folders import user_folder
 
 SOCKET = "control"
 DESCRIPTION = "run.json"
@@ -46,11 +47,7 @@ class RunEntry:
 
 def runs_folders(environment: Mapping[str, str], uid: int) -> list[str]:
     """Where runs of a user are registered, best first. Not the session's runtime folder first: that goes at logout."""
-    state = environment.get("XDG_STATE_HOME", "")
-    if not state.startswith("/"):
-        home = environment.get("HOME") or os.path.expanduser("~")  # noqa: PTH111 - pathlib is not worth its import here
-        state = f"{home}/.local/state"
-    found = [f"{state}/ur/runs"]
+    found = [f"{user_folder('XDG_STATE_HOME', environment)}/ur/runs"]
     runtime = environment.get("XDG_RUNTIME_DIR", "")
     found.append(f"{runtime}/ur/runs" if runtime.startswith("/") else f"{SHARED}/ur-{uid}/runs")
     return found

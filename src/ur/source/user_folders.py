@@ -1,0 +1,22 @@
+"""Folders of a user for state and configuration: the XDG base directory specification."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from typing import Literal
+
+_DEFAULTS = {"XDG_STATE_HOME": ".local/state", "XDG_CONFIG_HOME": ".config"}
+
+
+def user_folder(variable: Literal["XDG_STATE_HOME", "XDG_CONFIG_HOME"], environment: Mapping[str, str]) -> str:
+    """Return the folder that an XDG variable names, or its default in the home folder.
+
+    A value that is not an absolute path is ignored, as the specification demands.
+    Plain text, because importing pathlib would slow the start of `ur`.
+    """
+    folder = environment.get(variable, "")
+    if folder.startswith("/"):
+        return folder
+    home = environment.get("HOME") or os.path.expanduser("~")  # noqa: PTH111 - see above
+    return f"{home}/{_DEFAULTS[variable]}"
