@@ -7,7 +7,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from tests.fuzz.target import Target
-from tests.launchfile.fuzz.survive import CORPUS, check_survives, read_corpus
+from tests.launchfile.fuzz.survive import CORPUS, WORDS, check_survives, read_corpus
 
 from ur.check.render.text import render_text
 from ur.check.run import check_paths
@@ -16,33 +16,6 @@ from ur.launchfile import SystemWorld
 from ur.source.diagnostic import UserError
 
 _ENVIRONMENT = {"PATH": os.defpath, "HOME": "/home/robot", "ROS_PACKAGE_PATH": str(CORPUS), "LC_ALL": "C.UTF-8"}
-_WORDS = (
-    *(b"<", b">", b"/>", b"</", b'"', b"'", b"&", b"&amp;", b"&#0;", b"&#10;", b"$(", b")", b"$(arg a)", b"$(anon n)"),
-    *(b"$(eval ", b"$(find corpus_pkg)", b"<!--", b"-->", b"<![CDATA[", b"]]>", b"<?xml", b"?>", b"\xff", b"\xc3"),
-    *(b"$(dirname)", b"$(env HOME)", b"$(optenv A b)", b"1e999", b"-1", b"true", b' if="', b' unless="', b' ns="'),
-    *(b"<group>", b"</group>", b"<rosparam>", b"</rosparam>", b"<node ", b"<include ", b'<arg name="a" default="1"/>'),
-    *(
-        b" ** 9",
-        b" * 99999999",
-        b"[0] * ",
-        b"'a' * ",
-        b".format(",
-        b"{0.real}",
-        b"{:9999999d}",
-        b" for a in ",
-        b"str(",
-        b"<<",
-    ),
-    *(
-        b"<!DOCTYPE a [",
-        b"<!ENTITY a 'b'>]>",
-        b"&a;",
-        b"&b [*b]",
-        b"<!--Needs: lidar-->",
-        b"<!--ready: topic a 5 Hz-->",
-    ),
-    *(b"<!--ur: ignore bad-name: x-->", b"<!--a: text-->", b"<!--Summary: x-->", b'type="yaml"', b'command="dump"'),
-)
 
 
 def _load(data: bytes, folder: Path) -> None:
@@ -80,12 +53,12 @@ def _write(data: bytes, folder: Path) -> Path:
 
 
 TARGETS = (
-    Target("launch", _load, _WORDS, read_corpus),
-    Target("launch_check", _check, _WORDS, read_corpus),
+    Target("launch", _load, WORDS, read_corpus),
+    Target("launch_check", _check, WORDS, read_corpus),
     Target(
         "parameters",
         _check_package,
-        (*_WORDS, b"&a ", b"*a", b"<<: *a", b"? ", b"- - ", b"deg(90)", b"rad(pi)"),
+        (*WORDS, b"&a ", b"*a", b"<<: *a", b"? ", b"- - ", b"deg(90)", b"rad(pi)"),
         _make_yaml,
     ),
 )

@@ -16,9 +16,9 @@ import tempfile
 import time
 from pathlib import Path
 
+from tests.fuzz.mutate import mutate
 from tests.launchfile.conftest import BASE_ENVIRONMENT, Reference, differences, our_plan
-from tests.launchfile.fuzz.mutate import mutate
-from tests.launchfile.fuzz.survive import check_survives, read_corpus
+from tests.launchfile.fuzz.survive import WORDS, check_survives, read_corpus
 
 _NOT_FOR_ROSLAUNCH = (
     b"command",
@@ -56,7 +56,7 @@ def _fuzz(path: Path, chance: random.Random, seconds: float, keep: Path) -> int:
     try:
         while time.monotonic() < end:
             rounds += 1
-            data = mutate(corpus, chance)
+            data = mutate(corpus, WORDS, chance)
             path.write_bytes(data)
             problem = _look(path, data, reference)
             if problem:

@@ -4,8 +4,8 @@ import random
 from pathlib import Path
 
 import pytest
-from tests.launchfile.fuzz.mutate import mutate
-from tests.launchfile.fuzz.survive import CORPUS, check_survives, read_corpus
+from tests.fuzz.mutate import mutate
+from tests.launchfile.fuzz.survive import CORPUS, WORDS, check_survives, read_corpus
 
 
 def test_broken_launch_files_never_raise(tmp_path: Path) -> None:
@@ -13,7 +13,7 @@ def test_broken_launch_files_never_raise(tmp_path: Path) -> None:
     corpus = read_corpus()
     path = tmp_path / "a.launch"
     for number in range(1500):
-        data = mutate(corpus, chance)
+        data = mutate(corpus, WORDS, chance)
         path.write_bytes(data)
         try:
             check_survives(path, {"ROS_PACKAGE_PATH": str(CORPUS), "HOME": "/home/robot"})
