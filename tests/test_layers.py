@@ -72,9 +72,10 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         "ur_nodes.navigation",
         "ur_nodes.teleop.mux",
     ),
-    "ur_nodes.teleop.map_view": ("ur_nodes.teleop.navigator",),
+    "ur_nodes.teleop.map_view": ("ur_nodes.geometry", "ur_nodes.teleop.navigator"),
     "ur_nodes.teleop.navigate": (
         "ur.source",
+        "ur_nodes.geometry",
         "ur_nodes.rosio",
         "ur_nodes.teleop.map_view",
         "ur_nodes.teleop.mux",

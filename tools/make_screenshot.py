@@ -17,19 +17,20 @@ from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt, uniform_filter1d
 from skimage.graph import route_through_array
 
-from ur_nodes.geometry.map_file import load_map
+from ur_nodes.geometry.grid import Grid, load_map
+from ur_nodes.geometry.pose import Pose2
 from ur_nodes.teleop.mux.driver_text import DriverRequest
 from ur_nodes.teleop.mux.emergency import MuxRequest
 from ur_nodes.teleop.navigate.app import NavigateApp
 from ur_nodes.teleop.navigate.waypoints import WaypointStore
-from ur_nodes.teleop.navigator.model import GoalReport, GoalState, MapGrid, Place, Snapshot
+from ur_nodes.teleop.navigator.model import GoalReport, GoalState, Snapshot
 
 ROOT = Path(__file__).resolve().parents[1]
 MAP = ROOT / "ubiquity_launches/n_map_server/maps/maze.yaml"
-START = Place(0.0, 0.0, 0.0)
+START = Pose2(0.0, 0.0, 0.0)
 ROBOT_AT = 0.62  # of the way
-GOAL = Place(12.1, 7.65, math.pi / 2)
-PLACES = {"dock": START, "kitchen": Place(16.6, 1.65, 0.0), "desk": Place(6.4, 4.65, 0.0)}
+GOAL = Pose2(12.1, 7.65, math.pi / 2)
+PLACES = {"dock": START, "kitchen": Pose2(16.6, 1.65, 0.0), "desk": Pose2(6.4, 4.65, 0.0)}
 
 
 class StillNavigator:
@@ -42,7 +43,7 @@ class StillNavigator:
         """Always the same."""
         return self._snapshot
 
-    def go(self, _place: Place) -> int:
+    def go(self, _place: Pose2) -> int:
         """Nothing."""
         return 1
 
@@ -58,49 +59,42 @@ class StillNavigator:
     def ask_mux(self, _wish: MuxRequest) -> None:
         """Nothing."""
 
-    def set_pose(self, _place: Place) -> None:
+    def set_pose(self, _place: Pose2) -> None:
         """Nothing."""
 
     def relocalise(self) -> None:
         """Nothing."""
 
 
-def find_path(grid: MapGrid, start: Place, goal: Place) -> NDArray[np.float64]:
+def find_path(grid: Grid, start: Pose2, goal: Pose2) -> NDArray[np.float64]:
     """A way (n, 2) that keeps off the walls."""
-    room = distance_transform_edt(grid.cells == 0) * grid.resolution
+    room = distance_transform_edt(grid.values == 0) * grid.resolution
     cost = np.where(room < 0.25, 1e6, 1.0 + 3.0 * np.exp(-3.0 * (room - 0.25)))
-    cells = [
-        (round((p.y - grid.origin.y) / grid.resolution), round((p.x - grid.origin.x) / grid.resolution))
-        for p in (start, goal)
-    ]
+    cells = grid.cells_of_points(np.array([start[:2], goal[:2]])).tolist()
     route, _ = route_through_array(cost, cells[0], cells[1], geometric=True)
     rows_columns = uniform_filter1d(np.array(route, dtype=float), 9, axis=0, mode="nearest")
-    path: NDArray[np.float64] = rows_columns[:, ::-1] * grid.resolution + (grid.origin.x, grid.origin.y)
-    return path
+    return grid.points_of_cells(rows_columns)
 
 
-def cast_scan(grid: MapGrid, pose: Place, reach: float = 8.0) -> NDArray[np.float64]:
+def cast_scan(grid: Grid, pose: Pose2, reach: float = 8.0) -> NDArray[np.float64]:
     """Where 360 beams from a pose end, (n, 2); beams that reach nothing are left out."""
     angles = pose.yaw + np.radians(np.arange(360.0))
     ranges = np.arange(0.1, reach, grid.resolution / 2)
-    xs = pose.x + np.cos(angles)[:, None] * ranges
-    ys = pose.y + np.sin(angles)[:, None] * ranges
-    columns = ((xs - grid.origin.x) / grid.resolution).astype(int).clip(0, grid.cells.shape[1] - 1)
-    rows = ((ys - grid.origin.y) / grid.resolution).astype(int).clip(0, grid.cells.shape[0] - 1)
-    hit = grid.cells[rows, columns] > 50
-    first = hit.argmax(axis=1)
+    directions = np.stack((np.cos(angles), np.sin(angles)), axis=-1)
+    points = pose[:2] + ranges[:, None] * directions[:, None]
+    hit = grid.values_at(points) > 50
     seen = np.flatnonzero(hit.any(axis=1))
-    return np.stack((xs[seen, first[seen]], ys[seen, first[seen]]), axis=1)
+    ends: NDArray[np.float64] = points[seen, hit.argmax(axis=1)[seen]]
+    return ends
 
 
 def make_snapshot() -> Snapshot:
     """The robot some way along its path."""
-    loaded = load_map(MAP)
-    grid = MapGrid(loaded.values, loaded.resolution, loaded.origin)
+    grid = load_map(MAP)
     path = find_path(grid, START, GOAL)
     at = int(len(path) * ROBOT_AT)
     ahead = path[at + 6] - path[at]
-    pose = Place(float(path[at, 0]), float(path[at, 1]), math.atan2(ahead[1], ahead[0]))
+    pose = Pose2(float(path[at, 0]), float(path[at, 1]), math.atan2(ahead[1], ahead[0]))
     return Snapshot(
         grid=grid,
         pose=pose,

@@ -166,7 +166,7 @@ def _stage(world: str, directory: Path) -> str:
     """stage_ros with the same floor plan and a robot of the same size, speed and lidar."""
     from PIL import Image
 
-    from ur_nodes.geometry.map_file import load_map
+    from ur_nodes.geometry.grid import load_map
 
     grid = load_map(str(MAPS / f"{world}.yaml"))
     width, height = grid.width * grid.resolution, grid.height * grid.resolution

@@ -219,16 +219,16 @@ def test_bumpers_of_botvac_have_all_of_upstreams_names() -> None:
 def test_worlds_of_stage_lie_where_their_maps_lie_and_hold_the_base(world: str) -> None:
     from PIL import Image
 
-    from ur.worlds.floor_plan import read_floor_plan
+    from ur.worlds.map_file import read_map
 
     base = load("stage", "")
     path = PACKAGE / "n_stage_ros" / "worlds" / f"stage.{world}.world"
     text = path.read_text(encoding="utf-8")
-    plan = read_floor_plan(PACKAGE / "n_map_server" / "maps" / f"{world}.yaml")
+    plan = read_map(PACKAGE / "n_map_server" / "maps" / f"{world}.yaml")
     picture = Path(path.parent, re.findall(r'bitmap "(.*)"', text)[0])
     with Image.open(picture) as image:
-        assert image.size == plan.occupied.shape[::-1]
-    rows, columns = plan.occupied.shape
+        assert image.size == plan.shape[::-1]
+    rows, columns = plan.shape
     sizes = [numbers(each) for each in re.findall(r"size \[(.*?)\]", text)]
     poses = [numbers(each) for each in re.findall(r"pose \[(.*?)\]", text)]
     width, height = columns * plan.resolution, rows * plan.resolution

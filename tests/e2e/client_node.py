@@ -26,7 +26,7 @@ from tests.json_client import answer_requests, claim_output
 
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.motion.lease.client_node import LeaseClient
-from ur_nodes.rosio.geometry import pose_message, pose_of_message, pose_of_transform
+from ur_nodes.rosio.geometry import pose3_of_transform, pose_message, pose_of_message
 
 _STATES = {value: name for name, value in vars(GoalStatus).items() if name.isupper()}
 
@@ -134,7 +134,9 @@ class Client:
         """The true pose, the believed one, the speed and whether the goal runs."""
         assert self.truth
         true = pose_of_message(self.truth.pose.pose)
-        believed = pose_of_transform(self.buffer.lookup_transform("map", "base_footprint", rospy.Time()).transform)
+        believed = pose3_of_transform(
+            self.buffer.lookup_transform("map", "base_footprint", rospy.Time()).transform
+        ).planar()
         twist = self.truth.twist.twist
         return {"true": true, "believed": believed, "speed": math.hypot(twist.linear.x, twist.angular.z)}
 

@@ -35,9 +35,9 @@ def framed(rows: int, columns: int) -> np.ndarray:
 def test_room_has_its_size_between_walls_and_the_start_in_the_middle(tmp_path: Path) -> None:
     plan = store(draw_room(8.0, 6.0), tmp_path).floor_plan
     for x, y in ((0.0, 0.0), (3.95, 0.0), (-3.95, 0.0), (0.0, 2.95), (0.0, -2.95)):
-        assert not plan.is_occupied(x, y)
+        assert plan.wall_at(x, y) is False
     for x, y in ((4.05, 0.0), (-4.05, 0.0), (0.0, 3.05), (0.0, -3.05)):
-        assert plan.is_occupied(x, y)
+        assert plan.wall_at(x, y)
 
 
 def test_walls_of_one_pixel_survive_a_picture_that_is_made_much_smaller(tmp_path: Path) -> None:
@@ -55,7 +55,7 @@ def test_origin_puts_the_start_on_free_floor_with_room_around_it(tmp_path: Path)
     pixels[60:140, 100:200] = 0  # a block in the middle
     world = store(draw_picture(save(pixels, tmp_path / "plan.png"), 15.0), tmp_path)
     for x, y in np.ndindex(11, 11):
-        assert not world.floor_plan.is_occupied((x - 5) * 0.1, (y - 5) * 0.1)
+        assert world.floor_plan.wall_at((x - 5) * 0.1, (y - 5) * 0.1) is False
 
 
 def test_paper_around_closed_walls_is_unknown_and_the_start_is_inside(tmp_path: Path) -> None:
@@ -137,7 +137,7 @@ def test_map_of_a_map_server_is_a_world(tmp_path: Path) -> None:
         "image: map.pgm\nresolution: 0.1\norigin: [-4.0, -3.0, 0.0]\n"
         "negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n"
     )
-    assert read_world(tmp_path / "map.yaml").floor_plan.is_occupied(-3.95, 0.0)
+    assert read_world(tmp_path / "map.yaml").floor_plan.wall_at(-3.95, 0.0)
 
 
 def test_world_with_two_floor_plans_is_refused(tmp_path: Path) -> None:

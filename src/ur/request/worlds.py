@@ -89,8 +89,9 @@ def _check_world(path: str, start: Sequence[float]) -> None:
 
     plan = read_world(path).floor_plan
     x, y = start
-    if not plan.contains(x, y) or plan.is_occupied(x, y):
-        place = "in a wall of" if plan.contains(x, y) else "outside"
+    wall = plan.wall_at(x, y)
+    if wall is not False:
+        place = "in a wall of" if wall else "outside"
         raise UserError(
             error(
                 f"the robot starts at x = {x:g} m, y = {y:g} m, {place} world {Path(path).name!r}; expected free floor",
@@ -117,14 +118,9 @@ def _check_map(node: NodeSpec) -> None:
     path = Path(words[0])
     if not path.is_file():
         raise explain_missing_map(words[0])
-    from ur.source.section import read_section
-    from ur.worlds.floor_plan import parse_floor_plan
+    from ur.worlds.map_file import read_map
 
-    top = read_section(path, "a map file")
-    if top.has("floor_plan") and not top.has("image"):
-        path = path.parent / top.text("floor_plan")
-        top = read_section(path, "a map file")
-    parse_floor_plan(top, path.parent)
+    read_map(path)
 
 
 def _split(text: str) -> list[str]:

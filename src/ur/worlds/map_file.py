@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ur.source.picture_file import MAP_FORMATS, open_picture
 from ur.source.section import Section, read_section
+from ur.worlds.cells import CellFrame
 
 UNKNOWN = -1
 FREE = 0
@@ -45,11 +46,27 @@ class MapFile:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class MapImage:
+class MapImage(CellFrame):
     """A map file with its cells: int8 (height, width), row 0 at the bottom, -1 unknown, 0 free to 100 occupied."""
 
     file: MapFile
     values: NDArray[np.int8]
+
+    @property
+    def resolution(self) -> float:  # type: ignore[override]  # read-only, as in every subclass
+        """The side of a cell in m."""
+        return self.file.resolution
+
+    @property
+    def origin(self) -> tuple[float, float, float]:  # type: ignore[override]
+        """The pose of the corner of cell (0, 0) in the map frame: m, m, rad."""
+        return self.file.origin
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """The numbers of rows and columns."""
+        height, width = self.values.shape
+        return height, width
 
     @property
     def walls(self) -> NDArray[np.bool_]:
@@ -58,6 +75,11 @@ class MapImage:
             walls: NDArray[np.bool_] = (self.values > 100.0 * self.file.occupied_thresh) & (self.values <= OCCUPIED)
             return walls
         return np.asarray(self.values == OCCUPIED)
+
+    def wall_at(self, x: float, y: float) -> bool | None:
+        """Return whether a point of the map frame (m) lies in a wall; None outside of the map."""
+        cell = self.cells_of_points(np.array((x, y)))
+        return bool(self.walls[tuple(cell)]) if self.contains(cell) else None
 
 
 def read_map(path: str | Path) -> MapImage:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ur.source.section import Section, read_section
-from ur.worlds.floor_plan import FloorPlan, parse_floor_plan, read_floor_plan
+from ur.worlds.map_file import MapImage, read_map, read_map_section
 
 # Name: cells along an edge without the black border, number of markers.
 DICTIONARIES = {f"{n}X{n}_{count}": (n, count) for n in (4, 5, 6, 7) for count in (50, 100, 250, 1000)}
@@ -47,7 +47,7 @@ class Fiducial:
 class World:
     """What robots drive in, in the map frame: m, rad. `start` (x, y, yaw) is where they begin."""
 
-    floor_plan: FloorPlan
+    floor_plan: MapImage
     wall_height: float
     floor_friction: float
     boxes: tuple[Box, ...]
@@ -75,15 +75,15 @@ def read_world(path: str | Path) -> World:
     return world
 
 
-def _floor_plan(top: Section, path: Path) -> FloorPlan:
+def _floor_plan(top: Section, path: Path) -> MapImage:
     if top.has("image") and top.has("floor_plan"):
         top.fail("floor_plan", f"floor_plan: {path.name} has an image of its own, expected one of them")
     if top.has("image"):
-        return parse_floor_plan(top, path.parent)
+        return read_map_section(top, path.parent)
     plan = path.parent / top.text("floor_plan")
     if not plan.is_file():
         top.fail("floor_plan", f"floor_plan: {plan} does not exist, expected a map file relative to {path.name}")
-    return read_floor_plan(plan)
+    return read_map(plan)
 
 
 def _box(part: Section, *, movable: bool, seen: set[str]) -> Box:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt
 
+from ur.worlds.cells import CellFrame, look_up
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
 
@@ -28,48 +29,25 @@ class Inflation:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Costmap:
+class Costmap(CellFrame):
     """Costs (height, width) uint8: 254 an obstacle, 253 the robot would touch one, 252 to 0 ever farther, 255 unknown.
 
-    Row 0, column 0 has its outer corner at `origin` (a pose in the frame of the costmap); `resolution` in m.
+    `origin` is a pose in the frame of the costmap, `resolution` is in m.
     """
 
     costs: NDArray[np.uint8]
     resolution: float
     origin: Pose2
 
-    def fractions_of_points(self, points: NDArray[np.floating]) -> NDArray[np.float64]:
-        """Points (..., 2) in m as (row, column) with fractions; cell (r, c) has its centre at (r + 0.5, c + 0.5)."""
-        dx = points[..., 0] - self.origin.x
-        dy = points[..., 1] - self.origin.y
-        if self.origin.yaw:
-            c, s = math.cos(self.origin.yaw), math.sin(self.origin.yaw)
-            dx, dy = c * dx + s * dy, c * dy - s * dx
-        return np.stack((dy, dx), axis=-1) / self.resolution
-
-    def points_of_cells(self, cells: NDArray[np.generic]) -> NDArray[np.float64]:
-        """The centres (..., 2) in m of cells (..., 2) given as (row, column)."""
-        along = (np.asarray(cells[..., 1], np.float64) + 0.5) * self.resolution
-        across = (np.asarray(cells[..., 0], np.float64) + 0.5) * self.resolution
-        c, s = math.cos(self.origin.yaw), math.sin(self.origin.yaw)
-        return np.stack((self.origin.x + c * along - s * across, self.origin.y + s * along + c * across), axis=-1)
+    @property
+    def shape(self) -> tuple[int, int]:
+        """The numbers of rows and columns."""
+        height, width = self.costs.shape
+        return height, width
 
     def costs_at(self, points: NDArray[np.floating], outside: int = UNKNOWN) -> NDArray[np.uint8]:
         """The costs (...) below points (..., 2) in m; `outside` beyond the border."""
-        return look_up(self.costs, self.fractions_of_points(points), outside)
-
-
-def look_up(values: NDArray[np.uint8], fractions: NDArray[np.floating], outside: int) -> NDArray[np.uint8]:
-    """Values (...) of the cells that hold fractional (row, column) places (..., 2)."""
-    height, width = values.shape
-    cells = np.floor(fractions).astype(np.int32)
-    rows, columns = cells[..., 0], cells[..., 1]
-    inside = (rows >= 0) & (rows < height) & (columns >= 0) & (columns < width)
-    if inside.all():
-        result: NDArray[np.uint8] = values[rows, columns]
-        return result
-    found = values[np.where(inside, rows, 0), np.where(inside, columns, 0)]
-    return np.where(inside, found, np.uint8(outside)).astype(np.uint8)
+        return look_up(self, self.costs, points, outside)
 
 
 def costs_of_grid(grid: Grid, *, lethal: int = 100, track_unknown: bool = True) -> NDArray[np.uint8]:

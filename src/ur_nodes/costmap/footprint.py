@@ -8,6 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ur_nodes.geometry.pose import Pose2
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Footprint:
@@ -23,11 +25,9 @@ class Footprint:
     circumscribed: float
     samples: NDArray[np.float64]
 
-    def placed(self, x: float, y: float, yaw: float) -> NDArray[np.float64]:
-        """The outline (n, 2) of a robot that stands at a pose."""
-        c, s = math.cos(yaw), math.sin(yaw)
-        placed: NDArray[np.float64] = self.outline @ np.array(((c, s), (-s, c))) + (x, y)
-        return placed
+    def outline_at(self, pose: Pose2) -> NDArray[np.float64]:
+        """The outline (n, 2) of a robot at a pose."""
+        return pose.transform_points(self.outline)
 
 
 def footprint_of_outline(points: tuple[tuple[float, float], ...], resolution: float, padding: float = 0.0) -> Footprint:

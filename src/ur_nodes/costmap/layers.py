@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ur_nodes.costmap.costmap import Costmap
+from ur.worlds.cells import CellFrame
 from ur_nodes.geometry.pose import Pose2, Pose3, rotate
 
 
@@ -58,7 +58,7 @@ def beams_of_scan(
 
 def trace_beams(
     occupied: NDArray[np.bool_],
-    frame: Costmap,
+    frame: CellFrame,
     sensor: Pose2,
     beams: Beams,
     reach: Ranges,
@@ -73,7 +73,7 @@ def trace_beams(
     half a cell before their end. Cells of `ignore` are not marked (they are known already).
     Returns the box (rows, columns) of the cells that changed, or None.
     """
-    height, width = occupied.shape
+    width = frame.width
     bearing = beams.angles + sensor.yaw
     directions = np.stack((np.cos(bearing), np.sin(bearing)), axis=-1)
     touched: list[NDArray[np.intp]] = []
@@ -83,20 +83,17 @@ def trace_beams(
         free = np.minimum(beams.ranges - frame.resolution / 2, reach.raytrace)
         steps = np.arange(0.0, max(float(free.max()), frame.resolution), 0.7 * frame.resolution)
         points = (sensor.x, sensor.y) + steps[:, None, None] * directions
-        cells = np.floor(frame.fractions_of_points(points)).astype(np.intp)
-        rows, columns = cells[..., 0], cells[..., 1]
-        good = (steps[:, None] < free) & (rows >= 0) & (rows < height) & (columns >= 0) & (columns < width)
-        index = (rows * width + columns)[good]
+        cells = frame.cells_of_points(points)
+        good = (steps[:, None] < free) & frame.contains(cells)
+        index = (cells[..., 0] * width + cells[..., 1])[good]
         index = index[flat[index]]
         touched.append(index)
         flat[index] = False
     if mark:
         near = beams.hits & (beams.ranges <= reach.obstacle)
         points = (sensor.x, sensor.y) + beams.ranges[near, None] * directions[near]
-        cells = np.floor(frame.fractions_of_points(points)).astype(np.intp)
-        rows, columns = cells[:, 0], cells[:, 1]
-        good = (rows >= 0) & (rows < height) & (columns >= 0) & (columns < width)
-        index = (rows * width + columns)[good]
+        cells = frame.cells_of_points(points)
+        index = (cells[:, 0] * width + cells[:, 1])[frame.contains(cells)]
         if ignore is not None:
             index = index[~ignore.reshape(-1)[index]]
         touched.append(index)

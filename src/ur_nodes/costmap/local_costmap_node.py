@@ -151,7 +151,7 @@ class LocalCostmap:
             message = PolygonStamped()
             message.header.frame_id, message.header.stamp = self._settings.frame, now
             message.polygon.points = [
-                Point32(float(x), float(y), 0.0) for x, y in self._settings.footprint.placed(*robot)
+                Point32(float(x), float(y), 0.0) for x, y in self._settings.footprint.outline_at(robot)
             ]
             self._outline.publish(message)
 

@@ -36,9 +36,7 @@ class RollingCostmap:
         self._roll(robot)
         frame = self._frame()
         centres = frame.points_of_cells(np.moveaxis(np.indices(self._mapped.shape), 0, -1))
-        c, s = math.cos(place.yaw), math.sin(place.yaw)
-        in_map = (centres - (place.x, place.y)) @ np.array(((c, -s), (s, c)))
-        self._mapped = known.costs_at(in_map, outside=FREE) == LETHAL
+        self._mapped = known.costs_at(place.inverse().transform_points(centres), outside=FREE) == LETHAL
 
     def clear(self, keep: Pose2 | None = None, distance: float = 0.0) -> None:
         """Forget all obstacles, or those outside a square of half side `distance` round a place."""

@@ -3,10 +3,16 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, TypeVar
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
 Quaternion = tuple[float, float, float, float]
 """x, y, z, w, of length 1."""
+
+Angle = TypeVar("Angle", float, "NDArray[np.float64]")
 
 
 class Pose2(NamedTuple):
@@ -27,6 +33,12 @@ class Pose2(NamedTuple):
         """Express the parent frame's pose in this pose's frame."""
         c, s = math.cos(self.yaw), math.sin(self.yaw)
         return Pose2(-c * self.x - s * self.y, s * self.x - c * self.y, -self.yaw)
+
+    def transform_points(self, points: NDArray[np.floating]) -> NDArray[np.float64]:
+        """Express points (..., 2) in m, given in this pose's frame, in this pose's parent frame."""
+        c, s = math.cos(self.yaw), math.sin(self.yaw)
+        moved: NDArray[np.float64] = points @ ((c, s), (-s, c)) + (self.x, self.y)
+        return moved
 
 
 class Pose3(NamedTuple):
@@ -62,7 +74,7 @@ class Pose3(NamedTuple):
 
 
 def make_pose3(position: tuple[float, float, float], quaternion: Quaternion) -> Pose3:
-    """Return a pose with a normalised quaternion; the all-zero one, which people send by mistake, means no rotation."""
+    """Return a pose with a normalised quaternion; the all-zero one, sent by mistake, means no rotation."""
     length = math.sqrt(sum(part * part for part in quaternion))
     if length == 0.0:
         return Pose3(*position, 0.0, 0.0, 0.0, 1.0)
@@ -95,7 +107,7 @@ def rotate(rotation: Quaternion, vector: tuple[float, float, float]) -> tuple[fl
 
 
 def interpolate(a: Pose3, b: Pose3, share: float) -> Pose3:
-    """Return the pose `share` (0 to 1) of the way from `a` to `b`, rotating the short way round (slerp)."""
+    """Return the pose at a `share` (0 to 1) from `a` to `b`, rotating through the smaller angle (slerp)."""
     dot = sum(p * q for p, q in zip(a.rotation, b.rotation, strict=True))
     sign = -1.0 if dot < 0.0 else 1.0
     angle = math.acos(min(1.0, abs(dot)))
@@ -113,6 +125,11 @@ def yaw_of_quaternion(x: float, y: float, z: float, w: float) -> float:
     return math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
 
 
-def wrap_angle(angle: float) -> float:
-    """Return the same direction in (-pi, pi]."""
+def quaternion_of_yaw(yaw: float) -> Quaternion:
+    """Return a rotation about z by an angle in rad."""
+    return 0.0, 0.0, math.sin(yaw / 2.0), math.cos(yaw / 2.0)
+
+
+def wrap_angle(angle: Angle) -> Angle:
+    """Return the same direction, or directions (...), in (-pi, pi]."""
     return math.pi - (math.pi - angle) % (2.0 * math.pi)

@@ -67,6 +67,10 @@ class TransformTree:
                 self._poses.pop(child, None)
                 self._parents.pop(child, None)
 
+    def parent(self, child: str) -> str | None:
+        """Return the name of the frame that a frame's poses are in, None when there is none."""
+        return self._parents.get(child.lstrip("/"))
+
     def newest(self, child: str) -> float | None:
         """Return the newest stamp (s) of a frame in its parent, None when there is none."""
         stamps = self._stamps.get(child.lstrip("/"))

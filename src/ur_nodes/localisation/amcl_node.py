@@ -16,10 +16,10 @@ from std_srvs.srv import Empty, EmptyRequest, EmptyResponse
 
 from ur.source.diagnostic import UserError
 from ur_nodes.geometry.grid import Grid
+from ur_nodes.geometry.laser import Mount, directions_of_beams, mount_of_pose, points_of_ranges
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.localisation.amcl_output_node import Outputs
 from ur_nodes.localisation.amcl_settings import read_settings
-from ur_nodes.localisation.laser import Mount, directions_of_beams, mount_of_pose, points_of_ranges
 from ur_nodes.localisation.likelihood import make_field
 from ur_nodes.localisation.localiser import Localiser
 from ur_nodes.rosio.frames import Frames

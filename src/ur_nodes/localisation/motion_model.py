@@ -75,11 +75,5 @@ def move_poses(
     drive = steps.drive + spread.drive * noise[1]
     turn2 = steps.turn2 + spread.turn2 * noise[2]
     heading = poses[:, 2] + turn1
-    yaws = wrap_angles(heading + turn2)
+    yaws = wrap_angle(heading + turn2)
     return np.column_stack((poses[:, 0] + drive * np.cos(heading), poses[:, 1] + drive * np.sin(heading), yaws))
-
-
-def wrap_angles(angles: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The same directions in [-pi, pi)."""
-    wrapped: NDArray[np.float64] = (angles + math.pi) % (2.0 * math.pi) - math.pi
-    return wrapped

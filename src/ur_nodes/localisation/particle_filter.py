@@ -13,8 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ur_nodes.geometry.pose import Pose2
-from ur_nodes.localisation.motion_model import wrap_angles
+from ur_nodes.geometry.pose import Pose2, wrap_angle
 
 BIN_METRES = 0.5
 BIN_RADIANS = math.radians(10.0)
@@ -64,7 +63,7 @@ def draw_gaussian(
     values, vectors = np.linalg.eigh(0.5 * (covariance + covariance.T))
     offsets: NDArray[np.float64] = rng.standard_normal((count, 3)) * np.sqrt(np.maximum(values, 0.0)) @ vectors.T
     offsets += np.array(mean)
-    offsets[:, 2] = wrap_angles(offsets[:, 2])
+    offsets[:, 2] = wrap_angle(offsets[:, 2])
     return offsets
 
 
@@ -170,7 +169,7 @@ def find_best_cluster(particles: Particles, radius: float = 0.6, angle: float = 
     for _ in range(3):
         mean = _mean(poses[inside], weights[inside])
         near = (np.square(poses[:, :2] - mean[:2]).sum(axis=1) <= radius * radius) & (
-            np.abs(wrap_angles(poses[:, 2] - mean[2])) <= angle
+            np.abs(wrap_angle(poses[:, 2] - mean[2])) <= angle
         )
         if not near.any() or np.array_equal(near, inside):
             break
@@ -178,7 +177,7 @@ def find_best_cluster(particles: Particles, radius: float = 0.6, angle: float = 
     chosen, share = poses[inside], weights[inside]
     mean = _mean(chosen, share)
     offsets = chosen - mean
-    offsets[:, 2] = wrap_angles(offsets[:, 2])
+    offsets[:, 2] = wrap_angle(offsets[:, 2])
     total = float(share.sum())
     covariance = (offsets * (share / total)[:, None]).T @ offsets
     return Cluster(Pose2(*(float(value) for value in mean)), covariance, total)

@@ -9,8 +9,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from ur_nodes.geometry.pose import wrap_angle
 from ur_nodes.localisation.likelihood import LikelihoodField, draw_free_poses, score_poses
-from ur_nodes.localisation.motion_model import wrap_angles
 from ur_nodes.localisation.scan_match import MatchSettings, match_many
 
 POOL = 20000  # poses looked at, once over lightly
@@ -40,5 +40,5 @@ def propose_poses(
     weights = np.exp(beams * (fits - fits.max()))
     drawn: NDArray[np.float64] = matched[rng.choice(len(matched), count, p=weights / weights.sum())]
     drawn += rng.standard_normal((count, 3)) * SPREAD
-    drawn[:, 2] = wrap_angles(drawn[:, 2])
+    drawn[:, 2] = wrap_angle(drawn[:, 2])
     return drawn

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from ur_nodes.geometry.pose import Pose2, wrap_angle
 from ur_nodes.localisation.likelihood import LikelihoodField
-from ur_nodes.localisation.motion_model import wrap_angles
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,7 +70,7 @@ def match_many(
     for _ in range(settings.iterations):
         normal, gradient, _ = _normal_equations(field, moved, points, settings)
         moved -= np.linalg.solve(normal + damping, gradient[..., None])[..., 0]
-    moved[:, 2] = wrap_angles(moved[:, 2])
+    moved[:, 2] = wrap_angle(moved[:, 2])
     return moved
 
 

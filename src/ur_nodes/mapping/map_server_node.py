@@ -10,8 +10,7 @@ from nav_msgs.srv import GetMap, GetMapRequest, GetMapResponse
 
 from ur.source.diagnostic import UserError
 from ur.source.render import render_human
-from ur_nodes.geometry.grid import Grid
-from ur_nodes.geometry.map_file import load_map
+from ur_nodes.geometry.grid import Grid, load_map
 from ur_nodes.rosio.grid_message import grid_message, metadata_message
 from ur_nodes.rosio.parameters import Parameters
 from ur_nodes.rosio.shell import run_node

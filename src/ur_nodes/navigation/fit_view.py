@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import os
 import sys
 from collections.abc import Mapping
@@ -12,8 +11,7 @@ from typing import Any
 import yaml
 
 from ur.source.diagnostic import UserError
-from ur_nodes.geometry.grid import Grid
-from ur_nodes.geometry.map_file import load_map
+from ur_nodes.geometry.grid import Grid, load_map
 
 _DOCKS = (370, 90)  # pixels of the window that the list of displays, the menu and the tools take
 _MARGIN = 1.04  # of the map's size
@@ -31,14 +29,11 @@ def fit_view(config: Mapping[str, Any], grid: Grid) -> dict[str, Any]:
     window = config.get("Window Geometry") or {}
     if view.get("Class") != _VIEW:
         return dict(config)
-    rows, columns = grid.values.shape
-    width, height = columns * grid.resolution, rows * grid.resolution
+    left, bottom, right, top = grid.bounds
     room = (window.get("Width", 1200) - _DOCKS[0], window.get("Height", 720) - _DOCKS[1])
-    cosine, sine = math.cos(grid.origin.yaw), math.sin(grid.origin.yaw)
-    across, up = abs(width * cosine) + abs(height * sine), abs(width * sine) + abs(height * cosine)
-    view["Scale"] = round(max(1.0, min(room[0] / (across * _MARGIN), room[1] / (up * _MARGIN))), 2)
-    view["X"] = round(grid.origin.x + (width * cosine - height * sine) / 2.0, 3)
-    view["Y"] = round(grid.origin.y + (width * sine + height * cosine) / 2.0, 3)
+    scale = min(room[0] / ((right - left) * _MARGIN), room[1] / ((top - bottom) * _MARGIN))
+    view["Scale"] = round(max(1.0, scale), 2)
+    view["X"], view["Y"] = round((left + right) / 2.0, 3), round((bottom + top) / 2.0, 3)
     views["Current"] = view
     manager["Views"] = views
     return {**config, "Visualization Manager": manager}

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ur_nodes.costmap.costmap import LETHAL, Costmap, look_up
+from ur_nodes.costmap.costmap import FREE, LETHAL, Costmap
 from ur_nodes.costmap.footprint import Footprint
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.navigation.path_geometry import Points, headings
@@ -204,8 +204,7 @@ def _overlaps(poses: Floats, costmap: Costmap, footprint: Footprint) -> NDArray[
     c, s = np.cos(poses[..., 2, None]), np.sin(poses[..., 2, None])
     fx, fy = footprint.samples.T
     points = np.stack((poses[..., 0, None] + c * fx - s * fy, poses[..., 1, None] + s * fx + c * fy), axis=-1)
-    costs = look_up(costmap.costs, costmap.fractions_of_points(points), 0)
-    counts: NDArray[np.intp] = (costs == LETHAL).sum(axis=-1)
+    counts: NDArray[np.intp] = (costmap.costs_at(points, outside=FREE) == LETHAL).sum(axis=-1)
     return counts
 
 

@@ -71,7 +71,7 @@ class MoveBaseView:
             return
         message = PolygonStamped()
         message.header.frame_id, message.header.stamp = frame, rospy.Time.now()
-        message.polygon.points = [Point32(float(x), float(y), 0.0) for x, y in footprint.placed(*pose)]
+        message.polygon.points = [Point32(float(x), float(y), 0.0) for x, y in footprint.outline_at(pose)]
         self._footprints[local].publish(message)
 
 

@@ -6,8 +6,6 @@ import math
 from dataclasses import dataclass, field
 from enum import Enum
 
-import numpy as np
-
 from ur_nodes.costmap.costmap import Costmap
 from ur_nodes.costmap.footprint import Footprint
 from ur_nodes.geometry.pose import Pose2, wrap_angle
@@ -317,9 +315,7 @@ class Navigator:
     def _way_in_odom(self, run: _Run, odom: Pose2) -> Way:
         if run.way is None or run.way_odom != odom:
             assert run.path is not None
-            c, s = math.cos(odom.yaw), math.sin(odom.yaw)
-            points = run.path @ np.array(((c, s), (-s, c))) + (odom.x, odom.y)
-            run.way, run.way_odom = make_way(points, self._limits), odom
+            run.way, run.way_odom = make_way(odom.transform_points(run.path), self._limits), odom
         return run.way
 
     def _braked(self, run: _Run) -> tuple[float, float]:

@@ -145,7 +145,7 @@ def _line_costs(starts: Points, ends: Points, costmap: Costmap, weights: NDArray
 
 def _weights_at(points: NDArray[np.float64], costmap: Costmap, weights: NDArray[np.float64]) -> NDArray[np.float64]:
     """The weights (...) of the cells below points (..., 2), of the nearest cell where they are outside."""
-    cells = np.floor(costmap.fractions_of_points(points)).astype(np.intp)
+    cells = costmap.cells_of_points(points)
     height, width = weights.shape
     below: NDArray[np.float64] = weights[np.clip(cells[..., 0], 0, height - 1), np.clip(cells[..., 1], 0, width - 1)]
     return below

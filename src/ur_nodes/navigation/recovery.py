@@ -6,7 +6,6 @@ import math
 from dataclasses import dataclass, replace
 from enum import Enum
 
-import numpy as np
 from scipy.ndimage import distance_transform_edt
 
 from ur_nodes.costmap.costmap import LETHAL, Costmap
@@ -116,11 +115,8 @@ def find_way_out(motion: Motion, costmap: Costmap, footprint: Footprint, limits:
             yaw = motion.pose.yaw + turn
             middle = motion.pose.yaw + turn / 2
             x, y = motion.pose.x + speed * math.cos(middle), motion.pose.y + speed * math.sin(middle)
-            c, s = math.cos(yaw), math.sin(yaw)
-            points = footprint.samples @ np.array(((c, s), (-s, c))) + (x, y)
-            places = np.floor(costmap.fractions_of_points(points)).astype(np.intp)
-            inside = ((places >= 0) & (places < costmap.costs.shape)).all(axis=1)
-            rooms = distances[tuple(places[inside].T)]
+            cells = costmap.cells_of_points(Pose2(x, y, yaw).transform_points(footprint.samples))
+            rooms = distances[tuple(cells[costmap.contains(cells)].T)]
             room = min(0.3, float(rooms.min(initial=1.0))) + (0.02 if speed < 0.0 else 0.0) - 0.005 * abs(turn)
             if room > best:
                 best, chosen = room, (speed, turn)

@@ -2,16 +2,9 @@
 
 from __future__ import annotations
 
-import math
-
 from geometry_msgs.msg import Point, Pose, Quaternion, Transform, Vector3
 
-from ur_nodes.geometry.pose import Pose2, Pose3, make_pose3, yaw_of_quaternion
-
-
-def quaternion_of_yaw(yaw: float) -> Quaternion:
-    """A rotation about z."""
-    return Quaternion(0.0, 0.0, math.sin(yaw / 2.0), math.cos(yaw / 2.0))
+from ur_nodes.geometry.pose import Pose2, Pose3, make_pose3, quaternion_of_yaw, yaw_of_quaternion
 
 
 def pose_of_message(message: Pose) -> Pose2:
@@ -22,13 +15,7 @@ def pose_of_message(message: Pose) -> Pose2:
 
 def pose_message(pose: Pose2) -> Pose:
     """A geometry_msgs/Pose on the ground."""
-    return Pose(Point(pose.x, pose.y, 0.0), quaternion_of_yaw(pose.yaw))
-
-
-def pose_of_transform(transform: Transform) -> Pose2:
-    """The planar part of a geometry_msgs/Transform."""
-    q = transform.rotation
-    return Pose2(transform.translation.x, transform.translation.y, yaw_of_quaternion(q.x, q.y, q.z, q.w))
+    return Pose(Point(pose.x, pose.y, 0.0), Quaternion(*quaternion_of_yaw(pose.yaw)))
 
 
 def pose3_of_transform(transform: Transform) -> Pose3:
@@ -39,4 +26,4 @@ def pose3_of_transform(transform: Transform) -> Pose3:
 
 def transform_message(pose: Pose2) -> Transform:
     """A geometry_msgs/Transform on the ground."""
-    return Transform(Vector3(pose.x, pose.y, 0.0), quaternion_of_yaw(pose.yaw))
+    return Transform(Vector3(pose.x, pose.y, 0.0), Quaternion(*quaternion_of_yaw(pose.yaw)))

@@ -10,8 +10,11 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from xml.sax.saxutils import quoteattr
 
+import numpy as np
+
 from ur.robot.base import Base, Caster
 from ur.worlds.world_file import Box, World
+from ur_nodes.geometry.pose import Pose2
 from ur_nodes.simulator.rectangles import merge_cells
 
 TIME_STEP = 0.005
@@ -65,11 +68,11 @@ def build_model(
     return "".join(parts)
 
 
-def start_pose(base: Base, number: int, start: tuple[float, float, float]) -> tuple[float, float, float]:
-    """Where robot `number` begins: in a row, along the way the first one faces."""
+def start_pose(base: Base, number: int, start: tuple[float, float, float]) -> Pose2:
+    """The first pose of robot `number`: in a row, in the direction that the first one faces."""
     pitch = 0.3 + max(x for x, _ in base.footprint) - min(x for x, _ in base.footprint)
     x, y, yaw = start
-    return x + math.cos(yaw) * pitch * number, y + math.sin(yaw) * pitch * number, yaw
+    return Pose2(x + math.cos(yaw) * pitch * number, y + math.sin(yaw) * pitch * number, yaw)
 
 
 def _body_top(base: Base) -> float:
@@ -79,12 +82,10 @@ def _body_top(base: Base) -> float:
 
 def _walls(world: World) -> Iterable[str]:
     plan = world.floor_plan
-    ox, oy, yaw = plan.origin
-    c, s = math.cos(yaw), math.sin(yaw)
-    for number, cells in enumerate(merge_cells(plan.occupied)):
-        x = (cells.column + cells.width / 2.0) * plan.resolution
-        y = (cells.row + cells.height / 2.0) * plan.resolution
-        pose = (ox + c * x - s * y, oy + s * x + c * y, world.wall_height / 2.0, yaw)
+    for number, cells in enumerate(merge_cells(plan.walls)):
+        middle = np.array((cells.row + (cells.height - 1) / 2.0, cells.column + (cells.width - 1) / 2.0))
+        x, y = plan.points_of_cells(middle).tolist()
+        pose = (x, y, world.wall_height / 2.0, plan.origin[2])
         size = (cells.width * plan.resolution, cells.height * plan.resolution, world.wall_height)
         yield _box_geom(Box(str(number), pose, size), f"wall/{number}")
 

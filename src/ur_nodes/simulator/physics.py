@@ -9,11 +9,11 @@ import numpy as np
 import numpy.typing as npt
 
 from ur.robot.base import Base
+from ur_nodes.geometry.pose import Pose2, quaternion_of_yaw, yaw_of_quaternion
 from ur_nodes.simulator.sensors.imu import Motion
 from ur_nodes.simulator.sensors.lidar import RayCaster
 from ur_nodes.simulator.sensors.sonar import SonarRing
 
-Pose = tuple[float, float, float]
 _STATE = mujoco.mjtState.mjSTATE_INTEGRATION
 
 
@@ -68,11 +68,11 @@ class Physics:
         """A copy of the positions of everything (qpos)."""
         return np.array(self._data.qpos, np.float64)
 
-    def pose(self, robot: int) -> Pose:
+    def pose(self, robot: int) -> Pose2:
         """Where a robot's base_footprint is in the map."""
         q = self._joints[robot][0]
         x, y, _, a, b, c, d = self._data.qpos[q : q + 7].tolist()
-        return x, y, math.atan2(2.0 * (a * d + b * c), 1.0 - 2.0 * (c * c + d * d))
+        return Pose2(x, y, yaw_of_quaternion(b, c, d, a))  # MuJoCo's order is w, x, y, z
 
     def velocity(self, robot: int) -> tuple[float, float, float]:
         """Forward, to the left (m/s) and yaw rate (rad/s), in the robot's own frame."""
@@ -107,9 +107,7 @@ class Physics:
         """Where a robot's chassis touches things: for each thing the points, shape (points, 2), m in base_footprint."""
         pairs = self._data.contact.geom
         rows = (self._owner[pairs] == robot).any(axis=1)
-        x, y, yaw = self.pose(robot)
-        c, s = math.cos(yaw), math.sin(yaw)
-        points = (self._data.contact.pos[rows, :2] - (x, y)) @ np.array([[c, -s], [s, c]])
+        points = self.pose(robot).inverse().transform_points(self._data.contact.pos[rows, :2])
         things = pairs[rows].sum(axis=1)  # one of the two is the chassis: the sums differ as the others do
         return [points[things == thing] for thing in np.unique(things)]
 
@@ -117,20 +115,21 @@ class Physics:
         """What a robot's chassis touches now, in words."""
         return self._neighbour(self._model.geom(f"chassis_{robot}").id)
 
-    def place_robot(self, robot: int, pose: Pose) -> str | None:
+    def place_robot(self, robot: int, pose: tuple[float, float, float]) -> str | None:
         """Move a robot, at rest. Returns what is in the way, in which case nothing has changed."""
         return self._place(f"robot_{robot}", f"chassis_{robot}", pose)
 
-    def place_obstacle(self, name: str, pose: Pose) -> str | None:
+    def place_obstacle(self, name: str, pose: tuple[float, float, float]) -> str | None:
         """Move an obstacle, at rest. Returns what is in the way, in which case nothing has changed."""
         return self._place(f"obstacle/{name}", f"obstacle/{name}", pose)
 
-    def _place(self, body: str, geom: str, pose: Pose) -> str | None:
+    def _place(self, body: str, geom: str, pose: tuple[float, float, float]) -> str | None:
         q, v = self._freejoint(body)
         before = np.empty(mujoco.mj_stateSize(self._model, _STATE))
         mujoco.mj_getState(self._model, self._data, before, _STATE)
         x, y, yaw = pose
-        self._data.qpos[q : q + 7] = (x, y, self._model.qpos0[q + 2], math.cos(yaw / 2), 0.0, 0.0, math.sin(yaw / 2))
+        qx, qy, qz, qw = quaternion_of_yaw(yaw)
+        self._data.qpos[q : q + 7] = (x, y, self._model.qpos0[q + 2], qw, qx, qy, qz)
         self._data.qvel[v : v + 6] = 0.0
         mujoco.mj_forward(self._model, self._data)
         in_the_way = self._neighbour(self._model.geom(geom).id)

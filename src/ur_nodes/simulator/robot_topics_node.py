@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import rospy
 from geometry_msgs.msg import TransformStamped, Twist
 from nav_msgs.msg import Odometry
@@ -11,6 +9,8 @@ from sensor_msgs.msg import JointState, LaserScan
 from std_msgs.msg import Int32
 from tf2_msgs.msg import TFMessage
 
+from ur_nodes.geometry.pose import Pose2
+from ur_nodes.rosio.geometry import pose_message, transform_message
 from ur_nodes.simulator.publisher_node import make_publisher
 from ur_nodes.simulator.settings import Settings
 from ur_nodes.simulator.simulation import Simulation
@@ -68,10 +68,7 @@ class RobotTopics:
 
     def publish_transform(self, stamp: rospy.Time) -> None:
         """Tf odom -> base_footprint, which is where the encoders say the robot is."""
-        x, y, yaw = self._simulation.odometry(self._robot).pose
-        transform = self._transform.transform
-        transform.translation.x, transform.translation.y = x, y
-        transform.rotation.z, transform.rotation.w = math.sin(yaw / 2.0), math.cos(yaw / 2.0)
+        self._transform.transform = transform_message(self._simulation.odometry(self._robot).pose)
         self._transform.header.stamp = stamp
         self._tf.publish(self._tf_message)
 
@@ -122,12 +119,9 @@ def _odometry_message(frame: str, child: str) -> Odometry:
     return message
 
 
-def _fill_pose(message: Odometry, stamp: rospy.Time, pose: tuple[float, float, float]) -> None:
-    x, y, yaw = pose
+def _fill_pose(message: Odometry, stamp: rospy.Time, pose: Pose2) -> None:
     message.header.stamp = stamp
-    place = message.pose.pose
-    place.position.x, place.position.y = x, y
-    place.orientation.z, place.orientation.w = math.sin(yaw / 2.0), math.cos(yaw / 2.0)
+    message.pose.pose = pose_message(pose)
 
 
 def _covariance(planar: tuple[float, ...]) -> list[float]:

@@ -12,9 +12,10 @@ from ur.robot.base import Base
 from ur.source.diagnostic import UserError, error
 from ur.source.suggest import did_you_mean
 from ur.worlds.world_file import World
+from ur_nodes.geometry.pose import Pose2
 from ur_nodes.simulator.drive import Drive
 from ur_nodes.simulator.model import TIME_STEP, build_model
-from ur_nodes.simulator.physics import Physics, Pose
+from ur_nodes.simulator.physics import Physics
 from ur_nodes.simulator.schedule import Schedule
 from ur_nodes.simulator.senses import BATTERY_RATE, Senses
 from ur_nodes.simulator.sensors.odometry import EncoderOdometry
@@ -48,7 +49,7 @@ class Simulation:
         *,
         robots: int = 1,
         seed: int = 0,
-        start: Pose | None = None,
+        start: tuple[float, float, float] | None = None,
         charge: float = 1.0,
     ) -> None:
         """`charge` is how full batteries are at first, 0 to 1. Raises UserError when a robot would begin in a wall."""
@@ -129,7 +130,7 @@ class Simulation:
         """The ranges that a robot's lidar sees (m); see RayCaster.cast. For bases that have a lidar."""
         return self._physics.cast(robot, self._noise[robot])
 
-    def pose(self, robot: int) -> Pose:
+    def pose(self, robot: int) -> Pose2:
         """Where a robot really is, in the map."""
         return self._physics.pose(robot)
 
@@ -151,7 +152,7 @@ class Simulation:
         self._physics.reset()
         self._begin()
 
-    def place(self, name: str, pose: Pose) -> None:
+    def place(self, name: str, pose: tuple[float, float, float]) -> None:
         """Put a robot (`robot` or `robot_<n>`) or an obstacle somewhere, at rest. Odometry does not notice.
 
         Raises UserError, and moves nothing, when the name is not known or something is in the way.
@@ -183,9 +184,8 @@ class Simulation:
     def _next_step(self) -> int:
         return min(schedule.step for schedule in self._schedules.values())
 
-    def _outside(self, pose: Pose) -> str | None:
-        plan = self._world.floor_plan
-        return None if plan.contains(pose[0], pose[1]) else "outside the floor plan"
+    def _outside(self, pose: tuple[float, float, float]) -> str | None:
+        return "outside the floor plan" if self._world.floor_plan.wall_at(pose[0], pose[1]) is None else None
 
     def _begin(self) -> None:
         base = self.base
@@ -228,7 +228,7 @@ class Simulation:
             self._touched[robot] = self.time
 
 
-def _refuse(name: str, pose: Pose, blocked: str | None) -> None:
+def _refuse(name: str, pose: tuple[float, float, float], blocked: str | None) -> None:
     """Raise UserError if something is in the way."""
     if blocked:
         place = f"x {pose[0]:g}, y {pose[1]:g}"

@@ -8,8 +8,7 @@ from bench.navigation_parts.geodesic import free_cells, length_of, shortest_path
 from bench.navigation_parts.stack import MAPS
 from bench.navigation_parts.worlds import GOALS
 
-from ur_nodes.geometry.grid import Grid
-from ur_nodes.geometry.map_file import load_map
+from ur_nodes.geometry.grid import Grid, load_map
 from ur_nodes.geometry.pose import Pose2
 
 

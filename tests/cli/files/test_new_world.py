@@ -25,8 +25,8 @@ def test_picture_becomes_a_world_of_its_size(folder: Path, capsys: pytest.Captur
     assert "a wall was drawn around it" in said.err
     assert "next: ur run keyboard_navigate world:=./home.yaml" in said.err
     plan = read_world(folder / "home.yaml").floor_plan
-    assert plan.occupied.shape == (154, 204)  # 200 x 150 cells, and the wall
-    assert not plan.is_occupied(0.0, 0.0)
+    assert plan.shape == (154, 204)  # 200 x 150 cells, and the wall
+    assert plan.wall_at(0.0, 0.0) is False
 
 
 @pytest.mark.parametrize(

@@ -12,9 +12,8 @@ from tests.fuzz.target import Target
 from ur.robot.base import read_base
 from ur.source.diagnostic import UserError
 from ur.source.render import render_human
-from ur.worlds.floor_plan import read_floor_plan
 from ur.worlds.world_file import read_world
-from ur_nodes.geometry.map_file import load_map
+from ur_nodes.geometry.grid import load_map
 from ur_nodes.pictures.decode import BadPictureError, decode_picture, read_size, unpack_picture
 from ur_nodes.teleop.navigate.waypoints import WaypointStore
 from ur_nodes.vision.fiducial_map import format_map, read_map
@@ -70,8 +69,7 @@ def _load_map(data: bytes, folder: Path) -> None:
     path = folder / "a.yaml"
     path.write_bytes(text)
     (folder / "a.pgm").write_bytes(image)
-    for read in (load_map, read_floor_plan):
-        _tolerate(lambda read=read: read(path))
+    _tolerate(lambda: load_map(path))
 
 
 def _read_world(data: bytes, folder: Path) -> None:

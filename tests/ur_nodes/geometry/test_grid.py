@@ -3,6 +3,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -42,3 +43,8 @@ def test_values_at_gives_the_outside_value_beyond_the_edges() -> None:
     grid = Grid(np.array([[0, 100], [-1, 50]], dtype=np.int8), 0.5, Pose2(0.0, 0.0, 0.0))
     points = np.array(((0.25, 0.25), (0.75, 0.25), (0.25, 0.75), (0.75, 0.75), (1.25, 0.25), (-0.01, 0.25)))
     assert grid.values_at(points, outside=7).tolist() == [0, 100, -1, 50, 7, 7]
+
+
+def test_bounds_of_a_turned_map() -> None:
+    grid = Grid(np.zeros((10, 20), np.int8), 0.1, Pose2(1.0, 1.0, math.pi / 2))
+    assert grid.bounds == pytest.approx((0.0, 1.0, 1.0, 3.0))

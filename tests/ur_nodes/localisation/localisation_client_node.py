@@ -19,9 +19,9 @@ from tests.json_client import answer_requests, claim_output
 from tests.ur_nodes.navigation.synthetic import ANGLES, LASER, RANGE_MAX, Drifter, cast_rays
 from tf2_msgs.msg import TFMessage
 
-from ur_nodes.geometry.map_file import load_map
+from ur_nodes.geometry.grid import load_map
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.rosio.geometry import pose_message, pose_of_transform, transform_message
+from ur_nodes.rosio.geometry import pose3_of_transform, pose_message, transform_message
 
 PATIENCE = 30.0  # s
 
@@ -116,7 +116,7 @@ class Client:
             for transform in message.transforms:
                 if transform.child_frame_id == "odom":
                     key = round(transform.header.stamp.to_sec(), 4)
-                    self._corrections[key] = pose_of_transform(transform.transform)
+                    self._corrections[key] = pose3_of_transform(transform.transform).planar()
             self._news.notify_all()
 
     @staticmethod

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 import yaml
 
-from ur_nodes.geometry.grid import Grid
-from ur_nodes.geometry.map_file import load_map
+from ur_nodes.geometry.grid import Grid, load_map
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.navigation.fit_view import fit_view, main
 

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import functools
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from ur.robot.base import Camera
 from ur.source.diagnostic import UserError
-from ur.worlds.floor_plan import FloorPlan
+from ur.worlds.map_file import MapFile, MapImage
 from ur.worlds.world_file import World
 from ur_nodes.simulator.camera_process import CameraProcess
 
@@ -20,7 +21,10 @@ def _reason() -> str:
 
     from ur.robot.base import load_base
 
-    plan = FloorPlan(np.zeros((2, 2), np.bool_), 1.0, (-1.0, -1.0, 0.0))
+    file = MapFile(
+        Path("none.png"), 1.0, (-1.0, -1.0, 0.0), negate=False, occupied_thresh=0.65, free_thresh=0.2, mode="trinary"
+    )
+    plan = MapImage(file, np.zeros((2, 2), np.int8))
     world = World(plan, 1.0, 0.9, (), (), (0.0, 0.0, 0.0))
     camera = Camera("raspicam", "raspicam_node", (0.0,) * 6, 16, 16, 1.0, 1.0)
     try:

@@ -144,8 +144,8 @@ def test_fiducials_of_the_office_hang_over_free_floor_and_face_away_from_walls()
     assert len(down) + len(on_walls) == len(world.fiducials)
     for fiducial in world.fiducials:
         (x, y, z), normal = fiducial.pose[:3], rotation_axes(fiducial.pose[3:])[2]
-        assert not world.floor_plan.is_occupied(x, y)
+        assert world.floor_plan.wall_at(x, y) is False
         if fiducial in on_walls:
-            assert world.floor_plan.is_occupied(x - 0.02 * normal[0], y - 0.02 * normal[1])
+            assert world.floor_plan.wall_at(x - 0.02 * normal[0], y - 0.02 * normal[1])
             assert z + fiducial.size < world.wall_height
             assert rotation_axes(fiducial.pose[3:])[1][2] > 0.99  # upright

@@ -7,26 +7,28 @@ import numpy as np
 import pytest
 
 from ur.source.diagnostic import UserError, error
+from ur_nodes.geometry.grid import Grid
+from ur_nodes.geometry.pose import Pose2
 from ur_nodes.teleop.mux.driver_text import DriverRequest
 from ur_nodes.teleop.mux.emergency import MuxRequest
 from ur_nodes.teleop.navigate.waypoints import WaypointStore
-from ur_nodes.teleop.navigator.model import GoalReport, GoalState, MapGrid, Place, Snapshot
+from ur_nodes.teleop.navigator.model import GoalReport, GoalState, Snapshot
 
 
-def make_grid() -> MapGrid:
+def make_grid() -> Grid:
     """10 m x 10 m, walls round it, the origin in the middle."""
     cells = np.zeros((100, 100), np.int8)
     cells[[0, -1], :] = cells[:, [0, -1]] = 100
-    return MapGrid(cells, 0.1, Place(-5.0, -5.0, 0.0))
+    return Grid(cells, 0.1, Pose2(-5.0, -5.0, 0.0))
 
 
 class FakeNavigator:
     """A Navigator whose state the test sets, and that notes what was asked of it."""
 
     def __init__(self) -> None:
-        self.seen = Snapshot(grid=make_grid(), pose=Place(0.0, 0.0, 0.0))
-        self.goals: list[Place] = []
-        self.poses: list[Place] = []
+        self.seen = Snapshot(grid=make_grid(), pose=Pose2(0.0, 0.0, 0.0))
+        self.goals: list[Pose2] = []
+        self.poses: list[Pose2] = []
         self.stops = 0
         self.searches = 0
         self.offers_search = True
@@ -38,7 +40,7 @@ class FakeNavigator:
     def snapshot(self) -> Snapshot:
         return self.seen
 
-    def go(self, place: Place) -> int:
+    def go(self, place: Pose2) -> int:
         if self.problem:
             raise self.problem
         self.goals.append(place)
@@ -62,7 +64,7 @@ class FakeNavigator:
         self.asked.append(request)
         self.seen = replace(self.seen, mux=replace(self.seen.mux, stopped=request == "stop"))
 
-    def set_pose(self, place: Place) -> None:
+    def set_pose(self, place: Pose2) -> None:
         self.poses.append(place)
 
     def relocalise(self) -> None:
@@ -73,7 +75,7 @@ class FakeNavigator:
     def end(self, state: GoalState, text: str = "") -> None:
         self.seen = replace(self.seen, goal=replace(self.seen.goal, state=state, text=text))
 
-    def move(self, place: Place) -> None:
+    def move(self, place: Pose2) -> None:
         self.seen = replace(self.seen, pose=place)
 
 

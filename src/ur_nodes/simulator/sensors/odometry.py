@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from ur.robot.base import Base
+from ur_nodes.geometry.pose import Pose2
 
 
 class EncoderOdometry:
@@ -29,7 +30,7 @@ class EncoderOdometry:
         self._random = random
         self._ticks: tuple[int, int] | None = None
         self._time = 0.0
-        self.pose = (0.0, 0.0, 0.0)
+        self.pose = Pose2(0.0, 0.0, 0.0)
         self.velocity = (0.0, 0.0)
         self.covariance = (1e-6, 0.0, 0.0, 1e-6, 0.0, 1e-6)
 
@@ -51,7 +52,7 @@ class EncoderOdometry:
         middle = yaw + turn / 2.0
         chord = distance * (math.sin(turn / 2.0) / (turn / 2.0) if abs(turn) > 1e-9 else 1.0)
         yaw = math.remainder(yaw + turn, 2.0 * math.pi)
-        self.pose = (x + chord * math.cos(middle), y + chord * math.sin(middle), yaw)
+        self.pose = Pose2(x + chord * math.cos(middle), y + chord * math.sin(middle), yaw)
         if time > self._time:
             self.velocity = (distance / (time - self._time), turn / (time - self._time))
         self._ticks, self._time = ticks, time

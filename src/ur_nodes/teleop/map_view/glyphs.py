@@ -6,10 +6,11 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
+from ur_nodes.geometry.pose import Pose2
 from ur_nodes.teleop.map_view.palette import Colour, Palette
 from ur_nodes.teleop.map_view.picture import ROBOT_LENGTH, SMALL_ROBOT
 from ur_nodes.teleop.map_view.viewport import Viewport
-from ur_nodes.teleop.navigator.model import Place, Snapshot
+from ur_nodes.teleop.navigator.model import Snapshot
 
 _ARROWS = "→↗↑↖←↙↓↘"
 _LEAST_BAR, _MOST_BAR = 5, 0.25  # columns; of the map's width
@@ -30,7 +31,7 @@ class Glyph:
 
 
 def place_glyphs(
-    snapshot: Snapshot, places: Mapping[str, Place], preview: Place | None, view: Viewport, palette: Palette
+    snapshot: Snapshot, places: Mapping[str, Pose2], preview: Pose2 | None, view: Viewport, palette: Palette
 ) -> list[Glyph]:
     """Characters to be laid over the pixels; later ones cover earlier ones.
 
@@ -89,7 +90,7 @@ def _spots(name: str, dot: Cell, taken: set[Cell], view: Viewport) -> Iterator[C
             yield max(0, min(column - len(name) // 2, view.width - len(name))), row + sign * distance
 
 
-def _robot_cells(pose: Place | None, view: Viewport) -> set[Cell]:
+def _robot_cells(pose: Pose2 | None, view: Viewport) -> set[Cell]:
     """The cells of a robot that is drawn to scale."""
     size = ROBOT_LENGTH / view.scale
     if pose is None or size < SMALL_ROBOT:
@@ -108,12 +109,12 @@ def _inside(view: Viewport, cell: Cell) -> bool:
     return 0 <= cell[0] < view.width and 0 <= cell[1] < view.height // 2
 
 
-def _cell(view: Viewport, place: Place) -> Cell | None:
+def _cell(view: Viewport, place: Pose2) -> Cell | None:
     column, row = view.to_pixel(place.x, place.y)
     cell = math.floor(column), math.floor(row / 2)
     return cell if _inside(view, cell) else None
 
 
-def _mark(view: Viewport, place: Place, text: str, colour: Colour, behind: Colour) -> list[Glyph]:
+def _mark(view: Viewport, place: Pose2, text: str, colour: Colour, behind: Colour) -> list[Glyph]:
     cell = _cell(view, place)
     return [Glyph(*cell, text, colour, behind)] if cell else []

@@ -8,9 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ur_nodes.geometry.grid import Grid
+from ur_nodes.geometry.pose import Pose2
 from ur_nodes.teleop.map_view.palette import Colour, Palette
 from ur_nodes.teleop.map_view.viewport import Viewport
-from ur_nodes.teleop.navigator.model import MapGrid, Place, Snapshot
+from ur_nodes.teleop.navigator.model import Snapshot
 
 Pixels = NDArray[np.uint8]
 """(rows, columns, 3), red, green, blue."""
@@ -28,14 +30,14 @@ SMALL_ROBOT = 6.0
 class GridIndex:
     """A grid with running sums, so that the share of walls in any box of cells costs four look-ups."""
 
-    grid: MapGrid
+    grid: Grid
     walls: NDArray[np.int32]  # (height + 1, width + 1): occupied cells below and left
     known: NDArray[np.int32]
 
 
-def index_grid(grid: MapGrid) -> GridIndex:
+def index_grid(grid: Grid) -> GridIndex:
     """Prepare a grid for drawing; once per map."""
-    return GridIndex(grid, _running_sum(grid.cells >= _OCCUPIED), _running_sum(grid.cells >= 0))
+    return GridIndex(grid, _running_sum(grid.values >= _OCCUPIED), _running_sum(grid.values >= 0))
 
 
 def draw_map(index: GridIndex | None, view: Viewport, palette: Palette) -> Pixels:
@@ -46,15 +48,13 @@ def draw_map(index: GridIndex | None, view: Viewport, palette: Palette) -> Pixel
         return picture
     grid = index.grid
     xs, ys = np.meshgrid(
-        view.x + (np.arange(view.width) + 0.5 - view.width / 2) * view.scale - grid.origin.x,
-        view.y - (np.arange(view.height) + 0.5 - view.height / 2) * view.scale - grid.origin.y,
+        view.x + (np.arange(view.width) + 0.5 - view.width / 2) * view.scale,
+        view.y - (np.arange(view.height) + 0.5 - view.height / 2) * view.scale,
     )
-    c, s = math.cos(grid.origin.yaw), math.sin(grid.origin.yaw)
-    columns = (c * xs + s * ys) / grid.resolution
-    rows = (c * ys - s * xs) / grid.resolution
+    rows, columns = np.moveaxis(grid.fractions_of_points(np.stack((xs, ys), axis=-1)), -1, 0)
     # Boxes along the grid's axes; on a turned map they overlap, so that they leave no cell out.
-    half = view.scale / grid.resolution / 2 * (abs(c) + abs(s))
-    height, width = grid.cells.shape
+    half = view.scale / grid.resolution / 2 * (abs(math.cos(grid.origin.yaw)) + abs(math.sin(grid.origin.yaw)))
+    height, width = grid.values.shape
     left, right = _span(columns, half, width)
     bottom, top = _span(rows, half, height)
     area = np.maximum((right - left) * (top - bottom), 1)
@@ -118,7 +118,7 @@ def _dot(out: Pixels, points: NDArray[np.float64], view: Viewport, colour: Colou
     out[py[inside].astype(np.intp), px[inside].astype(np.intp)] = colour
 
 
-def _fill_robot(out: Pixels, pose: Place, view: Viewport, palette: Palette) -> None:
+def _fill_robot(out: Pixels, pose: Pose2, view: Viewport, palette: Palette) -> None:
     """A disc on the pose, with a stripe from its middle to the edge that it faces."""
     size = ROBOT_LENGTH / view.scale
     column, row = view.to_pixel(pose.x, pose.y)

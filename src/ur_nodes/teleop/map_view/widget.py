@@ -15,12 +15,14 @@ from textual.message import Message
 from textual.strip import Strip
 from textual.widget import Widget
 
+from ur_nodes.geometry.grid import Grid
+from ur_nodes.geometry.pose import Pose2
 from ur_nodes.teleop.map_view.cells import Run, cells_of_pixels
 from ur_nodes.teleop.map_view.glyphs import place_glyphs, scale_bar
 from ur_nodes.teleop.map_view.palette import Colour, Palette
 from ur_nodes.teleop.map_view.picture import GridIndex, Pixels, draw_map, draw_overlay, index_grid
 from ur_nodes.teleop.map_view.viewport import Viewport, fit_viewport, pan_viewport, resize_viewport, zoom_viewport
-from ur_nodes.teleop.navigator.model import MapGrid, Place, Snapshot, heading_there
+from ur_nodes.teleop.navigator.model import Snapshot, heading_there
 
 _NO_MAP_BOX = (-5.0, -5.0, 5.0, 5.0)
 _FOLLOW_MARGIN = 0.3  # of the screen: the picture moves only when the robot comes this near to the edge
@@ -36,7 +38,7 @@ class MapView(Widget, can_focus=False):
     class GoalPicked(Message):
         """The mouse chose a goal."""
 
-        def __init__(self, place: Place) -> None:
+        def __init__(self, place: Pose2) -> None:
             super().__init__()
             self.place = place
 
@@ -51,7 +53,7 @@ class MapView(Widget, can_focus=False):
         self.hover: tuple[float, float] | None = None
         self._fitted = True  # until the user zooms or pans, the whole map is shown whatever the size
         self._snapshot = Snapshot()
-        self._places: Mapping[str, Place] = {}
+        self._places: Mapping[str, Pose2] = {}
         self._index: GridIndex | None = None
         self._base: tuple[Viewport, Palette, GridIndex | None, Pixels] | None = None
         self._lines: list[tuple[Run, ...]] = []
@@ -63,7 +65,7 @@ class MapView(Widget, can_focus=False):
         """Ignore the second press of a double click whose first one closed something above the map."""
         self._released = (time.monotonic(), None)
 
-    def show(self, snapshot: Snapshot, places: Mapping[str, Place]) -> None:
+    def show(self, snapshot: Snapshot, places: Mapping[str, Pose2]) -> None:
         """Show another snapshot; only lines that look different are drawn again."""
         if snapshot.grid is not self._snapshot.grid:
             self._index = index_grid(snapshot.grid) if snapshot.grid is not None else None
@@ -191,23 +193,23 @@ class MapView(Widget, can_focus=False):
         """Further away, about the mouse."""
         self.zoom(0.8, event.x + 0.5, event.y * 2 + 1.0)
 
-    def _preview(self) -> Place | None:
+    def _preview(self) -> Pose2 | None:
         """The goal that letting the button go would set."""
         if self._pressed is None or self._pressed[0] != 1:
             return None
         _, column, row = self._pressed
         x, y = self.view.to_map(column + 0.5, row * 2 + 1.0)
         if self._dragged_to is None:
-            return Place(x, y, heading_there(self._snapshot, x, y))
+            return Pose2(x, y, heading_there(self._snapshot, x, y))
         to_column, to_row = self._dragged_to
-        return Place(x, y, math.atan2(2.0 * (row - to_row), to_column - column))
+        return Pose2(x, y, math.atan2(2.0 * (row - to_row), to_column - column))
 
     def _move(self, columns: float, rows: float) -> None:
         self.following = self._fitted = False
         self.view = pan_viewport(self.view, columns, rows)
         self.redraw()
 
-    def _fit_if(self, wanted: bool, grid: MapGrid | None) -> None:
+    def _fit_if(self, wanted: bool, grid: Grid | None) -> None:
         if not wanted:
             return
         self._fitted = True

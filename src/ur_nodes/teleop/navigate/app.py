@@ -15,6 +15,7 @@ from textual.geometry import Size
 from textual.widgets import Static
 
 from ur.source.diagnostic import UserError
+from ur_nodes.geometry.pose import Pose2
 from ur_nodes.teleop.map_view.palette import Palette, choose_palette
 from ur_nodes.teleop.map_view.widget import MapView
 from ur_nodes.teleop.mux.emergency import MuxRequest
@@ -35,7 +36,7 @@ from ur_nodes.teleop.navigate.status_text import (
     waiting_line,
 )
 from ur_nodes.teleop.navigate.waypoints import WaypointStore
-from ur_nodes.teleop.navigator.model import GoalState, Navigator, Place, Snapshot, format_number, format_place
+from ur_nodes.teleop.navigator.model import GoalState, Navigator, Snapshot, format_number, format_place
 
 REFRESH = 1.0 / 6.0
 
@@ -72,7 +73,7 @@ class NavigateApp(App[None]):
         self._map_title = title
         self._light = light
         self._snapshot = Snapshot()
-        self._places: Mapping[str, Place] = {}
+        self._places: Mapping[str, Pose2] = {}
         self._sent = 0
         self._shown_key: tuple[object, ...] = ()
         self._announced: tuple[int, GoalState] = (0, GoalState.NONE)
@@ -261,7 +262,7 @@ class NavigateApp(App[None]):
             self._send(target_of(command, self._snapshot, self._store()))
         elif isinstance(command, c.SetPose):
             self._require_to_drive()
-            place = Place(command.x, command.y, command.yaw)
+            place = Pose2(command.x, command.y, command.yaw)
             self._navigator.set_pose(place)
             self._say(f"pose set to {format_place(place)}")
         elif isinstance(command, c.Relocalise):
@@ -319,7 +320,7 @@ class NavigateApp(App[None]):
             raise c.bad_command_error("no map yet, expected one on topic map; waypoints belong to a map")
         return self._store_for(self._snapshot)
 
-    def _send(self, place: Place) -> None:
+    def _send(self, place: Pose2) -> None:
         if reason := reason_not_to_send(self._navigator.snapshot()):
             self._say(f"not sent: {reason}", "yellow")
             return

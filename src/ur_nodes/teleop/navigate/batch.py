@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 from ur.source.diagnostic import UserError
+from ur_nodes.geometry.pose import Pose2, wrap_angle
 from ur_nodes.teleop.mux.driver_text import DriverRequest
 from ur_nodes.teleop.mux.emergency import MuxRequest
 from ur_nodes.teleop.navigate.commands import (
@@ -37,9 +38,7 @@ from ur_nodes.teleop.navigator.model import (
     GoalReport,
     GoalState,
     Navigator,
-    Place,
     Snapshot,
-    angle_between,
     format_place,
     heading_there,
 )
@@ -109,7 +108,7 @@ def result_line(text: str, report: GoalReport, snapshot: Snapshot, seconds: floa
     goal, pose = report.place, snapshot.pose
     if report.state is GoalState.REACHED and goal is not None and pose is not None:
         off = math.hypot(goal.x - pose.x, goal.y - pose.y)
-        turned = math.degrees(angle_between(goal.yaw, pose.yaw))
+        turned = math.degrees(abs(wrap_angle(goal.yaw - pose.yaw)))
         return f"{text}: reached, {off:.2f} m and {turned:.1f} degrees off, {seconds:.1f} s"
     why = f": {report.text}" if report.text else ""
     return f"{text}: {report.state.value} after {seconds:.1f} s{why}"
@@ -186,7 +185,7 @@ def _do_at_once(command: Command, text: str, navigator: Navigator, store: Waypoi
     if isinstance(command, (SetPose, Relocalise)) and (reason := reason_not_to_drive(navigator.snapshot())):
         raise bad_command_error(f"not done: {reason}")
     if isinstance(command, SetPose):
-        navigator.set_pose(Place(command.x, command.y, command.yaw))
+        navigator.set_pose(Pose2(command.x, command.y, command.yaw))
         return f"{text}: pose set"
     if isinstance(command, Relocalise):
         navigator.relocalise()
@@ -289,9 +288,9 @@ def _cancel(navigator: Navigator, around: BatchContext) -> str:
     return f"the goal may not be cancelled: {silence_line(snapshot) or 'no answer'}"
 
 
-def target_of(command: Go | GoTo, snapshot: Snapshot, store: WaypointStore) -> Place:
+def target_of(command: Go | GoTo, snapshot: Snapshot, store: WaypointStore) -> Pose2:
     """The pose a command asks for. Raises UserError: no such waypoint."""
     if isinstance(command, GoTo):
         return store.find(command.name)
     yaw = heading_there(snapshot, command.x, command.y) if command.yaw is None else command.yaw
-    return Place(command.x, command.y, yaw)
+    return Pose2(command.x, command.y, yaw)

@@ -6,9 +6,10 @@ import math
 from collections.abc import Mapping
 from dataclasses import replace
 
+from ur_nodes.geometry.pose import Pose2
 from ur_nodes.teleop.mux.driver_text import DriverRequest
 from ur_nodes.teleop.navigate.status_text import silence_line
-from ur_nodes.teleop.navigator.model import GoalState, Place, Snapshot, format_place
+from ur_nodes.teleop.navigator.model import GoalState, Snapshot, format_place
 
 REQUESTED: dict[DriverRequest, str] = {
     "take": "requested to drive from this computer",
@@ -45,7 +46,7 @@ def describe_stop(snapshot: Snapshot) -> str:
     return "no goal to stop" if snapshot.goal.over else "stopped"
 
 
-def visible_state(snapshot: Snapshot, places: Mapping[str, Place], size: object) -> tuple[object, ...]:
+def visible_state(snapshot: Snapshot, places: Mapping[str, Pose2], size: object) -> tuple[object, ...]:
     """Return everything that the screen depends on, rounded to what can be seen."""
     pose = snapshot.pose
     return (

@@ -12,7 +12,8 @@ from textual.app import ComposeResult
 from textual.containers import VerticalScroll
 from textual.widgets import Static
 
-from ur_nodes.teleop.navigator.model import Place, format_place
+from ur_nodes.geometry.pose import Pose2
+from ur_nodes.teleop.navigator.model import format_place
 
 _WIDEST = 200
 _FRAME = 5  # columns: border, padding, scroll bar
@@ -86,7 +87,7 @@ class Panel(VerticalScroll, can_focus=False):
             self.border_subtitle = "↑ ↓ scroll, others close"
 
 
-def list_places(places: Mapping[str, Place]) -> RenderableType:
+def list_places(places: Mapping[str, Pose2]) -> RenderableType:
     """The waypoints, one a line."""
     table = Table.grid(padding=(0, 2), pad_edge=False)
     for name, place in places.items():

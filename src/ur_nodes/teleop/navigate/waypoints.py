@@ -8,11 +8,15 @@ from collections.abc import Mapping
 from hashlib import sha1
 from pathlib import Path
 
+import numpy as np
+
 from ur.source.diagnostic import UserError, error
 from ur.source.replace import replace_file
 from ur.source.section import read_section
 from ur.source.suggest import did_you_mean
-from ur_nodes.teleop.navigator.model import MapGrid, Place, format_number
+from ur_nodes.geometry.grid import Grid
+from ur_nodes.geometry.pose import Pose2
+from ur_nodes.teleop.navigator.model import format_number
 
 _HEAD = "# Waypoints of the map {name}: name: [x, y, angle], in m, m and degrees, in the map frame.\n"
 
@@ -27,10 +31,11 @@ def waypoint_path(map_name: str, environment: Mapping[str, str]) -> Path:
     return Path(data) / "ubiquity_launches" / "waypoints" / f"{re.sub(r'[^A-Za-z0-9_.-]', '_', stem)}.yaml"
 
 
-def name_of_map(grid: MapGrid) -> str:
+def name_of_map(grid: Grid) -> str:
     """Return a name for a map without one; the same map always gets the same name."""
-    digest = sha1(repr((grid.resolution, grid.origin)).encode(), usedforsecurity=False)
-    digest.update(grid.cells.tobytes())
+    resolution = float(np.float32(grid.resolution))  # as in the map's message, so that earlier names stay valid
+    digest = sha1(repr((resolution, grid.origin)).encode(), usedforsecurity=False)
+    digest.update(grid.values.tobytes())
     return f"map-{digest.hexdigest()[:8]}"
 
 
@@ -40,7 +45,7 @@ class WaypointStore:
     def __init__(self, path: Path) -> None:
         self.path = path
 
-    def places(self) -> dict[str, Place]:
+    def places(self) -> dict[str, Pose2]:
         """All of them, sorted by name. Raises UserError, with the line, when the file cannot be used."""
         if not self.path.exists():
             return {}
@@ -48,10 +53,10 @@ class WaypointStore:
         found = {}
         for name in section.keys:
             x, y, degrees = section.numbers(name, 3)
-            found[name] = Place(x, y, math.radians(degrees))
+            found[name] = Pose2(x, y, math.radians(degrees))
         return dict(sorted(found.items()))
 
-    def find(self, name: str) -> Place:
+    def find(self, name: str) -> Pose2:
         """Return a waypoint. Raises UserError, with a suggestion, when there is none of that name."""
         places = self.places()
         if name not in places:
@@ -66,7 +71,7 @@ class WaypointStore:
             )
         return places[name]
 
-    def remember(self, name: str, place: Place) -> bool:
+    def remember(self, name: str, place: Pose2) -> bool:
         """Save a place under a name; return whether it is new. Raises UserError when the file cannot be written."""
         places = self.places()
         fresh = name not in places
@@ -78,7 +83,7 @@ class WaypointStore:
         self.find(name)
         self._write({key: place for key, place in self.places().items() if key != name})
 
-    def _write(self, places: Mapping[str, Place]) -> None:
+    def _write(self, places: Mapping[str, Pose2]) -> None:
         lines = [f"{_key(name)}: [{_numbers_of(place)}]\n" for name, place in sorted(places.items())]
         try:
             replace_file(self.path, _HEAD.format(name=self.path.stem) + "".join(lines or ["{}\n"]), parents=True)
@@ -89,7 +94,7 @@ class WaypointStore:
             ) from None
 
 
-def _numbers_of(place: Place) -> str:
+def _numbers_of(place: Pose2) -> str:
     x, y = format_number(place.x, 3), format_number(place.y, 3)
     return f"{x}, {y}, {format_number(math.degrees(place.yaw), 1)}"
 

@@ -9,7 +9,8 @@ import json
 from dataclasses import dataclass, field, replace
 from typing import Final
 
-from ur_nodes.teleop.navigator.model import GoalReport, GoalState, Place
+from ur_nodes.geometry.pose import Pose2
+from ur_nodes.teleop.navigator.model import GoalReport, GoalState
 
 _RUNNING: Final = {0: GoalState.WAITING, 1: GoalState.DRIVING, 6: GoalState.DRIVING, 7: GoalState.WAITING}
 _LONGEST_HOLD: Final = 4096
@@ -66,13 +67,13 @@ class Tracker:
     hold: Hold = field(default_factory=Hold)
 
 
-def track_sent(tracker: Tracker, goal_id: str, place: Place, now: float) -> Tracker:
+def track_sent(tracker: Tracker, goal_id: str, place: Pose2, now: float) -> Tracker:
     """Start to track a goal that is sent from here."""
     report = GoalReport(tracker.report.number + 1, place, GoalState.WAITING)
     return Tracker(report, goal_id, now, listed_at=now, hold=tracker.hold)
 
 
-def track_current(tracker: Tracker, place: Place, now: float) -> Tracker:
+def track_current(tracker: Tracker, place: Pose2, now: float) -> Tracker:
     """move_base says which goal it drives to; another one than ours was sent by somebody else."""
     ours = tracker.report.place
     same = ours is not None and abs(ours.x - place.x) + abs(ours.y - place.y) < 1e-3

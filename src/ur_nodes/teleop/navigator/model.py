@@ -10,38 +10,14 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.motion.lease.view import Conduct, LeaseView
 from ur_nodes.teleop.mux.driver_text import DriverRequest
 from ur_nodes.teleop.mux.emergency import MuxRequest, MuxView
 
-Place = Pose2
-"""A pose in the map frame: m, m, rad."""
-
 ROBOT = "the robot"
 """The name of what is silent when the whole robot is."""
-
-
-@dataclass(frozen=True, eq=False)
-class MapGrid:
-    """An occupancy grid. `cells` is (height, width) int8, row 0 at the origin: 0 free to 100 occupied, -1 unknown.
-
-    `resolution` is in m per cell; `origin` is the pose of the corner of cell (0, 0) in the map frame.
-    """
-
-    cells: NDArray[np.int8]
-    resolution: float
-    origin: Place
-
-    @property
-    def bounds(self) -> tuple[float, float, float, float]:
-        """The box that holds it: left, bottom, right, top in m."""
-        height, width = self.cells.shape
-        c, s = math.cos(self.origin.yaw), math.sin(self.origin.yaw)
-        corners = [(x * self.resolution, y * self.resolution) for x in (0, width) for y in (0, height)]
-        xs = [self.origin.x + c * x - s * y for x, y in corners]
-        ys = [self.origin.y + s * x + c * y for x, y in corners]
-        return min(xs), min(ys), max(xs), max(ys)
 
 
 class GoalState(Enum):
@@ -66,7 +42,7 @@ class GoalReport:
     """
 
     number: int = 0
-    place: Place | None = None
+    place: Pose2 | None = None
     state: GoalState = GoalState.NONE
     text: str = ""
 
@@ -92,8 +68,8 @@ class Snapshot:
     `missing` names what is waited for, in words for people; `silence` what was heard and is not any more.
     """
 
-    grid: MapGrid | None = None
-    pose: Place | None = None
+    grid: Grid | None = None
+    pose: Pose2 | None = None
     scan: NDArray[np.float64] | None = None
     path: NDArray[np.float64] | None = None
     goal: GoalReport = field(default_factory=GoalReport)
@@ -113,7 +89,7 @@ class Navigator(Protocol):
     def snapshot(self) -> Snapshot:
         """Return the newest state."""
 
-    def go(self, place: Place) -> int:
+    def go(self, place: Pose2) -> int:
         """Drive there, instead of where it drove so far. Returns the goal's number in `GoalReport`.
 
         Raises UserError when it cannot be sent in time.
@@ -131,7 +107,7 @@ class Navigator(Protocol):
     def ask_mux(self, request: MuxRequest) -> None:
         """Stop everything that drives, or release the emergency stop."""
 
-    def set_pose(self, place: Place) -> None:
+    def set_pose(self, place: Pose2) -> None:
         """Set the estimated pose of the robot."""
 
     def relocalise(self) -> None:
@@ -160,12 +136,7 @@ def heading_there(snapshot: Snapshot, x: float, y: float) -> float:
     return math.atan2(y - pose.y, x - pose.x)
 
 
-def angle_between(one: float, other: float) -> float:
-    """The angle from one direction to another without its sign, in rad from 0 to pi."""
-    return abs((one - other + math.pi) % (2.0 * math.pi) - math.pi)
-
-
-def format_place(place: Place) -> str:
+def format_place(place: Pose2) -> str:
     """A pose for people: `1.20 3.40 90`, as `g` takes it."""
     x, y = format_number(place.x, 2), format_number(place.y, 2)
     return f"{x} {y} {format_number(math.degrees(place.yaw), 0)}"

@@ -15,23 +15,21 @@ from actionlib_msgs.msg import GoalID, GoalStatusArray
 from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped
 from move_base_msgs.msg import MoveBaseActionGoal, MoveBaseActionResult
 from nav_msgs.msg import OccupancyGrid, Path
-from numpy.typing import NDArray
 from rospy.numpy_msg import numpy_msg
-from sensor_msgs.msg import LaserScan
 from std_msgs.msg import String
 from std_srvs.srv import Empty
-from tf2_msgs.msg import TFMessage
 
 from ur.source.diagnostic import UserError, error
+from ur_nodes.geometry.pose import Pose2
 from ur_nodes.motion.challenge.freshness import REQUEST_FRESHNESS
 from ur_nodes.motion.lease.client_node import LeaseClient
 from ur_nodes.motion.lease.view import LeaseView
 from ur_nodes.navigation.goal_claim import write_goal_id
 from ur_nodes.rosio.geometry import pose_message, pose_of_message
+from ur_nodes.rosio.grid_message import grid_of_message
 from ur_nodes.teleop.mux.driver_text import DriverRequest, describe_silence
 from ur_nodes.teleop.mux.emergency import MuxRequest
 from ur_nodes.teleop.mux.link_node import MuxLink
-from ur_nodes.teleop.navigator.frames import FrameTree, Link, move_points, scan_points
 from ur_nodes.teleop.navigator.goal_tracker import (
     Status,
     Tracker,
@@ -43,13 +41,12 @@ from ur_nodes.teleop.navigator.goal_tracker import (
     track_sent,
     track_status,
 )
-from ur_nodes.teleop.navigator.model import ROBOT, MapGrid, Place, Silence, Snapshot
+from ur_nodes.teleop.navigator.model import ROBOT, Silence, Snapshot
+from ur_nodes.teleop.navigator.robot_state_node import RobotState
 
-_SILENT = 3.0  # s without a transform of the robot: the picture is old
 _STATUS_SILENT = 3.0
 _NO_WORD = 1.0  # s: then what was heard before is silent
 _NANO = 1_000_000_000
-_SPEED_WINDOW = 0.2
 # What amcl takes as spread of a pose that a person points at: RViz's "2D Pose Estimate" sends the same.
 _POINTED_VARIANCE = (0.25, 0.25, (math.pi / 12) ** 2)
 
@@ -70,27 +67,21 @@ class RosNavigator:
     def __init__(self, names: Names) -> None:
         self._names = names
         self._lock = threading.Lock()
-        self._frames = FrameTree()
         self._seen = Snapshot()
         self._tracker = Tracker()
-        self._scan_in_parent: tuple[str, NDArray[np.float64]] | None = None
-        self._moved_at = -math.inf
         self._status_at = -math.inf
-        self._track: list[tuple[float, Place]] = []
         self._numbers = itertools.count(1)
         self._mux = MuxLink(names.mux)
         self._lease = LeaseClient(names.mux, "keyboard_navigate")
         self._lease_topic = rospy.resolve_name(f"{names.mux}/lease")
         self._leased = any(topic == self._lease_topic for topic, _ in rospy.get_published_topics())
+        self._robot = RobotState(names.map_frame, names.base_frame)
         subscribe = rospy.Subscriber
         self._goals = rospy.Publisher("move_base/goal", MoveBaseActionGoal, queue_size=1)
         self._cancels = rospy.Publisher("move_base/cancel", GoalID, queue_size=1)
         self._continues = rospy.Publisher("move_base/continue", GoalID, queue_size=1)
         self._poses = rospy.Publisher("initialpose", PoseWithCovarianceStamped, queue_size=1)
-        subscribe("tf_static", TFMessage, self._on_tf, queue_size=100)
-        subscribe("tf", TFMessage, self._on_tf, queue_size=100, tcp_nodelay=True)
         subscribe("map", numpy_msg(OccupancyGrid), self._on_map, queue_size=1)
-        subscribe("scan", numpy_msg(LaserScan), self._on_scan, queue_size=1)
         subscribe("amcl_pose", PoseWithCovarianceStamped, self._on_amcl_pose, queue_size=1)
         subscribe(self._names.plan_topic, Path, self._on_plan, queue_size=1)
         subscribe("move_base/current_goal", PoseStamped, self._on_current_goal, queue_size=1)
@@ -101,15 +92,8 @@ class RosNavigator:
     def snapshot(self) -> Snapshot:
         """Return the newest state."""
         now, mux, lease = time.monotonic(), self._mux.view(), self._lease.view()
+        pose, scan, (speed, turn) = self._robot.pose(), self._robot.scan(), self._robot.velocity(now)
         with self._lock:
-            names = self._names
-            pose = self._frames.place(names.map_frame, names.base_frame)
-            scan = None
-            if self._scan_in_parent is not None:
-                parent, points = self._scan_in_parent
-                matrix = self._frames.matrix(names.map_frame, parent)
-                scan = None if matrix is None else move_points(matrix, points)[:, :2]
-            speed, turn = self._speed(now)
             goal = report_at(self._tracker, now)
             return replace(
                 self._seen,
@@ -126,7 +110,7 @@ class RosNavigator:
                 silence=self._silence(lease, now),
             )
 
-    def go(self, place: Place) -> int:
+    def go(self, place: Pose2) -> int:
         """See `Navigator`. The goal's id says who sends it and answers the mux's newest challenge."""
         goal_id = self._make_goal_id()
         stamp = rospy.Time.now()
@@ -178,7 +162,7 @@ class RosNavigator:
         """Stop everything that drives, or release the emergency stop."""
         self._mux.ask(request)
 
-    def set_pose(self, place: Place) -> None:
+    def set_pose(self, place: Pose2) -> None:
         """Set the estimated pose of the robot."""
         message = PoseWithCovarianceStamped()
         message.header.stamp, message.header.frame_id = rospy.Time.now(), self._names.map_frame
@@ -210,7 +194,7 @@ class RosNavigator:
             return Silence(ROBOT, min(each.seconds for each in silent))
         return silent[0]
 
-    def _missing(self, pose: Place | None, now: float, *, leased: bool, mux: bool) -> tuple[str, ...]:
+    def _missing(self, pose: Pose2 | None, now: float, *, leased: bool, mux: bool) -> tuple[str, ...]:
         """List what a goal needs and is missing. A mux of ours has to publish its lease before the first goal."""
         names = self._names
         missing = []
@@ -218,7 +202,7 @@ class RosNavigator:
             missing.append(f"the map (topic {rospy.resolve_name('map')})")
         if pose is None:
             missing.append(f"the robot's pose (tf {names.map_frame} -> {names.base_frame})")
-        elif now - self._moved_at > _SILENT:
+        elif self._robot.silent(now):
             missing.append(f"an update of the robot's pose (tf {names.map_frame} -> {names.base_frame} is silent)")
         if not self._goals.get_num_connections() or now - self._status_at > _STATUS_SILENT:
             missing.append(f"navigation (action {rospy.resolve_name('move_base')})")
@@ -226,54 +210,14 @@ class RosNavigator:
             missing.append(f"the lease of the mux (topic {self._lease_topic})")
         return tuple(missing)
 
-    def _speed(self, now: float) -> tuple[float, float]:
-        """Of the base in its parent frame (odometry), over the last moments: m/s, rad/s."""
-        if len(self._track) < 2 or now - self._moved_at > _SILENT:
-            return 0.0, 0.0
-        (t0, a), (t1, b) = self._track[0], self._track[-1]
-        if t1 - t0 < 1e-3:
-            return 0.0, 0.0
-        along = (b.x - a.x) * math.cos(b.yaw) + (b.y - a.y) * math.sin(b.yaw)
-        turned = (b.yaw - a.yaw + math.pi) % (2.0 * math.pi) - math.pi
-        return along / (t1 - t0), turned / (t1 - t0)
-
-    def _on_tf(self, message: Any) -> None:
-        now = time.monotonic()
-        with self._lock:
-            for item in message.transforms:
-                t, q = item.transform.translation, item.transform.rotation
-                child = item.child_frame_id.lstrip("/")
-                link = Link(item.header.frame_id.lstrip("/"), t.x, t.y, t.z, q.x, q.y, q.z, q.w)
-                self._frames.update(child, link)
-                if child == self._names.base_frame:
-                    self._moved_at = now
-                    self._remember_track(item.header.stamp.to_sec(), link)
-
-    def _remember_track(self, stamp: float, link: Link) -> None:
-        yaw = math.atan2(2.0 * (link.qw * link.qz + link.qx * link.qy), 1.0 - 2.0 * (link.qy**2 + link.qz**2))
-        if self._track and stamp < self._track[-1][0]:
-            self._track.clear()
-        self._track.append((stamp, Place(link.x, link.y, yaw)))
-        while len(self._track) > 2 and stamp - self._track[1][0] >= _SPEED_WINDOW:
-            self._track.pop(0)
-
     def _on_map(self, message: Any) -> None:
-        info = message.info
-        cells = np.asarray(message.data, dtype=np.int8).reshape(info.height, info.width)
-        grid = MapGrid(cells, float(info.resolution), pose_of_message(info.origin))
+        try:
+            grid = grid_of_message(message)
+        except UserError as problem:
+            rospy.logerr("%s", problem)
+            return
         with self._lock:
             self._seen = replace(self._seen, grid=grid)
-
-    def _on_scan(self, message: Any) -> None:
-        ranges = np.asarray(message.ranges, dtype=np.float64)
-        points = scan_points(ranges, message.angle_min, message.angle_increment, message.range_min, message.range_max)
-        with self._lock:
-            # Held in the base's parent, so that a robot that turns does not drag the scan along until the next one.
-            base = self._frames.link(self._names.base_frame)
-            parent = base.parent if base else self._names.base_frame
-            matrix = self._frames.matrix(parent, message.header.frame_id)
-            if matrix is not None:
-                self._scan_in_parent = (parent, move_points(matrix, points))
 
     def _on_amcl_pose(self, message: Any) -> None:
         covariance = message.pose.covariance

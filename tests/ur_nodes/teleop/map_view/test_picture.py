@@ -7,14 +7,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from ur_nodes.geometry.grid import Grid
+from ur_nodes.geometry.pose import Pose2
 from ur_nodes.teleop.map_view.palette import DARK, DARK_16, Palette
 from ur_nodes.teleop.map_view.picture import draw_map, draw_overlay, index_grid
 from ur_nodes.teleop.map_view.viewport import Viewport
-from ur_nodes.teleop.navigator.model import MapGrid, Place, Snapshot
+from ur_nodes.teleop.navigator.model import Snapshot
 
 
-def grid(cells: list[list[int]], resolution: float = 1.0, origin: Place = Place(0, 0, 0)) -> MapGrid:  # noqa: B008 - a tuple
-    return MapGrid(np.array(cells[::-1], dtype=np.int8), resolution, origin)  # written with the top row first
+def grid(cells: list[list[int]], resolution: float = 1.0, origin: Pose2 = Pose2(0, 0, 0)) -> Grid:  # noqa: B008 - a tuple
+    return Grid(np.array(cells[::-1], dtype=np.int8), resolution, origin)  # written with the top row first
 
 
 def test_map_is_drawn_upright_one_pixel_per_cell() -> None:
@@ -37,12 +39,12 @@ def test_closer_view_repeats_cells_exactly() -> None:
 def test_wall_thinner_than_a_pixel_is_still_seen() -> None:
     cells = np.zeros((40, 40), np.int8)
     cells[:, 20:22] = 100
-    picture = draw_map(index_grid(MapGrid(cells, 0.05, Place(0, 0, 0))), Viewport(1.0, 1.0, 0.4, 5, 5), DARK)
+    picture = draw_map(index_grid(Grid(cells, 0.05, Pose2(0, 0, 0))), Viewport(1.0, 1.0, 0.4, 5, 5), DARK)
     assert (picture.max(axis=1)[:, 0] > 150).all()
 
 
 def test_turned_map_is_drawn_turned() -> None:
-    turned = grid([[100, 0, 0]], origin=Place(0, 0, math.pi / 2))  # its x axis is the map's y axis
+    turned = grid([[100, 0, 0]], origin=Pose2(0, 0, math.pi / 2))  # its x axis is the map's y axis
     picture = draw_map(index_grid(turned), Viewport(-0.5, 1.5, 1.0, 1, 3), DARK)
     assert picture[2, 0].tolist() == list(DARK.wall)
     assert picture[0, 0].tolist() == list(DARK.free)
@@ -64,7 +66,7 @@ def test_scan_and_path_are_drawn_and_clipped() -> None:
 
 def test_robot_close_by_is_drawn_to_scale() -> None:
     view = Viewport(0.0, 0.0, 0.02, 60, 60)
-    snapshot = Snapshot(pose=Place(0.0, 0.0, 0.0))
+    snapshot = Snapshot(pose=Pose2(0.0, 0.0, 0.0))
     picture = draw_overlay(draw_map(None, view, DARK), snapshot, view, DARK)
     rows, columns = np.nonzero((picture == DARK.robot).all(axis=2))
     assert columns.max() - columns.min() == pytest.approx(0.45 / 0.02, abs=2)
@@ -86,7 +88,7 @@ def test_single_cell_of_wall_is_seen_at_any_scale(
 ) -> None:
     cells = np.zeros((60, 60), np.int8)
     cells[row, column] = 100
-    index = index_grid(MapGrid(cells, 0.05, Place(0.0, 0.0, yaw)))
+    index = index_grid(Grid(cells, 0.05, Pose2(0.0, 0.0, yaw)))
     size = int(200 / cells_per_pixel) + 4
     c, s = math.cos(yaw), math.sin(yaw)
     x, y = 1.5 * c - 1.5 * s + shift, 1.5 * s + 1.5 * c + shift
@@ -96,6 +98,6 @@ def test_single_cell_of_wall_is_seen_at_any_scale(
 
 
 def test_walls_are_not_made_up() -> None:
-    index = index_grid(MapGrid(np.zeros((60, 60), np.int8), 0.05, Place(0.0, 0.0, 0.3)))
+    index = index_grid(Grid(np.zeros((60, 60), np.int8), 0.05, Pose2(0.0, 0.0, 0.3)))
     picture = draw_map(index, Viewport(1.0, 1.0, 0.3, 20, 20), DARK)
     assert {tuple(pixel) for row in picture.tolist() for pixel in row} == {DARK.free, DARK.unknown}

@@ -11,6 +11,7 @@ import pytest_asyncio
 from textual.pilot import Pilot
 from textual.widgets import Static
 
+from ur_nodes.geometry.pose import Pose2
 from ur_nodes.teleop.map_view.palette import LIGHT, LIGHT_16
 from ur_nodes.teleop.map_view.widget import MapView
 from ur_nodes.teleop.mux.emergency import MuxView
@@ -18,7 +19,7 @@ from ur_nodes.teleop.navigate.app import NavigateApp
 from ur_nodes.teleop.navigate.command_line import CommandLine
 from ur_nodes.teleop.navigate.panel import Panel
 from ur_nodes.teleop.navigate.waypoints import WaypointStore
-from ur_nodes.teleop.navigator.model import GoalState, Place, Snapshot
+from ur_nodes.teleop.navigator.model import GoalState, Snapshot
 
 
 class Screen:
@@ -61,7 +62,7 @@ async def screen(navigator: Any, store: WaypointStore) -> AsyncIterator[Screen]:
 
 async def test_goal_command_sends_a_goal_and_says_so(screen: Screen, navigator: Any) -> None:
     await screen.type("g 2 3 90")
-    assert navigator.goals == [Place(2.0, 3.0, math.pi / 2)]
+    assert navigator.goals == [Pose2(2.0, 3.0, math.pi / 2)]
     assert "driving to 2.00 3.00 90" in screen.text("message")
     assert "driving" in screen.text("status")
     assert "3.6 m left" in screen.text("status")
@@ -69,7 +70,7 @@ async def test_goal_command_sends_a_goal_and_says_so(screen: Screen, navigator: 
 
 async def test_reaching_and_failing_are_announced(screen: Screen, navigator: Any) -> None:
     await screen.type("g 2 3 90")
-    navigator.move(Place(2.0, 2.95, 1.5))
+    navigator.move(Pose2(2.0, 2.95, 1.5))
     navigator.end(GoalState.REACHED)
     await screen.refresh()
     assert "reached 2.00 3.00 90, 0.05 m off" in screen.text("message")
@@ -132,7 +133,7 @@ async def test_error_is_one_clear_line(screen: Screen, navigator: Any, line: str
 
 
 async def test_waypoint_is_remembered_listed_and_driven_to(screen: Screen, navigator: Any) -> None:
-    navigator.move(Place(1.0, 2.0, 0.0))
+    navigator.move(Pose2(1.0, 2.0, 0.0))
     await screen.type("w kitchen")
     assert "waypoint 'kitchen' saved at 1.00 2.00 0" in screen.text("message")
     await screen.type("l")
@@ -140,7 +141,7 @@ async def test_waypoint_is_remembered_listed_and_driven_to(screen: Screen, navig
     assert "kitchen  1.00 2.00 0" in screen.panel_text()
     await screen.pilot.press("x")
     await screen.type("m kitchen")
-    assert navigator.goals == [Place(1.0, 2.0, 0.0)]
+    assert navigator.goals == [Pose2(1.0, 2.0, 0.0)]
 
 
 async def test_help_opens_at_once_and_any_key_closes_it(screen: Screen) -> None:
@@ -156,7 +157,7 @@ async def test_stop_pose_and_search_reach_the_robot(screen: Screen, navigator: A
     await screen.type("s")
     assert navigator.stops == 1
     await screen.type("i 1 2 90")
-    assert navigator.poses == [Place(1.0, 2.0, math.pi / 2)]
+    assert navigator.poses == [Pose2(1.0, 2.0, math.pi / 2)]
     await screen.type("global")
     assert navigator.searches == 1
     navigator.offers_search = False
@@ -245,7 +246,7 @@ async def test_history_brings_lines_back(screen: Screen) -> None:
 async def test_following_keeps_the_robot_in_view(screen: Screen, navigator: Any) -> None:
     await screen.type("f")
     for x in (1.0, 2.0, 3.0, 4.0):
-        navigator.move(Place(x, 0.0, 0.0))
+        navigator.move(Pose2(x, 0.0, 0.0))
         await screen.refresh()
         column, _ = screen.app.map.view.to_pixel(x, 0.0)
         assert 0.2 * 100 < column < 0.8 * 100
@@ -297,7 +298,7 @@ async def test_quit_ends_the_program(navigator: Any, store: WaypointStore, keys:
 
 
 async def test_own_goal_is_cancelled_at_the_end_and_another_is_not(screen: Screen, navigator: Any) -> None:
-    navigator.go(Place(1.0, 1.0, 0.0))
+    navigator.go(Pose2(1.0, 1.0, 0.0))
     screen.app.cancel_own_goal()
     assert navigator.stops == 0
     await screen.type("g 1 1")

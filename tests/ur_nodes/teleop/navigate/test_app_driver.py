@@ -11,15 +11,16 @@ import pytest_asyncio
 from tests.ur_nodes.teleop.navigate.test_app import Screen
 
 from ur.source.diagnostic import UserError, error
+from ur_nodes.geometry.pose import Pose2
 from ur_nodes.motion.lease.view import LeaseView
 from ur_nodes.teleop.mux.driver_text import clock_time
 from ur_nodes.teleop.mux.emergency import MuxView
 from ur_nodes.teleop.navigate.app import NavigateApp
 from ur_nodes.teleop.navigate.waypoints import WaypointStore
-from ur_nodes.teleop.navigator.model import GoalReport, GoalState, Place, Silence
+from ur_nodes.teleop.navigator.model import GoalReport, GoalState, Silence
 
 SIZES = [(80, 24), (40, 12)]
-THERE = Place(2.0, 3.0, 0.0)
+THERE = Pose2(2.0, 3.0, 0.0)
 MINE = LeaseView("held", "laptop", "keyboard_navigate", 0.0, mine=True, link_age=0.0)
 OTHER = LeaseView("held", "laptop2", "keyboard_drive", 100.0, link_age=0.0)
 LOST = Silence("the robot", 1.2)

@@ -14,6 +14,7 @@ from textual import events
 from textual.pilot import Pilot
 from textual.widgets import Static
 
+from ur_nodes.geometry.pose import Pose2
 from ur_nodes.teleop.map_view import widget as map_widget
 from ur_nodes.teleop.map_view.widget import MapView
 from ur_nodes.teleop.mux.emergency import MuxView
@@ -21,7 +22,6 @@ from ur_nodes.teleop.navigate.app import NavigateApp
 from ur_nodes.teleop.navigate.command_line import EMPTY_LINE_KEYS, CommandLine
 from ur_nodes.teleop.navigate.panel import Panel
 from ur_nodes.teleop.navigate.waypoints import WaypointStore
-from ur_nodes.teleop.navigator.model import Place
 
 KEYS = sorted({*EMPTY_LINE_KEYS, *"abcdefghijklmnoprstuvwxyz", "enter", "escape", "tab", "backspace", "space", "up"})
 SMALL = (40, 12)
@@ -133,7 +133,7 @@ async def test_resize_while_a_goal_is_driven_and_help_is_open(screen: Screen, na
     await screen.type("g 2 3 90")
     await screen.pilot.press("question_mark")
     for step in range(10):
-        navigator.move(Place(0.1 * step, 0.0, 0.0))
+        navigator.move(Pose2(0.1 * step, 0.0, 0.0))
         await screen.pilot.resize_terminal(20 + 8 * step, 3 + 4 * step)
         await screen.refresh()
     await screen.pilot.press("x")
@@ -175,7 +175,7 @@ async def test_exception_ends_the_program_and_is_kept_for_the_report(navigator: 
 
 
 async def test_coordinates_are_never_a_negative_zero(screen: Screen, navigator: Any) -> None:
-    navigator.move(Place(-0.001, -0.004, -0.001))
+    navigator.move(Pose2(-0.001, -0.004, -0.001))
     await screen.type("w here")
     assert "-0" not in screen.text("status") + screen.text("message")
     view = screen.app.map.view

@@ -8,12 +8,13 @@ from typing import Any
 
 import pytest
 
+from ur_nodes.geometry.pose import Pose2
 from ur_nodes.motion.lease.view import LeaseView
 from ur_nodes.teleop.mux.driver_text import clock_time
 from ur_nodes.teleop.mux.emergency import MuxView
 from ur_nodes.teleop.navigate.batch import BatchContext, InterruptedBatchError, Limits, run_batch, wait_until_ready
 from ur_nodes.teleop.navigate.waypoints import WaypointStore
-from ur_nodes.teleop.navigator.model import GoalReport, GoalState, Place, Silence
+from ur_nodes.teleop.navigator.model import GoalReport, GoalState, Silence
 
 
 @dataclass
@@ -51,7 +52,7 @@ def run(lines: list[str], navigator: Any, store: WaypointStore, world: World, li
 def test_goal_that_is_reached_says_how_well(navigator: Any, store: WaypointStore) -> None:
     def happens(now: float) -> None:
         if now > 12.29 and not navigator.seen.goal.over:
-            navigator.move(Place(2.0, 2.96, math.radians(91.2)))
+            navigator.move(Pose2(2.0, 2.96, math.radians(91.2)))
             navigator.end(GoalState.REACHED)
 
     world = World(happens)
@@ -68,7 +69,7 @@ def test_goal_that_fails_gives_the_reason_and_exit_code_1(navigator: Any, store:
 def test_goals_are_driven_one_after_another(navigator: Any, store: WaypointStore) -> None:
     world = World(arriving(navigator))
     assert run(["g 1 0", "", "# a comment", "g 1 1"], navigator, store, world) == 0
-    assert navigator.goals == [Place(1.0, 0.0, 0.0), Place(1.0, 1.0, math.pi / 2)]
+    assert navigator.goals == [Pose2(1.0, 0.0, 0.0), Pose2(1.0, 1.0, math.pi / 2)]
     assert len(world.out) == 2
 
 
@@ -82,9 +83,9 @@ def test_malformed_line_is_reported_and_the_rest_still_done(navigator: Any, stor
 
 def test_waypoints_are_remembered_listed_reached_and_dropped(navigator: Any, store: WaypointStore) -> None:
     world = World(arriving(navigator))
-    navigator.move(Place(1.0, 2.0, math.pi))
+    navigator.move(Pose2(1.0, 2.0, math.pi))
     assert run(["l", "w here", "g 0 0 0", "m here", "l", "d here"], navigator, store, world) == 0
-    assert navigator.goals[-1] == pytest.approx(Place(1.0, 2.0, math.pi))
+    assert navigator.goals[-1] == pytest.approx(Pose2(1.0, 2.0, math.pi))
     assert world.out[0] == "l: no waypoints yet"
     assert world.out[1] == "w here: saved at 1.00 2.00 180"
     assert "here: 1.00 2.00 180" in world.out
@@ -94,7 +95,7 @@ def test_waypoints_are_remembered_listed_reached_and_dropped(navigator: Any, sto
 def test_other_commands(navigator: Any, store: WaypointStore) -> None:
     world = World()
     assert run(["i 1 2 90", "global", "s", "?", "q", "g 1 1"], navigator, store, world) == 0
-    assert navigator.poses == [Place(1.0, 2.0, math.pi / 2)]
+    assert navigator.poses == [Pose2(1.0, 2.0, math.pi / 2)]
     assert (navigator.searches, navigator.stops) == (1, 1)
     assert not navigator.goals
     assert "g X Y [ANGLE]" in world.out[-1]
@@ -102,7 +103,7 @@ def test_other_commands(navigator: Any, store: WaypointStore) -> None:
 
 def test_emergency_ends_the_goal_and_lasts_until_the_release(navigator: Any, store: WaypointStore) -> None:
     world = World()
-    navigator.go(Place(1.0, 1.0, 0.0))
+    navigator.go(Pose2(1.0, 1.0, 0.0))
     assert run(["e", "r"], navigator, store, world) == 0
     assert world.out == ["e: emergency stop", "r: released"]
     assert navigator.asked == ["stop", "release"]
@@ -127,7 +128,7 @@ def test_goal_over_the_limit_is_cancelled(navigator: Any, store: WaypointStore) 
 
 def test_goal_that_is_replaced_by_somebody_else_fails(navigator: Any, store: WaypointStore) -> None:
     def happens(_: float) -> None:
-        navigator.seen = replace(navigator.seen, goal=GoalReport(7, Place(0, 0, 0), GoalState.DRIVING))
+        navigator.seen = replace(navigator.seen, goal=GoalReport(7, Pose2(0, 0, 0), GoalState.DRIVING))
 
     world = World(happens)
     assert run(["g 1 1"], navigator, store, world) == 1
@@ -178,7 +179,7 @@ def test_held_goal_is_noted_once_and_reported_by_its_end(navigator: Any, store: 
         elif 2.0 <= now < 3.0:
             navigator.end(GoalState.DRIVING)
         elif now >= 3.0:
-            navigator.move(Place(1.0, 0.0, 0.0))
+            navigator.move(Pose2(1.0, 0.0, 0.0))
             navigator.end(GoalState.REACHED)
 
     world = World(happens)

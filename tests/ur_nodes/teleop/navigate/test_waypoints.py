@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 
 from ur.source.diagnostic import UserError
+from ur_nodes.geometry.grid import Grid
+from ur_nodes.geometry.pose import Pose2
 from ur_nodes.teleop.navigate.commands import error_line
 from ur_nodes.teleop.navigate.waypoints import WaypointStore, name_of_map, waypoint_path
-from ur_nodes.teleop.navigator.model import MapGrid, Place
 
-HERE = Place(1.25, -2.5, math.radians(90))
+HERE = Pose2(1.25, -2.5, math.radians(90))
 
 
 @pytest.fixture
@@ -33,7 +34,7 @@ def test_names_that_look_like_values_stay_names(store: WaypointStore, name: str)
 
 def test_remembering_a_name_again_moves_it(store: WaypointStore) -> None:
     store.remember("a", HERE)
-    assert not store.remember("a", Place(0.0, 0.0, 0.0))
+    assert not store.remember("a", Pose2(0.0, 0.0, 0.0))
     assert store.find("a") == (0.0, 0.0, 0.0)
 
 
@@ -86,7 +87,7 @@ def test_path_follows_xdg(name: str, stem: str) -> None:
 
 
 def test_name_of_a_nameless_map_depends_on_its_content() -> None:
-    grid = MapGrid(np.zeros((2, 3), np.int8), 0.05, Place(0, 0, 0))
-    assert name_of_map(grid) == name_of_map(replace(grid, cells=grid.cells.copy()))
-    assert name_of_map(grid) != name_of_map(replace(grid, cells=grid.cells + np.int8(1)))
+    grid = Grid(np.zeros((2, 3), np.int8), 0.05, Pose2(0, 0, 0))
+    assert name_of_map(grid) == name_of_map(replace(grid, values=grid.values.copy()))
+    assert name_of_map(grid) != name_of_map(replace(grid, values=grid.values + np.int8(1)))
     assert name_of_map(grid) != name_of_map(replace(grid, resolution=0.1))

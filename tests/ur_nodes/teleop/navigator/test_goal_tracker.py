@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import pytest
 
+from ur_nodes.geometry.pose import Pose2
 from ur_nodes.teleop.navigator.goal_tracker import (
     ANSWER_LIMIT,
     SILENCE,
@@ -16,9 +17,9 @@ from ur_nodes.teleop.navigator.goal_tracker import (
     track_sent,
     track_status,
 )
-from ur_nodes.teleop.navigator.model import GoalReport, GoalState, Place
+from ur_nodes.teleop.navigator.model import GoalReport, GoalState
 
-HERE, THERE = Place(1.0, 2.0, 0.0), Place(5.0, 6.0, 0.0)
+HERE, THERE = Pose2(1.0, 2.0, 0.0), Pose2(5.0, 6.0, 0.0)
 PENDING, ACTIVE, PREEMPTED, SUCCEEDED, ABORTED, REJECTED = range(6)
 
 

@@ -6,20 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ur_nodes.teleop.navigator.model import (
-    GoalReport,
-    GoalState,
-    MapGrid,
-    Place,
-    Snapshot,
-    angle_between,
-    distance_left,
-    heading_there,
-)
+from ur_nodes.geometry.pose import Pose2
+from ur_nodes.teleop.navigator.model import GoalReport, GoalState, Snapshot, distance_left, heading_there
 
 DRIVING = Snapshot(
-    pose=Place(0.0, 0.0, 0.0),
-    goal=GoalReport(1, Place(3.0, 4.0, 0.0), GoalState.DRIVING),
+    pose=Pose2(0.0, 0.0, 0.0),
+    goal=GoalReport(1, Pose2(3.0, 4.0, 0.0), GoalState.DRIVING),
     path=np.array([[-1.0, 0.0], [0.0, 0.0], [3.0, 0.0], [3.0, 4.0]]),
 )
 
@@ -40,14 +32,4 @@ def test_distance_left_needs_pose_and_goal() -> None:
 
 def test_heading_without_an_angle_is_the_way_there() -> None:
     assert heading_there(DRIVING, 0.0, 2.0) == pytest.approx(math.pi / 2)
-    assert heading_there(replace(DRIVING, pose=Place(1.0, 1.0, 0.7)), 1.0, 1.0) == 0.7
-
-
-def test_angle_between_is_never_more_than_half_a_turn() -> None:
-    assert angle_between(3.0, -3.0) == pytest.approx(2 * math.pi - 6.0)
-    assert angle_between(0.0, math.pi) == pytest.approx(math.pi)
-
-
-def test_bounds_of_a_turned_map() -> None:
-    grid = MapGrid(np.zeros((10, 20), np.int8), 0.1, Place(1.0, 1.0, math.pi / 2))
-    assert grid.bounds == pytest.approx((0.0, 1.0, 1.0, 3.0))
+    assert heading_there(replace(DRIVING, pose=Pose2(1.0, 1.0, 0.7)), 1.0, 1.0) == 0.7

@@ -8,7 +8,7 @@ from PIL import Image
 
 from ur.source.diagnostic import UserError
 from ur.worlds.map_file import read_map
-from ur_nodes.geometry.map_file import load_map
+from ur_nodes.geometry.grid import load_map
 from ur_nodes.geometry.pose import Pose2
 
 HEAD = "resolution: 0.05\norigin: [1, -2.5, 0.25]\n"
@@ -143,6 +143,23 @@ def test_load_map_says_when_an_image_is_cut_short(tmp_path: Path) -> None:
     (tmp_path / "plan.png").write_bytes(whole[: len(whole) // 2])
     with pytest.raises(UserError, match=r"plan\.png cannot be read: .*expected an undamaged image"):
         load_map(file)
+
+
+def test_wall_at_turns_with_the_origin(tmp_path: Path) -> None:
+    path = write_map(tmp_path, [[254, 0]])
+    path.write_text(path.read_text().replace("0.05", "0.1").replace("[1, -2.5, 0.25]", "[1, 2, 1.5707963267948966]"))
+    image = read_map(path)
+    assert image.wall_at(0.95, 2.15) is True
+    assert image.wall_at(0.95, 2.05) is False
+    assert image.wall_at(1.05, 2.05) is None
+
+
+@pytest.mark.parametrize("content", [b"", b"no picture"])
+def test_file_that_is_no_image_is_named(tmp_path: Path, content: bytes) -> None:
+    path = write_map(tmp_path, [[0]])
+    (tmp_path / "plan.png").write_bytes(content)
+    with pytest.raises(UserError, match=r"plan.yaml:1:8: image: .*plan.png (is not an image|cannot be read)"):
+        read_map(path)
 
 
 def test_walls_are_only_what_is_occupied(tmp_path: Path) -> None:

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
+from ur_nodes.geometry.laser import directions_of_beams, mount_of_pose, points_of_ranges
 from ur_nodes.geometry.pose import make_pose3
-from ur_nodes.localisation.laser import directions_of_beams, mount_of_pose, points_of_ranges
 
 BEAMS = directions_of_beams(4, 0.0, math.pi / 2.0)
 LIMITS = (0.1, 10.0)

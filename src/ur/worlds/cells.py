@@ -1,0 +1,88 @@
+"""Square cells of a plane: the cell of a point, the point of a cell, and the values below points."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+Value = TypeVar("Value", bound=np.generic)
+
+
+class CellFrame:
+    """The geometry of a grid, for every class with a resolution, an origin and an array of values.
+
+    Row 0, column 0 is the cell whose outer corner is `origin`, a pose x, y, yaw (m, m, rad) in the frame of the grid.
+    Columns run along the origin's x axis, rows along its y axis. `resolution` is the side of a cell in m.
+    """
+
+    __slots__ = ()
+
+    resolution: float
+    origin: tuple[float, float, float]
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """The numbers of rows and columns."""
+        raise NotImplementedError
+
+    @property
+    def height(self) -> int:
+        """The number of rows."""
+        return self.shape[0]
+
+    @property
+    def width(self) -> int:
+        """The number of columns."""
+        return self.shape[1]
+
+    @property
+    def bounds(self) -> tuple[float, float, float, float]:
+        """The smallest upright box that holds the grid: left, bottom, right, top in m."""
+        corners = np.array([(row, column) for row in (0, self.height) for column in (0, self.width)]) - 0.5
+        points = self.points_of_cells(corners)
+        (left, bottom), (right, top) = points.min(axis=0).tolist(), points.max(axis=0).tolist()
+        return left, bottom, right, top
+
+    def fractions_of_points(self, points: NDArray[np.floating]) -> NDArray[Any]:
+        """Points (..., 2) as (x, y) in m as (row, column) with fractions; the centre of cell (r, c) is at + 0.5."""
+        x, y, yaw = self.origin
+        dx, dy = points[..., 0] - x, points[..., 1] - y
+        if yaw:
+            c, s = math.cos(yaw), math.sin(yaw)
+            dx, dy = c * dx + s * dy, c * dy - s * dx
+        fractions: NDArray[Any] = np.stack((dy, dx), axis=-1) / self.resolution
+        return fractions
+
+    def cells_of_points(self, points: NDArray[np.floating]) -> NDArray[np.intp]:
+        """The cells (..., 2) as (row, column) that hold points (..., 2) as (x, y) in m; may lie outside the grid."""
+        cells: NDArray[np.intp] = np.floor(self.fractions_of_points(points)).astype(np.intp)
+        return cells
+
+    def points_of_cells(self, cells: NDArray[np.integer] | NDArray[np.floating]) -> NDArray[np.float64]:
+        """The centres (..., 2) as (x, y) in m of cells (..., 2) as (row, column)."""
+        x, y, yaw = self.origin
+        along = (np.asarray(cells[..., 1], dtype=np.float64) + 0.5) * self.resolution
+        across = (np.asarray(cells[..., 0], dtype=np.float64) + 0.5) * self.resolution
+        c, s = math.cos(yaw), math.sin(yaw)
+        return np.stack((x + c * along - s * across, y + s * along + c * across), axis=-1)
+
+    def contains(self, cells: NDArray[np.integer]) -> NDArray[np.bool_]:
+        """True for those of the cells (..., 2) that lie inside the grid."""
+        rows, columns = cells[..., 0], cells[..., 1]
+        height, width = self.shape
+        inside: NDArray[np.bool_] = (rows >= 0) & (rows < height) & (columns >= 0) & (columns < width)
+        return inside
+
+
+def look_up(frame: CellFrame, values: NDArray[Value], points: NDArray[np.floating], outside: Any) -> NDArray[Value]:
+    """The values (...) of the cells below points (..., 2) in m; `outside` where the grid does not reach."""
+    cells = np.floor(frame.fractions_of_points(points)).astype(np.int32)
+    rows, columns, inside = cells[..., 0], cells[..., 1], frame.contains(cells)
+    if inside.all():
+        below: NDArray[Value] = values[rows, columns]
+        return below
+    found = values[np.where(inside, rows, 0), np.where(inside, columns, 0)]
+    return np.where(inside, found, values.dtype.type(outside))
