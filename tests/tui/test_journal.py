@@ -6,7 +6,8 @@ from hypothesis import strategies as st
 from tests.tui.fake import line
 
 from ur.run.clients.protocol import Notice
-from ur.tui.journal import MOST_AT_ONCE, MOST_ENTRIES, MOST_LINES, Filter, Journal, clean, plain, strip_head
+from ur.source.ansi import strip_styles
+from ur.tui.journal import MOST_AT_ONCE, MOST_ENTRIES, MOST_LINES, Filter, Journal, clean, strip_head
 
 
 def journal(*texts: str, name: str = "/a") -> Journal:
@@ -97,12 +98,12 @@ def test_changes_name_the_oldest_entry_that_changed() -> None:
 def test_filter_admits(filter_: Filter, shown: list[str]) -> None:
     made = Journal()
     made.add([line("/a", "one"), line("/b", "[WARN] [1.0]: two"), line("/c", "\x1b[1mthr\x1b[0mee")], 1.0)
-    assert [plain(entry.lines[0]) for entry in made.entries if filter_.admits(entry)] == shown
+    assert [strip_styles(entry.lines[0]) for entry in made.entries if filter_.admits(entry)] == shown
 
 
 @given(st.text())
 def test_clean_leaves_nothing_that_moves_a_terminal(text: str) -> None:
-    assert plain(clean(text)).isprintable() or plain(clean(text)) == ""
+    assert strip_styles(clean(text)).isprintable() or strip_styles(clean(text)) == ""
 
 
 @given(st.lists(st.tuples(st.sampled_from(["/a", "/b"]), st.text(max_size=20)), max_size=60))

@@ -6,28 +6,23 @@ import os
 from collections.abc import Iterable
 from typing import TextIO
 
+from ur.source.ansi import BOLD, CYAN, GREEN, RED, YELLOW, allows_colour, paint
 from ur.source.diagnostic import Diagnostic, Severity
 from ur.source.file import Span
 from ur.source.printable import printable
 
 _STYLES = {
-    "error": "\x1b[1;31m",
-    "warning": "\x1b[1;33m",
-    "note": "\x1b[36m",
-    "help": "\x1b[32m",
-    "path": "\x1b[1m",
-    "caret": "\x1b[1;31m",
+    "error": BOLD + RED,
+    "warning": BOLD + YELLOW,
+    "note": CYAN,
+    "help": GREEN,
+    "path": BOLD,
 }
 
 
 def shows_colour(stream: TextIO) -> bool:
     """Return True for a terminal that shows colours, unless NO_COLOR is set (no-color.org)."""
-    return stream.isatty() and allows_colour()
-
-
-def allows_colour() -> bool:
-    """Return False where NO_COLOR is set, or TERM names no terminal that shows colours."""
-    return not os.environ.get("NO_COLOR") and os.environ.get("TERM", "") not in ("", "dumb")
+    return stream.isatty() and allows_colour(os.environ)
 
 
 def render_human(diagnostics: Iterable[Diagnostic], *, colour: bool = False) -> str:
@@ -71,4 +66,4 @@ def _one_cell_each(text: str) -> str:
 
 
 def _paint(text: str, style: str, colour: bool) -> str:
-    return f"{_STYLES[style]}{text}\x1b[0m" if colour else text
+    return paint(text, _STYLES[style]) if colour else text

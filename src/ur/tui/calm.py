@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 import select
 import shutil
 import signal
@@ -14,16 +13,15 @@ from dataclasses import dataclass
 
 from ur.run.clients.client import RunControl
 from ur.run.clients.protocol import Notice, OutputLine, RunEvent, RunStarted, StopRun, Watch
+from ur.source.ansi import BOLD, CLEAR_LINE, DIM, GREEN, RED, YELLOW, paint, strip_styles
 from ur.tui.board import STANDING, Board, Mood, apply_events, begin_board
 
 SIGNS: dict[Mood, tuple[str, str]] = {
-    "up": ("32", "up"),
-    "busy": ("33", "starting"),
-    "failed": ("31", "failed"),
-    "idle": ("2", "off"),
+    "up": (GREEN, "up"),
+    "busy": (YELLOW, "starting"),
+    "failed": (RED, "failed"),
+    "idle": (DIM, "off"),
 }
-_COLOURS = re.compile(r"\x1b\[[0-9;]*m")
-_CLEAR, _PLAIN = "\r\x1b[K", "\x1b[0m"
 WATCH = Watch(output=True, stats=False, readiness=True)
 
 
@@ -37,16 +35,16 @@ class Shown:
 
 def show_events(board: Board, happened: list[RunEvent], width: int) -> tuple[Board, Shown]:
     """The board after these events, and what people see of them: notices, warnings and errors."""
-    from ur.tui.journal import clean, plain
+    from ur.tui.journal import clean
 
     board = apply_events(board, happened)
     lines = []
     for event in happened:
         if isinstance(event, OutputLine) and event.severity in ("warning", "error", "fatal"):
-            colour = "33" if event.severity == "warning" else "31"
-            lines.append(f"\x1b[{colour}m[{event.name}] {plain(clean(event.text))}{_PLAIN}")
+            colour = YELLOW if event.severity == "warning" else RED
+            lines.append(paint(f"[{event.name}] {strip_styles(clean(event.text))}", colour))
         elif isinstance(event, Notice) and event.severity in ("warning", "error", "fatal"):
-            lines += [f"\x1b[31m{clean(line)}{_PLAIN}" for line in event.text.split("\n")]
+            lines += [paint(clean(line), RED) for line in event.text.split("\n")]
     return board, Shown(tuple(lines[-200:]), describe_status(board, width))
 
 
@@ -55,20 +53,20 @@ def describe_status(board: Board, width: int) -> str:
     counts = board.count()
     parts = [(f"{counts[mood]} {SIGNS[mood][1]}", SIGNS[mood][0]) for mood in STANDING if counts[mood]]
     if board.cause is not None:
-        parts.insert(0, ("stopping", "33"))
+        parts.insert(0, ("stopping", YELLOW))
     elif board.link:
-        parts.insert(0, (board.link, "31"))
+        parts.insert(0, (board.link, RED))
     wrong = next((row for mood in ("failed", "busy") for row in board.rows if row.mood == mood), None)
     if wrong is not None and board.cause is None:
-        parts.append((f"{wrong.name.lstrip('/')}: {wrong.word}", "2"))
+        parts.append((f"{wrong.name.lstrip('/')}: {wrong.word}", DIM))
     left = width - 1
     pieces: list[str] = []
-    for text, colour in [(board.run.title, "1"), *parts]:
+    for text, colour in [(board.run.title, BOLD), *parts]:
         room = left - (2 if pieces else 0)
         if room < 4:
             break
         cut = text if len(text) <= room else text[: room - 1] + "…"
-        pieces.append(f"\x1b[{colour}m{cut}{_PLAIN}")
+        pieces.append(paint(cut, colour))
         left = room - len(cut)
     return "  ".join(pieces)
 
@@ -116,7 +114,7 @@ def watch_calmly(
             if happened is None:
                 return ("gone", 1) if board.exit_code is None else ("ended", board.exit_code)
             board, shown = show_events(board, happened, shutil.get_terminal_size().columns)
-            write(_CLEAR + "".join(f"{line}\r\n" for line in shown.lines) + shown.status)
+            write(CLEAR_LINE + "".join(f"{line}\r\n" for line in shown.lines) + shown.status)
             sys.stdout.flush()
             if board.exit_code is not None:
                 return "ended", board.exit_code
@@ -125,9 +123,9 @@ def watch_calmly(
         signal.signal(signal.SIGINT, before)
         os.close(reader)
         os.close(writer)
-        write(_CLEAR)
+        write(CLEAR_LINE)
         sys.stdout.flush()
 
 
 def _without_colours(write: Callable[[str], object]) -> Callable[[str], object]:
-    return lambda text: write(_COLOURS.sub("", text))
+    return lambda text: write(strip_styles(text))

@@ -8,6 +8,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 from ur.run.clients.protocol import Notice, OutputLine, Severity, find_severity
+from ur.source.ansi import STYLE, strip_styles
 
 MOST_ENTRIES = 10_000
 MOST_LINES = 200  # of one message
@@ -15,7 +16,6 @@ MOST_AT_ONCE = 200  # lines of one node between two looks; who prints more is co
 REACH = 64  # entries between two lines of one message, or two equal messages
 RANK: dict[Severity, int] = {"debug": 0, "": 1, "info": 1, "warning": 2, "error": 3, "fatal": 4}
 
-_COLOUR = re.compile("\x1b\\[[0-9;]*m")
 _HEAD = re.compile(r"\[ *[A-Z]+ *\] *(?:\[(?:WallTime: )?[0-9.]+(?:[^\]]*)\] *)?:? ?")
 _CLOSED = re.compile("\x1b\\[0?m")
 
@@ -60,7 +60,7 @@ class Filter:
         if entry.name and ((self.node and entry.name != self.node) or entry.name in self.muted):
             return False
         wanted = self.text.lower()
-        return not wanted or wanted in entry.name.lower() or any(wanted in plain(x).lower() for x in entry.lines)
+        return not wanted or wanted in entry.name.lower() or any(wanted in strip_styles(x).lower() for x in entry.lines)
 
 
 @dataclass(slots=True)
@@ -103,13 +103,13 @@ class Journal:
         before = self._recent(event.name)
         if before is not None and not event.severity and _goes_on(before, text):
             if len(before.lines) < MOST_LINES:
-                before.lines.append(_COLOUR.sub("", text) if before.severity else text)
+                before.lines.append(strip_styles(text) if before.severity else text)
             _follow(before, text)
             self._touch(before)
             return
         severity, shown = event.severity or find_severity(text), text
         if severity:
-            shown = strip_head(_COLOUR.sub("", text))
+            shown = strip_head(strip_styles(text))
         trace = text.startswith("Traceback (most recent call last)")
         severity = severity or ("error" if trace else "")
         if before is not None and not trace and before.severity == severity and before.lines == [shown]:
@@ -151,18 +151,13 @@ class Journal:
             self._oldest_change = entry.number
 
 
-def plain(text: str) -> str:
-    """A line without colours."""
-    return _COLOUR.sub("", text) if "\x1b" in text else text
-
-
 def clean(text: str) -> str:
     """A line that cannot move a cursor or ring a bell: colours stay, tabs become spaces, the rest `?`."""
     if text.isprintable():
         return text
     pieces = []
     position = 0
-    for colour in _COLOUR.finditer(text):
+    for colour in STYLE.finditer(text):
         pieces += [_hide(text[position : colour.start()]), colour.group()]
         position = colour.end()
     return "".join([*pieces, _hide(text[position:])])
@@ -181,7 +176,7 @@ def _hide(text: str) -> str:
 
 
 def _goes_on(entry: Entry, text: str) -> bool:
-    bare = plain(text)
+    bare = strip_styles(text)
     if entry.flood:
         return False
     return entry.open or entry.trace or (bool(entry.severity) and bare[:1] in (" ", "\t"))

@@ -13,8 +13,9 @@ from textual.geometry import Size
 from textual.scroll_view import ScrollView
 from textual.strip import Strip
 
+from ur.source.ansi import strip_styles
 from ur.source.printable import printable
-from ur.tui.journal import RANK, Entry, Filter, Journal, plain
+from ur.tui.journal import RANK, Entry, Filter, Journal
 from ur.tui.palette import Palette
 
 MOST_ROWS = 20_000
@@ -36,7 +37,7 @@ def wrap_entry(entry: Entry, width: int) -> list[Row]:
     """The rows of an entry whose lines are cut after `width` cells."""
     rows = []
     for number, line in enumerate(entry.lines):
-        text = plain(line)
+        text = strip_styles(line)
         rows += [Row(entry, number, start, end) for start, end in _cut(text, max(width, 8))]
     return rows
 
@@ -169,7 +170,7 @@ class LogView(ScrollView, can_focus=False):
         line = Text.from_ansi(entry.lines[row.line]) if "\x1b" in entry.lines[row.line] else Text(entry.lines[row.line])
         line = line[row.start : row.end]
         line.style = style
-        if entry.count > 1 and begins and row.end == len(plain(entry.lines[0])):
+        if entry.count > 1 and begins and row.end == len(strip_styles(entry.lines[0])):
             line.append(f"  \u00d7{entry.count}", quiet)
         head.append_text(line)
         head.no_wrap = True

@@ -12,8 +12,9 @@ from textual.scroll_view import ScrollView
 from textual.strip import Strip
 
 from ur.run.clients.protocol import find_severity
+from ur.source.ansi import strip_styles
 from ur.tui.board import Mood, NodeRow
-from ur.tui.journal import clean, plain, strip_head
+from ur.tui.journal import clean, strip_head
 from ur.tui.log_view import short_name
 from ur.tui.palette import Palette
 
@@ -132,7 +133,7 @@ class NodeTable(ScrollView, can_focus=False):
         quiet, text = ground + Style(color=palette.quiet), ground + Style(color=palette.text)
         mood = ground + Style(color=palette.of_mood(row.mood))
         faint = row.changed.core or row.name in self.muted
-        last = plain(clean(row.remark))
+        last = strip_styles(clean(row.remark))
         severity = find_severity(last)
         words = {
             "name": short_name(row.name, columns["name"] - 2),

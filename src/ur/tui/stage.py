@@ -8,7 +8,7 @@ from typing import ClassVar, Protocol
 
 from rich.text import Text
 from textual import events
-from textual.app import App, ComposeResult
+from textual.app import ComposeResult
 from textual.driver import Driver
 from textual.screen import ModalScreen
 from textual.widgets import Input, Static
@@ -16,6 +16,7 @@ from textual.widgets import Input, Static
 from ur.run.clients.client import RunControl
 from ur.run.clients.protocol import Notice, OutputLine, RunEvent, RunStarted, RunStopping, Watch
 from ur.run.debugger.attach import Ways
+from ur.screen.app import FullScreenApp
 from ur.source.printable import printable
 from ur.tui.board import Board, NodeRow, apply_events, begin_board
 from ur.tui.journal import Journal
@@ -49,11 +50,10 @@ class Desk(Protocol):
         """Start a command that opens a window of its own. Returns what went wrong, '' when nothing did."""
 
 
-class Stage(App[str]):
+class Stage(FullScreenApp[str]):
     """Shows one run, and ends with it."""
 
     CSS_PATH = None
-    ENABLE_COMMAND_PALETTE = False
     AUTO_FOCUS: ClassVar[str | None] = None
     CSS = CSS
 
@@ -68,7 +68,7 @@ class Stage(App[str]):
         driver: type[Driver] | None = None,
     ) -> None:
         """`guest`: the run does not end when this interface does. `early`: what has happened already."""
-        self.palette = LIGHT if light else DARK  # asked for by the constructor of App
+        self.palette = LIGHT if light else DARK  # asked for by the constructor of the application
         super().__init__(driver_class=driver)
         self.board: Board = begin_board()
         self.journal = Journal()
@@ -104,7 +104,7 @@ class Stage(App[str]):
         """Begin to watch."""
         self._begun = True
         own = self.palette
-        self.theme = "textual-light" if own.light else "textual-dark"
+        self.use_theme(light=own.light)
         self.screen.styles.background = own.ground
         for name in ("#head", "#foot", "#find"):
             self.query_one(name).styles.background = own.raised
@@ -190,16 +190,3 @@ class Stage(App[str]):
         if isinstance(self.screen, ModalScreen):
             return False
         return not isinstance(self.focused, Input) or action in ("show_all", "move")
-
-    @property
-    def problem(self) -> Exception | None:
-        """The exception that ended the interface."""
-        return self._exception
-
-    def _handle_exception(self, error: Exception) -> None:
-        # Textual's own prints a traceback over the terminal; whoever runs this interface reports `problem`.
-        self._return_code = 1
-        if self._exception is None:
-            self._exception = error
-            self._exception_event.set()
-        self._close_messages_no_wait()

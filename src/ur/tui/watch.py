@@ -37,11 +37,11 @@ def _watch_fully(
 ) -> tuple[str, int]:
     from textual.drivers.linux_driver import LinuxDriver
 
+    from ur.screen.query import ask_background, is_light
     from ur.tui.app import WatchApp
-    from ur.tui.background import ask_background, is_light
     from ur.tui.desk import SystemDesk
 
-    light = is_light(environment, ask_background(1))
+    light = is_light(environment, ask_background(1, 1))
 
     def suspend() -> AbstractContextManager[None]:
         return app.suspend()

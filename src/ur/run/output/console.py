@@ -8,10 +8,9 @@ import time
 from collections import deque
 from collections.abc import Callable
 
+from ur.source.ansi import BOLD, DIM, RED, RESET, allows_colour
 from ur.source.printable import printable, printable_lines
-from ur.source.render import allows_colour
 
-_BOLD, _RED, _DIM, _PLAIN = "\x1b[1m", "\x1b[31m", "\x1b[2m", "\x1b[0m"
 MOST_WAITING = 1000  # lines of one source; the log files have them all
 PIECE = 4096  # bytes: what a writable pipe takes without blocking, pipe(7)
 
@@ -90,7 +89,9 @@ class Console:
         """Take descriptors for node output and for messages."""
         self._out = Sink(out)
         self._err = self._out if _same_file(out, err) else Sink(err)
-        self._colours = {sink: _is_terminal(sink.descriptor) and allows_colour() for sink in (self._out, self._err)}
+        self._colours = {
+            sink: _is_terminal(sink.descriptor) and allows_colour(os.environ) for sink in (self._out, self._err)
+        }
         self._held: list[tuple[Sink, bytes]] | None = None
         self.silent = False  # while somebody else shows everything
 
@@ -114,11 +115,11 @@ class Console:
     def inform(self, text: str) -> None:
         """A message that is good to know, while it is new: dropped while the console is held."""
         if self._held is None:
-            self._put(self._err, self._paint(printable_lines(text), _DIM), important=True)
+            self._put(self._err, self._paint(printable_lines(text), DIM), important=True)
 
     def warn(self, text: str) -> None:
         """A message that matters."""
-        style = _RED if text.startswith("error") else ""
+        style = RED if text.startswith("error") else ""
         self._put(self._err, self._paint(printable_lines(text), style), important=True)
 
     def hold(self) -> None:
@@ -149,12 +150,12 @@ class Console:
 
     def _show(self, sink: Sink, name: str, line: str) -> None:
         name = printable(name)
-        head = f"{_BOLD}[{name}]{_PLAIN}" if self._colours[sink] else f"[{name}]"
-        tail = _PLAIN if "\x1b" in line else ""
+        head = f"{BOLD}[{name}]{RESET}" if self._colours[sink] else f"[{name}]"
+        tail = RESET if "\x1b" in line else ""
         self._put(sink, f"{head} {line}{tail}\n", important=False, source=name)
 
     def _paint(self, text: str, style: str) -> str:
-        return f"{style}{text}{_PLAIN}\n" if style and self._colours[self._err] else f"{text}\n"
+        return f"{style}{text}{RESET}\n" if style and self._colours[self._err] else f"{text}\n"
 
     def _put(self, sink: Sink, text: str, *, important: bool, source: str = "") -> None:
         if self.silent:

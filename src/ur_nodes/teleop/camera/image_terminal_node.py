@@ -12,13 +12,14 @@ from typing import Any
 import rospy
 from sensor_msgs.msg import CompressedImage, Image
 
+from ur.source.ansi import is_plain
 from ur_nodes.pictures.decode import BadPictureError, Pixels, decode_picture, fit_picture, read_size, unpack_picture
 from ur_nodes.rosio.parameters import Parameters
 from ur_nodes.rosio.silence import SilenceMonitor
 from ur_nodes.teleop.camera.picture_screen import Feed, describe_feed, describe_silence, draw_picture_screen
 from ur_nodes.teleop.terminal.foreground_node import run_in_foreground
 from ur_nodes.teleop.terminal.keys import Key, decode_keys
-from ur_nodes.teleop.terminal.raw import Terminal, is_plain, own_terminal
+from ur_nodes.teleop.terminal.raw import Terminal, own_terminal
 
 _NAME = "image_terminal"
 _LINE_EVERY = 2.0  # s

@@ -9,9 +9,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from ur.source.ansi import RESET, REVERSE
 from ur_nodes.pictures.decode import Pixels
 
-_OFF, _REVERSE = "\x1b[0m", "\x1b[7m"
 _WINDOW = 2.0  # s over which the rate is reckoned
 _STALE = 2.0  # s
 _SILENT = 3.0  # s after which the reason is shown
@@ -85,7 +85,7 @@ def draw_picture_screen(
         body[above : above + len(words)] = words
     right = "q quits "
     left = f" {status}"[: max(0, columns - len(right) - 1)]
-    return [*body, f"{_REVERSE}{left}{' ' * max(0, columns - len(left) - len(right))}{right[:columns]}{_OFF}"]
+    return [*body, f"{REVERSE}{left}{' ' * max(0, columns - len(left) - len(right))}{right[:columns]}{RESET}"]
 
 
 def _centre(lines: list[str], room: int) -> list[str]:
@@ -110,7 +110,7 @@ def _draw_cells(picture: Pixels, columns: int, *, rich: bool) -> list[str]:
                 parts.append(write(48, bottom))
                 back = bottom
             parts.append("▀")
-        lines.append("".join([*parts, _OFF]))
+        lines.append("".join([*parts, RESET]))
     return lines
 
 

@@ -6,21 +6,11 @@ import re
 import textwrap
 from dataclasses import dataclass
 
+from ur.source.ansi import BOLD, CYAN, DIM, GREEN, RED, RESET, REVERSE, STYLE, YELLOW, cut_styled, strip_styles
 from ur_nodes.teleop.keyboard.drive import DriveState, motion_of
 from ur_nodes.teleop.mux.driver_text import DriverLine
 from ur_nodes.teleop.mux.emergency import MuxView, describe_emergency
 
-_BOLD, _DIM, _REVERSE, _ALARM, _GREEN, _CYAN, _YELLOW, _OFF = (
-    "\x1b[1m",
-    "\x1b[2m",
-    "\x1b[7;1m",
-    "\x1b[31;7;1m",
-    "\x1b[32m",
-    "\x1b[36m",
-    "\x1b[33m",
-    "\x1b[0m",
-)
-_COLOURS = re.compile(r"\x1b\[[0-9;]*m")
 _PLAIN_HELP = (
     "keyboard drive: u i o j l m , . drive while held; q z w x e c change speeds; "
     "space: emergency stop; r: release it; Ctrl-C: quit"
@@ -52,10 +42,10 @@ def draw_drive_screen(
     `driver` says who else drives, and that the robot is out of reach.
     """
     if columns < _WIDE or rows < 18:
-        return [_fit(line, columns) for line in _small_screen(state, link, mux, driver, columns, rows)][:rows]
+        return [cut_styled(line, columns) for line in _small_screen(state, link, mux, driver, columns, rows)][:rows]
     lines = [
         "",
-        f"  {_BOLD}{_CYAN}keyboard drive{_OFF}   {_listeners(link)}",
+        f"  {BOLD}{CYAN}keyboard drive{RESET}   {_listeners(link)}",
         "",
         *_keys(state, columns),
         "",
@@ -65,11 +55,11 @@ def draw_drive_screen(
         *(f"  {line}" for line in _wrap(_motion_line(state, mux, driver), columns - 2)),
         *(f"  {line}" for note in _notes(state, link, mux, driver) for line in _wrap(note, columns - 2)),
         "",
-        f"  {_DIM}{_stop_help(state)}{_OFF}",
-        f"  {_DIM}space: emergency stop, whoever drives; r: release it; other keys stop{_OFF}",
-        f"  {_DIM}Shift: sideways, if the base can; Ctrl-C: quit{_OFF}",
+        f"  {DIM}{_stop_help(state)}{RESET}",
+        f"  {DIM}space: emergency stop, whoever drives; r: release it; other keys stop{RESET}",
+        f"  {DIM}Shift: sideways, if the base can; Ctrl-C: quit{RESET}",
     ]
-    return [_fit(line, columns) for line in lines][:rows]
+    return [cut_styled(line, columns) for line in lines][:rows]
 
 
 def _small_screen(
@@ -87,11 +77,11 @@ def _small_screen(
 
 def _wrap(line: str, columns: int) -> list[str]:
     """A line in pieces that fit, each with the colours at the line's beginning."""
-    bare = _COLOURS.sub("", line)
+    bare = strip_styles(line)
     if len(bare) <= columns:
         return [line]
-    start = re.match(f"(?:{_COLOURS.pattern})*", line)
-    return [f"{start[0] if start else ''}{piece}{_OFF}" for piece in textwrap.wrap(bare.strip(), max(columns, 1))]
+    start = re.match(f"(?:{STYLE.pattern})*", line)
+    return [f"{start[0] if start else ''}{piece}{RESET}" for piece in textwrap.wrap(bare.strip(), max(columns, 1))]
 
 
 def describe_drive(state: DriveState, link: Link, mux: MuxView, driver: DriverLine = NO_LEASE) -> list[str]:
@@ -102,7 +92,7 @@ def describe_drive(state: DriveState, link: Link, mux: MuxView, driver: DriverLi
         *_notes(state, link, mux, driver),
         "speeds: " + _speeds(state),
     )
-    return [_COLOURS.sub("", line) for line in lines]
+    return [strip_styles(line) for line in lines]
 
 
 def _speeds(state: DriveState) -> str:
@@ -114,7 +104,7 @@ def _keys(state: DriveState, columns: int) -> list[str]:
     for row in range(3):
         pad = " ".join(_cap(state, name) for name in _PADS[row])
         arrows = " ".join(_cap(state, name) for name in _ARROWS[row])
-        speeds = f"   {_DIM}{_SPEED_HELP[row]}{_OFF}" if columns >= 72 else ""
+        speeds = f"   {DIM}{_SPEED_HELP[row]}{RESET}" if columns >= 72 else ""
         lines.append(f"    {pad}   {arrows}{speeds}")
     return lines
 
@@ -123,25 +113,25 @@ def _cap(state: DriveState, name: str) -> str:
     if not name:
         return "   "
     down = name in state.held or name.upper() in state.held or {",": "<", ".": ">"}.get(name) in state.held
-    return f"{_REVERSE if down else _BOLD} {_GLYPHS.get(name, name)} {_OFF}"
+    return f"{REVERSE + BOLD if down else BOLD} {_GLYPHS.get(name, name)} {RESET}"
 
 
 def _speed_line(name: str, value: float, limit: float, unit: str) -> str:
     most = f" of {limit:g}" if limit < _NO_LIMIT else ""
     full = round(_BAR * min(1.0, value / limit)) if limit > 0 else 0
-    return f"  {name}  {_GREEN}{'━' * full}{_OFF}{_DIM}{'━' * (_BAR - full)}{_OFF}  {value:.2f}{most} {unit}"
+    return f"  {name}  {GREEN}{'━' * full}{RESET}{DIM}{'━' * (_BAR - full)}{RESET}  {value:.2f}{most} {unit}"
 
 
 def _motion_line(state: DriveState, mux: MuxView, driver: DriverLine) -> str:
     if alarm := describe_emergency(mux, "r lets the robot drive again"):
-        return f"{_ALARM} {alarm} {_OFF}"
+        return f"{RED}{REVERSE}{BOLD} {alarm} {RESET}"
     if not state.moving:
-        return f"{_DIM}■ stopped{_OFF}"
+        return f"{DIM}■ stopped{RESET}"
     if driver.blocked:
-        return f"{_YELLOW}■ not driving{_OFF}"
+        return f"{YELLOW}■ not driving{RESET}"
     motion = motion_of(state)
     aside = f"  {motion.y:+.2f} m/s to the left" if motion.y else ""
-    return f"{_GREEN}{_BOLD}▲ driving{_OFF}   {motion.x:+.2f} m/s  {motion.yaw:+.2f} rad/s{aside}"
+    return f"{GREEN}{BOLD}▲ driving{RESET}   {motion.x:+.2f} m/s  {motion.yaw:+.2f} rad/s{aside}"
 
 
 def _notes(state: DriveState, link: Link, mux: MuxView, driver: DriverLine) -> list[str]:
@@ -152,12 +142,12 @@ def _notes(state: DriveState, link: Link, mux: MuxView, driver: DriverLine) -> l
         note = "no cmd_vel_mux: space stops this program only, nobody else who drives"
     elif not note and mux.active not in ("", _OWN):
         note = f"{mux.active} drives" + (", with priority over these keys" if state.moving else "")
-    return [f"{_YELLOW}{note}{_OFF}"]
+    return [f"{YELLOW}{note}{RESET}"]
 
 
 def _listeners(link: Link) -> str:
     who = "1 subscriber" if link.listeners == 1 else f"{link.listeners} subscribers"
-    return f"{_DIM}{link.topic} · {who}{_OFF}"
+    return f"{DIM}{link.topic} · {who}{RESET}"
 
 
 def _stop_help(state: DriveState) -> str:
@@ -165,18 +155,3 @@ def _stop_help(state: DriveState) -> str:
         return "hold a key to drive; the robot stops when you let go; keys add up"
     seconds = state.settings.key_timeout or state.first_hold
     return f"hold a key to drive; the robot stops soon after you let go ({seconds:.1f} s after a tap)"
-
-
-def _fit(line: str, columns: int) -> str:
-    """Cut to the width, not counting colour sequences."""
-    shown, out, at = 0, [], 0
-    while at < len(line) and shown < columns:
-        if line[at] == "\x1b":
-            end = line.index("m", at) + 1
-            out.append(line[at:end])
-            at = end
-        else:
-            out.append(line[at])
-            shown += 1
-            at += 1
-    return "".join(out) + _OFF

@@ -11,6 +11,7 @@ from dataclasses import replace
 
 import rospy
 
+from ur.source.ansi import allows_colour, is_plain
 from ur_nodes.rosio.parameters import Parameters
 from ur_nodes.teleop.keyboard.commander_node import (
     Commander,
@@ -26,7 +27,7 @@ from ur_nodes.teleop.mux.emergency import Emergency
 from ur_nodes.teleop.mux.link_node import MuxLink
 from ur_nodes.teleop.terminal.foreground_node import run_in_foreground
 from ur_nodes.teleop.terminal.keys import Key, decode_keys
-from ur_nodes.teleop.terminal.raw import Terminal, is_plain, own_terminal
+from ur_nodes.teleop.terminal.raw import Terminal, own_terminal
 
 _NAME = "teleop_twist_keyboard"
 _PROGRAM = "keyboard_drive"
@@ -50,7 +51,7 @@ def _run(ended: threading.Event) -> int:
     try:
         if sys.stdin.isatty() and sys.stdout.isatty():
             mux = MuxLink(mux_name)
-            plain, colours = is_plain(os.environ), not os.environ.get("NO_COLOR")
+            plain, colours = is_plain(os.environ), allows_colour(os.environ)
             with own_terminal(sys.stdin.fileno(), sys.stdout.fileno(), plain=plain, colours=colours) as terminal:
                 drive_terminal(terminal, settings, rate, commander, mux, ended)
             return 0

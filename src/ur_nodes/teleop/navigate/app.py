@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Mapping
 from typing import ClassVar
 
 from rich.text import Text
 from textual import events, on
-from textual.app import App, ComposeResult
+from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
 from textual.driver import Driver
 from textual.geometry import Size
 from textual.widgets import Static
 
+from ur.screen.app import FullScreenApp
+from ur.screen.query import measure_terminal
 from ur.source.diagnostic import UserError
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.teleop.map_view.palette import Palette, choose_palette
@@ -41,10 +42,9 @@ from ur_nodes.teleop.navigator.model import GoalState, Navigator, Snapshot, form
 REFRESH = 1.0 / 6.0
 
 
-class NavigateApp(App[None]):
+class NavigateApp(FullScreenApp[None]):
     """The screen of a `Navigator`. `store_for` returns the waypoints once a map is known."""
 
-    ENABLE_COMMAND_PALETTE = False
     CSS = """
     Screen { background: $background; layers: base above; align: center middle; }
     #head, #status, #driver, #message { height: 1; width: 1fr; }
@@ -90,7 +90,7 @@ class NavigateApp(App[None]):
 
     def on_mount(self) -> None:
         """Set colours and focus, and refresh the screen at a steady rate."""
-        self.theme = "textual-light" if self._light else "textual-dark"
+        self.use_theme(light=self._light)
         self.query_one(CommandLine).focus()
         self._say("")
         self._look()
@@ -101,19 +101,6 @@ class NavigateApp(App[None]):
     def map(self) -> MapView:
         """The map's widget."""
         return self.query_one(MapView)
-
-    @property
-    def problem(self) -> Exception | None:
-        """The exception that ended the program."""
-        return self._exception
-
-    def _handle_exception(self, error: Exception) -> None:
-        # Textual's own prints a traceback over the terminal; whoever runs this program reports `problem`.
-        self._return_code = 1
-        if self._exception is None:
-            self._exception = error
-            self._exception_event.set()
-        self._close_messages_no_wait()
 
     def cancel_own_goal(self) -> str:
         """Cancel the goal if it was sent from here. Return a reason why that may have no effect, or nothing."""
@@ -194,12 +181,9 @@ class NavigateApp(App[None]):
         """Notice a new size without SIGWINCH: roslaunch's nodes have no controlling terminal."""
         if self.is_headless or self._driver is None:
             return
-        try:
-            columns, rows = os.get_terminal_size(1)
-        except OSError:
-            return
-        if columns and rows and (columns, rows) != tuple(self.size):
-            self.post_message(events.Resize(Size(columns, rows), Size(columns, rows)))
+        size = measure_terminal(1)
+        if size is not None and size != tuple(self.size):
+            self.post_message(events.Resize(Size(*size), Size(*size)))
 
     @on(MapView.GoalPicked)
     def _goal_picked(self, message: MapView.GoalPicked) -> None:
@@ -335,7 +319,7 @@ class NavigateApp(App[None]):
 
     def _switch_theme(self) -> None:
         self._light = not self._light
-        self.theme = "textual-light" if self._light else "textual-dark"
+        self.use_theme(light=self._light)
         self.map.set_palette(self._palette())
 
 

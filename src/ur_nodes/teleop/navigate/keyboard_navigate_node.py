@@ -13,6 +13,7 @@ from pathlib import Path
 
 import rospkg
 
+from ur.source.ansi import is_plain
 from ur_nodes.rosio.parameters import Parameters
 from ur_nodes.teleop.navigate.batch import BatchContext, InterruptedBatchError, Limits, run_batch, wait_until_ready
 from ur_nodes.teleop.navigate.line_reader import LineReader
@@ -20,7 +21,6 @@ from ur_nodes.teleop.navigate.waypoints import WaypointStore, name_of_map, waypo
 from ur_nodes.teleop.navigator.model import Snapshot
 from ur_nodes.teleop.navigator.ros_navigator_node import Names, RosNavigator
 from ur_nodes.teleop.terminal.foreground_node import run_in_foreground
-from ur_nodes.teleop.terminal.raw import is_plain
 
 _NAME = "keyboard_navigate"
 
@@ -67,10 +67,11 @@ def _navigate(navigator: RosNavigator, map_name: str, file: str, limits: Limits,
 
 
 def _run_screen(navigator: RosNavigator, store_for: StoreFor, map_name: str, ended: threading.Event) -> int:
-    from ur_nodes.teleop.navigate.app import NavigateApp  # a pipe needs no Textual
-    from ur_nodes.teleop.terminal.textual_screen import ask_background, is_light, own_screen
+    from ur.screen.query import ask_background, is_light  # a pipe needs no Textual
+    from ur_nodes.teleop.navigate.app import NavigateApp
+    from ur_nodes.teleop.terminal.textual_screen import own_screen
 
-    light = is_light(os.environ, lambda: ask_background(0, 1))
+    light = is_light(os.environ, ask_background(0, 1))
     log = Path(rospkg.get_log_dir()) / f"{_NAME}-stderr.log"
     with own_screen(log) as driver:
         app = NavigateApp(navigator, store_for, title=Path(map_name).stem, light=light, driver_class=driver)

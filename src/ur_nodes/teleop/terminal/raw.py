@@ -4,29 +4,18 @@ from __future__ import annotations
 
 import contextlib
 import os
-import re
 import select
 import termios
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
+from ur.screen.query import measure_terminal
+from ur.source.ansi import RESET, strip_colours
 from ur_nodes.teleop.terminal.keys import KITTY_FLAGS
 
 ASK_FLAGS = "\x1b[?u"
 _ENTER = f"\x1b[?1049h\x1b[?25l\x1b[?1004h\x1b[>{KITTY_FLAGS}u{ASK_FLAGS}"
-_LEAVE = "\x1b[<u\x1b[?1004l\x1b[?25h\x1b[0m\x1b[?1049l"
-
-_STYLE = re.compile(r"\x1b\[([0-9;]*)m")
-
-
-def is_plain(environment: Mapping[str, str]) -> bool:
-    """Return whether the terminal takes lines of text only: TERM is `dumb`, or not set."""
-    return environment.get("TERM", "") in ("", "dumb")
-
-
-def _without_colour(style: re.Match[str]) -> str:
-    kept = [code for code in style[1].split(";") if code in ("", "0", "1", "2", "4", "7")]
-    return f"\x1b[{';'.join(kept)}m" if kept else ""
+_LEAVE = f"\x1b[<u\x1b[?1004l\x1b[?25h{RESET}\x1b[?1049l"
 
 
 class Terminal:
@@ -58,11 +47,7 @@ class Terminal:
 
     def size(self) -> tuple[int, int]:
         """Columns and rows now. Asked each time: without a controlling terminal no signal tells of a change."""
-        try:
-            columns, rows = os.get_terminal_size(self._screen)
-        except OSError:
-            return 80, 24
-        return (columns, rows) if columns and rows else (80, 24)
+        return measure_terminal(self._screen) or (80, 24)
 
     def request_answer(self) -> None:
         """Request an answer from the terminal, which shows that it still exists."""
@@ -71,7 +56,7 @@ class Terminal:
     def show(self, lines: Sequence[str], *, again: bool = False) -> None:
         """Show lines from the top; only those that changed are sent, all of them with `again`."""
         if not self._colours:
-            lines = [_STYLE.sub(_without_colour, line) for line in lines]
+            lines = [strip_colours(line) for line in lines]
         size = self.size()
         if again or size != self._size:
             self._shown, self._size = [], size

@@ -1,0 +1,57 @@
+"""ANSI escape sequences of terminal output: styles, their removal, and when they may be sent."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+
+RESET, BOLD, DIM, REVERSE = "\x1b[0m", "\x1b[1m", "\x1b[2m", "\x1b[7m"
+RED, GREEN, YELLOW, CYAN = "\x1b[31m", "\x1b[32m", "\x1b[33m", "\x1b[36m"
+
+CLEAR_LINE = "\r\x1b[K"
+"""Back to the first column, and erase the line."""
+
+STYLE = re.compile(r"\x1b\[([0-9;]*)m")
+"""A sequence that sets styles; its group holds the codes."""
+
+_COLOURLESS = ("", "0", "1", "2", "4", "7")  # reset, bold, dim, underlined, reverse
+
+
+def paint(text: str, *styles: str) -> str:
+    """Return a text in styles that end behind it."""
+    return f"{''.join(styles)}{text}{RESET}"
+
+
+def strip_styles(text: str) -> str:
+    """Return a text without colours and other styles."""
+    return STYLE.sub("", text) if "\x1b" in text else text
+
+
+def strip_colours(text: str) -> str:
+    """Return a text without colours; bold, dim, underlined and reverse stay."""
+    return STYLE.sub(_without_colour, text)
+
+
+def cut_styled(line: str, columns: int) -> str:
+    """Cut a line to a width in characters, not counting its styles, which end behind it."""
+    shown, pieces, at = 0, [], 0
+    while at < len(line) and shown < columns:
+        style = STYLE.match(line, at)
+        pieces.append(style[0] if style else line[at])
+        shown, at = (shown, style.end()) if style else (shown + 1, at + 1)
+    return "".join(pieces) + RESET
+
+
+def is_plain(environment: Mapping[str, str]) -> bool:
+    """Return True for a terminal that takes lines of text only: TERM is `dumb`, or not set."""
+    return environment.get("TERM", "") in ("", "dumb")
+
+
+def allows_colour(environment: Mapping[str, str]) -> bool:
+    """Return False where NO_COLOR is set (no-color.org), or the terminal takes lines of text only."""
+    return not environment.get("NO_COLOR") and not is_plain(environment)
+
+
+def _without_colour(style: re.Match[str]) -> str:
+    kept = [code for code in style[1].split(";") if code in _COLOURLESS]
+    return f"\x1b[{';'.join(kept)}m" if kept else ""
