@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ur.graph.includes import build_trees, find_faults, merge_trees
+from ur.graph.includes import build_trees, merge_trees
 from ur.graph.model import Branch
 from ur.graph.text import draw_tree
 from ur.launchfile import MemoryWorld, load_plan
@@ -52,7 +52,7 @@ def test_file_included_twice_grows_twice_and_is_one_box() -> None:
 
 def test_missing_file_is_a_fault() -> None:
     found = trees({"top.launch": include("gone.launch")})
-    assert [(each.kind, each.note) for each in find_faults(found)] == [("missing", "no such file: /p/gone.launch")]
+    assert [(each.kind, each.note) for each in found[0].children] == [("missing", "no such file: /p/gone.launch")]
     assert [arrow.fault for arrow in merge_trees(found).arrows] == [True]
 
 

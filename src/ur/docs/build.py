@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import re
 import shlex
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 
-from ur.check.model import LaunchView
 from ur.docs.launch.launch_file import LaunchDescriber
 from ur.docs.links import settle_links
 from ur.docs.model import BaseDoc, DirectoryDoc, Documents, LaunchDoc, PackageDoc, ProgramDoc, TreeDoc
@@ -14,7 +13,6 @@ from ur.docs.repository.bases import read_base
 from ur.docs.repository.collect import Part, Repository, collect_repository, relative_path
 from ur.docs.repository.programs import Start, find_starts, read_headings
 from ur.launchfile.world import World
-from ur.source.diagnostic import Diagnostic
 from ur.source.file import SourceFile
 from ur.source.progress import Progress, counted, no_progress
 
@@ -35,11 +33,6 @@ def describe_repository(repository: Repository, progress: Progress = no_progress
     describer = _Describer(repository, progress)
     packages = tuple(describer.describe_part(part) for part in repository.parts)
     return Documents(repository.root.rpartition("/")[2] or "/", repository.root, packages)
-
-
-def list_findings(repository: Repository) -> tuple[Diagnostic, ...]:
-    """What could not be read, for people who make the documents."""
-    return repository.findings
 
 
 class _Describer:
@@ -136,8 +129,3 @@ def _group_by_directory(launch_files: tuple[LaunchDoc, ...]) -> Iterator[Directo
         summary = main.summary if len(docs) == 1 or main is not docs[0] or match else ""
         kind = _KINDS[match.group(1)] if match else "other"
         yield DirectoryDoc(folder, kind, summary, tuple(doc.path for doc in docs))  # type: ignore[arg-type]  # one of _KINDS
-
-
-def views_by_path(repository: Repository) -> Mapping[str, LaunchView]:
-    """Every launch file that could be read, by its path from the root of the repository."""
-    return {relative_path(path, repository.root): view for path, view in repository.views.items()}

@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 
-from ur.check.cases import Resolved
 from ur.check.model import LaunchView
 from ur.check.survey import walk_elements
 from ur.docs.repository.world import is_elsewhere, show_elsewhere
@@ -45,11 +44,6 @@ class Words:
 
         text = _MARKER.sub(name_of, text)
         return show_elsewhere(text) if is_elsewhere(text) else re.sub(r"/ǂ([\w.-]+)", r"$(find \1)", text)
-
-
-def given_of(resolved: Resolved) -> dict[str, str]:
-    """The arguments of a case by name."""
-    return dict(resolved.case.given)
 
 
 def describe_condition(element: Element) -> str:

@@ -86,11 +86,6 @@ def walk_tree(tree: Branch, parent: Branch | None = None) -> Iterator[tuple[Bran
         stack.extend((child, branch) for child in reversed(branch.children))
 
 
-def find_faults(trees: Sequence[Branch]) -> list[Branch]:
-    """The branches that are missing or include themselves."""
-    return [branch for tree in trees for branch, _ in walk_tree(tree) if branch.kind in ("missing", "cycle")]
-
-
 def _place(origin: Origin) -> _Place:
     return tuple(map(_step, origin.includes))
 

@@ -77,10 +77,6 @@ class Section:
         self._asked[key] = None
         return key in self._items and self._plain(self._items[key][1]) is not None
 
-    def span_of(self, key: str) -> Span:
-        """Where the value of a key stands; the mapping itself when the key is missing."""
-        return _span(self.file, self._items[key][1]) if key in self._items else self.span
-
     def number(
         self, key: str, default: Any = _REQUIRED, *, minimum: float | None = None, maximum: float | None = None
     ) -> float:

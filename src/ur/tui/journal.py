@@ -48,11 +48,6 @@ class Filter:
     text: str = ""
     muted: frozenset[str] = frozenset()
 
-    @property
-    def anything(self) -> bool:
-        """True if it leaves something out that was not muted."""
-        return bool(self.node or self.rank or self.text)
-
     def admits(self, entry: Entry) -> bool:
         """Return whether an entry is shown, always as a whole."""
         if RANK[entry.severity] < self.rank:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from skimage.graph import MCP_Geometric
 
 from ur_nodes.costmap.costmap import INSCRIBED, LETHAL, UNKNOWN, Costmap
-from ur_nodes.navigation.path_geometry import Points, arc_lengths, resample
+from ur_nodes.navigation.path_geometry import Points, resample
 from ur_nodes.navigation.path_smooth import Bending, pull_straight, smooth
 
 
@@ -84,11 +84,6 @@ def path_is_free(costmap: Costmap, points: Points) -> bool:
     """Whether the robot's circle fits everywhere on a way: no cost of 253 or 254."""
     costs = costmap.costs_at(points)
     return not bool(((costs == INSCRIBED) | (costs == LETHAL)).any())
-
-
-def path_length(points: Points) -> float:
-    """In m."""
-    return float(arc_lengths(points)[-1])
 
 
 def _start_cell(

@@ -141,11 +141,6 @@ class Navigator:
         run = self._run
         return run.path[run.index :] if run and run.path is not None else None
 
-    @property
-    def recovering(self) -> Behaviour | None:
-        """The recovery behaviour that is running."""
-        return self._run.recovery.behaviour if self._run and self._run.phase is Phase.RECOVERING else None
-
     def start(self, goal: Pose2, now: float) -> None:
         """Pursue a goal (a pose in the map); what was pursued before is dropped, the motion goes over smoothly."""
         sent = self._run.sent if self._run else (0.0, 0.0)

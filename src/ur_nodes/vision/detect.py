@@ -60,14 +60,6 @@ class Detection:
         x, y = self.corners[:, 0], self.corners[:, 1]
         return float(abs(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1))) / 2.0)
 
-    @property
-    def ambiguity(self) -> float:
-        """How well the second pose explains the corners compared with the first: 0 not at all, 1 as well."""
-        if len(self.candidates) < 2:
-            return 0.0
-        first, second = self.candidates[:2]
-        return first.error / second.error if second.error > 0.0 else 1.0
-
 
 @dataclass(frozen=True, slots=True)
 class Sizes:

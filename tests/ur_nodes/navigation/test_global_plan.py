@@ -8,10 +8,14 @@ import pytest
 from ur_nodes.costmap.costmap import INSCRIBED, Costmap, Inflation, costs_of_grid, inflate
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.navigation.global_plan import NoPathError, PlanSettings, path_is_free, path_length, plan_path
-from ur_nodes.navigation.path_geometry import arc_lengths, curvatures, resample
+from ur_nodes.navigation.global_plan import NoPathError, PlanSettings, path_is_free, plan_path
+from ur_nodes.navigation.path_geometry import Points, arc_lengths, curvatures, resample
 
 INFLATION = Inflation(0.2, 0.55, 25.0)
+
+
+def path_length(points: Points) -> float:
+    return float(arc_lengths(points)[-1])
 
 
 def costmap_of(values: np.ndarray) -> Costmap:

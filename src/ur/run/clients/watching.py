@@ -100,10 +100,6 @@ class Watching:
         self._readiness[name] = missing
         self.watchers.publish(NodeReadiness(name, not missing, missing))
 
-    def is_ready(self, name: str) -> bool:
-        """Whether a node is known to be up."""
-        return self._readiness.get(name) == ()
-
     def tell_output(self, name: str, source: OutputSource, text: str) -> None:
         """Tell a line that a node printed."""
         if self._wanted.output:

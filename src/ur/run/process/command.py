@@ -15,7 +15,7 @@ from ur.launchfile.plan.model import NodeSpec, ReadyCondition
 from ur.launchfile.world import PackageNotFound, World
 from ur.run.process.missing_package import describe_install
 from ur.run.supervisor.model import Unit
-from ur.source.diagnostic import Diagnostic, Severity, UserError, error
+from ur.source.diagnostic import Diagnostic, UserError, error
 from ur.source.suggest import did_you_mean
 
 
@@ -138,11 +138,6 @@ def choose_folder(cwd: str | None, first_word: str) -> str | None:
     if cwd == "cwd":
         return os.getcwd()  # noqa: PTH109 - as roslaunch: the folder the user is in
     return None
-
-
-def warnings_only(problems: Sequence[Diagnostic]) -> bool:
-    """Whether nothing among the findings is an error."""
-    return all(problem.severity is not Severity.ERROR for problem in problems)
 
 
 def _split(node: NodeSpec, attribute: str, text: str) -> list[str]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import fcntl
 import os
-import secrets
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -49,11 +48,6 @@ def list_clients(folder: Path) -> list[str]:
 def clients_folder(environment: Mapping[str, str], uid: int) -> Path:
     """The folder of the files of a user's clients."""
     return Path(runs_folders(environment, uid)[0]).parent / "clients"
-
-
-def new_client() -> str:
-    """A random id that no other client has."""
-    return secrets.token_hex(8)
 
 
 def _lock_file(path: Path) -> int:
