@@ -47,6 +47,12 @@ check_system() {
   esac
 }
 
+# Return whether this release has no ROS 1, so that a Debian root takes its place (tools/debian_root.bash).
+lacks_ros() {
+  # shellcheck disable=SC1091 # as above
+  case "$(. /etc/os-release && echo "${ID-}:${VERSION_ID-}")" in debian:1[23] | ubuntu:22.*) return 1 ;; esac
+}
+
 # run_step TITLE COMMAND...: output goes to the log; a terminal shows the time and the last line.
 run_step() {
   local title="$1" start=$SECONDS from width line status
@@ -143,6 +149,30 @@ offer_rviz() {
     say "warning: RViz could not be installed; everything else works without it"
 }
 
+# Make the Debian root if need be, and set up this folder in there.
+bring_debian() {
+  local wanted=("${packages[@]%%|*}")
+  # shellcheck source=tools/debian_root.bash
+  . "$root/tools/debian_root.bash"
+  log="$PWD/.cache/debian_root.log"
+  : >"$log"
+  [[ -n "${DISPLAY-}${WAYLAND_DISPLAY-}" ]] && wanted+=(rviz)
+  mapfile -t packages < <(debian_lacks_tools)
+  install_packages
+  if ! debian_allowed; then
+    missing=(apparmor-profiles) && ask_for_root
+    debian_as_root allow >>"$log" 2>&1
+    debian_allowed || die "the program 'bwrap' may not make user namespaces on this computer" "$(debian_why)"
+  fi
+  if [[ ! -e $debian_root$debian_mark ]] || ! debian_has "${debian_packages[@]}" "${wanted[@]}"; then
+    say "this release has no ROS 1: it runs in a Debian 13 in $debian_data (ur debian remove deletes it)"
+    missing=(mmdebstrap) && ask_for_root
+    run_step "Debian 13 with ROS" debian_make "${wanted[@]}" ||
+      die "the Debian 13 for ROS could not be made" "check the network and the free space (df -h '$debian_data'), then run this again"
+  fi
+  debian_enter bash "$root/tools/set_up.bash" "$@"
+}
+
 make_environment() {
   local wanted found
   wanted="$($python -c 'import sys; print(sys.version_info[:2])')"
@@ -151,6 +181,31 @@ make_environment() {
     run_step "virtual environment" "$python" -m venv --clear --system-site-packages .venv ||
       die "the virtual environment .venv could not be made" "look at $log, then run this again"
   fi
+  [[ -e /etc/ubiquity_debian ]] && enter_by_python
+}
+
+# In the Debian root: .venv/bin/python enters it, so that whatever starts it may do so from outside.
+enter_by_python() {
+  local version link
+  version="$($python -c 'import sys; print("python%d.%d" % sys.version_info[:2])')"
+  for link in python3 "$version"; do ln -sfn "/usr/bin/$version" ".venv/bin/$link"; done
+  rm .venv/bin/python
+  cat >.venv/bin/python <<END
+#!/bin/bash
+# Python of this environment, which is one of a Debian root: see tools/debian_root.bash.
+program="\${BASH_SOURCE[0]%/*}/$version"
+[[ -e /etc/ubiquity_debian ]] && exec "\$program" "\$@"
+data="\${XDG_DATA_HOME:-\$HOME/.local/share}/ubiquity_launches/debian-13"
+if [[ ! -r \$data/enter.bash ]]; then
+  echo "error: the Debian root '\$data' does not exist" >&2
+  echo "  help: make it again: $root/ur --version" >&2
+  exit 2
+fi
+. "\$data/enter.bash"
+debian_enter "\$program" "\$@"
+END
+  chmod +x .venv/bin/python
+  : >.venv/debian
 }
 
 install_python() {
@@ -182,6 +237,7 @@ mkdir -p .cache 2>/dev/null
 if [[ ! -w $root || ! -w .cache || ( -e .venv && ! -w .venv ) ]]; then
   die "$root is not writable for $(id -un), expected a copy of your own" "git clone it into your home folder"
 fi
+lacks_ros && bring_debian "$@"
 exec 9>.cache/set_up.lock
 flock -n 9 || { say "another set-up of this folder is running: waiting for it" && flock 9; }
 begin=$SECONDS
