@@ -23,7 +23,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "ur.package": ("ur.source", "ur.launchfile", "ur.check"),
     "ur.graph": ("ur.source", "ur.launchfile", "ur.robot"),
     "ur.complete": ("ur.source", "ur.launchfile"),
-    "ur.docs": ("ur.source", "ur.launchfile", "ur.check"),
+    "ur.docs": ("ur.source", "ur.launchfile", "ur.check", "ur.graph"),
     "ur.find": ("ur.source", "ur.launchfile", "ur.check"),
     "ur.format": ("ur.source", "ur.launchfile", "ur.check"),
     "ur.run": ("ur.source", "ur.launchfile", "ur.robot"),

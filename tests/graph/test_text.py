@@ -17,7 +17,7 @@ GRAPH = Graph(
 def test_mermaid_escapes_what_it_would_misread() -> None:
     assert write_mermaid(GRAPH).splitlines() == [
         "graph LR",
-        '  b0["a#quot;#lt;b#gt;.launch"]:::file',
+        '  b0["a#quot;#lt;b#gt;.launch"]',
         '  b1("/talker"):::node',
         '  b2{{"gone.launch"}}:::missing',
         "  b0 --> b1",
@@ -40,5 +40,6 @@ def test_svg_is_well_formed_and_holds_every_box_and_arrow() -> None:
     space = "{http://www.w3.org/2000/svg}"
     labels = [each.text for each in root.iter(f"{space}text")]
     assert {'a"<b>.launch', "/talker", "gone.launch", "if & when"} <= set(labels)
-    assert len([each for each in root.iter(f"{space}path") if each.get("marker-end")]) == len(GRAPH.arrows)
-    assert [each.get("class") for each in root.iter(f"{space}path") if each.get("class")] == ["fault unsure"]
+    arrows = [each.attrib["class"] for each in root.iter(f"{space}g") if "arrow" in each.get("class", "").split()]
+    assert arrows == ["arrow", "arrow fault unsure", "arrow"]
+    assert len([each for each in root.iter(f"{space}path") if each.get("class") == "tip"]) == len(arrows)

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
+from ur.graph.model import Graph
+
 TreeKind = Literal["file", "node", "missing", "elsewhere", "unknown", "cycle", "off"]
 
 
@@ -148,39 +150,6 @@ class SupportDoc:
 
 
 @dataclass(frozen=True, slots=True)
-class Box:
-    """A box of a graph: a launch file or a node."""
-
-    id: str
-    label: str
-    kind: Literal["this", "file", "node", "missing", "elsewhere", "unknown", "off"]
-    path: str = ""
-
-
-@dataclass(frozen=True, slots=True)
-class Edge:
-    """An arrow between two boxes, by id. `label` says when; `cases` are empty when in all.
-
-    `new_cases` are the same where the arrow is for fewer cases than the box that it starts from.
-    """
-
-    source: str
-    target: str
-    label: str
-    cases: tuple[Case, ...] = ()
-    new_cases: tuple[Case, ...] = ()
-    by_default: bool = True
-
-
-@dataclass(frozen=True, slots=True)
-class GraphDoc:
-    """What a launch file includes and starts, over all cases."""
-
-    boxes: tuple[Box, ...]
-    edges: tuple[Edge, ...]
-
-
-@dataclass(frozen=True, slots=True)
 class LaunchDoc:
     """A launch file."""
 
@@ -200,7 +169,7 @@ class LaunchDoc:
     trees: tuple[TreeDoc, ...]
     support: tuple[SupportDoc, ...]
     problems: tuple[str, ...]
-    graph: GraphDoc
+    graph: Graph
     source: str
 
     @property

@@ -1,4 +1,4 @@
-"""Where the boxes of a graph stand: in layers from left to right, with few crossings.
+"""Layout of a graph: boxes in layers from left to right, with few crossings.
 
 The method is Sugiyama's in its simplest form: arrows that close a circle are turned round, a box stands one layer right
 of the last that points to it, an arrow that passes a layer has a bend there, and layers are sorted by the mean place of
@@ -12,22 +12,25 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-from ur.graph.model import Arrow, Graph
+from ur.graph.model import Arrow, Box, Graph
 
 _SWEEPS = 8
 _CHARACTER = 7.6  # px of an average character of the font
 _PADDING = 22.0
-HEIGHT = 30.0
+HEIGHT, TALL = 30.0, 46.0  # of a box with one line, and with a note below it
+_NOTE = 0.85  # the size of a note's characters, over that of a label's
 _GAP_X, _GAP_Y = 64.0, 16.0
+_BEND = (0.0, 0.0)  # the size of a place where an arrow passes a layer
 
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Left, top and width of a box, in px; every box is `HEIGHT` high."""
+    """Left, top, width and height of a box, in px."""
 
     x: float
     y: float
     width: float
+    height: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,30 +46,32 @@ class Picture:
 def lay_out_graph(graph: Graph) -> Picture:
     """Place the boxes. Deterministic; linear in boxes and arrows but for the sorting."""
     ids = [box.id for box in graph.boxes]
-    widths = {box.id: len(box.label) * _CHARACTER + _PADDING for box in graph.boxes}
+    sizes = {box.id: _measure(box) for box in graph.boxes}
     pairs = _break_circles(ids, graph.arrows)
     layers = _find_layers(ids, pairs)
     links, bends = _bend_long_arrows(layers, pairs)
     layers = _sort_layers(layers, links)
     places: dict[str, Place] = {}
-    tall = max((sum(_slot(each, widths) for each in layer) for layer in layers), default=_GAP_Y) - _GAP_Y
+    # A bend has no height, and goes straight through its layer.
+    tall = max((sum(sizes.get(each, _BEND)[1] + _GAP_Y for each in layer) for layer in layers), default=_GAP_Y)
     x = 0.0
     for layer in layers:
-        wide = max(widths.get(each, 0.0) for each in layer)
-        y = (tall + _GAP_Y - sum(_slot(each, widths) for each in layer)) / 2.0
+        wide = max(sizes.get(each, _BEND)[0] for each in layer)
+        y = (tall - sum(sizes.get(each, _BEND)[1] + _GAP_Y for each in layer)) / 2.0
         for each in layer:
-            # A bend goes straight through its layer, in the middle of its slot.
-            places[each] = Place(x, y, widths[each]) if each in widths else Place(x, y, wide)
-            y += _slot(each, widths)
+            width, height = sizes.get(each, (wide, 0.0))
+            places[each] = Place(x, y, width, height)
+            y += height + _GAP_Y
         x += wide + _GAP_X
     routes = {
         ends: tuple(point for each in passed for point in _through(places.pop(each))) for ends, passed in bends.items()
     }
-    return Picture(max(x - _GAP_X, 0.0), tall, places, routes)
+    return Picture(max(x - _GAP_X, 0.0), tall - _GAP_Y, places, routes)
 
 
-def _slot(each: str, widths: Mapping[str, float]) -> float:
-    return (HEIGHT if each in widths else 0.0) + _GAP_Y
+def _measure(box: Box) -> tuple[float, float]:
+    longest = max(len(box.label), _NOTE * len(box.note))
+    return longest * _CHARACTER + _PADDING, TALL if box.note else HEIGHT
 
 
 def _through(place: Place) -> tuple[tuple[float, float], tuple[float, float]]:

@@ -1,11 +1,14 @@
-"""What is drawn."""
+"""Graphs of launch files, nodes and topics, as values that every drawer takes."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import Literal
 
-Kind = Literal["file", "node", "topic", "service", "action", "missing", "cycle"]
+Kind = Literal[
+    "file", "node", "topic", "service", "action", "missing", "cycle",
+    "this", "elsewhere", "unknown", "off",
+]  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,23 +24,33 @@ class Branch:
 
 @dataclass(frozen=True, slots=True)
 class Box:
-    """A box of a graph; `title` is its long form."""
+    """A box of a graph; `title` is its long form, `note` a second line.
+
+    `link` is the address that a picture leads to. `cases` are keys of those that the box exists in; none: all.
+    """
 
     id: str
     label: str
     kind: Kind
     title: str = ""
+    note: str = ""
+    link: str = ""
+    cases: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
 class Arrow:
-    """An arrow between two boxes, by id. `sure` is False where nobody knows whether it is so; a `fault` must not be."""
+    """An arrow between two boxes, by id. `sure` is False where it depends on something; a `fault` must not be.
+
+    `cases` are keys of those that the arrow exists in; none: all.
+    """
 
     source: str
     target: str
     label: str = ""
     sure: bool = True
     fault: bool = False
+    cases: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,4 +1,4 @@
-"""A graph as SVG that follows the reader's light or dark scheme."""
+"""Drawer of graphs: SVG as a file of its own, or as a part of a page that has the styles."""
 
 from __future__ import annotations
 
@@ -17,66 +17,102 @@ _STYLE = """\
   .node rect { fill: #e2f4ea; stroke: #1f8a55; } .topic rect { fill: #e6eefb; stroke: #4a6fb5; }
   .service rect, .action rect { fill: #f7efdc; stroke: #a37a1c; }
   .missing rect, .cycle rect { fill: #fde8e6; stroke: #c22; stroke-dasharray: 5 3; } .missing text { fill: #a11; }
-  path { fill: none; stroke: #8b95a1; stroke-width: 1.2; } path.fault { stroke: #c22; }
-  path.unsure { stroke-dasharray: 4 4; } marker path { fill: #8b95a1; stroke: none; }
-  .label { font-size: 11px; fill: #5b6570; }
+  path { fill: none; stroke: #8b95a1; stroke-width: 1.2; } .tip { fill: #8b95a1; stroke: none; }
+  .fault path { stroke: #c22; } .fault .tip { fill: #c22; stroke: none; } .unsure path { stroke-dasharray: 4 4; }
+  .label, .note { font-size: 11px; fill: #5b6570; }
   @media (prefers-color-scheme: dark) {
     svg { background: #14181d; } rect { fill: #20262d; stroke: #8a95a3; } text { fill: #e4e9ef; }
     .node rect { fill: #163626; stroke: #3fb27a; } .topic rect { fill: #1a2a47; stroke: #7fa2e6; }
     .service rect, .action rect { fill: #3a2f14; stroke: #d1a548; }
     .missing rect, .cycle rect { fill: #431b1a; stroke: #ff6b62; } .missing text { fill: #ff9c95; }
-    .label { fill: #a5b0bd; }
+    .label, .note { fill: #a5b0bd; }
   }
 </style>
 """
 
 
 def write_svg(graph: Graph, title: str) -> str:
-    """A picture of its own, with `title` as its name."""
+    """Draw a picture of its own, with `title` as its name; it follows the reader's light or dark scheme."""
+    return printable_lines(_draw(graph, title, 'xmlns="http://www.w3.org/2000/svg" role="img"', _STYLE))
+
+
+def draw_inline(graph: Graph, title: str) -> str:
+    """Draw a graph as an element of a page, of class `graph`; nothing for one without arrows.
+
+    Classes are the kinds of boxes, `note`, `label`, and `fault` and `unsure` of arrows. What exists in some cases
+    only carries them in `data-cases`.
+    """
+    return _draw(graph, title, 'class="graph" role="group"', "") if graph.arrows else ""
+
+
+def _draw(graph: Graph, title: str, attributes: str, style: str) -> str:
     picture = lay_out_graph(graph)
-    width, height = picture.width + 2 * _MARGIN, picture.height + 2 * _MARGIN
+    # Arrows that lead back dip below the boxes.
+    dips = [_dip(picture.places[arrow.source], picture.places[arrow.target]) for arrow in graph.arrows]
+    bottom = max([picture.height, *(0.75 * dip + 0.25 * picture.height for dip in dips if dip)])
+    width, height = picture.width + 2 * _MARGIN, bottom + 2 * _MARGIN
     parts = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width:.0f} {height:.0f}"'
-        f' width="{width:.0f}" height="{height:.0f}" role="img" aria-label="{escape(title)}">\n',
-        f"<title>{escape(title)}</title>\n{_STYLE}",
-        '<defs><marker id="end" viewBox="0 0 8 8" refX="7" refY="4" markerWidth="8" markerHeight="8" orient="auto">'
-        '<path d="M0 0 8 4 0 8z"/></marker></defs>\n',
+        f'<svg {attributes} viewBox="0 0 {width:.0f} {height:.0f}"'
+        f' width="{width:.0f}" height="{height:.0f}" aria-label="{escape(title)}">\n',
+        f"<title>{escape(title)}</title>\n{style}",
         f'<g transform="translate({_MARGIN:g} {_MARGIN:g})">\n',
     ]
     parts += [_draw_arrow(arrow, picture) for arrow in graph.arrows]
     parts += [_draw_box(box, picture.places[box.id]) for box in graph.boxes]
-    return printable_lines("".join([*parts, "</g>\n</svg>\n"]))
+    return "".join([*parts, "</g>\n</svg>\n"])
 
 
 def _draw_box(box: Box, place: Place) -> str:
-    label = escape(box.label)
-    return (
-        f'<g class="{box.kind}"><title>{escape(box.title or box.label)}</title>'
-        f'<rect x="{place.x:.1f}" y="{place.y:.1f}" width="{place.width:.1f}" height="{HEIGHT:g}" rx="6"/>'
-        f'<text x="{place.x + place.width / 2:.1f}" y="{place.y + HEIGHT / 2 + 4.5:.1f}" text-anchor="middle">'
-        f"{label}</text></g>\n"
+    middle = place.x + place.width / 2
+    long = ", ".join(part for part in (box.title or box.label, box.note) if part)
+    note = ""
+    if box.note:
+        note = (
+            f'<text class="note" x="{middle:.1f}" y="{place.y + HEIGHT + 5:.1f}" text-anchor="middle">'
+            f"{escape(box.note)}</text>"
+        )
+    body = (
+        f'<g class="{box.kind}"{_cases(box.cases)}><title>{escape(long)}</title>'
+        f'<rect x="{place.x:.1f}" y="{place.y:.1f}" width="{place.width:.1f}" height="{place.height:g}" rx="6"/>'
+        f'<text x="{middle:.1f}" y="{place.y + HEIGHT / 2 + 4.5:.1f}" text-anchor="middle">'
+        f"{escape(box.label)}</text>{note}</g>"
     )
+    return f'<a href="{escape(box.link)}">{body}</a>\n' if box.link else f"{body}\n"
 
 
 def _draw_arrow(arrow: Arrow, picture: Picture) -> str:
     source, target = picture.places[arrow.source], picture.places[arrow.target]
-    if target.x > source.x:
-        points = [(source.x + source.width, source.y + HEIGHT / 2)]
+    dip = _dip(source, target)
+    if dip is None:
+        points = [(source.x + source.width, source.y + source.height / 2)]
         points += picture.routes.get((arrow.source, arrow.target), ())
-        points.append((target.x - 1, target.y + HEIGHT / 2))
+        points.append((target.x, target.y + target.height / 2))
         line = f"M{_at(points[0])}" + "".join(_bow(before, after) for before, after in pairwise(points))
+        tip = "l-8 -4v8z"
     else:
-        points = [(source.x + source.width / 2, source.y + HEIGHT), (target.x + target.width / 2, target.y + HEIGHT)]
-        dip = max(source.y, target.y) + HEIGHT + 26
+        points = [(place.x + place.width / 2, place.y + place.height) for place in (source, target)]
         line = f"M{_at(points[0])}C{points[0][0]:.1f} {dip:.1f} {points[1][0]:.1f} {dip:.1f} {_at(points[1])}"
-    name = " ".join(word for word, on in (("fault", arrow.fault), ("unsure", not arrow.sure)) if on)
-    style = f' class="{name}"' if name else ""
-    text = f'<path{style} d="{line}" marker-end="url(#end)"/>\n'
+        tip = "l-4 8h8z"
+    # Tips are drawn and not a <marker>: that is found by an address, which a page of no addresses must not have.
+    name = "".join(f" {word}" for word, on in (("fault", arrow.fault), ("unsure", not arrow.sure)) if on)
+    text = ""
     if arrow.label:
         (x1, y1), (x2, y2) = points[0], points[-1]
         place = f'x="{(x1 + x2) / 2:.1f}" y="{(y1 + y2) / 2 - 4:.1f}"'
-        text += f'<text class="label" {place} text-anchor="middle">{escape(arrow.label)}</text>\n'
-    return text
+        text = f'<text class="label" {place} text-anchor="middle">{escape(arrow.label)}</text>'
+    return (
+        f'<g class="arrow{name}"{_cases(arrow.cases)}><path d="{line}"/>'
+        f'<path class="tip" d="M{_at(points[-1])}{tip}"/>{text}</g>\n'
+    )
+
+
+def _dip(source: Place, target: Place) -> float | None:
+    """The lowest control point of an arrow that does not lead to the right; None for one that does."""
+    return None if target.x > source.x else max(source.y + source.height, target.y + target.height) + 26
+
+
+def _cases(keys: tuple[str, ...]) -> str:
+    return f' data-cases="{escape(" ".join(keys))}"' if keys else ""
 
 
 def _bow(before: tuple[float, float], after: tuple[float, float]) -> str:

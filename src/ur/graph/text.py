@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 
 from ur.graph.model import Arrow, Box, Branch, Graph
 from ur.graph.topics import neighbours
@@ -16,6 +16,11 @@ _PLAIN = ("|- ", "`- ", "|  ", "   ", "->", "<-")
 _SHAPES = {
     "file": ("[", "]"), "node": ("(", ")"), "topic": ("[[", "]]"), "service": ("[/", "/]"), "action": ("[/", "/]"),
     "missing": ("{{", "}}"), "cycle": ("{{", "}}"),
+    "this": ("[", "]"), "elsewhere": ("[/", "/]"), "unknown": ("[/", "/]"), "off": ("[", "]"),
+}  # fmt: skip
+_STYLES = {
+    "this": "stroke-width:3px", "node": "stroke:#2a7,stroke-width:2px", "missing": "stroke:#c00,color:#c00",
+    "topic": "stroke:#57c", "elsewhere": "stroke-dasharray:4",
 }  # fmt: skip
 _DOT_SHAPES = {"file": "note", "node": "ellipse", "topic": "box", "service": "cds", "action": "cds", "missing": "note"}
 
@@ -78,19 +83,15 @@ def write_mermaid(graph: Graph) -> str:
     lines = ["graph LR"]
     for box in graph.boxes:
         left, right = _SHAPES[box.kind]
-        lines.append(f'  {box.id}{left}"{_escape(box.label)}"{right}:::{box.kind}')
+        style = f":::{box.kind}" if box.kind in _STYLES else ""
+        lines.append(f'  {box.id}{left}"{_escape(box.label)}"{right}{style}')
     for arrow in graph.arrows:
         sign = "-->" if arrow.sure else "-.->"
         label = f'|"{_escape(arrow.label)}"|' if arrow.label else ""
         lines.append(f"  {arrow.source} {sign}{label} {arrow.target}")
-    lines += [f"  classDef {kind} {style}" for kind, style in _styles(graph.boxes)]
+    kinds = {box.kind for box in graph.boxes}
+    lines += [f"  classDef {kind} {style}" for kind, style in _STYLES.items() if kind in kinds]
     return "\n".join(lines) + "\n"
-
-
-def _styles(boxes: Iterable[Box]) -> Iterator[tuple[str, str]]:
-    kinds = {box.kind for box in boxes}
-    styles = {"node": "stroke:#2a7,stroke-width:2px", "missing": "stroke:#c00,color:#c00", "topic": "stroke:#57c"}
-    yield from ((kind, style) for kind, style in styles.items() if kind in kinds)
 
 
 def _escape(text: str) -> str:

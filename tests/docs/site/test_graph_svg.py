@@ -8,10 +8,11 @@ from xml.etree import ElementTree
 
 from tests.docs.helpers import LIBRARY, ROVER, document_folder, find
 
-from ur.docs.model import Box, Case, Edge, GraphDoc
+from ur.docs.model import Case
 from ur.docs.site.graph_svg import draw_svg
+from ur.graph.model import Arrow, Box, Graph
 
-_BOX = re.compile(r'translate\((\d+) (\d+)\)"[^>]*>.*?<rect width="(\d+)" height="(\d+)"', re.DOTALL)
+_BOX = re.compile(r'<rect x="([\d.]+)" y="([\d.]+)" width="([\d.]+)" height="([\d.]+)"')
 
 
 def boxes_of(svg: str) -> list[tuple[float, float, float, float]]:
@@ -37,12 +38,12 @@ def test_boxes_lie_inside_and_never_over_one_another() -> None:
 
 
 def test_circle_is_drawn() -> None:
-    graph = GraphDoc((Box("b0", "a", "this"), Box("b1", "b", "file")), (Edge("b0", "b1", ""), Edge("b1", "b0", "")))
+    graph = Graph((Box("b0", "a", "this"), Box("b1", "b", "file")), (Arrow("b0", "b1"), Arrow("b1", "b0")))
     assert len(boxes_of(draw_svg(graph, "circle", lambda _path: None))) == 2
 
 
 def test_graph_without_arrows_is_nothing() -> None:
-    assert draw_svg(GraphDoc((Box("b0", "a", "this"),), ()), "", lambda _path: None) == ""
+    assert draw_svg(Graph((Box("b0", "a", "this"),), ()), "", lambda _path: None) == ""
 
 
 def test_arrows_carry_their_bases_for_the_switch() -> None:

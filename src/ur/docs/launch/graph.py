@@ -2,15 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
 
-from ur.docs.model import Box, Case, Edge, GraphDoc, TreeDoc, TreeItem
+from ur.docs.model import Case, TreeDoc, TreeItem
+from ur.docs.vary import name_cases
+from ur.graph.model import Arrow, Box, Graph, Kind
 
 MAX_BOXES = 60
 
 
-def draw_graph(path: str, trees: Sequence[TreeDoc]) -> GraphDoc:
-    """Boxes and arrows from the trees of a file. What occurs twice is one box; a large graph shows files only."""
+@dataclass(frozen=True, slots=True)
+class _Edge:
+    """An arrow between two boxes, by id. `label` says when; `cases` are empty when in all.
+
+    `new_cases` are the same where the arrow is for fewer cases than the box that it starts from.
+    """
+
+    source: str
+    target: str
+    label: str
+    cases: tuple[Case, ...]
+    new_cases: tuple[Case, ...]
+    by_default: bool
+
+
+def draw_graph(path: str, trees: Sequence[TreeDoc]) -> Graph:
+    """Boxes and arrows from the trees of a file. What occurs twice is one box; a large graph shows files only.
+
+    The title of a box is the path of its file; cases are those of the documents, by key.
+    """
     whole = _Drawing(path, trees, with_nodes=True)
     if len(whole.boxes) <= MAX_BOXES:
         return whole.finish()
@@ -33,8 +54,8 @@ class _Drawing:
         # A node is a box per file that starts it; a file is one box wherever it is included.
         key = (item.kind, item.path or item.name) if item.kind != "node" else ("node", f"{parent} {item.name}")
         if key not in self.boxes:
-            kind = "this" if item.kind == "file" and item.path == self.path else item.kind
-            shown = "missing" if kind == "cycle" else kind
+            kind: Kind = "this" if item.kind == "file" and item.path == self.path else item.kind
+            shown: Kind = "missing" if kind == "cycle" else kind
             name = item.path.rpartition("/")[2] if kind == "off" and item.path else item.name
             self.boxes[key] = Box(f"b{len(self.boxes)}", name, shown, item.path)
         return self.boxes[key]
@@ -51,7 +72,7 @@ class _Drawing:
             arrow.update(dict.fromkeys(cases))
             self.add(child, target, cases, seen)
 
-    def finish(self) -> GraphDoc:
+    def finish(self) -> Graph:
         boxes = list(self.boxes.values())
         reached: dict[str, set[Case]] = {box.id: set() for box in boxes}
         reached[boxes[0].id].update(self.all_cases)
@@ -59,8 +80,8 @@ class _Drawing:
             reached[target].update(where)
         kinds = {box.id: box.kind for box in boxes}
         cut = {box.id for box in boxes[:MAX_BOXES]}
-        edges = (
-            Edge(
+        edges = [
+            _Edge(
                 source,
                 target,
                 label,
@@ -70,5 +91,39 @@ class _Drawing:
             )
             for (source, target, label), cases in self.edges.items()
             if source in cut and target in cut
+        ]
+        incoming: dict[str, list[_Edge]] = {}
+        for edge in edges:
+            incoming.setdefault(edge.target, []).append(edge)
+        return Graph(
+            tuple(_describe(box, incoming.get(box.id, [])) for box in boxes[:MAX_BOXES]),
+            tuple(
+                Arrow(
+                    edge.source,
+                    edge.target,
+                    _join(edge.label, name_cases(edge.new_cases)),
+                    edge.by_default,
+                    cases=_keys(edge.cases),
+                )
+                for edge in edges
+            ),
         )
-        return GraphDoc(tuple(boxes[:MAX_BOXES]), tuple(edges))
+
+
+def _describe(box: Box, edges: Sequence[_Edge]) -> Box:
+    # The note of a box is what all arrows to it have in common.
+    labels = {edge.label for edge in edges}
+    cases = dict.fromkeys(case for edge in edges for case in edge.cases)
+    whole = any(not edge.cases for edge in edges)
+    new = dict.fromkeys(case for edge in edges for case in edge.new_cases)
+    narrower = all(edge.new_cases for edge in edges)
+    note = _join(labels.pop() if len(labels) == 1 else "", name_cases(new) if narrower else "")
+    return replace(box, note=note, cases=() if whole else _keys(cases))
+
+
+def _join(*parts: str) -> str:
+    return "; ".join(part for part in parts if part)
+
+
+def _keys(cases: Iterable[Case]) -> tuple[str, ...]:
+    return tuple(case.key for case in cases if case.base)

@@ -14,12 +14,13 @@ from ur.docs.launch.nodes import NodeDescriber
 from ur.docs.launch.support import describe_support, list_unreadable
 from ur.docs.launch.tree import TreeMaker
 from ur.docs.links import settle_links
-from ur.docs.model import ArgumentDoc, BaseDoc, GraphDoc, IncludeDoc, LaunchDoc, NodeDoc, TreeDoc
+from ur.docs.model import ArgumentDoc, BaseDoc, IncludeDoc, LaunchDoc, NodeDoc, TreeDoc
 from ur.docs.repository.bases import match_paths
 from ur.docs.repository.collect import Repository, relative_path
 from ur.docs.repository.comments import find_argument_doc, find_needs, find_overview, find_summary
 from ur.docs.repository.world import is_unknown
 from ur.docs.words import Words, describe_condition, describe_type, join_words, types_from_use
+from ur.graph.model import Graph
 from ur.launchfile.syntax import Element
 
 _NAMES = 4
@@ -129,7 +130,7 @@ class LaunchDescriber:
             trees=trees,
             support=support if not unreadable else (),
             problems=tuple(dict.fromkeys((*unreadable, *problems))),
-            graph=draw_graph(path, trees) if outline.includes or outline.nodes else GraphDoc((), ()),
+            graph=draw_graph(path, trees) if outline.includes or outline.nodes else Graph((), ()),
             source=view.tree.source.text,
         )
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from ur.docs.markdown.mermaid import draw_mermaid
 from ur.docs.markdown.text import Page, code, inline
 from ur.docs.markdown.tree import write_trees
 from ur.docs.model import ArgumentDoc, IncludeDoc, LaunchDoc, NodeDoc, ParamDoc, ParamFileDoc, Value
 from ur.docs.vary import name_cases
+from ur.graph.text import write_mermaid
 
 
 def write_launch_file(page: Page, doc: LaunchDoc, title: str, level: int) -> None:
@@ -33,8 +33,8 @@ def write_launch_file(page: Page, doc: LaunchDoc, title: str, level: int) -> Non
     if doc.includes:
         page.table(("Includes", "When", "Passes"), [_include_row(page, each) for each in doc.includes])
         write_trees(page, doc.trees, title, f"launch {doc.path}")
-    if lines := draw_mermaid(doc.graph):
-        page.code_block(lines, "mermaid")
+    if doc.graph.arrows:
+        page.code_block(write_mermaid(doc.graph).splitlines(), "mermaid")
 
 
 def _list_places(page: Page, doc: LaunchDoc) -> Iterable[str]:
