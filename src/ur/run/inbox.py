@@ -1,4 +1,4 @@
-"""What signals and other threads want done in the thread of the loop."""
+"""Requests of signal handlers and other threads, handled in the thread of the loop."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From a plan to a run: what is left out, which programs there are, the master, and then the loop."""
+"""Start a plan: leave out nodes, find programs, find or start the master, and enter the loop."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The shell around the supervisor: carries out its actions and feeds it what happens."""
+"""The shell around the supervisor: carries out its actions and feeds it events."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ import signal
 import threading
 import time
 
-from ur.run.clients.audience import Audience
+from ur.run.clients.monitor import Monitor
 from ur.run.host.protocol import GROUP, SESSION
 from ur.run.inbox import Inbox
 from ur.run.master.monitor import watch_any
 from ur.run.output.console import Console
-from ur.run.output.reporter import Teller
+from ur.run.output.reporter import Reporter
 from ur.run.output.router import Outputs
 from ur.run.process.command import Program
 from ur.run.process.foreground import Front
@@ -93,27 +93,27 @@ class _Loop:
         for source in (self._inbox, host):
             self._poll.register(source, select.POLLIN)
         self._front = Front(None if owner is None else owner.unit.name, terminal, console, host)
-        self._audience = Audience(run.watch, self._poll, console, terminal)
+        self._monitor = Monitor(run.watch, self._poll, console, terminal)
         self._outputs = Outputs(
             self._poll,
             run.folder,
             console,
-            self._audience.tell_output,
+            self._monitor.publish_output,
             unattended=run.watch.unattended or owner is not None,
         )
-        self._teller = Teller(run, console, self._outputs, self._audience)
-        self._progress = Progress(run, self._inbox, self._audience, self._teller.inform)
+        self._reporter = Reporter(run, console, self._outputs, self._monitor)
+        self._progress = Progress(run, self._inbox, self._monitor, self._reporter.inform)
 
     def run(self) -> int:
-        self._audience.open(self._run, self._state, self._outputs, time.monotonic())
+        self._monitor.open(self._run, self._state, self._outputs, time.monotonic())
         if self._run.owners:
             from ur.run.join.owner import follow_owners  # only for a run that has joined another one
 
-            follow_owners(self._run.owners, self._tell_event, self._over)
+            follow_owners(self._run.owners, self._post_event, self._over)
         self._happen(Begin())
         while self._exit_code is None:
             self._console.flush()
-            self._audience.flush()
+            self._monitor.flush()
             self._wait()
             for task in self._inbox.take():
                 task()
@@ -121,13 +121,13 @@ class _Loop:
             deadline = next_deadline(self._state)
             if deadline is not None and now >= deadline:
                 self._happen(Tick())
-            self._audience.work(now)
+            self._monitor.work(now)
         return self._exit_code
 
     def fail(self, text: str) -> None:
-        """Report an end that is nobody's wish."""
+        """Report an end that is nobody's request."""
         self._cause = text
-        self._teller.warn(f"error: {text}")
+        self._reporter.warn(f"error: {text}")
 
     def close(self) -> None:
         """Give back what was taken: signals, the terminal, open files."""
@@ -142,7 +142,7 @@ class _Loop:
         self._progress.close()
         if self._master_watch is not None:
             self._master_watch.set()
-        self._audience.close(1 if self._exit_code is None else self._exit_code)
+        self._monitor.close(1 if self._exit_code is None else self._exit_code)
         self._outputs.close()
         self._inbox.close()
 
@@ -151,7 +151,7 @@ class _Loop:
         unwritten = self._console.waiting()
         for descriptor in unwritten:
             self._poll.register(descriptor, select.POLLOUT)
-        times = [time for time in (next_deadline(self._state), self._audience.due) if time is not None]
+        times = [time for time in (next_deadline(self._state), self._monitor.due) if time is not None]
         ready = self._poll.poll(max(0.0, min(times) - time.monotonic()) * 1000 + 1 if times else None)
         for descriptor in unwritten:
             self._poll.unregister(descriptor)
@@ -164,8 +164,8 @@ class _Loop:
             self._inbox.clear()
         elif descriptor == self._host.fileno():
             self._hear(self._host.receive())
-        elif self._audience.serves(descriptor):
-            for event in self._audience.attend(descriptor, time.monotonic()):
+        elif self._monitor.serves(descriptor):
+            for event in self._monitor.attend(descriptor, time.monotonic()):
                 if isinstance(event, RestartWanted):
                     self._prefixes[event.name] = event.prefix
                 self._happen(event)
@@ -188,7 +188,7 @@ class _Loop:
             case Started(name, pid):
                 unit = self._programs[name].unit
                 if not unit.terminal and not unit.core:
-                    self._teller.inform(f"[{name}] started, process {pid}")
+                    self._reporter.inform(f"[{name}] started, process {pid}")
             case Exited(name) | StartFailed(name):
                 self._outputs.drain(name)
                 if self._programs[name].unit.terminal:
@@ -203,7 +203,9 @@ class _Loop:
 
     def _may_be_evicted(self, event: Exited) -> bool:
         each = self._state.find(event.name)
-        running = self._state.phase is Phase.RUNNING and each is not None and each.wish is None and not each.unit.core
+        running = (
+            self._state.phase is Phase.RUNNING and each is not None and each.request is None and not each.unit.core
+        )
         return running and event.status.signal is None and self._run.master is not None
 
     def _examine_exit(self, event: Exited) -> None:
@@ -217,16 +219,16 @@ class _Loop:
 
         self._do_aside(examine)
 
-    def _tell_event(self, event: Event) -> None:
+    def _post_event(self, event: Event) -> None:
         self._inbox.post(lambda: self._happen(event))
 
-    def _tell_joined(self) -> None:
+    def _notify_joined(self) -> None:
         if self._run.list_joined is None:
             return
         from ur.run.join.owner import describe_joined
 
         if text := describe_joined(self._run.list_joined()):
-            self._teller.warn(text)
+            self._reporter.warn(text)
 
     def _record_end(self) -> None:
         record = self._run.watch.record_end
@@ -234,15 +236,15 @@ class _Loop:
             return
         logs = {each.unit.name: self._outputs.find_path(each) for each in self._run.programs if not each.unit.terminal}
         code = 1 if self._exit_code is None else self._exit_code
-        record(code, self._cause or self._state.cause or "", tuple(self._teller.last_lines), logs)
+        record(code, self._cause or self._state.cause or "", tuple(self._reporter.last_lines), logs)
 
     def _happen(self, event: Event) -> None:
         now = time.monotonic()
         was_going = is_before(self._state, Phase.STOPPING_NODES)
         self._state, actions = step(self._state, event, now)
-        self._audience.note_state(self._state, now)
+        self._monitor.note_state(self._state, now)
         if was_going and not is_before(self._state, Phase.STOPPING_NODES):
-            self._tell_joined()
+            self._notify_joined()
         self._note_progress(event)
         for action in actions:
             self._act(action)
@@ -269,7 +271,7 @@ class _Loop:
         over = threading.Event()
         master = self._run.master
         if master is not None and not self._run.own_master:
-            words = (master, self._tell_event, over)
+            words = (master, self._post_event, over)
             threading.Thread(target=watch_any, args=words, daemon=True).start()
         return over
 
@@ -294,7 +296,7 @@ class _Loop:
             case Finish(exit_code):
                 self._exit_code = exit_code
             case _:
-                self._teller.tell(action)
+                self._reporter.report(action)
 
     def _do_aside(self, job: Job) -> None:
         def work() -> None:

@@ -1,4 +1,4 @@
-"""What the command line says about a run, beside the launch file."""
+"""Options of a run from the command line, besides the launch file."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where runs keep their files, and whether an address is this computer: as roslaunch and rospkg decide it."""
+"""Folders of runs, and whether an address is this computer: as roslaunch and rospkg decide it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What to run, and who may watch it: everything that the loop needs to know beforehand."""
+"""A run: programs, limits, clients; everything that the loop needs to know beforehand."""
 
 from __future__ import annotations
 

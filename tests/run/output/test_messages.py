@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 
 from ur.run.output.messages import LossLines, describe_death, describe_link, describe_status
-from ur.run.supervisor.actions import TellDeath
+from ur.run.supervisor.actions import ReportDeath
 from ur.run.supervisor.model import ExitStatus
 
 
@@ -34,7 +34,7 @@ def test_news_of_a_lost_link_become_lines_ever_more_rarely() -> None:
 
 
 def test_death_shows_last_lines_and_log() -> None:
-    death = TellDeath("/a", ExitStatus(code=1), restart_in=2.5)
+    death = ReportDeath("/a", ExitStatus(code=1), restart_in=2.5)
     assert describe_death(death, ["x"], "/log/a") == [
         "error: /a died: exit code 1, starts again in 2.5 s",
         "  | x",
@@ -43,7 +43,7 @@ def test_death_shows_last_lines_and_log() -> None:
 
 
 def test_death_without_a_word_says_so() -> None:
-    death = TellDeath("/a", ExitStatus(signal=9), ends_run=True)
+    death = ReportDeath("/a", ExitStatus(signal=9), ends_run=True)
     assert describe_death(death, [], "/log/a") == [
         "error: /a died: signal SIGKILL (killed), which ends the run",
         "  log: /log/a (it printed nothing)",
@@ -52,11 +52,11 @@ def test_death_without_a_word_says_so() -> None:
 
 
 def test_crash_and_storm_say_what_to_try() -> None:
-    assert "gdb" in describe_death(TellDeath("/a", ExitStatus(signal=11)), [], "/log/a")[-1]
-    told = describe_death(TellDeath("/a", ExitStatus(code=2), deaths=3), ["bad speed"], "/log/a")
+    assert "gdb" in describe_death(ReportDeath("/a", ExitStatus(signal=11)), [], "/log/a")[-1]
+    told = describe_death(ReportDeath("/a", ExitStatus(code=2), deaths=3), ["bad speed"], "/log/a")
     assert told[0] == "error: /a died: exit code 2, 3 times in a row soon after its start: it is not started again"
     assert told[-1] == "  try: exit code 2 is about what it was given: correct that, then 'ur restart /a'"
 
 
 def test_clean_end_is_no_error() -> None:
-    assert describe_death(TellDeath("/a", ExitStatus(code=0)), ["x"], "/log/a") == ["/a has finished"]
+    assert describe_death(ReportDeath("/a", ExitStatus(code=0)), ["x"], "/log/a") == ["/a has finished"]

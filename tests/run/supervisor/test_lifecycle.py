@@ -7,7 +7,7 @@ from signal import SIGINT, SIGTERM
 import pytest
 from tests.run.histories import CLEAN, FAILED, KILLED, History
 
-from ur.run.supervisor.actions import Finish, Signal, Start, Sweep, TellDeath, TellStop
+from ur.run.supervisor.actions import Finish, ReportDeath, ReportStop, Signal, Start, Sweep
 from ur.run.supervisor.events import (
     Begin,
     Evicted,
@@ -29,8 +29,8 @@ from ur.run.supervisor.supervisor import begin_state
 def test_required_node_that_fails_ends_the_run_as_roslaunch_with_0() -> None:
     history = History(Unit("/a", required=True), Unit("/b")).running()
     assert history.happens(Exited("/a", FAILED)) == [
-        TellDeath("/a", FAILED, ends_run=True),
-        TellStop("/a is required and has ended"),
+        ReportDeath("/a", FAILED, ends_run=True),
+        ReportStop("/a is required and has ended"),
         Signal("/b", SIGINT),
     ]
     history.happens(Exited("/b", CLEAN), NothingLeft())
@@ -43,17 +43,17 @@ def test_required_node_that_fails_ends_the_run_as_roslaunch_with_0() -> None:
 def test_terminal_node_ends_the_run_with_its_exit_code(status: ExitStatus, code: int, told: bool) -> None:
     history = History(Unit("/front", terminal=True, required=True)).running()
     actions = history.happens(Exited("/front", status))
-    assert any(isinstance(action, TellDeath) for action in actions) is told
+    assert any(isinstance(action, ReportDeath) for action in actions) is told
     history.happens(NothingLeft())
     assert history.happens(Unregistered()) == [Finish(code)]
 
 
 def test_run_ends_when_every_node_has_ended() -> None:
     history = History(Unit("/a"), Unit("/b"), own_master=True).running()
-    assert history.happens(Exited("/a", CLEAN)) == [TellDeath("/a", CLEAN)]
+    assert history.happens(Exited("/a", CLEAN)) == [ReportDeath("/a", CLEAN)]
     assert history.happens(Exited("/b", FAILED)) == [
-        TellDeath("/b", FAILED),
-        TellStop("every node has ended"),
+        ReportDeath("/b", FAILED),
+        ReportStop("every node has ended"),
         Signal("/rosout", SIGINT),
     ]
 
@@ -62,7 +62,7 @@ def test_run_that_started_nothing_ends_with_1() -> None:
     history = History(Unit("/a"))
     history.happens(Begin(), ParametersSet())
     told = history.happens(StartFailed("/a", "no such file"))
-    assert told[0] == TellDeath("/a", ExitStatus(), "no such file")
+    assert told[0] == ReportDeath("/a", ExitStatus(), "no such file")
     history.happens(NothingLeft())
     assert history.happens(Unregistered()) == [Finish(1)]
 
@@ -72,21 +72,21 @@ def test_respawn_waits_its_delay_and_node_that_keeps_dying_comes_ever_later() ->
     delays = []
     for _ in range(9):
         [death] = history.happens(Exited("/a", FAILED), after=0.1)
-        assert isinstance(death, TellDeath)
+        assert isinstance(death, ReportDeath)
         delays.append(death.restart_in)
         assert history.happens(Tick(), after=history.due() - 0.01) == []
         assert history.happens(Tick(), after=0.02) == [Start("/a")]
         history.happens(Started("/a", 5))
     assert delays == [0.5, 0.5, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 30.0]
     [death] = history.happens(Exited("/a", FAILED), after=Limits().quick_death)
-    assert isinstance(death, TellDeath)
+    assert isinstance(death, ReportDeath)
     assert death.restart_in == 0.5
 
 
 def test_node_waiting_for_its_respawn_does_not_hold_the_stop_up() -> None:
     history = History(Unit("/a", respawn=True, respawn_delay=60.0)).running()
     history.happens(Exited("/a", FAILED))
-    assert history.happens(StopRequested("SIGINT")) == [TellStop("SIGINT"), Sweep(SIGTERM)]
+    assert history.happens(StopRequested("SIGINT")) == [ReportStop("SIGINT"), Sweep(SIGTERM)]
 
 
 def test_late_news_about_unknown_or_ended_units_change_nothing() -> None:
@@ -105,7 +105,7 @@ def test_node_that_refuses_its_input_is_given_up_sooner_and_ends_the_run_with_1(
         history.happens(Tick(), after=history.due())
         history.happens(Started("/a", 5))
     told = history.happens(Exited("/a", refused))
-    assert told[:2] == [TellDeath("/a", refused, deaths=3), TellStop("every node has ended")]
+    assert told[:2] == [ReportDeath("/a", refused, deaths=3), ReportStop("every node has ended")]
     history.happens(NothingLeft())
     assert history.happens(Unregistered()) == [Finish(1)]
 
@@ -123,7 +123,7 @@ def test_no_limit_respawns_for_ever() -> None:
 def test_evicted_node_is_not_started_again_and_the_run_ends_with_1() -> None:
     history = History(Unit("/a", respawn=True), Unit("/b")).running()
     told = history.happens(Evicted("/a", CLEAN, "run other.7"))
-    assert told == [TellDeath("/a", CLEAN, evicted_by="run other.7")]
+    assert told == [ReportDeath("/a", CLEAN, evicted_by="run other.7")]
     history.happens(Exited("/b", CLEAN), NothingLeft())
     assert history.happens(Unregistered()) == [Finish(1)]
 
@@ -132,7 +132,7 @@ def test_evicted_node_is_not_started_again_and_the_run_ends_with_1() -> None:
 def test_run_ends_with_1_when_the_node_that_it_needs_is_evicted(unit: Unit) -> None:
     history = History(unit, Unit("/b")).running()
     told = history.happens(Evicted("/a", CLEAN, "process 7"))
-    assert told[0] == TellDeath("/a", CLEAN, ends_run=True, evicted_by="process 7")
+    assert told[0] == ReportDeath("/a", CLEAN, ends_run=True, evicted_by="process 7")
     history.happens(Exited("/b", CLEAN), NothingLeft())
     assert history.happens(Unregistered()) == [Finish(1)]
 
@@ -140,7 +140,7 @@ def test_run_ends_with_1_when_the_node_that_it_needs_is_evicted(unit: Unit) -> N
 def test_run_ends_with_1_when_a_run_that_it_has_joined_ends_and_hears_it_once() -> None:
     history = History(Unit("/a")).running()
     told = history.happens(OwnerEnded("first.1 ends"))
-    assert told == [TellStop("first.1 ends", failed=True), Signal("/a", SIGINT)]
+    assert told == [ReportStop("first.1 ends", failed=True), Signal("/a", SIGINT)]
     assert history.happens(OwnerEnded("second.2 ends")) == []
     history.happens(Exited("/a", CLEAN), NothingLeft())
     assert history.happens(Unregistered()) == [Finish(1)]

@@ -1,6 +1,6 @@
 from __future__ import annotations
 
-from ur.run.supervisor.actions import Action, SetParameters, StartShare, TellLink, TellRevival, TellStop
+from ur.run.supervisor.actions import Action, ReportLink, ReportRevival, ReportStop, SetParameters, StartShare
 from ur.run.supervisor.events import (
     Begin,
     Event,
@@ -37,13 +37,13 @@ def follow(state: State, *events: Event) -> tuple[State, list[Action]]:
 def test_lost_link_is_told_and_changes_nothing() -> None:
     before = run_state(shared=True)
     state, actions = follow(before, LinkLost(1.2), LinkRestored(12.3))
-    assert actions == [TellLink(lost=True, seconds=1.2), TellLink(lost=False, seconds=12.3)]
+    assert actions == [ReportLink(lost=True, seconds=1.2), ReportLink(lost=False, seconds=12.3)]
     assert state == before
 
 
 def test_robot_starts_its_share_again_before_nodes_here_do() -> None:
     state, actions = follow(run_state(shared=True), MasterReplaced())
-    assert actions == [TellRevival(), StartShare()]
+    assert actions == [ReportRevival(), StartShare()]
     state, actions = follow(state, MasterReplaced(), MasterGone(4.0))  # seen while it starts
     assert actions == []
     state, actions = follow(state, ShareStarted())
@@ -55,12 +55,12 @@ def test_robot_starts_its_share_again_before_nodes_here_do() -> None:
 
 def test_robot_without_a_master_is_asked_to_start_its_share() -> None:
     _, actions = follow(run_state(shared=True), MasterGone(3.0))
-    assert actions == [TellRevival(), StartShare()]
+    assert actions == [ReportRevival(), StartShare()]
 
 
 def test_run_ends_with_1_when_the_robot_cannot_start_its_share() -> None:
     state, actions = follow(run_state(shared=True), MasterGone(3.0), ShareFailed("bob: its nodes are gone"))
-    assert TellStop("bob: its nodes are gone", failed=True) in actions
+    assert ReportStop("bob: its nodes are gone", failed=True) in actions
     assert state.exit_code == 1
 
 
@@ -69,13 +69,13 @@ def test_run_does_not_wait_for_ever_for_the_master_of_a_robot_that_answers() -> 
     assert actions == []
     state, actions = follow(state, MasterGone(120.0))
     cause = "the robot answers, but no ROS master has run on it for 120 s"
-    assert TellStop(cause, failed=True) in actions
+    assert ReportStop(cause, failed=True) in actions
     assert state.exit_code == 1
 
 
 def test_parameters_that_a_cut_kept_from_the_new_master_are_set_after_it() -> None:
     state, _ = follow(run_state(shared=False), MasterReplaced(), SetupFailed("no answer"))
     state, actions = follow(state, LinkLost(5.0), LinkRestored(9.0))
-    assert actions[-2:] == [TellRevival(), SetParameters()]
+    assert actions[-2:] == [ReportRevival(), SetParameters()]
     state, actions = follow(state, ParametersSet(), LinkRestored(2.0))
-    assert actions[-1] == TellLink(lost=False, seconds=2.0)  # once
+    assert actions[-1] == ReportLink(lost=False, seconds=2.0)  # once

@@ -6,7 +6,7 @@ from signal import SIGINT, SIGKILL, SIGTERM
 
 from tests.run.histories import CLEAN, FAILED, KILLED, History
 
-from ur.run.supervisor.actions import Signal, Start, TellDeath, TellPressure, TellWish
+from ur.run.supervisor.actions import ReportDeath, ReportPressure, ReportRequest, Signal, Start
 from ur.run.supervisor.events import Exited, RestartWanted, Started, StartWanted, StopRequested, StopWanted, Tick
 from ur.run.supervisor.model import Limits, Phase, Unit
 from ur.run.supervisor.supervisor import next_deadline
@@ -18,12 +18,12 @@ def test_storm_of_deaths_ends_with_giving_up_and_a_restart_by_hand_begins_anew()
         history.happens(Exited("/a", FAILED), after=0.1)
         history.happens(Tick(), after=history.due())
         history.happens(Started("/a", 5))
-    assert history.happens(Exited("/a", FAILED)) == [TellDeath("/a", FAILED, deaths=Limits().quick_deaths)]
+    assert history.happens(Exited("/a", FAILED)) == [ReportDeath("/a", FAILED, deaths=Limits().quick_deaths)]
     assert next_deadline(history.state) is None
     assert history.happens(RestartWanted("/a")) == [Start("/a")]
     history.happens(Started("/a", 6))
     [death] = history.happens(Exited("/a", FAILED))
-    assert isinstance(death, TellDeath)
+    assert isinstance(death, ReportDeath)
     assert death.restart_in == 0.0
 
 
@@ -31,7 +31,7 @@ def test_node_stopped_by_hand_stays_stopped_and_keeps_the_run() -> None:
     history = History(Unit("/a", respawn=True), Unit("/b", required=True)).running()
     for name in ("/a", "/b"):
         assert history.happens(StopWanted(name)) == [Signal(name, SIGINT)]
-        assert history.happens(Exited(name, FAILED)) == [TellWish(name)]
+        assert history.happens(Exited(name, FAILED)) == [ReportRequest(name)]
     assert history.state.phase is Phase.RUNNING
     assert next_deadline(history.state) is None
     assert history.happens(StartWanted("/a")) == [Start("/a")]
@@ -40,11 +40,11 @@ def test_node_stopped_by_hand_stays_stopped_and_keeps_the_run() -> None:
 def test_stubborn_node_stopped_by_hand_gets_stronger_signals() -> None:
     history = History(Unit("/a"), Unit("/b")).running()
     history.happens(StopWanted("/a"))
-    assert history.happens(Tick(), after=history.due()) == [TellPressure(("/a",), SIGTERM), Signal("/a", SIGTERM)]
-    assert history.happens(Tick(), after=history.due()) == [TellPressure(("/a",), SIGKILL), Signal("/a", SIGKILL)]
+    assert history.happens(Tick(), after=history.due()) == [ReportPressure(("/a",), SIGTERM), Signal("/a", SIGTERM)]
+    assert history.happens(Tick(), after=history.due()) == [ReportPressure(("/a",), SIGKILL), Signal("/a", SIGKILL)]
     history.happens(Tick(), after=history.due())
     assert next_deadline(history.state) is None
-    assert history.happens(Exited("/a", KILLED)) == [TellWish("/a")]
+    assert history.happens(Exited("/a", KILLED)) == [ReportRequest("/a")]
 
 
 def test_restart_by_hand_waits_for_the_end_and_kill_does_not_ask() -> None:
@@ -59,7 +59,7 @@ def test_wishes_about_core_and_unknown_nodes_are_refused_and_a_stop_forgets_all(
     history = History(Unit("/a"), own_master=True).running()
     for name in ("master", "/nobody"):
         [told] = history.happens(StopWanted(name))
-        assert isinstance(told, TellWish)
+        assert isinstance(told, ReportRequest)
         assert told.refused
     history.happens(RestartWanted("/a"), StopRequested("SIGINT"))
     assert Start("/a") not in history.happens(Exited("/a", CLEAN))

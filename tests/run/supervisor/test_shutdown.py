@@ -6,7 +6,7 @@ from signal import SIGINT, SIGKILL, SIGTERM
 
 from tests.run.histories import CLEAN, KILLED, History
 
-from ur.run.supervisor.actions import Finish, Signal, Sweep, TellPressure, TellStop
+from ur.run.supervisor.actions import Finish, ReportPressure, ReportStop, Signal, Sweep
 from ur.run.supervisor.events import Begin, Exited, NothingLeft, ParametersSet, Started, StopRequested, Tick
 from ur.run.supervisor.model import Phase, Unit
 from ur.run.supervisor.supervisor import next_deadline
@@ -15,7 +15,7 @@ from ur.run.supervisor.supervisor import next_deadline
 def test_stop_interrupts_all_nodes_at_once_then_rosout_then_master() -> None:
     history = History(Unit("/a"), Unit("/b"), own_master=True).running()
     assert history.happens(StopRequested("SIGINT")) == [
-        TellStop("SIGINT"),
+        ReportStop("SIGINT"),
         Signal("/a", SIGINT),
         Signal("/b", SIGINT),
     ]
@@ -31,8 +31,8 @@ def test_stubborn_nodes_get_stronger_signals_within_5_seconds() -> None:
     history = History(Unit("/a"), Unit("/b"), own_master=True).running()
     begin = history.now
     history.happens(StopRequested("SIGINT"), Exited("/b", CLEAN))
-    assert history.happens(Tick(), after=history.due()) == [TellPressure(("/a",), SIGTERM), Signal("/a", SIGTERM)]
-    assert history.happens(Tick(), after=history.due()) == [TellPressure(("/a",), SIGKILL), Signal("/a", SIGKILL)]
+    assert history.happens(Tick(), after=history.due()) == [ReportPressure(("/a",), SIGTERM), Signal("/a", SIGTERM)]
+    assert history.happens(Tick(), after=history.due()) == [ReportPressure(("/a",), SIGKILL), Signal("/a", SIGKILL)]
     assert history.happens(Exited("/a", KILLED)) == [Signal("/rosout", SIGINT)]
     assert history.happens(Tick(), after=history.due()) == [Signal("master", SIGKILL), Signal("/rosout", SIGKILL)]
     history.happens(Exited("master", KILLED), Exited("/rosout", KILLED))

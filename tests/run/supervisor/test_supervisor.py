@@ -13,13 +13,13 @@ from tests.run.histories import CLEAN, FAILED, KILLED, MASTER, ROSOUT, History
 from ur.run.supervisor.actions import (
     AwaitMaster,
     Finish,
+    ReportDeath,
+    ReportRevival,
+    ReportStop,
     SetParameters,
     Signal,
     Start,
     Sweep,
-    TellDeath,
-    TellRevival,
-    TellStop,
     Unregister,
 )
 from ur.run.supervisor.events import (
@@ -71,7 +71,7 @@ def test_master_that_does_not_answer_ends_the_run() -> None:
     history.happens(Begin(), Started("master", 1))
     assert history.due() == Limits().master
     told = history.happens(Tick(), after=history.due())
-    assert TellStop("the master did not answer within 15 s", failed=True) in told
+    assert ReportStop("the master did not answer within 15 s", failed=True) in told
     assert Signal("master", SIGINT) in told
     assert Start("/a") not in told
 
@@ -80,14 +80,14 @@ def test_master_that_dies_at_start_ends_the_run_with_1() -> None:
     history = History(Unit("/a"), own_master=True)
     history.happens(Begin(), Started("master", 1))
     told = history.happens(Exited("master", FAILED))
-    assert told[0] == TellDeath("master", FAILED, ends_run=True)
+    assert told[0] == ReportDeath("master", FAILED, ends_run=True)
     assert history.happens(NothingLeft()) == [Finish(1)]
 
 
 def test_refused_parameters_end_the_run_before_nodes_start() -> None:
     history = History(Unit("/a"))
     history.happens(Begin())
-    assert history.happens(SetupFailed("no")) == [TellStop("no", failed=True), Sweep(SIGTERM)]
+    assert history.happens(SetupFailed("no")) == [ReportStop("no", failed=True), Sweep(SIGTERM)]
     assert history.happens(NothingLeft()) == [Unregister()]
     assert history.happens(Unregistered()) == [Finish(1)]
 
@@ -95,7 +95,7 @@ def test_refused_parameters_end_the_run_before_nodes_start() -> None:
 def test_another_master_gets_the_parameters_and_every_node_starts_again() -> None:
     history = History(Unit("/a"), Unit("/b"), Unit("/c", respawn=True, respawn_delay=1.0)).running()
     history.happens(Exited("/b", FAILED), Exited("/c", FAILED))
-    assert history.happens(MasterReplaced()) == [TellRevival(), SetParameters()]
+    assert history.happens(MasterReplaced()) == [ReportRevival(), SetParameters()]
     history.happens(Tick(), after=2.0)  # nothing starts before the parameters are there
     assert history.happens(ParametersSet()) == [Signal("/a", SIGINT), Start("/c")]
     assert history.happens(Exited("/a", CLEAN)) == [Start("/a")]
@@ -106,7 +106,7 @@ def test_master_that_goes_again_while_parameters_are_set_does_not_end_the_run() 
     history.happens(MasterReplaced())
     assert history.happens(SetupFailed("gone")) == []
     assert history.state.phase is Phase.RUNNING
-    assert history.happens(MasterReplaced()) == [TellRevival(), SetParameters()]
+    assert history.happens(MasterReplaced()) == [ReportRevival(), SetParameters()]
 
 
 _NAMES = st.sampled_from(["/a", "/b", "/front", "master", "/rosout"])

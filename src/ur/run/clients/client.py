@@ -1,4 +1,4 @@
-"""Watching and steering a run from outside: over its socket, or over one end of a pair inside `ur launch`."""
+"""Control of a run from outside: over its socket, or over one end of a socket pair inside `ur launch`."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
-"""What a run tells those who watch it, and what they may ask of it: values, and each as one line of JSON.
+"""Events of a run for its clients, and commands that clients may send: values, and each as one line of JSON.
 
-A watcher first gets `RunStarted`, then one `NodeChanged` and one `NodeReadiness` for each node as it is now, then
+A subscriber first gets `RunStarted`, then one `NodeChanged` and one `NodeReadiness` for each node as it is now, then
 `Synchronised`; from there on whatever happens. Output lines and statistics come only after `Watch` asked for them.
 """
 
@@ -152,7 +152,7 @@ RunEvent = (
 
 @dataclass(frozen=True, slots=True)
 class Watch:
-    """What this watcher wants to hear beside changes: output lines, statistics, readiness. Replaces an earlier one."""
+    """Subscription beyond changes: output lines, statistics, readiness. Replaces an earlier one."""
 
     output: bool = False
     stats: bool = False

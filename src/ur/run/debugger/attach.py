@@ -1,4 +1,4 @@
-"""Looking into a node that runs, or ran, from outside its run: which ways there are. Pure."""
+"""Ways to debug a node that runs, or ran, from outside its run. Pure."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which debugger, where it appears, and the words that start it: decided from what is there. Pure."""
+"""Choose a debugger, its terminal, and its command line from what is installed. Pure."""
 
 from __future__ import annotations
 

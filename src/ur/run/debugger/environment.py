@@ -1,4 +1,4 @@
-"""What there is to debug with on this computer: looked up, then decided upon by `ur.run.debugger.choice`."""
+"""Debuggers, terminals and core dumps on this computer, for the decisions of `ur.run.debugger.choice`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Runs a program in another terminal while it stays our child, so that its run can signal it and outlives it never.
+"""Run a program in another terminal as a child of its run, which can signal it and which it never outlives.
 
     debug_pane.py NAME PROGRAM [ARG ...]                  opens a tmux pane for it
     debug_pane.py --wait ADDRESS NAME                     gives this terminal to the program that joins

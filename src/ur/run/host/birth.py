@@ -1,4 +1,4 @@
-"""Becoming a node: what happens in a new process between fork and exec."""
+"""The steps of a new process between fork and exec."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Finding, signalling and reaping the processes below this one."""
+"""Find, signal and reap the processes below this one."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the supervisor and the process host say to each other over a socket pair, and how.
+"""Messages between the supervisor and the process host over a socket pair.
 
 Messages are tuples. To the host: first `("begin", environment, keep_terminal)`, then `("start", name, argv, cwd,
 changes, place)` with the three open files of standard input, output and error, `("signal", name, signum)`,

@@ -1,4 +1,4 @@
-"""The process host itself: does what the supervisor says, and reports what happens."""
+"""The process host itself: carries out requests of the supervisor and reports events."""
 
 from __future__ import annotations
 

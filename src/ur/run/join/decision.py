@@ -1,4 +1,4 @@
-"""Decide which nodes of a plan start, where others run at the same master already. Pure."""
+"""Decide which nodes of a plan start where other runs use the same master. Pure."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Talking to a ROS master (http://wiki.ros.org/ROS/Master_API and Parameter_Server_API)."""
+"""A client of a ROS master (http://wiki.ros.org/ROS/Master_API and Parameter_Server_API)."""
 
 from __future__ import annotations
 

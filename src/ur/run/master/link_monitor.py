@@ -1,4 +1,4 @@
-"""Watch over the network link to a robot and over the robot's master: what a run on another computer depends on.
+"""Monitor of the network link to a robot and of its master, on which a run on another computer depends.
 
 `step_link` is pure; `watch_link` is the shell around it, in a thread of its own.
 """
@@ -78,7 +78,7 @@ def choose_limit(state: LinkState, now: float) -> float:
     return min(LONGEST_QUESTION, max(SHORTEST_QUESTION, state.last + LOST_AFTER - now))
 
 
-def watch_link(master: Master, tell: Callable[[Event], None], over: Flag) -> None:
+def watch_link(master: Master, report: Callable[[Event], None], over: Flag) -> None:
     """Ask a robot and its master until `over`, and tell what happens to them."""
     addresses = Addresses()
     state = LinkState(time.monotonic())
@@ -88,7 +88,7 @@ def watch_link(master: Master, tell: Callable[[Event], None], over: Flag) -> Non
         heard = word is not None
         state, events = step_link(state, word, now)
         for event in events:
-            tell(event)
+            report(event)
 
 
 def _ask(master: Master, addresses: Addresses, limit: float, over: Flag) -> tuple[Word | None, float]:

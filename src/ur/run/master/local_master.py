@@ -1,4 +1,4 @@
-"""The master of a run: the one that is there, or our own together with rosout."""
+"""The master of a run: an existing one, or one of its own together with rosout."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Keeping an eye on a master that somebody else runs."""
+"""Monitor of a master that another process runs."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ LOST_PERIOD = 0.5  # the same while it does not answer
 MISSES = 2  # in a row, before it counts as lost: a busy computer may answer late
 
 
-def watch_any(master: Master, tell: Callable[[Event], None], over: threading.Event) -> None:
+def watch_any(master: Master, report: Callable[[Event], None], over: threading.Event) -> None:
     """Look after a master of this computer, or after one of a robot and the link to it, until `over`."""
     if is_local_address(master.host):
-        watch_master(master, tell, over)
+        watch_master(master, report, over)
     else:
-        watch_link(master, tell, over)
+        watch_link(master, report, over)
 
 
-def watch_master(master: Master, tell: Callable[[Event], None], over: threading.Event) -> None:
+def watch_master(master: Master, report: Callable[[Event], None], over: threading.Event) -> None:
     """Look after a master until `over`. Tells when it is lost, answers again, or another one answers in its place.
 
     A master is known by its process: one that was started again has another, and has forgotten every node.
@@ -36,12 +36,12 @@ def watch_master(master: Master, tell: Callable[[Event], None], over: threading.
         if pid is None:
             misses += 1
             if misses == MISSES:
-                tell(MasterLost())
+                report(MasterLost())
             continue
         if known is not None and pid != known:
-            tell(MasterReplaced())
+            report(MasterReplaced())
         elif misses >= MISSES:
-            tell(MasterReturned())
+            report(MasterReturned())
         known, misses = pid, 0
 
 

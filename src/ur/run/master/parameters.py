@@ -1,4 +1,4 @@
-"""The parameters of a plan as values, those included that a program has to print first."""
+"""Parameters of a plan as values, including those that a program has to print first."""
 
 from __future__ import annotations
 

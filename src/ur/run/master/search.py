@@ -1,4 +1,4 @@
-"""The master that a run uses: where it is, whether it answers, and what else may listen in its place."""
+"""Search for the master of a run: its address, whether it answers, and other programs that listen there."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Listening to a topic without a ROS library (http://wiki.ros.org/ROS/TCPROS), only to see that messages come.
+"""Listen to a topic without a ROS library (http://wiki.ros.org/ROS/TCPROS), only to see that messages arrive.
 
 Nothing is registered with the master: the publisher is asked directly, so nobody sees a subscriber come and go.
 """

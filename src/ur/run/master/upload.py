@@ -1,4 +1,4 @@
-"""What a run leaves on the master while it lives: its parameters; and what it takes away again."""
+"""Upload a run's parameters to the master, and delete at the end what belongs to the run."""
 
 from __future__ import annotations
 

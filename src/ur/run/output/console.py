@@ -1,4 +1,4 @@
-"""Lines to people: node output on standard output and error, the run's own words on standard error."""
+"""Lines on the terminal: node output on standard output and error, reports of the run on standard error."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ PIECE = 4096  # bytes: what a writable pipe takes without blocking, pipe(7)
 class Sink:
     """An open file that is written to without ever waiting for it."""
 
-    def __init__(self, descriptor: int, tell_lost: Callable[[int], bytes] | None = None) -> None:
+    def __init__(self, descriptor: int, describe_lost: Callable[[int], bytes] | None = None) -> None:
         """Take an open file, and what makes a line that says how many lines got lost."""
         self.descriptor = descriptor
-        self._tell_lost = tell_lost or _tell_lost
+        self._describe_lost = describe_lost or _describe_lost
         self._lost: dict[str, int] = {}
         self._waiting: dict[str, int] = {}
         self._lines: deque[tuple[str, bytes]] = deque()
@@ -31,7 +31,7 @@ class Sink:
     def waiting(self) -> bool:
         """Whether there is something to write."""
         if self._lost and not self._lines:
-            self._lines.append(("", self._tell_lost(sum(self._lost.values()))))
+            self._lines.append(("", self._describe_lost(sum(self._lost.values()))))
             self._lost.clear()
         return bool(self._lines or self._rest)
 
@@ -50,7 +50,7 @@ class Sink:
             self._lost[source] = self._lost.get(source, 0) + 1
             return
         if self._lost and (important or source in self._lost):
-            self._lines.append(("", self._tell_lost(sum(self._lost.values()))))
+            self._lines.append(("", self._describe_lost(sum(self._lost.values()))))
             self._lost.clear()
         self._lines.append((source, line))
         self._waiting[source] = waiting + 1
@@ -167,7 +167,7 @@ class Console:
             sink.put(line, important=important, source=source)
 
 
-def _tell_lost(count: int) -> bytes:
+def _describe_lost(count: int) -> bytes:
     return b"... %d lines are not shown here; the log files have them\n" % count
 
 

@@ -1,11 +1,11 @@
-"""What a run says to people, as text. Pure."""
+"""Messages of a run to people, as text. Pure."""
 
 from __future__ import annotations
 
 import signal
 from collections.abc import Sequence
 
-from ur.run.supervisor.actions import TellDeath
+from ur.run.supervisor.actions import ReportDeath
 from ur.run.supervisor.advice import Crash, advise
 from ur.run.supervisor.model import ExitStatus
 
@@ -22,7 +22,7 @@ def describe_status(status: ExitStatus) -> str:
     return "not started" if status.code is None else f"exit code {status.code}"
 
 
-def describe_death(death: TellDeath, lines: Sequence[str] | None, log: str | None) -> list[str]:
+def describe_death(death: ReportDeath, lines: Sequence[str] | None, log: str | None) -> list[str]:
     """What reports the end of a unit: what happened, its last lines (None: they were on the screen), its log file."""
     follow = ""
     if death.restart_in is not None:
@@ -69,7 +69,7 @@ class LossLines:
         return due
 
 
-def _advise(death: TellDeath, lines: Sequence[str]) -> str:
+def _advise(death: ReportDeath, lines: Sequence[str]) -> str:
     again = f"'ur restart {death.name}' starts it once more"
     if death.deaths and death.status.code == 2:
         return f"exit code 2 is about what it was given: correct that, then 'ur restart {death.name}'"

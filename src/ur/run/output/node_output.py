@@ -1,4 +1,4 @@
-"""What nodes print: to log files and, line by line, to people."""
+"""Output of nodes, to log files and line by line to people."""
 
 from __future__ import annotations
 
@@ -94,7 +94,7 @@ class Stream:
             write_log(self._log, data)
         lines = self._lines.feed(data)
         granted, lost = self._allowance.take(len(lines), self._read_clock())
-        self._tell_lost(lost)
+        self._describe_lost(lost)
         for line in lines[:granted]:
             text = make_printable(line)
             recent.append(text)
@@ -102,10 +102,10 @@ class Stream:
         if granted < len(lines):
             recent.extend(map(make_printable, lines[granted:][-KEPT_LINES:]))
         if not data:
-            self._tell_lost(self._allowance.settle())
+            self._describe_lost(self._allowance.settle())
         return bool(data)
 
-    def _tell_lost(self, count: int) -> None:
+    def _describe_lost(self, count: int) -> None:
         if count:
             self._show(self.name, f"... {count} lines are not shown here; the log file has them")
 

@@ -1,4 +1,4 @@
-"""What a run tells people, in words: on the console, and to those who watch."""
+"""Reports of a run, as text on the console and as events to its clients."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ from typing import TYPE_CHECKING
 from ur.run.output.messages import LossLines, describe_death, describe_link
 from ur.run.supervisor.actions import (
     Action,
-    TellDeath,
-    TellLink,
-    TellMaster,
-    TellPressure,
-    TellRevival,
-    TellStop,
-    TellWish,
+    ReportDeath,
+    ReportLink,
+    ReportMaster,
+    ReportPressure,
+    ReportRequest,
+    ReportRevival,
+    ReportStop,
 )
 
 if TYPE_CHECKING:
-    from ur.run.clients.audience import Audience
+    from ur.run.clients.monitor import Monitor
     from ur.run.clients.protocol import Severity
     from ur.run.output.console import Console
     from ur.run.output.router import Outputs
@@ -30,10 +30,10 @@ if TYPE_CHECKING:
 KEPT_LINES = 30
 
 
-class Teller:
+class Reporter:
     """Turns what the supervisor wants told into lines."""
 
-    def __init__(self, run: Run, console: Console, outputs: Outputs, audience: Audience) -> None:
+    def __init__(self, run: Run, console: Console, outputs: Outputs, monitor: Monitor) -> None:
         self._folder = run.folder
         self._master = "" if run.master is None else run.master.uri
         self._robot = "" if run.master is None else run.master.host.removesuffix(".local")
@@ -42,14 +42,14 @@ class Teller:
         self._shared = run.restart_share is not None
         self._console = console
         self._outputs = outputs
-        self._audience = audience
+        self._monitor = monitor
         self.last_lines: deque[str] = deque(maxlen=KEPT_LINES)
 
     def inform(self, text: str) -> None:
         """What is good to know."""
         self.last_lines.append(text)
         self._console.inform(text)
-        self._audience.tell_notice("info", text)
+        self._monitor.publish_notice("info", text)
 
     def warn(self, text: str) -> None:
         """What matters; a text that begins with `error: ` is one."""
@@ -57,34 +57,34 @@ class Teller:
             self.last_lines.append(line)
             self._console.warn(line)
         severity: Severity = "error" if text.startswith("error: ") else "warning"
-        self._audience.tell_notice(severity, text.removeprefix("error: "))
+        self._monitor.publish_notice(severity, text.removeprefix("error: "))
 
-    def tell(self, action: Action) -> None:
+    def report(self, action: Action) -> None:
         """What the supervisor wants told; every other action is none of ours."""
         match action:
-            case TellDeath():
-                self._tell_death(action)
-            case TellPressure(names, signum):
+            case ReportDeath():
+                self._report_death(action)
+            case ReportPressure(names, signum):
                 self.warn(f"{', '.join(names)} did not stop: {signal.Signals(signum).name}")
-            case TellWish(name, refused):
+            case ReportRequest(name, refused):
                 self.warn(f"{name}: {refused}") if refused else self.inform(f"{name} is stopped, as asked")
-            case TellMaster(lost=True):
+            case ReportMaster(lost=True):
                 what = "does not answer any more; nodes go on, new connections wait for it"
                 self.warn(f"error: the master at {self._master} {what}")
-            case TellMaster():
+            case ReportMaster():
                 self.warn(f"the master at {self._master} answers again")
-            case TellLink(lost, seconds):
+            case ReportLink(lost, seconds):
                 if self._loss_lines.is_due(seconds, lost=lost):
                     self.warn(describe_link(self._robot, seconds, lost=lost))
-                self._audience.tell_link(self._robot, seconds, lost=lost)
-            case TellRevival() if self._shared:
+                self._monitor.publish_link(self._robot, seconds, lost=lost)
+            case ReportRevival() if self._shared:
                 self.warn(f"{self._robot} has another master, or none: its nodes are started again, then those here")
-            case TellRevival():
+            case ReportRevival():
                 self.warn("another master answers: parameters are set again, and every node is restarted")
-            case TellStop(cause, failed):
+            case ReportStop(cause, failed):
                 self.warn(f"error: {cause}") if failed else self.inform(f"stopping: {cause}")
 
-    def _tell_death(self, death: TellDeath) -> None:
+    def _report_death(self, death: ReportDeath) -> None:
         if death.status.clean and not death.evicted_by:
             self.inform(describe_death(death, (), None)[0])
             return

@@ -1,4 +1,4 @@
-"""Where what nodes print goes: to their log files, to people, and the last lines to crash reports."""
+"""Routes of node output: to log files, to people, and the last lines to crash reports."""
 
 from __future__ import annotations
 
@@ -38,15 +38,15 @@ class Outputs:
         poll: select.poll,
         folder: str,
         console: Console,
-        tell: Callable[[str, OutputSource, str], None],
+        report: Callable[[str, OutputSource, str], None],
         *,
         unattended: bool,
     ) -> None:
-        """Log files go to `folder`, lines to `console` and `tell`. `unattended`: nobody sees them but in log files."""
+        """Log files go to `folder`, lines to `console` and `report`. `unattended`: only log files show them."""
         self._poll = poll
         self._folder = folder
         self._console = console
-        self._tell = tell
+        self._report = report
         self._unattended = unattended
         self._outputs: dict[str, _Output] = {}
         self._streams: dict[int, Stream] = {}
@@ -146,11 +146,11 @@ class Outputs:
             self._close(output)
 
     def _tee(self, show: Callable[[str, str], None], source: OutputSource) -> Callable[[str, str], None]:
-        def tell(name: str, line: str) -> None:
+        def report(name: str, line: str) -> None:
             show(name, line)
-            self._tell(name, source, line)
+            self._report(name, source, line)
 
-        return tell
+        return report
 
     def _read_back(self, name: str, output: _Output) -> None:
         size = _size(output.path)
@@ -164,14 +164,14 @@ class Outputs:
                 if size - output.read_back > MOST_TAIL:
                     output.read_back = size - MOST_TAIL
                     output.splitter = LineSplitter()
-                    self._tell(name, "log", "... lines are not shown here; the log file has them")
+                    self._report(name, "log", "... lines are not shown here; the log file has them")
                 file.seek(output.read_back)
                 data = file.read(MOST_TAIL)
         except OSError:
             return
         output.read_back += len(data)
         for line in output.splitter.feed(data):
-            self._tell(name, "log", make_printable(line))
+            self._report(name, "log", make_printable(line))
 
     def _close_stream(self, stream: Stream) -> None:
         self._poll.unregister(stream.descriptor)

@@ -1,4 +1,4 @@
-"""From a node of a plan to the program that is started: as roslaunch does it, argument for argument.
+"""The command line of a node of a plan, argument for argument as roslaunch has it.
 
 Sources: roslaunch's `node_args.create_local_process_args`, `core.setup_env` and `nodeprocess.LocalProcess`.
 """

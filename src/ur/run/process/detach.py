@@ -1,4 +1,4 @@
-"""A run that goes on without its terminal: start it in another session, wait until it stands, and let go of it."""
+"""Runs that continue without their terminal: start one in another session, wait until it is ready, and detach."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from ur.source.diagnostic import UserError, error
 LetGo = Callable[[RunEntry], None]
 
 
-def run_detached(run: Callable[[LetGo], int], tell: Callable[[str], int]) -> int:
+def run_detached(run: Callable[[LetGo], int], report: Callable[[str], int]) -> int:
     """Run in a process of its own that outlives this one once it calls what it is given; until then it speaks here.
 
-    Returns twice, as fork does: in the new process what `run` returned, in this one what `tell` makes of the run's id,
+    Returns twice, as fork does: in the new process what `run` returned, in this one what `report` makes of the id,
     or the exit code of a run that ended before it was let go. Ctrl-C reaches the new process until then.
     """
     reader, writer = os.pipe2(os.O_CLOEXEC)
@@ -37,7 +37,7 @@ def run_detached(run: Callable[[LetGo], int], tell: Callable[[str], int]) -> int
     for signum, handler in handlers.items():
         signal.signal(signum, handler)
     if name:
-        return tell(name)
+        return report(name)
     return _exit_code(os.waitpid(pid, 0)[1])
 
 

@@ -1,4 +1,4 @@
-"""The terminal, while a node of the run owns it."""
+"""The terminal while a node of the run owns it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The supervisor's end of the process host: start it, tell it what to do, hear what happened."""
+"""The supervisor's end of the process host: start it, send requests, receive events."""
 
 from __future__ import annotations
 

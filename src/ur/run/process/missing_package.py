@@ -1,4 +1,4 @@
-"""How to come by a ROS package that is not on this computer."""
+"""Ways to install a ROS package that is not on this computer."""
 
 from __future__ import annotations
 

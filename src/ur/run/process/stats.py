@@ -1,4 +1,4 @@
-"""What processes use, read from /proc (proc(5)): no process is started for it, nothing is kept between samples."""
+"""CPU and memory of processes, read from /proc (proc(5)) without starting a process."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Lending the terminal to one node, and taking it back as it was."""
+"""Lend the terminal to one node, and restore it afterwards."""
 
 from __future__ import annotations
 

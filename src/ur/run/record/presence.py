@@ -1,4 +1,4 @@
-"""How a run appears to others on this computer: its entry in the registry, and who may watch it."""
+"""Registration of a run on this computer: its entry in the registry, and the socket for clients."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which runs there are on this computer: one private folder each, with a description and the control socket."""
+"""Runs on this computer: one private folder each, with a description and the control socket."""
 
 from __future__ import annotations
 

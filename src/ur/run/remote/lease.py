@@ -1,4 +1,4 @@
-"""The lease of a robot: who drives it, since when, with which program; as its master's parameter server has it."""
+"""The lease of a robot: its driver, since when, with which program; stored on its master's parameter server."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Runs of this computer as its share of a program meets them: which one is the share, which hold its nodes."""
+"""Runs of this computer that hold the robot's share of a program, or its nodes."""
 
 from __future__ import annotations
 

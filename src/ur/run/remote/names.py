@@ -1,4 +1,4 @@
-"""Names of nodes that run already, elsewhere or in another run here: ROS ends a node whose name is registered anew."""
+"""Names of nodes that run elsewhere or in another run here: ROS ends a node whose name is registered anew."""
 
 from __future__ import annotations
 

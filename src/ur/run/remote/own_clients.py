@@ -1,4 +1,4 @@
-"""Clients that run on this computer: each holds a locked file while its process lives, however that ends."""
+"""Clients on this computer: each holds a locked file while its process lives, however that ends."""
 
 from __future__ import annotations
 

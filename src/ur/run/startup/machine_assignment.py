@@ -1,4 +1,4 @@
-"""Which computer starts which nodes of a plan. Pure: what is this computer is a parameter."""
+"""Assign the nodes of a plan to computers. Pure: the identity of this computer is a parameter."""
 
 from __future__ import annotations
 

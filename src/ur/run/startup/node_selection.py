@@ -1,4 +1,4 @@
-"""Which nodes of a plan run, and which plans cannot run here: decided before anything is started."""
+"""Select the nodes of a plan that run, and refuse plans that cannot run here, before anything starts."""
 
 from __future__ import annotations
 

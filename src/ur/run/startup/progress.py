@@ -1,4 +1,4 @@
-"""Which nodes are up, looked into while somebody wants to know; and what a start took, for `--timings`."""
+"""Progress of a start: readiness of nodes while somebody asks for it, and durations for `--timings`."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from ur.run.supervisor.model import Phase, State, Status
 
 if TYPE_CHECKING:
-    from ur.run.clients.audience import Audience
+    from ur.run.clients.monitor import Monitor
     from ur.run.inbox import Inbox
     from ur.run.run import Run
     from ur.run.startup.readiness import ReadinessProbe
@@ -17,12 +17,12 @@ if TYPE_CHECKING:
 class Progress:
     """Follows a run from its first process until all is up, and again whenever nodes come back."""
 
-    def __init__(self, run: Run, inbox: Inbox, audience: Audience, inform: Callable[[str], None]) -> None:
+    def __init__(self, run: Run, inbox: Inbox, monitor: Monitor, inform: Callable[[str], None]) -> None:
         self._master = run.master
         self._conditions = {program.unit.name: program.ready for program in run.programs}
         self._timings = run.timings
         self._inbox = inbox
-        self._audience = audience
+        self._monitor = monitor
         self._inform = inform
         self._probe: ReadinessProbe | None = None
         self._state: State | None = None
@@ -35,7 +35,7 @@ class Progress:
     def follow(self, state: State) -> None:
         """Look which nodes of this state are up, as long as somebody wants to know."""
         self._state = state
-        wanted = (self._audience.wants_readiness or self._timings is not None) and state.phase is Phase.RUNNING
+        wanted = (self._monitor.wants_readiness or self._timings is not None) and state.phase is Phase.RUNNING
         if self._probe is None and wanted and self._master is not None:
             from ur.run.startup.readiness import ReadinessProbe  # only for those who wait
 
@@ -47,7 +47,7 @@ class Progress:
                 {
                     each.unit.name: each.pid
                     for each in state.units
-                    if each.pid is not None and not each.unit.core and each.wish is None
+                    if each.pid is not None and not each.unit.core and each.request is None
                 }
             )
 
@@ -68,7 +68,7 @@ class Progress:
         each = None if self._state is None else self._state.find(name)
         if each is None or each.pid != pid:
             return  # that was another process of this name
-        self._audience.note_readiness(name, missing)
+        self._monitor.note_readiness(name, missing)
         self._time(name, up=not missing)
 
     def _time(self, name: str, *, up: bool) -> None:

@@ -1,4 +1,4 @@
-"""Which nodes are up: registered with the master, and what their `ready:` comments ask for is there."""
+"""Readiness of nodes: registered with the master, and with what their `ready:` comments require."""
 
 from __future__ import annotations
 
@@ -103,7 +103,7 @@ class ReadinessProbe:
     def __init__(self, master: Master, conditions: Mapping[str, Sequence[ReadyCondition]], report: Report) -> None:
         self._master = master
         self._conditions = conditions
-        self._report = report
+        self._notify = report
         self._running: dict[str, int] = {}
         self._told: dict[tuple[str, int], tuple[str, ...]] = {}
         self._changed = threading.Event()
@@ -141,19 +141,19 @@ class ReadinessProbe:
             publishers, subscribers, services = (dict(kind) for kind in self._master.get_system_state())
         except (Unanswered, Refused, ValueError, TypeError) as problem:
             for name, pid in open_.items():
-                self._tell(name, pid, (f"the master does not answer: {problem}",))
+                self._report(name, pid, (f"the master does not answer: {problem}",))
             return
         graph = Graph(publishers, subscribers, services)
         self._connect({topic for name in open_ for topic in self._topics(name)}, graph)
         for name, pid in open_.items():
-            self._tell(
+            self._report(
                 name, pid, find_missing(name, self._conditions.get(name, ()), graph, self._heard, time.monotonic())
             )
 
-    def _tell(self, name: str, pid: int, missing: tuple[str, ...]) -> None:
+    def _report(self, name: str, pid: int, missing: tuple[str, ...]) -> None:
         if self._told.get((name, pid)) != missing:
             self._told[name, pid] = missing
-            self._report(name, pid, missing)
+            self._notify(name, pid, missing)
 
     def _topics(self, name: str) -> set[str]:
         found: set[str] = set()

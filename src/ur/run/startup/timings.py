@@ -1,4 +1,4 @@
-"""What a start spent its time on, and the chain of steps that took until the last node was up."""
+"""Durations of the steps of a start, and the chain of steps up to the last ready node."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the supervisor wants done, and what it wants told. Values only."""
+"""Actions and reports that the supervisor requests. Values only."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class Unregister:
 
 
 @dataclass(frozen=True, slots=True)
-class TellDeath:
+class ReportDeath:
     """Tell people that a unit ended. `restart_in` is set when it comes again, `ends_run` when nothing goes on.
 
     `deaths` is set when it will not be started any more because it died so often in a row. `evicted_by` is set when
@@ -62,7 +62,7 @@ class TellDeath:
 
 
 @dataclass(frozen=True, slots=True)
-class TellWish:
+class ReportRequest:
     """Tell people that a unit was stopped because someone wanted it, or (`refused`) why that is not done."""
 
     name: str
@@ -70,12 +70,12 @@ class TellWish:
 
 
 @dataclass(frozen=True, slots=True)
-class TellRevival:
+class ReportRevival:
     """Tell people that nodes start again because another master is there."""
 
 
 @dataclass(frozen=True, slots=True)
-class TellMaster:
+class ReportMaster:
     """Tell people that the master does not answer any more, or answers again."""
 
     lost: bool
@@ -87,7 +87,7 @@ class StartShare:
 
 
 @dataclass(frozen=True, slots=True)
-class TellLink:
+class ReportLink:
     """Tell people that nothing has come from the robot for so long (s), or (`lost` false) that it answers again."""
 
     lost: bool
@@ -95,7 +95,7 @@ class TellLink:
 
 
 @dataclass(frozen=True, slots=True)
-class TellPressure:
+class ReportPressure:
     """Tell people that units do not stop and get the next signal."""
 
     names: tuple[str, ...]
@@ -103,7 +103,7 @@ class TellPressure:
 
 
 @dataclass(frozen=True, slots=True)
-class TellStop:
+class ReportStop:
     """Tell people why the run ends now. `failed` when it could not even begin."""
 
     cause: str
@@ -125,12 +125,12 @@ Action = (
     | StartShare
     | Sweep
     | Unregister
-    | TellDeath
-    | TellPressure
-    | TellWish
-    | TellRevival
-    | TellMaster
-    | TellLink
-    | TellStop
+    | ReportDeath
+    | ReportPressure
+    | ReportRequest
+    | ReportRevival
+    | ReportMaster
+    | ReportLink
+    | ReportStop
     | Finish
 )

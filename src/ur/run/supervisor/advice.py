@@ -1,4 +1,4 @@
-"""What to try first after a node has died. Pure: what is known in, one line for people out."""
+"""Advice after a node has died: facts about the crash in, one line for people out. Pure."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Small changes to the state of a run, from which the steps of the supervisor are made. Pure."""
+"""Small changes to the state of a run, from which the supervisor's steps are made. Pure."""
 
 from __future__ import annotations
 

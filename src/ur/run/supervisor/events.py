@@ -1,4 +1,4 @@
-"""What happens to a run, as the supervisor hears of it. Values only."""
+"""Events that the supervisor handles. Values only."""
 
 from __future__ import annotations
 

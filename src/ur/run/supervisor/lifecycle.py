@@ -1,14 +1,14 @@
-"""The life of one unit: what follows when its process is there, and when that has ended. Pure."""
+"""The lifecycle of one unit: the steps after its process has started, and after it has ended. Pure."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 from signal import SIGINT
 
-from ur.run.supervisor.actions import Action, Signal, TellDeath
+from ur.run.supervisor.actions import Action, ReportDeath, Signal
 from ur.run.supervisor.changes import SIGNALS, Step, is_before, put_unit
 from ur.run.supervisor.model import ExitStatus, Limits, Phase, State, Status, UnitState
-from ur.run.supervisor.requests import fulfil_wish
+from ur.run.supervisor.requests import fulfil_request
 from ur.run.supervisor.shutdown import advance_end, begin_end
 
 
@@ -36,7 +36,7 @@ def note_ended(state: State, name: str, status: ExitStatus, now: float, reason: 
         pid=None,
         since=now,
         exit=status,
-        wish=None,
+        request=None,
         pressure=0,
         deadline=None,
         reason=reason or (f"ended by {evicted_by}" if evicted_by else ""),
@@ -45,9 +45,9 @@ def note_ended(state: State, name: str, status: ExitStatus, now: float, reason: 
     state = put_unit(state, each)
     if not is_before(state, Phase.STOPPING_NODES):
         return advance_end(state, now)
-    if before.wish is not None:
-        return fulfil_wish(state, each, before.wish, now)
-    death = TellDeath(name, status, reason or None, evicted_by=evicted_by)
+    if before.request is not None:
+        return fulfil_request(state, each, before.request, now)
+    death = ReportDeath(name, status, reason or None, evicted_by=evicted_by)
     if each.unit.terminal or each.unit.required:
         return _end_with(state, each, death, now)
     if each.unit.respawn and not evicted_by:
@@ -56,7 +56,7 @@ def note_ended(state: State, name: str, status: ExitStatus, now: float, reason: 
     return _end_when_idle(state, [death], now)
 
 
-def _end_with(state: State, each: UnitState, death: TellDeath, now: float) -> Step:
+def _end_with(state: State, each: UnitState, death: ReportDeath, now: float) -> Step:
     """The run ends with this unit."""
     unit, status = each.unit, death.status
     if not unit.terminal:
@@ -73,7 +73,7 @@ def _end_with(state: State, each: UnitState, death: TellDeath, now: float) -> St
     return state, [replace(death, ends_run=True), *actions]
 
 
-def _respawn(state: State, each: UnitState, death: TellDeath, lived: float, now: float) -> Step:
+def _respawn(state: State, each: UnitState, death: ReportDeath, lived: float, now: float) -> Step:
     """Start it again, ever later; or not any more, when it only ever dies."""
     quick = each.quick_deaths + 1 if lived < state.limits.quick_death else 0
     each = replace(each, quick_deaths=quick)

@@ -1,10 +1,10 @@
-"""Reactions of a running run when its master, the robot of that master, or the link to it goes or comes back. Pure."""
+"""Reactions of a run when its master, the robot, or the link to it is lost or returns. Pure."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 
-from ur.run.supervisor.actions import SetParameters, StartShare, TellLink, TellMaster, TellRevival
+from ur.run.supervisor.actions import ReportLink, ReportMaster, ReportRevival, SetParameters, StartShare
 from ur.run.supervisor.changes import Step
 from ur.run.supervisor.events import (
     Event,
@@ -28,21 +28,21 @@ def follow_master(state: State, event: Event, now: float) -> Step:
     """
     match event:
         case LinkLost(seconds):
-            return state, [TellLink(lost=True, seconds=seconds)]
+            return state, [ReportLink(lost=True, seconds=seconds)]
         case LinkRestored(seconds):
             state, actions = _set_stale_parameters(state)
-            return state, [TellLink(lost=False, seconds=seconds), *actions]
+            return state, [ReportLink(lost=False, seconds=seconds), *actions]
         case MasterLost():
-            return state, [TellMaster(lost=True)]
+            return state, [ReportMaster(lost=True)]
         case MasterReturned():
             state, actions = _set_stale_parameters(state)
-            return state, [TellMaster(lost=False), *actions]
+            return state, [ReportMaster(lost=False), *actions]
         case MasterReplaced() | MasterGone() if state.shared:
             if state.reviving:
                 return state, []  # the master that the robot's share starts is seen here, too
-            return replace(state, reviving=True), [TellRevival(), StartShare()]
+            return replace(state, reviving=True), [ReportRevival(), StartShare()]
         case MasterReplaced():
-            return replace(state, reviving=True, stale=False), [TellRevival(), SetParameters()]
+            return replace(state, reviving=True, stale=False), [ReportRevival(), SetParameters()]
         case MasterGone(seconds) if seconds >= state.limits.robot:
             cause = f"the robot answers, but no ROS master has run on it for {seconds:.0f} s"
             return begin_end(state, cause, 1, now, failed=True)
@@ -56,4 +56,4 @@ def follow_master(state: State, event: Event, now: float) -> Step:
 def _set_stale_parameters(state: State) -> Step:
     if not state.stale or state.reviving:
         return state, []
-    return replace(state, reviving=True, stale=False), [TellRevival(), SetParameters()]
+    return replace(state, reviving=True, stale=False), [ReportRevival(), SetParameters()]

@@ -1,4 +1,4 @@
-"""What the supervisor knows: the units of a run and where each stands. Values only."""
+"""State of a run: its units, and the status of each. Values only."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ class Status(Enum):
     ENDED = "ended"  # and will not be started again
 
 
-class Wish(Enum):
+class Request(Enum):
     """What a person wants of a unit that is being stopped."""
 
     STOP = "stop"
@@ -92,7 +92,7 @@ class Limits:
 class UnitState:
     """A unit and where it stands. `due` is when to start it again; times are those handed to `step`.
 
-    `wish` is set while a person's wish is carried out; `pressure` and `deadline` then say how far (as in State).
+    `request` is set while a person's request is carried out; `pressure` and `deadline` then say how far (as in State).
     `held`: a person stopped it. `reason` is why it could not be started, or is not started again.
     """
 
@@ -104,7 +104,7 @@ class UnitState:
     quick_deaths: int = 0  # in a row
     restarts: int = 0
     exit: ExitStatus | None = None
-    wish: Wish | None = None
+    request: Request | None = None
     pressure: int = 0
     deadline: float | None = None
     held: bool = False

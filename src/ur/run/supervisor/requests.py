@@ -1,37 +1,37 @@
-"""What a person wants of one unit while the run goes on: start, stop, kill, restart. Pure."""
+"""Requests of people about one unit of a run: start, stop, kill, restart. Pure."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 
-from ur.run.supervisor.actions import Action, Signal, TellPressure, TellWish
+from ur.run.supervisor.actions import Action, ReportPressure, ReportRequest, Signal
 from ur.run.supervisor.changes import SIGNALS, Step, is_before, put_unit, signal_patience, start_units
 from ur.run.supervisor.events import RestartWanted, StartWanted, StopWanted
-from ur.run.supervisor.model import Phase, State, Status, UnitState, Wish
+from ur.run.supervisor.model import Phase, Request, State, Status, UnitState
 
 
 def take_wish(state: State, wanted: StartWanted | StopWanted | RestartWanted, now: float) -> Step:
-    """Begin to carry a wish out. While the run ends nobody can want anything any more."""
+    """Begin to carry a request out. While the run ends nobody can want anything any more."""
     if not is_before(state, Phase.STOPPING_NODES):
         return state, []
     each = state.find(wanted.name)
     if each is None:
-        return state, [TellWish(wanted.name, "there is no such node in this run")]
+        return state, [ReportRequest(wanted.name, "there is no such node in this run")]
     if each.unit.core:
-        return state, [TellWish(wanted.name, "it belongs to the run itself; stop the run instead")]
+        return state, [ReportRequest(wanted.name, "it belongs to the run itself; stop the run instead")]
     match wanted:
         case StartWanted():
             if each.alive:
-                return (put_unit(state, replace(each, wish=Wish.RESTART)) if each.wish else state), []
+                return (put_unit(state, replace(each, request=Request.RESTART)) if each.request else state), []
             return _start_anew(state, each, now)
         case RestartWanted() if not each.alive:
             return _start_anew(state, each, now)
     if not each.alive:
         held = replace(each, status=Status.ENDED, due=None, held=True)
-        return put_unit(state, held), [] if each.held else [TellWish(wanted.name)]
-    wish = Wish.RESTART if isinstance(wanted, RestartWanted) else Wish.STOP
+        return put_unit(state, held), [] if each.held else [ReportRequest(wanted.name)]
+    request = Request.RESTART if isinstance(wanted, RestartWanted) else Request.STOP
     pressure = 2 if isinstance(wanted, StopWanted) and wanted.kill else each.pressure
-    return press_unit(state, replace(each, wish=wish, pressure=pressure), now)
+    return press_unit(state, replace(each, request=request, pressure=pressure), now)
 
 
 def press_unit(state: State, each: UnitState, now: float) -> Step:
@@ -39,7 +39,7 @@ def press_unit(state: State, each: UnitState, now: float) -> Step:
     if each.pressure >= len(SIGNALS):
         return put_unit(state, replace(each, deadline=None)), []  # it hangs in the kernel; the end of the run copes
     signum = SIGNALS[each.pressure]
-    told: list[Action] = [TellPressure((each.unit.name,), signum)] if each.pressure and each.deadline else []
+    told: list[Action] = [ReportPressure((each.unit.name,), signum)] if each.pressure and each.deadline else []
     wait = signal_patience(state.limits, each.pressure)
     state = put_unit(state, replace(each, pressure=each.pressure + 1, deadline=now + wait))
     if each.status is Status.STARTING:
@@ -57,12 +57,12 @@ def press_overdue(state: State, now: float) -> Step:
     return state, actions
 
 
-def fulfil_wish(state: State, each: UnitState, wish: Wish, now: float) -> Step:
+def fulfil_request(state: State, each: UnitState, request: Request, now: float) -> Step:
     """The unit has ended as it was wanted."""
-    if wish is Wish.RESTART:
+    if request is Request.RESTART:
         again = replace(each, restarts=each.restarts + 1)
         return _start_anew(put_unit(state, again), again, now)
-    return put_unit(state, replace(each, held=True)), [TellWish(each.unit.name)]
+    return put_unit(state, replace(each, held=True)), [ReportRequest(each.unit.name)]
 
 
 def restart_all(state: State, now: float) -> Step:
@@ -70,8 +70,8 @@ def restart_all(state: State, now: float) -> Step:
     state = replace(state, reviving=False)
     actions: list[Action] = []
     for each in state.units:
-        if each.alive and each.wish is None and not each.unit.core:
-            state, more = press_unit(state, replace(each, wish=Wish.RESTART), now)
+        if each.alive and each.request is None and not each.unit.core:
+            state, more = press_unit(state, replace(each, request=Request.RESTART), now)
             actions += more
     state, more = start_units(state, (each for each in state.units if each.due is not None and each.due <= now), now)
     return state, actions + more

@@ -1,11 +1,11 @@
-"""How a run ends: its nodes, then rosout and the master, then what they left behind, then its registrations. Pure."""
+"""Shutdown of a run: nodes, rosout and master, processes that they left, registrations. Pure."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 from signal import SIGINT, SIGKILL, SIGTERM
 
-from ur.run.supervisor.actions import Action, Finish, Signal, Sweep, TellPressure, TellStop, Unregister
+from ur.run.supervisor.actions import Action, Finish, ReportPressure, ReportStop, Signal, Sweep, Unregister
 from ur.run.supervisor.changes import SIGNALS, Step, put_unit, signal_patience
 from ur.run.supervisor.model import Phase, State, Status
 
@@ -17,8 +17,8 @@ def begin_end(state: State, cause: str, exit_code: int, now: float, *, failed: b
         if each.status is Status.WAITING:
             state = put_unit(state, replace(each, status=Status.ENDED, due=None))
         else:
-            state = put_unit(state, replace(each, wish=None, pressure=0, deadline=None))
-    told: list[Action] = [TellStop(cause, failed)] if cause else []
+            state = put_unit(state, replace(each, request=None, pressure=0, deadline=None))
+    told: list[Action] = [ReportStop(cause, failed)] if cause else []
     state, actions = advance_end(state, now)
     return state, told + actions
 
@@ -71,7 +71,7 @@ def _press_nodes(state: State, now: float) -> Step:
         return _abandon(state, now)
     left = tuple(each.unit.name for each in state.units if each.alive and not each.unit.core)
     signum = SIGNALS[state.pressure]
-    told: list[Action] = [TellPressure(left, signum)] if state.pressure else []
+    told: list[Action] = [ReportPressure(left, signum)] if state.pressure else []
     wait = signal_patience(state.limits, state.pressure)
     state = replace(state, pressure=state.pressure + 1, deadline=now + wait)
     return state, told + [Signal(name, signum) for name in left]

@@ -1,4 +1,4 @@
-"""What watchers are told about a run: its state as events, and what is only looked into while somebody watches."""
+"""Events about the state of a run for its subscribers; node usage and log lines are read only while subscribed."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from ur.run.clients.protocol import (
     Watch,
     find_severity,
 )
-from ur.run.clients.watchers import Watchers
+from ur.run.clients.subscribers import Subscribers
 from ur.run.process.stats import Usage, read_usage
 from ur.run.supervisor.model import Phase, State, Status, UnitState
 
@@ -48,8 +48,8 @@ class NodeFacts:
     folder: str
 
 
-class Watching:
-    """The watchers of one run, and what they know."""
+class Publisher:
+    """The subscribers of one run, and what they know."""
 
     def __init__(
         self,
@@ -72,7 +72,7 @@ class Watching:
         self._usage: tuple[float, dict[str, Usage]] = (0.0, {})
         self._next_sample: float | None = None
         self._next_tail: float | None = None
-        self.watchers = Watchers(listener, self._describe)
+        self.subscribers = Subscribers(listener, self._describe)
 
     @property
     def wants_readiness(self) -> bool:
@@ -91,39 +91,39 @@ class Watching:
             if old is not new:
                 self._note_unit(old, new)
         if before.phase is not state.phase and state.phase is Phase.STOPPING_NODES:
-            self.watchers.publish(RunStopping(state.cause or ""))
+            self.subscribers.publish(RunStopping(state.cause or ""))
 
     def note_readiness(self, name: str, missing: tuple[str, ...]) -> None:
         """Tell whether a node is up (nothing missing), where that is new."""
         if self._readiness.get(name) == missing:
             return
         self._readiness[name] = missing
-        self.watchers.publish(NodeReadiness(name, not missing, missing))
+        self.subscribers.publish(NodeReadiness(name, not missing, missing))
 
-    def tell_output(self, name: str, source: OutputSource, text: str) -> None:
+    def publish_output(self, name: str, source: OutputSource, text: str) -> None:
         """Tell a line that a node printed."""
         if self._wanted.output:
-            self.watchers.publish(OutputLine(name, source, find_severity(text), text))
+            self.subscribers.publish(OutputLine(name, source, find_severity(text), text))
 
-    def tell_notice(self, severity: Severity, text: str) -> None:
+    def publish_notice(self, severity: Severity, text: str) -> None:
         """Tell what the run has to say."""
-        self.watchers.publish(Notice(severity, text))
+        self.subscribers.publish(Notice(severity, text))
 
-    def tell_link(self, robot: str, seconds: float, *, lost: bool) -> None:
+    def publish_link(self, robot: str, seconds: float, *, lost: bool) -> None:
         """Tell how the link to the robot is."""
         news = LinkChanged(robot, lost, round(seconds, 1))
         self._link = news if lost else None
-        self.watchers.publish(news)
+        self.subscribers.publish(news)
 
     def attend(self, descriptor: int, now: float) -> list[RunCommand]:
         """Somebody came, went, asked or can be written to; returns what was asked for."""
-        asked = self.watchers.attend(descriptor)
-        self.follow_wishes(now)
+        asked = self.subscribers.attend(descriptor)
+        self.update_subscriptions(now)
         return asked
 
-    def follow_wishes(self, now: float) -> None:
+    def update_subscriptions(self, now: float) -> None:
         """Begin and end what is only done while somebody wants it."""
-        before, self._wanted = self._wanted, self.watchers.wanted()
+        before, self._wanted = self._wanted, self.subscribers.wanted()
         if self._wanted.output != before.output:
             self._next_tail = now if self._wanted.output else None
             if self._wanted.output:
@@ -145,14 +145,14 @@ class Watching:
         """Tell the end and let everyone go."""
         if self._wanted.output:
             self._read_back(False)
-        self.watchers.publish(RunEnded(exit_code))
-        self.watchers.close(limit)
+        self.subscribers.publish(RunEnded(exit_code))
+        self.subscribers.close(limit)
 
     def _note_unit(self, old: UnitState, new: UnitState) -> None:
         name = new.unit.name
         if not new.alive or old.pid != new.pid:
             self._readiness.pop(name, None)
-        self.watchers.publish(self._describe_unit(new))
+        self.subscribers.publish(self._describe_unit(new))
 
     def _describe(self) -> Iterable[RunEvent]:
         yield replace(self._started)
@@ -168,7 +168,7 @@ class Watching:
     def _describe_unit(self, each: UnitState) -> NodeChanged:
         state = _NODE_STATES[each.status]
         facts = self._facts.get(each.unit.name, NodeFacts("", "", ""))
-        stopping = each.alive and (each.wish is not None or self._state.cause is not None)
+        stopping = each.alive and (each.request is not None or self._state.cause is not None)
         return NodeChanged(
             name=each.unit.name,
             state="stopping" if stopping else state,
@@ -192,7 +192,7 @@ class Watching:
         usage = read_usage(pids)
         self._usage = (now, usage)
         passed = max(now - then, 1e-3)
-        self.watchers.publish(
+        self.subscribers.publish(
             StatsSampled(
                 tuple(
                     NodeStats(

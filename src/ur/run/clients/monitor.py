@@ -1,4 +1,4 @@
-"""Those who watch a run, as the loop serves them. Nothing for them is made, or imported, before the first one comes."""
+"""Clients of a run, served by its loop. Nothing for them is made, or imported, before the first one connects."""
 
 from __future__ import annotations
 
@@ -10,22 +10,22 @@ from ur.run.supervisor.model import State
 
 if TYPE_CHECKING:
     from ur.run.clients.protocol import OutputSource, RunCommand, Severity
-    from ur.run.clients.watching import Watching
+    from ur.run.clients.publisher import Publisher
     from ur.run.output.console import Console
     from ur.run.output.router import Outputs
     from ur.run.process.terminal import Terminal
     from ur.run.run import Run, WatchPlan
 
 
-class Audience:
-    """Watchers over the run's socket, the interface on our own terminal, and an open file that takes every event."""
+class Monitor:
+    """Subscribers over the run's socket, the interface on our own terminal, and an open file that takes every event."""
 
     def __init__(self, plan: WatchPlan, poll: select.poll, console: Console, terminal: Terminal | None) -> None:
         self._plan = plan
         self._poll = poll
         self._console = console
         self._terminal = terminal
-        self._watching: Watching | None = None  # most runs are never watched
+        self._publisher: Publisher | None = None  # most runs are never watched
         self._viewer: int | None = None
         self._polled: dict[int, int] = {}
         if plan.listener is not None:
@@ -39,61 +39,61 @@ class Audience:
             return
         from ur.run.clients.protocol import Watch
 
-        watching = self._begin(now)
+        publisher = self._begin(now)
         self._console.silent = True
         if self._plan.events is not None:
-            watching.watchers.add_output(self._plan.events, Watch(output=True, stats=False, readiness=True))
+            publisher.subscribers.add_output(self._plan.events, Watch(output=True, stats=False, readiness=True))
         if self._plan.viewer is not None:
-            self._viewer = watching.watchers.add_socket(self._plan.viewer)
+            self._viewer = publisher.subscribers.add_socket(self._plan.viewer)
             if self._terminal is not None:
                 self._terminal.mark_lent()  # the viewer is the foreground group, for Ctrl-C in its pager
-        watching.follow_wishes(now)
+        publisher.update_subscriptions(now)
 
     @property
     def wants_readiness(self) -> bool:
         """Whether somebody wants to know which nodes are up."""
-        return self._watching is not None and self._watching.wants_readiness
+        return self._publisher is not None and self._publisher.wants_readiness
 
     @property
     def due(self) -> float | None:
         """When `work` has something to do."""
-        return None if self._watching is None else self._watching.due
+        return None if self._publisher is None else self._publisher.due
 
     def serves(self, descriptor: int) -> bool:
-        """Whether a descriptor is one of a watcher's, or the one at which new ones knock."""
+        """Whether a descriptor is one of a subscriber's, or the one at which new ones knock."""
         return descriptor in self._polled
 
     def note_state(self, state: State, now: float) -> None:
         """Tell what has changed."""
         self._state = state
-        if self._watching is not None:
-            self._watching.note_state(state, now)
+        if self._publisher is not None:
+            self._publisher.note_state(state, now)
 
     def note_readiness(self, name: str, missing: tuple[str, ...]) -> None:
         """Tell what a node lacks to be up."""
-        if self._watching is not None:
-            self._watching.note_readiness(name, missing)
+        if self._publisher is not None:
+            self._publisher.note_readiness(name, missing)
 
-    def tell_output(self, name: str, source: OutputSource, text: str) -> None:
+    def publish_output(self, name: str, source: OutputSource, text: str) -> None:
         """Tell a line that a node printed."""
-        if self._watching is not None:
-            self._watching.tell_output(name, source, text)
+        if self._publisher is not None:
+            self._publisher.publish_output(name, source, text)
 
-    def tell_notice(self, severity: Severity, text: str) -> None:
+    def publish_notice(self, severity: Severity, text: str) -> None:
         """Tell what the run itself has to say."""
-        if self._watching is not None:
-            self._watching.tell_notice(severity, text)
+        if self._publisher is not None:
+            self._publisher.publish_notice(severity, text)
 
-    def tell_link(self, robot: str, seconds: float, *, lost: bool) -> None:
+    def publish_link(self, robot: str, seconds: float, *, lost: bool) -> None:
         """Tell how the link to the robot is."""
-        if self._watching is not None:
-            self._watching.tell_link(robot, seconds, lost=lost)
+        if self._publisher is not None:
+            self._publisher.publish_link(robot, seconds, lost=lost)
 
     def attend(self, descriptor: int, now: float) -> list[Event]:
         """Serve who is ready; returns what they want."""
-        watching = self._watching or self._begin(now)
-        wanted = [translate_command(command) for command in watching.attend(descriptor, now)]
-        if self._viewer is not None and not watching.watchers.watching(self._viewer):
+        publisher = self._publisher or self._begin(now)
+        wanted = [translate_command(command) for command in publisher.attend(descriptor, now)]
+        if self._viewer is not None and not publisher.subscribers.holds(self._viewer):
             self._viewer = None
             self._console.silent = False
             if self._terminal is not None:
@@ -102,15 +102,15 @@ class Audience:
 
     def work(self, now: float) -> None:
         """Sample and read back what is due."""
-        if self._watching is not None:
-            self._watching.work(now)
+        if self._publisher is not None:
+            self._publisher.work(now)
 
     def flush(self) -> None:
-        """Write as much as is taken now, and poll for what watchers may do next."""
-        if self._watching is None:
+        """Write as much as is taken now, and poll for what subscribers may do next."""
+        if self._publisher is None:
             return
-        self._watching.watchers.flush()
-        wanted = self._watching.watchers.descriptors()
+        self._publisher.subscribers.flush()
+        wanted = self._publisher.subscribers.descriptors()
         if wanted == self._polled:
             return
         for descriptor in self._polled.keys() - wanted.keys():
@@ -121,19 +121,19 @@ class Audience:
 
     def close(self, exit_code: int) -> None:
         """Tell the end, and let everyone go."""
-        if self._watching is not None:
-            self._watching.end(exit_code)
+        if self._publisher is not None:
+            self._publisher.end(exit_code)
         elif self._plan.listener is not None:
             self._plan.listener.close()
 
-    def _begin(self, now: float) -> Watching:
+    def _begin(self, now: float) -> Publisher:
         from ur.run.clients.protocol import RunStarted
-        from ur.run.clients.watching import NodeFacts, Watching
+        from ur.run.clients.publisher import NodeFacts, Publisher
 
         describe = self._plan.describe
         started = RunStarted("", 0, "", "", "", 0.0) if describe is None else describe()
         outputs = self._outputs
-        self._watching = Watching(
+        self._publisher = Publisher(
             started,
             self._plan.listener,
             {
@@ -146,8 +146,8 @@ class Audience:
             self._state,
             now,
         )
-        self._watching.watchers.call_gone = self._forget
-        return self._watching
+        self._publisher.subscribers.on_removed = self._forget
+        return self._publisher
 
     def _forget(self, descriptor: int) -> None:
         if self._polled.pop(descriptor, None) is not None:
@@ -169,4 +169,4 @@ def translate_command(command: RunCommand) -> Event:
             return RestartWanted(name, prefix)
         case StopRun(reason):
             return StopRequested(reason)
-    raise ValueError(command)  # Watch, which Watchers keep to themselves
+    raise ValueError(command)  # Watch, which Subscribers keep to themselves
