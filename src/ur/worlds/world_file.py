@@ -45,7 +45,7 @@ class Fiducial:
 
 @dataclass(frozen=True, slots=True)
 class World:
-    """What robots drive in, in the map frame: m, rad. `start` (x, y, yaw) is where they begin."""
+    """The surroundings of robots, in the map frame: m, rad. `start` (x, y, yaw) is their first pose."""
 
     floor_plan: MapImage
     wall_height: float

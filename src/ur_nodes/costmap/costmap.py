@@ -21,7 +21,7 @@ UNKNOWN = 255
 
 @dataclass(frozen=True, slots=True)
 class Inflation:
-    """How costs fall off round obstacles: radii in m, `scaling` in 1/m."""
+    """Decay of costs around obstacles: radii in m, `scaling` in 1/m."""
 
     inscribed: float
     radius: float

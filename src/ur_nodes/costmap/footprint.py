@@ -13,7 +13,7 @@ from ur_nodes.geometry.pose import Pose2
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Footprint:
-    """What the robot covers on the ground.
+    """The robot's outline on the ground.
 
     `outline` (n, 2) are its corners in the base frame in m, n >= 3. `inscribed` is the radius of the greatest circle
     about the base's origin that the robot covers, `circumscribed` that of the smallest that covers it. `samples`

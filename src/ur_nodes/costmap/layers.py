@@ -14,7 +14,7 @@ from ur_nodes.geometry.pose import Pose2, Pose3, rotate
 
 @dataclass(frozen=True, slots=True)
 class Ranges:
-    """How far a scan counts, in m: obstacles nearer than `obstacle` are marked, rays clear up to `raytrace`."""
+    """Used ranges of a scan, in m: obstacles nearer than `obstacle` are marked, rays clear up to `raytrace`."""
 
     obstacle: float
     raytrace: float

@@ -34,7 +34,7 @@ _ODOMETRY_PATIENCE = 0.5  # s for which data wait for the odometry of their time
 
 @dataclass(frozen=True, slots=True)
 class Settings:
-    """What is read below `~costmap`, under upstream's names; lengths in m, frequencies in Hz."""
+    """The parameters below `~costmap`, under upstream's names; lengths in m, frequencies in Hz."""
 
     frame: str
     base_frame: str

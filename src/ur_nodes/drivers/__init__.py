@@ -1,1 +1,1 @@
-"""What upstream's drivers of real bases leave out, added to what they publish."""
+"""Additions to the topics of upstream's drivers of real bases."""

@@ -1,4 +1,4 @@
-"""Which bumpers are pressed, from a driver that speaks of the pressed ones only."""
+"""States of bumpers, from a driver that reports only the pressed ones."""
 
 from __future__ import annotations
 

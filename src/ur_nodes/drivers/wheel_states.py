@@ -1,4 +1,4 @@
-"""How the wheels of a base turn, from how the base moves."""
+"""Angles of the wheels of a base, from the motion of the base."""
 
 from __future__ import annotations
 

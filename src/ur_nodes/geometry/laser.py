@@ -13,7 +13,7 @@ from ur_nodes.geometry.rigid import from_pose
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Mount:
-    """Where a lidar sits: `rotation` (3, 3) and `offset` (3) in m of its frame in the robot's."""
+    """The mounting of a lidar: `rotation` (3, 3) and `offset` (3) in m of its frame in the robot's."""
 
     rotation: NDArray[np.float64]
     offset: NDArray[np.float64]

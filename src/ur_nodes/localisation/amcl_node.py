@@ -119,7 +119,7 @@ class AmclNode:
                 rospy.logwarn("initialpose ignored, expected a map first and finite numbers")
 
     def _moved_since(self, stamp: rospy.Time) -> Pose2:
-        """How far the robot has driven since a stamp; nothing when odometry does not reach back so far."""
+        """Return the robot's motion since a stamp; none when the odometry does not reach back so far."""
         before, now = self._odometry(stamp), self._odometry(rospy.Time(0))
         if stamp.is_zero() or not before or not now:
             return Pose2(0.0, 0.0, 0.0)

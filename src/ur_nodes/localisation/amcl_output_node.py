@@ -1,4 +1,4 @@
-"""What the node `amcl` tells others: pose, particles, tf map -> odom, and parameters to start again from."""
+"""Outputs of the node `amcl`: pose, particles, tf map -> odom, and the parameters of the initial pose."""
 
 from __future__ import annotations
 

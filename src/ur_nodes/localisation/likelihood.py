@@ -19,7 +19,7 @@ OCCUPIED_FROM = 65  # of 100: what counts as a wall in maps with values between
 
 @dataclass(frozen=True, slots=True)
 class BeamModel:
-    """How a range comes about: shares of hits and of random readings, spread `sigma_hit` and far limit in m."""
+    """The model of a range: shares of hits and of random readings, spread `sigma_hit` and upper limit in m."""
 
     z_hit: float
     z_rand: float
@@ -29,7 +29,7 @@ class BeamModel:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LikelihoodField:
-    """What localisation needs to know of a map.
+    """A map, prepared for localisation.
 
     `distances` float32 (height, width), m: from a cell's centre to the nearest wall's surface, negative inside walls,
     at most `model.max_distance`; +max_distance everywhere on a map without walls. `log_hits` float32, same shape: the

@@ -38,7 +38,7 @@ FARTHEST_MATCH = 0.4  # m, rad: a refined pose farther from its cluster has slip
 
 @dataclass(frozen=True, slots=True)
 class FilterSettings:
-    """How the filter works. Distances in m, angles in rad; names are those of amcl's parameters.
+    """Parameters of the filter. Distances in m, angles in rad; names are those of amcl's parameters.
 
     `recovery_alpha_slow` and `_fast` are the rates of the averages whose ratio says how many random particles to add;
     0 adds none. `refine` matches the scan to the map from the best cluster's pose.
@@ -58,7 +58,7 @@ class FilterSettings:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Estimate:
-    """Where the robot is: pose in the map, covariance (3, 3) of its cluster, the cluster's share of all weight."""
+    """An estimate: pose in the map, covariance (3, 3) of its cluster, the cluster's share of all weight."""
 
     pose: Pose2
     covariance: NDArray[np.float64]
@@ -169,7 +169,7 @@ class Localiser:
         return Estimate(match.pose, cluster.covariance, cluster.share)
 
     def _novelty(self, odometry: Pose2) -> float:
-        """What a scan here is worth after the last one, 0.1 to 1."""
+        """Return the weight of a scan at this pose after the last one, 0.1 to 1."""
         last = self._odometry
         if last is None:
             return 1.0

@@ -19,7 +19,7 @@ OdometryKind = Literal["diff", "diff-corrected"]
 
 @dataclass(frozen=True, slots=True)
 class MotionModel:
-    """How far odometry can be trusted: rotation by rotation, by translation, translation by translation, by rotation.
+    """Noise of the odometry: rotation by rotation, by translation, translation by translation, by rotation.
 
     With "diff-corrected" the alphas scale squares and the spread is their root, as in the book; with "diff" the sum of
     squares itself is the spread, as upstream's first version had it and many parameter files expect.

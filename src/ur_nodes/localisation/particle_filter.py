@@ -34,7 +34,7 @@ class Particles:
 
 @dataclass(frozen=True, slots=True)
 class SampleSize:
-    """How many particles: between two limits, enough for an error of `kld_err` with the quantile `kld_z`."""
+    """The number of particles: between two limits, enough for an error of `kld_err` with the quantile `kld_z`."""
 
     minimum: int
     maximum: int
@@ -68,7 +68,7 @@ def draw_gaussian(
 
 
 def effective_size(weights: NDArray[np.float64]) -> float:
-    """How many evenly weighted particles these are worth: 1 / sum of squares."""
+    """The effective number of particles: 1 / sum of squared weights."""
     return float(1.0 / np.dot(weights, weights))
 
 
@@ -104,7 +104,7 @@ def weigh(
 
 
 def kld_limit(bins: NDArray[np.integer] | int, size: SampleSize) -> NDArray[np.float64]:
-    """How many particles a distribution that fills so many bins needs (formula 7 of Fox), within the limits."""
+    """Return the number of particles for a distribution that fills so many bins (formula 7 of Fox), limited."""
     k = np.maximum(np.asarray(bins, dtype=np.float64), 2.0) - 1.0
     a = 2.0 / (9.0 * k)
     needed = k / (2.0 * size.kld_err) * (1.0 - a + np.sqrt(a) * size.kld_z) ** 3

@@ -1,4 +1,4 @@
-"""Where might a robot be that is lost? Places all over the map that fit one scan.
+"""Global localisation: poses all over the map that fit one scan.
 
 Sensor resetting (Lenser and Veloso, 2000), with the places found by scoring many poses coarsely and matching the scan
 at the best of them.

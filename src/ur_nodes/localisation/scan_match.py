@@ -92,7 +92,7 @@ def _normal_equations(
 def _faces_robot(
     poses: NDArray[np.float64], points: NDArray[np.float64], slopes: NDArray[np.float64]
 ) -> NDArray[np.bool_]:
-    """Which beams' ends (n, m) belong to a wall's near side: going on along the beam leads into the wall.
+    """Select the ends of beams (n, m) on the near side of a wall: further along the beam lies the wall.
 
     An end on the far half of a thin wall would be drawn to the back of it, which no beam can see.
     """

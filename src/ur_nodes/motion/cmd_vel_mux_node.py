@@ -1,4 +1,4 @@
-"""Who drives the robot: the stand-in for twist_mux, with the emergency stop and the limits of the base."""
+"""The mux of velocity commands: replaces twist_mux, with the emergency stop and the limits of the base."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Who drives: one stream of velocity commands out of many, as a step function without clock or topics.
+"""Selection of one stream of velocity commands out of many, as a step function without clock or topics.
 
 A source *drives* while its newest command is not older than its `timeout` and it has asked for motion within that time;
 with `zeros_hold` zeros count as driving too. Of the sources that drive, the one with the highest priority is *active*.
@@ -72,7 +72,7 @@ class Velocity:
 
     @property
     def still(self) -> bool:
-        """Whether it is no motion at all."""
+        """True for no motion at all."""
         return abs(self.forward) < _SLOWEST and abs(self.turn) < _SLOWEST
 
 
@@ -171,7 +171,7 @@ def step(state: MuxState, event: Event | None, now: float) -> tuple[MuxState, Ve
 
 
 def _forget(state: MuxState, now: float) -> MuxState:
-    """What came before time was set back has no age any more."""
+    """Forget inputs from before time was set back: they have no age any more."""
     fresh = start_mux(state.settings, stopped=state.stopped)
     if state.output.still and math.isinf(state.next_at):
         return fresh

@@ -16,7 +16,7 @@ from ur_nodes.navigation.path_smooth import Bending, pull_straight, smooth
 
 @dataclass(frozen=True, slots=True)
 class PlanSettings:
-    """How to plan. A cell of cost c (0 to 252) costs neutral + factor c per metre, as navfn has it.
+    """Parameters of planning. A cell of cost c (0 to 252) costs neutral + factor c per metre, as in navfn.
 
     `allow_unknown`: the way may lead through unknown cells. `tolerance`: how far from the goal the way may end when
     the goal itself cannot be reached (m). `nudge`: how far it may end from a goal where obstacles are nearer than
@@ -71,7 +71,7 @@ def plan_path(
 
 
 def traversal_weights(costmap: Costmap, settings: PlanSettings) -> NDArray[np.float64]:
-    """What a metre costs in each cell (height, width), 1 where the costmap says 0; inf where the robot must not go."""
+    """Return the cost of a metre in each cell (height, width), 1 for a cost of 0; inf where the robot must not go."""
     costs = costmap.costs
     weights = 1.0 + settings.factor * costs.astype(np.float64) / settings.neutral
     weights[costs >= INSCRIBED] = math.inf
@@ -81,7 +81,7 @@ def traversal_weights(costmap: Costmap, settings: PlanSettings) -> NDArray[np.fl
 
 
 def path_is_free(costmap: Costmap, points: Points) -> bool:
-    """Whether the robot's circle fits everywhere on a way: no cost of 253 or 254."""
+    """Return True when the robot's circle fits everywhere on a path: no cost of 253 or 254."""
     costs = costmap.costs_at(points)
     return not bool(((costs == INSCRIBED) | (costs == LETHAL)).any())
 

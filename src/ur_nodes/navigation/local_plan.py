@@ -23,7 +23,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class FollowSettings:
-    """How to follow.
+    """Parameters of path following.
 
     `horizon` and `step` of the try-outs in s; `preview` (s) says how far ahead the steering point is, within bounds
     (m); beyond a bearing of `turn_first` (rad) to it the robot only turns, from `turn_some` on it slows down;
@@ -58,7 +58,7 @@ class Way:
 
 @dataclass(frozen=True, slots=True)
 class Motion:
-    """Where the robot is and how it moves: pose in the frame of the way, m/s, rad/s."""
+    """Pose and velocity of the robot: pose in the frame of the path, m/s, rad/s."""
 
     pose: Pose2
     speed: float
@@ -67,7 +67,7 @@ class Motion:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Step:
-    """What to do next: speed (m/s) and turn (rad/s). `ahead` (t, 3) are the poses that this leads to.
+    """The next command: speed (m/s) and turn (rad/s). `ahead` (t, 3) are the poses that this leads to.
 
     `hindered`: something is in the way of the plain law, another variant was taken. `blocked`: every variant would
     touch something, the command is to stop.
@@ -122,7 +122,7 @@ def follow_way(
 
 
 def sweep_is_free(motion: Motion, seconds: float, costmap: Costmap, footprint: Footprint) -> bool:
-    """Whether holding the motion's speed and turn for a while touches nothing (more than the robot does already)."""
+    """Return True when keeping the speed and turn for a while touches nothing (more than the robot does already)."""
     times = np.linspace(0.0, seconds, max(2, math.ceil(seconds / 0.1) + 1))
     yaws = motion.pose.yaw + motion.turn * times
     steps = np.diff(times, prepend=0.0) * motion.speed
@@ -191,7 +191,7 @@ def _roll(
 
 
 def _touches(poses: Floats, start: Pose2, costmap: Costmap, footprint: Footprint) -> NDArray[np.bool_]:
-    """Which poses (t, k, 3) put more of the footprint on obstacles than there is of it already at `start`.
+    """Mark the poses (t, k, 3) that put more of the footprint on obstacles than there is of it already at `start`.
 
     So a robot that something has come too near to may still move away. What lies beyond the costmap counts as free.
     """
@@ -200,7 +200,7 @@ def _touches(poses: Floats, start: Pose2, costmap: Costmap, footprint: Footprint
 
 
 def _overlaps(poses: Floats, costmap: Costmap, footprint: Footprint) -> NDArray[np.intp]:
-    """How many samples of the footprint lie on obstacles at each pose (..., 3)."""
+    """Count the samples of the footprint that lie on obstacles at each pose (..., 3)."""
     c, s = np.cos(poses[..., 2, None]), np.sin(poses[..., 2, None])
     fx, fy = footprint.samples.T
     points = np.stack((poses[..., 0, None] + c * fx - s * fy, poses[..., 1, None] + s * fx + c * fy), axis=-1)

@@ -41,7 +41,7 @@ class CostmapSettings:
 
     @property
     def reach(self) -> Ranges:
-        """How far the scan counts, or the sonars without one."""
+        """The ranges of the scan that are used, or of the sonars without one."""
         return self.scan.reach if self.scan else _SONARS
 
 

@@ -1,4 +1,4 @@
-"""What `move_base` shows of itself: costmaps, ways, footprints. Nothing is made that nobody looks at."""
+"""Displays of `move_base`: costmaps, paths, footprints. Topics without subscribers cost nothing."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ class MoveBaseView:
             self._foreseen.publish(path_message(ahead, self._local_frame))
 
     def wants_costmap(self, *, local: bool) -> bool:
-        """Whether somebody looks at a costmap."""
+        """True while a costmap has a subscriber."""
         return bool(self._costmaps[local].get_num_connections())
 
     def show_costmap(self, costmap: Costmap, *, local: bool) -> None:
@@ -65,7 +65,7 @@ class MoveBaseView:
         self._costmaps[local].publish(grid_message(grid, frame, rospy.Time.now()))
 
     def show_footprint(self, footprint: Footprint, pose: Pose2, *, local: bool) -> None:
-        """Where the robot's outline is."""
+        """Publish the robot's outline at its pose."""
         frame = self._local_frame if local else self._world_frame
         if not self._footprints[local].get_num_connections():
             return

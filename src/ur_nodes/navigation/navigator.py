@@ -16,7 +16,7 @@ from ur_nodes.navigation.speed_profile import Limits, approach, turn_rate
 
 
 class Phase(Enum):
-    """What the navigator is doing."""
+    """The activity of the navigator."""
 
     IDLE = "idle"
     PLANNING = "planning"
@@ -26,7 +26,7 @@ class Phase(Enum):
 
 
 class Ending(Enum):
-    """How a goal ended by itself."""
+    """The result of a goal that was not cancelled."""
 
     REACHED = "reached"
     FAILED = "failed"
@@ -54,7 +54,7 @@ class NavigatorSettings:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PlanAnswer:
-    """What planning found: `path` (n, 2) in the map, or None and why not; `hopeless` when trying again cannot help."""
+    """The result of planning: `path` (n, 2) in the map, or None and the reason; `hopeless` when a retry cannot help."""
 
     path: Points | None
     reason: str = ""
@@ -81,7 +81,7 @@ class Inputs:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Outputs:
-    """What to do next.
+    """The outputs of a step.
 
     A command (m/s, rad/s) or silence; whether to plan (from the robot's place to the goal); what to clear; an ending
     with a text. `ahead` (t, 3) in the odometry frame is what the local planner foresees; `say` is for the log.
@@ -98,7 +98,7 @@ class Outputs:
 
 @dataclass(slots=True)
 class _Run:
-    """What is remembered while one goal is pursued."""
+    """The state of the pursuit of one goal."""
 
     goal: Pose2
     phase: Phase
@@ -132,7 +132,7 @@ class Navigator:
 
     @property
     def phase(self) -> Phase:
-        """What it is doing."""
+        """The present phase."""
         return self._run.phase if self._run else Phase.IDLE
 
     @property
@@ -303,7 +303,7 @@ class Navigator:
         return inputs.now - run.moved_at > self._settings.progress_timeout
 
     def _may_ask(self, run: _Run, now: float, least: float) -> bool:
-        """Whether to ask for a plan: none is being made (or that took very long), the last is `least` s old."""
+        """Return True when a plan may be requested: none is being made (or too long), the last is `least` s old."""
         waiting = run.asked is not None and now - run.asked < 10.0
         return not waiting and now - run.last_asked >= least
 

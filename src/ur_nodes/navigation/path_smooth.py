@@ -15,7 +15,7 @@ from ur_nodes.navigation.path_geometry import Points, arc_lengths, resample
 
 @dataclass(frozen=True, slots=True)
 class Bending:
-    """How a way is smoothed: `stiffness` (m^2) makes turns wider, `spacing` (m) and `rounds` set the effort."""
+    """Parameters of smoothing: `stiffness` (m^2) makes turns wider, `spacing` (m) and `rounds` set the effort."""
 
     stiffness: float = 0.06
     spacing: float = 0.1
@@ -133,7 +133,7 @@ def _sample(slope: NDArray[np.float64], costmap: Costmap, points: Points) -> Poi
 
 
 def _line_costs(starts: Points, ends: Points, costmap: Costmap, weights: NDArray[np.float64]) -> NDArray[np.float64]:
-    """What straight lines cost: length times mean weight below them, inf where one touches a forbidden cell."""
+    """Return the costs of straight lines: length times mean weight, inf where one touches a forbidden cell."""
     lengths = np.hypot(*(ends - starts).T)
     count = max(2, int(np.ceil(lengths.max() / (0.5 * costmap.resolution))) + 1)
     shares = np.linspace(0.0, 1.0, count)

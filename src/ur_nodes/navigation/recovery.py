@@ -1,4 +1,4 @@
-"""What to try when the robot is stuck, in which order, and when to give up."""
+"""Recovery behaviours of a robot that is stuck, their order, and when to give up."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ SEQUENCE = (
 
 @dataclass(frozen=True, slots=True)
 class Recovery:
-    """How far a recovery has come.
+    """The progress of a recovery.
 
     How many behaviours were `tried`, the pose where the present one `began` (or the last one ended), what it has
     `done` so far (rad turned, m backed).
@@ -48,7 +48,7 @@ class Recovery:
 
     @property
     def behaviour(self) -> Behaviour | None:
-        """What is being tried, None when nothing is left."""
+        """The present behaviour, None when none is left."""
         return SEQUENCE[self.tried] if self.tried < len(SEQUENCE) else None
 
     def forgotten(self, pose: Pose2, distance: float) -> Recovery:

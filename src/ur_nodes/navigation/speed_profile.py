@@ -1,4 +1,4 @@
-"""How fast a robot may go along a way, and how it turns on the spot, within its limits."""
+"""Speeds along a path and of turns on the spot, within the limits of the robot."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ur_nodes.navigation.path_geometry import Points, curvatures
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """What the robot may do: m/s, rad/s, m/s^2, rad/s^2. `backward` is the greatest speed backwards, as a positive."""
+    """Limits of the robot: m/s, rad/s, m/s^2, rad/s^2. `backward` is the greatest speed backwards, as a positive."""
 
     speed: float
     turn: float

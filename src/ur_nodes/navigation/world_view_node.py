@@ -1,4 +1,4 @@
-"""What `move_base` knows of the world: frames, the newest scan, the map, and the two costmaps made from them."""
+"""Sensor inputs of `move_base`: frames, the newest scan, the map, and the two costmaps made from them."""
 
 from __future__ import annotations
 
@@ -90,7 +90,7 @@ class WorldView:
             self.world.update(robot.in_map.compose(sensor), beams)
 
     def motion(self, sent: tuple[float, float], now: float) -> Motion | None:
-        """Where the robot is by now in the odometry frame: its newest pose, carried on with the command sent."""
+        """Extrapolate the robot's newest pose in the odometry frame to `now`, with the command that was sent."""
         try:
             pose = self.frames.pose(self._settings.local.frame, self._settings.base_frame)
             age = self.frames.age(self._settings.local.frame, self._settings.base_frame, now)
@@ -114,7 +114,7 @@ class WorldView:
             return None
 
     def trouble(self, now: float) -> str:
-        """Why the robot must not move: what is missing or too old; '' when nothing is."""
+        """Return the reason why the robot must not move, an input that is missing or too old; '' when there is none."""
         settings = self._settings
         if self.world is None:
             return self.map_problem or f"no map on {rospy.resolve_name(settings.map_topic)}"
@@ -134,7 +134,7 @@ class WorldView:
         return ""
 
     def _blind(self, now: float) -> str:
-        """Why the scan cannot be relied on; '' also where there is none to rely on."""
+        """Return the reason why the scan cannot be used; '' also for a robot without one."""
         source = self._settings.local.scan
         if source is None:
             return ""

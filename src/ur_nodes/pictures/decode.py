@@ -18,7 +18,7 @@ _CHANNELS = {"rgb8": 3, "bgr8": 3, "mono8": 1, "8UC1": 1, "8UC3": 3, "rgba8": 4,
 
 
 class BadPictureError(ValueError):
-    """What came is no picture, or one of a kind that nobody knows here. The text says what it was."""
+    """The data is no picture, or one of an unknown kind. The text describes it."""
 
 
 def decode_picture(data: bytes, smallest: tuple[int, int] | None = None) -> Pixels:

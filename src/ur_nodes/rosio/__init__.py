@@ -1,1 +1,1 @@
-"""What every node shell shares: starting, parameters with good errors, messages to and from arrays."""
+"""Common parts of all nodes: start, parameters with exact errors, conversion of messages to and from arrays."""

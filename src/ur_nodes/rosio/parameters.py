@@ -25,7 +25,7 @@ class Parameters:
         return Parameters(f"{self._namespace}{name}/")
 
     def has(self, name: str) -> bool:
-        """Whether the parameter is set."""
+        """Return True when the parameter is set."""
         return bool(rospy.has_param(self._namespace + name))
 
     def number(

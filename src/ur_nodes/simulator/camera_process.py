@@ -83,7 +83,7 @@ class CameraProcess:
         return self._process.pid
 
     def take(self, robot: int, state: npt.NDArray[np.float64], *, pixels: bool, jpeg: bool) -> Picture:
-        """What a robot's camera sees in a state (MuJoCo's qpos). Raises UserError when the process has ended."""
+        """Render a robot's camera picture in a state (MuJoCo's qpos). Raises UserError when the process has ended."""
         assert self._process.stdin is not None
         assert self._process.stdout is not None
         try:

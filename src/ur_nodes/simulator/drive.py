@@ -1,4 +1,4 @@
-"""What a base's controller does with velocity commands: limits, ramps, and a stop when they become old."""
+"""The controller of a base, from velocity commands to wheels: limits, ramps, and a stop when commands are old."""
 
 from __future__ import annotations
 

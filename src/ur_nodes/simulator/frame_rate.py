@@ -1,4 +1,4 @@
-"""Whether a camera keeps up with the rate that is asked of it."""
+"""Supervision of a camera's frame rate."""
 
 from __future__ import annotations
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 
 class Pacer:
-    """When simulated moments are due in real time: `speed` simulated seconds a second; 0 is as fast as possible.
+    """Real times of simulated times: `speed` simulated seconds a second; 0 is as fast as possible.
 
     Moments are reckoned from one anchor, so that errors do not add up. After a stall longer than `patience` (s) the
     anchor moves: what was missed is not made up for in a rush.
@@ -21,7 +21,7 @@ class Pacer:
         self._now = now
 
     def wait(self, time: float, now: float) -> float:
-        """How long (s) to wait at `now` before simulated `time` is due; 0 when it is due already."""
+        """Return the wait (s) at `now` until simulated `time` is due; 0 when it is due already."""
         if self._speed <= 0.0:
             return 0.0
         left = self.due(time) - now
@@ -31,5 +31,5 @@ class Pacer:
         return max(0.0, left)
 
     def due(self, time: float) -> float:
-        """When a simulated time is due (s of the steady clock)."""
+        """Return the time of the steady clock (s) at which a simulated time is due."""
         return self._now + (time - self._time) / self._speed if self._speed > 0.0 else self._now

@@ -51,16 +51,16 @@ class Physics:
         mujoco.mj_step(self._model, self._data, count)
 
     def set_wheel_speeds(self, robot: int, left: float, right: float) -> None:
-        """What the motors aim at from now on, rad/s."""
+        """Set the target speeds of the motors, rad/s."""
         self._data.ctrl[self._motors[robot]] = (left, right)
 
     def wheel_angles(self, robot: int) -> tuple[float, float]:
-        """How far the left and right wheel have turned, rad, forward is positive."""
+        """Return the angles of the left and right wheel, rad, forward is positive."""
         left, right = self._wheels[robot]
         return float(self._data.qpos[left]), float(self._data.qpos[right])
 
     def wheel_speeds(self, robot: int) -> tuple[float, float]:
-        """How fast the left and right wheel turn, rad/s."""
+        """Return the speeds of the left and right wheel, rad/s."""
         left, right = self._spins[robot]
         return float(self._data.qvel[left]), float(self._data.qvel[right])
 
@@ -69,7 +69,7 @@ class Physics:
         return np.array(self._data.qpos, np.float64)
 
     def pose(self, robot: int) -> Pose2:
-        """Where a robot's base_footprint is in the map."""
+        """Return the pose of a robot's base_footprint in the map."""
         q = self._joints[robot][0]
         x, y, _, a, b, c, d = self._data.qpos[q : q + 7].tolist()
         return Pose2(x, y, yaw_of_quaternion(b, c, d, a))  # MuJoCo's order is w, x, y, z
@@ -83,7 +83,7 @@ class Physics:
         return c * vx + s * vy, c * vy - s * vx, turn
 
     def motion(self, robot: int) -> Motion:
-        """How a robot's base_footprint moves in all three dimensions."""
+        """Return the motion of a robot's base_footprint in three dimensions."""
         q, v = self._joints[robot]
         qpos, qvel = self._data.qpos, self._data.qvel
         return Motion(qpos[q + 3 : q + 7].copy(), qvel[v : v + 3].copy(), qvel[v + 3 : v + 6].copy())
@@ -104,7 +104,7 @@ class Physics:
         return frozenset(owners[owners >= 0].tolist())
 
     def touches(self, robot: int) -> list[npt.NDArray[np.float64]]:
-        """Where a robot's chassis touches things: for each thing the points, shape (points, 2), m in base_footprint."""
+        """Return contacts of a robot's chassis: for each thing the points, shape (points, 2), m in base_footprint."""
         pairs = self._data.contact.geom
         rows = (self._owner[pairs] == robot).any(axis=1)
         points = self.pose(robot).inverse().transform_points(self._data.contact.pos[rows, :2])
@@ -112,7 +112,7 @@ class Physics:
         return [points[things == thing] for thing in np.unique(things)]
 
     def blocked(self, robot: int) -> str | None:
-        """What a robot's chassis touches now, in words."""
+        """Describe an object that a robot's chassis touches; None when it touches nothing."""
         return self._neighbour(self._model.geom(f"chassis_{robot}").id)
 
     def place_robot(self, robot: int, pose: tuple[float, float, float]) -> str | None:
@@ -139,7 +139,7 @@ class Physics:
         return in_the_way
 
     def _neighbour(self, geom: int) -> str | None:
-        """What a shape penetrates, the floor aside."""
+        """Describe an object that a shape penetrates, the floor aside."""
         floor = self._model.geom("floor").id
         for pair in self._data.contact.geom.tolist():
             if geom in pair and floor not in pair:

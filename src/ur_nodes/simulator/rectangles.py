@@ -42,5 +42,5 @@ def _grow(part: npt.NDArray[np.bool_]) -> tuple[int, int]:
 
 
 def _run(line: Any) -> int:
-    """How many cells are set before the first that is not."""
+    """Count the cells that are set before the first that is not."""
     return int(line.size if line.all() else np.argmin(line))

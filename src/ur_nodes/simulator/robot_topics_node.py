@@ -73,7 +73,7 @@ class RobotTopics:
         self._tf.publish(self._tf_message)
 
     def publish_odometry(self, stamp: rospy.Time) -> None:
-        """What the encoders say, and beside it the truth."""
+        """Publish the odometry of the encoders, and the ground truth."""
         if self._odom.get_num_connections():
             odometry = self._simulation.odometry(self._robot)
             _fill_pose(self._odom_message, stamp, odometry.pose)
@@ -88,7 +88,7 @@ class RobotTopics:
             self._truth.publish(self._truth_message)
 
     def publish_scan(self, stamp: rospy.Time) -> None:
-        """What the lidar sees, taken in an instant."""
+        """Publish a scan of the lidar, taken in an instant."""
         if self._scan is not None and self._scan.get_num_connections():
             self._scan_message.header.stamp = stamp
             self._scan_message.ranges = self._simulation.scan(self._robot).tolist()
@@ -103,7 +103,7 @@ class RobotTopics:
             self._joints.publish(self._joint_message)
 
     def publish_collisions(self) -> None:
-        """How often the robot has run into something; latched, sent when it changes."""
+        """Publish the number of collisions of the robot; latched, sent when it changes."""
         count = self._simulation.collisions[self._robot]
         if count != self._told_collisions:
             self._told_collisions = count

@@ -1,4 +1,4 @@
-"""What a camera sees beside the shapes of physics: light, colours, fiducials, and the camera itself."""
+"""The visible part of the model beside the shapes of physics: light, colours, fiducials, and the camera itself."""
 
 from __future__ import annotations
 

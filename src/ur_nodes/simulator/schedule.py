@@ -1,4 +1,4 @@
-"""What happens when, counted in time steps."""
+"""A schedule of periodic events, counted in time steps."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ class Schedule:
         self.step = max(after + 1, self._step_of(self._number))
 
     def take(self, step: int) -> bool:
-        """Whether it is due at a step; if so the next one is set."""
+        """Return True when the event is due at a step, and schedule the next one."""
         if step < self.step:
             return False
         self._number += 1

@@ -1,4 +1,4 @@
-"""What one robot feels beside what its lidar and its camera see: sonars, bumpers, inertia, its battery."""
+"""Sensors of one robot beside lidar and camera: sonars, bumpers, inertial unit and battery."""
 
 from __future__ import annotations
 
@@ -62,16 +62,16 @@ class Senses:
             self._imu.forget()
 
     def ranges(self) -> Floats:
-        """What the sonars hear (m), in the order of the base's file; see SonarRing.listen."""
+        """Return the ranges of the sonars (m), in the order of the base's file; see SonarRing.listen."""
         count = len(self._base.sonars.at) if self._base.sonars else 0
         return self._physics.listen(self._robot, draw_noise(self._sonar_key, self._heard, count))
 
     def inertia(self) -> Reading | None:
-        """What the inertial unit said when it was last due; None for a base without one."""
+        """Return the newest reading of the inertial unit; None for a base without one."""
         return self._imu.read(draw_noise(self._imu_key, self._felt, 6)) if self._imu else None
 
     def pressed(self, time: float) -> dict[str, bool]:
-        """Which bumpers are pressed at a time (s), by name."""
+        """Return the states of the bumpers at a time (s), by name."""
         return self._bumpers.state(time) if self._bumpers else {}
 
     @property

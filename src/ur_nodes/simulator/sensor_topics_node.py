@@ -48,7 +48,7 @@ class SensorTopics:
         self._told: dict[str, bool] = {}
 
     def publish(self, tick: Tick, stamp: rospy.Time) -> None:
-        """What is due."""
+        """Publish the readings that are due."""
         if tick.sonars and self._sonars and self._sonars.get_num_connections():
             for message, value in zip(self._ranges, self._ranges_now(), strict=True):
                 message.header.stamp = stamp

@@ -1,4 +1,4 @@
-"""How the simulator node is set up."""
+"""Settings of the simulator node."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Settings:
 
     @property
     def queue_size(self) -> int | None:
-        """How many unsent messages a topic keeps.
+        """Return the number of unsent messages that a topic keeps.
 
         At full speed none: there the simulation waits for its listeners, and nothing is lost.
         """

@@ -28,7 +28,7 @@ _TOLD = ("odometry", "scan", "picture", "sonars", "imu", "battery")
 
 @dataclass(frozen=True, slots=True)
 class Tick:
-    """What is due at a time (s since the start), of what the base has."""
+    """The sensors and pictures that are due at a time (s since the start), of those that the base has."""
 
     time: float
     odometry: bool
@@ -81,7 +81,7 @@ class Simulation:
 
     @property
     def collisions(self) -> tuple[int, ...]:
-        """How often each robot has begun to touch something since the start or the last reset."""
+        """The number of collisions of each robot since the start or the last reset."""
         return tuple(self._collisions)
 
     def command(self, robot: int, linear: float, angular: float) -> None:
@@ -123,7 +123,7 @@ class Simulation:
         return self._physics.state()
 
     def odometry(self, robot: int) -> EncoderOdometry:
-        """What a robot's encoders say: as of the last tick with odometry, a scan or sonars."""
+        """Return a robot's odometry: as of the last tick with odometry, a scan or sonars."""
         return self._odometry[robot]
 
     def scan(self, robot: int) -> npt.NDArray[np.float64]:
@@ -131,19 +131,19 @@ class Simulation:
         return self._physics.cast(robot, self._noise[robot])
 
     def pose(self, robot: int) -> Pose2:
-        """Where a robot really is, in the map."""
+        """Return a robot's true pose in the map."""
         return self._physics.pose(robot)
 
     def velocity(self, robot: int) -> tuple[float, float, float]:
-        """How it really moves: forward, to the left (m/s), yaw rate (rad/s)."""
+        """Return a robot's true velocity: forward, to the left (m/s), yaw rate (rad/s)."""
         return self._physics.velocity(robot)
 
     def wheel_angles(self, robot: int) -> tuple[float, float]:
-        """How far the left and the right wheel have turned, rad."""
+        """Return the angles of the left and the right wheel, rad."""
         return self._physics.wheel_angles(robot)
 
     def wheel_speeds(self, robot: int) -> tuple[float, float]:
-        """How fast the left and the right wheel turn, rad/s."""
+        """Return the speeds of the left and the right wheel, rad/s."""
         return self._physics.wheel_speeds(robot)
 
     def reset(self) -> None:

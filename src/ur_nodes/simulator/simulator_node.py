@@ -244,7 +244,7 @@ def make_camera(own: Parameters, world: World, simulation: Simulation, speed: fl
 
 
 def list_prefixes(simulation: Simulation) -> list[str]:
-    """What stands before the topics and frames of each robot: nothing where there is only one."""
+    """Return the prefix of the topics and frames of each robot: '' where there is only one."""
     return [f"robot_{n}/" if simulation.robots > 1 else "" for n in range(simulation.robots)]
 
 

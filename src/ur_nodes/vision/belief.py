@@ -1,4 +1,4 @@
-"""What is known of a robot's place, and of how its odometry errs: together, since one tells the other."""
+"""Joint estimate of a robot's pose and of the systematic errors of its odometry."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _ERRORS = np.diag(np.square([0.02, 0.02, 0.02]))  # of a wheel base that nobody 
 
 @dataclass(frozen=True, slots=True)
 class Errors:
-    """What odometry makes wrong the same way all the time, to be added: m per m, rad per m, rad per rad (3,).
+    """Systematic errors of the odometry, to be added: m per m, rad per m, rad per rad (3,).
 
     `covariance` (3, 3); `together` (3, 3) is the covariance of the place (rows) with them.
     """

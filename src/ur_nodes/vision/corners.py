@@ -61,7 +61,7 @@ def _fit_edge(grey: npt.NDArray[np.uint8], begin: Floats, end: Floats, centre: F
 
 
 def _meet(a: Floats, along_a: Floats, b: Floats, along_b: Floats) -> Floats | None:
-    """Where two lines cross; None when they are nearly parallel."""
+    """Return the intersection of two lines; None when they are nearly parallel."""
     matrix = np.stack([along_a, -along_b], axis=1)
     if abs(np.linalg.det(matrix)) < 0.1:
         return None

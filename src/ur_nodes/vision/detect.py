@@ -123,7 +123,7 @@ def estimate_poses(corners: Floats, size: float, camera: CameraModel, noise: flo
 
 
 def pose_covariance(pose: Floats, size: float, camera: CameraModel, noise: float) -> Floats:
-    """What noise of corners (pixels) does to a pose, to first order; see Candidate.covariance. Shape (6, 6)."""
+    """Propagate the noise of corners (pixels) to a pose, to first order; see Candidate.covariance. Shape (6, 6)."""
     fx, fy = camera.matrix[0, 0], camera.matrix[1, 1]
     rows = []
     for point in corner_points(size):

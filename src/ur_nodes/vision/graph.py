@@ -98,5 +98,5 @@ def from_planar_of(pose: Floats) -> Floats:
 
 
 def robot_from(fiducial: Floats, sighting: Sighting) -> Floats:
-    """Where the robot is (level) that sees a known fiducial so."""
+    """Return the level pose of a robot from its view of a known fiducial."""
     return from_planar_of(fiducial @ invert(sighting.pose))

@@ -1,4 +1,4 @@
-"""Where the robot is on a map of fiducials that stays as it is."""
+"""Localisation on a map of fiducials that stays as it is."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ class Localiser:
 
     @property
     def errors(self) -> Errors:
-        """What has been learned about the wheels."""
+        """The estimated errors of the wheels."""
         return self._belief.errors if self._belief else self._errors
 
     def place(self, pose: Pose2) -> None:
@@ -97,7 +97,7 @@ class Localiser:
         self._contradicting.clear()
 
     def robot(self, odometry: Pose2) -> Pose2 | None:
-        """Where the robot is in the map, given what odometry says now; None while it is not known."""
+        """Return the robot's pose in the map for the present odometry; None while it is not known."""
         if self._belief is None or self._odometry is None:
             return self._belief.pose if self._belief else None
         return self._belief.pose.compose(self._odometry.inverse().compose(odometry))

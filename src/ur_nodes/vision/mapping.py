@@ -75,16 +75,16 @@ class Mapper:
 
     @property
     def moments(self) -> int:
-        """How many poses of the robot there are in the graph."""
+        """The number of poses of the robot in the graph."""
         return self._count
 
     @property
     def last(self) -> Pose2 | None:
-        """Where the robot was in the map at the last moment; None while that is not known."""
+        """The robot's pose in the map at the last moment; None while that is not known."""
         return None if self._robot is None else to_planar(self._robot)
 
     def robot(self, odometry: Pose2) -> Pose2 | None:
-        """Where the robot is in the map, given what odometry says now; None while it is not known."""
+        """Return the robot's pose in the map for the present odometry; None while it is not known."""
         if self._robot is None:
             return None
         return to_planar(self._robot).compose(self._motion(odometry))
@@ -140,7 +140,7 @@ class Mapper:
         return np.asarray(self._isam.marginalCovariance(robot_key(self._count - 1)))
 
     def _motion(self, odometry: Pose2) -> Pose2:
-        """What odometry says of the time since the last moment."""
+        """Return the odometry since the last moment."""
         return self._odometry.inverse().compose(odometry) if self._odometry else Pose2(0.0, 0.0, 0.0)
 
     def _far(self, motion: Pose2, seeing: bool) -> bool:
@@ -199,7 +199,7 @@ class Mapper:
             self._links.setdefault(number, set()).update(other for _, other, _ in used if other != number)
 
     def _contradicts(self, seen: Observation, guess: Floats, odometry: Pose2) -> bool:
-        """Whether a fiducial of the map is seen where it cannot be, however far the robot has strayed."""
+        """Return True when a fiducial of the map is seen where it cannot be, whatever the drift of the robot."""
         number, known = seen.id, self._poses.get(seen.id)
         sighting = choose_sighting(seen, invert(guess) @ known) if known is not None else None
         self._contradicting.discard(number)

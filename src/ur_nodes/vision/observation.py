@@ -1,4 +1,4 @@
-"""What detection hands to mapping: fiducials seen from the robot at one moment."""
+"""Observations, from detection to mapping: fiducials seen from the robot at one moment."""
 
 from __future__ import annotations
 
@@ -38,12 +38,12 @@ class Observation:
 
     @property
     def clear(self) -> bool:
-        """Whether the first pose is certainly the right one."""
+        """True when the first pose is certainly the right one."""
         return bool(self.sightings) and all(each.cost > CLEAR for each in self.sightings[1:])
 
 
 def choose_sighting(observation: Observation, expected: Floats | None) -> Sighting | None:
-    """Which pose of a fiducial to believe: the one that is turned as expected in the robot's frame (4, 4).
+    """Choose the pose of a fiducial that is turned as expected in the robot's frame (4, 4).
 
     Without expectation the first, if it is clear. None when no pose can be believed.
     """
@@ -53,7 +53,7 @@ def choose_sighting(observation: Observation, expected: Floats | None) -> Sighti
 
 
 def misfit(sighting: Sighting, expected: Floats) -> float:
-    """How ill a sighting agrees with a pose (4, 4) of the fiducial in the robot's frame: its turn, and its own cost."""
+    """Return the cost of a sighting at a pose (4, 4) of the fiducial in the robot's frame: turn, and own cost."""
     tolerance = _TURN_TOLERANCE**2 + float(np.trace(sighting.covariance[:3, :3]))
     return float(angle_between(sighting.pose, expected) ** 2 / tolerance + sighting.cost)
 
@@ -61,7 +61,7 @@ def misfit(sighting: Sighting, expected: Floats) -> float:
 def make_observation(
     number: int, base_from_camera: Floats, poses: Sequence[tuple[Floats, float, Floats]], noise: float
 ) -> Observation:
-    """What the robot sees, from what its camera sees: pose (4, 4), error and covariance (6, 6) of each candidate.
+    """Transform sightings from the camera to the robot: pose (4, 4), error and covariance (6, 6) of each candidate.
 
     Errors (rms) and `noise` (that of corners) are in pixels. What detection cannot know is added to the covariances.
     """

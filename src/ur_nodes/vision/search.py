@@ -1,4 +1,4 @@
-"""Where a robot may be that knows nothing but what it sees of a known map, and which sightings contradict others."""
+"""Search for a robot's pose from sightings of a known map alone, and for sightings that contradict others."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def deviation(robot: Floats, fiducial: Floats, sighting: Sighting) -> Floats:
 
 
 def without_twins(observations: Iterable[Observation]) -> tuple[tuple[Observation, ...], tuple[int, ...]]:
-    """What is seen once in a picture, and the numbers that are there twice: which is the one in the map?"""
+    """Split the sightings of a picture into those with a unique number, and the numbers that appear twice."""
     seen = tuple(observations)
     counts = Counter(each.id for each in seen)
     twins = tuple(sorted(number for number, count in counts.items() if count > 1))

@@ -1,4 +1,4 @@
-"""What a Linux joystick device sends, and the state that it adds up to.
+"""Records of a Linux joystick device, and the state that follows from them.
 
 The format is that of /dev/input/js* (the kernel's Documentation/input/joydev/joystick-api.rst): records of 8 bytes,
 little-endian on the machines that ROS runs on: time (ms, u32), value (s16), type (u8), number (u8). After opening come

@@ -93,7 +93,7 @@ class JoyNode:
 
 
 def _read_some(descriptor: int) -> bytes | None:
-    """What is there; None at the end of the device."""
+    """Return the bytes that are available; None at the end of the device."""
     try:
         return os.read(descriptor, 64 * RECORD.size) or None
     except BlockingIOError:

@@ -17,7 +17,7 @@ Wish = Literal["stop", "release"]
 
 @dataclass(frozen=True, slots=True)
 class Speeds:
-    """What full deflection means (m/s, rad/s), by the names in LINEAR and ANGULAR."""
+    """The velocities at full deflection (m/s, rad/s), by the names in LINEAR and ANGULAR."""
 
     linear: Mapping[str, float]
     angular: Mapping[str, float]
@@ -49,7 +49,7 @@ class JoyTwist:
 
 @dataclass(frozen=True, slots=True)
 class JoyTeleopState:
-    """What the joystick did last."""
+    """The state after the joystick's last report."""
 
     settings: JoyTeleopSettings
     zeros_left: int = 0

@@ -8,7 +8,7 @@ SECONDS_PER_HOUR = 3600.0
 
 
 class BatteryCharge:
-    """How full a battery is. Its voltage falls in a straight line from full to empty; it does not fall under load."""
+    """The charge of a battery. Its voltage falls in a straight line from full to empty; it does not fall under load."""
 
     def __init__(self, battery: Battery, fraction: float = 1.0) -> None:
         """`fraction` of its capacity is in it at first."""
@@ -18,12 +18,12 @@ class BatteryCharge:
 
     @property
     def charge(self) -> float:
-        """What is left, Ah."""
+        """The remaining charge, Ah."""
         return self._charge
 
     @property
     def fraction(self) -> float:
-        """What is left, 0 to 1."""
+        """The remaining charge as a share, 0 to 1."""
         return self._charge / self._battery.design_capacity
 
     @property
@@ -34,7 +34,7 @@ class BatteryCharge:
 
     @property
     def current(self) -> float:
-        """What flowed into the battery of late, A: negative, for it is drawn from it."""
+        """The recent current into the battery, A: negative, for it is drawn from it."""
         return -self._current
 
     def draw(self, effort: float, seconds: float) -> None:

@@ -34,7 +34,7 @@ class BumperRing:
                 self._pressed[name] = time
 
     def state(self, time: float) -> dict[str, bool]:
-        """Which bumpers are pressed at a time (s): those that were within the last `HOLD`."""
+        """Return the states of the bumpers at a time (s): pressed are those that were within the last `HOLD`."""
         return {name: time - pressed <= HOLD for name, pressed in self._pressed.items()}
 
 
@@ -48,6 +48,6 @@ def span_arc(angles: Floats) -> Sector:
 
 
 def arcs_meet(one: Sector, other: Sector) -> bool:
-    """Whether two arcs (rad, counter-clockwise from, to, at most a turn) have a direction in common, ends included."""
+    """Return True when two arcs (rad, counter-clockwise from, to, at most a turn) share a direction, ends included."""
     turn = 2.0 * math.pi
     return (other[0] - one[0]) % turn <= one[1] - one[0] or (one[0] - other[0]) % turn <= other[1] - other[0]

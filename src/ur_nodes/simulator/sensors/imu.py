@@ -20,7 +20,7 @@ Floats = npt.NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class Motion:
-    """How a body moves at an instant.
+    """The motion of a body at an instant.
 
     `attitude` is the quaternion w, x, y, z, body to world; `velocity` that of the body's origin in the world, m/s;
     `turning` the angular velocity in the body, rad/s.
@@ -39,7 +39,7 @@ class Motion:
 
 @dataclass(frozen=True, slots=True)
 class Reading:
-    """What the unit says, in its own axes: quaternion x, y, z, w (unit to world), rad/s, m/s^2."""
+    """A reading of the unit, in its own axes: quaternion x, y, z, w (unit to world), rad/s, m/s^2."""
 
     orientation: tuple[float, float, float, float]
     turning: tuple[float, float, float]

@@ -42,7 +42,7 @@ class Camera:
 
     @property
     def publishers(self) -> int:
-        """How many publish the topic."""
+        """Return the number of publishers of the topic."""
         return int(self._subscriber.get_num_connections())
 
     def why_silent(self, now: float) -> str:

@@ -57,7 +57,7 @@ def describe_silence(feed: Feed, reason: str, now: float) -> str:
 
 
 def describe_feed(feed: Feed, publishers: int, now: float) -> str:
-    """How the pictures come, in one line."""
+    """Describe topic, size and rate of the pictures in one line."""
     if not feed.times:
         return f"{feed.topic}: {'waiting for the first picture' if publishers else 'waiting for a publisher'}"
     columns, rows = feed.size
