@@ -28,7 +28,7 @@ from ur.run.clients.protocol import (
 )
 from ur.run.debugger.attach import Ways
 from ur.tui.app import WatchApp
-from ur.tui.board import NodeRow
+from ur.tui.run_state import NodeRow
 
 ROOT = Path(__file__).resolve().parents[1]
 NOW = 1_700_049_600.0
@@ -63,8 +63,8 @@ DEATH = (
 LATER = ((-3, "move_base", "[ INFO] [1.0]: The goal is reached"),)
 
 
-class StillDesk:
-    """A desk on which nothing happens."""
+class StillServices:
+    """Services that do nothing."""
 
     def __init__(self) -> None:
         self.time = NOW
@@ -110,16 +110,16 @@ def make_state() -> list[RunEvent]:
 async def take_screenshot(size: tuple[int, int], light: bool) -> str:
     """The screen as SVG."""
     ours, theirs = socket.socketpair()
-    desk = StillDesk()
+    services = StillServices()
     with ours, RunClient(theirs) as control:
-        app = WatchApp(control, desk, light=light)
+        app = WatchApp(control, services, light=light)
         async with app.run_test(size=size) as pilot:
             app.take(make_state())
             for when, name, text in (*LINES, (-6, "", DEATH), *LATER):
-                desk.time = NOW + when
+                services.time = NOW + when
                 said = OutputLine(f"/{name}", "out", find_severity(text), text) if name else Notice("error", text)
                 app.take([said])
-            desk.time = NOW
+            services.time = NOW
             app.take([])
             for _ in range(3):
                 await pilot.press("down")

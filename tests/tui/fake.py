@@ -1,4 +1,4 @@
-"""A run that only exists in a test, and a desk on which nothing happens."""
+"""A run that only exists in a test, and services that do nothing."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from ur.run.clients.protocol import (
 )
 from ur.run.debugger.attach import Way, Ways
 from ur.tui.app import WatchApp
-from ur.tui.board import NodeRow
+from ur.tui.run_state import NodeRow
 
 NOON = 1_700_049_600.0
 RUN = RunStarted("m_map.77", 77, "m_map", "http://localhost:11311", "/logs", NOON - 187)
@@ -70,7 +70,7 @@ class FakeRun:
 
 
 @dataclass
-class FakeDesk:
+class FakeServices:
     """Remembers what it was asked to run."""
 
     pager: list[str] | None = field(default_factory=lambda: ["less"])
@@ -134,18 +134,18 @@ def example(*, detached: bool = False) -> list[RunEvent]:
 async def watching(
     *events: RunEvent,
     size: tuple[int, int] = (100, 30),
-    desk: FakeDesk | None = None,
+    services: FakeServices | None = None,
     light: bool = False,
     guest: bool = False,
     early: Sequence[RunEvent] = (),
 ) -> AsyncIterator[tuple[WatchApp, Pilot[str], FakeRun]]:
     """The interface over a run to which these events have happened (none: the example)."""
     run = FakeRun()
-    app = WatchApp(run.control, desk or FakeDesk(), light=light, guest=guest, early=early)
+    app = WatchApp(run.control, services or FakeServices(), light=light, guest=guest, early=early)
     try:
         async with app.run_test(size=size) as pilot:
             run.tell(*(events or example()))
-            await until(pilot, lambda: bool(app.board.rows) or app.board.exit_code is not None)
+            await until(pilot, lambda: bool(app.state.rows) or app.state.exit_code is not None)
             yield app, pilot, run
     finally:
         run.close()

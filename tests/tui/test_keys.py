@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 from rich.console import Console
-from tests.tui.fake import FakeDesk, FakeRun, line, until, watching
+from tests.tui.fake import FakeRun, FakeServices, line, until, watching
 
 from ur.run.clients.protocol import RestartNode, StartNode, StopNode, StopRun
 from ur.tui.app import WatchApp
@@ -26,7 +26,7 @@ class Seen:
 
     app: WatchApp
     run: FakeRun
-    desk: FakeDesk
+    services: FakeServices
 
     @property
     def chosen(self) -> str:
@@ -52,13 +52,13 @@ LOG = [["less", "/logs/map_server-1-stdout.log"]]
 CASES: dict[str, tuple[list[str], Probe]] = {
     "up": (["down", "down"], lambda it: it.chosen == "/amcl"),
     "down": ([], lambda it: it.chosen == "/amcl"),
-    "l": ([], lambda it: it.desk.here == LOG),
-    "enter": ([], lambda it: it.desk.here == LOG),
+    "l": ([], lambda it: it.services.here == LOG),
+    "enter": ([], lambda it: it.services.here == LOG),
     "s": ([], lambda it: it.run.asked() == [StartNode("/map_server")]),
     "x": ([], lambda it: it.run.asked() == [StopNode("/map_server")]),
     "r": ([], lambda it: it.run.asked() == [RestartNode("/map_server")]),
     "k": ([], lambda it: it.asks == "Kill /map_server?"),
-    "d": ([], lambda it: it.desk.here == [["gdb", "-p", "12"]]),
+    "d": ([], lambda it: it.services.here == [["gdb", "-p", "12"]]),
     "n": ([], lambda it: it.filter == Filter(node="/map_server")),
     "m": ([], lambda it: it.filter == Filter(muted=frozenset({"/map_server"}))),
     "v": ([], lambda it: it.filter == Filter(rank=2)),
@@ -81,13 +81,13 @@ CASES: dict[str, tuple[list[str], Probe]] = {
 @pytest.mark.parametrize("key", CASES)
 async def test_key_does_what_it_says(key: str) -> None:
     before, holds = CASES[key]
-    desk = FakeDesk()
-    async with watching(desk=desk) as (app, pilot, run):
+    services = FakeServices()
+    async with watching(services=services) as (app, pilot, run):
         run.tell(*(line("/amcl", f"[ INFO] [1.0]: line {number}") for number in range(100)))
         await until(pilot, lambda: app.journal.entries[-1].lines == ["line 99"])
         await pilot.press(*before)
         await pilot.pause()
-        seen = Seen(app, run, desk)
+        seen = Seen(app, run, services)
         assert not holds(seen)
         await pilot.press(key)
         await until(pilot, lambda: holds(seen))
@@ -131,14 +131,14 @@ def test_last_line_fits_and_begins_with_what_matters(width: int) -> None:
     ("question_mark", "down", True),
 ])  # fmt: skip
 async def test_key_leaves_a_page_or_question_and_does_nothing_else(opens: str, key: str, stays: bool) -> None:
-    desk = FakeDesk()
-    async with watching(desk=desk) as (app, pilot, run):
+    services = FakeServices()
+    async with watching(services=services) as (app, pilot, run):
         await pilot.press(opens)
         await until(pilot, lambda: isinstance(app.screen, (Page, Question)))
         await pilot.press(key)
         await pilot.pause()
         assert isinstance(app.screen, (Page, Question)) == stays
         assert run.asked() == []
-        assert desk.here == []
+        assert services.here == []
         assert app.nodes.chosen is not None
         assert app.nodes.chosen.name == "/map_server"

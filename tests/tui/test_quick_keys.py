@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 
 import pytest
-from tests.tui.fake import FakeDesk, FakeRun, read_screen, until, watching
+from tests.tui.fake import FakeRun, FakeServices, read_screen, until, watching
 from textual import events
 
 from ur.run.clients.protocol import KillNode, StartNode, StopNode, StopRun
@@ -88,7 +88,7 @@ async def test_interface_runs_without_colours(monkeypatch: pytest.MonkeyPatch, s
 
 async def test_exception_ends_the_interface_and_is_kept_for_the_report() -> None:
     run = FakeRun()
-    app = WatchApp(run.control, FakeDesk())
+    app = WatchApp(run.control, FakeServices())
     app.log_view.show_changes = None  # type: ignore[assignment]  # calling it raises
     await asyncio.wait_for(app.run_async(headless=True, size=(80, 24)), 60)
     run.close()

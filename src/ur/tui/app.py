@@ -1,16 +1,127 @@
-"""The interface on a large enough terminal: nodes above, log below, keys for everything."""
+"""The interface on a large enough terminal, with the actions that change the run: nodes, all of it, debuggers."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import ClassVar
 
 from textual.binding import BindingType
 
+from ur.run.clients.protocol import KillNode, RestartNode, RunCommand, StartNode, StopNode, StopRun
+from ur.run.debugger.attach import Way
+from ur.tui.dialogs import Choice, Question
 from ur.tui.keys import make_bindings
-from ur.tui.steering import Steering
+from ur.tui.log_actions import LogActions
+from ur.tui.run_state import NodeRow
 
 
-class WatchApp(Steering):
-    """Watches and steers one run. Ends with the run, or with `detached` while the run goes on."""
+class WatchApp(LogActions):
+    """Shows and controls one run. Ends with the run, or with `detached` while the run goes on."""
 
     BINDINGS: ClassVar[list[BindingType]] = make_bindings()
+
+    _stops = 0
+
+    def action_start(self) -> None:
+        """Start a node."""
+        self._command(StartNode, "start")
+
+    def action_stop(self) -> None:
+        """Stop a node and keep it stopped."""
+        self._command(StopNode, "stop")
+
+    def action_restart(self) -> None:
+        """Stop a node and start it again."""
+        self._command(RestartNode, "restart")
+
+    def action_kill(self) -> None:
+        """SIGKILL a node, once that is confirmed."""
+        row = self._steerable()
+        if row is None:
+            return
+
+        def answer(key: str | None) -> None:
+            if key == "k":
+                self._send(KillNode(row.name), f"kill {row.name}")
+
+        choices = (Choice("k", "kill it at once; it is kept stopped"),)
+        self.push_screen(Question(f"Kill {row.name}?", choices, self.palette), answer)
+
+    def action_debug(self) -> None:
+        """Look into a node with a debugger; asks where that means to start it again."""
+        row = self._steerable()
+        if row is None:
+            return
+        found = self.services.debug(row, self.state.run)
+        if isinstance(found, str):
+            self.say(found)
+            return
+        if len(found.ways) == 1 and not found.ways[0].prefix:
+            self._look_into(row.name, found.ways[0])
+            return
+        ways = {way.key: way for way in found.ways}
+
+        def answer(key: str | None) -> None:
+            if key in ways:
+                self.call_after_refresh(self._look_into, row.name, ways[key])
+
+        choices = tuple(Choice(way.key, way.text) for way in found.ways)
+        self.push_screen(Question(f"Debug {row.name}?", choices, self.palette, note=found.note), answer)
+
+    def _look_into(self, name: str, way: Way) -> None:
+        if way.prefix:
+            self._send(RestartNode(name, way.prefix), f"restart {name} in a debugger")
+        self.report(self.services.run_here(way.command) if way.here else self.services.run_beside(way.command))
+
+    def action_stop_all(self) -> None:
+        """End the run, once that is confirmed."""
+        self._ask_end(detach=False)
+
+    def action_leave(self, _anyway: bool = False) -> None:
+        """Quit: end the run, or only stop watching where it goes on without us."""
+        if not isinstance(self.screen, Question):
+            self._ask_end(detach=self._may_leave)
+
+    @property
+    def _may_leave(self) -> bool:
+        return self.guest or self.state.run.detached
+
+    def _ask_end(self, *, detach: bool) -> None:
+        def answer(key: str | None) -> None:
+            if key == "s":
+                self._stop_run()
+            elif key == "d":
+                self.exit("detached")
+
+        choices = [Choice("s", "stop everything")]
+        if detach:
+            choices.append(Choice("d", "detach: leave, everything goes on"))
+        title = f"Leave {self.state.run.title}?" if detach else f"Stop {self.state.run.title or 'everything'}?"
+        self.push_screen(Question(title, tuple(choices), self.palette), answer)
+
+    def action_interrupt(self) -> None:
+        """Ctrl-C: end the run now, as without an interface; of a detached run only ask."""
+        if self._may_leave and not self._stops:
+            self.action_leave()
+        else:
+            self._stop_run()
+
+    def _stop_run(self) -> None:
+        self._stops += 1
+        self._send(StopRun("Ctrl-C" if self._stops == 1 else "Ctrl-C again"), "stopping everything")
+
+    def _steerable(self) -> NodeRow | None:
+        row = self.nodes.chosen
+        if row is not None and row.changed.core:
+            self.say(f"{row.name} belongs to the run itself: it starts first and stops last")
+            return None
+        return row
+
+    def _command(self, make: Callable[[str], RunCommand], word: str) -> None:
+        row = self._steerable()
+        if row is not None:
+            self._send(make(row.name), f"{word} {row.name}")
+
+    def _send(self, command: RunCommand, said: str) -> None:
+        self.control.send(command)
+        self.say(said)

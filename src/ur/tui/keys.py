@@ -64,7 +64,7 @@ FOOT = "?q/dlxrsknvm"  # the last line names keys in this order, as many as ther
 
 
 def make_bindings(keys: Sequence[Key] = KEYS) -> list[BindingType]:
-    """The bindings. They come before widgets, so that keys act in the order of typing; see `Stage.check_action`."""
+    """The bindings. They come before widgets, so that keys act in the order of typing; see `RunScreen.check_action`."""
     return [Binding(name, key.action, show=False, priority=True) for key in keys for name in key.keys.split(",")]
 
 

@@ -13,10 +13,10 @@ from textual.strip import Strip
 
 from ur.run.clients.protocol import find_severity
 from ur.source.ansi import strip_styles
-from ur.tui.board import Mood, NodeRow
 from ur.tui.journal import clean, strip_head
 from ur.tui.log_view import short_name
 from ur.tui.palette import Palette
+from ur.tui.run_state import Mood, NodeRow
 
 SIGNS: dict[Mood, str] = {"up": "●", "busy": "◐", "failed": "✖", "idle": "○"}
 

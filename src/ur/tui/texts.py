@@ -7,52 +7,52 @@ from collections.abc import Mapping
 from rich.text import Text
 
 from ur.source.printable import printable
-from ur.tui.board import Board, Mood
 from ur.tui.journal import Filter
 from ur.tui.node_table import SIGNS, format_cpu, format_memory
 from ur.tui.palette import Palette
+from ur.tui.run_state import Mood, RunState
 
 _WORDS: dict[Mood, str] = {"up": "up", "busy": "starting or stopping", "failed": "failed", "idle": "not running"}
 _SHORT: dict[Mood, str] = {"up": "up", "busy": "starting", "failed": "failed", "idle": "off"}
 
 
-def describe_run(board: Board, now: float, width: int, palette: Palette) -> Text:
+def describe_run(state: RunState, now: float, width: int, palette: Palette) -> Text:
     """The first line: what runs, how many nodes are how, what they use together, for how long.
 
     Where there is little room words get shorter, then what is used is left out, then the words.
     """
     for words, use in ((_WORDS, True), (_SHORT, True), (_SHORT, False), ({}, False)):
-        left, right = _describe_nodes(board, words, palette), _describe_use(board, now, palette, use=use)
+        left, right = _describe_nodes(state, words, palette), _describe_use(state, now, palette, use=use)
         room = width - left.cell_len - right.cell_len
         if room > 1:
             return left.append(" " * room).append_text(right)
     return left
 
 
-def _describe_nodes(board: Board, words: Mapping[Mood, str], palette: Palette) -> Text:
+def _describe_nodes(state: RunState, words: Mapping[Mood, str], palette: Palette) -> Text:
     text = Text(no_wrap=True, overflow="ellipsis")
-    text.append(printable(board.run.title) or "connecting", f"bold {palette.text}")
-    if board.cause is not None:
-        text.append("  stopping" + (f": {printable(board.cause)}" if board.cause else ""), palette.yellow)
-    if board.link and board.cause is None:
-        text.append(f"  {printable(board.link)}", f"bold {palette.red}")
-    if board.cause is not None and "busy" in words:
+    text.append(printable(state.run.title) or "connecting", f"bold {palette.text}")
+    if state.cause is not None:
+        text.append("  stopping" + (f": {printable(state.cause)}" if state.cause else ""), palette.yellow)
+    if state.link and state.cause is None:
+        text.append(f"  {printable(state.link)}", f"bold {palette.red}")
+    if state.cause is not None and "busy" in words:
         words = {**words, "busy": "stopping"}
-    for mood, count in board.count().items():
+    for mood, count in state.count().items():
         if count:
             word = f" {words[mood]}" if words else ""
             text.append(f"   {SIGNS[mood]} {count}", palette.of_mood(mood)).append(word, palette.quiet)
     return text
 
 
-def _describe_use(board: Board, now: float, palette: Palette, *, use: bool) -> Text:
+def _describe_use(state: RunState, now: float, palette: Palette, *, use: bool) -> Text:
     text = Text(style=palette.quiet)
-    used = [row for row in board.rows if row.memory is not None]
+    used = [row for row in state.rows if row.memory is not None]
     if used and use:
         cpu, memory = sum(row.cpu or 0.0 for row in used), sum(row.memory or 0 for row in used)
         text.append(f"cpu {format_cpu(cpu)}   memory {format_memory(memory)}   ")
-    if board.run.started:
-        text.append(format_duration(max(0.0, now - board.run.started)))
+    if state.run.started:
+        text.append(format_duration(max(0.0, now - state.run.started)))
     return text
 
 

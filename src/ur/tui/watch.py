@@ -26,9 +26,9 @@ def watch_run(
     if ours:
         signal.signal(signal.SIGHUP, lambda *_: control.send(StopRun("the terminal was closed")))
     if mode == "calm":
-        from ur.tui.calm import watch_calmly
+        from ur.tui.status_line import show_status_line
 
-        return watch_calmly(control, guest=not ours, early=early)
+        return show_status_line(control, guest=not ours, early=early)
     return _watch_fully(control, environment, early, guest=not ours)
 
 
@@ -39,15 +39,15 @@ def _watch_fully(
 
     from ur.screen.query import ask_background, is_light
     from ur.tui.app import WatchApp
-    from ur.tui.desk import SystemDesk
+    from ur.tui.services import SystemServices
 
     light = is_light(environment, ask_background(1, 1))
 
     def suspend() -> AbstractContextManager[None]:
         return app.suspend()
 
-    desk = SystemDesk(environment, suspend)
-    app = WatchApp(control, desk, light=light, guest=guest, early=early, driver=LinuxDriver)
+    services = SystemServices(environment, suspend)
+    app = WatchApp(control, services, light=light, guest=guest, early=early, driver=LinuxDriver)
     how = app.run() or "ended"
     if app.problem is not None:
         raise app.problem
@@ -55,9 +55,9 @@ def _watch_fully(
     lines = [line for entry in failures for line in entry.lines]
     for line in (*lines[-MOST_TOLD:], *app.parting[-MOST_TOLD:]):
         sys.stderr.write(f"{line}\n")
-    if app.board.run.log_folder:
-        sys.stderr.write(f"log files in {app.board.run.log_folder}\n")
-    return how, app.board.exit_code or 0
+    if app.state.run.log_folder:
+        sys.stderr.write(f"log files in {app.state.run.log_folder}\n")
+    return how, app.state.exit_code or 0
 
 
 def own_terminal(descriptor: int) -> bool:

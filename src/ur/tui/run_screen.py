@@ -18,20 +18,35 @@ from ur.run.clients.protocol import Notice, OutputLine, RunEvent, RunStarted, Ru
 from ur.run.debugger.attach import Ways
 from ur.screen.app import FullScreenApp
 from ur.source.printable import printable
-from ur.tui.board import Board, NodeRow, apply_events, begin_board
 from ur.tui.journal import Journal
 from ur.tui.keys import describe_foot
 from ur.tui.log_view import LogView
 from ur.tui.node_table import NodeTable
 from ur.tui.palette import DARK, LIGHT
-from ur.tui.style import CSS
+from ur.tui.run_state import NodeRow, RunState, apply_events, begin_state
 from ur.tui.texts import describe_filter, describe_run
 
-PAUSE = 0.05  # s between two looks at what has happened: what comes faster is drawn together
+PAUSE = 0.05  # s between two updates of the screen: faster events are drawn together
 RANKS = ((0, "everything"), (2, "warnings"), (3, "errors"))
 
+_LAYOUT = """
+Screen { layout: vertical; }
+#head { height: 1; padding: 0 1; }
+#nodes { scrollbar-size-vertical: 1; overflow-x: hidden; }
+#rule { height: 1; }
+#log { height: 1fr; scrollbar-size-vertical: 1; overflow-x: hidden; overflow-y: scroll; }
+#find { height: 1; border: none; padding: 0 1; display: none; }
+#foot { height: 1; padding: 0 1; }
+.dialog { align: center middle; }
+.dialog > Vertical { width: auto; max-width: 100%; height: auto; max-height: 100%; padding: 0 2; overflow-y: auto; }
+.dialog Static { width: auto; max-width: 100%; }
+.page { align: center middle; }
+.page > Vertical { width: 94%; height: 94%; padding: 0 2; }
+.page VerticalScroll { height: 1fr; scrollbar-size-vertical: 1; }
+"""
 
-class Desk(Protocol):
+
+class Services(Protocol):
     """The services that the interface needs of the computer it runs on."""
 
     def now(self) -> float:
@@ -50,17 +65,17 @@ class Desk(Protocol):
         """Start a command that opens a window of its own. Returns what went wrong, '' when nothing did."""
 
 
-class Stage(FullScreenApp[str]):
+class RunScreen(FullScreenApp[str]):
     """Shows one run, and ends with it."""
 
     CSS_PATH = None
     AUTO_FOCUS: ClassVar[str | None] = None
-    CSS = CSS
+    CSS = _LAYOUT
 
     def __init__(
         self,
         control: RunControl,
-        desk: Desk,
+        services: Services,
         *,
         light: bool = False,
         guest: bool = False,
@@ -70,10 +85,10 @@ class Stage(FullScreenApp[str]):
         """`guest`: the run does not end when this interface does. `early`: what has happened already."""
         self.palette = LIGHT if light else DARK  # asked for by the constructor of the application
         super().__init__(driver_class=driver)
-        self.board: Board = begin_board()
+        self.state: RunState = begin_state()
         self.journal = Journal()
         self.control = control
-        self.desk = desk
+        self.services = services
         self.guest = guest
         self.rank = 0  # of the severities that are shown
         self.nodes = NodeTable(self.palette)
@@ -123,7 +138,7 @@ class Stage(FullScreenApp[str]):
         loop.remove_reader(self.control.fileno())  # not again before what came was drawn
         happened = self.control.receive()
         if happened is None:
-            self.exit("ended" if self.board.exit_code is not None else "gone")
+            self.exit("ended" if self.state.exit_code is not None else "gone")
             return
         self.take(happened)
         if self.is_running:
@@ -135,9 +150,9 @@ class Stage(FullScreenApp[str]):
             self._stopping = self._stopping or isinstance(each, RunStopping)
             if self._stopping and isinstance(each, Notice) and each.severity == "warning":
                 self.parting += each.text.split("\n")
-        self.board = apply_events(self.board, happened)
-        self.journal.add((each for each in happened if isinstance(each, (OutputLine, Notice))), self.desk.now())
-        if self.board.exit_code is not None:
+        self.state = apply_events(self.state, happened)
+        self.journal.add((each for each in happened if isinstance(each, (OutputLine, Notice))), self.services.now())
+        if self.state.exit_code is not None:
             self.exit("ended")
             return
         self.draw()
@@ -148,7 +163,7 @@ class Stage(FullScreenApp[str]):
         self.call_after_refresh(self.draw)
 
     def _fit(self, height: int) -> None:
-        wanted = max(2, len(self.board.rows) + 1)
+        wanted = max(2, len(self.state.rows) + 1)
         self.nodes.styles.height = min(wanted, max(min(4, height // 2), (height - 3) * 2 // 5))
 
     def draw(self) -> None:
@@ -157,11 +172,11 @@ class Stage(FullScreenApp[str]):
             return
         self._fit(self.size.height)
         self.nodes.muted = self.log_view.filter.muted
-        self.nodes.show(self.board.rows)
+        self.nodes.show(self.state.rows)
         self.log_view.show_changes()
         width = self.size.width
         own = self.palette
-        self._write("#head", describe_run(self.board, self.desk.now(), width - 2, own))
+        self._write("#head", describe_run(self.state, self.services.now(), width - 2, own))
         level = next(text for rank, text in RANKS if rank == self.rank)
         rule = describe_filter(self.log_view.filter, level, follows=self.log_view.follows, width=width, palette=own)
         self._write("#rule", rule)

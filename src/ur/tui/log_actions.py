@@ -9,10 +9,10 @@ from textual.widgets import Input
 
 from ur.tui.dialogs import Page, read_page
 from ur.tui.keys import describe_keys
-from ur.tui.stage import RANKS, Stage
+from ur.tui.run_screen import RANKS, RunScreen
 
 
-class Looking(Stage):
+class LogActions(RunScreen):
     """The actions that change what is shown."""
 
     def action_move(self, by: int) -> None:
@@ -121,11 +121,11 @@ class Looking(Stage):
         if not row.changed.log:
             self.say(f"{row.name} has no log file")
             return
-        pager = self.desk.find_pager()
+        pager = self.services.find_pager()
         if pager is None:
             self.push_screen(read_page(row.name, row.changed.log, self.palette))
         else:
-            self.report(self.desk.run_here([*pager, row.changed.log]))
+            self.report(self.services.run_here([*pager, row.changed.log]))
 
     def report(self, problem: str) -> None:
         """Say what went wrong ('' for nothing) and go on."""

@@ -16,11 +16,11 @@ from contextlib import AbstractContextManager
 from ur.run.clients.protocol import RunStarted
 from ur.run.debugger.attach import Ways, plan_looking
 from ur.run.debugger.environment import look_around, look_at_node
-from ur.tui.board import NodeRow
+from ur.tui.run_state import NodeRow
 
 
-class SystemDesk:
-    """`ur.tui.stage.Desk` for real. `suspend` gives the terminal to others for as long as it is entered."""
+class SystemServices:
+    """`ur.tui.run_screen.Services` for real. `suspend` gives the terminal to others for as long as it is entered."""
 
     def __init__(self, environment: Mapping[str, str], suspend: Callable[[], AbstractContextManager[None]]) -> None:
         self._environment = environment

@@ -5,7 +5,7 @@ import time
 from pathlib import Path
 
 import pytest
-from tests.tui.fake import RUN, FakeDesk, line, log_of, read_screen, until, watching
+from tests.tui.fake import RUN, FakeServices, line, log_of, read_screen, until, watching
 
 from ur.run.clients.protocol import Notice, RunEnded, RunEvent, RunStopping
 from ur.run.debugger.attach import Way, Ways
@@ -36,7 +36,7 @@ SCREENS = {
 async def test_screen_looks_as_agreed(screen: str, size: tuple[int, int], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("TZ", "UTC")
     time.tzset()
-    async with watching(size=size, desk=FakeDesk(debugger=DEBUG)) as (app, pilot, _):
+    async with watching(size=size, services=FakeServices(debugger=DEBUG)) as (app, pilot, _):
         await until(pilot, lambda: "install it" in "\n".join(read_screen(app)))
         await pilot.press(*SCREENS[screen])
         await pilot.pause()

@@ -1,7 +1,7 @@
 from __future__ import annotations
 
 import pytest
-from tests.tui.fake import FakeDesk, example, read_screen, until, watching
+from tests.tui.fake import FakeServices, example, read_screen, until, watching
 
 from ur.run.clients.protocol import KillNode, RestartNode, RunCommand, StartNode, StopNode, StopRun
 from ur.run.debugger.attach import Way, Ways
@@ -86,14 +86,14 @@ async def test_key_steers_the_chosen_node(key: str, command: RunCommand) -> None
 
 
 async def test_debug_opens_a_window_where_there_is_one() -> None:
-    desk = FakeDesk(debugger=Ways((Way("g", "gdb", ("xterm", "-e", "gdb"), here=False),)))
-    async with watching(desk=desk) as (_, pilot, _run):
+    services = FakeServices(debugger=Ways((Way("g", "gdb", ("xterm", "-e", "gdb"), here=False),)))
+    async with watching(services=services) as (_, pilot, _run):
         await pilot.press("d")
-        assert desk.beside == [["xterm", "-e", "gdb"]]
+        assert services.beside == [["xterm", "-e", "gdb"]]
 
 
 async def test_debug_says_why_it_cannot() -> None:
-    async with watching(desk=FakeDesk(debugger="gdb is not installed")) as (app, pilot, _):
+    async with watching(services=FakeServices(debugger="gdb is not installed")) as (app, pilot, _):
         await pilot.press("d")
         assert read_screen(app)[-1].strip() == "gdb is not installed"
         await pilot.press("down")
@@ -106,29 +106,29 @@ AGAIN = Way(
 
 
 async def test_debug_that_needs_a_restart_asks_first() -> None:
-    desk = FakeDesk(debugger=Ways((AGAIN,), "what it knows now is lost"))
-    async with watching(desk=desk) as (app, pilot, run):
+    services = FakeServices(debugger=Ways((AGAIN,), "what it knows now is lost"))
+    async with watching(services=services) as (app, pilot, run):
         await pilot.press("d")
         assert isinstance(app.screen, Question)
         assert "what it knows now is lost" in "\n".join(read_screen(app))
         await pilot.press("escape")
-        assert (run.asked(), desk.here) == ([], [])
+        assert (run.asked(), services.here) == ([], [])
         await pilot.press("d", "p")
-        await until(pilot, lambda: bool(desk.here))
+        await until(pilot, lambda: bool(services.here))
         assert run.asked() == [RestartNode("/map_server", AGAIN.prefix)]
-        assert desk.here == [list(AGAIN.command)]
+        assert services.here == [list(AGAIN.command)]
 
 
 async def test_debug_of_a_crash_offers_the_core_file_too() -> None:
     core = Way("c", "look at its core file", ("xterm", "-e", "gdb"), here=False)
-    desk = FakeDesk(debugger=Ways((core, AGAIN)))
-    async with watching(desk=desk) as (_, pilot, run):
+    services = FakeServices(debugger=Ways((core, AGAIN)))
+    async with watching(services=services) as (_, pilot, run):
         await pilot.press("d", "c")
-        await until(pilot, lambda: desk.beside == [list(core.command)])
+        await until(pilot, lambda: services.beside == [list(core.command)])
         assert run.asked() == []
 
 
 async def test_debugger_that_cannot_be_started_is_explained() -> None:
-    async with watching(desk=FakeDesk(problem="gdb: no such file")) as (app, pilot, _):
+    async with watching(services=FakeServices(problem="gdb: no such file")) as (app, pilot, _):
         await pilot.press("d")
         assert read_screen(app)[-1].strip() == "gdb: no such file"

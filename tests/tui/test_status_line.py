@@ -7,8 +7,8 @@ import pytest
 from tests.tui.fake import RUN, FakeRun, example, line
 
 from ur.run.clients.protocol import LinkChanged, NodeChanged, NodeReadiness, Notice, RunEnded, RunEvent, RunStopping
-from ur.tui.board import Board, apply_events
-from ur.tui.calm import describe_status, show_events, watch_calmly
+from ur.tui.run_state import RunState, apply_events
+from ur.tui.status_line import describe_status, show_events, show_status_line
 
 COLOUR = re.compile("\x1b\\[[0-9;]*m")
 
@@ -18,27 +18,27 @@ def bare(text: str) -> str:
 
 
 def test_line_counts_nodes_and_names_the_first_that_is_not_up() -> None:
-    board = apply_events(Board(RUN), example())
-    assert bare(describe_status(board, 100)) == "m_map  1 up  1 starting  2 failed  1 off  camera: exit 1"
+    state = apply_events(RunState(RUN), example())
+    assert bare(describe_status(state, 100)) == "m_map  1 up  1 starting  2 failed  1 off  camera: exit 1"
 
 
 @pytest.mark.parametrize("width", range(1, 70))
 def test_line_never_reaches_the_last_column(width: int) -> None:
-    assert len(bare(describe_status(apply_events(Board(RUN), example()), width))) < width
+    assert len(bare(describe_status(apply_events(RunState(RUN), example()), width))) < width
 
 
 def test_line_says_that_the_run_stops() -> None:
-    board = apply_events(Board(RUN), [NodeChanged("/a", "running"), RunStopping("Ctrl-C")])
-    assert bare(describe_status(board, 80)) == "m_map  stopping  1 starting"
+    state = apply_events(RunState(RUN), [NodeChanged("/a", "running"), RunStopping("Ctrl-C")])
+    assert bare(describe_status(state, 80)) == "m_map  stopping  1 starting"
 
 
 def test_line_says_that_the_link_to_the_robot_is_lost_until_it_is_restored() -> None:
-    board = apply_events(Board(RUN), [NodeChanged("/a", "running"), LinkChanged("bob", lost=True, seconds=1.2)])
-    assert bare(describe_status(board, 80)) == "m_map  no word from bob for 1.2 s  1 starting  a: not ready"
-    board = apply_events(board, [LinkChanged("bob", lost=True, seconds=1.7)])
-    assert "for 1.7 s" in bare(describe_status(board, 80))
-    board = apply_events(board, [LinkChanged("bob", lost=False, seconds=2.0)])
-    assert bare(describe_status(board, 80)) == "m_map  1 starting  a: not ready"
+    state = apply_events(RunState(RUN), [NodeChanged("/a", "running"), LinkChanged("bob", lost=True, seconds=1.2)])
+    assert bare(describe_status(state, 80)) == "m_map  no word from bob for 1.2 s  1 starting  a: not ready"
+    state = apply_events(state, [LinkChanged("bob", lost=True, seconds=1.7)])
+    assert "for 1.7 s" in bare(describe_status(state, 80))
+    state = apply_events(state, [LinkChanged("bob", lost=False, seconds=2.0)])
+    assert bare(describe_status(state, 80)) == "m_map  1 starting  a: not ready"
 
 
 def test_only_what_matters_stays() -> None:
@@ -50,7 +50,7 @@ def test_only_what_matters_stays() -> None:
         Notice("info", "started"),
         Notice("error", "error: died\n  log: x"),
     ]
-    _, shown = show_events(Board(RUN), happened, 80)
+    _, shown = show_events(RunState(RUN), happened, 80)
     assert [bare(text) for text in shown.lines] == ["[/a] [ WARN] [1.0]: low?[2J", "error: died", "  log: x"]
 
 
@@ -59,7 +59,7 @@ def test_run_is_watched_to_its_end() -> None:
     written: list[str] = []
     try:
         run.tell(*example(), RunEnded(0))
-        assert watch_calmly(run.control, written.append) == ("ended", 0)
+        assert show_status_line(run.control, written.append) == ("ended", 0)
         assert "camera died" in "".join(written)
         assert written[-1] == "\r\x1b[K"
     finally:
@@ -70,7 +70,7 @@ def test_run_that_is_killed_ends_it_too() -> None:
     run = FakeRun()
     threading.Timer(0.05, run.go).start()
     try:
-        assert watch_calmly(run.control, lambda _: None) == ("gone", 1)
+        assert show_status_line(run.control, lambda _: None) == ("gone", 1)
     finally:
         run.close()
 
@@ -81,7 +81,7 @@ def test_calm_line_has_no_colours_where_they_are_not_wanted(monkeypatch: pytest.
     written: list[str] = []
     try:
         run.tell(*example(), RunEnded(0))
-        assert watch_calmly(run.control, written.append) == ("ended", 0)
+        assert show_status_line(run.control, written.append) == ("ended", 0)
         assert "camera died" in "".join(written)
         assert not re.search(r"\x1b\[[0-9;]*m", "".join(written))
     finally:

@@ -3,7 +3,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from tests.tui.fake import FakeDesk, example, line, log_of, read_screen, until, watching
+from tests.tui.fake import FakeServices, example, line, log_of, read_screen, until, watching
 from textual.widgets import Input
 
 from ur.run.clients.protocol import NodeChanged
@@ -64,23 +64,23 @@ async def test_mute_leaves_a_node_out_until_it_is_pressed_again() -> None:
 
 @pytest.mark.parametrize("key", ["l", "enter"])
 async def test_log_opens_in_the_pager(key: str) -> None:
-    desk = FakeDesk()
-    async with watching(desk=desk) as (_, pilot, _run):
+    services = FakeServices()
+    async with watching(services=services) as (_, pilot, _run):
         await pilot.press("down", key)
-        assert desk.here == [["less", "/logs/amcl-2-stdout.log"]]
+        assert services.here == [["less", "/logs/amcl-2-stdout.log"]]
 
 
 async def test_double_click_opens_the_log() -> None:
-    desk = FakeDesk()
-    async with watching(desk=desk) as (_, pilot, _run):
+    services = FakeServices()
+    async with watching(services=services) as (_, pilot, _run):
         await pilot.click("#nodes", offset=(4, 2), times=2)
-        await until(pilot, lambda: desk.here == [["less", "/logs/amcl-2-stdout.log"]])
+        await until(pilot, lambda: services.here == [["less", "/logs/amcl-2-stdout.log"]])
 
 
 async def test_log_opens_inside_without_a_pager(tmp_path: Path) -> None:
     (tmp_path / "a.log").write_bytes(b"first\n\x1b[31mred\x1b[0m \x1b]0;title\x07 \xff\n")
     async with watching(*example(), NodeChanged("/amcl", "running", pid=12, log=str(tmp_path / "a.log")),
-                        desk=FakeDesk(pager=None)) as (app, pilot, _):  # fmt: skip
+                        services=FakeServices(pager=None)) as (app, pilot, _):  # fmt: skip
         await pilot.press("down", "l")
         assert isinstance(app.screen, Page)
         await until(pilot, lambda: "red ?]0;title?" in "\n".join(read_screen(app)))

@@ -91,7 +91,7 @@ class NodeRow:
 
 
 @dataclass(frozen=True, slots=True)
-class Board:
+class RunState:
     """The whole run. `cause` says why it ends, None while it goes on; `exit_code` is set once it has ended.
 
     `link` says what is wrong with the link to the robot, '' while nothing is.
@@ -116,15 +116,15 @@ class Board:
         return counts
 
 
-def begin_board() -> Board:
+def begin_state() -> RunState:
     """Before anything was told."""
-    return Board(RunStarted("", 0, "", "", "", 0.0))
+    return RunState(RunStarted("", 0, "", "", "", 0.0))
 
 
-def apply_events(board: Board, events: Sequence[RunEvent]) -> Board:
-    """The board after these events, in their order. Costs time in proportion to events plus nodes."""
-    rows = {row.name: row for row in board.rows}
-    run, cause, exit_code = board.run, board.cause, board.exit_code
+def apply_events(state: RunState, events: Sequence[RunEvent]) -> RunState:
+    """The state after these events, in their order. Costs time in proportion to events plus nodes."""
+    rows = {row.name: row for row in state.rows}
+    run, cause, exit_code = state.run, state.cause, state.exit_code
     last: dict[str, str] = {}
     for event in events:
         match event:
@@ -151,7 +151,7 @@ def apply_events(board: Board, events: Sequence[RunEvent]) -> Board:
         if name in rows:
             rows[name] = replace(rows[name], last=text)
     ordered = sorted(rows.values(), key=lambda row: row.changed.core)  # stable: the launch file's order
-    return Board(run, tuple(ordered), cause, exit_code, _find_link(board.link, events))
+    return RunState(run, tuple(ordered), cause, exit_code, _find_link(state.link, events))
 
 
 def describe_end(changed: NodeChanged) -> str:

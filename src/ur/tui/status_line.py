@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from ur.run.clients.client import RunControl
 from ur.run.clients.protocol import Notice, OutputLine, RunEvent, RunStarted, StopRun, Watch
 from ur.source.ansi import BOLD, CLEAR_LINE, DIM, GREEN, RED, YELLOW, paint, strip_styles
-from ur.tui.board import STANDING, Board, Mood, apply_events, begin_board
+from ur.tui.run_state import STANDING, Mood, RunState, apply_events, begin_state
 
 SIGNS: dict[Mood, tuple[str, str]] = {
     "up": (GREEN, "up"),
@@ -33,11 +33,11 @@ class Shown:
     status: str
 
 
-def show_events(board: Board, happened: list[RunEvent], width: int) -> tuple[Board, Shown]:
-    """The board after these events, and what people see of them: notices, warnings and errors."""
+def show_events(state: RunState, happened: list[RunEvent], width: int) -> tuple[RunState, Shown]:
+    """The state after these events, and what people see of them: notices, warnings and errors."""
     from ur.tui.journal import clean
 
-    board = apply_events(board, happened)
+    state = apply_events(state, happened)
     lines = []
     for event in happened:
         if isinstance(event, OutputLine) and event.severity in ("warning", "error", "fatal"):
@@ -45,23 +45,23 @@ def show_events(board: Board, happened: list[RunEvent], width: int) -> tuple[Boa
             lines.append(paint(f"[{event.name}] {strip_styles(clean(event.text))}", colour))
         elif isinstance(event, Notice) and event.severity in ("warning", "error", "fatal"):
             lines += [paint(clean(line), RED) for line in event.text.split("\n")]
-    return board, Shown(tuple(lines[-200:]), describe_status(board, width))
+    return state, Shown(tuple(lines[-200:]), describe_status(state, width))
 
 
-def describe_status(board: Board, width: int) -> str:
+def describe_status(state: RunState, width: int) -> str:
     """The one line, at most `width` - 1 cells: counts of nodes, then the first that is not up."""
-    counts = board.count()
+    counts = state.count()
     parts = [(f"{counts[mood]} {SIGNS[mood][1]}", SIGNS[mood][0]) for mood in STANDING if counts[mood]]
-    if board.cause is not None:
+    if state.cause is not None:
         parts.insert(0, ("stopping", YELLOW))
-    elif board.link:
-        parts.insert(0, (board.link, RED))
-    wrong = next((row for mood in ("failed", "busy") for row in board.rows if row.mood == mood), None)
-    if wrong is not None and board.cause is None:
+    elif state.link:
+        parts.insert(0, (state.link, RED))
+    wrong = next((row for mood in ("failed", "busy") for row in state.rows if row.mood == mood), None)
+    if wrong is not None and state.cause is None:
         parts.append((f"{wrong.name.lstrip('/')}: {wrong.word}", DIM))
     left = width - 1
     pieces: list[str] = []
-    for text, colour in [(board.run.title, BOLD), *parts]:
+    for text, colour in [(state.run.title, BOLD), *parts]:
         room = left - (2 if pieces else 0)
         if room < 4:
             break
@@ -71,7 +71,7 @@ def describe_status(board: Board, width: int) -> str:
     return "  ".join(pieces)
 
 
-def watch_calmly(
+def show_status_line(
     control: RunControl,
     write: Callable[[str], object] = sys.stdout.write,
     *,
@@ -86,7 +86,7 @@ def watch_calmly(
     """
     if os.environ.get("NO_COLOR"):
         write = _without_colours(write)
-    board = begin_board()
+    state = begin_state()
     asked = [0]
     reader, writer = os.pipe2(os.O_CLOEXEC | os.O_NONBLOCK)
 
@@ -98,7 +98,7 @@ def watch_calmly(
     answered = 0
     control.send(WATCH)
     began = next((place for place, event in enumerate(early) if isinstance(event, RunStarted)), 0)
-    board, shown = show_events(board, list(early[began:]), shutil.get_terminal_size().columns)
+    state, shown = show_events(state, list(early[began:]), shutil.get_terminal_size().columns)
     write("".join(f"{line}\r\n" for line in shown.lines) + shown.status)
     try:
         while True:
@@ -107,17 +107,17 @@ def watch_calmly(
                 os.read(reader, 64)
             while answered < asked[0]:
                 answered += 1
-                if guest or board.run.detached:
+                if guest or state.run.detached:
                     return "detached", 0
                 control.send(StopRun("Ctrl-C"))
             happened = control.receive() if control.fileno() in ready else []
             if happened is None:
-                return ("gone", 1) if board.exit_code is None else ("ended", board.exit_code)
-            board, shown = show_events(board, happened, shutil.get_terminal_size().columns)
+                return ("gone", 1) if state.exit_code is None else ("ended", state.exit_code)
+            state, shown = show_events(state, happened, shutil.get_terminal_size().columns)
             write(CLEAR_LINE + "".join(f"{line}\r\n" for line in shown.lines) + shown.status)
             sys.stdout.flush()
-            if board.exit_code is not None:
-                return "ended", board.exit_code
+            if state.exit_code is not None:
+                return "ended", state.exit_code
             time.sleep(0.1)  # what comes faster is shown together
     finally:
         signal.signal(signal.SIGINT, before)

@@ -4,8 +4,8 @@ import pytest
 from tests.tui.fake import RUN, line
 
 from ur.run.clients.protocol import NodeChanged, NodeReadiness, NodeStats, RunEvent, RunStopping, StatsSampled
-from ur.tui.board import Board, NodeRow, apply_events
 from ur.tui.palette import DARK
+from ur.tui.run_state import NodeRow, RunState, apply_events
 from ur.tui.texts import describe_run
 
 
@@ -30,10 +30,10 @@ def test_state_in_a_word(changed: NodeChanged, mood: str, word: str) -> None:
 
 
 def test_node_is_up_once_it_is_ready_and_not_after_a_restart() -> None:
-    board = apply_events(Board(RUN), [NodeChanged("/a", "running", pid=1), NodeReadiness("/a", ready=True)])
-    assert board.rows[0].word == "up"
-    board = apply_events(board, [NodeChanged("/a", "running", pid=2, restarts=1)])
-    assert board.rows[0].word == "not ready"
+    state = apply_events(RunState(RUN), [NodeChanged("/a", "running", pid=1), NodeReadiness("/a", ready=True)])
+    assert state.rows[0].word == "up"
+    state = apply_events(state, [NodeChanged("/a", "running", pid=2, restarts=1)])
+    assert state.rows[0].word == "not ready"
 
 
 def test_remark_says_what_is_missing_before_what_was_printed() -> None:
@@ -42,7 +42,7 @@ def test_remark_says_what_is_missing_before_what_was_printed() -> None:
         line("/a", "hello"),
         NodeReadiness("/a", False, ("no scan",)),
     ]
-    assert apply_events(Board(RUN), events).rows[0].remark == "no scan"
+    assert apply_events(RunState(RUN), events).rows[0].remark == "no scan"
 
 
 @pytest.mark.parametrize(
@@ -61,26 +61,28 @@ def test_noise_of_rviz_is_no_remark(noise: str) -> None:
         line("/rviz", "Stereo is NOT SUPPORTED"),
         line("/rviz", noise),
     ]
-    assert apply_events(Board(RUN), events).rows[0].remark == "Stereo is NOT SUPPORTED"
+    assert apply_events(RunState(RUN), events).rows[0].remark == "Stereo is NOT SUPPORTED"
 
 
 def test_use_of_a_node_that_ended_is_not_shown() -> None:
-    board = apply_events(Board(RUN), [NodeChanged("/a", "running", pid=1), StatsSampled((NodeStats("/a", 1.5, 9),))])
-    assert (board.rows[0].cpu, board.rows[0].memory) == (1.5, 9)
-    board = apply_events(board, [NodeChanged("/a", "ended", exit_code=0)])
-    assert (board.rows[0].cpu, board.rows[0].memory) == (None, None)
+    state = apply_events(RunState(RUN), [NodeChanged("/a", "running", pid=1), StatsSampled((NodeStats("/a", 1.5, 9),))])
+    assert (state.rows[0].cpu, state.rows[0].memory) == (1.5, 9)
+    state = apply_events(state, [NodeChanged("/a", "ended", exit_code=0)])
+    assert (state.rows[0].cpu, state.rows[0].memory) == (None, None)
 
 
 def test_events_of_unknown_nodes_are_harmless() -> None:
-    board = apply_events(Board(RUN), [NodeReadiness("/x", True), line("/x", "hello"), RunStopping("why")])
-    assert board.rows == ()
-    assert board.cause == "why"
+    state = apply_events(RunState(RUN), [NodeReadiness("/x", True), line("/x", "hello"), RunStopping("why")])
+    assert state.rows == ()
+    assert state.cause == "why"
 
 
 def test_master_and_rosout_come_last_and_do_not_count() -> None:
-    board = apply_events(Board(RUN), [NodeChanged("/m", "running", core=True), NodeChanged("/a", "ended", exit_code=1)])
-    assert [row.name for row in board.rows] == ["/a", "/m"]
-    assert board.count() == {"up": 0, "busy": 0, "failed": 1, "idle": 0}
+    state = apply_events(
+        RunState(RUN), [NodeChanged("/m", "running", core=True), NodeChanged("/a", "ended", exit_code=1)]
+    )
+    assert [row.name for row in state.rows] == ["/a", "/m"]
+    assert state.count() == {"up": 0, "busy": 0, "failed": 1, "idle": 0}
 
 
 @pytest.mark.parametrize(("end", "mood", "word"), [
@@ -91,14 +93,16 @@ def test_master_and_rosout_come_last_and_do_not_count() -> None:
     (NodeChanged("/a", "ended", exit_code=1), "failed", "exit 1"),
 ])  # fmt: skip
 def test_node_that_ends_as_it_was_asked_to_has_not_failed(end: NodeChanged, mood: str, word: str) -> None:
-    board = apply_events(Board(RUN), [NodeChanged("/a", "running", pid=1), NodeChanged("/a", "stopping", pid=1), end])
-    assert (board.rows[0].mood, board.rows[0].word) == (mood, word)
-    board = apply_events(Board(RUN), [NodeChanged("/a", "running", pid=1), end])
-    assert board.rows[0].mood == "failed"
+    state = apply_events(
+        RunState(RUN), [NodeChanged("/a", "running", pid=1), NodeChanged("/a", "stopping", pid=1), end]
+    )
+    assert (state.rows[0].mood, state.rows[0].word) == (mood, word)
+    state = apply_events(RunState(RUN), [NodeChanged("/a", "running", pid=1), end])
+    assert state.rows[0].mood == "failed"
 
 
 def test_nodes_that_end_with_the_run_are_stopping_not_starting() -> None:
     events: list[RunEvent] = [NodeChanged("/a", "stopping", pid=1), RunStopping("Ctrl-C")]
-    line_ = describe_run(apply_events(Board(RUN), events), 0.0, 100, DARK).plain
+    line_ = describe_run(apply_events(RunState(RUN), events), 0.0, 100, DARK).plain
     assert "1 stopping" in line_
     assert "starting" not in line_
