@@ -15,8 +15,7 @@ from tf2_msgs.msg import TFMessage
 
 from ur.robot.base import Base, Lidar, load_base
 from ur.source.diagnostic import UserError, error
-from ur_nodes.drivers.bumper_states import BumperStates
-from ur_nodes.drivers.wheel_states import WheelStates
+from ur_nodes.drivers.base_states import BumperStates, WheelStates
 from ur_nodes.rosio.parameters import Parameters
 from ur_nodes.rosio.shell import run_node
 

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import contextlib
+from typing import Any
 
+import numpy as np
 import rospy
 import tf2_ros
 from geometry_msgs.msg import PoseArray, PoseWithCovarianceStamped, TransformStamped
+from numpy.typing import NDArray
 
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.localisation.amcl_settings import AmclSettings, saved_parameters
-from ur_nodes.localisation.cloud_message import CloudMessage
 from ur_nodes.localisation.localiser import Estimate
 from ur_nodes.localisation.particle_filter import Particles
 from ur_nodes.rosio.geometry import pose_message, transform_message
@@ -69,3 +71,25 @@ class Outputs:
         with contextlib.suppress(OSError):  # the master has gone: there is nobody to tell
             for name, value in saved_parameters(self.last.pose, self.last.covariance).items():
                 rospy.set_param(f"~{name}", value)
+
+
+class CloudMessage(PoseArray):  # type: ignore[misc]  # generated message classes have no types
+    """Many poses, written fast: `planar` is float64 (n, 3), m, m, rad; `poses` stays empty. To publish, not to read."""
+
+    __slots__ = ("planar",)
+
+    def __init__(self, frame: str, stamp: Any, planar: NDArray[np.float64]) -> None:
+        super().__init__()
+        self.header.frame_id = frame
+        self.header.stamp = stamp
+        self.planar = planar
+
+    def serialize(self, buff: Any) -> None:
+        """Write header, number and poses as http://wiki.ros.org/msg describes (little-endian)."""
+        self.header.serialize(buff)
+        buff.write(np.uint32(len(self.planar)).astype("<u4").tobytes())
+        poses = np.zeros((len(self.planar), 7), dtype="<f8")
+        poses[:, :2] = self.planar[:, :2]
+        poses[:, 5] = np.sin(0.5 * self.planar[:, 2])
+        poses[:, 6] = np.cos(0.5 * self.planar[:, 2])
+        buff.write(poses.tobytes())

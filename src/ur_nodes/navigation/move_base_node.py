@@ -23,7 +23,8 @@ from ur_nodes.navigation.goal_watch_node import GoalWatch, read_watch_settings
 from ur_nodes.navigation.local_plan import FollowSettings
 from ur_nodes.navigation.move_base_parameters_node import read_settings
 from ur_nodes.navigation.move_base_view_node import MoveBaseView
-from ur_nodes.navigation.navigator import Ending, Inputs, Navigator, Outputs, Phase, PlanAnswer
+from ur_nodes.navigation.navigator import Navigator
+from ur_nodes.navigation.navigator_step import Ending, Inputs, Outputs, Phase, PlanAnswer
 from ur_nodes.navigation.plan_worker_node import PlanRequest, PlanWorker
 from ur_nodes.navigation.recovery import Behaviour
 from ur_nodes.navigation.velocity_output_node import VelocityOutput

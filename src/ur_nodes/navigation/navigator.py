@@ -4,96 +4,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from enum import Enum
 
 from ur_nodes.costmap.costmap import Costmap
 from ur_nodes.costmap.footprint import Footprint
 from ur_nodes.geometry.pose import Pose2, wrap_angle
 from ur_nodes.navigation.local_plan import FollowSettings, Motion, Way, follow_way, make_way, sweep_is_free
+from ur_nodes.navigation.navigator_step import Ending, Inputs, NavigatorSettings, Outputs, Phase, PlanAnswer
 from ur_nodes.navigation.path_geometry import Points, nearest_index
 from ur_nodes.navigation.recovery import Behaviour, Recovery, move_to_recover
 from ur_nodes.navigation.speed_profile import Limits, approach, turn_rate
-
-
-class Phase(Enum):
-    """The activity of the navigator."""
-
-    IDLE = "idle"
-    PLANNING = "planning"
-    DRIVING = "driving"
-    TURNING = "turning"
-    RECOVERING = "recovering"
-
-
-class Ending(Enum):
-    """The result of a goal that was not cancelled."""
-
-    REACHED = "reached"
-    FAILED = "failed"
-
-
-@dataclass(frozen=True, slots=True)
-class NavigatorSettings:
-    """Tolerances in m and rad; patience and periods in s, with the meaning of move_base's parameters.
-
-    `planner_period` 0 plans anew only when something calls for it; `progress_timeout` is how long the robot may be
-    told to move without moving; `progress_distance` forgets past recoveries.
-    """
-
-    period: float = 0.1
-    xy_tolerance: float = 0.1
-    yaw_tolerance: float = 0.05
-    planner_period: float = 0.0
-    planner_patience: float = 5.0
-    controller_patience: float = 5.0
-    trouble_patience: float = 5.0
-    recovery_enabled: bool = True
-    progress_timeout: float = 10.0
-    progress_distance: float = 0.5
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class PlanAnswer:
-    """The result of planning: `path` (n, 2) in the map, or None and the reason; `hopeless` when a retry cannot help."""
-
-    path: Points | None
-    reason: str = ""
-    hopeless: bool = False
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Inputs:
-    """The world at one control step.
-
-    `motion` is in the odometry frame, `odom` the pose of the map in that frame, `local` the costmap round the robot in
-    that frame. `trouble` says why the robot must not move, '' when it may. `path_blocked`: the map with all obstacles
-    shows something on the way that is being followed.
-    """
-
-    now: float
-    motion: Motion | None
-    odom: Pose2
-    local: Costmap | None
-    answer: PlanAnswer | None = None
-    trouble: str = ""
-    path_blocked: bool = False
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Outputs:
-    """The outputs of a step.
-
-    A command (m/s, rad/s) or silence; whether to plan (from the robot's place to the goal); what to clear; an ending
-    with a text. `ahead` (t, 3) in the odometry frame is what the local planner foresees; `say` is for the log.
-    """
-
-    command: tuple[float, float] | None = None
-    plan: bool = False
-    clear: Behaviour | None = None
-    ending: Ending | None = None
-    text: str = ""
-    ahead: Points | None = None
-    say: str = ""
 
 
 @dataclass(slots=True)

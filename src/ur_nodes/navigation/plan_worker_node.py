@@ -10,7 +10,7 @@ import rospy
 
 from ur_nodes.costmap.costmap import Costmap
 from ur_nodes.navigation.global_plan import NoPathError, PlanSettings, plan_path
-from ur_nodes.navigation.navigator import PlanAnswer
+from ur_nodes.navigation.navigator_step import PlanAnswer
 
 
 @dataclass(frozen=True, slots=True, eq=False)

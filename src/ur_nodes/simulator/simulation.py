@@ -16,7 +16,6 @@ from ur_nodes.geometry.pose import Pose2
 from ur_nodes.simulator.drive import Drive
 from ur_nodes.simulator.model import TIME_STEP, build_model
 from ur_nodes.simulator.physics import Physics
-from ur_nodes.simulator.schedule import Schedule
 from ur_nodes.simulator.senses import BATTERY_RATE, Senses
 from ur_nodes.simulator.sensors.odometry import EncoderOdometry
 
@@ -24,6 +23,27 @@ CONTROL_RATE = 50.0  # Hz
 COLLISION_PAUSE = 0.5  # s
 _PLACED = frozenset(("odometry", "scan", "sonars"))  # they come with the robot's place
 _TOLD = ("odometry", "scan", "picture", "sonars", "imu", "battery")
+
+
+class Schedule:
+    """A periodic event at a rate (Hz), due each time at the first time step that is not too early."""
+
+    def __init__(self, rate: float, after: int = 0) -> None:
+        """The first time is the one after step `after`."""
+        self._steps = 1.0 / (rate * TIME_STEP)
+        self._number = math.floor(after / self._steps + 1e-6) + 1
+        self.step = max(after + 1, self._step_of(self._number))
+
+    def take(self, step: int) -> bool:
+        """Return True when the event is due at a step, and schedule the next one."""
+        if step < self.step:
+            return False
+        self._number += 1
+        self.step = max(step + 1, self._step_of(self._number))
+        return True
+
+    def _step_of(self, number: int) -> int:
+        return math.ceil(number * self._steps - 1e-6)
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,10 +1,43 @@
-"""Parameters that detection and mapping share, with the names of aruco_detect."""
+"""Parameters of fiducial detection and mapping, with the names of aruco_detect and fiducial_slam."""
 
 from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
 
 from ur_nodes.rosio.parameters import Parameters
 from ur_nodes.vision.detect import Sizes
 from ur_nodes.vision.sizes import parse_numbers, parse_sizes
+
+
+@dataclass(frozen=True, slots=True)
+class SlamSettings:
+    """Frames, and how tf is published: every `interval` s, dated `future` s ahead."""
+
+    map_frame: str
+    odom_frame: str
+    base_frame: str
+    publish_tf: bool
+    interval: float
+    future: float
+    map_file: Path
+    read_only: bool
+    spread_limit: float
+
+
+def read_slam_settings(own: Parameters) -> SlamSettings:
+    """Read the frames, the map and the limits of fiducial_slam. Raises UserError."""
+    return SlamSettings(
+        own.text("map_frame", "map"),
+        own.text("odom_frame", "odom"),
+        own.text("base_frame", "base_footprint"),
+        own.boolean("publish_tf", True),
+        own.number("tf_publish_interval", 0.05, minimum=0.005, maximum=10.0),
+        own.number("future_date_transforms", 0.1, minimum=0.0, maximum=10.0),
+        Path(own.text("map_file", "~/.ros/slam/map.txt")).expanduser(),
+        own.boolean("read_only_map", False),
+        own.number("spread_limit", 1.0, minimum=0.1),
+    )
 
 
 def read_sizes(own: Parameters) -> Sizes:

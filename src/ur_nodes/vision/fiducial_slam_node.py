@@ -11,7 +11,6 @@ import sys
 import threading
 from collections import Counter
 from collections.abc import Collection
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -33,7 +32,7 @@ from ur_nodes.rosio.parameters import Parameters
 from ur_nodes.rosio.shell import run_node
 from ur_nodes.vision.detect import CameraModel, Sizes, estimate_poses
 from ur_nodes.vision.fiducial_map import MapEntry, read_map, write_map
-from ur_nodes.vision.fiducial_parameters_node import read_sizes
+from ur_nodes.vision.fiducial_parameters_node import SlamSettings, read_sizes, read_slam_settings
 from ur_nodes.vision.image_message import read_camera
 from ur_nodes.vision.localise import Localiser
 from ur_nodes.vision.mapping import Mapper
@@ -49,28 +48,13 @@ _WRONG = 20  # pictures in which something is wrong with a fiducial, before it i
 _PLANAR = (3, 4, 2)  # x, y, heading among rotation and translation
 
 
-@dataclass(frozen=True, slots=True)
-class Settings:
-    """Frames, and how tf is published: every `interval` s, dated `future` s ahead."""
-
-    map_frame: str
-    odom_frame: str
-    base_frame: str
-    publish_tf: bool
-    interval: float
-    future: float
-    map_file: Path
-    read_only: bool
-    spread_limit: float
-
-
 class FiducialSlam:
     """Takes each set of corners when the frames at its time are known, newest first.
 
     While the robot's place is not known there is no transform, so that whoever drives by it stops.
     """
 
-    def __init__(self, settings: Settings, sizes: Sizes, known: tuple[MapEntry, ...], start: Pose2 | None) -> None:
+    def __init__(self, settings: SlamSettings, sizes: Sizes, known: tuple[MapEntry, ...], start: Pose2 | None) -> None:
         self._settings, self._sizes = settings, sizes
         self._lock = threading.RLock()
         self._camera: CameraModel | None = None
@@ -278,17 +262,7 @@ class FiducialSlam:
 def start() -> None:
     """Read parameters and map, and begin. Raises UserError."""
     own = Parameters()
-    settings = Settings(
-        own.text("map_frame", "map"),
-        own.text("odom_frame", "odom"),
-        own.text("base_frame", "base_footprint"),
-        own.boolean("publish_tf", True),
-        own.number("tf_publish_interval", 0.05, minimum=0.005, maximum=10.0),
-        own.number("future_date_transforms", 0.1, minimum=0.0, maximum=10.0),
-        Path(own.text("map_file", "~/.ros/slam/map.txt")).expanduser(),
-        own.boolean("read_only_map", False),
-        own.number("spread_limit", 1.0, minimum=0.1),
-    )
+    settings = read_slam_settings(own)
     initial = own.text("initial_map_file", "")
     source = Path(initial).expanduser() if initial else settings.map_file
     known = read_map(source) if initial or settings.read_only or source.is_file() else ()

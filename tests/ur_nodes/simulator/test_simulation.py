@@ -9,8 +9,7 @@ import pytest
 from ur.robot.base import Base
 from ur.source.diagnostic import UserError
 from ur.worlds.world_file import World
-from ur_nodes.simulator.schedule import Schedule
-from ur_nodes.simulator.simulation import Simulation, Tick
+from ur_nodes.simulator.simulation import Schedule, Simulation, Tick
 
 Drive = Callable[..., None]
 

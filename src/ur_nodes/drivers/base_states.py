@@ -1,10 +1,34 @@
-"""Angles of the wheels of a base, from the motion of the base."""
+"""States of a real base that its driver does not report: bumpers that are released, and angles of the wheels."""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterable
+
 from ur.robot.base import Wheels
 
+HOLD = 0.5  # s; a driver that reads its bumpers five times a second may take that long to report one again
 LONGEST_GAP = 0.5  # s without odometry, after which it is not known how far the wheels turned
+
+
+class BumperStates:
+    """The bumpers of a base, by name, from a driver that reports only the pressed ones."""
+
+    def __init__(self, names: Iterable[str]) -> None:
+        self._pressed = dict.fromkeys(names, -math.inf)
+        self._reported: dict[str, bool] = {}
+
+    def press(self, name: str, time: float) -> None:
+        """Note that a bumper is pressed at a time (s). Names that the base does not have are ignored."""
+        if name in self._pressed:
+            self._pressed[name] = time
+
+    def changes(self, time: float) -> dict[str, bool]:
+        """Return the states at a time (s) that differ from those of the last call; all of them at the first call."""
+        now = {name: 0.0 <= time - pressed <= HOLD for name, pressed in self._pressed.items()}
+        changed = {name: state for name, state in now.items() if self._reported.get(name) is not state}
+        self._reported = now
+        return changed
 
 
 class WheelStates:

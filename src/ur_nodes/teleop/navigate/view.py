@@ -1,0 +1,176 @@
+"""The screen of `keyboard_navigate`: map, status, message, command line."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import ClassVar
+
+from rich.text import Text
+from textual import events, on
+from textual.binding import Binding, BindingType
+from textual.driver import Driver
+from textual.geometry import Size
+from textual.widgets import Static
+
+from ur.screen.app import FullScreenApp
+from ur.screen.query import measure_terminal
+from ur.source.diagnostic import UserError
+from ur_nodes.geometry.pose import Pose2
+from ur_nodes.teleop.map_view.palette import Palette, choose_palette
+from ur_nodes.teleop.map_view.widget import MapView
+from ur_nodes.teleop.navigate import commands as c
+from ur_nodes.teleop.navigate.command_line import CommandLine
+from ur_nodes.teleop.navigate.message_text import announce_goal, visible_state
+from ur_nodes.teleop.navigate.status_text import (
+    alarm_line,
+    asking_line,
+    driver_line,
+    silence_line,
+    status_line,
+    waiting_line,
+)
+from ur_nodes.teleop.navigate.waypoints import WaypointStore
+from ur_nodes.teleop.navigator.model import GoalState, Navigator, Snapshot, format_number
+
+REFRESH = 1.0 / 6.0
+
+
+class NavigateView(FullScreenApp[None]):
+    """Shows a `Navigator`; a subclass obeys commands. `store_for` returns the waypoints once a map is known."""
+
+    CSS = """
+    Screen { background: $background; layers: base above; align: center middle; }
+    #head, #status, #driver, #message { height: 1; width: 1fr; }
+    #status, #driver, #message { height: auto; min-height: 1; max-height: 3; padding: 0 1; }
+    #head { background: $primary; color: $text; }
+    #status { background: $surface; }
+    #driver { color: $warning; display: none; }
+    CommandLine { height: 1; border: none; padding: 0 1; background: $background; }
+    """
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("ctrl+c,ctrl+q", "quit", "Quit", priority=True, show=False),
+    ]
+
+    def __init__(
+        self,
+        navigator: Navigator,
+        store_for: Callable[[Snapshot], WaypointStore],
+        *,
+        title: str = "",
+        light: bool = False,
+        driver_class: type[Driver] | None = None,
+    ) -> None:
+        super().__init__(driver_class=driver_class)
+        self._navigator = navigator
+        self._store_for = store_for
+        self._map_title = title
+        self._light = light
+        self._snapshot = Snapshot()
+        self._places: Mapping[str, Pose2] = {}
+        self._sent = 0
+        self._shown_key: tuple[object, ...] = ()
+        self._announced: tuple[int, GoalState] = (0, GoalState.NONE)
+
+    def on_mount(self) -> None:
+        """Set colours and focus, and refresh the screen at a steady rate."""
+        self.use_theme(light=self._light)
+        self.query_one(CommandLine).focus()
+        self._say("")
+        self._look()
+        self.set_interval(REFRESH, self._look)
+        self.set_interval(1.0, self._check_size)
+
+    @property
+    def map(self) -> MapView:
+        """The map's widget."""
+        return self.query_one(MapView)
+
+    def cancel_own_goal(self) -> str:
+        """Cancel the goal if it was sent from here. Return a reason why that may have no effect, or nothing."""
+        snapshot = self._navigator.snapshot()
+        report = snapshot.goal
+        if not self._sent or report.number != self._sent or report.over:
+            return ""
+        self._navigator.stop()
+        return silence_line(snapshot)
+
+    def _look(self) -> None:
+        """Take a snapshot; draw when it differs."""
+        snapshot = self._navigator.snapshot()
+        if snapshot.grid is not None and (self._snapshot.grid is not snapshot.grid):
+            self._snapshot = snapshot
+            self._reload_places()
+        self._announce(snapshot)
+        key = visible_state(snapshot, self._places, self.size)
+        if key == self._shown_key:
+            return
+        self._shown_key, self._snapshot = key, snapshot
+        self.map.show(snapshot, self._places)
+        self.query_one("#status", Static).update(self._status())
+        self._show_driver()
+        self._draw_head()
+
+    def _status(self) -> Text:
+        snapshot, mux = self._snapshot, self._snapshot.mux
+        silent = silence_line(snapshot)
+        alarm = alarm_line(snapshot)
+        if alarm and (mux.problem or mux.asked or not silent):
+            return Text(alarm, "bold white on red")
+        if not silent and (waiting := waiting_line(snapshot)):
+            return Text(waiting, "yellow")
+        if not silent and snapshot.goal.state is GoalState.ASKING:
+            return Text(asking_line(self.size.width - 1), "bold black on yellow")
+        return status_line(snapshot, self.size.width - 2)
+
+    def _show_driver(self) -> None:
+        """Show who drives; the line is there only when there is something to show."""
+        text, widget = driver_line(self._snapshot, self.size.width), self.query_one("#driver", Static)
+        widget.display = bool(text)
+        widget.update(Text(text))
+
+    def _draw_head(self) -> None:
+        view = self.map
+        name = f"  {self._map_title}" if self._map_title else ""
+        left = Text.assemble((" keyboard navigate", "bold"), name)
+        mode = "following the robot   " if view.following else ""
+        where = f"{format_number(view.hover[0], 1)} {format_number(view.hover[1], 1)}   " if view.hover else ""
+        right = f"{where}{mode}? help "
+        gap = self.size.width - left.cell_len - len(right)
+        if gap > 1:
+            left.append(" " * gap).append(right, "dim")
+        left.no_wrap = True
+        self.query_one("#head", Static).update(left)
+
+    def _announce(self, snapshot: Snapshot) -> None:
+        report = snapshot.goal
+        if (report.number, report.state) == self._announced:
+            return
+        self._announced = (report.number, report.state)
+        if report.place is not None:
+            self._say(*announce_goal(snapshot))
+
+    def _say(self, text: str, style: str = "") -> None:
+        self.query_one("#message", Static).update(Text(text, style))
+
+    def _reload_places(self) -> None:
+        if self._snapshot.grid is None:
+            return
+        try:
+            self._places = self._store_for(self._snapshot).places()
+        except UserError as problem:
+            self._say(c.error_line(problem), "bold red")
+
+    def _check_size(self) -> None:
+        """Notice a new size without SIGWINCH: roslaunch's nodes have no controlling terminal."""
+        if self.is_headless or self._driver is None:
+            return
+        size = measure_terminal(1)
+        if size is not None and size != tuple(self.size):
+            self.post_message(events.Resize(Size(*size), Size(*size)))
+
+    @on(MapView.ViewChanged)
+    def _view_changed(self) -> None:
+        self._draw_head()
+
+    def _palette(self) -> Palette:
+        return choose_palette(light=self._light, few_colours=self.console.color_system == "standard")
