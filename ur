@@ -8,7 +8,8 @@ where=""
 debian="${XDG_DATA_HOME:-$HOME/.local/share}/ubiquity_launches/debian-13/enter.bash" # where this release has no ROS 1
 [[ -e $stamp ]] && read -r where <"$stamp"
 if [[ $where != "$root" || $root/requirements/run.lock -nt $stamp || $root/tools/set_up.bash -nt $stamp ||
-  $root/pyproject.toml -nt $stamp || ( -e $root/.venv/debian && ! -e $debian ) ]]; then
+  $root/src/ur/system/ros_packages.txt -nt $stamp || $root/pyproject.toml -nt $stamp ||
+  ( -e $root/.venv/debian && ! -e $debian ) ]]; then
   if [[ $EUID -eq 0 && -n ${SUDO_USER-} && ! -O $root ]]; then
     echo "error: $root belongs to another user, and sudo would leave files of root in it" >&2
     echo "  help: run it without sudo, which it asks for where it needs root: $root/ur" >&2

@@ -16,7 +16,8 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "ur.launchfile.world": ("ur.source",),
     "ur.launchfile.plan": ("ur.source", "ur.launchfile.syntax", "ur.launchfile.world"),
     "ur.launchfile": ("ur.source",),
-    "ur.robot": ("ur.source",),
+    "ur.system": ("ur.source",),
+    "ur.robot": ("ur.source", "ur.system"),
     "ur.worlds": ("ur.source",),
     "ur.check": ("ur.source", "ur.launchfile", "ur.robot"),
     "ur.new": ("ur.source",),
@@ -53,7 +54,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     ),
     "ur_nodes.mapping": ("ur.source", "ur_nodes.geometry", "ur_nodes.rosio"),
     "ur_nodes.localisation": ("ur.source", "ur_nodes.geometry", "ur_nodes.rosio"),
-    "ur_nodes.costmap": ("ur.source", "ur.robot.base", "ur_nodes.geometry", "ur_nodes.rosio"),
+    "ur_nodes.costmap": ("ur.source", "ur.robot.base", "ur.worlds", "ur_nodes.geometry", "ur_nodes.rosio"),
     "ur_nodes.navigation": (
         "ur.source",
         "ur.robot.base",

@@ -13,13 +13,12 @@ cd "$root" || exit 2
 log="$root/.cache/set_up.log"
 python=/usr/bin/python3
 
+# shellcheck source=src/ur/system/releases.bash
+. "$root/src/ur/system/releases.bash" || exit 2
+
 # A name with | is the first of the alternatives that this release has.
-packages=(
-  python3 python3-venv ca-certificates
-  ros-core rosbash python3-rospy python3-roslaunch python3-tf2-ros python3-actionlib
-  python3-geometry-msgs python3-nav-msgs python3-sensor-msgs python3-move-base-msgs python3-visualization-msgs
-  python3-std-srvs "ros-robot-state-publisher|robot-state-publisher"
-)
+mapfile -t packages < <(read_ros_packages)
+packages=(python3 python3-venv ca-certificates "${packages[@]}")
 # EGL and Mesa render the simulated camera without a screen; the programs of the first drive have none.
 [[ $profile == test ]] && packages+=(git openssh-client shellcheck tmux zsh fish xvfb liburdfdom-tools libegl1 libopengl0 libgl1-mesa-dri)
 # Images of systems are made and read back with the tools of others.
@@ -36,15 +35,16 @@ die() {
 }
 
 check_system() {
-  local arch ID="" VERSION_ID="" PRETTY_NAME="an unknown system"
-  # shellcheck disable=SC1091 # the file every Linux system describes itself in
-  [[ -r /etc/os-release ]] && . /etc/os-release
+  local arch expected="expected Debian 12 or later, or Ubuntu 22.04 or later, on x86-64 or arm64"
   arch="$(uname -m)"
-  case "$ID:$VERSION_ID:$arch" in
-    debian:1[23]:x86_64 | debian:1[23]:aarch64) ;;
-    ubuntu:2[2-9].*:x86_64 | ubuntu:2[2-9].*:aarch64 | ubuntu:[3-9]?.*:x86_64 | ubuntu:[3-9]?.*:aarch64) ;;
-    *) die "$PRETTY_NAME on $arch is not supported; expected Debian 12 or 13, or Ubuntu 22.04 or later, on x86-64 or arm64" ;;
+  find_release /etc/os-release
+  case "$release_ros:$arch" in
+    native:x86_64 | native:aarch64) ;;
+    brought:x86_64 | brought:aarch64)
+      die "$release_pretty has no packages of ROS 1; expected Debian 12 or later, or Ubuntu 22.04" ;;
+    *) die "$release_pretty on $arch is not supported${release_note:+ ($release_note)}; $expected" ;;
   esac
+  [[ $release_tried == yes ]] || say "note: $release_pretty is expected to work, but was not tried"
 }
 
 # Return whether this release has no ROS 1, so that a Debian root takes its place (tools/debian_root.bash).
@@ -135,13 +135,17 @@ install_packages() {
   for entry in "${missing[@]}"; do names+=("$(choose_name "$entry")"); done
   apt_get "${#names[@]} Debian packages and what they need" install -y --no-install-recommends "${names[@]}" ||
     die "Debian packages could not be installed" \
-      "see above; on Ubuntu the component 'universe' must be enabled (sudo add-apt-repository universe); then run this again"
+      "see above; the package lists of $release_name have all of them, so check the sources in /etc/apt (on Ubuntu the component 'universe' must be enabled: sudo add-apt-repository universe); then run this again"
 }
 
 # RViz is large, and useless without a screen; a computer that gets one later gets RViz then.
 offer_rviz() {
   [[ -n "${DISPLAY-}${WAYLAND_DISPLAY-}" ]] || return 0
   is_installed rviz && return
+  if [[ ,$release_missing, == *,rviz,* ]]; then
+    say "  $release_name does not package RViz: the terminal and the page show the map"
+    return
+  fi
   missing=(rviz)
   say "  there is a display and no RViz: installing it"
   ask_for_root
@@ -241,7 +245,7 @@ lacks_ros && bring_debian "$@"
 exec 9>.cache/set_up.lock
 flock -n 9 || { say "another set-up of this folder is running: waiting for it" && flock 9; }
 begin=$SECONDS
-made_from="$(cat requirements/run.lock tools/set_up.bash pyproject.toml | sha256sum)"
+made_from="$(cat requirements/run.lock tools/set_up.bash src/ur/system/ros_packages.txt pyproject.toml | sha256sum)"
 made_from="${made_from%% *}" # before it is used: a file that changes meanwhile makes the next start look again
 : >"$log"
 say "setting up this computer ($profile); details in $log"

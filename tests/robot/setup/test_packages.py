@@ -9,6 +9,7 @@ import pytest
 
 from ur.robot.setup import robot_states as there
 from ur.robot.setup import viewer_states as here
+from ur.system.releases import load_ros_packages
 
 BENCH = Path(__file__).parents[2] / "hosts" / "bench"
 SET_UP = Path(__file__).parents[3] / "tools" / "set_up.bash"
@@ -23,8 +24,8 @@ def test_bench_has_or_offers_all_that_a_setup_installs(wanted: tuple[str, ...]) 
 
 
 def test_robot_gets_all_packages_of_the_projects_own_set_up() -> None:
-    found = re.search(r"(?m)^packages=\(\n((?:  .*\n)+)\)", SET_UP.read_text())
+    found = re.search(r"(?m)^packages=\((\w.*) \"\$\{packages\[@\]\}\"\)$", SET_UP.read_text())
     assert found
-    wanted = set(found[1].replace('"', "").split())
+    wanted = {*found[1].split(), *load_ros_packages()}
     assert wanted - {*there.PACKAGES, *there.PROGRAM_PACKAGES} == set()
     assert set(there.PROGRAM_PACKAGES) <= wanted

@@ -35,7 +35,7 @@ PARTS = (
 )
 _LEFT_OUT = ("__pycache__", ".egg-info", ".pyc")
 # What the environment is made from: tools/set_up.bash writes their digest into the second line of its stamp.
-SET_UP_FROM = ("requirements/run.lock", "tools/set_up.bash", "pyproject.toml")
+SET_UP_FROM = ("requirements/run.lock", "tools/set_up.bash", "src/ur/system/ros_packages.txt", "pyproject.toml")
 READY = ".venv/ready-run"
 SECONDS = 300.0
 SET_UP_SECONDS = 3600.0

@@ -20,7 +20,9 @@ from ur.robot.ssh.secret import Secret
 SERVICE_TYPE = "_ubiquity-robot._tcp"
 PACKAGES = (
     *("openssh-server", "avahi-daemon", "libnss-mdns", "chrony", "xauth", "x11-apps", "rsync", "python3"),
-    *("ros-core", "python3-rospy", "python3-roslaunch", "python3-rostopic", "python3-rosnode"),
+    *("python3-rospy", "python3-roslaunch", "python3-rosmaster", "python3-rostopic", "python3-rosnode"),
+    *("python3-rosparam", "python3-rosservice", "python3-rosmsg", "python3-rosgraph", "python3-message-filters"),
+    *("python3-rosbag", "python3-rosclean", "python3-roswtf", "rosout", "topic-tools"),
     *("ros-robot-state-publisher|robot-state-publisher", "iw", "catkin", "cmake", "g++", "make"),
 )
 # What programs of this project need beside these: the packages of tools/set_up.bash.
