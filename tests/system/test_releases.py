@@ -34,8 +34,10 @@ LMDE = (
     "PRETTY_NAME='LMDE 7 (gigi)'\nID=linuxmint\nID_LIKE=debian\nVERSION_ID=\"7\"\nVERSION_CODENAME=gigi\n"
     "DEBIAN_CODENAME=trixie\n"
 )
-KALI = 'PRETTY_NAME="Kali GNU/Linux Rolling"\nID=kali\nID_LIKE=debian\n'
+KALI = (
+    'PRETTY_NAME="Kali GNU/Linux Rolling"\nID=kali\nID_LIKE=debian\n'
     'VERSION_ID="2026.3"\nVERSION_CODENAME=kali-rolling\n'
+)
 DERIVED = 'PRETTY_NAME="X 1"\nID=x\nID_LIKE="debian"\nVERSION_ID="1"\nVERSION_CODENAME=bookworm\n'
 RASPBIAN = (
     'PRETTY_NAME="Raspbian GNU/Linux 12 (bookworm)"\nID=raspbian\nID_LIKE=debian\n'
