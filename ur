@@ -2,7 +2,7 @@
 # Set this computer up on first use, then run `ur`. Says nothing and costs next to nothing when there is nothing to do.
 root="$(readlink -f "${BASH_SOURCE[0]}")"
 root="${root%/*}"
-[[ ${1-} == debian ]] && exec bash "$root/tools/debian_root.bash" "${@:2}" # it is not there before it is made, nor after
+[[ ${1-} == debian && " ${*:2} " != *" --help "* && " ${*:2} " != *" -h "* ]] && exec bash "$root/tools/debian_root.bash" "${@:2}" # it is not there before it is made, nor after
 stamp="$root/.venv/ready-run"
 where=""
 debian="${XDG_DATA_HOME:-$HOME/.local/share}/ubiquity_launches/debian-13/enter.bash" # where this release has no ROS 1

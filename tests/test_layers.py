@@ -12,6 +12,7 @@ SRC = Path(__file__).parents[1] / "src"
 # A module may import from the layers named here and from its own.
 MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "ur.source": (),
+    "ur.debian": (),
     "ur.launchfile.syntax": ("ur.source",),
     "ur.launchfile.world": ("ur.source",),
     "ur.launchfile.plan": ("ur.source", "ur.launchfile.syntax", "ur.launchfile.world"),
@@ -27,10 +28,10 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "ur.docs": ("ur.source", "ur.launchfile", "ur.check", "ur.graph"),
     "ur.find": ("ur.source", "ur.launchfile", "ur.check"),
     "ur.format": ("ur.source", "ur.launchfile", "ur.check"),
-    "ur.run": ("ur.source", "ur.launchfile", "ur.robot"),
+    "ur.run": ("ur.source", "ur.debian", "ur.launchfile", "ur.robot"),
     "ur.screen": ("ur.source",),
     "ur.tui": ("ur.source", "ur.run", "ur.screen"),
-    "ur.request": ("ur.source", "ur.launchfile", "ur.robot", "ur.worlds", "ur.run"),
+    "ur.request": ("ur.source", "ur.debian", "ur.launchfile", "ur.robot", "ur.worlds", "ur.run"),
     "ur.cli": ("ur",),
     "ur": ("ur",),
     "ur_nodes.geometry": ("ur.source", "ur.worlds"),

@@ -1,5 +1,5 @@
 #!/bin/bash
-# A Debian 13 for computers whose release has no ROS 1: debian_root.bash [status|shell|install|update|remove], `ur debian`.
+# A Debian 13 for computers whose release has no ROS 1: debian_root.bash [status|shell|install|update|remove], or `ur debian`.
 #
 # The root file system is made once by mmdebstrap, belongs to the user, and is entered by `enter COMMAND...`: bubblewrap
 # makes a mount namespace in which it is / and the computer's own folders are in their places, and nsenter replaces this
@@ -83,7 +83,7 @@ debian_why() {
   local limit=""
   read -r limit 2>/dev/null </proc/sys/kernel/apparmor_restrict_unprivileged_userns
   if [[ $limit == 1 ]]; then
-    echo "AppArmor keeps users from making namespaces here; run 'ur debian allow' once, which lets bwrap do it"
+    echo "AppArmor keeps users from making namespaces here; run 'ur debian update', which lets bwrap do it"
   else
     echo "this system may keep users from making namespaces (sysctl user.max_user_namespaces, or a container)"
   fi
@@ -275,11 +275,15 @@ project="${debian_script%/tools/*}"
 case "${1-status}" in
   --as-root) shift && as_root "$@" ;;
   status) debian_status ;;
-  shell) debian_enter "${SHELL:-/bin/bash}" ;;
+  shell)
+    shift
+    [[ $# -gt 0 || ! -x $debian_root${SHELL:-/bin/bash} ]] || set -- "${SHELL:-/bin/bash}"
+    [[ $# -gt 0 ]] || set -- /bin/bash
+    debian_enter "$@"
+    ;;
   enter) shift && debian_enter "$@" ;;
   install) shift && debian_make "$@" ;;
-  update) debian_as_root update && debian_shims ;;
-  allow) debian_as_root allow ;;
+  update) { debian_allowed || debian_as_root allow; } && debian_as_root update && debian_shims ;;
   remove) debian_remove "$project" ;;
-  *) debian_die "unknown command '$1' of 'ur debian'; expected status, shell, enter, install, update, allow or remove" ;;
+  *) debian_die "unknown command '$1' of 'ur debian'; expected status, shell, install, update or remove" ;;
 esac

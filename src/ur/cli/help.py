@@ -24,7 +24,7 @@ SECTIONS = {
     "Drive": ("run", "list", "use"),
     "Launch": ("launch", "ps", "attach", "logs", "restart", "wait", "stop"),
     "Write": ("check", "new", "package", "format", "find", "docs", "graph", "explain"),
-    "This computer": ("setup", "completion", "env"),
+    "This computer": ("setup", "completion", "env", "debian"),
     "Robots": (
         *("robots", "robot", "image", "doctor", "wifi", "shell", "x", "boot"),
         *("sync", "build", "mount", "unmount"),

@@ -204,6 +204,48 @@ PAGES: Mapping[str, HelpPage] = {
             ("ur completion fish", "Print the lines for another shell."),
         ),
     ),
+    "debian": HelpPage(
+        (),
+        (
+            ("ur debian status", "Print where the root is, and its size."),
+            ("ur debian remove", "Delete it."),
+        ),
+    ),
+    "debian status": HelpPage(
+        (),
+        (
+            ("ur debian status", "Print where the root is, and its size."),
+            ("ur help debian", "List the other commands."),
+        ),
+    ),
+    "debian shell": HelpPage(
+        ("A program with its arguments. Without it: your shell, or bash where the root does not have it.",),
+        (
+            ("ur debian shell", "Open a shell in the root."),
+            ("ur debian shell rosbag info drive.bag", "Run one command there."),
+        ),
+    ),
+    "debian install": HelpPage(
+        ("Names of packages of Debian 13.",),
+        (
+            ("ur debian install gdb", "Install a debugger in the root."),
+            ("ur debian install rviz rqt-graph", "Install several packages."),
+        ),
+    ),
+    "debian update": HelpPage(
+        (),
+        (
+            ("ur debian update", "Install newer versions of what is in the root."),
+            ("ur help debian install", "Describe how to install other packages."),
+        ),
+    ),
+    "debian remove": HelpPage(
+        (),
+        (
+            ("ur debian remove", "Delete the root."),
+            ("ur help debian", "List the other commands."),
+        ),
+    ),
     "env": HelpPage(
         (),
         (('eval "$(ur env)"', "Make this shell follow the selection."), ("ur env", "Print what that sets.")),

@@ -53,6 +53,7 @@ VERBS = {
     "image": ("ur.cli.robot_setup.image", "Prepare images for the first boot of robots."),
     "boot": ("ur.cli.robots.boot", "Choose what a robot starts when it boots."),
     "completion": ("ur.cli.computer.completion", "Print the lines that let a shell complete `ur` with Tab."),
+    "debian": ("ur.cli.computer.debian", "Inspect, change or remove the Debian root that ROS runs in."),
     "env": ("ur.cli.computer.env", "Print the lines that let a shell follow the selection."),
 }
 

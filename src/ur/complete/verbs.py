@@ -25,6 +25,7 @@ KINDS: dict[str, tuple[str, ...]] = {
     "build": ("robot",),
     "check": ("files", "..."),
     "doctor": ("robot",),
+    "debian": ("debian command",),
     "docs": ("files",),
     "explain": ("explain",),
     "find": ("", "files", "..."),

@@ -8,6 +8,7 @@ import subprocess
 import sys
 from collections.abc import Sequence
 
+from ur.debian.root import find_root, install_command
 from ur.request.python_packages import run_installer
 from ur.source.diagnostic import UserError, error
 
@@ -46,6 +47,8 @@ def list_missing(names: Sequence[str]) -> list[str]:
 
 def _become_root(missing: Sequence[str], command: str, *, ask: bool) -> list[str]:
     """The words in front of a command that root has to run."""
+    if find_root(os.environ) is not None:
+        raise _refusal(missing, "this Debian root is changed from outside only", install_command(missing))
     environment = ["env", "DEBIAN_FRONTEND=noninteractive"]
     if os.geteuid() == 0:
         return environment

@@ -8,6 +8,7 @@ import socket
 from collections.abc import Mapping
 from pathlib import Path
 
+from ur.debian.root import find_root
 from ur.robot.selection import Selection, load_selection, parse_selection, selection_path
 from ur.source.diagnostic import UserError
 
@@ -29,9 +30,11 @@ def environment_changes(
     A ROS_MASTER_URI or ROS_HOSTNAME that a person has set stays; one that stems from an earlier selection goes.
     """
     host = hostname or socket.gethostname().split(".")[0]
+    root = find_root(environment)
+    path = environment.get("PATH", os.defpath)
     wanted = {
         "ROS_PACKAGE_PATH": _in_front(str(package), environment.get("ROS_PACKAGE_PATH", ""), "/usr/share"),
-        "PATH": _in_front(str(package / "bin"), environment.get("PATH", os.defpath)),
+        "PATH": _in_front(str(package / "bin"), _in_front(root.programs, path) if root else path),
         MARK: str(selection),
     }
     before = _network(_marked(environment), host)

@@ -21,6 +21,7 @@ from ur.source.diagnostic import UserError
 _RUN_COMMANDS = {
     "robot command": "ur.cli.robot_setup.robot",
     "boot command": "ur.cli.robots.boot",
+    "debian command": "ur.cli.computer.debian",
     "new command": "ur.cli.files.new",
     "image command": "ur.cli.robot_setup.image",
 }

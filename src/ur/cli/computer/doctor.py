@@ -14,6 +14,7 @@ import click
 
 from ur.cli.computer.doctor_report import Report, print_json, print_report, print_seen
 from ur.cli.robots.master import list_nodes
+from ur.debian.root import describe_system, find_root
 from ur.request.connection import connect_robot, robot_address
 from ur.request.environment import current_selection
 from ur.robot.discovery.record import Record, load_records, records_folder
@@ -101,6 +102,7 @@ def _examine_alone(here: LocalShell, *, fix: bool, as_json: bool) -> int:
     report = Report({"here": side.name, "there": ""}, diagnose_alone(side))
     if not as_json:
         click.echo(f"no robot is named or selected: this computer alone ({side.name})")
+        click.echo(describe_system(find_root(os.environ)))
         print_report(report, fixable="" if fix else "ur doctor --fix")
     commands = [(finding.rule, each) for finding in report.findings for each in finding.commands if each.safe]
     if fix and commands:

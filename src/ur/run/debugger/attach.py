@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ur.debian.root import install_command
 from ur.run.debugger.choice import PACKAGES, Surroundings, Target, choose_place, gdb_words, python_words
 
 
@@ -66,7 +67,7 @@ def plan_looking(looked: Looked, around: Surroundings, address: str) -> Ways | s
         return f"there is no terminal here to debug {name} in"
     tool = "pudb" if looked.python else "gdb"
     if tool not in around.tools:
-        return f"{tool}, which debugs {name}, is not installed: sudo apt-get install {PACKAGES[tool]}"
+        return f"{tool}, which debugs {name}, is not installed: {install_command(PACKAGES[tool])}"
     if looked.python:
         again = "start it again in pudb" if running else "start it in pudb"
         way = _start_again(looked, "p", again, python_words(looked.target, ("-m", "pudb")), around, address)

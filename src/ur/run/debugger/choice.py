@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
+from ur.debian.root import install_command
 from ur.source.diagnostic import UserError, error
 
 Tool = Literal["pudb", "gdb", "debugpy"]
@@ -167,6 +168,6 @@ def _check_installed(name: str, tool: Tool, around: Surroundings) -> None:
         error(
             f"--debug {name}={tool}: {tool} is not installed",
             rule="no-debugger",
-            help=f"sudo apt-get install {PACKAGES[tool]}",
+            help=install_command(PACKAGES[tool]),
         )
     )

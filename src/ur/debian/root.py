@@ -1,0 +1,64 @@
+"""The Debian root, as a process sees it: whether it runs in there, and how packages are installed.
+
+`tools/debian_root.bash` makes, enters and removes the root, from outside and before there is a Python environment.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+MARK = "/etc/ubiquity_debian"  # exists in the root only
+_VERSION = "/etc/debian_version"
+
+
+@dataclass(frozen=True, slots=True)
+class DebianRoot:
+    """A Debian root. `folder` holds the root file system itself (`root`) and programs that enter it (`bin`)."""
+
+    folder: str
+    version: str
+
+    @property
+    def programs(self) -> str:
+        """The folder of the programs of ROS that can be started from outside."""
+        return f"{self.folder}/bin"
+
+
+def find_root(environment: Mapping[str, str], *, mark: str = MARK) -> DebianRoot | None:
+    """Return the Debian root that this process runs in; None where ROS is this computer's own."""
+    if not os.path.exists(mark):  # noqa: PTH110 - pathlib is not worth its import here
+        return None
+    return DebianRoot(data_folder(environment), _read_version())
+
+
+def data_folder(environment: Mapping[str, str]) -> str:
+    """Return the folder of the Debian root of a user, whether there is one or not."""
+    data = environment.get("XDG_DATA_HOME", "")
+    if not data.startswith("/"):
+        home = environment.get("HOME") or os.path.expanduser("~")  # noqa: PTH111 - likewise
+        data = f"{home}/.local/share"
+    return f"{data}/ubiquity_launches/debian-13"
+
+
+def install_command(packages: str | Sequence[str], *, mark: str = MARK) -> str:
+    """Return the command that installs Debian packages where `ur` finds them."""
+    names = packages if isinstance(packages, str) else " ".join(packages)
+    inside = os.path.exists(mark)  # noqa: PTH110 - likewise
+    return f"ur debian install {names}" if inside else f"sudo apt-get install {names}"
+
+
+def describe_system(root: DebianRoot | None) -> str:
+    """Return one line on whose ROS is used."""
+    if root is None:
+        return "ROS: the packages of this computer"
+    return f"ROS: Debian {root.version} in {root.folder}, since this computer's release has no ROS 1"
+
+
+def _read_version() -> str:
+    try:
+        with open(_VERSION, encoding="utf-8") as file:  # noqa: PTH123 - likewise
+            return file.read().strip()
+    except OSError:
+        return "13"
