@@ -216,11 +216,11 @@ build() {
   printf -v names '%s,' "$@"
   mirror="$(apt_mirror)"
   apt_settings >"$settings"
-  # Documents and translations are two thirds of the files. The user gets everything, so nothing secret stays in it.
+  # Documents, translations and the static libraries of ICU are large and not used. The user gets everything, so nothing secret stays in it.
   mmdebstrap --mode=root --variant=minbase --format=directory --verbose --include="${names%,}" \
     --aptopt="$settings" --aptopt='Acquire::Languages "none"' --dpkgopt=force-unsafe-io \
     --dpkgopt='path-exclude=/usr/share/doc/*' --dpkgopt='path-exclude=/usr/share/man/*' \
-    --dpkgopt='path-exclude=/usr/share/info/*' --dpkgopt='path-exclude=/usr/share/locale/*' \
+    --dpkgopt='path-exclude=/usr/share/info/*' --dpkgopt='path-exclude=/usr/share/locale/*' --dpkgopt='path-exclude=/usr/lib/*/libicu*.a' \
     --setup-hook='for f in /etc/ssl/certs/ca-certificates.crt /etc/apt/auth.conf.d; do
       [ ! -e "$f" ] || { mkdir -p "$1${f%/*}" && cp -rL "$f" "$1${f%/*}/"; }; done' \
     "$debian_suite" "$target" ${mirror:+"$mirror"} || return

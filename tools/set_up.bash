@@ -173,6 +173,8 @@ bring_debian() {
     missing=(mmdebstrap) && ask_for_root
     run_step "Debian 13 with ROS" debian_make "${wanted[@]}" ||
       die "the Debian 13 for ROS could not be made" "check the network and the free space (df -h '$debian_data'), then run this again"
+  elif ! cmp -s "$root/tools/debian_root.bash" "$debian_data/enter.bash"; then
+    debian_shims
   fi
   debian_enter bash "$root/tools/set_up.bash" "$@"
 }

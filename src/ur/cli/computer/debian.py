@@ -16,8 +16,8 @@ from ur.source.diagnostic import UserError, error
 def command(context: click.Context) -> None:
     """Inspect, change or remove the Debian root that ROS runs in.
 
-    There is one where this release has no ROS 1. The first start of ur makes it. Every command of ur, and the
-    programs of ROS, enter it by themselves.
+    There is one where this computer's release has no ROS 1. The first start of ur makes it. Every command of ur, and
+    the programs of ROS, enter it by themselves.
     """
     if context.invoked_subcommand is None:
         _run_script("status")
