@@ -182,7 +182,10 @@ debian_remove() {
   [[ ${#running[@]} -eq 0 ]] || debian_die "programs still run in the Debian root: processes ${running[*]}" "ur stop --all, or end them"
   if [[ -e $debian_data/allowed ]]; then debian_as_root forbid || return; fi
   [[ ! -d $debian_data ]] || rm -rf --one-file-system "$debian_data" 2>/dev/null || debian_as_root remove || return
-  [[ -e $1/.venv/debian ]] && rm -rf "$1/.venv"
+  local folder
+  for folder in "$1" "${debian_data%/*}"; do # that of a clone, and of a wheel
+    [[ -e $folder/.venv/debian ]] && rm -rf "$folder/.venv"
+  done
   rmdir "${debian_data%/*}" 2>/dev/null
   echo "removed $debian_data"
 }

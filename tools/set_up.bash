@@ -1,20 +1,26 @@
 #!/bin/bash
-# Set this computer up: set_up.bash run|test. Debian packages, a virtual environment, the locked Python packages.
+# Set this computer up: set_up.bash run|test [FOLDER]. Debian packages, a virtual environment, the locked Python packages.
 #
 # Every step looks first and does only what is missing, so it may be interrupted anywhere and started again. The stamp
 # .venv/ready-PROFILE is written last and names this folder, since a virtual environment does not survive being moved;
-# the second line of ready-run is the digest of the files that the environment was made from.
+# the second line of ready-run is the digest of the files that the environment was made from. An installed wheel, whose
+# folder may belong to root, has `.venv` and `.cache` in FOLDER; there the stamp names the environment of the wheel.
 set -uo pipefail
 umask o-w # nothing is writable for everybody, whatever the shell has set
-profile="${1:?set_up.bash run|test}"
+profile="${1:?set_up.bash run|test [FOLDER]}"
 root="$(readlink -f "${BASH_SOURCE[0]}")"
 root="${root%/tools/*}"
-cd "$root" || exit 2
-log="$root/.cache/set_up.log"
+wheel="${root%/lib/python*/site-packages/ur/_project}" # the environment of a wheel
+source="${root%/ur/_project}" # of the Python packages
+[[ $wheel == "$root" ]] && wheel="" source="$root/src"
+state="${2:-$root}"
+if [[ ! -d $state ]] && ! mkdir -p "$state"; then exit 2; fi
+cd "$state" || exit 2
+log="$state/.cache/set_up.log"
 python=/usr/bin/python3
 
 # shellcheck source=src/ur/system/releases.bash
-. "$root/src/ur/system/releases.bash" || exit 2
+. "$source/ur/system/releases.bash" || exit 2
 
 # A name with | is the first of the alternatives that this release has.
 mapfile -t packages < <(read_ros_packages)
@@ -192,7 +198,8 @@ make_environment() {
 
 # In the Debian root: .venv/bin/python enters it, so that whatever starts it may do so from outside.
 enter_by_python() {
-  local version link
+  local version link again="$root/ur --version"
+  [[ -n $wheel ]] && again="ur use"
   version="$($python -c 'import sys; print("python%d.%d" % sys.version_info[:2])')"
   for link in python3 "$version"; do ln -sfn "/usr/bin/$version" ".venv/bin/$link"; done
   rm .venv/bin/python
@@ -204,7 +211,7 @@ program="\${BASH_SOURCE[0]%/*}/$version"
 data="\${XDG_DATA_HOME:-\$HOME/.local/share}/ubiquity_launches/debian-13"
 if [[ ! -r \$data/enter.bash ]]; then
   echo "error: the Debian root '\$data' does not exist" >&2
-  echo "  help: make it again: $root/ur --version" >&2
+  echo "  help: make it again: $again" >&2
   exit 2
 fi
 . "\$data/enter.bash"
@@ -215,15 +222,29 @@ END
 }
 
 install_python() {
-  local locks=(-r requirements/run.lock)
-  [[ $profile == test ]] && locks+=(-r requirements/dev.lock -r requirements/vision.lock -r requirements/robot.lock) # those: 260 MB, 20 s
+  local locks=(-r "$root/requirements/run.lock")
+  [[ $profile == test ]] && locks+=(-r "$root"/requirements/{dev,vision,robot}.lock) # those: 260 MB, 20 s
   # PYTHONPATH of a shell that sourced another ROS would make pip think that its packages are ours.
   run_step "Python packages" env -u PYTHONPATH .venv/bin/python -m pip install --progress-bar off \
     --disable-pip-version-check --require-hashes --only-binary :all: "${locks[@]}" ||
     die "the Python packages could not be installed" "check the network and pip's settings (pip config list), then run this again"
+  if [[ -n $wheel ]]; then
+    run_step "this project" copy_wheel || die "the project could not be copied into $state/.venv" "look at $log, then run this again"
+    return
+  fi
   run_step "this project" env -u PYTHONPATH .venv/bin/python -m pip install --disable-pip-version-check \
-    --no-deps --no-build-isolation --no-index --editable . ||
+    --no-deps --no-build-isolation --no-index --editable "$root" ||
     die "the project could not be installed into .venv" "look at $log, then run this again"
+}
+
+# A copy of what the wheel holds: programs that run go on when pipx or uv replaces the wheel.
+copy_wheel() {
+  local to
+  to="$(.venv/bin/python -I -c 'import sysconfig; print(sysconfig.get_path("purelib"))')" || return
+  rm -rf "$to"/ur "$to"/ur_nodes "$to"/ubiquity_launches-*.dist-info
+  cp -R "$source"/ur "$source"/ur_nodes "$source"/ubiquity_launches-*.dist-info "$to" || return
+  find "$to"/ur "$to"/ur_nodes -name __pycache__ -prune -exec rm -rf {} +
+  .venv/bin/python -I -m compileall -q -x /_project/ "$to"/ur "$to"/ur_nodes # there, programs ending in .py are bash
 }
 
 child=
@@ -240,14 +261,16 @@ trap interrupted INT TERM HUP
 
 check_system
 mkdir -p .cache 2>/dev/null
-if [[ ! -w $root || ! -w .cache || ( -e .venv && ! -w .venv ) ]]; then
-  die "$root is not writable for $(id -un), expected a copy of your own" "git clone it into your home folder"
+if [[ ! -w . || ! -w .cache || ( -e .venv && ! -w .venv ) ]]; then
+  help="git clone it into your home folder"
+  [[ -n $wheel ]] && help="list the permissions of all folders above it: namei -l $state/.venv"
+  die "$state is not writable for $(id -un), expected a folder of your own" "$help"
 fi
 lacks_ros && bring_debian "$@"
 exec 9>.cache/set_up.lock
 flock -n 9 || { say "another set-up of this folder is running: waiting for it" && flock 9; }
 begin=$SECONDS
-made_from="$(cat requirements/run.lock tools/set_up.bash src/ur/system/ros_packages.txt pyproject.toml | sha256sum)"
+made_from="$(cd "$root" && cat requirements/run.lock tools/set_up.bash "$source/ur/system/ros_packages.txt" pyproject.toml | sha256sum)"
 made_from="${made_from%% *}" # before it is used: a file that changes meanwhile makes the next start look again
 : >"$log"
 say "setting up this computer ($profile); details in $log"
@@ -255,6 +278,6 @@ install_packages
 offer_rviz
 make_environment
 install_python
-printf '%s\n%s\n' "$root" "$made_from" >.venv/ready-run
+printf '%s\n%s\n' "${wheel:-$root}" "$made_from" >.venv/ready-run
 [[ $profile == test ]] && printf '%s\n' "$root" >.venv/ready-test
 say "set up in $((SECONDS - begin)) s"

@@ -1,31 +1,39 @@
-"""`python -m ur`: the `ur` command."""
+"""`python -I -m ur`: the `ur` command. The script `ur`, boot units and remote runs all start this, isolated."""
 
 from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Sequence
 
 
-def _run() -> int:
+def main(arguments: Sequence[str]) -> int:
+    """Run `ur` with its arguments and return the exit code."""
     os.umask(os.umask(0o077) | 0o002)  # nothing is writable for everybody, whatever the shell has set
-    if sys.argv[1:2] == ["launch"]:
+    if os.path.isdir(f"{os.path.dirname(__file__)}/_project"):  # noqa: PTH112, PTH120 - pathlib doubles the start-up time
+        from ur.installed import enter_environment
+
+        code = enter_environment(arguments)
+        if code is not None:
+            return code
+    if arguments[:1] == ["launch"]:
         from ur.cli.fast import answer_fast, launch_fast
 
-        for way in (answer_fast, launch_fast):
-            code = way(sys.argv[1:])
+        for attempt in (answer_fast, launch_fast):
+            code = attempt(arguments)
             if code is not None:
                 return code
-    if sys.argv[1:2] == ["__complete"]:
+    if arguments[:1] == ["__complete"]:
         from ur.cli.computer.completing import answer_completion
 
-        return answer_completion(sys.argv[2:])
-    from ur.cli.main import main
+        return answer_completion(arguments[1:])
+    from ur.cli.main import main as run_command
 
-    return main()
+    return run_command(arguments)
 
 
 if __name__ == "__main__":
     try:
-        sys.exit(_run())
+        sys.exit(main(sys.argv[1:]))
     except KeyboardInterrupt:  # while modules are still being imported
         sys.exit(130)

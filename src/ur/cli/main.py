@@ -81,7 +81,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run `ur` with its arguments (default: of this process) and return the exit code. Raises nothing."""
     words = list(sys.argv[1:] if arguments is None else arguments)
     open_closed_streams()
-    os.umask(os.umask(0o077) | 0o002)  # as in ur.__main__, for the console script
+    os.umask(os.umask(0o077) | 0o002)  # as in ur.__main__
     with guard_output():
         return _run(words)
 
@@ -136,7 +136,9 @@ def _version_option() -> click.Option:
         if value:
             from importlib.metadata import version
 
-            click.echo(f"ur {version('ubiquity-launches')}")
+            from ur.source.project import DISTRIBUTION, describe_origin
+
+            click.echo(f"ur {version(DISTRIBUTION)} ({describe_origin()})")
             ctx.exit(0)
 
     return click.Option(

@@ -11,9 +11,10 @@ from pathlib import Path
 from ur.debian.root import find_root
 from ur.robot.selection import Selection, load_selection, parse_selection, selection_path
 from ur.source.diagnostic import UserError
+from ur.source.project import launch_library, project_folder
 
-REPOSITORY = Path(__file__).resolve().parents[3]
-PACKAGE = REPOSITORY / "ubiquity_launches"
+REPOSITORY = project_folder()
+PACKAGE = launch_library()
 MARK = "UR_SELECTION"  # tells what `ur env` has set from what a person has set
 
 

@@ -12,9 +12,9 @@ from contextlib import contextmanager
 from importlib.util import find_spec
 from pathlib import Path
 
-from ur.request.environment import REPOSITORY
 from ur.source.diagnostic import UserError, error
 from ur.source.progress_line import show_progress
+from ur.source.project import project_folder, state_folder
 
 _PROBLEM = ("ERROR", "E: ")  # of pip, of apt-get
 
@@ -25,20 +25,21 @@ def need(module: str, lock: str) -> None:
 
 
 def need_all(
-    modules: Sequence[str], lock: str, title: str, *, folder: Path = REPOSITORY, pip: Sequence[str] = ()
+    modules: Sequence[str], lock: str, title: str, *, folder: Path | None = None, pip: Sequence[str] = ()
 ) -> None:
     """Make sure that modules are there: install the lock file that holds them. Raises UserError when that fails.
 
     `title` says what that is, for people. Two that want the same at once wait for one another. A terminal shows what
-    goes on. `pip` is the command to install with, pip of the running Python unless given.
+    goes on. `pip` is the command to install with, pip of the running Python unless given; `folder`, a clone of this
+    project other than the one that runs.
     """
     if all(map(find_spec, modules)):
         return
-    with _turn(folder / ".cache" / "on_demand.lock"):
+    with _turn((folder or state_folder()) / ".cache" / "on_demand.lock"):
         importlib.invalidate_caches()  # whoever had the turn before may have installed it
         missing = [module for module in modules if find_spec(module) is None]
         if missing:
-            path = folder / "requirements" / lock
+            path = (folder or project_folder()) / "requirements" / lock
             sys.stderr.write(f"installing {title}, once ...\n")
             command = [*(pip or (sys.executable, "-I", "-m", "pip")), *_words(path)]
             run_installer(command, " and ".join(missing), "pip's settings (pip config list)")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sys
-from pathlib import Path
 from typing import Any
 
 import rospy
@@ -15,11 +14,11 @@ from tf2_msgs.msg import TFMessage
 
 from ur.robot.base import Base, Lidar, load_base
 from ur.source.diagnostic import UserError, error
+from ur.source.project import launch_library
 from ur_nodes.drivers.base_states import BumperStates, WheelStates
 from ur_nodes.rosio.parameters import Parameters
 from ur_nodes.rosio.shell import run_node
 
-_PACKAGE = Path(__file__).resolve().parents[3] / "ubiquity_launches"
 _LOOK_RATE = 10.0  # Hz
 
 
@@ -88,7 +87,7 @@ def _transform(odometry: Odometry) -> TransformStamped:
 def start() -> None:
     """Read the parameters and connect. Raises UserError."""
     own = Parameters()
-    base = load_base(own.text("package", str(_PACKAGE)), own.text("base"), own.text("variant", ""))
+    base = load_base(own.text("package", str(launch_library())), own.text("base"), own.text("variant", ""))
     OdometryAdapter(base, publish_tf=own.boolean("publish_tf", False))
     if own.boolean("rename_scan", False) and base.lidar:
         ScanAdapter(base.lidar)

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import sys
-from pathlib import Path
 
 import rospy
 from std_msgs.msg import Bool, String
 from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 
 from ur.robot.base import load_base
+from ur.source.project import launch_library
 from ur_nodes.motion.admission.admission_node import AdmissionRunner
 from ur_nodes.motion.challenge.freshness import FRESHNESS
 from ur_nodes.motion.mux import Event, MuxSettings, MuxState, Release, Stop, start_mux
@@ -19,7 +19,6 @@ from ur_nodes.motion.sources import read_locks, read_sources
 from ur_nodes.rosio.parameters import Parameters
 from ur_nodes.rosio.shell import run_node
 
-_PACKAGE = Path(__file__).resolve().parents[3] / "ubiquity_launches"
 _SEEN = "~emergency_stop"  # on the parameter server, so that an emergency outlives this process
 
 
@@ -71,7 +70,7 @@ class MuxNode:
 def start() -> None:
     """Read the parameters and run. Raises UserError."""
     own = Parameters()
-    base = load_base(own.text("package", str(_PACKAGE)), own.text("base"), own.text("variant", ""))
+    base = load_base(own.text("package", str(launch_library())), own.text("base"), own.text("variant", ""))
     forward, turn = axes_of(base.limits)
     MuxNode(
         MuxSettings(

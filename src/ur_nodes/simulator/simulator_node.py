@@ -8,7 +8,6 @@ import threading
 import time
 from collections.abc import Callable
 from concurrent.futures import Future
-from pathlib import Path
 
 import rospy
 from nav_msgs.srv import SetMap, SetMapRequest, SetMapResponse
@@ -28,6 +27,7 @@ from tf2_msgs.msg import TFMessage
 
 from ur.robot.base import load_base
 from ur.source.diagnostic import UserError
+from ur.source.project import launch_library
 from ur.worlds.world_file import World, read_world
 from ur_nodes.rosio.geometry import pose_of_message
 from ur_nodes.rosio.parameters import Parameters
@@ -40,7 +40,6 @@ from ur_nodes.simulator.sensor_topics_node import SensorTopics
 from ur_nodes.simulator.settings import Frames, Settings
 from ur_nodes.simulator.simulation import Simulation
 
-_PACKAGE = Path(__file__).resolve().parents[3] / "ubiquity_launches"
 _ANSWER_WITHIN = 10.0  # s
 _LONGEST_WAIT = 0.1  # s, so that the end is noticed
 
@@ -205,8 +204,8 @@ class SimulatorNode:
 def start() -> None:
     """Read the parameters, load world and base, and run. Raises UserError."""
     own = Parameters()
-    base = load_base(own.text("package", str(_PACKAGE)), own.text("base", "stage"), own.text("variant", ""))
-    world = read_world(own.text("world_file", str(_PACKAGE / "n_simulator" / "worlds" / "maze.yaml")))
+    base = load_base(own.text("package", str(launch_library())), own.text("base", "stage"), own.text("variant", ""))
+    world = read_world(own.text("world_file", str(launch_library() / "n_simulator/worlds/maze.yaml")))
     x, y, yaw = world.start
     speed = own.number("speed", 1.0, minimum=0.0)
     simulated_clock = rospy.get_param("/use_sim_time", False) is True

@@ -5,9 +5,9 @@ from __future__ import annotations
 import importlib
 import sys
 from importlib.util import find_spec
-from pathlib import Path
 
-_LOCK = Path(__file__).resolve().parents[3] / "requirements" / "vision.lock"
+from ur.source.project import project_folder
+
 _NEEDS = {"fiducial_detect": ("cv2",), "fiducial_slam": ("cv2", "gtsam")}
 _NAMES = {"cv2": "OpenCV (opencv-python-headless)", "gtsam": "gtsam"}
 
@@ -19,9 +19,10 @@ def main(arguments: list[str]) -> int:
         sys.stderr.write(f"error: start_node: {name!r}, expected one of {', '.join(_NEEDS)}\n")
         return 2
     if missing := [_NAMES[library] for library in _NEEDS[name] if find_spec(library) is None]:
+        lock = project_folder() / "requirements/vision.lock"
         sys.stderr.write(
             f"error: {name}: {' and '.join(missing)} not installed, expected in {sys.prefix}\n"
-            f"  help: {sys.executable} -I -m pip install --require-hashes -r {_LOCK}\n"
+            f"  help: {sys.executable} -I -m pip install --require-hashes -r {lock}\n"
         )
         return 2
     node = importlib.import_module(f"ur_nodes.vision.{name}_node")

@@ -9,7 +9,6 @@ from collections.abc import Sequence
 import click
 
 from ur.complete.shells import SCRIPTS
-from ur.request.environment import REPOSITORY
 from ur.robot.setup.change import Change
 from ur.robot.setup.engine import apply_change, bring_about, gather, look, plan_changes, plan_undo
 from ur.robot.setup.facts import Facts
@@ -18,6 +17,7 @@ from ur.robot.setup.wanted import Wanted
 from ur.robot.ssh.shell import LocalShell
 from ur.source.printable import printable
 from ur.source.progress_line import show_progress
+from ur.source.project import state_folder
 
 
 @click.command("setup")
@@ -35,7 +35,7 @@ def command(dry_run: bool, undo: bool, only_mine: bool, yes: bool) -> int:
     base = base_request(user)
 
     def want(facts: Facts) -> list[Wanted]:
-        return wanted_here(facts, REPOSITORY, system=not only_mine, completion=SCRIPTS)
+        return wanted_here(facts, state_folder(), system=not only_mine, completion=SCRIPTS)
 
     with show_progress("examining this computer"):
         items = want(gather(shell, base))

@@ -22,7 +22,7 @@ from ur.cli.robot_setup.network import network
 from ur.cli.robot_setup.questions import ask_task, check_names, read_passwords, read_tasks
 from ur.cli.robot_setup.rename import rename
 from ur.cli.robot_setup.wifi import wifi
-from ur.request.environment import REPOSITORY, current_selection
+from ur.request.environment import current_selection
 from ur.robot.deploy.repository import read_programs, read_repository
 from ur.robot.selection import Selection, selection_path, store_selection
 from ur.robot.setup.login import Task, open_robot
@@ -139,7 +139,7 @@ def setup(
         return refused
     tasks = met if dry_run else decide_robot_login(met, robot_login)
     current, new = read_passwords(tasks, passwords_from, dry_run=dry_run)
-    library, environment = read_repository(REPOSITORY), read_programs(REPOSITORY)
+    library, environment = read_repository(), read_programs()
     tasks = [
         replace(
             task,

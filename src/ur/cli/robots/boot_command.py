@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from ur.cli.computer.setup import show_changes
-from ur.request.environment import PACKAGE, REPOSITORY, know_own_package
+from ur.request.environment import PACKAGE, know_own_package
 from ur.robot.boot.launch_file import RobotLaunch, choose_arguments, find_launch, is_launch_name
 from ur.robot.boot.units import LIBRARIES, command_line, launch_line
 from ur.robot.deploy.repository import read_repository
@@ -70,7 +70,7 @@ def bring_library(wish: Wish, shell: SshShell, user: str) -> int:
     """
     if wish.package != PACKAGE.name:
         return 0
-    wanted = read_repository(REPOSITORY)
+    wanted = read_repository()
     _, count = bring_about(
         shell, lambda _: [wanted], user, Request(user), root=False, report=lambda change: show_changes([change])
     )

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from ur.robot.robot_file import ROBOT_FILE
 from ur.robot.ssh.shell import quote
+from ur.source.project import STATE_FOLDER
 
 PREFIX = "ubiquity-"
 MASTER = "master"
@@ -16,7 +17,8 @@ MASTER = "master"
 # lost; with rosmaster's 3, three nodes of a viewer keep the robot's own from hearing of each other meanwhile.
 MASTER_WORKERS = 32
 FOLDER = "/etc/systemd/system"
-LIBRARIES = ("catkin_ws/src/ubiquity_launches", "ubiquity_launches")  # where this project may be on a robot
+# Where this project may be on a robot: a clone, the copy that `ur robot setup` makes, or what a wheel has made.
+LIBRARIES = ("catkin_ws/src/ubiquity_launches", "ubiquity_launches", STATE_FOLDER)
 # Neither "network" nor "online" means that a robot on WiFi has its address: wait until its own full name leads to one.
 _WAIT = 'until getent ahostsv4 "$(cat /proc/sys/kernel/hostname).local" >/dev/null; do sleep 1; done'
 # RestartSteps= would do it from systemd 254 on; Debian 12 and Ubuntu 22.04 have older ones. What is started by hand or

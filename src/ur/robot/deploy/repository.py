@@ -18,22 +18,11 @@ from ur.robot.deploy import repository_side
 from ur.robot.setup.change import Change, Command
 from ur.robot.setup.facts import Facts, Request
 from ur.robot.ssh.shell import quote
+from ur.source.project import list_files, project_file
 
 COPY = "~/ubiquity_launches"
 WORKSPACE_COPY = "~/catkin_ws/src/ubiquity_launches"
 STAMP = f"{COPY}/{repository_side.STAMP}"
-# What runs, and what it is set up with: no tests, no documents, nothing that was made on this computer.
-PARTS = (
-    "src",
-    "ubiquity_launches",
-    "requirements",
-    "tools/set_up.bash",
-    "ur",
-    "pyproject.toml",
-    "README.md",
-    "LICENSE",
-)
-_LEFT_OUT = ("__pycache__", ".egg-info", ".pyc")
 # What the environment is made from: tools/set_up.bash writes their digest into the second line of its stamp.
 SET_UP_FROM = ("requirements/run.lock", "tools/set_up.bash", "src/ur/system/ros_packages.txt", "pyproject.toml")
 READY = ".venv/ready-run"
@@ -122,27 +111,22 @@ class WantedPrograms:
         return Change(self.title, f"{COPY}/.venv: removed", (command,))
 
 
-def read_programs(root: Path) -> WantedPrograms:
-    """The environment that a robot is to have, from this project's folder on this computer."""
+def read_programs(root: Path | None = None) -> WantedPrograms:
+    """The environment that a robot is to have: that of the project that runs, or of a clone at `root`."""
     digest = hashlib.sha256()
     for name in SET_UP_FROM:
-        digest.update((root / name).read_bytes())
+        digest.update((root / name if root else project_file(name)).read_bytes())
     return WantedPrograms(digest.hexdigest())
 
 
-def read_repository(root: Path) -> WantedRepository:
-    """The copy that a robot is to have, from this project's folder on this computer."""
+def read_repository(root: Path | None = None) -> WantedRepository:
+    """The copy that a robot is to have: of the project that runs, clone or wheel, or of a clone at `root`."""
     files: dict[str, tuple[int, bytes]] = {}
-    for part in PARTS:
-        place = root / part
-        for path in sorted(place.rglob("*")) if place.is_dir() else [place]:
-            name = str(path.relative_to(root))
-            if any(each in name for each in _LEFT_OUT):
-                continue
-            if path.is_symlink():
-                files[name] = (0, os.fsencode(path.readlink()))
-            elif path.is_file():
-                files[name] = (0o755 if os.access(path, os.X_OK) else 0o644, path.read_bytes())
+    for name, path, target in list_files(root):
+        if target:
+            files[name] = (0, os.fsencode(target))
+        else:
+            files[name] = (0o755 if os.access(path, os.X_OK) else 0o644, path.read_bytes())
     digest = hashlib.sha256()
     for name, (mode, content) in sorted(files.items()):
         digest.update(f"{name}\0{mode}\0{len(content)}\0".encode() + content)

@@ -1,0 +1,51 @@
+"""The build of the wheel: everything that runs and is no Python module becomes data of the package `ur`.
+
+No file is committed twice: folders are copied as they are when a wheel is built, and left alone in a clone, where
+`pip install --editable` leads to them. `ur.source.project` finds either.
+"""
+
+from __future__ import annotations
+
+import shutil
+import sys
+from pathlib import Path
+
+from setuptools import setup
+from setuptools.command.build_py import build_py
+
+ROOT = Path(__file__).resolve().parent
+sys.path.insert(0, str(ROOT / "src"))
+
+from ur.source.project import DATA_FOLDER, LINKS, list_files  # noqa: E402 - found by the line above
+
+
+class BuildWithProject(build_py):
+    """Copy Python modules, then the launch library, the locks and the set-up."""
+
+    def run(self) -> None:
+        """Build into `build_lib`."""
+        super().run()
+        if self.editable_mode:
+            return
+        links = []
+        for name, path, target in self._list_project():
+            if target:
+                links.append(f"{name} {target}\n")
+            to = self._folder() / name
+            to.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(path, to)  # what a link leads to: a wheel holds no links
+        (self._folder() / LINKS).write_text("".join(links), encoding="utf-8")
+
+    def get_outputs(self, include_bytecode: bool = True) -> list[str]:
+        """List what is built."""
+        names = [] if self.editable_mode else [LINKS, *(name for name, _, _ in self._list_project())]
+        return [*super().get_outputs(include_bytecode), *(str(self._folder() / name) for name in names)]
+
+    def _folder(self) -> Path:
+        return Path(self.build_lib) / "ur" / DATA_FOLDER
+
+    def _list_project(self) -> list[tuple[str, Path, str]]:
+        return [each for each in list_files(ROOT) if not each[0].startswith("src/")]
+
+
+setup(cmdclass={"build_py": BuildWithProject})

@@ -1,0 +1,68 @@
+"""The environment of an installed wheel: made on first use, since the one that pipx or uv has made sees no rospy.
+
+Nodes need the system's Python and its ROS packages beside the locked Python packages. So the first command that starts
+something lets `tools/set_up.bash` make an environment in the user's data folder, with a copy of what the wheel holds,
+and every later command runs there. The script `ur` takes the same decision without starting Python twice.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from ur.source.project import DISTRIBUTION, package_folder, project_folder, state_folder
+
+READY = "ready-run"
+# Commands that read and write files, and need neither ROS nor the locked packages.
+_NEED_NOTHING = frozenset(
+    {
+        *("--version", "--help", "-h", "help", "__complete", "completion", "env"),
+        *("check", "docs", "explain", "find", "format", "graph", "list", "new", "package"),
+    }
+)
+
+
+def enter_environment(arguments: Sequence[str]) -> int | None:
+    """Continue in the environment of the user, which is made if need be; the exit code if that fails.
+
+    Returns None where this process is to go on: it runs in that environment, or the command needs none.
+    """
+    state = state_folder()
+    environment = state / ".venv"
+    if os.path.realpath(sys.prefix) == os.path.realpath(environment) or not _needs_environment(arguments):
+        return None
+    if not is_current(environment, Path(sys.prefix)):
+        code = subprocess.run(["bash", str(project_folder() / "tools/set_up.bash"), "run", str(state)], check=False)
+        if code.returncode:
+            return code.returncode if code.returncode > 0 else 128 - code.returncode
+    python = str(environment / "bin/python")
+    return os.execv(python, [python, "-I", "-m", "ur", *arguments])  # noqa: S606 - a program, not a shell
+
+
+def is_current(environment: Path, prefix: Path) -> bool:
+    """Whether an environment was made from the wheel installed in `prefix`, as it is now."""
+    ready = environment / READY
+    records = list(package_folder().parent.glob(f"{DISTRIBUTION.replace('-', '_')}-*.dist-info/RECORD"))
+    try:
+        with ready.open(encoding="utf-8") as lines:
+            made_from = lines.readline().rstrip("\n")
+        return made_from == os.path.realpath(prefix) and all(
+            each.stat().st_mtime <= ready.stat().st_mtime for each in records
+        )
+    except OSError:
+        return False
+
+
+def _needs_environment(arguments: Sequence[str]) -> bool:
+    if not arguments or arguments[0] in _NEED_NOTHING:
+        return False
+    if arguments[0] == "launch":
+        from ur.cli.fast import read_question
+
+        if read_question(arguments) is not None:
+            return False
+    end = 2 if arguments[0] == "run" else len(arguments)  # what follows a program is its own
+    return not any(word in ("--help", "-h") for word in arguments[1:end])

@@ -1,0 +1,127 @@
+"""The files of this project, wherever it runs: a clone, a copy on a robot, or an installed wheel.
+
+A clone and a copy have the same folders. A wheel holds the Python packages as every wheel does, and everything else in
+`_project`, a folder of the package `ur`; `setup.py` puts it there. Only this module knows the difference.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+from ur.source.user_folders import user_folder
+
+# What runs, and what it is set up with: no tests, no documents, nothing that was made on this computer.
+PARTS = (
+    "src",
+    "ubiquity_launches",
+    "requirements",
+    "tools/set_up.bash",
+    "tools/debian_root.bash",
+    "ur",
+    "pyproject.toml",
+    "setup.py",
+    "README.md",
+    "LICENSE",
+)
+LIBRARY = "ubiquity_launches"
+DISTRIBUTION = "ubiquity-launches"
+DATA_FOLDER = "_project"
+# A wheel cannot hold links: it holds copies, and this list of PATH TARGET, one a line.
+LINKS = "links"
+STATE_FOLDER = ".local/share/ubiquity_launches"  # in the home folder, unless XDG_DATA_HOME names another
+_PYTHON_PACKAGES = ("ur", "ur_nodes")
+_LEFT_OUT = ("__pycache__", ".egg-info", ".pyc")
+
+
+def package_folder() -> Path:
+    """The folder of the Python package `ur`."""
+    return Path(__file__).resolve().parents[1]
+
+
+def is_installed() -> bool:
+    """Whether this runs from a wheel."""
+    return (package_folder() / DATA_FOLDER).is_dir()
+
+
+def project_folder() -> Path:
+    """The folder that holds the launch library, the locks and the set-up: of a clone or copy, or within the wheel."""
+    package = package_folder()
+    data = package / DATA_FOLDER
+    return data if data.is_dir() else package.parents[1]
+
+
+def project_file(name: str) -> Path:
+    """The file that has a name in a clone: `requirements/run.lock`, `src/ur/system/releases.tsv`."""
+    if is_installed() and name.startswith("src/"):
+        return package_folder().parent / name.removeprefix("src/")
+    return project_folder() / name
+
+
+def launch_library() -> Path:
+    """The ROS package of launch files."""
+    return project_folder() / LIBRARY
+
+
+def state_folder(environment: Mapping[str, str] = os.environ) -> Path:
+    """The folder that holds `.venv` and `.cache`: the clone or copy, or for a wheel a folder of the user's."""
+    if not is_installed():
+        return project_folder()
+    return Path(user_folder("XDG_DATA_HOME", environment)) / "ubiquity_launches"
+
+
+def list_files(root: Path | None = None) -> Iterator[tuple[str, Path, str]]:
+    """List what a copy of this project consists of, whatever it is made from: names as in a clone, sorted by part.
+
+    Yields the name, the file, and the target if the name is a link. `root` is the clone to list, else what runs.
+    """
+    if root is None and is_installed():
+        yield from _list_wheel()
+        return
+    for name, path in _walk(root or project_folder(), PARTS):
+        yield name, path, os.fspath(path.readlink()) if path.is_symlink() else ""
+
+
+def _list_wheel() -> Iterator[tuple[str, Path, str]]:
+    package, data = package_folder(), project_folder()
+    for name, path in _walk(package.parent, _PYTHON_PACKAGES):
+        if not path.is_relative_to(data):
+            yield f"src/{name}", path, ""
+    lines = (data / LINKS).read_text(encoding="utf-8").splitlines()
+    links = dict(line.split(" ", 1) for line in lines)
+    for name, path in _walk(data, PARTS[1:]):
+        yield name, path, links.get(name, "")
+
+
+def _walk(root: Path, parts: tuple[str, ...]) -> Iterator[tuple[str, Path]]:
+    for part in parts:
+        place = root / part
+        for path in sorted(place.rglob("*")) if place.is_dir() else [place]:
+            name = str(path.relative_to(root))
+            if not any(each in name for each in _LEFT_OUT) and (path.is_symlink() or path.is_file()):
+                yield name, path
+
+
+def describe_origin() -> str:
+    """Describe where this runs from: `clone FOLDER at COMMIT`, `copy FOLDER` on a robot, or `wheel in ENVIRONMENT`."""
+    if is_installed():
+        return f"wheel in {sys.prefix}"
+    folder = project_folder()
+    if (folder / ".copy").is_file():
+        return f"copy {folder}"
+    commit = _read_commit(folder)
+    return f"clone {folder} at {commit}" if commit else f"folder {folder}"
+
+
+def _read_commit(folder: Path) -> str:
+    """The commit of a clone, '+changes' after it where files differ; empty without git."""
+    import subprocess
+
+    command = ["git", "-C", str(folder), "describe", "--always", "--dirty=+changes", "--exclude=*"]
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, timeout=10, check=False)
+    except (OSError, subprocess.TimeoutExpired):
+        return ""
+    return done.stdout.strip() if done.returncode == 0 and (folder / ".git").exists() else ""
