@@ -1,4 +1,4 @@
-"""The build of the wheel: everything that runs and is no Python module becomes data of the package `ur`.
+"""The build of sdist and wheel: everything that runs and is no Python module becomes data of the package `ur`.
 
 No file is committed twice: folders are copied as they are when a wheel is built, and left alone in a clone, where
 `pip install --editable` leads to them. `ur.source.project` finds either.
@@ -12,6 +12,7 @@ from pathlib import Path
 
 from setuptools import setup
 from setuptools.command.build_py import build_py
+from setuptools.command.sdist import sdist
 
 ROOT = Path(__file__).resolve().parent
 sys.path.insert(0, str(ROOT / "src"))
@@ -27,14 +28,11 @@ class BuildWithProject(build_py):
         super().run()
         if self.editable_mode:
             return
-        links = []
-        for name, path, target in self._list_project():
-            if target:
-                links.append(f"{name} {target}\n")
+        for name, path, _ in self._list_project():
             to = self._folder() / name
             to.parent.mkdir(parents=True, exist_ok=True)
             shutil.copy(path, to)  # what a link leads to: a wheel holds no links
-        (self._folder() / LINKS).write_text("".join(links), encoding="utf-8")
+        write_links(self._folder())
 
     def get_outputs(self, include_bytecode: bool = True) -> list[str]:
         """List what is built."""
@@ -48,4 +46,19 @@ class BuildWithProject(build_py):
         return [each for each in list_files(ROOT) if not each[0].startswith("src/")]
 
 
-setup(cmdclass={"build_py": BuildWithProject})
+class ArchiveWithLinks(sdist):
+    """Archive the files that MANIFEST.in lists, and where links lead."""
+
+    def make_release_tree(self, base_dir: str, files: list[str]) -> None:
+        """Make the folder that is archived."""
+        super().make_release_tree(base_dir, files)
+        write_links(Path(base_dir))
+
+
+def write_links(folder: Path) -> None:
+    """Write down which of the files, which are copies in this folder, are links in the project."""
+    lines = [f"{name} {target}\n" for name, _, target in list_files(ROOT) if target]
+    (folder / LINKS).write_text("".join(lines), encoding="utf-8")
+
+
+setup(cmdclass={"build_py": BuildWithProject, "sdist": ArchiveWithLinks})

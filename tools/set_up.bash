@@ -222,8 +222,10 @@ END
 }
 
 install_python() {
-  local locks=(-r "$root/requirements/run.lock")
-  [[ $profile == test ]] && locks+=(-r "$root"/requirements/{dev,vision,robot}.lock) # those: 260 MB, 20 s
+  local locks=(-r "$root/requirements/run.lock") name
+  if [[ $profile == test ]]; then # 260 MB, 20 s
+    for name in dev vision robot; do locks+=(-r "$root/requirements/$name.lock"); done
+  fi
   # PYTHONPATH of a shell that sourced another ROS would make pip think that its packages are ours.
   run_step "Python packages" env -u PYTHONPATH .venv/bin/python -m pip install --progress-bar off \
     --disable-pip-version-check --require-hashes --only-binary :all: "${locks[@]}" ||

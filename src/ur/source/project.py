@@ -29,7 +29,7 @@ PARTS = (
 LIBRARY = "ubiquity_launches"
 DISTRIBUTION = "ubiquity-launches"
 DATA_FOLDER = "_project"
-# A wheel cannot hold links: it holds copies, and this list of PATH TARGET, one a line.
+# Neither a wheel nor an sdist of setuptools holds links: they hold copies, and this list of PATH TARGET, one a line.
 LINKS = "links"
 STATE_FOLDER = ".local/share/ubiquity_launches"  # in the home folder, unless XDG_DATA_HOME names another
 _PYTHON_PACKAGES = ("ur", "ur_nodes")
@@ -80,8 +80,10 @@ def list_files(root: Path | None = None) -> Iterator[tuple[str, Path, str]]:
     if root is None and is_installed():
         yield from _list_wheel()
         return
-    for name, path in _walk(root or project_folder(), PARTS):
-        yield name, path, os.fspath(path.readlink()) if path.is_symlink() else ""
+    folder = root or project_folder()
+    links = _read_links(folder)
+    for name, path in _walk(folder, PARTS):
+        yield name, path, os.fspath(path.readlink()) if path.is_symlink() else links.get(name, "")
 
 
 def _list_wheel() -> Iterator[tuple[str, Path, str]]:
@@ -89,10 +91,15 @@ def _list_wheel() -> Iterator[tuple[str, Path, str]]:
     for name, path in _walk(package.parent, _PYTHON_PACKAGES):
         if not path.is_relative_to(data):
             yield f"src/{name}", path, ""
-    lines = (data / LINKS).read_text(encoding="utf-8").splitlines()
-    links = dict(line.split(" ", 1) for line in lines)
+    links = _read_links(data)
     for name, path in _walk(data, PARTS[1:]):
         yield name, path, links.get(name, "")
+
+
+def _read_links(folder: Path) -> dict[str, str]:
+    file = folder / LINKS
+    lines = file.read_text(encoding="utf-8").splitlines() if file.is_file() else []
+    return dict(line.split(" ", 1) for line in lines)
 
 
 def _walk(root: Path, parts: tuple[str, ...]) -> Iterator[tuple[str, Path]]:
