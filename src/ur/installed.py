@@ -46,6 +46,8 @@ def is_current(environment: Path, prefix: Path) -> bool:
     """Whether an environment was made from the wheel installed in `prefix`, as it is now."""
     ready = environment / READY
     records = list(package_folder().parent.glob(f"{DISTRIBUTION.replace('-', '_')}-*.dist-info/RECORD"))
+    if (environment / "debian").exists() and not (environment.parent / "debian-13/enter.bash").exists():
+        return False  # `ur debian remove` has taken away what it runs in
     try:
         with ready.open(encoding="utf-8") as lines:
             made_from = lines.readline().rstrip("\n")
