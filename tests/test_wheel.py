@@ -17,7 +17,7 @@ from tests.ros_session import RosSession
 from tools.build import build
 
 from ur.cli.main import VERBS
-from ur.robot.repository import read_programs, read_repository
+from ur.robot.deploy.repository import read_programs, read_repository
 
 ROOT = Path(__file__).parents[1]
 SITE = Path(f"lib/python{sys.version_info[0]}.{sys.version_info[1]}/site-packages")
@@ -149,7 +149,7 @@ def test_same_commit_gives_the_same_wheel(wheel: Path, tmp_path: Path) -> None:
 
 
 def test_robot_gets_the_same_copy_from_a_wheel_as_from_a_clone(installed: Installed) -> None:
-    code = "from ur.robot.repository import *; print(read_repository().digest, read_programs().digest)"
+    code = "from ur.robot.deploy.repository import *; print(read_repository().digest, read_programs().digest)"
     done = installed.run(str(installed.environment / "bin/python"), "-I", "-c", code)
     assert done.stdout.split() == [read_repository(ROOT).digest, read_programs(ROOT).digest]
 
