@@ -9,7 +9,18 @@ from __future__ import annotations
 import json
 import os
 import sys
+import time
+from collections.abc import Callable
 from typing import TextIO
+
+
+def wait_until(condition: Callable[[], object], seconds: float, what: str, pause: float = 0.02) -> None:
+    """Poll until a condition holds. Raises TimeoutError, which names what was waited for."""
+    deadline = time.monotonic() + seconds
+    while not condition():
+        if time.monotonic() > deadline:
+            raise TimeoutError(f"waited {seconds:g} s for {what}")
+        time.sleep(pause)
 
 
 def claim_output() -> TextIO:

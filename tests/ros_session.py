@@ -15,6 +15,55 @@ from typing import Any
 ROOT = Path(__file__).resolve().parents[1]
 
 
+def free_port() -> int:
+    """A port of this computer that nothing listens on."""
+    with socket.socket() as probe:
+        probe.bind(("localhost", 0))
+        return int(probe.getsockname()[1])
+
+
+def wait_for_port(port: int, limit: float = 60.0) -> None:
+    """Wait until something listens on a port of this computer."""
+    deadline = time.monotonic() + limit
+    while True:
+        with socket.socket() as probe:
+            if probe.connect_ex(("localhost", port)) == 0:
+                return
+        assert time.monotonic() < deadline, f"nothing listens on port {port} after {limit:g} s"
+        time.sleep(0.02)
+
+
+class Client:
+    """A client process that answers requests, one JSON object a line (`tests/json_client.py`)."""
+
+    def __init__(self, process: subprocess.Popen[str], limit: float = 90.0) -> None:
+        """`limit` is the time in s for an answer, besides that for which the request itself waits (`seconds`)."""
+        self.client = process
+        self._limit = limit
+
+    def ask(self, do: str, **values: Any) -> Any:
+        """The client's answer; fails on an error."""
+        answer = self.try_to(do, **values)
+        assert "error" not in answer, f"{do}: {answer['error']}{self.explain()}"
+        return answer["answer"]
+
+    def try_to(self, do: str, **values: Any) -> dict[str, Any]:
+        """The client's answer or its error."""
+        assert self.client.stdin
+        assert self.client.stdout
+        self.client.stdin.write(json.dumps({"do": do, **values}) + "\n")
+        self.client.stdin.flush()
+        limit = self._limit + float(values.get("seconds", 0.0)) * 3
+        ready, _, _ = select.select([self.client.stdout], [], [], limit)
+        assert ready, f"{do}: no answer within {limit:g} s{self.explain()}"
+        answer: dict[str, Any] = json.loads(self.client.stdout.readline())
+        return answer
+
+    def explain(self) -> str:
+        """More about a failure, such as the end of a log."""
+        return ""
+
+
 class RosSession:
     """Starts a master on a free port. `close` ends it and everything that `start` started.
 
@@ -23,9 +72,7 @@ class RosSession:
     """
 
     def __init__(self, folder: Path, client: Sequence[str] = ()) -> None:
-        with socket.socket() as probe:
-            probe.bind(("localhost", 0))
-            port = probe.getsockname()[1]
+        port = free_port()
         kept = {name: value for name, value in os.environ.items() if not name.startswith("ROS")}
         self.env = kept | {
             "ROS_MASTER_URI": f"http://localhost:{port}",
@@ -36,8 +83,8 @@ class RosSession:
         }
         self.running: list[subprocess.Popen[str]] = []
         self.start("/usr/bin/rosmaster", "--core", "-p", str(port))
-        self._wait_for(port)
-        self.client = self.start(*client) if client else None
+        wait_for_port(port)
+        self._client = Client(self.start(*client)) if client else None
 
     def start(self, *command: str) -> subprocess.Popen[str]:
         pipe = subprocess.PIPE
@@ -58,26 +105,10 @@ class RosSession:
 
     def ask(self, do: str, **values: Any) -> Any:
         """The client's answer; fails on an error."""
-        answer = self.try_to(do, **values)
-        assert "error" not in answer, answer["error"]
-        return answer["answer"]
+        assert self._client, "made without a client"
+        return self._client.ask(do, **values)
 
     def try_to(self, do: str, **values: Any) -> dict[str, Any]:
         """The client's answer or its error."""
-        assert self.client
-        assert self.client.stdin
-        assert self.client.stdout
-        self.client.stdin.write(json.dumps({"do": do, **values}) + "\n")
-        self.client.stdin.flush()
-        assert select.select([self.client.stdout], [], [], 90.0)[0], f"no answer to {do}"
-        answer: dict[str, Any] = json.loads(self.client.stdout.readline())
-        return answer
-
-    def _wait_for(self, port: int) -> None:
-        deadline = time.monotonic() + 60.0
-        while True:
-            with socket.socket() as probe:
-                if probe.connect_ex(("localhost", port)) == 0:
-                    return
-            assert time.monotonic() < deadline, "no master within 20 s"
-            time.sleep(0.02)
+        assert self._client, "made without a client"
+        return self._client.try_to(do, **values)

@@ -7,8 +7,6 @@ from __future__ import annotations
 
 import contextlib
 import math
-import time
-from collections.abc import Callable
 from typing import Any
 
 import actionlib
@@ -22,7 +20,7 @@ from nav_msgs.srv import GetPlan, SetMap, SetMapRequest
 from sensor_msgs.msg import LaserScan
 from std_msgs.msg import Bool, String, Time
 from std_srvs.srv import Empty, Trigger
-from tests.json_client import answer_requests, claim_output
+from tests.json_client import answer_requests, claim_output, wait_until
 
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.motion.lease.client_node import LeaseClient
@@ -245,15 +243,6 @@ class Client:
 
     def _count_scan(self, _message: LaserScan) -> None:
         self.scans += 1
-
-
-def wait_until(condition: Callable[[], object], seconds: float, what: str, pause: float = 0.02) -> None:
-    """Poll until the condition holds; TimeoutError names what was waited for."""
-    deadline = time.monotonic() + seconds
-    while not condition():
-        if time.monotonic() > deadline or rospy.is_shutdown():
-            raise TimeoutError(f"waited {seconds:g} s for {what}")
-        time.sleep(pause)
 
 
 def main() -> None:

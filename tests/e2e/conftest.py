@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import contextlib
-import json
 import os
-import select
 import signal
 import socket
 import subprocess
 import time
 from collections.abc import Iterator
 from pathlib import Path
-from typing import IO, Any
+from typing import Any
 
 import pytest
+from tests.ros_session import Client
 
 ROOT = Path(__file__).parents[2]
 PYTHON = ROOT / ".venv" / "bin" / "python"
@@ -84,33 +83,20 @@ def end(process: subprocess.Popen[Any], seconds: float = 60.0) -> None:
     assert not left, f"still running after the end: {left}"
 
 
-class Robot:
+class Robot(Client):
     """The client's requests as calls: robot.ask("goal", x=1.0, y=2.0, seconds=30)."""
 
     def __init__(self, launch: subprocess.Popen[str], env: dict[str, str], log: Path) -> None:
+        command = [str(PYTHON), "-m", "tests.e2e.client_node"]
+        pipe, nowhere = subprocess.PIPE, subprocess.DEVNULL
+        process = subprocess.Popen(command, cwd=ROOT, env=env, text=True, stdin=pipe, stdout=pipe, stderr=nowhere)
+        super().__init__(process, limit=30.0)
         self.launch = launch
         self.env = env
         self.log = log
-        command = [str(PYTHON), "-m", "tests.e2e.client_node"]
-        pipe, nowhere = subprocess.PIPE, subprocess.DEVNULL
-        self.client = subprocess.Popen(command, cwd=ROOT, env=env, text=True, stdin=pipe, stdout=pipe, stderr=nowhere)
 
-    def ask(self, do: str, **arguments: Any) -> dict[str, Any]:
-        stdin, stdout = self._pipes()
-        stdin.write(json.dumps({"do": do, **arguments}) + "\n")
-        stdin.flush()
-        limit = float(arguments.get("seconds", 0.0)) * 3 + 30
-        ready, _, _ = select.select([stdout], [], [], limit)
-        assert ready, f"{do}: no answer within {limit:g} s; launch log: {self.log.read_text()[-2000:]}"
-        answer: dict[str, Any] = json.loads(stdout.readline())
-        assert "error" not in answer, f"{do}: {answer['error']}; launch log: {self.log.read_text()[-2000:]}"
-        result: dict[str, Any] = answer["answer"]
-        return result
-
-    def _pipes(self) -> tuple[IO[str], IO[str]]:
-        assert self.client.stdin
-        assert self.client.stdout
-        return self.client.stdin, self.client.stdout
+    def explain(self) -> str:
+        return f"; launch log: {self.log.read_text()[-2000:]}"
 
 
 @pytest.fixture(scope="module")

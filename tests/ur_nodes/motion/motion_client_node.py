@@ -12,7 +12,7 @@ from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 from std_msgs.msg import Bool, String
 from std_srvs.srv import Trigger
-from tests.json_client import answer_requests, claim_output
+from tests.json_client import answer_requests, claim_output, wait_until
 
 
 class Client:
@@ -102,10 +102,10 @@ class Client:
         return told
 
     def wait(self, condition: Callable[[], bool], seconds: float) -> None:
-        end = time.monotonic() + seconds
-        while not condition():
-            assert time.monotonic() < end, f"not so within {seconds} s: {self.active[-5:]}, {self.truth}"
-            time.sleep(0.005)
+        try:
+            wait_until(condition, seconds, "a state of the robot", pause=0.005)
+        except TimeoutError as problem:
+            raise TimeoutError(f"{problem}: {self.active[-5:]}, {self.truth}") from None
 
 
 def take(messages: list[Any]) -> list[Any]:

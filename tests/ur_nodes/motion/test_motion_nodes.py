@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import json
 import os
-import select
 import signal
 import subprocess
 from collections.abc import Iterator
@@ -15,6 +13,7 @@ from typing import Any
 import psutil
 import pytest
 from tests.e2e.conftest import PYTHON, ROOT, end, list_family, make_environment
+from tests.ros_session import Client
 from tests.ur_nodes.motion.joystick.virtual_joystick import UINPUT, PipeJoystick, UinputJoystick, VirtualJoystick
 
 pytestmark = pytest.mark.ros
@@ -23,24 +22,16 @@ HERE = Path(__file__).parent
 DEAD_MAN, STOP, RELEASE = 4, 1, 7
 
 
-class Robot:
+class Robot(Client):
+    """The launched robot, its joystick, and the client's requests as calls."""
+
     def __init__(self, launch: subprocess.Popen[str], env: dict[str, str], joystick: VirtualJoystick) -> None:
+        pipe = subprocess.PIPE
+        command = [str(PYTHON), "-m", "tests.ur_nodes.motion.motion_client_node"]
+        super().__init__(subprocess.Popen(command, cwd=ROOT, env=env, text=True, stdin=pipe, stdout=pipe), limit=150.0)
         self.launch = launch
         self.env = env
         self.joystick = joystick
-        pipe = subprocess.PIPE
-        command = [str(PYTHON), "-m", "tests.ur_nodes.motion.motion_client_node"]
-        self.client = subprocess.Popen(command, cwd=ROOT, env=env, text=True, stdin=pipe, stdout=pipe)
-
-    def ask(self, do: str, **arguments: Any) -> Any:
-        assert self.client.stdin
-        assert self.client.stdout
-        self.client.stdin.write(json.dumps({"do": do, **arguments}) + "\n")
-        self.client.stdin.flush()
-        assert select.select([self.client.stdout], [], [], 150.0)[0], f"no answer to {do}"
-        answer = json.loads(self.client.stdout.readline())
-        assert "error" not in answer, f"{do}: {answer['error']}"
-        return answer["answer"]
 
 
 @pytest.fixture(scope="module")

@@ -11,7 +11,6 @@ import math
 import sys
 import threading
 import time
-from collections.abc import Callable
 from typing import Any
 
 import actionlib
@@ -25,7 +24,7 @@ from nav_msgs.srv import GetPlan
 from sensor_msgs.msg import LaserScan, Range
 from std_msgs.msg import String, Time
 from std_srvs.srv import Empty
-from tests.json_client import answer_requests, claim_output
+from tests.json_client import answer_requests, claim_output, wait_until
 from tests.ur_nodes.navigation.closed_loop import two_rooms
 from tf2_msgs.msg import TFMessage
 
@@ -292,14 +291,6 @@ def _link(parent: str, child: str, pose: Pose2, now: rospy.Time) -> TransformSta
     link = TransformStamped(child_frame_id=child, transform=transform_message(pose))
     link.header.frame_id, link.header.stamp = parent, now
     return link
-
-
-def wait_until(condition: Callable[[], Any], seconds: float, what: str) -> None:
-    deadline = time.monotonic() + seconds
-    while not condition():
-        if time.monotonic() > deadline:
-            raise TimeoutError(f"{what} did not come within {seconds:g} s")
-        time.sleep(0.02)
 
 
 def main() -> None:

@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from tests.ur_nodes.navigation.test_move_base_node import Robot, start_robot
+from tests.ros_session import Client
+from tests.ur_nodes.navigation.test_move_base_node import start_robot
 
 pytestmark = pytest.mark.ros
 
@@ -18,27 +19,27 @@ NUMBERS = iter(range(1000))
 
 
 @pytest.fixture(scope="module")
-def robot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Robot]:
+def robot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Client]:
     with start_robot(tmp_path_factory.mktemp("attended"), "scan", "mux") as robot:
         yield robot
 
 
 @pytest.fixture
-def asking_robot(tmp_path: Path) -> Iterator[Robot]:
+def asking_robot(tmp_path: Path) -> Iterator[Client]:
     with start_robot(tmp_path, "scan", "mux", on_return="ask") as robot:
         yield robot
 
 
-def say(robot: Robot, state: str, **changes: Any) -> None:
+def say(robot: Client, state: str, **changes: Any) -> None:
     robot.ask("lease", state=state, **(LAPTOP | changes))
 
 
-def send(robot: Robot, x: float, y: float, client: str = "aa", age: float = 0.0) -> str:
+def send(robot: Client, x: float, y: float, client: str = "aa", age: float = 0.0) -> str:
     """The id of a goal that was sent as our clients send them."""
     return str(robot.ask("claim", client=client, age=age, number=next(NUMBERS), x=x, y=y)["id"])
 
 
-def drive_away(robot: Robot) -> str:
+def drive_away(robot: Client) -> str:
     """A goal in the other room that the robot drives to, and that laptop attends."""
     say(robot, "held")
     here = robot.ask("stopped", seconds=60.0)
@@ -48,13 +49,13 @@ def drive_away(robot: Robot) -> str:
     return goal
 
 
-def stop(robot: Robot, goal: str) -> None:
+def stop(robot: Client, goal: str) -> None:
     robot.ask("cancel_id", id=goal)
     robot.ask("status", id=goal, text="cancelled", state="PREEMPTED", seconds=60.0)
     robot.ask("stopped", seconds=60.0)
 
 
-def test_goal_is_held_while_its_client_is_lost_and_resumed_when_it_is_back(robot: Robot) -> None:
+def test_goal_is_held_while_its_client_is_lost_and_resumed_when_it_is_back(robot: Client) -> None:
     goal = drive_away(robot)
     say(robot, "lost")
     robot.ask("status", id=goal, text="held: no word from laptop for 3 s", state="ACTIVE", seconds=60.0)
@@ -66,14 +67,14 @@ def test_goal_is_held_while_its_client_is_lost_and_resumed_when_it_is_back(robot
     assert min(math.hypot(end["x"] - x, end["y"] - y) for x, y in ENDS) < 0.15
 
 
-def test_goal_is_cancelled_when_another_client_takes_over(robot: Robot) -> None:
+def test_goal_is_cancelled_when_another_client_takes_over(robot: Client) -> None:
     goal = drive_away(robot)
     say(robot, "held", client="bb", name="laptop2")
     robot.ask("status", id=goal, text="laptop2 took over", state="PREEMPTED", seconds=60.0)
     robot.ask("stopped", seconds=60.0)
 
 
-def test_goal_that_arrives_late_is_refused_and_changes_nothing(robot: Robot) -> None:
+def test_goal_that_arrives_late_is_refused_and_changes_nothing(robot: Client) -> None:
     goal = drive_away(robot)
     late = send(robot, age=1.5, x=0.0, y=0.0)
     robot.ask("status", id=late, text="the goal arrived late (1.", state="ABORTED", seconds=60.0)
@@ -82,7 +83,7 @@ def test_goal_that_arrives_late_is_refused_and_changes_nothing(robot: Robot) -> 
     stop(robot, goal)
 
 
-def test_goal_of_another_client_than_the_driver_is_refused(robot: Robot) -> None:
+def test_goal_of_another_client_than_the_driver_is_refused(robot: Client) -> None:
     goal = drive_away(robot)
     other = send(robot, client="bb", x=0.0, y=0.0)
     robot.ask("status", id=other, text="laptop drives since ", state="ABORTED", seconds=60.0)
@@ -90,7 +91,7 @@ def test_goal_of_another_client_than_the_driver_is_refused(robot: Robot) -> None
     stop(robot, goal)
 
 
-def test_held_goal_can_be_cancelled(robot: Robot) -> None:
+def test_held_goal_can_be_cancelled(robot: Client) -> None:
     goal = drive_away(robot)
     say(robot, "lost")
     robot.ask("status", id=goal, text="held: ", state="ACTIVE", seconds=60.0)
@@ -99,7 +100,7 @@ def test_held_goal_can_be_cancelled(robot: Robot) -> None:
     assert robot.ask("commands")["commands"] == 0
 
 
-def test_goal_without_a_client_follows_who_drives_and_an_unattended_client_need_not_be_there(robot: Robot) -> None:
+def test_goal_without_a_client_follows_who_drives_and_an_unattended_client_need_not_be_there(robot: Client) -> None:
     stop(robot, drive_away(robot))
     robot.ask("goal", name="rviz", x=0.0, y=0.0)
     robot.ask("moving", seconds=60.0)
@@ -109,7 +110,7 @@ def test_goal_without_a_client_follows_who_drives_and_an_unattended_client_need_
     assert robot.ask("end", name="rviz", seconds=60.0)["state"] == "SUCCEEDED"
 
 
-def test_silence_of_the_mux_holds_the_goal(robot: Robot) -> None:
+def test_silence_of_the_mux_holds_the_goal(robot: Client) -> None:
     goal = drive_away(robot)
     robot.ask("mute", mute=True)
     try:
@@ -121,7 +122,7 @@ def test_silence_of_the_mux_holds_the_goal(robot: Robot) -> None:
     stop(robot, goal)
 
 
-def test_robot_asks_before_it_goes_on_where_that_is_configured(asking_robot: Robot) -> None:
+def test_robot_asks_before_it_goes_on_where_that_is_configured(asking_robot: Client) -> None:
     robot = asking_robot
     goal = drive_away(robot)
     say(robot, "lost")

@@ -1,19 +1,16 @@
 from __future__ import annotations
 
-import json
 import math
 import os
-import select
 import signal
-import socket
 import subprocess
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
 import pytest
+from tests.ros_session import Client, free_port
 
 ROOT = Path(__file__).parents[3]
 LAUNCH = """<launch>
@@ -30,33 +27,14 @@ LAUNCH = """<launch>
 pytestmark = pytest.mark.ros
 
 
-class Robot:
-    """Requests to the robot client as calls."""
-
-    def __init__(self, client: subprocess.Popen[str]) -> None:
-        self._client = client
-
-    def ask(self, do: str, **arguments: Any) -> dict[str, Any]:
-        assert self._client.stdin
-        assert self._client.stdout
-        self._client.stdin.write(json.dumps({"do": do, **arguments}) + "\n")
-        self._client.stdin.flush()
-        ready, _, _ = select.select([self._client.stdout], [], [], float(arguments.get("seconds", 10.0)) + 20.0)
-        assert ready, f"{do}: no answer"
-        answer: dict[str, Any] = json.loads(self._client.stdout.readline())
-        assert "error" not in answer, f"{do}: {answer['error']}"
-        result: dict[str, Any] = answer["answer"]
-        return result
-
-
 @pytest.fixture(scope="module")
-def robot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Robot]:
+def robot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Client]:
     with start_robot(tmp_path_factory.mktemp("move_base"), scan="scan") as robot:
         yield robot
 
 
 @pytest.fixture
-def blind_robot(tmp_path: Path) -> Iterator[Robot]:
+def blind_robot(tmp_path: Path) -> Iterator[Client]:
     """One without a lidar."""
     with start_robot(tmp_path, scan="") as robot:
         robot.ask("blind", blind=True)
@@ -64,10 +42,8 @@ def blind_robot(tmp_path: Path) -> Iterator[Robot]:
 
 
 @contextmanager
-def start_robot(folder: Path, scan: str, *client_arguments: str, on_return: str = "resume") -> Iterator[Robot]:
-    with socket.socket() as probe:
-        probe.bind(("localhost", 0))
-        port = probe.getsockname()[1]
+def start_robot(folder: Path, scan: str, *client_arguments: str, on_return: str = "resume") -> Iterator[Client]:
+    port = free_port()
     environment = {name: value for name, value in os.environ.items() if not name.startswith("ROS")} | {
         "ROS_MASTER_URI": f"http://localhost:{port}",
         "ROS_HOSTNAME": "localhost",
@@ -93,7 +69,7 @@ def start_robot(folder: Path, scan: str, *client_arguments: str, on_return: str 
         stderr=subprocess.DEVNULL,
     )
     try:
-        robot = Robot(client)
+        robot = Client(client)
         robot.ask("ready", seconds=60.0)
         yield robot
     finally:
@@ -107,7 +83,7 @@ def start_robot(folder: Path, scan: str, *client_arguments: str, on_return: str 
             launch.wait()
 
 
-def test_move_base_reaches_a_goal_and_is_silent_afterwards(robot: Robot) -> None:
+def test_move_base_reaches_a_goal_and_is_silent_afterwards(robot: Client) -> None:
     robot.ask("goal", name="a", x=0.8, y=0.4, yaw=1.57)
     end = robot.ask("end", name="a", seconds=60.0)
     assert end["state"] == "SUCCEEDED"
@@ -119,7 +95,7 @@ def test_move_base_reaches_a_goal_and_is_silent_afterwards(robot: Robot) -> None
     assert seen["costmap"] == 84 * 124
 
 
-def test_move_base_stops_when_a_goal_is_cancelled(robot: Robot) -> None:
+def test_move_base_stops_when_a_goal_is_cancelled(robot: Client) -> None:
     robot.ask("goal", name="b", x=-0.8, y=-1.0)
     robot.ask("moving", seconds=60.0)
     robot.ask("cancel", name="b")
@@ -127,7 +103,7 @@ def test_move_base_stops_when_a_goal_is_cancelled(robot: Robot) -> None:
     robot.ask("stopped", seconds=60.0)
 
 
-def test_move_base_lets_a_new_goal_replace_the_old_one(robot: Robot) -> None:
+def test_move_base_lets_a_new_goal_replace_the_old_one(robot: Client) -> None:
     robot.ask("goal", name="c", x=3.0, y=0.0)
     robot.ask("moving", seconds=60.0)
     robot.ask("goal", name="d", x=0.0, y=0.0)
@@ -146,21 +122,21 @@ def test_move_base_lets_a_new_goal_replace_the_old_one(robot: Robot) -> None:
         ({"x": math.nan, "y": 0.0}, "not finite"),
     ],
 )
-def test_move_base_says_why_a_goal_cannot_be_reached(robot: Robot, goal: dict[str, float], reason: str) -> None:
+def test_move_base_says_why_a_goal_cannot_be_reached(robot: Client, goal: dict[str, float], reason: str) -> None:
     robot.ask("goal", name="e", **goal)
     end = robot.ask("end", name="e", seconds=60.0)
     assert end["state"] == "ABORTED"
     assert reason in end["text"]
 
 
-def test_move_base_takes_simple_goals(robot: Robot) -> None:
+def test_move_base_takes_simple_goals(robot: Client) -> None:
     robot.ask("simple_goal", x=-0.8, y=0.8)
     robot.ask("moving", seconds=60.0)
     robot.ask("goal", name="f", x=-0.5, y=0.5)
     robot.ask("end", name="f", seconds=60.0)
 
 
-def test_move_base_makes_plans_without_driving(robot: Robot) -> None:
+def test_move_base_makes_plans_without_driving(robot: Client) -> None:
     points = robot.ask("make_plan", x=3.0, y=-1.0)["points"]
     assert points[-1] == pytest.approx([3.0, -1.0], abs=0.05)
     assert all(0.4 < y < 1.3 for x, y in points if 1.45 < x < 1.55), "through the door"
@@ -168,7 +144,7 @@ def test_move_base_makes_plans_without_driving(robot: Robot) -> None:
     robot.ask("clear")
 
 
-def test_move_base_stops_and_gives_up_when_the_scan_falls_silent(robot: Robot) -> None:
+def test_move_base_stops_and_gives_up_when_the_scan_falls_silent(robot: Client) -> None:
     robot.ask("goal", name="g", x=1.0, y=-1.5)
     robot.ask("moving", seconds=60.0)
     robot.ask("blind", blind=True)
@@ -181,14 +157,14 @@ def test_move_base_stops_and_gives_up_when_the_scan_falls_silent(robot: Robot) -
     assert math.hypot(end["x"] - 1.0, end["y"] + 1.5) > 0.2
 
 
-def test_move_base_without_a_scan_drives_on_the_map_alone(blind_robot: Robot) -> None:
+def test_move_base_without_a_scan_drives_on_the_map_alone(blind_robot: Client) -> None:
     blind_robot.ask("goal", name="a", x=3.0, y=-1.0, yaw=1.57)  # in the other room, through the door
     end = blind_robot.ask("end", name="a", seconds=60.0)
     assert end["state"] == "SUCCEEDED", end["text"]
     assert math.hypot(end["x"] - 3.0, end["y"] + 1.0) < 0.1
 
 
-def test_move_base_without_a_scan_goes_round_what_a_sonar_hears(blind_robot: Robot) -> None:
+def test_move_base_without_a_scan_goes_round_what_a_sonar_hears(blind_robot: Client) -> None:
     blind_robot.ask("pillar", x=0.0, y=0.9)
     blind_robot.ask("goal", name="a", x=0.0, y=1.6, yaw=1.57)
     end = blind_robot.ask("end", name="a", seconds=90.0)

@@ -6,7 +6,6 @@ import contextlib
 import os
 import re
 import signal
-import socket
 import subprocess
 import sys
 import termios
@@ -16,6 +15,7 @@ from pathlib import Path
 
 import pytest
 import yaml
+from tests.ros_session import free_port, wait_for_port
 
 from ur.robot.base import list_bases, load_base
 from ur.source.crash import EXIT_CODE
@@ -28,12 +28,6 @@ DRIVE = PACKAGE / "n_teleop_twist_keyboard/bin/teleop_twist_keyboard.py"
 pytestmark = pytest.mark.ros
 
 Environment = dict[str, str]
-
-
-def free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("localhost", 0))
-        return int(probe.getsockname()[1])
 
 
 @pytest.fixture(scope="module")
@@ -64,14 +58,6 @@ def environment(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Environmen
         for process in reversed(started):
             process.terminate()
             process.wait(60)
-
-
-def wait_for_port(port: int) -> None:
-    deadline = time.monotonic() + 60
-    with contextlib.closing(socket.socket()) as probe:
-        while probe.connect_ex(("localhost", port)):
-            assert time.monotonic() < deadline, "no master"
-            time.sleep(0.05)
 
 
 def run_piped(program: Path, text: str, env: Environment, *arguments: str) -> subprocess.CompletedProcess[str]:
@@ -144,34 +130,17 @@ def test_keys_of_a_pipe_drive(environment: Environment) -> None:
 @pytest.mark.parametrize("program", [NAVIGATE, DRIVE], ids=lambda path: path.name)
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT, signal.SIGHUP], ids=lambda number: number.name)
 def test_terminal_is_restored_after_a_signal(environment: Environment, program: Path, number: signal.Signals) -> None:
-    user, terminal = os.openpty()
-    before = termios.tcgetattr(terminal)
-    screen = b""
+    shown = OnTerminal([program], environment)
     try:
-        process = subprocess.Popen(
-            [program], env=environment, stdin=terminal, stdout=terminal, stderr=terminal, start_new_session=True
-        )
-        deadline = time.monotonic() + 60
-        while b"keyboard" not in screen:
-            assert time.monotonic() < deadline, screen
-            screen += os.read(user, 65536)
-        process.send_signal(number)
-        os.set_blocking(user, False)
-        while process.poll() is None:
-            assert time.monotonic() < deadline, "still running"
-            try:
-                screen += os.read(user, 65536)
-            except BlockingIOError:
-                time.sleep(0.02)
-        assert process.returncode == 0
-        with contextlib.suppress(BlockingIOError):
-            screen += os.read(user, 65536)
-        assert termios.tcgetattr(terminal) == before
-        assert screen.rfind(b"\x1b[?1049l") > screen.rfind(b"\x1b[?1049h") >= 0
-        assert b"Traceback" not in screen
+        shown.wait_for("keyboard")
+        shown.process.send_signal(number)
+        assert shown.wait_end() == 0
+        screen = shown.read()
+        assert termios.tcgetattr(shown.terminal) == shown.before
+        assert screen.rfind("\x1b[?1049l") > screen.rfind("\x1b[?1049h") >= 0
+        assert "Traceback" not in screen
     finally:
-        os.close(terminal)
-        os.close(user)
+        shown.close()
 
 
 class OnTerminal:

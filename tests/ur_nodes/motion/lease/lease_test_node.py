@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable
 from typing import Any
 
 import rospy
 from geometry_msgs.msg import Twist, TwistStamped, Vector3
 from std_msgs.msg import Bool, String, Time
-from tests.json_client import answer_requests, claim_output
+from tests.json_client import answer_requests, claim_output, wait_until
 
 from ur_nodes.motion.challenge.challenge_node import FreshPublisher
 from ur_nodes.motion.lease.client_node import LeaseClient
@@ -36,14 +35,18 @@ class Clients:
         """Once a mux is there, with all its connections."""
         before = len(self.challenges)
         publishers = (self.raw, self.plain, self.navigation, self.pause, self.requests)
-        wait(lambda: len(self.challenges) > before + 5 and all(each.get_num_connections() for each in publishers))
+        wait_until(
+            lambda: len(self.challenges) > before + 5 and all(each.get_num_connections() for each in publishers),
+            60.0,
+            "the mux",
+        )
 
     def join(self, client: str, conduct: str) -> dict[str, Any]:
         """A client begins."""
         os.environ |= {"UR_CLIENT": client, "UR_CLIENT_NAME": f"{client}-host", "UR_LEASE": conduct}
         self.clients[client] = joined = LeaseClient("cmd_vel_mux", "test")
         self.fresh[client] = FreshPublisher("key_vel", joined.link, client)
-        wait(lambda: bool(self.fresh[client].listeners()) and joined.view().state != "unknown")
+        wait_until(lambda: bool(self.fresh[client].listeners()) and joined.view().state != "unknown", 60.0, "the mux")
         return self.view(client)
 
     def view(self, client: str) -> dict[str, Any]:
@@ -53,7 +56,9 @@ class Clients:
 
     def becomes(self, client: str, **expected: Any) -> dict[str, Any]:
         """Once the client's view is so."""
-        wait(lambda: all(self.view(client)[name] == value for name, value in expected.items()), str(expected))
+        wait_until(
+            lambda: all(self.view(client)[name] == value for name, value in expected.items()), 60.0, str(expected)
+        )
         return self.view(client)
 
     def request(self, client: str, action: str) -> None:
@@ -120,14 +125,7 @@ class Clients:
 
     def mirrored(self, client: str) -> None:
         """Once the parameter server names the client, too: a mux that is started reads the lease there."""
-        wait(lambda: f'"client": "{client}"' in str(rospy.get_param("/ur/lease", "")), "the parameter")
-
-
-def wait(condition: Callable[[], bool], what: str = "the mux") -> None:
-    end = time.monotonic() + 60.0
-    while not condition():
-        assert time.monotonic() < end, f"not so within 60 s: {what}"
-        time.sleep(0.01)
+        wait_until(lambda: f'"client": "{client}"' in str(rospy.get_param("/ur/lease", "")), 60.0, "the parameter")
 
 
 if __name__ == "__main__":
