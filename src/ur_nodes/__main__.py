@@ -3,7 +3,7 @@
 Nodes start isolated (`-I`), so that nothing in the current folder or in PYTHONPATH replaces their modules. Messages of
 a workspace are found all the same: the folders of PYTHONPATH are searched last.
 
-An interrupt while the module is still importing ends it without a word; rospy sets its own handler once it starts.
+An interrupt while the module is still importing ends it without a message; rospy sets its own handler once it starts.
 """
 
 from __future__ import annotations

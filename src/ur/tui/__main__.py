@@ -23,7 +23,7 @@ def main(words: list[str]) -> int:
             from ur.tui import app  # noqa: F401 - while the launch file is read: later it is there at once
         early = wait_begin(control)
         if early is None:
-            return 0  # it never begins: ur launch says why
+            return 0  # it never begins: ur launch reports why
         if not own_terminal(0):
             return 1
         try:
@@ -40,7 +40,7 @@ def main(words: list[str]) -> int:
 
 
 def wait_begin(control: RunControl) -> list[RunEvent] | None:
-    """Wait until the run begins: nothing is on the screen before. What was told so far; None when it never begins."""
+    """Wait until the run begins; the screen stays empty before. Return the events so far, None when it never begins."""
     early: list[RunEvent] = []
     while not any(isinstance(event, RunStarted) for event in early):
         select.select([control], [], [])

@@ -48,7 +48,7 @@ class WatchApp(LogActions):
         self.push_screen(Question(f"Kill {row.name}?", choices, self.palette), answer)
 
     def action_debug(self) -> None:
-        """Look into a node with a debugger; asks where that means to start it again."""
+        """Debug a node; asks where that means to start it again."""
         row = self._steerable()
         if row is None:
             return
@@ -78,7 +78,7 @@ class WatchApp(LogActions):
         self._ask_end(detach=False)
 
     def action_leave(self, _anyway: bool = False) -> None:
-        """Quit: end the run, or only stop watching where it goes on without us."""
+        """Quit: end the run, or only this interface where the run goes on without it."""
         if not isinstance(self.screen, Question):
             self._ask_end(detach=self._may_leave)
 

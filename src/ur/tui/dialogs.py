@@ -19,7 +19,7 @@ from ur.tui.palette import Palette
 
 @dataclass(frozen=True, slots=True)
 class Choice:
-    """One answer: the key that gives it, and what it says."""
+    """One answer: its key and its text."""
 
     key: str
     text: str

@@ -12,7 +12,7 @@ from ur.source.ansi import STYLE, strip_styles
 
 MOST_ENTRIES = 10_000
 MOST_LINES = 200  # of one message
-MOST_AT_ONCE = 200  # lines of one node between two looks; who prints more is counted, its log file has it all
+MOST_AT_ONCE = 200  # lines of one node between two updates; more are counted, the log file has them all
 REACH = 64  # entries between two lines of one message, or two equal messages
 RANK: dict[Severity, int] = {"debug": 0, "": 1, "info": 1, "warning": 2, "error": 3, "fatal": 4}
 
@@ -24,7 +24,7 @@ _CLOSED = re.compile("\x1b\\[0?m")
 class Entry:
     """A message of a node (`name` empty: of the run itself). `time` is when it came, s since the epoch.
 
-    `lines` may hold colours and nothing else that moves a terminal. `count` says how often it came in a row. `number`
+    `lines` may hold colours and nothing else that moves a terminal. `count` is how often it came in a row. `number`
     only grows. `open` while the message goes on with the node's next line whatever that is.
     """
 
@@ -60,7 +60,7 @@ class Filter:
 
 @dataclass(slots=True)
 class Journal:
-    """The log of a run. `entries` oldest first; `take_changes` says what is new."""
+    """The log of a run. `entries` oldest first; `take_changes` returns what is new."""
 
     entries: deque[Entry] = field(default_factory=lambda: deque(maxlen=MOST_ENTRIES))
     _last: dict[str, Entry] = field(default_factory=dict)
@@ -68,7 +68,7 @@ class Journal:
     _oldest_change: int | None = None
 
     def add(self, events: Iterable[OutputLine | Notice], now: float) -> None:
-        """Take what was printed since the last look. `now` in s since the epoch."""
+        """Take what was printed since the last update. `now` in s since the epoch."""
         counts: dict[str, int] = {}
         for event in events:
             if isinstance(event, Notice):

@@ -128,7 +128,7 @@ class LogActions(RunScreen):
             self.report(self.services.run_here([*pager, row.changed.log]))
 
     def report(self, problem: str) -> None:
-        """Say what went wrong ('' for nothing) and go on."""
+        """Show what went wrong ('' for nothing) and go on."""
         if problem:
             self.say(problem)
         else:

@@ -111,7 +111,7 @@ class LogView(ScrollView, can_focus=False):
         self._show_end()
 
     def watch_scroll_y(self, old_value: float, new_value: float) -> None:
-        """Whoever scrolls away from the end reads back; whoever comes there again follows."""
+        """Follow the end of the log unless the user has scrolled away from it."""
         super().watch_scroll_y(old_value, new_value)
         self._follows = new_value >= len(self._rows) - self.size.height - 0.5
 

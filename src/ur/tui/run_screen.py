@@ -1,4 +1,4 @@
-"""The screen: nodes above, log below, and what has happened brought onto them. Keys are `looking` and `steering`."""
+"""The screen of a run: nodes above, log below, updated from events. Its keys are `log_actions` and `app`."""
 
 from __future__ import annotations
 
@@ -82,7 +82,7 @@ class RunScreen(FullScreenApp[str]):
         early: Sequence[RunEvent] = (),
         driver: type[Driver] | None = None,
     ) -> None:
-        """`guest`: the run does not end when this interface does. `early`: what has happened already."""
+        """`guest`: the run does not end when this interface does. `early`: the events so far."""
         self.palette = LIGHT if light else DARK  # asked for by the constructor of the application
         super().__init__(driver_class=driver)
         self.state: RunState = begin_state()
@@ -145,7 +145,7 @@ class RunScreen(FullScreenApp[str]):
             loop.call_later(PAUSE, lambda: loop.add_reader(self.control.fileno(), self._listen))
 
     def take(self, happened: Sequence[RunEvent]) -> None:
-        """Show what has happened."""
+        """Show events."""
         for each in happened:
             self._stopping = self._stopping or isinstance(each, RunStopping)
             if self._stopping and isinstance(each, Notice) and each.severity == "warning":
@@ -187,7 +187,7 @@ class RunScreen(FullScreenApp[str]):
         self.query_one(place, Static).update(text)
 
     def say(self, text: str) -> None:
-        """Tell people something, until the next key."""
+        """Show a message until the next key."""
         self._said = printable(text)
         self.draw()
 

@@ -94,7 +94,7 @@ class NodeRow:
 class RunState:
     """The whole run. `cause` says why it ends, None while it goes on; `exit_code` is set once it has ended.
 
-    `link` says what is wrong with the link to the robot, '' while nothing is.
+    `link` describes a problem of the connection to the robot, '' while there is none.
     """
 
     run: RunStarted
@@ -117,7 +117,7 @@ class RunState:
 
 
 def begin_state() -> RunState:
-    """Before anything was told."""
+    """Return the state before the first event."""
     return RunState(RunStarted("", 0, "", "", "", 0.0))
 
 

@@ -61,8 +61,8 @@ class Viewer:
         theirs.close()
 
     def note(self, severity: Severity, text: str) -> None:
-        """Say something before the run begins: it is the first in the interface's log."""
-        from ur.run.clients.protocol import Notice, dump_line  # only for those who are told something
+        """Pass a message on before the run begins: it is the first in the interface's log."""
+        from ur.run.clients.protocol import Notice, dump_line  # only where there is a message
 
         with suppress(OSError):
             self.link.sendall(dump_line(Notice(severity, text)))

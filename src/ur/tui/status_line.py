@@ -1,4 +1,4 @@
-"""One line that says how the run stands, and above it only what matters: for small terminals and quiet people."""
+"""The status of a run in one line, with warnings and errors above it: for small terminals and `--calm`."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ def show_status_line(
     """Show a run until it ends: `ended`, `gone` (its supervisor was killed) or `detached`; its code.
 
     Ctrl-C leaves a run that is detached or where we are a `guest`, and stops any other; again is faster. `early`: what
-    has happened already; it was printed where this line appears.
+    are the events so far; they were printed where this line appears.
     Takes SIGINT over meanwhile.
     """
     if os.environ.get("NO_COLOR"):

@@ -19,7 +19,7 @@ _SHORT: dict[Mood, str] = {"up": "up", "busy": "starting", "failed": "failed", "
 def describe_run(state: RunState, now: float, width: int, palette: Palette) -> Text:
     """The first line: what runs, how many nodes are how, what they use together, for how long.
 
-    Where there is little room words get shorter, then what is used is left out, then the words.
+    With few columns the labels get shorter, then the usage is left out, then the labels.
     """
     for words, use in ((_WORDS, True), (_SHORT, True), (_SHORT, False), ({}, False)):
         left, right = _describe_nodes(state, words, palette), _describe_use(state, now, palette, use=use)

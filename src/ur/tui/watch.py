@@ -1,4 +1,4 @@
-"""Watching a run on this terminal, with the interface that fits: for `ur launch` and `ur attach`."""
+"""Display of a run on this terminal, with the interface that fits: for `ur launch` and `ur attach`."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def watch_run(
 ) -> tuple[str, int]:
     """Show a run, `full` or `calm`, until it ends: `ended`, `gone` (its supervisor was killed) or `detached`; its code.
 
-    `ours`: the run ends with this terminal. `early`: what has happened already. What failed, and warnings about
+    `ours`: the run ends with this terminal. `early`: the events so far. What failed, and warnings about
     the end, are shown once more afterwards, where they stay.
     """
     if ours:

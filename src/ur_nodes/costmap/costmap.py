@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt
 
-from ur.worlds.cells import CellFrame, look_up
-from ur_nodes.geometry.grid import Grid
+from ur_nodes.geometry.grid import CellFrame, Grid, look_up
 from ur_nodes.geometry.pose import Pose2
 
 FREE = 0
@@ -51,7 +50,7 @@ class Costmap(CellFrame):
 
 
 def costs_of_grid(grid: Grid, *, lethal: int = 100, track_unknown: bool = True) -> NDArray[np.uint8]:
-    """The static layer: what a map says.
+    """The static layer: the obstacles of a map.
 
     Values from `lethal` up are obstacles, -1 is unknown (free, unless unknown space is tracked), others are free.
     """

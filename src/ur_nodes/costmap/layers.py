@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ur.worlds.cells import CellFrame
+from ur_nodes.geometry.grid import CellFrame
 from ur_nodes.geometry.pose import Pose2, Pose3, rotate
 
 
@@ -24,7 +24,7 @@ class Ranges:
 class Beams:
     """A scan as rays in its sensor's frame: `angles` (n) in rad, `ranges` (n) in m, `hits` (n): there is something.
 
-    A ray without a hit is free up to its range. Rays that say nothing (too near, not a number) are left out.
+    A ray without a hit is free up to its range. Rays without information (too near, not a number) are left out.
     """
 
     angles: NDArray[np.float64]
@@ -113,7 +113,7 @@ def _changed(
 
 
 def shift_cells(occupied: NDArray[np.bool_], rows: int, columns: int) -> NDArray[np.bool_]:
-    """The cells of a window that moved by whole cells over what it looks at; what comes into view is free."""
+    """The cells of a window after it moved by whole cells; the cells that enter it are free."""
     height, width = occupied.shape
     moved = np.zeros_like(occupied)
     if abs(rows) < height and abs(columns) < width:

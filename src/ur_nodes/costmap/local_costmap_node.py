@@ -82,7 +82,7 @@ def read_settings(own: Parameters) -> Settings:
 
 
 class LocalCostmap:
-    """Subscribes, works in what came, and publishes while somebody listens."""
+    """Subscribes, updates the costmap, and publishes while it has subscribers."""
 
     def __init__(self, settings: Settings) -> None:
         self._settings = settings
@@ -128,7 +128,7 @@ class LocalCostmap:
             except TransformError as problem:
                 late = isinstance(problem, ExtrapolationError) and problem.ahead
                 if late and rospy.get_time() - stamp < _ODOMETRY_PATIENCE:
-                    self._waiting.append((frame, stamp, beams))  # the odometry of that moment is still on its way
+                    self._waiting.append((frame, stamp, beams))  # the odometry of that moment has not arrived yet
                 else:
                     self._warn(f"data of {frame} ignored: {problem}")
                 continue

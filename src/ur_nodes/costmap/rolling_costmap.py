@@ -1,4 +1,4 @@
-"""The local costmap: a window that rolls along with the robot and knows what the scan has seen, or the map says."""
+"""The local costmap: a window that rolls along with the robot, with the obstacles of the scan or of the map."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ class RollingCostmap:
         return Costmap(costs, frame.resolution, frame.origin)
 
     def inflated(self) -> Costmap:
-        """The window with the slopes round obstacles, as people look at it."""
+        """The window with inflated obstacles, for display."""
         plain = self.occupied()
         return Costmap(inflate(plain.costs, plain.resolution, self._inflation), plain.resolution, plain.origin)
 

@@ -17,8 +17,8 @@ _STEP = 0.035  # rad between rays: half a cell of 5 cm at 0.7 m, where sonars ma
 def beams_of_range(distance: float, field_of_view: float, range_min: float, range_max: float) -> Beams:
     """The cone of a sensor_msgs/Range: the echo may come from anywhere on the arc at `distance`, nothing is nearer.
 
-    `field_of_view` is the full angle, in rad. Beyond `range_max` (or +inf, REP 117) nothing was heard: the cone is
-    free. Nearer than `range_min`, and NaN, says nothing: no rays.
+    `field_of_view` is the full angle, in rad. Beyond `range_max` (or +inf, REP 117) there was no echo: the cone is
+    free. Nearer than `range_min`, and NaN, is no measurement: no rays.
     """
     if math.isnan(distance) or distance < range_min:
         return Beams(np.empty(0), np.empty(0), np.empty(0, bool))
@@ -31,7 +31,7 @@ def beams_of_range(distance: float, field_of_view: float, range_min: float, rang
 def without_walls(beams: Beams, sensor: Pose2, known: Costmap) -> Beams:
     """The cone of a sonar at a pose in the map, free where the map has a wall that may have made the echo.
 
-    An arc is wide, and the robot is not quite where it is believed to be: without this the frames of a door would close
+    An arc is wide, and the robot's pose is not exact: without this the frames of a door would close
     it. `known` has the walls as obstacles.
     """
     if not beams.hits.any():

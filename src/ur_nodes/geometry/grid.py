@@ -12,7 +12,7 @@ from ur.worlds.cells import CellFrame, look_up
 from ur.worlds.map_file import FREE, OCCUPIED, UNKNOWN, read_map
 from ur_nodes.geometry.pose import Pose2
 
-__all__ = ["FREE", "OCCUPIED", "UNKNOWN", "Grid", "load_map"]
+__all__ = ["FREE", "OCCUPIED", "UNKNOWN", "CellFrame", "Grid", "load_map", "look_up"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -39,7 +39,7 @@ def points_of_ranges(
 ) -> NDArray[np.float64]:
     """The ends (m, 2) on the ground plane of the robot's frame of the beams whose ranges (n) are within `limits` (m).
 
-    The lower limit counts as within, the upper does not: that is how many drivers say "nothing there". A lidar that
+    The lower limit counts as within, the upper does not: many drivers report "no obstacle" so. A lidar that
     hangs upside down or is tilted is allowed for by its mount.
     """
     seen = (ranges >= limits[0]) & (ranges < limits[1])  # false for nan and inf

@@ -73,7 +73,7 @@ def from_angles(translation: tuple[float, ...], angles: tuple[float, ...]) -> Fl
 
 
 def to_angles(transform: Floats) -> tuple[float, float, float]:
-    """Roll, pitch, yaw about fixed axes; roll is 0 where roll and yaw cannot be told apart."""
+    """Roll, pitch, yaw about fixed axes; roll is 0 where roll and yaw cannot be distinguished."""
     m = transform[:3, :3]
     pitch = math.asin(max(-1.0, min(1.0, -float(m[2, 0]))))
     if math.hypot(m[0, 0], m[1, 0]) < 1e-9:

@@ -29,7 +29,7 @@ from ur_nodes.rosio.parameters import Parameters
 from ur_nodes.rosio.shell import run_node
 
 LONGEST_QUEUE = 30  # scans that wait for their transform
-SILENCE = 15.0  # s without an update before the log says so, and again after as long
+SILENCE = 15.0  # s without an update before the log reports it, and again after as long
 
 
 class AmclNode:
@@ -86,7 +86,7 @@ class AmclNode:
         return True
 
     def _fetch_map(self) -> None:
-        """Ask the service `static_map` until it gives a map; say so once in a while."""
+        """Ask the service `static_map` until it returns a map; log the wait once in a while."""
         while not rospy.is_shutdown() and not self._localiser:
             message = _call_static_map()
             if message and not self._use_map(message):
@@ -99,7 +99,7 @@ class AmclNode:
                 self._place(request.initial_pose)
         return SetMapResponse(success=done)
 
-    # -- what the user says ----------------------------------------------------------------------------------------
+    # -- requests of the user---------------------------------------------------------------------------------------
 
     def _take_pose(self, message: PoseWithCovarianceStamped) -> None:
         frame = message.header.frame_id.lstrip("/")

@@ -32,7 +32,7 @@ class Outputs:
         self.last: Estimate | None = None
 
     def publish_estimate(self, estimate: Estimate, odometry: Pose2, particles: Particles, stamp: rospy.Time) -> None:
-        """A new estimate for a stamp at which the odometry said `odometry`."""
+        """Publish a new estimate for a stamp at which the odometry was `odometry`."""
         self.last = estimate
         self._correction = estimate.pose.compose(odometry.inverse())
         message = PoseWithCovarianceStamped()
@@ -50,7 +50,7 @@ class Outputs:
             self._cloud.publish(CloudMessage(self._settings.map_frame, stamp, particles.poses))
 
     def publish_correction(self, stamp: rospy.Time) -> None:
-        """Transform map -> odom as of the last estimate, said to hold until `transform_tolerance` after the stamp."""
+        """Publish the transform map -> odom of the last estimate, valid until `transform_tolerance` after the stamp."""
         if not self._correction or not self._settings.tf_broadcast:
             return
         message = TransformStamped()
@@ -68,7 +68,7 @@ class Outputs:
         if self._save_due - 1.0 / rate <= now < self._save_due:
             return
         self._save_due, self._saved = now + 1.0 / rate, self.last
-        with contextlib.suppress(OSError):  # the master has gone: there is nobody to tell
+        with contextlib.suppress(OSError):  # the master is gone: nobody reads the parameters
             for name, value in saved_parameters(self.last.pose, self.last.covariance).items():
                 rospy.set_param(f"~{name}", value)
 

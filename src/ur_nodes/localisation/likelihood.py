@@ -33,7 +33,7 @@ class LikelihoodField:
 
     `distances` float32 (height, width), m: from a cell's centre to the nearest wall's surface, negative inside walls,
     at most `model.max_distance`; +max_distance everywhere on a map without walls. `log_hits` float32, same shape: the
-    logarithm of a beam's likelihood when it ends in that cell; both have a border of one cell that stands for
+    logarithm of a beam's likelihood when it ends in that cell; both have a border of one cell that represents
     everything outside. `free` intp (n, 2): the (row, column) of every free cell of `grid`.
     """
 
@@ -105,7 +105,7 @@ def score_poses(
 
 
 def draw_free_poses(field: LikelihoodField, count: int, rng: np.random.Generator) -> NDArray[np.float64]:
-    """Poses (count, 3) anywhere on free cells, any way round. The map must have a free cell."""
+    """Draw poses (count, 3) on free cells, with any heading. The map must have a free cell."""
     cells = field.free[rng.integers(len(field.free), size=count)] + rng.random((count, 2)) - 0.5
     yaws = rng.uniform(-math.pi, math.pi, count)
     return np.column_stack((field.grid.points_of_cells(cells), yaws))

@@ -28,11 +28,11 @@ from ur_nodes.localisation.scan_match import MatchSettings, match_scan
 
 INDEPENDENT_BEAMS = 20.0  # neighbouring beams err together: a scan is worth no more than so many
 INDEPENDENT_STEP = 0.25  # m, rad: scans taken nearer to one another err together, too
-SEARCH_UPDATES = 40  # after the robot was said to be anywhere: how long places are sought that fit the scan
+SEARCH_UPDATES = 40  # after a request for global localisation: the duration of the search for poses that fit the scan
 SEARCH_SHARE = 0.3  # of the particles come from there
 LEAST_SHARE = 0.3  # of the particles must keep an effective weight in one update
 LEAST_LOST = 0.1  # the averages differ as much when a person walks by
-LEAST_BEAMS = 8  # fewer say too little about a pose
+LEAST_BEAMS = 8  # fewer determine a pose too poorly
 FARTHEST_MATCH = 0.4  # m, rad: a refined pose farther from its cluster has slipped to other walls
 
 
@@ -40,8 +40,8 @@ FARTHEST_MATCH = 0.4  # m, rad: a refined pose farther from its cluster has slip
 class FilterSettings:
     """Parameters of the filter. Distances in m, angles in rad; names are those of amcl's parameters.
 
-    `recovery_alpha_slow` and `_fast` are the rates of the averages whose ratio says how many random particles to add;
-    0 adds none. `refine` matches the scan to the map from the best cluster's pose.
+    `recovery_alpha_slow` and `_fast` are the rates of the averages whose ratio determines the number of random
+    particles to add; 0 adds none. `refine` matches the scan to the map from the best cluster's pose.
     """
 
     size: SampleSize

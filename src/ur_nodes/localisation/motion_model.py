@@ -42,7 +42,7 @@ class Steps:
 
 
 def decompose(before: Pose2, after: Pose2) -> Steps:
-    """The movement between two poses of the odometry. A robot that hardly moved is said to have turned only."""
+    """The movement between two poses of the odometry. A robot that hardly moved counts as turned only."""
     dx, dy = after.x - before.x, after.y - before.y
     drive = math.hypot(dx, dy)
     turn1 = wrap_angle(math.atan2(dy, dx) - before.yaw) if drive >= 0.01 else 0.0

@@ -13,7 +13,7 @@ from ur_nodes.geometry.pose import wrap_angle
 from ur_nodes.localisation.likelihood import LikelihoodField, draw_free_poses, score_poses
 from ur_nodes.localisation.scan_match import MatchSettings, match_many
 
-POOL = 20000  # poses looked at, once over lightly
+POOL = 20000  # poses that are scored coarsely
 CANDIDATES = 300  # of which so many are matched to the scan
 REACH = 0.6  # m: a beam that ends farther from a wall is simply wrong
 SPREAD = (0.04, 0.04, 0.02)  # m, m, rad: of the particles round a matched pose

@@ -44,7 +44,7 @@ def match_scan(
 
     Residuals are signed distances to walls, read with bilinear interpolation; weights are Geman-McClure's, and none
     for ends on the far side of a wall. Along
-    directions that the scan says nothing about (a long corridor) the prior decides.
+    directions that the scan does not determine (a long corridor) the prior decides.
     """
     information = np.linalg.inv(covariance + np.diag((1e-8, 1e-8, 1e-8)))
     pose = np.array(prior, dtype=np.float64)

@@ -19,7 +19,7 @@ USAGE = "usage: map_server FILE.yaml\n"
 
 
 class MapServer:
-    """Offers one grid in the frame `~frame_id` (default `map`) for as long as it lives."""
+    """Offers one grid in the frame `~frame_id` (default `map`) until it ends."""
 
     def __init__(self, grid: Grid) -> None:
         now = rospy.Time.now()

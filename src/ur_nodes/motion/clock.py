@@ -10,12 +10,12 @@ _POLL = 0.005  # s: simulated time cannot be waited for
 
 
 def read_steady_time() -> float:
-    """Seconds of a clock that nobody sets and that also runs while the computer sleeps."""
+    """Seconds of a clock that is never set and that also runs while the computer sleeps."""
     return time.clock_gettime(time.CLOCK_BOOTTIME)
 
 
 class Clock:
-    """Seconds by `read`. `steady` says whether they pass like real ones; those of a simulation may not."""
+    """Seconds by `read`. `steady`: they pass at the rate of real ones; those of a simulation may not."""
 
     def __init__(self, read: Callable[[], float], *, steady: bool) -> None:
         self.read = read

@@ -7,8 +7,8 @@ when the newest command is `age` old, the speed is at most
 
     slow_down * (stop_time - lag - age)
 
-where `lag` is what passes between an output and the wheels. So the robot stands `stop_time` after the last command that
-came, at any speed and whatever its timeout. While something is active or the robot moves there is an output every
+where `lag` is the delay between an output and the wheels. So the robot is at rest `stop_time` after the last command
+that came, at any speed and whatever its timeout. While something is active or the robot moves there is an output every
 `period`, while it brakes every `brake_period`; then `zeros` zeros, then silence.
 """
 
@@ -20,7 +20,7 @@ from dataclasses import dataclass, replace
 from ur_nodes.motion.ramp import Axis, approach
 
 IDLE = "idle"
-_SLOWEST = 1e-4  # m/s, rad/s: less is rounding, not a wish to move
+_SLOWEST = 1e-4  # m/s, rad/s: less is rounding, not a command to move
 _SOON = 1e-6  # s: outputs that are this near to being due are due
 
 
@@ -37,7 +37,7 @@ class Source:
 
 @dataclass(frozen=True, slots=True)
 class Lock:
-    """A topic that says whether sources with a lower priority are shut out. Not heard for `timeout` s: they are.
+    """A topic that locks out sources with a lower priority. Without a message for `timeout` s they are locked out.
 
     A timeout of 0 means that it does not age.
     """
@@ -81,7 +81,7 @@ STILL = Velocity()
 
 @dataclass(frozen=True, slots=True)
 class Command:
-    """A command of the source with this index, `age` seconds old on arrival. What is not finite means stand still.
+    """A command of the source with this index, `age` seconds old on arrival. Values that are not finite mean a stop.
 
     A command that is older than the newest of its source is ignored.
     """
@@ -93,7 +93,7 @@ class Command:
 
 @dataclass(frozen=True, slots=True)
 class LockSaid:
-    """The lock with this index says whether it is locked."""
+    """A message of the lock with this index."""
 
     lock: int
     locked: bool
@@ -144,7 +144,7 @@ class MuxState:
 
 
 def start_mux(settings: MuxSettings, *, stopped: bool = False) -> MuxState:
-    """Silent, nothing heard."""
+    """Return the initial state: silent, no input yet."""
     return MuxState(
         settings,
         tuple(Heard() for _ in settings.sources),
@@ -240,7 +240,7 @@ def _is_locked(lock: Lock, said: tuple[bool, float], now: float) -> bool:
 def _send(state: MuxState, now: float) -> tuple[MuxState, Velocity]:
     settings = state.settings
     heard = Heard() if state.active is None else state.heard[state.active]
-    left = settings.stop_time - settings.lag - (now - heard.at)  # s, until the robot has to stand
+    left = settings.stop_time - settings.lag - (now - heard.at)  # s, until the robot has to be at rest
     seconds = max(0.0, min(settings.period, now - state.output_at))
     output = Velocity(
         _follow(state.output.forward, heard.velocity.forward, settings.forward, left - settings.brake_period, seconds),
@@ -252,17 +252,17 @@ def _send(state: MuxState, now: float) -> tuple[MuxState, Velocity]:
     return replace(state, next_at=_next_output(state, heard.velocity, left, now)), output
 
 
-def _follow(value: float, wish: float, axis: Axis, left: float, seconds: float) -> float:
-    """`value` after `seconds` on the way to `wish`, at most what can be braked away in `left` s."""
+def _follow(value: float, target: float, axis: Axis, left: float, seconds: float) -> float:
+    """`value` after `seconds` towards `target`, limited to what can be braked away in `left` s."""
     fastest = axis.slow_down * max(0.0, left)
-    return approach(value, max(-fastest, min(fastest, wish)), axis, seconds) + 0.0  # -0.0 would puzzle people
+    return approach(value, max(-fastest, min(fastest, target)), axis, seconds) + 0.0  # -0.0 would puzzle people
 
 
-def _next_output(state: MuxState, wish: Velocity, left: float, now: float) -> float:
+def _next_output(state: MuxState, target: Velocity, left: float, now: float) -> float:
     settings, output = state.settings, state.output
     if state.active is None and output == STILL:
         return now + settings.period if state.zeros_left > 0 else math.inf
-    slows = abs(output.forward) > abs(wish.forward) or abs(output.turn) > abs(wish.turn)
+    slows = abs(output.forward) > abs(target.forward) or abs(output.turn) > abs(target.turn)
     brake_in = left - max(
         abs(output.forward) / settings.forward.slow_down, abs(output.turn) / settings.turn.slow_down
     )  # s: then the speed is too high for the age of the command

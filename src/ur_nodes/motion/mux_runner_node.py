@@ -23,7 +23,7 @@ def make_clock() -> Clock:
 
 
 class _Greeter(rospy.SubscribeListener):  # type: ignore[misc]  # rospy has no types
-    """Calls back when somebody has subscribed, with what publishes to them alone."""
+    """Calls back for each new subscriber, with a publisher to it alone."""
 
     def __init__(self, greet: Callable[[Callable[[Twist], None]], None]) -> None:
         super().__init__()
@@ -35,7 +35,7 @@ class _Greeter(rospy.SubscribeListener):  # type: ignore[misc]  # rospy has no t
 
 
 class MuxRunner:
-    """Owns a state, steps it when something happens and when it is due, and publishes what comes of it.
+    """Owns a state, steps it at events and when it is due, and publishes the outputs.
 
     `on_change` is called with every new state whose active source or emergency stop differs from the one before.
     """
@@ -62,7 +62,7 @@ class MuxRunner:
             return self._state
 
     def _greet(self, publish: Callable[[Twist], None]) -> None:
-        """Tell who begins to listen to stand still: some drivers go on with what a mux said before it died."""
+        """Send a stop to each new subscriber: some drivers keep the last command of a mux that died."""
         with self._condition:
             if self._state.output.still:
                 publish(twist_of(STILL))
@@ -83,7 +83,7 @@ class MuxRunner:
                 self._clock.wait(self._condition, self._state.next_at)
 
     def _end(self) -> None:
-        """Say stop, and let it leave before the connections close."""
+        """Send a stop, and wait until it has left before the connections close."""
         with self._condition:
             self._ended = True
             self._condition.notify()

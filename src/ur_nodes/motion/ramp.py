@@ -33,7 +33,7 @@ def axes_of(limits: Limits) -> tuple[Axis, Axis]:
 
 
 def approach(value: float, target: float, axis: Axis, seconds: float) -> float:
-    """The velocity after `seconds` on the quickest way from `value` to `target` (clipped) that the limits allow.
+    """The velocity after `seconds` of the fastest change from `value` to `target` (clipped) that the limits allow.
 
     A change of sign brakes to zero first and uses what is left of the time to speed up.
     """

@@ -1,6 +1,6 @@
 """The sources and locks of a mux, from parameters with twist_mux's names: `name`, `topic`, `timeout`, `priority`.
 
-Ours may say `zeros_hold: true` too, for sources that are silent when idle and mean it when they send zeros.
+Ours may set `zeros_hold: true` too, for sources that are silent when idle and mean it when they send zeros.
 """
 
 from __future__ import annotations

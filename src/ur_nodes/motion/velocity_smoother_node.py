@@ -20,7 +20,7 @@ from ur_nodes.rosio.shell import run_node
 
 _TIMEOUT = 0.5  # s, as upstream at its longest
 _QUEUE = 100  # a cluster of commands has to be seen as one
-_NEVER = 1e9  # s: here nothing has to stand within a time
+_NEVER = 1e9  # s: no limit on the time to stop
 
 
 def start() -> None:

@@ -6,7 +6,7 @@ back the goal goes on, or waits for the user's answer. When another client drive
 names no client drives on while nobody holds the lease, or while the holder is lost already when it comes: it is from a
 script or RViz without any program of ours.
 
-`step_attendance` has no clock; times are in s of a steady clock unless they say otherwise.
+`step_attendance` has no clock; times are in s of a steady clock unless stated otherwise.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ LATEST = 1.0
 
 @dataclass(frozen=True, slots=True)
 class Settings:
-    """`ask`: the attendant that is back has to say that the goal goes on. Times in s.
+    """`ask`: an attendant that returns has to confirm the goal. Times in s.
 
     `grace`: how long the attendant may be away; the mux counts it for the holder of the lease. `limit`: how long a
     goal is held before it is cancelled, 0: for ever.
@@ -54,7 +54,7 @@ class Verdict:
 
 @dataclass(frozen=True, slots=True)
 class Attendance:
-    """All that is remembered about one goal. `client` is '' while it is nobody's; `claimed`: its id named the client.
+    """The state of one goal. `client` is '' while it has no owner; `claimed`: its id named the client.
 
     `attended`: the client wants it to be held when the client is lost. `present`: the client has held the lease since
     the goal came.
@@ -94,7 +94,7 @@ def attend_goal(claim: Claim | None) -> Attendance:
 
 
 def continue_goal(attendance: Attendance) -> Attendance:
-    """The user says that a goal which waits for the answer goes on."""
+    """The user continues a goal that waits for confirmation."""
     return replace(attendance, held_since=None, asking=False) if attendance.asking else attendance
 
 

@@ -1,4 +1,4 @@
-"""The way to a goal on the inflated grid: cheapest cells first, then pulled straight and smoothed."""
+"""The path to a goal on the inflated grid: cheapest cells first, then pulled straight and smoothed."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ from ur_nodes.navigation.path_smooth import Bending, pull_straight, smooth
 class PlanSettings:
     """Parameters of planning. A cell of cost c (0 to 252) costs neutral + factor c per metre, as in navfn.
 
-    `allow_unknown`: the way may lead through unknown cells. `tolerance`: how far from the goal the way may end when
-    the goal itself cannot be reached (m). `nudge`: how far it may end from a goal where obstacles are nearer than
-    `room`, to gain room to turn (m). `escape`: how far from the robot a free cell may be when the robot stands
-    too near to an obstacle (m). `spacing`: distance of the points of a way (m).
+    `allow_unknown`: the path may lead through unknown cells. `tolerance`: distance from the goal at which the path may
+    end when the goal itself cannot be reached (m). `nudge`: how far it may end from a goal where obstacles are nearer
+    than `room`, to gain room to turn (m). `escape`: distance of a free cell from the robot when the robot is too near
+    to an obstacle (m). `spacing`: distance of the points of a path (m).
     """
 
     neutral: float = 50.0
@@ -36,13 +36,13 @@ class PlanSettings:
 
 
 class NoPathError(Exception):
-    """There is no way, and why: a sentence part for people that names the place."""
+    """No path exists. The text is a clause for users with the reason and the place."""
 
 
 def plan_path(
     costmap: Costmap, start: tuple[float, float], goal: tuple[float, float], settings: PlanSettings
 ) -> Points:
-    """A smooth way (n, 2) in m, evenly spaced, from `start` to `goal` (both in the costmap's frame).
+    """Plan a smooth path (n, 2) in m, evenly spaced, from `start` to `goal` (both in the costmap's frame).
 
     No point of it has a cost of 253 or more, except where the start itself has. Deterministic.
     Raises NoPathError: a place outside the map, in an obstacle, too near to one, or not connected.

@@ -47,7 +47,7 @@ def note_challenge(challenges: Challenges, value: int, now: float) -> Challenges
 def age_of_answer(challenges: Challenges, answer: int, now: float) -> float | None:
     """Age (s) of what answers a challenge; None when that challenge is not among those remembered.
 
-    Challenges that were held up on their way arrive together: what is older than the newest by their own values is
+    Challenges that were delayed arrive together: what is older than the newest by their own values is
     that old, whenever it arrived.
     """
     if not challenges.heard:
@@ -69,7 +69,7 @@ def lag_of_answer(challenges: Challenges, answer: int, now: float) -> float | No
 
 
 def write_goal_id(start: str, client: str, answer: int) -> str:
-    """An id that says who sent the goal, and which challenge it answers (ns)."""
+    """Return a goal's id with the client that sends it, and the challenge that it answers (ns)."""
     return f"{start}@{client}@{answer // _NANO}.{answer % _NANO:09d}"
 
 

@@ -30,7 +30,7 @@ _NANO = 1_000_000_000
 
 
 class GoalWatch:
-    """Decides about one goal at a time, by what the mux says; may be called from any thread.
+    """Decides about one goal at a time, from the messages of the mux; may be called from any thread.
 
     Publishes `~hold` (std_msgs/String, latched, JSON): `goal`, the id of the goal that is held, `state`: `held`,
     `asking` or empty when none is, and `text`. Takes `~continue` (actionlib_msgs/GoalID): the goal that goes on; with

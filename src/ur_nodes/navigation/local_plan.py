@@ -1,6 +1,6 @@
-"""The next command: the way is followed by a steering law, which is tried out ahead before it is believed.
+"""The next command: a steering law follows the path, and is simulated ahead before its command is used.
 
-Several variants of the law (slower, to the left or right of the way) are rolled out together as arrays; the first
+Several variants of the law (slower, to the left or right of the path) are rolled out together as arrays; the first
 choice is the plain one, and the others matter only when its footprint would touch something.
 """
 
@@ -25,7 +25,7 @@ Floats = NDArray[np.float64]
 class FollowSettings:
     """Parameters of path following.
 
-    `horizon` and `step` of the try-outs in s; `preview` (s) says how far ahead the steering point is, within bounds
+    `horizon` and `step` of the rollouts in s; `preview` (s) is the distance of the steering point ahead, within bounds
     (m); beyond a bearing of `turn_first` (rad) to it the robot only turns, from `turn_some` on it slows down;
     `delay` (s) is how late a command takes effect.
     """
@@ -41,8 +41,8 @@ class FollowSettings:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Way:
-    """A way to follow, in the frame of the local costmap.
+class ReferencePath:
+    """A path to follow, in the frame of the local costmap.
 
     Points (n, 2) `spacing` m apart, speeds (n), unit normals (n, 2) to the left. Beyond index `end` it goes on
     straight, so that steering does not end before the goal; `course` is the direction there.
@@ -69,7 +69,7 @@ class Motion:
 class Step:
     """The next command: speed (m/s) and turn (rad/s). `ahead` (t, 3) are the poses that this leads to.
 
-    `hindered`: something is in the way of the plain law, another variant was taken. `blocked`: every variant would
+    `hindered`: an obstacle blocks the plain law, another variant was taken. `blocked`: every variant would
     touch something, the command is to stop.
     """
 
@@ -80,8 +80,8 @@ class Step:
     blocked: bool = False
 
 
-def make_way(points: Points, limits: Limits, overrun: float = 0.6) -> Way:
-    """A way from evenly spaced points (n, 2), n >= 2."""
+def make_reference(points: Points, limits: Limits, overrun: float = 0.6) -> ReferencePath:
+    """Make a path of evenly spaced points (n, 2), n >= 2."""
     spacing = float(np.hypot(*(points[1] - points[0])))
     angle = float(headings(points)[max(0, len(points) - 4)])
     extra = np.arange(1, math.ceil(overrun / max(spacing, 0.01)) + 1)[:, None] * spacing
@@ -89,11 +89,11 @@ def make_way(points: Points, limits: Limits, overrun: float = 0.6) -> Way:
     angles = headings(longer)
     speeds = np.concatenate((speed_profile(points, limits), np.zeros(len(extra))))
     normals = np.stack((-np.sin(angles), np.cos(angles)), axis=-1)
-    return Way(longer, normals, speeds, spacing, len(points) - 1, (math.cos(angle), math.sin(angle)))
+    return ReferencePath(longer, normals, speeds, spacing, len(points) - 1, (math.cos(angle), math.sin(angle)))
 
 
-def follow_way(
-    way: Way,
+def follow_reference(
+    reference: ReferencePath,
     index: int,
     motion: Motion,
     costmap: Costmap,
@@ -102,19 +102,19 @@ def follow_way(
     settings: FollowSettings,
     period: float,
 ) -> Step:
-    """The next command for a robot that is near point `index` of the way; `period` is how long it will hold (s).
+    """Return the next command for a robot near point `index` of the path; `period` is its duration (s).
 
     The command differs from the present motion by no more than the accelerations allow in `period`.
     """
-    plain = _roll(way, index, motion, _PLAIN, limits, settings, period)
+    plain = _roll(reference, index, motion, _PLAIN, limits, settings, period)
     if not _touches(plain.poses, motion.pose, costmap, footprint)[:, 0].any():
         return Step(float(plain.speeds[0, 0]), float(plain.turns[0, 0]), plain.poses[:, 0])
-    others = _roll(way, index, motion, _VARIANTS, limits, settings, period)
+    others = _roll(reference, index, motion, _VARIANTS, limits, settings, period)
     touching = _touches(others.poses, motion.pose, costmap, footprint)
     free = ~touching.any(axis=0)
     if not free.any():
         return _stop(motion, limits, settings, period)
-    gains = (others.indices[-1] - index) * way.spacing - 0.5 * np.abs(_VARIANTS[:, 1])
+    gains = (others.indices[-1] - index) * reference.spacing - 0.5 * np.abs(_VARIANTS[:, 1])
     best = int(np.argmax(np.where(free, gains, -np.inf)))
     if gains[best] <= 0.02 and abs(others.turns[:, best]).max() < 0.05:
         return _stop(motion, limits, settings, period)
@@ -131,14 +131,14 @@ def sweep_is_free(motion: Motion, seconds: float, costmap: Costmap, footprint: F
     return not bool(_touches(np.stack((xs, ys, yaws), axis=-1)[:, None], motion.pose, costmap, footprint).any())
 
 
-# Variants of the steering law: the share of the speed limit, the offset to the left of the way (m).
+# Variants of the steering law: the share of the speed limit, the offset to the left of the path (m).
 _PLAIN = np.array(((1.0, 0.0),))
 _VARIANTS = np.array([(s, o) for s in (0.7, 0.4, 0.2, 0.08, 0.0) for o in (0.0, 0.1, -0.1, 0.2, -0.2)])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Rollout:
-    """Per step and variant: poses (t, k, 3), speeds and turns (t, k), nearest way points (t, k)."""
+    """Per step and variant: poses (t, k, 3), speeds and turns (t, k), nearest points of the path (t, k)."""
 
     poses: Floats
     speeds: Floats
@@ -147,7 +147,13 @@ class _Rollout:
 
 
 def _roll(
-    way: Way, index: int, motion: Motion, variants: Floats, limits: Limits, settings: FollowSettings, period: float
+    reference: ReferencePath,
+    index: int,
+    motion: Motion,
+    variants: Floats,
+    limits: Limits,
+    settings: FollowSettings,
+    period: float,
 ) -> _Rollout:
     count, steps = len(variants), math.ceil(settings.horizon / settings.step)
     caps, offsets = variants[:, 0] * limits.speed, variants[:, 1, None]
@@ -156,29 +162,33 @@ def _roll(
     near = np.full(count, index, dtype=np.intp)
     poses, speeds, turns = np.empty((steps, count, 3)), np.empty((steps, count)), np.empty((steps, count))
     indices = np.empty((steps, count), np.intp)
-    reach = math.ceil(limits.speed * settings.step / way.spacing) + 3
+    reach = math.ceil(limits.speed * settings.step / reference.spacing) + 3
     window = np.arange(reach)
-    last = len(way.points) - 1
+    last = len(reference.points) - 1
     for number in range(steps):
         dt = period if number == 0 else settings.step
-        around = np.minimum(near[:, None] + window, way.end)
-        gaps = way.points[around] - np.stack((x, y), axis=-1)[:, None]
+        around = np.minimum(near[:, None] + window, reference.end)
+        gaps = reference.points[around] - np.stack((x, y), axis=-1)[:, None]
         near = around[np.arange(count), np.argmin((gaps**2).sum(axis=2), axis=1)]
         ahead = np.clip(settings.preview * v, settings.preview_least, settings.preview_most)
-        aim = np.minimum(near + np.rint(ahead / way.spacing).astype(np.intp), last)
-        target = way.points[aim] + offsets * way.normals[aim]
+        aim = np.minimum(near + np.rint(ahead / reference.spacing).astype(np.intp), last)
+        target = reference.points[aim] + offsets * reference.normals[aim]
         dx, dy = target[:, 0] - x, target[:, 1] - y
         c, s = np.cos(yaw), np.sin(yaw)
         forward, left = c * dx + s * dy, c * dy - s * dx
         bearing = np.arctan2(left, forward)
         bend = 2.0 * left / np.maximum(dx**2 + dy**2, 1e-4)
         share = np.clip((settings.turn_first - np.abs(bearing)) / (settings.turn_first - settings.turn_some), 0.0, 1.0)
-        soon = np.minimum(near + np.rint(v * dt / way.spacing).astype(np.intp), way.end)
-        wanted = np.minimum(np.minimum(caps, way.speeds[soon]), limits.turn / np.maximum(np.abs(bend), 1e-6)) * share
+        soon = np.minimum(near + np.rint(v * dt / reference.spacing).astype(np.intp), reference.end)
+        wanted = (
+            np.minimum(np.minimum(caps, reference.speeds[soon]), limits.turn / np.maximum(np.abs(bend), 1e-6)) * share
+        )
         # The last points are too coarse to stop by: there the distance itself counts, less what a late command costs.
-        left_over = (way.points[way.end, 0] - x) * way.course[0] + (way.points[way.end, 1] - y) * way.course[1]
+        left_over = (reference.points[reference.end, 0] - x) * reference.course[0] + (
+            reference.points[reference.end, 1] - y
+        ) * reference.course[1]
         brake = np.sqrt(1.2 * limits.acceleration * np.maximum(left_over - settings.delay * v, 0.0))
-        wanted = np.where(near > way.end - 8, np.minimum(wanted, brake), wanted)
+        wanted = np.where(near > reference.end - 8, np.minimum(wanted, brake), wanted)
         spin = np.sign(bearing) * np.minimum(limits.turn, np.sqrt(1.4 * limits.turn_acceleration * np.abs(bearing)))
         turning = np.clip(wanted * bend * share + (1.0 - share) * spin, -limits.turn, limits.turn)
         v = np.minimum(v + limits.acceleration * dt, np.maximum(v - limits.acceleration * dt, wanted))

@@ -94,7 +94,7 @@ class MoveBase:
                 return
 
     def _repeat(self) -> None:
-        """Say the last command again: whoever drives takes one that is old for the end of the commander."""
+        """Repeat the last command: the mux takes an old one for the end of the commander."""
         with self._lock:
             if self._navigator.phase is not Phase.IDLE and self._sent != (0.0, 0.0):
                 self._send(*self._sent)
@@ -132,7 +132,7 @@ class MoveBase:
             self._give_feedback()
 
     def _may_drive(self, now: float) -> bool:
-        """Hold, cancel or let go on the goal, as the watch says; whether the navigator is to be stepped."""
+        """Hold, cancel or continue the goal, as the watch decides. Return True when the navigator is to be stepped."""
         verdict = self._watch.judge()
         if verdict.act is Act.CANCEL:
             rospy.logwarn("the goal is cancelled: %s", verdict.text)
@@ -202,7 +202,7 @@ class MoveBase:
         target = handle.get_goal().target_pose
         goal = goal_in_map(target, self._world.frames, self._settings.world.frame)
         with self._lock:
-            before = self._watch.judge() if self._handle is not None else None  # it may be somebody else's by now
+            before = self._watch.judge() if self._handle is not None else None  # it may belong to another client by now
             refusal = self._watch.accept(handle.get_goal_id().id)
             if refusal:  # it changes nothing for the goal that is pursued
                 rospy.logerr("goal refused: %s", refusal)
@@ -238,7 +238,7 @@ class MoveBase:
             handle.set_canceled(MoveBaseResult(), "cancelled")
 
     def _take_stopped(self, message: Bool) -> None:
-        """Word of an emergency: the goal ends, so that nothing drives off when it is over."""
+        """React to an emergency stop: the goal ends, so that the robot does not drive off after the release."""
         with self._lock:
             self._stopped = bool(message.data)
             if self._stopped and self._handle is not None:

@@ -18,7 +18,7 @@ _SONARS = Ranges(1.2, 1.2)
 
 @dataclass(frozen=True, slots=True)
 class ScanSource:
-    """One laser that obstacles come from; `silence` (s) is how long it may say nothing before the robot stops."""
+    """One laser that obstacles come from; after `silence` s without a scan the robot stops."""
 
     topic: str
     reach: Ranges
@@ -30,7 +30,7 @@ class ScanSource:
 class CostmapSettings:
     """One costmap: its frame, how often it is published (Hz, 0: when it changes is enough), inflation, scan.
 
-    Without a scan the map says where walls are, and sonars what else there is: `sonars` are their topics.
+    Without a scan the walls are those of the map, and other obstacles those of the sonars: `sonars` are their topics.
     """
 
     frame: str

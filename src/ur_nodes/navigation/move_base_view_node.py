@@ -44,11 +44,11 @@ class MoveBaseView:
         self._goal.publish(message)
 
     def show_plan(self, points: NDArray[Any]) -> None:
-        """A new way (n, 2) in the map."""
+        """Publish a new path (n, 2) in the map."""
         self._plan.publish(path_message(points, self._world_frame))
 
     def show_drive(self, path: NDArray[Any] | None, ahead: NDArray[Any] | None) -> None:
-        """The rest of the way (n, 2) in the map, and what the robot will do next (t, 3) in the odometry frame."""
+        """Publish the rest of the path (n, 2) in the map, and the robot's next poses (t, 3) in the odometry frame."""
         if path is not None and len(path) and self._followed.get_num_connections():
             self._followed.publish(path_message(path, self._world_frame))
         if ahead is not None and self._foreseen.get_num_connections():
@@ -76,7 +76,7 @@ class MoveBaseView:
 
 
 def path_message(points: NDArray[Any], frame: str) -> Path:
-    """A nav_msgs/Path of points (n, 2), heading along the way, or poses (n, 3)."""
+    """A nav_msgs/Path of points (n, 2), heading along the path, or poses (n, 3)."""
     message = Path()
     message.header.frame_id, message.header.stamp = frame, rospy.Time.now()
     yaws = points[:, 2] if points.shape[1] == 3 else headings(points)

@@ -8,7 +8,14 @@ from dataclasses import dataclass, field
 from ur_nodes.costmap.costmap import Costmap
 from ur_nodes.costmap.footprint import Footprint
 from ur_nodes.geometry.pose import Pose2, wrap_angle
-from ur_nodes.navigation.local_plan import FollowSettings, Motion, Way, follow_way, make_way, sweep_is_free
+from ur_nodes.navigation.local_plan import (
+    FollowSettings,
+    Motion,
+    ReferencePath,
+    follow_reference,
+    make_reference,
+    sweep_is_free,
+)
 from ur_nodes.navigation.navigator_step import Ending, Inputs, NavigatorSettings, Outputs, Phase, PlanAnswer
 from ur_nodes.navigation.path_geometry import Points, nearest_index
 from ur_nodes.navigation.recovery import Behaviour, Recovery, move_to_recover
@@ -23,8 +30,8 @@ class _Run:
     phase: Phase
     phase_since: float
     path: Points | None = None
-    way: Way | None = None
-    way_odom: Pose2 | None = None
+    reference: ReferencePath | None = None
+    reference_odom: Pose2 | None = None
     index: int = 0
     asked: float | None = None
     last_asked: float = -math.inf
@@ -56,7 +63,7 @@ class Navigator:
 
     @property
     def path(self) -> Points | None:
-        """The way (n, 2) in the map that is being followed, from the robot's place on, if there is one."""
+        """The path (n, 2) in the map that is being followed, from the robot on, if there is one."""
         run = self._run
         return run.path[run.index :] if run and run.path is not None else None
 
@@ -113,7 +120,7 @@ class Navigator:
     def _take_answer(self, run: _Run, answer: PlanAnswer, inputs: Inputs) -> Outputs | None:
         run.asked = None
         if answer.path is not None:
-            run.path, run.way, run.index, run.reason = answer.path, None, 0, ""
+            run.path, run.reference, run.index, run.reason = answer.path, None, 0, ""
             if run.phase in (Phase.PLANNING, Phase.TURNING):
                 self._enter(run, Phase.DRIVING, inputs.now)
             return None
@@ -128,23 +135,23 @@ class Navigator:
         return Outputs(command=self._braked(run), plan=self._may_ask(run, inputs.now, 0.5))
 
     def _drive(self, run: _Run, motion: Motion, local: Costmap, inputs: Inputs) -> Outputs:
-        way = self._way_in_odom(run, inputs.odom)
+        reference = self._reference_in_odom(run, inputs.odom)
         pose = motion.pose
-        run.index = nearest_index(way.points, pose.x, pose.y, run.index, min(run.index + 40, way.end + 1))
-        end_x, end_y = way.points[way.end]
+        run.index = nearest_index(reference.points, pose.x, pose.y, run.index, min(run.index + 40, reference.end + 1))
+        end_x, end_y = reference.points[reference.end]
         away = math.hypot(end_x - pose.x, end_y - pose.y)
-        if run.index >= way.end or away < 0.015:
+        if run.index >= reference.end or away < 0.015:
             if away <= self._settings.xy_tolerance:
                 self._enter(run, Phase.TURNING, inputs.now)
                 return self._turn(run, motion, local, inputs)
             return Outputs(command=self._braked(run), plan=self._may_ask(run, inputs.now, 0.5))
         held = Motion(pose, *run.sent)
-        step = follow_way(
-            way, run.index, held, local, self._footprint, self._limits, self._follow, self._settings.period
+        step = follow_reference(
+            reference, run.index, held, local, self._footprint, self._limits, self._follow, self._settings.period
         )
         if self._is_stuck(run, step.blocked, inputs, pose):
             return self._get_stuck(run, inputs, run.reason or _blocked_at(pose, inputs.odom))
-        astray = math.hypot(*(way.points[run.index] - (pose.x, pose.y))) > 0.4
+        astray = math.hypot(*(reference.points[run.index] - (pose.x, pose.y))) > 0.4
         wanted = (step.hindered or step.blocked or astray or inputs.path_blocked) and self._may_ask(
             run, inputs.now, 0.5 if step.blocked else 1.0
         )
@@ -205,7 +212,7 @@ class Navigator:
         return Outputs(command=(0.0, 0.0), say=f"{reason}; recovering: {behaviour.value}")
 
     def _is_stuck(self, run: _Run, blocked: bool, inputs: Inputs, pose: Pose2) -> bool:
-        """Nowhere to go for the controller's patience, or told to move and not moving."""
+        """No command for the controller's patience, or commanded to move and not moving."""
         if not blocked:
             run.stuck_since = None
         elif run.stuck_since is None:
@@ -226,11 +233,11 @@ class Navigator:
         waiting = run.asked is not None and now - run.asked < 10.0
         return not waiting and now - run.last_asked >= least
 
-    def _way_in_odom(self, run: _Run, odom: Pose2) -> Way:
-        if run.way is None or run.way_odom != odom:
+    def _reference_in_odom(self, run: _Run, odom: Pose2) -> ReferencePath:
+        if run.reference is None or run.reference_odom != odom:
             assert run.path is not None
-            run.way, run.way_odom = make_way(odom.transform_points(run.path), self._limits), odom
-        return run.way
+            run.reference, run.reference_odom = make_reference(odom.transform_points(run.path), self._limits), odom
+        return run.reference
 
     def _braked(self, run: _Run) -> tuple[float, float]:
         period = self._settings.period

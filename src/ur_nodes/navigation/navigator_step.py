@@ -34,7 +34,7 @@ class NavigatorSettings:
     """Tolerances in m and rad; patience and periods in s, with the meaning of move_base's parameters.
 
     `planner_period` 0 plans anew only when something calls for it; `progress_timeout` is how long the robot may be
-    told to move without moving; `progress_distance` forgets past recoveries.
+    commanded to move without moving; `progress_distance` forgets past recoveries.
     """
 
     period: float = 0.1
@@ -63,8 +63,8 @@ class Inputs:
     """The world at one control step.
 
     `motion` is in the odometry frame, `odom` the pose of the map in that frame, `local` the costmap round the robot in
-    that frame. `trouble` says why the robot must not move, '' when it may. `path_blocked`: the map with all obstacles
-    shows something on the way that is being followed.
+    that frame. `trouble` is the reason why the robot must not move, '' when it may. `path_blocked`: the map with all
+    obstacles shows an obstacle on the path that is being followed.
     """
 
     now: float
@@ -81,7 +81,8 @@ class Outputs:
     """The outputs of a step.
 
     A command (m/s, rad/s) or silence; whether to plan (from the robot's place to the goal); what to clear; an ending
-    with a text. `ahead` (t, 3) in the odometry frame is what the local planner foresees; `say` is for the log.
+    with a text. `ahead` (t, 3) in the odometry frame are the poses that the local planner predicts; `say` is for the
+    log.
     """
 
     command: tuple[float, float] | None = None

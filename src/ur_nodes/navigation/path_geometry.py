@@ -9,13 +9,13 @@ Points = NDArray[np.float64]
 
 
 def arc_lengths(points: Points) -> NDArray[np.float64]:
-    """The way (n) along a polyline from its start to each of its points."""
+    """Return the distance (n) along a polyline from its start to each of its points."""
     steps = np.hypot(*np.diff(points, axis=0).T) if len(points) > 1 else np.empty(0)
     return np.concatenate(((0.0,), np.cumsum(steps)))
 
 
 def resample(points: Points, spacing: float) -> Points:
-    """The same way with points about `spacing` apart, evenly; both ends stay. At least two points, unless one came."""
+    """Resample a path evenly, about `spacing` apart; both ends stay. At least two points, unless there was one."""
     along = arc_lengths(points)
     if along[-1] < 1e-9:
         return points[[0, -1]].astype(np.float64) if len(points) > 1 else points.astype(np.float64)
@@ -43,7 +43,7 @@ def curvatures(points: Points, reach: int = 2) -> NDArray[np.float64]:
 
 
 def headings(points: Points) -> NDArray[np.float64]:
-    """The direction (n) in rad in which the way goes on at each point; the last point has that of the one before."""
+    """Return the direction (n) in rad of the path at each point; the last point has that of the one before."""
     if len(points) < 2:
         return np.zeros(len(points))
     steps = np.diff(points, axis=0)

@@ -1,4 +1,4 @@
-"""From a chain of cells to a way that a robot likes: straight where it can be, round where it must turn."""
+"""Smoothing of a chain of cells: straight where possible, with wide turns elsewhere."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ class Bending:
 
 
 def pull_straight(points: Points, costmap: Costmap, weights: NDArray[np.float64], reach: float = 12.0) -> Points:
-    """The way (n, 2) without the detours of its grid.
+    """Return the path (n, 2) without the detours of its grid.
 
     Made of straight pieces of at most about `reach` m each that cost no more than what they replace. `weights`
-    (height, width) is the cost of a metre in each cell, inf where the way must not go.
+    (height, width) is the cost of a metre in each cell, inf where the path must not go.
     """
     along = arc_lengths(points)
     each = _weights_at(points, costmap, weights)
@@ -45,10 +45,10 @@ def pull_straight(points: Points, costmap: Costmap, weights: NDArray[np.float64]
 
 
 def smooth(points: Points, costmap: Costmap, weights: NDArray[np.float64], bending: Bending) -> Points:
-    """A way like `points` (n, 2) that bends gently and trades length against cost as the weights do; ends stay.
+    """Return a path like `points` (n, 2) that bends gently and trades length against cost as the weights do; ends stay.
 
-    Each round moves every point towards the shortest weighted way (curvature against the gradient of log weight,
-    across the way only), held stiff by a bending energy; the internal forces are solved implicitly, as for active
+    Each round moves every point towards the shortest weighted path (curvature against the gradient of log weight,
+    across the path only), held stiff by a bending energy; the internal forces are solved implicitly, as for active
     contours (Kass, Witkin, Terzopoulos 1988). Where the result would touch an obstacle, the input is returned.
     """
     path = resample(points, bending.spacing)
@@ -71,7 +71,7 @@ def smooth(points: Points, costmap: Costmap, weights: NDArray[np.float64], bendi
 
 
 def resample_to(points: Points, count: int) -> Points:
-    """The same way with `count` even points."""
+    """Resample a path with `count` even points."""
     along = arc_lengths(points)
     places = np.linspace(0.0, along[-1], count)
     return np.stack((np.interp(places, along, points[:, 0]), np.interp(places, along, points[:, 1])), axis=-1)

@@ -25,7 +25,7 @@ class PlanRequest:
 
 
 def answer_request(request: PlanRequest, settings: PlanSettings) -> PlanAnswer:
-    """Plan; when there is no way, say whether that is because of the map (hopeless) or of obstacles (may change)."""
+    """Plan; when there is no path, report whether the map (hopeless) or obstacles (may change) are the reason."""
     try:
         return PlanAnswer(plan_path(request.costmap, request.start, request.goal, settings))
     except NoPathError as problem:

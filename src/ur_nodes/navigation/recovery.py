@@ -89,7 +89,7 @@ def move_to_recover(
         speed, turn, over = 0.0, 0.6 * limits.turn, done >= 6.28
     else:
         done = math.hypot(motion.pose.x - began.x, motion.pose.y - began.y)
-        speed, turn = find_way_out(motion, costmap, footprint, limits)
+        speed, turn = find_escape(motion, costmap, footprint, limits)
         over = done >= distance
     state = replace(recovery, began=began, done=done, last=motion.pose)
     trial = Motion(motion.pose, speed, turn)
@@ -103,7 +103,7 @@ def move_to_recover(
     )
 
 
-def find_way_out(motion: Motion, costmap: Costmap, footprint: Footprint, limits: Limits) -> tuple[float, float]:
+def find_escape(motion: Motion, costmap: Costmap, footprint: Footprint, limits: Limits) -> tuple[float, float]:
     """The speed and turn, slow, that lead to the most room without touching anything more; back rather than ahead."""
     distances = distance_transform_edt(costmap.costs != LETHAL) * costmap.resolution
     best, chosen = -math.inf, (-limits.backward, 0.0)

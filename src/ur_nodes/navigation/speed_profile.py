@@ -23,7 +23,7 @@ class Limits:
 
 
 def speed_profile(points: Points, limits: Limits) -> NDArray[np.float64]:
-    """The greatest speed (n) in m/s at each point of an evenly spaced way (n, 2) that ends at rest.
+    """The greatest speed (n) in m/s at each point of an evenly spaced path (n, 2) that ends at rest.
 
     Bounded by the speed limit, by turn / curvature, and by braking in time with 0.85 of the acceleration for what
     comes later. Speeding up is left to the controller.

@@ -187,7 +187,7 @@ class WorldView:
             robot = self._place(stamp)
         except ExtrapolationError as problem:
             if problem.ahead and rospy.get_time() - stamp < _PATIENCE:
-                self._ranges.append(message)  # the odometry of that moment is still on its way
+                self._ranges.append(message)  # the odometry of that moment has not arrived yet
             return
         except TransformError:
             return

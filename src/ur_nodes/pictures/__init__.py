@@ -1,1 +1,1 @@
-"""Pictures of a camera on their way to people: unpacked, made smaller. Needs no OpenCV."""
+"""Pictures of a camera for display: decoded and made smaller, without OpenCV."""

@@ -16,7 +16,7 @@ _EXPECTED = ["compressed", "raw"]
 
 
 class Republisher:
-    """Publishes `out` from `in/compressed`; subscribes only while somebody listens."""
+    """Publishes `out` from `in/compressed`; subscribes only while it has subscribers."""
 
     def __init__(self) -> None:
         self._source = rospy.resolve_name("in") + "/compressed"
@@ -24,14 +24,14 @@ class Republisher:
         self._publisher = rospy.Publisher("out", Image, subscriber_listener=self, queue_size=1)
 
     def peer_subscribe(self, _topic: str, _publish: object, _peer_publish: object) -> None:
-        """Called by rospy when somebody begins to listen."""
+        """Called by rospy for a new subscriber."""
         if self._subscriber is None:
             self._subscriber = rospy.Subscriber(
                 self._source, CompressedImage, self._pass_on, queue_size=1, buff_size=1 << 24
             )
 
     def peer_unsubscribe(self, _topic: str, count: int) -> None:
-        """Called by rospy when somebody listens no more."""
+        """Called by rospy when a subscriber has gone."""
         if count == 0 and self._subscriber is not None:
             self._subscriber.unregister()
             self._subscriber = None
@@ -56,7 +56,7 @@ class Republisher:
 
 
 def start() -> None:
-    """Check the words and begin."""
+    """Check the arguments and begin."""
     words = rospy.myargv(sys.argv)[1:]
     if words != _EXPECTED:
         said = " ".join(words) or "nothing"

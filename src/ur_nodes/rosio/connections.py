@@ -12,9 +12,9 @@ This module replaces those few functions of rospy, in this process only, and set
 all else stays rospy's. `bound_connections` must be called before `rospy.init_node`. It fits rospy 1.15 to 1.17.
 
 A publisher limits its connection to a subscriber only where that is safe: to one that connects again, and for what
-moves a robot, which must not arrive late. Subscribers of ours say in the header of their connection that they connect
-again. Those of roscpp do, too, such as RViz, once they are told that the connection has ended (see `half_open`). Those
-of a plain rospy do not; TCP itself brings their connections back, later.
+moves a robot, which must not arrive late. Subscribers of ours declare in the header of their connection that they
+connect again. Those of roscpp do, too, such as RViz, once they are notified that the connection has ended (see
+`half_open`). Those of a plain rospy do not; TCP itself brings their connections back, later.
 """
 
 from __future__ import annotations
@@ -136,7 +136,7 @@ def _bound_transport(addresses: Addresses) -> None:
         try:
             known = addresses.find(address)
         except OSError:
-            known = address  # rospy says what is wrong with the name
+            known = address  # rospy reports an unknown name
         try:
             connect(self, known, port, endpoint, timeout=min(timeout or SERVICE_LIMIT, SERVICE_LIMIT))
         except TransportInitError:

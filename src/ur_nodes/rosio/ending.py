@@ -12,7 +12,7 @@ Parameters = ParamSpec("Parameters")
 
 
 def quiet_at_end(callback: Callable[Parameters, None]) -> Callable[Parameters, None]:
-    """The same callback, which says nothing when the node shuts down under it: its topics are closed by then."""
+    """Return the same callback, silent when the node shuts down under it: its topics are closed by then."""
 
     @functools.wraps(callback)
     def call(*values: Parameters.args, **named: Parameters.kwargs) -> None:

@@ -26,7 +26,7 @@ def grid_of_message(message: OccupancyGrid) -> Grid:
     if not info.resolution > 0.0:
         raise UserError(error(f"map with resolution {info.resolution:g}, expected more than 0 m", rule="bad-map"))
     values = np.frombuffer(data, np.int8) if isinstance(data, bytes) else np.asarray(data, dtype=np.int8)
-    # The message carries a float32 (0.0500000007...): take the shortest decimal that it stands for.
+    # The message carries a float32 (0.0500000007...): take the shortest decimal of that value.
     resolution = float(np.format_float_positional(np.float32(info.resolution), unique=True))
     return Grid(values.reshape(info.height, info.width), resolution, pose_of_message(info.origin))
 

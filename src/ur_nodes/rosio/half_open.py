@@ -1,7 +1,7 @@
 """Telling a peer that its connection has ended on this side while the network was cut.
 
 A subscriber that only receives does not notice that: nothing comes, and its own kernel asks after a minute or later.
-RFC 793 (3.4, "Half-Open Connections and Other Anomalies") has a way to tell it: whoever asks anew for the same
+RFC 793 (3.4, "Half-Open Connections and Other Anomalies") describes a way to notify it: a new request for the same
 connection, from the same port, is answered as if it still existed; the answer fits nothing here, so this kernel resets
 it, and the peer's program sees its end and connects again. Each request here is one packet.
 """
@@ -26,7 +26,7 @@ def share_port(listener: socket.socket) -> None:
 def end_half_open(local: Any, peer: Any, over: threading.Event, family: int = socket.AF_INET) -> bool:
     """Have the peer's end of a connection that is dead here reset, as soon as the network allows it.
 
-    True once the peer says that it has no such connection. False when it never answered, or `over` was set.
+    True once the peer answers that it has no such connection. False when it never answered, or `over` was set.
     """
     end = time.monotonic() + LIMIT
     while time.monotonic() < end and not over.is_set():

@@ -34,9 +34,9 @@ class _Job:
 class CameraTopics:
     """Publishers of the cameras of all robots, and the thread that has their pictures drawn.
 
-    Nothing is started or drawn before somebody subscribes. A picture that is due while the last one is still being
+    Nothing is started or drawn before there is a subscriber. A picture that is due while the last one is still being
     drawn is left out, unless the simulation goes as fast as it can: then it waits (`wait`). When many are left out that
-    is said once. Where nothing can draw, an error in the log says why, and it is tried again every 10 s: the
+    is logged once. Where nothing can draw, an error in the log explains why, and it is tried again every 10 s: the
     subscribers' own messages repeat it (`ur_nodes.rosio.silence`).
     """
 
@@ -55,7 +55,7 @@ class CameraTopics:
 
     @property
     def wanted(self) -> bool:
-        """Return whether pictures are to be drawn: somebody has subscribed, and the last failure is a while ago."""
+        """Return whether pictures are to be drawn: there is a subscriber, and the last failure is a while ago."""
         return not self._ended and time.monotonic() >= self._try_at and any(robot.wanted for robot in self._robots)
 
     def offer(self, stamp: rospy.Time, state: npt.NDArray[np.float64]) -> None:

@@ -130,7 +130,7 @@ def _explain(reasons: Mapping[str, str]) -> Diagnostic:
 
 
 def _drawable(fiducials: tuple[Fiducial, ...]) -> tuple[tuple[Fiducial, ...], str]:
-    """The fiducials that can be drawn here, and what to say about those that cannot."""
+    """The fiducials that can be drawn, and a message about those that cannot."""
     from importlib.util import find_spec
 
     if not fiducials or find_spec("cv2"):
@@ -177,7 +177,7 @@ def serve(requests: BinaryIO, answers: BinaryIO) -> int:
         width, height = job["size"]
         renderer = mujoco.Renderer(model, height, width)
         renderer.render()
-    except Exception as problem:  # whatever drivers and libraries raise: it is told to whoever asked
+    except Exception as problem:  # whatever drivers and libraries raise goes to the node
         answers.write((str(problem).replace("\n", " ") or type(problem).__name__).encode()[:300] + b"\n")
         answers.flush()
         return 1

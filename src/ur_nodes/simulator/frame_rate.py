@@ -21,9 +21,9 @@ class FrameCount:
         self._told = False
 
     def note(self, time: float, *, made: bool) -> str | None:
-        """A picture is due at a time (s), and is made or left out. What to tell people, once, when too few are made."""
+        """A picture is due at a time (s), and is made or left out. Return a warning, once, when too few are made."""
         if not 0.0 <= time - self._last <= PAUSE:
-            self._begin, self._made = time, 0  # nobody looked for a while, or time was reset
+            self._begin, self._made = time, 0  # no subscriber for a while, or time was reset
         self._last = time
         self._made += made
         passed = time - self._begin

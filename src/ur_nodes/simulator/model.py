@@ -29,7 +29,7 @@ _LIDAR_HEAD = 0.03  # a lidar's housing ends this far above its beams
 
 @dataclass(frozen=True, slots=True)
 class Scenery:
-    """MJCF that only a picture needs: what stands before the assets, among them, in the world, and in each robot."""
+    """MJCF that only a picture needs: before the assets, among them, in the world, and in each robot."""
 
     options: str = ""
     assets: str = ""

@@ -116,11 +116,11 @@ class Physics:
         return self._neighbour(self._model.geom(f"chassis_{robot}").id)
 
     def place_robot(self, robot: int, pose: tuple[float, float, float]) -> str | None:
-        """Move a robot, at rest. Returns what is in the way, in which case nothing has changed."""
+        """Move a robot, at rest. Returns what blocks the pose, in which case nothing has changed."""
         return self._place(f"robot_{robot}", f"chassis_{robot}", pose)
 
     def place_obstacle(self, name: str, pose: tuple[float, float, float]) -> str | None:
-        """Move an obstacle, at rest. Returns what is in the way, in which case nothing has changed."""
+        """Move an obstacle, at rest. Returns what blocks the pose, in which case nothing has changed."""
         return self._place(f"obstacle/{name}", f"obstacle/{name}", pose)
 
     def _place(self, body: str, geom: str, pose: tuple[float, float, float]) -> str | None:

@@ -11,5 +11,5 @@ import rospy
 def make_publisher(topic: str, kind: Any, queue: int | None) -> rospy.Publisher:
     """A publisher that drops the oldest of more than `queue` unsent messages; None: it waits until each is sent."""
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", SyntaxWarning)  # rospy thinks that whoever waits forgot to give a size
+        warnings.simplefilter("ignore", SyntaxWarning)  # rospy takes a missing queue size for a mistake
         return rospy.Publisher(topic, kind, queue_size=queue, tcp_nodelay=True)

@@ -19,7 +19,7 @@ from ur_nodes.simulator.simulation import Simulation
 class RobotTopics:
     """Publishers and the subscriber of one robot. Messages are made once and filled in again each time.
 
-    Nothing is made or sent that nobody listens to, tf and what is latched aside.
+    Topics without subscribers cost nothing, tf and latched ones aside.
     """
 
     def __init__(
@@ -67,7 +67,7 @@ class RobotTopics:
             self._simulation.command(self._robot, *command)
 
     def publish_transform(self, stamp: rospy.Time) -> None:
-        """Tf odom -> base_footprint, which is where the encoders say the robot is."""
+        """Publish tf odom -> base_footprint, from the odometry of the encoders."""
         self._transform.transform = transform_message(self._simulation.odometry(self._robot).pose)
         self._transform.header.stamp = stamp
         self._tf.publish(self._tf_message)

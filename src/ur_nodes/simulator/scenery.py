@@ -17,7 +17,7 @@ Axes = tuple[tuple[float, float, float], tuple[float, float, float], tuple[float
 def build_scenery(camera: Camera, fiducials: Iterable[Fiducial], robots: int) -> Scenery:
     """Scenery with cameras `camera_<n>`, and plates for fiducials whose textures are files `<texture_name>.png`."""
     plates = tuple(fiducials)
-    # Shadows cost more than the rest of a picture in software; samples make edges smooth, which detection lives on.
+    # Shadows cost more than the rest of a picture in software; samples make edges smooth, which detection needs.
     options = (
         f'<visual><global offwidth="{camera.width}" offheight="{camera.height}"/>'
         '<quality shadowsize="0" offsamples="4"/><map znear="0.002" zfar="5"/>'
@@ -71,7 +71,7 @@ def rotation_axes(angles: Sequence[float]) -> Axes:
 
 
 def _camera(camera: Camera, number: int) -> str:
-    """MuJoCo's cameras look along -z with y up; `fovy` is in degrees whatever the compiler says."""
+    """MuJoCo's cameras look along -z with y up; `fovy` is in degrees whatever the compiler is set to."""
     _, left, up = rotation_axes(camera.pose[3:])
     right = tuple(-value for value in left)
     fovy = 2.0 * math.degrees(math.atan(camera.height / 2.0 / camera.focal_length))

@@ -16,14 +16,14 @@ BATTERY_RATE = 1.0  # Hz
 
 
 class Senses:
-    """Sensors of one robot, as far as its base has them. Their noise depends on when they are due, not on who looks."""
+    """Sensors of one robot, as far as its base has them. Their noise does not depend on subscribers."""
 
     def __init__(self, base: Base, physics: Physics, robot: int, seed: np.random.SeedSequence, charge: float) -> None:
         """`charge` is how full the battery is at first, 0 to 1."""
         self._base = base
         self._physics = physics
         self._robot = robot
-        # A stream each, so that one sensor more does not change what the others say.
+        # A stream each, so that one sensor more does not change the readings of the others.
         self._sonar_key, self._imu_key = (each.generate_state(2, np.uint64) for each in seed.spawn(2))
         self._heard = self._felt = 0
         self._imu = InertialUnit(base.imu) if base.imu else None

@@ -26,7 +26,7 @@ _ORIENTATION_VARIANCE = 1e-6  # rad^2
 
 
 class SensorTopics:
-    """Publishers for what the base has. Nothing is made that nobody listens to, what is latched aside."""
+    """Publishers for what the base has. Topics without subscribers cost nothing, latched ones aside."""
 
     def __init__(self, simulation: Simulation, robot: int, prefix: str, settings: Settings) -> None:
         """`prefix` is put before topics and frames: '' for a single robot, else 'robot_<n>/'."""

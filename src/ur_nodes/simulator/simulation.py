@@ -132,7 +132,7 @@ class Simulation:
         return Tick(self.time, **{name: name in now for name in _TOLD})
 
     def take_pictures(self, rate: float) -> None:
-        """From now on say when a picture is due, `rate` times a second; 0: never."""
+        """Make a picture due `rate` times a second from now on; 0: never."""
         self._picture_rate = rate
         self._schedules.pop("picture", None)
         if rate > 0.0:
@@ -175,7 +175,7 @@ class Simulation:
     def place(self, name: str, pose: tuple[float, float, float]) -> None:
         """Put a robot (`robot` or `robot_<n>`) or an obstacle somewhere, at rest. Odometry does not notice.
 
-        Raises UserError, and moves nothing, when the name is not known or something is in the way.
+        Raises UserError, and moves nothing, when the name is not known or the pose is blocked.
         """
         names = [f"robot_{n}" for n in range(self.robots)] + [box.name for box in self._world.obstacles]
         name = "robot_0" if name in ("", "robot") else name
@@ -249,7 +249,7 @@ class Simulation:
 
 
 def _refuse(name: str, pose: tuple[float, float, float], blocked: str | None) -> None:
-    """Raise UserError if something is in the way."""
+    """Raise UserError if the pose is blocked."""
     if blocked:
         place = f"x {pose[0]:g}, y {pose[1]:g}"
         raise UserError(error(f"{name} cannot be at {place}: {blocked}, expected free floor", rule="not-free"))

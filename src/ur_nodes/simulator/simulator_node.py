@@ -135,7 +135,7 @@ class SimulatorNode:
             self._camera.offer(stamp, self._simulation.state())
 
     def _watch(self, camera: CameraTopics) -> None:
-        """Have pictures become due only while somebody looks at them."""
+        """Make pictures due only while their topic has subscribers."""
         if camera.wanted != self._watching:
             self._watching = not self._watching
             self._simulation.take_pictures(camera.camera.rate if self._watching else 0.0)

@@ -12,7 +12,7 @@ from ur_nodes.geometry.rigid import Floats
 from ur_nodes.vision.graph import OdometryNoise
 
 _VAGUE = np.diag(np.square([0.5, 0.5, 0.5]))  # m, m, rad: of a first guess
-_ERRORS = np.diag(np.square([0.02, 0.02, 0.02]))  # of a wheel base that nobody has calibrated
+_ERRORS = np.diag(np.square([0.02, 0.02, 0.02]))  # of a wheel base that has not been calibrated
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +44,7 @@ class Belief:
         return math.sqrt(float(self.covariance[0, 0] + self.covariance[1, 1]))
 
     def predict(self, said: Pose2, noise: OdometryNoise) -> Belief:
-        """After a motion of which odometry says that it was `said`."""
+        """Return the belief after a motion that odometry measured as `said`."""
         way = math.hypot(said.x, said.y)
         if way < 1e-4 and abs(said.yaw) < 1e-4:
             return replace(self, pose=self.pose.compose(said))
@@ -69,7 +69,7 @@ class Belief:
         )
 
     def correct(self, pose: Pose2, covariance: Floats) -> Belief:
-        """After something else has told the pose: what that says about odometry's errors is kept.
+        """Return the belief after another source has set the pose; the estimate of odometry's errors is updated.
 
         Linear regression of the errors on the place, as a Kalman filter has it.
         """
@@ -84,5 +84,5 @@ class Belief:
 
 
 def guess(pose: Pose2, errors: Errors) -> Belief:
-    """The robot is said to be somewhere, to half a metre and half a radian; what is known of its wheels stays."""
+    """Set the robot's pose, to half a metre and half a radian; the estimated errors of its wheels stay."""
     return Belief(pose, _VAGUE, replace(errors, together=np.zeros((3, 3))))

@@ -33,7 +33,7 @@ _BUFFER = 1 << 24  # bytes: a picture that does not fit makes rospy fall behind
 
 
 class FiducialDetect:
-    """Publishes what each picture shows; pictures that come faster than they can be looked at are left out."""
+    """Publishes what each picture shows; pictures that arrive faster than they can be processed are left out."""
 
     def __init__(self, detector: Detector, own: Parameters) -> None:
         self._detector = detector

@@ -44,14 +44,14 @@ from ur_nodes.vision.search import without_twins
 _PIXEL_NOISE = 0.5
 _SHOW_EVERY = 1.0  # s between maps that are published
 _SAVE_EVERY = 10.0  # s between maps that are written
-_WRONG = 20  # pictures in which something is wrong with a fiducial, before it is told
+_WRONG = 20  # pictures in which something is wrong with a fiducial, before it is logged
 _PLANAR = (3, 4, 2)  # x, y, heading among rotation and translation
 
 
 class FiducialSlam:
     """Takes each set of corners when the frames at its time are known, newest first.
 
-    While the robot's place is not known there is no transform, so that whoever drives by it stops.
+    While the robot's place is not known there is no transform, so that a navigator that depends on it stops.
     """
 
     def __init__(self, settings: SlamSettings, sizes: Sizes, known: tuple[MapEntry, ...], start: Pose2 | None) -> None:
@@ -153,7 +153,7 @@ class FiducialSlam:
             self._pose.publish(message)
 
     def _name(self, numbers: Collection[int], what: str) -> None:
-        """Say of each fiducial once that something is wrong with it, when that has been so for long."""
+        """Log once for each fiducial that something is wrong with it, when that has been so for long."""
         self._wrong.update(numbers)
         for number in sorted(numbers):
             if self._wrong[number] == _WRONG:
@@ -200,7 +200,7 @@ class FiducialSlam:
         return EmptyResponse()
 
     def _clear(self, _request: EmptyRequest) -> EmptyResponse:
-        """Forget the map; the robot stays where it is believed to be."""
+        """Forget the map; the robot's pose stays."""
         if self._settings.read_only:
             raise rospy.ServiceException("the map is only read (~read_only_map), expected a map that is being built")
         with self._lock:

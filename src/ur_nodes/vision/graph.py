@@ -48,7 +48,7 @@ def fiducial_key(number: int) -> int:
 
 
 def level_factor(number: int, guess: Floats) -> gtsam.NonlinearFactor:
-    """The robot stands on the floor: x, y and heading are free."""
+    """Constrain the robot to the floor: x, y and heading are free."""
     level = gtsam.Pose3(from_planar_of(guess))
     return gtsam.PriorFactorPose3(robot_key(number), level, gtsam.noiseModel.Diagonal.Sigmas(np.array(_LEVEL)))
 
@@ -68,7 +68,7 @@ def planar_factor(number: int, pose: Floats, covariance: Floats) -> gtsam.Nonlin
 
 
 def odometry_factor(before: int, after: int, motion: Pose2, noise: OdometryNoise) -> gtsam.NonlinearFactor:
-    """The wheels say that the robot moved."""
+    """Add a motion of the robot, measured by its wheels."""
     shift, turn = noise.sigmas(motion)
     sigmas = np.array([0.01, 0.01, turn, shift, shift, 0.01])
     model = gtsam.noiseModel.Diagonal.Sigmas(sigmas)

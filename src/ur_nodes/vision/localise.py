@@ -34,9 +34,9 @@ _Used = tuple[MapEntry, Sighting]
 class Localiser:
     """A planar pose with its covariance: odometry moves it, pictures correct it (a small factor graph for each).
 
-    How odometry errs is learned on the way.
+    The errors of the odometry are estimated meanwhile.
 
-    A fiducial that contradicts the others, or contradicts alone what is believed, is overlooked. Where what is seen
+    A fiducial that contradicts the others, or alone contradicts the estimate, is ignored. Where what is seen
     contradicts for long, or odometry has gone on for too long alone, the robot is lost: it has no place until what it
     sees tells one again.
     """
@@ -49,7 +49,7 @@ class Localiser:
         noise: OdometryNoise = DEFAULT_NOISE,
         spread_limit: float = math.inf,
     ) -> None:
-        """`start` is where the robot is believed to be; None: it is found out from what is seen.
+        """`start` is the robot's initial pose; None: it is found from the first sightings.
 
         `spread_limit` (m) is the standard deviation of the place beyond which the robot is lost.
         """
@@ -85,12 +85,12 @@ class Localiser:
         return self._belief.errors if self._belief else self._errors
 
     def place(self, pose: Pose2) -> None:
-        """The robot is said to be somewhere, to half a metre and half a radian."""
+        """Set the robot's pose, to half a metre and half a radian."""
         self.forget()
         self._belief = guess(pose, self._errors)
 
     def forget(self) -> None:
-        """Nobody knows where the robot is: what it sees next tells."""
+        """Forget the robot's pose: the next sightings determine it."""
         self._errors = self.errors
         self._belief = self._odometry = None
         self._contradictions = 0
@@ -144,7 +144,7 @@ class Localiser:
         return True
 
     def _doubt(self) -> None:
-        """The picture is not believed; after several in a row the belief goes instead."""
+        """Reject the picture; after several in a row, reject the estimate instead."""
         self._contradictions += 1
         several = len(self._contradicting) > 1
         if self._contradictions >= (_CONTRADICTIONS if several else _LONE_CONTRADICTIONS):

@@ -45,7 +45,7 @@ class Observation:
 def choose_sighting(observation: Observation, expected: Floats | None) -> Sighting | None:
     """Choose the pose of a fiducial that is turned as expected in the robot's frame (4, 4).
 
-    Without expectation the first, if it is clear. None when no pose can be believed.
+    Without expectation the first, if it is clear. None when no pose is reliable.
     """
     if expected is None:
         return observation.sightings[0] if observation.clear else None

@@ -22,9 +22,9 @@ _SAME_PLACE, _SAME_TURN = 0.4, 0.3  # m, rad within which two guesses are one
 
 
 def find_robot(known: Mapping[int, MapEntry], observations: Iterable[Observation]) -> Pose2 | None:
-    """The one place on the floor from which all that is seen looks as it does; None when there is none, or several.
+    """Find the one pose on the floor that explains all sightings; None when there is none, or several.
 
-    A place counts for each fiducial that it explains; what one moved fiducial says is outvoted by two others.
+    A pose scores for each fiducial that it explains; one moved fiducial is outvoted by two others.
     """
     seen = [each for each in observations if each.id in known]
     guesses = [robot_from(known[each.id].pose, sighting) for each in seen for sighting in each.sightings]

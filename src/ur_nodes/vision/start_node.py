@@ -1,4 +1,4 @@
-"""Starts a node of this package, or says in one line which library is missing: start_node NODE [ARG ...]."""
+"""Starts a node of this package, or reports in one line a library that is missing: start_node NODE [ARG ...]."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Fiducials of which it is not yet clear which way they face: views from several places tell."""
+"""Fiducials with an ambiguous orientation, which views from several poses resolve."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _CERTAIN = 0.1  # rad: standard deviation of the turn, all views together, below
 
 @dataclass(frozen=True, slots=True)
 class View:
-    """A fiducial seen at a moment of the graph by a robot believed at a pose (4, 4)."""
+    """A fiducial seen at a moment of the graph by a robot at an estimated pose (4, 4)."""
 
     moment: int
     robot: Floats

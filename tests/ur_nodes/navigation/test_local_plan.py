@@ -10,7 +10,7 @@ from tests.ur_nodes.navigation.closed_loop import LIMITS, STAGE
 from ur_nodes.costmap.costmap import LETHAL, Costmap
 from ur_nodes.costmap.footprint import footprint_of_outline
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.navigation.local_plan import FollowSettings, Motion, follow_way, make_way, sweep_is_free
+from ur_nodes.navigation.local_plan import FollowSettings, Motion, follow_reference, make_reference, sweep_is_free
 from ur_nodes.navigation.path_geometry import nearest_index, resample
 from ur_nodes.navigation.speed_profile import speed_profile, turn_rate
 
@@ -36,10 +36,10 @@ def window(*boxes: tuple[float, float, float]) -> Costmap:
     st.floats(-1.0, 1.0),
 )
 def test_follow_way_obeys_limits_from_any_state(x: float, y: float, yaw: float, speed: float, turn: float) -> None:
-    way = make_way(CORNER, LIMITS)
+    reference = make_reference(CORNER, LIMITS)
     motion = Motion(Pose2(x, y, yaw), speed, turn)
-    index = nearest_index(way.points, x, y, 0, way.end + 1)
-    step = follow_way(way, index, motion, window((0.8, 0.6, 0.3)), FOOTPRINT, LIMITS, FollowSettings(), 0.1)
+    index = nearest_index(reference.points, x, y, 0, reference.end + 1)
+    step = follow_reference(reference, index, motion, window((0.8, 0.6, 0.3)), FOOTPRINT, LIMITS, FollowSettings(), 0.1)
     assert 0.0 <= step.speed <= LIMITS.speed + 1e-9
     assert abs(step.turn) <= LIMITS.turn + 1e-9
     assert abs(step.speed - speed) <= LIMITS.acceleration * 0.1 + 1e-9
@@ -47,39 +47,39 @@ def test_follow_way_obeys_limits_from_any_state(x: float, y: float, yaw: float, 
 
 
 def test_follow_way_drives_at_full_speed_along_a_straight_way() -> None:
-    way = make_way(resample(np.array([(0.0, 0.0), (4.0, 0.0)]), 0.05), LIMITS)
-    step = follow_way(
-        way, 10, Motion(Pose2(0.5, 0.0, 0.0), 0.5, 0.0), window(), FOOTPRINT, LIMITS, FollowSettings(), 0.1
+    reference = make_reference(resample(np.array([(0.0, 0.0), (4.0, 0.0)]), 0.05), LIMITS)
+    step = follow_reference(
+        reference, 10, Motion(Pose2(0.5, 0.0, 0.0), 0.5, 0.0), window(), FOOTPRINT, LIMITS, FollowSettings(), 0.1
     )
     assert step.speed > 0.499
     assert abs(step.turn) < 0.01
 
 
 def test_follow_way_turns_on_the_spot_when_the_way_is_behind() -> None:
-    way = make_way(resample(np.array([(0.0, 0.0), (4.0, 0.0)]), 0.05), LIMITS)
-    step = follow_way(
-        way, 0, Motion(Pose2(0.0, 0.0, 3.0), 0.0, 0.0), window(), FOOTPRINT, LIMITS, FollowSettings(), 0.1
+    reference = make_reference(resample(np.array([(0.0, 0.0), (4.0, 0.0)]), 0.05), LIMITS)
+    step = follow_reference(
+        reference, 0, Motion(Pose2(0.0, 0.0, 3.0), 0.0, 0.0), window(), FOOTPRINT, LIMITS, FollowSettings(), 0.1
     )
     assert step.speed == 0.0
     assert step.turn < -0.2
 
 
 def test_follow_way_slows_down_before_an_obstacle_and_stops_where_nothing_helps() -> None:
-    way = make_way(resample(np.array([(0.0, 0.0), (4.0, 0.0)]), 0.05), LIMITS)
+    reference = make_reference(resample(np.array([(0.0, 0.0), (4.0, 0.0)]), 0.05), LIMITS)
     wall = window(*((1.2, y, 0.2) for y in np.arange(-1.0, 1.1, 0.1)))
     moving = Motion(Pose2(0.4, 0.0, 0.0), 0.5, 0.0)
-    step = follow_way(way, 8, moving, wall, FOOTPRINT, LIMITS, FollowSettings(), 0.1)
+    step = follow_reference(reference, 8, moving, wall, FOOTPRINT, LIMITS, FollowSettings(), 0.1)
     assert step.hindered
     assert step.speed < 0.5
     near = Motion(Pose2(0.87, 0.0, 0.0), 0.0, 0.0)
-    assert follow_way(way, 17, near, wall, FOOTPRINT, LIMITS, FollowSettings(), 0.1).blocked
+    assert follow_reference(reference, 17, near, wall, FOOTPRINT, LIMITS, FollowSettings(), 0.1).blocked
 
 
 def test_follow_way_never_foresees_a_touch() -> None:
-    way = make_way(CORNER, LIMITS)
+    reference = make_reference(CORNER, LIMITS)
     costmap = window((0.9, 0.3, 0.2), (1.9, 0.6, 0.2))
     motion = Motion(Pose2(0.2, 0.0, 0.0), 0.3, 0.0)
-    step = follow_way(way, 4, motion, costmap, FOOTPRINT, LIMITS, FollowSettings(), 0.1)
+    step = follow_reference(reference, 4, motion, costmap, FOOTPRINT, LIMITS, FollowSettings(), 0.1)
     for x, y, yaw in step.ahead:
         c, s = math.cos(yaw), math.sin(yaw)
         points = FOOTPRINT.samples @ np.array(((c, s), (-s, c))) + (x, y)

@@ -9,7 +9,7 @@ from ur_nodes.costmap.costmap import LETHAL, Costmap
 from ur_nodes.costmap.footprint import footprint_of_outline
 from ur_nodes.geometry.pose import Pose2, wrap_angle
 from ur_nodes.navigation.local_plan import Motion
-from ur_nodes.navigation.recovery import SEQUENCE, Behaviour, Recovery, find_way_out, move_to_recover
+from ur_nodes.navigation.recovery import SEQUENCE, Behaviour, Recovery, find_escape, move_to_recover
 
 FOOTPRINT = footprint_of_outline(STAGE, 0.05, 0.01)
 
@@ -65,7 +65,7 @@ def test_back_off_does_not_run_into_what_is_behind() -> None:
 
 
 def test_find_way_out_goes_ahead_when_something_is_close_behind() -> None:
-    speed, _ = find_way_out(
+    speed, _ = find_escape(
         Motion(Pose2(0.0, 0.0, 0.0), 0.0, 0.0), window((slice(30, 50), slice(34, 36))), FOOTPRINT, LIMITS
     )
     assert speed > 0.0

@@ -1,4 +1,4 @@
-"""Admission of velocity commands: which of those that arrive the mux hears, and how old each is.
+"""Admission of velocity commands to the mux: selection of those that count, and their ages.
 
 A *stamped* command answers a challenge and names its client: it is admitted when the answer is fresh and the client may
 drive, and its age counts from the issue of the challenge. A *plain* command has no proof of its age: it is admitted by

@@ -92,7 +92,7 @@ def hear_lock(state: LockRelease, now: float, *, locked: bool, new: bool) -> tup
 
     `true` is obeyed whatever its age. `false` is obeyed when it is the first message of a publisher that has just begun
     (as of `rostopic pub`), and when it is repeated with a steady rhythm like plain commands. A publisher that connects
-    again after a cut may send what it said long ago, so its name is remembered.
+    again after a cut may send old commands again, so its name is remembered.
     """
     if locked:
         return LockRelease(state.timeout), True

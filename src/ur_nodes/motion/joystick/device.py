@@ -2,7 +2,7 @@
 
 The format is that of /dev/input/js* (the kernel's Documentation/input/joydev/joystick-api.rst): records of 8 bytes,
 little-endian on the machines that ROS runs on: time (ms, u32), value (s16), type (u8), number (u8). After opening come
-records that tell the initial state.
+records of the initial state.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ class JoystickState:
 
 
 def take_records(state: JoystickState, data: bytes, settings: JoystickSettings) -> tuple[JoystickState, bool, bytes]:
-    """The state after the records in `data`; whether a record told an event, not just the initial state; the rest.
+    """The state after the records in `data`; whether a record was an event, not just the initial state; the rest.
 
     The rest is an incomplete record: put it in front of what is read next.
     """
@@ -60,7 +60,7 @@ def scale_axis(value: int, deadzone: float) -> float:
 
 
 def let_go(state: JoystickState) -> JoystickState:
-    """The same joystick with nobody at it."""
+    """The same joystick with all buttons and axes released."""
     return JoystickState((0.0,) * len(state.axes), (0,) * len(state.buttons))
 
 

@@ -16,7 +16,7 @@ class JoyCommander(Protocol):
     """Publishes velocities while the dead-man button is held and for a moment afterwards. No call blocks."""
 
     def publish(self, twist: Twist, *, held: bool) -> None:
-        """Publish a velocity; `held` says whether the dead-man button is."""
+        """Publish a velocity; `held`: the dead-man button is held."""
 
 
 class PlainJoyCommander:
@@ -33,8 +33,8 @@ class PlainJoyCommander:
 class LeasedJoyCommander:
     """Stamped commands for a mux.
 
-    The joystick drives while its dead-man button is held: pressing it requests the lease as UR_LEASE says, and letting
-    it go releases a lease that was got in that way. A lease that the run had before, by its keyboard, is kept.
+    The joystick drives while its dead-man button is held: pressing it requests the lease as UR_LEASE demands, and
+    letting it go releases a lease that was acquired so. A lease that the run had before, by its keyboard, is kept.
     """
 
     def __init__(self, mux: str, *, adaptive: bool) -> None:

@@ -61,7 +61,7 @@ class JoyNode:
             self._ended.wait(_RETRY)
 
     def _read(self, descriptor: int) -> None:
-        """Until the device is gone; then nobody holds the buttons any more, and it is quiet."""
+        """Publish until the device is gone; then all buttons count as released, and nothing is published."""
         state, rest = JoystickState(), b""
         due = time.monotonic() + self._repeat
         while not self._ended.is_set():

@@ -10,9 +10,9 @@ from ur_nodes.motion.joystick.device import JoystickState
 
 LINEAR = ("x", "y", "z")
 ANGULAR = ("roll", "pitch", "yaw")
-ZEROS = 3  # how often a stop is said before silence: one message may be lost on the way
+ZEROS = 3  # how often a stop is sent before silence: one message may be lost
 
-Wish = Literal["stop", "release"]
+ButtonRequest = Literal["stop", "release"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,26 +63,26 @@ class JoyTeleopState:
 
 def step_joy_teleop(
     state: JoyTeleopState, joystick: JoystickState
-) -> tuple[JoyTeleopState, JoyTwist | None, Wish | None]:
-    """The state after a report of the joystick; the velocity to send (None: nothing); a button's wish as it is pressed.
+) -> tuple[JoyTeleopState, JoyTwist | None, ButtonRequest | None]:
+    """The state after a report of the joystick; the velocity to send (None: nothing); the request of a pressed button.
 
     While a dead-man button is held each report gives a velocity; after it the next `ZEROS` reports give zero.
     """
     settings = state.settings
     pressed = frozenset(number for number, value in enumerate(joystick.buttons) if value)
     new = pressed - state.pressed
-    wish: Wish | None = None
+    request: ButtonRequest | None = None
     if settings.stop_button in new:
-        wish = "stop"
+        request = "stop"
     elif settings.release_button in new:
-        wish = "release"
+        request = "release"
     state = replace(state, pressed=pressed)
     speeds = _held_speeds(settings, pressed)
     if speeds is not None:
-        return replace(state, zeros_left=ZEROS), _twist(settings, speeds, joystick.axes), wish
+        return replace(state, zeros_left=ZEROS), _twist(settings, speeds, joystick.axes), request
     if state.zeros_left:
-        return replace(state, zeros_left=state.zeros_left - 1), JoyTwist(), wish
-    return state, None, wish
+        return replace(state, zeros_left=state.zeros_left - 1), JoyTwist(), request
+    return state, None, request
 
 
 def _held_speeds(settings: JoyTeleopSettings, pressed: frozenset[int]) -> Speeds | None:

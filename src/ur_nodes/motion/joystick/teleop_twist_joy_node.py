@@ -17,10 +17,10 @@ from ur_nodes.motion.joystick.joy_origin_node import JoyOrigin
 from ur_nodes.motion.joystick.joy_teleop import (
     ANGULAR,
     LINEAR,
+    ButtonRequest,
     JoyTeleopSettings,
     JoyTeleopState,
     Speeds,
-    Wish,
     step_joy_teleop,
 )
 from ur_nodes.rosio.parameters import Parameters
@@ -28,7 +28,7 @@ from ur_nodes.rosio.shell import run_node
 
 
 class TeleopTwistJoy:
-    """Turns each `joy` into at most one command: it never repeats what it has not heard again.
+    """Turns each `joy` into at most one command: it never repeats a command without a new input.
 
     A command is as new as the `joy` that it is made of, so reader and teleop have to run on the same computer.
     """
@@ -47,17 +47,17 @@ class TeleopTwistJoy:
         with self._lock:
             accepted = self._origin.accepts(publisher)
             joystick = JoystickState(tuple(message.axes), tuple(message.buttons))
-            self._state, twist, wish = step_joy_teleop(self._state, joystick)
+            self._state, twist, request = step_joy_teleop(self._state, joystick)
             if not accepted:  # a stop may be late, nothing else
-                twist, wish = None, wish if wish == "stop" else None
+                twist, request = None, request if request == "stop" else None
             if twist is not None:
                 message = Twist(Vector3(*twist.linear), Vector3(*twist.angular))
                 self._commander.publish(message, held=self._state.held)
-        if wish is not None:
-            threading.Thread(target=self._ask, args=(wish,), daemon=True).start()
+        if request is not None:
+            threading.Thread(target=self._ask, args=(request,), daemon=True).start()
 
-    def _ask(self, wish: Wish) -> None:
-        service = rospy.resolve_name(f"{self._mux}/{wish}")
+    def _ask(self, request: ButtonRequest) -> None:
+        service = rospy.resolve_name(f"{self._mux}/{request}")
         try:
             answer = rospy.ServiceProxy(service, Trigger)()
         except (rospy.ServiceException, rospy.ROSException) as problem:
@@ -93,7 +93,7 @@ def read_settings(own: Parameters) -> JoyTeleopSettings:
 
 
 def _by_name(own: Parameters, key: str, names: Sequence[str], usual: str, default: float) -> dict[str, float]:
-    """The parameter as a mapping, whichever of the two ways it is given."""
+    """The parameter as a mapping, in either of its two forms."""
     value = rospy.get_param("~" + key, None)
     if not isinstance(value, dict):
         return {usual: own.number(key, default)}

@@ -24,8 +24,8 @@ _LAST_WORDS = 0.1  # s: for a release to leave before the connections close
 class LeaseClient:
     """Takes part in the lease of a mux, in a thread of its own. No call but `release` blocks.
 
-    At the start it behaves as UR_LEASE says: `drive` acquires the lease if nobody holds it, `take` takes it, `ask` asks
-    for it, `watch` does nothing. What comes of a request is in later views.
+    At the start it behaves as UR_LEASE demands: `drive` acquires the lease if nobody holds it, `take` takes it, `ask`
+    asks for it, `watch` does nothing. What comes of a request is in later views.
     """
 
     def __init__(
@@ -66,15 +66,15 @@ class LeaseClient:
             return view_lease(self._lease, self.client, self._taken, self.link.link_age())
 
     def acquire(self) -> None:
-        """Drive if nobody does."""
+        """Acquire the lease unless it is held."""
         self._want("acquire")
 
     def take(self) -> None:
-        """Drive instead of whoever drives."""
+        """Take the lease from its holder."""
         self._want("take")
 
     def ask(self) -> None:
-        """Ask whoever drives to hand over; drive if nobody does."""
+        """Ask the holder for the lease; acquire it when it is free."""
         self._want("ask")
 
     def grant(self) -> None:

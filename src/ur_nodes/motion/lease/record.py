@@ -1,8 +1,8 @@
 """Lease of the robot: which client drives, as a step function without clock or topics.
 
 A *client* is a run of a program, with an id of its own; all nodes of a run are one client. At most one client holds the
-lease. It keeps it by renewing it or by driving; a holder that has not been heard for `timeout` is *lost*, stays named,
-and holds the lease again as soon as it is heard, unless another client has acquired it meanwhile.
+lease. It keeps it by renewing it or by driving; a holder whose messages have been missing for `timeout` is *lost*,
+stays named, and holds the lease again with its next message, unless another client has acquired it meanwhile.
 
 - `acquire` succeeds when the lease is free or lost, or is the client's own.
 - `take` always succeeds.
@@ -38,7 +38,7 @@ class Drove:
 
 @dataclass(frozen=True, slots=True)
 class LeaseRecord:
-    """All that is known. `heard` is when the holder, and each client that asks, was heard last."""
+    """The state of the lease. `heard`: the time of the last message of the holder, and of each client that asks."""
 
     lease: Lease = FREE
     timeout: float = 3.0
@@ -51,7 +51,7 @@ LeaseEvent = Request | Drove
 
 
 def start_lease(before: Lease | None = None, timeout: float = 3.0) -> LeaseRecord:
-    """A record in which nobody drives; or, after a mux that died, one whose holder is lost until it is heard."""
+    """A record in which nobody drives; or, after a mux that died, one whose holder is lost until its next message."""
     if before is None or before.state == "free":
         return LeaseRecord(timeout=timeout)
     return LeaseRecord(replace(before, state="lost", asking=()), timeout)

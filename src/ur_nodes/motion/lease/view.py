@@ -30,10 +30,11 @@ class Identity:
 class LeaseView:
     """The lease as a client sees it now.
 
-    `state` is `unknown` until a mux is heard. `holder` names the computer that drives, `program` its program, `since`
-    is in seconds since 1970. `mine`: this client drives, even while it is `lost`. `asking` names who would like to
-    drive, `asks` says that this client does. After a take-over `taken_by` and `taken_at` say who took over and when,
-    until this client drives again. `link_age` is the time since the last challenge (s), infinite before the first.
+    `state` is `unknown` until a mux publishes it. `holder` names the computer that drives, `program` its program,
+    `since` is in seconds since 1970. `mine`: this client drives, even while it is `lost`. `asking` names who would like
+    to drive, `asks`: this client does. After a take-over `taken_by` and `taken_at` are the client that took over and
+    the time, until this client drives again. `link_age` is the time since the last challenge (s), infinite before the
+    first.
     """
 
     state: Literal["unknown", "free", "held", "lost"] = "unknown"
@@ -96,7 +97,7 @@ def view_lease(lease: Lease | None, client: str, taken: Lease | None, link_age: 
     if lease is None:
         return LeaseView(link_age=link_age)
     if taken is not None and taken.client != lease.client:
-        taken = None  # somebody else drives by now
+        taken = None  # another client drives by now
     return LeaseView(
         lease.state,
         lease.name,

@@ -1,4 +1,4 @@
-"""Odometry from wheel encoders, wrong in the ways that real odometry is."""
+"""Odometry from wheel encoders, with the errors of real odometry."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class EncoderOdometry:
         self._right_scale = self._tick * base.wheels.radius * (1.0 + float(radius_errors[1]))
         self._separation = base.wheels.separation * (1.0 + float(random.standard_normal()) * model.separation_error)
         self._noise = model.wheel_noise
-        # What a covariance can tell about the fixed errors: as if they were drawn anew for each metre.
+        # What a covariance can express of the fixed errors: as if they were drawn anew for each metre.
         self._variance = model.wheel_noise**2 + model.radius_error**2
         self._random = random
         self._ticks: tuple[int, int] | None = None

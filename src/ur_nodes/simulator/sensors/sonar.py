@@ -14,12 +14,12 @@ from ur_nodes.simulator.model import LIDAR_GROUPS
 from ur_nodes.simulator.scenery import rotation_axes
 
 Floats = npt.NDArray[np.float64]
-ROW_RAYS = 17  # side by side: walls and obstacles stand upright
+ROW_RAYS = 17  # side by side: walls and obstacles are upright
 CONE_RAYS = 32  # over the whole cone: table tops
 
 
 class SonarRing:
-    """The sonars of one robot, in the order of the base's file. What lidars see they hear, the floor not."""
+    """The sonars of one robot, in the order of the base's file. They detect what lidars detect, but not the floor."""
 
     def __init__(self, model: Any, sonars: Sonars, robot: int) -> None:
         self._model = model

@@ -28,7 +28,7 @@ _ESCAPE_WAIT = 0.05  # s: a sequence's bytes come together
 
 
 class Camera:
-    """The newest picture of a topic and how its pictures come. Nothing is decoded before somebody looks."""
+    """The newest picture of a topic and how its pictures come. Nothing is decoded before it is shown."""
 
     def __init__(self, image: str, transport: str) -> None:
         """`transport` is `compressed` (the topic `IMAGE/compressed`) or `raw`."""

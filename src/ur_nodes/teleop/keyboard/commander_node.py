@@ -68,7 +68,7 @@ class LeasedCommander:
         return None if self._plain else self._lease.view()
 
     def settle(self, seconds: float) -> LeaseView | None:
-        """Wait at most so long until the lease has been requested as the conduct says, and return the view of it."""
+        """Wait at most so long until the lease has been requested as the conduct demands, and return the view of it."""
         return None if self._plain else self._lease.settle(seconds)
 
     @property

@@ -18,7 +18,7 @@ _PLAIN_HELP = (
 NO_LEASE = DriverLine()
 _BAR = 20
 _WIDE = 66  # columns for the whole screen
-_NO_LIMIT = 1000.0  # m/s, rad/s: the node's default, for a base whose limits nobody gave
+_NO_LIMIT = 1000.0  # m/s, rad/s: the node's default, for a base without known limits
 _OWN = "keyboard"  # what the mux calls this source
 _PADS = (("u", "i", "o"), ("j", "k", "l"), ("m", ",", "."))
 _ARROWS = (("", "up", ""), ("left", "space", "right"), ("", "down", ""))
@@ -39,7 +39,7 @@ def draw_drive_screen(
 ) -> list[str]:
     """At most `rows` lines that fit `columns`, most important first when there is little room.
 
-    `driver` says who else drives, and that the robot is out of reach.
+    `driver` is the line about another driver, or about a robot out of reach.
     """
     if columns < _WIDE or rows < 18:
         return [cut_styled(line, columns) for line in _small_screen(state, link, mux, driver, columns, rows)][:rows]

@@ -35,7 +35,7 @@ def place_glyphs(
 ) -> list[Glyph]:
     """Characters to be laid over the pixels; later ones cover earlier ones.
 
-    Names of waypoints stand beside what they would cover: the robot, the goal, other names. A name for which there
+    Names of waypoints are beside what they would cover: the robot, the goal, other names. A name for which there
     is no room is left out; its dot stays.
     """
     marks = []

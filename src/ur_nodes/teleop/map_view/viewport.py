@@ -46,7 +46,7 @@ def zoom_viewport(view: Viewport, factor: float, column: float | None = None, ro
 
 
 def pan_viewport(view: Viewport, columns: float, rows: float) -> Viewport:
-    """Look further right and down by so many pixels."""
+    """Move the view right and down by so many pixels."""
     return replace(view, x=view.x + columns * view.scale, y=view.y - rows * view.scale)
 
 

@@ -66,7 +66,7 @@ class MapView(Widget, can_focus=False):
         self._released = (time.monotonic(), None)
 
     def show(self, snapshot: Snapshot, places: Mapping[str, Pose2]) -> None:
-        """Show another snapshot; only lines that look different are drawn again."""
+        """Show another snapshot; only lines that differ are drawn again."""
         if snapshot.grid is not self._snapshot.grid:
             self._index = index_grid(snapshot.grid) if snapshot.grid is not None else None
             self._fit_if(self._fitted, snapshot.grid)
@@ -95,7 +95,7 @@ class MapView(Widget, can_focus=False):
         self.redraw()
 
     def pan(self, columns: float, rows: float) -> None:
-        """Look further right and down, in parts of the screen. Ends following."""
+        """Move the view right and down, in parts of the screen. Ends following."""
         self._move(columns * self.view.width, rows * self.view.height)
 
     def toggle_follow(self) -> bool:

@@ -39,12 +39,12 @@ def driver_request_of(event: KeyEvent) -> DriverRequest | None:
 
 
 def may_command(view: LeaseView, conduct: Conduct) -> bool:
-    """Return whether this client's keys are to be sent: it drives, or nobody does and its conduct is not `watch`."""
+    """Return whether this client's keys are to be sent: it drives, or the lease is free and it does not only watch."""
     return view.mine or (view.state == "free" and conduct != "watch")
 
 
 def describe_silence(who: str, seconds: float) -> str:
-    """Return the line about a computer or program that is silent; `seconds` is infinite before its first word."""
+    """Return the line about a computer or program that is silent; `seconds` is infinite before its first message."""
     return f"no word from {who} for {seconds:.1f} s" if math.isfinite(seconds) else f"no word from {who} yet"
 
 

@@ -14,8 +14,8 @@ _IDLE = "idle"
 class MuxView:
     """The newest state of the mux.
 
-    `stopped` is None while no mux says anything; `active` is the source that drives, empty for none; `asked` is what
-    was asked of it and not answered yet; `problem` is why what was asked last did not happen, from `describe_refusal`.
+    `stopped` is None while no mux publishes it; `active` is the source that drives, empty for none; `asked` is what
+    was asked of it and not answered yet; `problem` is why the last request failed, from `describe_refusal`.
     """
 
     stopped: bool | None = None
@@ -35,7 +35,7 @@ class Emergency(Protocol):
 
 
 def view_of(connected: bool, stopped: bool | None, active: str, asked: MuxRequest | None, problem: str) -> MuxView:
-    """The view of a mux: what it told counts only as long as it is there."""
+    """The view of a mux: its last state counts only while it exists."""
     if not connected:
         return MuxView(asked=asked, problem=problem)
     return MuxView(stopped, "" if active == _IDLE else active, asked, problem)
@@ -47,7 +47,7 @@ def describe_refusal(request: MuxRequest, reason: str) -> str:
 
 
 def describe_emergency(view: MuxView, release: str) -> str:
-    """Describe an emergency in one line, empty when there is none. `release` says how an emergency is ended."""
+    """Describe an emergency in one line, empty when there is none. `release` describes how an emergency is ended."""
     if view.problem:
         return view.problem
     if view.stopped:

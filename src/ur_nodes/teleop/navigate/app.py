@@ -65,7 +65,7 @@ class NavigateApp(NavigateView):
         self._do(c.Help())
 
     def enter(self, line: str) -> None:
-        """Run the command of a line, or say what is wrong with it."""
+        """Run the command of a line, or report what is wrong with it."""
         try:
             answers = not line and self._snapshot.goal.state is GoalState.ASKING
             command = c.Resume() if answers else c.parse_command(line)

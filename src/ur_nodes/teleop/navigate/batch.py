@@ -44,7 +44,7 @@ from ur_nodes.teleop.navigator.model import (
 )
 
 _ANSWER_WAIT = 5.0  # s: for the mux
-_CANCEL_WAIT = 1.0  # s: for the word that a goal is cancelled
+_CANCEL_WAIT = 1.0  # s: for the confirmation that a goal is cancelled
 
 Write = Callable[[str], None]
 
@@ -262,7 +262,7 @@ def _give_up(snapshot: Snapshot, seconds: float, limits: Limits, *, attended: bo
 
 
 def _note(text: str, snapshot: Snapshot, noted: str, around: BatchContext) -> str:
-    """Tell on standard error that the goal is held or unknown, or goes on, once for each change."""
+    """Report on standard error that the goal is held or unknown, or goes on, once for each change."""
     report = snapshot.goal
     if report.state in (GoalState.HELD, GoalState.ASKING, GoalState.UNKNOWN):
         if noted != report.state.value:

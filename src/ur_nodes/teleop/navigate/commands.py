@@ -15,7 +15,7 @@ from ur_nodes.teleop.mux.emergency import MuxRequest
 
 @dataclass(frozen=True, slots=True)
 class Go:
-    """Drive to a place in the map: m, m, rad; without an angle, arrive facing the way one came."""
+    """Drive to a pose in the map: m, m, rad; without an angle, arrive in the direction of travel."""
 
     x: float
     y: float

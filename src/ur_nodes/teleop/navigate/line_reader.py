@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from ur.source.diagnostic import UserError
 from ur_nodes.teleop.navigate.commands import AskMux, Command, Quit, Resume, Stop, parse_command
 
-_PATIENCE = 0.2  # s between two looks at `ended`
+_PATIENCE = 0.2  # s between two checks of `ended`
 
 
 class LineReader:

@@ -63,7 +63,7 @@ def alarm_line(snapshot: Snapshot) -> str:
 
 
 def silence_line(snapshot: Snapshot) -> str:
-    """The text about what is not heard any more, or nothing."""
+    """Return the text about a sender that has fallen silent, or nothing."""
     silence = snapshot.silence
     return describe_silence(silence.who, silence.seconds) if silence else ""
 
@@ -86,7 +86,7 @@ def driver_line(snapshot: Snapshot, columns: int) -> str:
 
 
 def reason_not_to_drive(snapshot: Snapshot) -> str:
-    """The reason why this client must not tell the robot where to go or where it is now, or nothing."""
+    """Return the reason why this client must not send goals or set the pose, or nothing."""
     view = snapshot.lease
     if snapshot.silence is not None and snapshot.silence.who == ROBOT:
         return silence_line(snapshot)

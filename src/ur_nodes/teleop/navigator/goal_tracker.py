@@ -52,7 +52,7 @@ class Hold:
 
 @dataclass(frozen=True, slots=True)
 class Tracker:
-    """The goal that is followed. `goal_id` is '' while it is somebody else's and not known by id yet.
+    """The goal that is followed. `goal_id` is '' while it belongs to another client and its id is not known yet.
 
     `known`: move_base has mentioned it. `heard_at` is when it was sent or mentioned last, `listed_at` when the last
     status list came, `absent_since` since when lists come without the goal.
@@ -74,10 +74,10 @@ def track_sent(tracker: Tracker, goal_id: str, place: Pose2, now: float) -> Trac
 
 
 def track_current(tracker: Tracker, place: Pose2, now: float) -> Tracker:
-    """move_base says which goal it drives to; another one than ours was sent by somebody else."""
+    """Take the goal that move_base drives to; another one than ours was sent by another client."""
     ours = tracker.report.place
     same = ours is not None and abs(ours.x - place.x) + abs(ours.y - place.y) < 1e-3
-    # Results come by another connection and may overtake the word about the goal that they end.
+    # Results come by another connection and may overtake the message about the goal that they end.
     if same and (not tracker.report.over or now - tracker.heard_at < LATE):
         return tracker
     report = GoalReport(tracker.report.number + 1, place, GoalState.DRIVING)
@@ -113,7 +113,7 @@ def track_result(tracker: Tracker, status: Status, now: float) -> Tracker:
 
 
 def track_hold(tracker: Tracker, hold: Hold) -> Tracker:
-    """move_base says which goal it holds."""
+    """Take the goal that move_base holds."""
     return replace(tracker, hold=hold)
 
 

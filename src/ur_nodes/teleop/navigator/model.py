@@ -38,7 +38,7 @@ class GoalState(Enum):
 class GoalReport:
     """The last goal, its number (0: none was sent yet), its state, and why when it failed, is held or has stopped.
 
-    `UNKNOWN`: there is no word from the robot; the goal is neither over nor known to be driven to.
+    `UNKNOWN`: the robot is silent; the goal is neither over nor known to be driven to.
     """
 
     number: int = 0
@@ -48,13 +48,13 @@ class GoalReport:
 
     @property
     def over(self) -> bool:
-        """True once nothing more will happen to the goal."""
+        """True once the goal has ended."""
         return self.state in (GoalState.NONE, GoalState.REACHED, GoalState.STOPPED, GoalState.FAILED)
 
 
 @dataclass(frozen=True, slots=True)
 class Silence:
-    """Nothing was received from `who` for `seconds`, although it was heard before."""
+    """Nothing was received from `who` for `seconds`, although it sent messages before."""
 
     who: str
     seconds: float
@@ -65,7 +65,7 @@ class Snapshot:
     """The state of the robot at one moment, in the map frame; None for what is not known.
 
     `scan` and `path` are (n, 2) in m; `speed` m/s and `turn` rad/s; `spread` the localiser's standard deviation in m;
-    `missing` names what is waited for, in words for people; `silence` what was heard and is not any more.
+    `missing` names what is waited for, for users; `silence` a sender that has fallen silent.
     """
 
     grid: Grid | None = None
@@ -129,7 +129,7 @@ def distance_left(snapshot: Snapshot) -> float | None:
 
 
 def heading_there(snapshot: Snapshot, x: float, y: float) -> float:
-    """The yaw to arrive with when none was given: the way from here to there."""
+    """Return the yaw to arrive with when none was given: the direction from here to there."""
     pose = snapshot.pose
     if pose is None or math.hypot(x - pose.x, y - pose.y) < 0.05:
         return pose.yaw if pose else 0.0

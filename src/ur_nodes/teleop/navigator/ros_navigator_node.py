@@ -45,7 +45,7 @@ from ur_nodes.teleop.navigator.model import ROBOT, Silence, Snapshot
 from ur_nodes.teleop.navigator.robot_state_node import RobotState
 
 _STATUS_SILENT = 3.0
-_NO_WORD = 1.0  # s: then what was heard before is silent
+_NO_WORD = 1.0  # s without a message, after which a sender counts as silent
 _NANO = 1_000_000_000
 # What amcl takes as spread of a pose that a person points at: RViz's "2D Pose Estimate" sends the same.
 _POINTED_VARIANCE = (0.25, 0.25, (math.pi / 12) ** 2)
@@ -111,7 +111,7 @@ class RosNavigator:
             )
 
     def go(self, place: Pose2) -> int:
-        """See `Navigator`. The goal's id says who sends it and answers the mux's newest challenge."""
+        """See `Navigator`. The goal's id names the client that sends it and answers the mux's newest challenge."""
         goal_id = self._make_goal_id()
         stamp = rospy.Time.now()
         message = MoveBaseActionGoal()

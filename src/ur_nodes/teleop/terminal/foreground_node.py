@@ -40,7 +40,7 @@ def run_in_foreground(name: str, body: Callable[[threading.Event], int]) -> int:
     ended = threading.Event()
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, _setter(ended))
-    logging.lastResort = None  # Python's own last word goes to standard error, where the screen is
+    logging.lastResort = None  # Python's handler of last resort writes to standard error, where the screen is
     crashes = collect_thread_crashes()
     try:
         rospy.init_node(name, disable_signals=True)

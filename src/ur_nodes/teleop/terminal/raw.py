@@ -46,7 +46,7 @@ class Terminal:
             return None
 
     def size(self) -> tuple[int, int]:
-        """Columns and rows now. Asked each time: without a controlling terminal no signal tells of a change."""
+        """Columns and rows now. Asked each time: without a controlling terminal no signal announces a change."""
         return measure_terminal(self._screen) or (80, 24)
 
     def request_answer(self) -> None:

@@ -6,11 +6,11 @@ import pytest
 
 from ur_nodes.motion.joystick.device import JoystickState
 from ur_nodes.motion.joystick.joy_teleop import (
+    ButtonRequest,
     JoyTeleopSettings,
     JoyTeleopState,
     JoyTwist,
     Speeds,
-    Wish,
     step_joy_teleop,
 )
 
@@ -35,11 +35,11 @@ def at(x: float, yaw: float, *pressed: int) -> JoystickState:
 
 def replay(
     *reports: JoystickState, settings: JoyTeleopSettings = SETTINGS
-) -> list[tuple[JoyTwist | None, Wish | None]]:
+) -> list[tuple[JoyTwist | None, ButtonRequest | None]]:
     state, outcome = JoyTeleopState(settings), []
     for report in reports:
-        state, twist, wish = step_joy_teleop(state, report)
-        outcome.append((twist, wish))
+        state, twist, request = step_joy_teleop(state, report)
+        outcome.append((twist, request))
     return outcome
 
 
@@ -64,7 +64,7 @@ def test_turbo_drives_faster_but_within_the_limits_of_the_base() -> None:
 
 def test_emergency_buttons_speak_once_for_each_press() -> None:
     outcome = replay(at(0, 0, STOP), at(0, 0, STOP), at(0, 0), at(0, 0, STOP), at(0, 0, RELEASE))
-    assert [wish for _, wish in outcome] == ["stop", None, None, "stop", "release"]
+    assert [request for _, request in outcome] == ["stop", None, None, "stop", "release"]
 
 
 def test_stop_wins_when_both_are_pressed() -> None:

@@ -4,6 +4,7 @@ import re
 
 import pytest
 
+from ur.source.ansi import BOLD, REVERSE
 from ur_nodes.teleop.keyboard.drive import DriveSettings, start_drive, step_drive
 from ur_nodes.teleop.keyboard.drive_screen import Link, describe_drive, draw_drive_screen
 from ur_nodes.teleop.mux.emergency import MuxView
@@ -29,7 +30,7 @@ def test_screen_shows_what_is_driven() -> None:
     state, _ = step_drive(STATE, Key("o"), 0.0)
     lines = draw_drive_screen(state, Link("/cmd_vel", 1), FREE, 80, 24)
     assert "+0.30 m/s  -0.60 rad/s" in plain(lines)
-    assert any("\x1b[7;1m o " in line for line in lines)
+    assert any(f"{REVERSE}{BOLD} o " in line for line in lines)
 
 
 def test_screen_says_when_nobody_listens() -> None:
