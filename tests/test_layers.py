@@ -28,7 +28,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "ur.docs": ("ur.source", "ur.launchfile", "ur.check", "ur.graph"),
     "ur.find": ("ur.source", "ur.launchfile", "ur.check"),
     "ur.format": ("ur.source", "ur.launchfile", "ur.check"),
-    "ur.run": ("ur.source", "ur.debian", "ur.launchfile", "ur.robot"),
+    "ur.run": ("ur.source", "ur.debian", "ur.launchfile", "ur.robot", "ur.system"),
     "ur.screen": ("ur.source",),
     "ur.tui": ("ur.source", "ur.run", "ur.screen"),
     "ur.request": ("ur.source", "ur.debian", "ur.launchfile", "ur.robot", "ur.worlds", "ur.run"),

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 from ur.launchfile.plan.load import load_plan
 from ur.launchfile.plan.model import NodeSpec
 from ur.launchfile.world import World
 from ur.launchfile.world.memory import MemoryWorld
-from ur.run.process.missing_package import describe_install
+from ur.run.process.missing_package import describe_install, is_packaged
 from ur.run.startup.node_selection import check_display, leave_out_viewers
 from ur.source.diagnostic import UserError
 
@@ -76,3 +78,13 @@ def test_other_files_and_views_without_rviz_start_without_a_display() -> None:
     nodes, _ = make_world("rviz", "talk")
     check_display(["/anywhere/m_map/launch/m_map.launch.xml", "/rviz_mine.launch"], nodes, {})
     check_display(["/anywhere/rviz_robot/launch/rviz_robot.launch.xml"], nodes[2:], {})
+
+
+def test_rviz_that_the_release_does_not_package_is_left_out_without_a_command(tmp_path: Path) -> None:
+    file = tmp_path / "os-release"
+    file.write_text("ID=debian\nVERSION_CODENAME=forky\n")
+    assert not is_packaged("rviz", file)
+    assert describe_install("rviz", file) == "this release does not package it; the terminal shows the map"
+    file.write_text("ID=debian\nVERSION_ID=13\n")
+    assert describe_install("rviz", file) == "sudo apt-get install rviz"
+    assert is_packaged("rviz", tmp_path / "none")

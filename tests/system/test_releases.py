@@ -7,9 +7,11 @@ from pathlib import Path
 
 import pytest
 
+from ur.source.diagnostic import UserError
 from ur.system.releases import (
     Release,
     System,
+    check_robot_system,
     find_release,
     load_releases,
     load_ros_packages,
@@ -153,3 +155,25 @@ def test_malformed_table_is_refused_with_its_line(text: str, message: str) -> No
 def test_quoted_values_are_read_as_a_shell_reads_them() -> None:
     system = parse_os_release('ID=\'debian\'\nPRETTY_NAME="A \\"B\\" \'c\'"\nVERSION_ID="unfinished\nID_LIKE=\n')
     assert system == System(id="debian", name="A \"B\" 'c'")
+
+
+@pytest.mark.parametrize("text", [DEBIAN_12, TESTING, MINT_21, LMDE], ids=["12", "testing", "mint", "lmde"])
+def test_robot_with_ros_packages_is_accepted(text: str) -> None:
+    check_robot_system("bob.img", parse_os_release(text))
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (NOBLE, "bob.img: Ubuntu 24.04.3 LTS does not package ROS 1, expected Debian 12 or 13, or Raspberry Pi OS"),
+        (MINT, "bob.img: Linux Mint 22.1 does not package ROS 1, expected"),
+        (RASPBIAN, "bob.img: Raspbian GNU/Linux 12 (bookworm) is not supported: its packages are for armhf"),
+        (PLAN_9, "bob.img: Plan 9 is not supported, expected Debian 12 or 13"),
+    ],
+)
+def test_robot_without_ros_packages_is_refused_with_the_alternative(text: str, message: str) -> None:
+    with pytest.raises(UserError) as caught:
+        check_robot_system("bob.img", parse_os_release(text))
+    (diagnostic,) = caught.value.diagnostics
+    assert diagnostic.message.startswith(message)
+    assert diagnostic.help == "flash an image of one of these"

@@ -26,6 +26,7 @@ from ur.launchfile.world.protocol import PackageNotFound, World
 from ur.request.debian_packages import install_debian
 from ur.request.environment import PACKAGE
 from ur.request.python_packages import need_all
+from ur.run.process.missing_package import is_packaged
 from ur.run.startup.node_selection import has_display
 from ur.source.diagnostic import UserError, error
 
@@ -105,8 +106,8 @@ def prepare(
         install(each.modules, each.lock, each.title)
     for alternatives, title in packages.items():
         install_packages(alternatives, title)
-    if not needs_rviz(plan, world):
-        return False
+    if not needs_rviz(plan, world) or not is_packaged("rviz"):
+        return False  # where the release has none, the run reports that RViz is left out
     try:
         install_packages([["rviz"]], _RVIZ, ask=view)
     except UserError:

@@ -10,8 +10,9 @@ from functools import cache
 from importlib.resources import files
 from typing import Literal, cast
 
-ALTERNATIVE = "Debian 12 or 13, or Raspberry Pi OS 12 or 13 (64 bits)"
-"""The systems that a robot or an image is expected to have, for messages."""
+from ur.source.diagnostic import UserError, error
+
+_ROBOTS = "Debian 12 or 13, or Raspberry Pi OS 12 or 13 (64 bits)"
 
 Ros = Literal["native", "brought", "refused"]
 COLUMNS = ("id", "version", "codename", "ros", "missing", "lists", "tried", "name", "note")
@@ -121,6 +122,31 @@ def find_release(system: System, releases: Sequence[Release] | None = None) -> R
     best = min(ranks)
     found = rows[ranks.index(best)]
     return found if best == 1 else replace(found, tried=False)
+
+
+def check_robot_system(place: str, system: System) -> None:
+    """Raise UserError where a robot with this system cannot have ROS 1. `place` names its address or image.
+
+    A root of our own, which brings ROS 1 to users' computers, is not for robots.
+    """
+    if reason := describe_lack(system):
+        raise UserError(
+            error(
+                f"{place}: {reason}, expected {_ROBOTS}",
+                rule="unsupported-release",
+                help="flash an image of one of these",
+            )
+        )
+
+
+def describe_lack(system: System) -> str:
+    """Describe why a system has no packages of ROS 1, as a clause that begins with its name; '' where it has them."""
+    release = find_release(system)
+    if release.ros == "native":
+        return ""
+    if release.ros == "brought":
+        return f"{system.name} does not package ROS 1"
+    return f"{system.name} is not supported" + (f": {release.note}" if release.note else "")
 
 
 def _rank(row: Release, system: System) -> int:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 import subprocess
 from collections.abc import Mapping, Sequence
@@ -87,18 +88,20 @@ def make_filesystem(path: Path, part: Part) -> Path:
 
 
 def os_release(name: str, netplan: str = "") -> dict[str, str]:
-    files = {"usr/lib/os-release": f'NAME="x"\nPRETTY_NAME="{name}"\n', "etc/hostname": "old\n"}
+    found = re.match(r"(\w+)\D* (\d+(?:\.\d\d)?)", name)
+    identity = f'ID={found[1].lower()}\nVERSION_ID="{found[2]}"\n' if found else "ID=x\n"
+    files = {"usr/lib/os-release": f'NAME="x"\nPRETTY_NAME="{name}"\n{identity}', "etc/hostname": "old\n"}
     if netplan:
         row = f"Status: install ok installed\nPriority: important\nMaintainer: A B\n <a@b>\nVersion: {netplan}\n"
         files["var/lib/dpkg/status"] = f"Package: bash\nVersion: 5.2\n\nPackage: netplan.io\n{row}\n"
     return files
 
 
-def make_ubuntu(path: Path, netplan: str = "1.0-2ubuntu1") -> Path:
+def make_ubuntu(path: Path, netplan: str = "1.0-2ubuntu1", name: str = "Ubuntu 22.04.5 LTS") -> Path:
     """Ubuntu Server for the Raspberry Pi: its seed is on system-boot."""
     boot = {"user-data": "#cloud-config\npassword: ubuntu\n", "meta-data": "instance_id: cloud-image\n"}
     boot |= {"network-config": "version: 2\n", "cmdline.txt": "root=LABEL=writable\n", "config.txt": "[all]\n"}
-    root = os_release("Ubuntu 24.04.3 LTS", netplan)
+    root = os_release(name, netplan)
     return make_image(path, [Part("fat", "system-boot", boot), Part("ext", "writable", root)])
 
 

@@ -32,7 +32,7 @@ def refusal(path: Path) -> str:
 
 def test_ubuntu_for_raspberry_pi_has_its_seed_on_system_boot(tmp_path: Path) -> None:
     found = find_layout(make_ubuntu(tmp_path / "x.img", netplan="1.0-2ubuntu1"))
-    assert (found.scheme, found.system, found.raspberry) == (Scheme.BOOT_SEED, "Ubuntu 24.04.3 LTS", False)
+    assert (found.scheme, found.system, found.raspberry) == (Scheme.BOOT_SEED, "Ubuntu 22.04.5 LTS", False)
     assert found.netplan == "1.0-2ubuntu1"
 
 

@@ -27,6 +27,7 @@ from ur.robot.ssh.host_key import HostKey
 from ur.source.diagnostic import UserError, error
 from ur.source.progress_line import show_progress
 from ur.source.replace import replace_file
+from ur.system.releases import check_robot_system
 
 
 @click.group("image", invoke_without_command=True)
@@ -83,8 +84,9 @@ def prepare(
 ) -> int:
     """Write the seed of a robot's first boot into an image, or onto a flashed card.
 
-    Ubuntu for the Raspberry Pi, Raspberry Pi OS, and cloud images of Ubuntu and Debian. After its first boot the robot
-    has its name, its user, your key and the WiFi; then: ur robot setup USER@NAME.local.
+    Raspberry Pi OS 12 and 13, cloud images of Debian 12 and 13, and Ubuntu 22.04: the robot's system has to package
+    ROS 1. After its first boot the robot has its name, its user, your key and the WiFi; then: ur robot setup
+    USER@NAME.local.
 
     Needs no root for image files, and asks for what it needs to know. Interrupted anywhere, an image is as it was.
     """
@@ -104,6 +106,8 @@ def prepare(
     for each, target in wanted:
         with _opened(source, target) as (path, commit, device):
             layout = find_layout(path)
+            if layout.os:
+                check_robot_system(image, layout.os)
             _say(f"{image}: {layout.system}")
             present = read_seed(layout)
             wish = make_wish(each)

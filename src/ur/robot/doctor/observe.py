@@ -11,6 +11,7 @@ from ur.robot.doctor.wifi import WIFI_SCRIPT, parse_wifi
 from ur.robot.ssh.public_key import parse_public_key
 from ur.robot.ssh.shell import quote
 from ur.source.numbers import parse_decimal, parse_integer
+from ur.system.releases import parse_os_release
 
 _AVAHI = "org.freedesktop.Avahi"
 _MARK = "\x1e"
@@ -76,6 +77,7 @@ def observe_script(other: str) -> str:
         f"mark firewall; {_FIREWALL}",
         f"mark throttled; {_THROTTLED}",
         'mark system; . /etc/os-release; echo "$PRETTY_NAME"; uname -m',
+        "mark release; cat /etc/os-release",
         "mark ur; cat /etc/avahi/services/ubiquity.service 2>/dev/null",
         "mark packages; dpkg-query -W -f='${db:Status-Status} ${Package} ${Version}\\n' 2>/dev/null",
         "mark built; [ ! -e catkin_ws/devel ] || echo yes",
@@ -157,6 +159,7 @@ def parse_side(output: str) -> Side:
         workspace=frozenset(re.findall(r"([^/\n]{1,255})/package\.xml", parts.get("workspace", ""))),
         ur=ur[1] if (ur := re.search(r"version=([^<]+)", parts.get("ur", ""))) else "",
         system=" ".join(parts.get("system", "").split("\n")).strip(),
+        release=parse_os_release(parts["release"]) if parts.get("release", "").strip() else None,
         wifi=parse_wifi(parts.get("wifi", "")),
     )
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 from ur.robot.doctor.messages import Message
 from ur.robot.doctor.wifi import Wifi
+from ur.system.releases import System
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,5 +81,6 @@ class Side:
     built: bool = False
     workspace: frozenset[str] = frozenset()
     system: str = ""
+    release: System | None = None
     ur: str = ""
     wifi: tuple[Wifi, ...] = ()

@@ -67,7 +67,7 @@ def _cells(side: Side) -> list[str]:
         "" if side.memory_free is None else f"{side.memory_free:.0f} MB",
         side.firewall or "none",
         _yes(side.x11),
-        side.packages.get("ros-core", "") or side.packages.get("python3-roslaunch", "none"),
+        side.packages.get("python3-roslaunch", "none"),
         side.ur,
         f"{len(side.workspace)} packages{', built' if side.built else ''}",
     ]

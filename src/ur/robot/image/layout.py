@@ -17,6 +17,7 @@ from ur.robot.image.content import FileSystem, describe_other, identify_filesyst
 from ur.robot.image.partitions import Partition, Read, read_partitions
 from ur.robot.image.volume import ExtVolume, FatVolume, Volume, unfinished_names
 from ur.source.diagnostic import UserError, error
+from ur.system.releases import System, parse_os_release
 
 SEED_FOLDER = "var/lib/cloud/seed/nocloud"
 _FIRST_BOOT = "init=/usr/lib/raspberrypi-sys-mods/firstboot"
@@ -36,7 +37,7 @@ class Layout:
     """What an image holds. `boot` or `root` is None where the scheme does not need it.
 
     `system` is what it calls itself, `raspberry` whether it is Raspberry Pi OS, `netplan` the version of what sets up
-    its network ('' when that is not known).
+    its network ('' when that is not known). `os` is None where the system cannot be read.
     """
 
     scheme: Scheme
@@ -45,6 +46,7 @@ class Layout:
     root: Volume | None
     raspberry: bool = False
     netplan: str = ""
+    os: System | None = None
 
 
 @contextmanager
@@ -90,7 +92,8 @@ def _find_layout(path: Path) -> Layout:
     if root and root[0].read("etc/cloud/cloud.cfg") is not None:
         if root[1].dirty:
             raise _dirty()
-        return Layout(Scheme.ROOT_SEED, _name(root[0]), None, root[0], netplan=_netplan(root[0]))
+        system = _name(root[0])
+        return Layout(Scheme.ROOT_SEED, system, None, root[0], netplan=_netplan(root[0]), os=_system(root[0]))
     raise _unknown(_describe(systems, root[0] if root else None))
 
 
@@ -101,7 +104,8 @@ def _boot_layout(
     raspberry = "issue.txt" in names or what.label == "bootfs"
     if {"user-data", "meta-data"} <= unfinished_names(names) or what.label.lower() == "cidata":
         name = _name(root) if root else "a system with cloud-init"
-        return Layout(Scheme.BOOT_SEED, name, boot, root, raspberry=raspberry, netplan=_netplan(root) if root else "")
+        netplan, system = (_netplan(root), _system(root)) if root else ("", None)
+        return Layout(Scheme.BOOT_SEED, name, boot, root, raspberry=raspberry, netplan=netplan, os=system)
     command = boot.read("cmdline.txt")
     if command is None or not raspberry:
         return None
@@ -117,7 +121,7 @@ def _boot_layout(
         )
     if root_is and root_is.dirty:
         raise _dirty()
-    return Layout(Scheme.CUSTOM_TOML, _name(root), boot, root, raspberry=True)
+    return Layout(Scheme.CUSTOM_TOML, _name(root), boot, root, raspberry=True, os=_system(root))
 
 
 def _os(root: ExtVolume) -> bytes | None:
@@ -128,6 +132,11 @@ def _name(root: ExtVolume) -> str:
     text = (_os(root) or b"").decode(errors="replace")
     found = re.search(r'^PRETTY_NAME="?([^"\n]*)', text, re.MULTILINE)
     return found[1] if found else "a Linux system"
+
+
+def _system(root: ExtVolume) -> System | None:
+    text = _os(root)
+    return None if text is None else parse_os_release(text.decode(errors="replace"))
 
 
 def _netplan(root: ExtVolume) -> str:

@@ -59,8 +59,9 @@ class Request:
 class Facts:
     """What is there. `packages` holds the versions of those that are installed.
 
-    `addresses` are the computer's own, of scope global. `boot` names this boot: it changes when the computer reboots.
-    `apt_user` is the program that installs packages at this moment, '' when none does.
+    `system` is the text of its os-release. `addresses` are the computer's own, of scope global. `boot` names this boot:
+    it changes when the computer reboots. `apt_user` is the program that installs packages at this moment, '' when none
+    does.
     """
 
     user: str
@@ -94,7 +95,7 @@ def fact_script(request: Request) -> str:
         "mark() { printf '\\036%s\\n' \"$1\"; }",
         'mark home; echo "$home"',
         "mark hostname; cat /proc/sys/kernel/hostname",
-        'mark system; . /etc/os-release; echo "$ID $VERSION_CODENAME"',
+        "mark system; cat /etc/os-release",
         "mark boot; cat /proc/sys/kernel/random/boot_id",
         f"mark groups; id -nG {user}",
         "mark addresses; ip -brief -4 address show scope global 2>/dev/null",

@@ -26,6 +26,7 @@ from ur.robot.ssh.host_key import HostKey, find_known_keys
 from ur.robot.ssh.openssh import Address, SshShell, connect
 from ur.robot.ssh.shell import Shell, quote
 from ur.source.diagnostic import UserError, error
+from ur.system.releases import check_robot_system, parse_os_release
 
 BOOT_SECONDS = 180.0
 AGAIN_SECONDS = 15.0
@@ -56,6 +57,7 @@ def preview(task: Task, shell: SshShell, viewer: Viewer) -> list[Change]:
 
 
 def _wanted(task: Task, shell: SshShell, viewer: Viewer, facts: Facts) -> list[Wanted]:
+    check_robot_system(shell.place, parse_os_release(facts.system))
     return wanted_there(facts, task.robot, viewer, _password(task, shell), library=task.library)
 
 
@@ -70,7 +72,7 @@ def set_up(task: Task, here: Shell, viewer: Viewer, report: Report, progress: Pr
     with open_robot(task, report) as shell, hold_robot(shell, who, report), share_internet(shell, report) as route:
         if task.host_key:
             note_contact(task.host_key)
-        _check_name_is_free(task, shell)
+        _check_robot(task, shell)
         set_clock(shell, time.time, report)
         facts, count = bring_about(
             shell,
@@ -232,8 +234,10 @@ def _password(task: Task, shell: SshShell) -> WantedPassword | None:
     return WantedPassword(task.new, is_set=is_password(shell, task.new))
 
 
-def _check_name_is_free(task: Task, shell: SshShell) -> None:
+def _check_robot(task: Task, shell: SshShell) -> None:
+    """Raise UserError where its system cannot have ROS 1, or another computer has the name that it is to have."""
     mine = gather(shell, Request(task.address.user))
+    check_robot_system(shell.place, parse_os_release(mine.system))
     if mine.hostname == task.robot.name:
         return
     done = shell.run(f"getent ahostsv4 {quote(task.later.host)}")

@@ -1,9 +1,12 @@
-"""Ways to install a ROS package that is not on this computer."""
+"""Installation of ROS packages that are not on this computer."""
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from ur.debian.root import install_command
 
+OS_RELEASE = Path("/etc/os-release")
 # Debian and Ubuntu split some ROS packages: the program is in one, what makes it known as a package in another.
 _NAMES = {
     "image_transport": "image-transport-tools libimage-transport-dev",
@@ -14,9 +17,22 @@ _NAMES = {
 }
 
 
-def describe_install(package: str) -> str:
-    """What to do, as a command where Debian's names are known."""
+def is_packaged(name: str, os_release: Path = OS_RELEASE) -> bool:
+    """Determine whether this computer's release has a Debian package; True where that is not known."""
+    from ur.system.releases import find_release, parse_os_release
+
+    try:
+        system = parse_os_release(os_release.read_text(encoding="utf-8", errors="replace"))
+    except OSError:
+        return True
+    return name not in find_release(system).missing
+
+
+def describe_install(package: str, os_release: Path = OS_RELEASE) -> str:
+    """What to do, as a command where Debian's names are known and this computer's release has them."""
     names = _NAMES.get(package)
+    if names is not None and not is_packaged(names, os_release):
+        return "this release does not package it; the terminal shows the map"
     if names is not None:
         return install_command(names)
     dashed = package.replace("_", "-")

@@ -14,6 +14,7 @@ from ur.robot.doctor.model import Advertised, Owner, Pair
 from ur.robot.doctor.rules import KINDS, diagnose, diagnose_alone
 from ur.robot.doctor.side import Disk, Setting, Side, Unit
 from ur.robot.doctor.wifi import Wifi
+from ur.system.releases import System
 
 STOPPED = {"ssh.service": "active", "avahi-daemon.service": "inactive", "chrony.service": "active"}
 NO_CHRONY = {**STOPPED, "avahi-daemon.service": "active", "chrony.service": "inactive"}
@@ -74,6 +75,8 @@ CASES = [
     ("missing-package", there(packages={name: "1" for name in ROBOT.packages if name != "xauth"})),
     ("missing-package", here(packages={name: "1" for name in LAPTOP.packages if name != "sshfs"})),
     ("different-messages", there(messages=OTHER)),
+    ("unsupported-release", there(release=System("ubuntu", version="24.04", name="Ubuntu 24.04"))),
+    ("unsupported-release", here(release=System("plan9", name="Plan 9"))),
 ]
 
 
@@ -100,6 +103,8 @@ def test_every_kind_of_finding_is_tried_here_and_explained_to_users() -> None:
         here(failing=(Unit("cups.service"),)),  # no business of robots
         there(disks=(Disk("/var/log", 30.0, 0.4),)),  # small, and hardly used
         there(shell=ROBOT.ros),
+        there(release=System("debian", version="13", name="Debian 13")),
+        here(release=System("ubuntu", version="24.04", name="Ubuntu 24.04")),  # the project brings ROS 1
         there(messages={"my_msgs/X.msg": Message("1", "~/catkin_ws/src/my_msgs")}),
     ],
 )

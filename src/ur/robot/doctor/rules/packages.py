@@ -10,14 +10,27 @@ from ur.robot.doctor.side import Side
 from ur.robot.setup import robot_states as there
 from ur.robot.setup import viewer_states as here
 from ur.robot.ssh.shell import quote
+from ur.system.releases import describe_lack, find_release, load_ros_packages
 
 SHOWN = 4
+HERE = "use a computer with Debian 12 or later, or Ubuntu 22.04 or later"
 BUILD = "cd ~/catkin_ws && catkin_make"
+
+
+def check_release(where: Where, side: Side) -> Iterator[Finding]:
+    """A system without packages of ROS 1. Users' computers may get ROS 1 from a root of our own, robots may not."""
+    if side.release is None or (where == "here" and find_release(side.release).ros == "brought"):
+        return
+    if reason := describe_lack(side.release):
+        help = "flash Debian 12 or 13, or Raspberry Pi OS 12 or 13 (64 bits)"
+        yield Finding("unsupported-release", f"{side.name}: {reason}", help if where == "there" else HERE)
 
 
 def check_missing(where: Where, side: Side) -> Iterator[Finding]:
     """What `ur setup` or `ur robot setup` installs."""
     wanted = there.PACKAGES if where == "there" else here.PACKAGES
+    if side.release and find_release(side.release).ros != "native":
+        wanted = tuple(sorted({*wanted} - {*load_ros_packages()}))
     missing = [entry.split("|") for entry in wanted if not any(name in side.packages for name in entry.split("|"))]
     if missing and side.packages:
         names = " ".join(entry[0] for entry in missing)
@@ -95,6 +108,7 @@ def _path(folder: str) -> str:
 
 
 RULES: tuple[Rule, ...] = (
+    SideRule({"unsupported-release": "the system does not package ROS 1"}, check_release),
     SideRule({"missing-package": "something that one of the two needs is not installed"}, check_missing),
     PairRule({"different-messages": "both know a message, but not as the same: topics do not connect"}, check_messages),
 )
