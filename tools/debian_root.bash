@@ -36,6 +36,7 @@ debian_enter() {
   fi
   local options=("--mount=/proc/self/fd/$mount")
   [[ $EUID -ne 0 ]] && options+=("--user=/proc/self/fd/$user" --preserve-credentials)
+  # shellcheck disable=SC2016 # for the shell in the root
   printf -v close 'exec %d<&- %d<&-; cd -- "$1"; shift; exec "$@"' "$user" "$mount"
   exec nsenter "${options[@]}" -- /bin/bash -p -c "$close" ur "$folder" "$@"
 }
@@ -181,7 +182,7 @@ debian_remove() {
   mapfile -t running < <(debian_running)
   [[ ${#running[@]} -eq 0 ]] || debian_die "programs still run in the Debian root: processes ${running[*]}" "ur stop --all, or end them"
   if [[ -e $debian_data/allowed ]]; then debian_as_root forbid || return; fi
-  [[ ! -d $debian_data ]] || rm -rf --one-file-system "$debian_data" 2>/dev/null || debian_as_root remove || return
+  [[ ! -d $debian_data ]] || delete "$debian_data" 2>/dev/null || debian_as_root remove || return
   local folder
   for folder in "$1" "${debian_data%/*}"; do # that of a clone, and of a wheel
     [[ -e $folder/.venv/debian ]] && rm -rf "$folder/.venv"
@@ -196,6 +197,7 @@ debian_remove() {
 apt_settings() { apt-config dump 2>/dev/null | grep -E '^Acquire::(http|https|ftp|Retries|ForceIPv|Check-|Max-ValidTime|Queue-)'; }
 
 # The Debian mirror of this computer, where it has one; else mmdebstrap knows.
+# shellcheck disable=SC2016 # fields of apt
 apt_mirror() { apt-get indextargets --format '$(REPO_URI)' 'Origin: Debian' 'Label: Debian' 2>/dev/null | head -n 1; }
 
 # guarded COMMAND...: run a command alone in its namespaces, until it ends or standard input does: then all of it is killed.
@@ -214,12 +216,13 @@ guarded() {
 }
 
 build() {
-  local data="$1" uid="$2" gid="$3" target="$1/partial" settings="$1/partial.apt" mirror names
+  local data="$1" target="$1/partial" settings="$1/partial.apt" mirror names
   shift 3
   printf -v names '%s,' "$@"
   mirror="$(apt_mirror)"
   apt_settings >"$settings"
-  # Documents, translations and the static libraries of ICU are large and not used. The user gets everything, so nothing secret stays in it.
+  # Documents, translations and the static libraries of ICU are large and not used. The user gets all of it: nothing secret stays.
+  # shellcheck disable=SC2016 # for the shell of the hook
   mmdebstrap --mode=root --variant=minbase --format=directory --verbose --include="${names%,}" \
     --aptopt="$settings" --aptopt='Acquire::Languages "none"' --dpkgopt=force-unsafe-io \
     --dpkgopt='path-exclude=/usr/share/doc/*' --dpkgopt='path-exclude=/usr/share/man/*' \
@@ -234,14 +237,13 @@ build() {
     rm -rf "${target:?}/etc/$name" && ln -s "/host-etc/$name" "$target/etc/$name" || return
   done
   : >"$target$debian_mark"
-  chown -R --no-dereference "$uid:$gid" "$target" && sync -f "$target"
 }
 
 change() {
-  local uid="$2" gid="$3" target="$1/root"
+  local target="$1/root"
   shift 3
   apt_settings >"$target/etc/apt/apt.conf.d/98computer"
-  mount --bind /etc "$target/host-etc" && mount --bind /run "$target/run" && mount --rbind /dev "$target/dev" &&
+  mount --bind /etc "$target/host-etc" && mount -o remount,bind,ro "$target/host-etc" && mount --bind /run "$target/run" && mount --rbind /dev "$target/dev" &&
     mount -t proc proc "$target/proc" && mount -t tmpfs tmpfs "$target/etc/apt/auth.conf.d" || return
   cp -rL /etc/apt/auth.conf.d/. "$target/etc/apt/auth.conf.d/" 2>/dev/null
   local apt=(chroot "$target" env DEBIAN_FRONTEND=noninteractive apt-get -q -y --no-install-recommends)
@@ -249,26 +251,48 @@ change() {
   local status=$?
   "${apt[@]}" clean
   rm -rf "$target"/var/lib/apt/lists/*
-  find "$target" -xdev -uid 0 -exec chown --no-dereference "$uid:$gid" {} + || return
   return "$status"
 }
 
+# give UID GID FOLDER: give the user all of a folder. Outside the namespaces in which it was changed: what was mounted in it there,
+# /etc of this computer for one, may be of the same file system, where no option of find or rm would spare it.
+give() {
+  is_free "$3" && find "$3" -xdev \( ! -uid "$1" -o ! -gid "$2" \) -exec chown --no-dereference "$1:$2" {} + && sync -f "$3"
+}
+
+delete() { is_free "$1" && rm -rf --one-file-system "$1"; }
+
+# Return whether nothing is mounted in a folder.
+is_free() {
+  local place
+  while read -r _ _ _ _ place _; do
+    [[ $place/ == "$1"/* ]] && echo "error: '$place' is mounted in '$1', which is not touched therefore" >&2 && return 1
+  done </proc/self/mountinfo
+  return 0
+}
+
 as_root() {
-  local verb="$1" data="$2"
+  local verb="$1" data="$2" uid="$3" gid="$4" status
   [[ $verb == build || $verb == change ]] || { exec 4<"$data" && flock 4; } # one that was interrupted may still clean up
   case "$verb" in
     make)
-      rm -rf --one-file-system "$data/partial" && guarded build "${@:2}" && rm -f "$data/partial.apt" && return
-      rm -rf --one-file-system "$data/partial" "$data/partial.apt"
-      return 1
+      delete "$data/partial" && guarded build "${@:2}" && give "$uid" "$gid" "$data/partial"
+      status=$?
+      rm -f "$data/partial.apt"
+      [[ $status -eq 0 ]] || delete "$data/partial"
+      return "$status"
       ;;
     build) shift && build "$@" ;;
-    install) guarded change "${@:2:3}" install "${@:5}" ;;
-    update) guarded change "${@:2:3}" dist-upgrade ;;
+    install | update)
+      if [[ $verb == update ]]; then set -- "${@:1:4}" dist-upgrade; else set -- "${@:1:4}" install "${@:5}"; fi
+      guarded change "${@:2}"
+      status=$?
+      give "$uid" "$gid" "$data/root" && return "$status"
+      ;;
     change) shift && change "$@" ;;
     allow) debian_allow "$data" ;;
     forbid) rm -f /etc/apparmor.d/bwrap-userns-restrict "$data/allowed" && apparmor_parser -R /usr/share/apparmor/extra-profiles/bwrap-userns-restrict ;;
-    remove) rm -rf --one-file-system "$data" ;;
+    remove) delete "$data" ;;
   esac
 }
 
