@@ -1,0 +1,1 @@
+"""Maps from lidar scans: the stand-in for `gmapping`."""

@@ -1,0 +1,60 @@
+"""The surfaces round the robot, from several keyframes, to match a scan to."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from ur_nodes.geometry.pose import Pose2
+from ur_nodes.slam.surface import Floats, Surface, face, fit_lines, join
+
+FACING = 0.15
+"""m: surfaces that face opposite ways count as twice this farther apart, so that a thin wall has two sides."""
+
+_NEIGHBOURS = 14
+_REACH = 0.25  # m: points that far apart do not smooth each other
+_SPREAD = 0.10  # m: how fast their weight falls before
+_MOST = 6000  # points
+_LEAST_WEIGHT = 0.3  # of a neighbour of a point in a clump
+_CLUMP = 5  # such neighbours; with fewer, points only look apart because the lidar is far away
+
+
+class LocalMap:
+    """Points of several scans, drawn onto the lines that their neighbours lie on; noise averages out that way."""
+
+    def __init__(self, placed: Sequence[tuple[Pose2, Surface]]) -> None:
+        """Join surfaces, each given with the pose of its frame; at least one point in all.
+
+        `surface` are the points; `clumped` (n): those that lie close together, but not on a line.
+        """
+        rough = join([surface.moved(pose) for pose, surface in placed]).thinned(_MOST)
+        self.surface, self.clumped = _smoothed(rough)
+        self._tree = cKDTree(_keys(self.surface.points, self.surface.normals))
+
+    def nearest(self, points: Floats, normals: Floats, reach: float) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
+        """The number (n) of the nearest point that faces the same way, and whether there is one within `reach` m."""
+        distances, numbers = self._tree.query(_keys(points, normals), distance_upper_bound=reach)
+        found = np.isfinite(distances)
+        return np.where(found, numbers, 0), found
+
+
+def _keys(points: Floats, normals: Floats) -> Floats:
+    return np.hstack((points, FACING * normals))
+
+
+def _smoothed(rough: Surface) -> tuple[Surface, NDArray[np.bool_]]:
+    tree = cKDTree(_keys(rough.points, rough.normals))
+    count = min(_NEIGHBOURS, len(rough))
+    distances, numbers = tree.query(_keys(rough.points, rough.normals), k=list(range(1, count + 1)))
+    near = np.isfinite(distances) & (distances < _REACH)
+    delta = rough.points[numbers] - rough.points[:, None]
+    weights = np.where(near, np.exp(-0.5 * np.square(distances / _SPREAD)), 0.0)
+    mean, normals, flat = fit_lines(delta, weights)
+    normals = face(normals, rough.normals)
+    off = (mean * normals).sum(axis=1)
+    points = rough.points + np.where(flat, off, 0.0)[:, None] * normals
+    clumped = ~flat & ((weights > _LEAST_WEIGHT).sum(axis=1) >= _CLUMP)
+    return Surface(points, np.where(flat[:, None], normals, rough.normals), flat), clumped

@@ -1,0 +1,149 @@
+"""Places that were mapped before: which to look at, and whether a scan really was taken there."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ur_nodes.geometry.pose import Pose2, wrap_angle
+from ur_nodes.slam.correlative import Pyramid, Window, search
+from ur_nodes.slam.local_map import LocalMap
+from ur_nodes.slam.match import Match, match_surface
+from ur_nodes.slam.scan import Scan
+from ur_nodes.slam.surface import Floats, Surface
+
+RECENT = 12
+"""Keyframes before the newest one that it is no loop to see again."""
+
+_NEAR = 2.5  # m: keyframes so near see the same things, as a rule
+_GROUP = 7  # keyframes
+_SURE = 0.12  # m: with less uncertainty the scan is matched from where it is
+_WIDEST = Window(8.0, 0.5)
+_POINTS = 150  # of a scan, in a search
+_LEAST_SCORE = 0.55
+_RIVAL = 0.85  # of the best score: another place that fits as well
+_LEAST_AGREEMENT = 0.6
+_MOST_CONTRADICTION = 0.15
+_THROUGH = 0.3  # m: a beam that passes a wall by so much contradicts it
+
+
+@dataclass(frozen=True, slots=True)
+class Group:
+    """Keyframes that were made one after the other near a place, and the uncertainty (m) of the place to them."""
+
+    members: tuple[int, ...]
+    anchor: int
+    spread: float
+
+
+@dataclass(frozen=True, slots=True)
+class Link:
+    """Where keyframe `after` is in the frame of `before`; not `sure`: it wants confirmation by another one."""
+
+    before: int
+    after: int
+    relative: Pose2
+    covariance: Floats
+    sure: bool
+    correction: Pose2
+
+
+def find_groups(poses: Sequence[Pose2], number: int, spread: NDArray[np.float64], most: int = 2) -> list[Group]:
+    """Choose groups of old keyframes that keyframe `number` may see, the nearest first.
+
+    `spread` (n) is how uncertain their places are relative to it, m; those with inf are left out.
+    """
+    last = number - RECENT
+    if last <= 0:
+        return []
+    places = np.array([pose[:2] for pose in poses[:last]])
+    gaps = np.hypot(*(places - poses[number][:2]).T)
+    within = np.flatnonzero(gaps < _NEAR + np.minimum(3.0 * spread[:last], _WIDEST.shift))
+    if not len(within):
+        return []
+    runs = np.split(within, np.flatnonzero(np.diff(within) > 1) + 1)
+    groups = []
+    for run in runs:
+        nearest = int(run[np.argmin(gaps[run])])
+        members = run[np.argsort(np.abs(run - nearest))[:_GROUP]]
+        groups.append((float(gaps[nearest]), Group(tuple(sorted(members.tolist())), nearest, float(spread[nearest]))))
+    return [group for _, group in sorted(groups, key=lambda each: each[0])[:most]]
+
+
+def verify_group(group: Group, number: int, poses: Sequence[Pose2], scans: Sequence[Scan]) -> Link | None:
+    """Match the scan of a keyframe to a group; None when it was not taken there, or may have been taken elsewhere."""
+    placed = [(poses[member], scans[member].surface) for member in group.members]
+    target = LocalMap(placed)
+    scan, guess = scans[number], poses[number]
+    start = guess
+    sure = group.spread < _SURE
+    if not sure:
+        window = Window(min(_WIDEST.shift, 3.0 * group.spread + 0.2), min(_WIDEST.turn, group.spread + 0.1))
+        points = scan.surface.points[:: max(1, len(scan.surface) // _POINTS)]
+        found = search(Pyramid(target.surface.points), points, guess, window, _LEAST_SCORE)
+        if found is None or found.rival > _RIVAL * found.score:
+            return None
+        start = found.pose
+    match = match_surface(target, scan.surface, start)
+    if not _fits(match, start, target, scan):
+        return None
+    anchor = poses[group.anchor]
+    return Link(
+        group.anchor,
+        number,
+        anchor.inverse().compose(match.pose),
+        turned(match.covariance, match.pose.yaw),
+        sure,
+        match.pose.compose(guess.inverse()),
+    )
+
+
+def agree(one: Link, other: Link, place: Pose2) -> bool:
+    """Whether two links move a place on the map to the same other place."""
+    a, b = one.correction.compose(place), other.correction.compose(place)
+    return math.hypot(a.x - b.x, a.y - b.y) < 0.25 and abs(wrap_angle(a.yaw - b.yaw)) < 0.05
+
+
+def turned(covariance: Floats, yaw: float) -> Floats:
+    """A covariance (3, 3) in the frame of a pose with this yaw, given in its parent frame."""
+    c, s = math.cos(yaw), math.sin(yaw)
+    turn = np.array(((c, s, 0.0), (-s, c, 0.0), (0.0, 0.0, 1.0)))
+    result: Floats = turn @ covariance @ turn.T
+    return result
+
+
+def contradiction(target: Surface, scan: Scan, pose: Pose2) -> float:
+    """The share (0..1) of a map's points in sight of a scan at `pose` that its beams pass through."""
+    inside = target.moved(pose.inverse())
+    delta = inside.points - scan.origin
+    ends = scan.surface.points - scan.origin
+    if len(ends) < 2:
+        return 1.0
+    angles, ranges = np.arctan2(ends[:, 1], ends[:, 0]), np.hypot(*ends.T)
+    order = np.argsort(angles)
+    angles, ranges = angles[order], ranges[order]
+    bearing, distance = np.arctan2(delta[:, 1], delta[:, 0]), np.hypot(*delta.T)
+    after = np.searchsorted(angles, bearing)
+    low, high = (after - 1) % len(angles), after % len(angles)
+    width = np.maximum(
+        np.abs(np.remainder(angles[low] - bearing + math.pi, 2.0 * math.pi) - math.pi),
+        np.abs(np.remainder(angles[high] - bearing + math.pi, 2.0 * math.pi) - math.pi),
+    )
+    nearer = np.minimum(ranges[low], ranges[high])
+    faces = (inside.normals * delta).sum(axis=1) < 0.0
+    in_sight = faces & (width < 0.05) & (distance < nearer + _THROUGH)
+    passed = in_sight & (distance < nearer - _THROUGH)
+    return float(passed.sum()) / max(1, int(in_sight.sum()))
+
+
+def _fits(match: Match, start: Pose2, target: LocalMap, scan: Scan) -> bool:
+    moved = math.hypot(match.pose.x - start.x, match.pose.y - start.y)
+    return (
+        match.agreement >= _LEAST_AGREEMENT
+        and moved < 0.4
+        and contradiction(target.surface, scan, match.pose) <= _MOST_CONTRADICTION
+    )

@@ -1,0 +1,124 @@
+"""Refine the pose of a scan far below the size of a cell: points to lines, with a covariance that knows corridors.
+
+Sources: Chen and Medioni, Object modelling by registration of multiple range images, 1992 (the distance to the line);
+Zhang, Kaess, Singh, On degeneracy of optimization-based state estimation problems, 2016 (directions that the scan says
+nothing about are left to the prior).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ur_nodes.geometry.pose import Pose2, wrap_angle
+from ur_nodes.slam.local_map import LocalMap
+from ur_nodes.slam.surface import Floats, Surface
+
+_REACHES = (0.5, 0.3, 0.2, 0.15)  # m: the farthest correspondences, falling with the iterations
+_CLUMPED = 0.2  # how much a point without a line counts, in each direction
+_TILT = 0.04  # rad: error of a normal; what it feigns to know along a wall is taken off
+_LEVER = 3.0  # m: makes rad comparable with m
+_LEAST_NOISE = 0.004  # m
+_DEPENDENT = 4.0  # neighbouring beams err alike: so many count as one
+_HUGE = 10.0  # m or rad: no knowledge, against what moves between two scans
+
+
+@dataclass(frozen=True, slots=True)
+class MatchSettings:
+    """`iterations` at most, and the distance (m) from a line from which a point counts less and less."""
+
+    iterations: int = 12
+    outlier: float = 0.06
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Match:
+    """A pose, its covariance (3, 3) in the parent frame, and how good it is.
+
+    `agreement` (0..1) is the share of the points that lie on the map; `noise` (m) their distance from its lines.
+    The covariance holds no prior: along a corridor it is huge.
+    """
+
+    pose: Pose2
+    covariance: Floats
+    agreement: float
+    noise: float
+
+
+def match_surface(
+    target: LocalMap,
+    surface: Surface,
+    guess: Pose2,
+    prior: Floats | None = None,
+    settings: MatchSettings | None = None,
+) -> Match:
+    """Find the pose near `guess` at which a surface lies on the map; `prior` is the covariance (3, 3) of the guess."""
+    settings = settings or MatchSettings()
+    information = np.zeros((3, 3)) if prior is None else np.linalg.inv(prior)
+    pose, start = np.array(guess, dtype=np.float64), np.array(guess, dtype=np.float64)
+    known = np.zeros((3, 3))
+    noise, agreement = 0.02, 0.0
+    for iteration in range(settings.iterations):
+        reach = _REACHES[min(iteration, len(_REACHES) - 1)]
+        hessian, gradient, noise, agreement = _normal_equations(target, surface, pose, reach, settings.outlier, noise)
+        known, share = _without_feigned(hessian)
+        offset = pose - start
+        offset[2] = wrap_angle(offset[2])
+        scale = 1.0 / (noise * noise * _DEPENDENT)
+        total = known * scale + information + np.diag((1e-3, 1e-3, 1e-3))
+        step = np.linalg.solve(total, share @ gradient * scale + information @ offset)
+        length = float(np.hypot(step[0], step[1]))
+        if length > 0.3:
+            step *= 0.3 / length
+        pose -= step
+        if iteration >= len(_REACHES) and length < 2e-4 and abs(step[2]) < 1e-4:
+            break
+    covariance = np.asarray(
+        np.linalg.inv(known / (noise * noise * _DEPENDENT) + np.eye(3) / _HUGE**2), dtype=np.float64
+    )
+    return Match(Pose2(float(pose[0]), float(pose[1]), wrap_angle(float(pose[2]))), covariance, agreement, float(noise))
+
+
+def _normal_equations(
+    target: LocalMap, surface: Surface, pose: Floats, reach: float, outlier: float, noise: float
+) -> tuple[Floats, Floats, float, float]:
+    """Gauss-Newton's matrix (3, 3) and gradient (3) for noise 1, the noise (m), and the share of points on the map."""
+    moved = surface.moved(Pose2(pose[0], pose[1], pose[2]))
+    numbers, found = target.nearest(moved.points, moved.normals, reach)
+    if not found.any():
+        return np.zeros((3, 3)), np.zeros(3), noise, 0.0
+    numbers, points = numbers[found], moved.points[found]
+    goal = target.surface.points[numbers]
+    normals, flat = target.surface.normals[numbers], target.surface.flat[numbers]
+    delta = points - goal
+    lever = points - pose[:2]
+    across = (delta * normals).sum(axis=1)
+    along = delta[:, 1] * normals[:, 0] - delta[:, 0] * normals[:, 1]
+    limit = max(outlier, 3.0 * noise)
+    trust = np.square(1.0 / (1.0 + np.square(across / limit)))
+    share = np.where(target.clumped[numbers], _CLUMPED**2, 0.0)
+    clumped = share * np.square(1.0 / (1.0 + np.square(along / limit)))
+    trust = np.where(flat, trust, share * trust)
+    tangents = np.column_stack((-normals[:, 1], normals[:, 0]))
+    hessian, gradient = np.zeros((3, 3)), np.zeros(3)
+    for directions, residuals, weights in ((normals, across, trust), (tangents, along, clumped)):
+        slopes = np.column_stack((directions, lever[:, 0] * directions[:, 1] - lever[:, 1] * directions[:, 0]))
+        hessian += (slopes * weights[:, None]).T @ slopes
+        gradient += slopes.T @ (weights * residuals)
+    on_map = np.abs(across) < limit
+    used = flat & on_map
+    if used.sum() >= 10:
+        noise = max(_LEAST_NOISE, float(1.48 * np.median(np.abs(across[used]))))
+    return hessian, gradient, noise, float(on_map.sum()) / len(surface)
+
+
+def _without_feigned(hessian: Floats) -> tuple[Floats, Floats]:
+    """Take off what the errors of normals feign to know; returns the rest (3, 3) and the share (3, 3) that it is."""
+    scale = np.array((1.0, 1.0, 1.0 / _LEVER))
+    values, vectors = np.linalg.eigh(hessian * np.outer(scale, scale))
+    values = np.maximum(values, 0.0)
+    kept = np.maximum(values - _TILT**2 * values.sum(), 0.0)
+    share = np.where(values > 0.0, kept / np.maximum(values, 1e-12), 0.0)
+    rest = (vectors * kept) @ vectors.T / np.outer(scale, scale)
+    return rest, (vectors * share) @ vectors.T * np.outer(1.0 / scale, scale)

@@ -1,0 +1,138 @@
+"""The occupancy grid of keyframes: what their beams hit, and what they passed on the way.
+
+Each keyframe's share is kept as the pose that it was drawn at, so that it can be taken out and drawn anew once the
+graph has moved it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ur_nodes.geometry.grid import FREE, OCCUPIED, UNKNOWN, Grid
+from ur_nodes.geometry.pose import Pose2, wrap_angle
+from ur_nodes.slam.scan import Scan
+from ur_nodes.slam.surface import Floats
+
+_MARGIN = 1.0  # m that the map grows beyond what was seen
+_PACE = 0.5  # of a cell: between two samples of a beam
+_SPARED = 1.5  # cells before the end of a beam that do not count as passed: a thin wall seen at an angle is kept
+
+
+class OccupancyMap:
+    """Counts of hits and passes per cell of `resolution` m. A cell is a wall from a share `threshold` of hits on."""
+
+    def __init__(self, resolution: float = 0.05, threshold: float = 0.25, reach: float = math.inf) -> None:
+        """`reach` (m) is how far beams are drawn; what lies beyond is neither free nor occupied."""
+        self._resolution = resolution
+        self._threshold = threshold
+        self._reach = reach
+        self._corner = np.zeros(2, np.intp)  # column and row, in cells from the origin of the map, of the arrays' first
+        self._hits = np.zeros((0, 0), np.int32)
+        self._passes = np.zeros((0, 0), np.int32)
+        self._drawn: list[Pose2] = []
+
+    def include(self, low: tuple[float, float], high: tuple[float, float]) -> None:
+        """Let the map reach at least from one corner to the other, m."""
+        corners = np.floor(np.array((low, high)) / self._resolution).astype(np.intp)
+        self._grow(corners[0], corners[1])
+
+    def update(self, poses: Sequence[Pose2], scans: Sequence[Scan], most: int | None = None) -> bool:
+        """Draw new keyframes, and again those that have moved; at most so many. Returns whether all is up to date."""
+        budget = len(poses) * 2 if most is None else most
+        for number, (pose, scan) in enumerate(zip(poses, scans, strict=True)):
+            fresh = number >= len(self._drawn)
+            if not fresh and not self._has_moved(self._drawn[number], pose):
+                continue
+            if budget <= 0:
+                return False
+            budget -= 1
+            if fresh:
+                self._drawn.append(pose)
+            else:
+                self._draw(self._drawn[number], scan, -1)
+                self._drawn[number] = pose
+            self._draw(pose, scan, 1)
+        return True
+
+    def grid(self) -> Grid:
+        """The map as it is drawn: occupied, free and unknown cells."""
+        seen = self._hits + self._passes
+        walls = self._hits >= np.maximum(1.0, self._threshold * seen)
+        values = np.where(seen > 0, np.where(walls, OCCUPIED, FREE), UNKNOWN).astype(np.int8)
+        low = self._corner * self._resolution
+        return Grid(values, self._resolution, Pose2(float(low[0]), float(low[1]), 0.0))
+
+    def _has_moved(self, before: Pose2, after: Pose2) -> bool:
+        shift = math.hypot(after.x - before.x, after.y - before.y)
+        return shift > 0.2 * self._resolution or abs(wrap_angle(after.yaw - before.yaw)) > 0.05 * self._resolution
+
+    def _draw(self, pose: Pose2, scan: Scan, sign: int) -> None:
+        origin = _placed(pose, scan.origin[None])[0]
+        hits = _placed(pose, scan.hits.astype(np.float64))
+        misses = _placed(pose, scan.misses.astype(np.float64))
+        far = np.hypot(*(hits - origin).T) > self._reach
+        ends = np.vstack((hits, misses))
+        hits = hits[~far]
+        struck = self._cells(hits)
+        passed = self._cells(_samples(origin, ends, len(far), self._reach, self._resolution))
+        everything = np.vstack((struck, passed, self._cells(origin[None])))
+        self._grow(everything.min(axis=0), everything.max(axis=0))
+        touched = np.zeros((2, self._hits.size), dtype=bool)
+        touched[0][self._places(struck)] = True
+        touched[1][self._places(passed)] = True
+        self._hits.ravel()[touched[0]] += sign
+        self._passes.ravel()[touched[1] & ~touched[0]] += sign
+
+    def _cells(self, points: Floats) -> NDArray[np.intp]:
+        cells: NDArray[np.intp] = np.floor(points / self._resolution).astype(np.intp)
+        return cells
+
+    def _places(self, cells: NDArray[np.intp]) -> NDArray[np.intp]:
+        inside = cells - self._corner
+        places: NDArray[np.intp] = inside[:, 1] * self._hits.shape[1] + inside[:, 0]
+        return places
+
+    def _grow(self, low: NDArray[np.intp], high: NDArray[np.intp]) -> None:
+        """Make the arrays hold cells `low` to `high` (column, row)."""
+        height, width = self._hits.shape
+        end = self._corner + np.array((width, height))
+        if self._hits.size and np.all(low >= self._corner) and np.all(high < end):
+            return
+        margin = math.ceil(_MARGIN / self._resolution)
+        new_low, new_high = low - margin, high + margin + 1
+        if self._hits.size:
+            new_low = np.where(low < self._corner, new_low, self._corner)
+            new_high = np.where(high >= end, new_high, end)
+        columns, rows = new_high - new_low
+        left, below = self._corner - new_low if self._hits.size else (0, 0)
+        for name in ("_hits", "_passes"):
+            larger = np.zeros((rows, columns), np.int32)
+            larger[below : below + height, left : left + width] = getattr(self, name)
+            setattr(self, name, larger)
+        self._corner = new_low
+
+
+def _placed(pose: Pose2, points: Floats) -> Floats:
+    c, s = math.cos(pose.yaw), math.sin(pose.yaw)
+    placed: Floats = points @ np.array(((c, s), (-s, c))) + (pose.x, pose.y)
+    return placed
+
+
+def _samples(origin: Floats, ends: Floats, hits: int, reach: float, resolution: float) -> Floats:
+    """Points along beams, close enough to touch each cell; before the ends of the first `hits` some are spared."""
+    delta = ends - origin
+    lengths = np.hypot(*delta.T)
+    open_ = lengths.copy()
+    open_[:hits] -= _SPARED * resolution
+    open_ = np.clip(np.minimum(open_, reach), 0.0, None)
+    step = _PACE * resolution
+    counts = np.floor(open_ / step).astype(np.intp) + 1
+    beams = np.repeat(np.arange(len(ends)), counts)
+    first = np.cumsum(counts) - counts
+    distances = (np.arange(len(beams)) - first[beams]) * step
+    points: Floats = origin + delta[beams] / np.maximum(lengths, 1e-9)[beams, None] * distances[:, None]
+    return points

@@ -1,0 +1,58 @@
+"""The errors of odometry: random ones, and those that stay, which the scans reveal."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ur_nodes.geometry.pose import Pose2
+from ur_nodes.slam.surface import Floats
+
+_START = np.diag(np.square((0.05, 0.05, 0.05)))  # of scale, of turns per turn, of rad per m
+_MEMORY = 0.995  # how much of what was learned remains with each motion
+_NOISE = (0.02, 0.02)  # m per root m, rad per root m: what is random in a motion that teaches
+_LEAST = 0.05  # m: shorter motions teach nothing
+
+
+class OdometryModel:
+    """Corrects motions by what was learned: a factor for lengths, a factor for turns, and a turn per metre."""
+
+    def __init__(self) -> None:
+        self._errors = np.zeros(3)
+        self._covariance = _START.copy()
+
+    def correct(self, motion: Pose2) -> Pose2:
+        """The motion that most likely lies behind one that odometry reports."""
+        scale, turn, drift = self._errors
+        way = math.hypot(motion.x, motion.y)
+        yaw = motion.yaw * (1.0 + turn) + drift * way
+        half = 0.5 * (yaw - motion.yaw)  # the chord lies halfway between both headings
+        c, s = math.cos(half), math.sin(half)
+        factor = 1.0 + scale
+        return Pose2(factor * (c * motion.x - s * motion.y), factor * (s * motion.x + c * motion.y), yaw)
+
+    def covariance(self, motion: Pose2) -> Floats:
+        """Of a corrected motion, (3, 3) in its own frame: what is random, and what was not learned yet."""
+        way, turn = math.hypot(motion.x, motion.y), abs(motion.yaw)
+        scale, turning, drift = np.sqrt(np.diag(self._covariance))
+        shift = 0.005 + (0.05 + scale) * way + 0.02 * turn
+        swing = 0.004 + (0.03 + drift) * way + (0.08 + turning) * turn
+        return np.diag(np.square((shift, shift, swing)))
+
+    def learn(self, reported: Pose2, true: Pose2) -> None:
+        """Compare a motion that odometry reported with the true one."""
+        way, real = math.hypot(reported.x, reported.y), math.hypot(true.x, true.y)
+        if way < _LEAST and abs(reported.yaw) < 0.2:
+            return
+        spread = max(way, 0.1)
+        rows = np.array(((way, 0.0, 0.0), (0.0, reported.yaw, way)))
+        seen = np.array((real - way, math.remainder(true.yaw - reported.yaw, 2.0 * math.pi)))
+        noise = np.diag(np.square(_NOISE)) * spread
+        before = self._covariance / _MEMORY
+        gain = before @ rows.T @ np.linalg.inv(rows @ before @ rows.T + noise)
+        surprise = seen - rows @ self._errors
+        if surprise @ np.linalg.solve(rows @ before @ rows.T + noise, surprise) > 16.0:
+            return  # the wheels slipped, or the scan was matched wrongly
+        self._errors = self._errors + gain @ surprise
+        self._covariance = (np.eye(3) - gain @ rows) @ before

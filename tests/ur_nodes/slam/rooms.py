@@ -1,0 +1,51 @@
+"""Rooms made of straight walls, and the scans that a lidar at the robot's centre sees in them."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ur_nodes.geometry.pose import Pose2
+from ur_nodes.slam.scan import Scan, make_scan
+
+Floats = NDArray[np.float64]
+ANGLES = np.linspace(-math.pi, math.pi, 360, endpoint=False)
+DIRECTIONS = np.column_stack((np.cos(ANGLES), np.sin(ANGLES)))
+RANGE = 12.0
+
+
+def walls_of(*rings: tuple[tuple[float, float], ...]) -> Floats:
+    """The walls (n, 2, 2) between the corners of closed rings."""
+    walls = [(ring[i], ring[(i + 1) % len(ring)]) for ring in rings for i in range(len(ring))]
+    return np.array(walls)
+
+
+def box(left: float, low: float, right: float, high: float) -> tuple[tuple[float, float], ...]:
+    return ((left, low), (right, low), (right, high), (left, high))
+
+
+ROOM = walls_of(box(-3.0, -2.0, 4.0, 3.0), box(1.0, 1.0, 1.8, 1.6), box(-2.0, -1.2, -1.5, -0.4))
+CORRIDOR = walls_of(box(-40.0, -1.0, 40.0, 1.0))
+
+
+def ranges_at(walls: Floats, pose: Pose2, noise: float = 0.0, seed: int = 0) -> Floats:
+    """The ranges (360) from a pose, m; inf beyond 12 m."""
+    c, s = math.cos(pose.yaw), math.sin(pose.yaw)
+    beams = DIRECTIONS @ np.array(((c, s), (-s, c)))
+    start, along = walls[:, 0] - (pose.x, pose.y), walls[:, 1] - walls[:, 0]
+    cross = beams[:, None, 0] * along[None, :, 1] - beams[:, None, 1] * along[None, :, 0]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        distance = (start[:, 0] * along[:, 1] - start[:, 1] * along[:, 0]) / cross
+        place = (start[None, :, 0] * beams[:, None, 1] - start[None, :, 1] * beams[:, None, 0]) / cross
+    hit = (distance > 0.0) & (place >= 0.0) & (place <= 1.0)
+    ranges: Floats = np.where(hit, distance, np.inf).min(axis=1)
+    ranges = ranges + np.random.default_rng(seed).standard_normal(len(ranges)) * noise
+    return np.where(ranges < RANGE, ranges, np.inf)
+
+
+def scan_at(walls: Floats, pose: Pose2, noise: float = 0.0, seed: int = 0) -> Scan:
+    """The scan that a robot at a pose sees."""
+    ranges = ranges_at(walls, pose, noise, seed)
+    return make_scan(ranges, DIRECTIONS, (0.1, RANGE), np.eye(2), np.zeros(2))

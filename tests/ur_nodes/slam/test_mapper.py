@@ -1,0 +1,79 @@
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+
+import numpy as np
+from tests.ur_nodes.slam.rooms import ROOM, Floats, box, scan_at, walls_of
+
+from ur_nodes.geometry.pose import Pose2, wrap_angle
+from ur_nodes.slam.mapper import Mapper
+
+# A ring of corridors 2 m wide and 12 m long, with niches, so that every place looks different.
+RING = walls_of(
+    box(-1.0, -1.0, 13.0, 11.0), box(1.0, 1.0, 11.0, 9.0), box(4.0, -1.0, 4.6, -0.6), box(12.4, 3.0, 13.0, 4.1),
+    box(7.0, 10.5, 7.3, 11.0), box(-1.0, 6.0, -0.7, 6.9), box(8.0, -1.0, 8.2, -0.7), box(2.0, 10.7, 3.0, 11.0),
+)  # fmt: skip
+LENGTHS = (12.0, 10.0, 12.0, 10.0)
+
+
+def drive_round(step: float = 0.1) -> list[Pose2]:
+    """Once round the ring and a little farther, in steps of `step` m."""
+    poses = [Pose2(0.0, 0.0, 0.0)]
+    for side, length in enumerate((*LENGTHS, 3.0)):
+        poses += [poses[-1].compose(Pose2(step * n, 0.0, 0.0)) for n in range(1, round(length / step) + 1)]
+        if side < 4:
+            poses += [poses[-1].compose(Pose2(0.0, 0.0, turn)) for turn in np.linspace(0.1, math.pi / 2.0, 16)]
+    return poses
+
+
+def with_drift(poses: list[Pose2]) -> list[Pose2]:
+    """Odometry that is 3 % long and turns 2 degrees a metre."""
+    found = [poses[0]]
+    for before, after in pairwise(poses):
+        step = before.inverse().compose(after)
+        way = math.hypot(step.x, step.y)
+        found.append(found[-1].compose(Pose2(1.03 * step.x, step.y, step.yaw + math.radians(2.0) * way)))
+    return found
+
+
+def run(walls: Floats, poses: list[Pose2], odometry: list[Pose2] | None) -> Mapper:
+    mapper = Mapper()
+    for number, pose in enumerate(poses):
+        mapper.add_scan(scan_at(walls, pose, 0.01, number), odometry[number] if odometry else None)
+    return mapper
+
+
+def worst_error(mapper: Mapper, poses: list[Pose2]) -> float:
+    first = poses[0]
+    return max(
+        math.hypot(found.x - true.x, found.y - true.y)
+        for found, true in zip(mapper.path(), (first.inverse().compose(pose) for pose in poses), strict=True)
+    )
+
+
+def test_loop_is_closed_with_odometry_that_drifts() -> None:
+    poses = drive_round()
+    odometry = with_drift(poses)
+    assert math.hypot(odometry[-1].x - poses[-1].x, odometry[-1].y - poses[-1].y) > 1.0
+    mapper = run(RING, poses, odometry)
+    assert mapper.loops > 0
+    assert worst_error(mapper, poses) < 0.1
+
+
+def test_room_is_mapped_without_odometry() -> None:
+    poses = [Pose2(0.02 * n, 0.3 * math.sin(0.05 * n), 0.02 * n) for n in range(60)]
+    assert worst_error(run(ROOM, poses, None), poses) < 0.02
+
+
+def test_wheels_that_spin_on_the_spot_move_nothing() -> None:
+    poses = [Pose2(0.02 * min(n, 20), 0.0, 0.0) for n in range(40)]
+    odometry = [Pose2(0.02 * n, 0.0, 0.0) for n in range(40)]
+    assert worst_error(run(ROOM, poses, odometry), poses) < 0.02
+
+
+def test_same_scans_give_the_same_map() -> None:
+    poses = [Pose2(0.04 * n, 0.0, 0.01 * n) for n in range(30)]
+    first, second = run(ROOM, poses, poses), run(ROOM, poses, poses)
+    assert first.path() == second.path()
+    assert wrap_angle(first.path()[-1].yaw - poses[-1].yaw) < 0.01

@@ -1,0 +1,58 @@
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from tests.ur_nodes.slam.rooms import CORRIDOR, ROOM, Floats, scan_at
+
+from ur_nodes.geometry.pose import Pose2
+from ur_nodes.slam.local_map import LocalMap
+from ur_nodes.slam.match import match_surface
+
+HERE = Pose2(0.0, 0.0, 0.0)
+
+
+def local_map(walls: Floats) -> LocalMap:
+    return LocalMap([(HERE, scan_at(walls, HERE, 0.01).surface)])
+
+
+@pytest.mark.parametrize("true", [Pose2(0.11, -0.07, 0.05), Pose2(-0.2, 0.1, -0.12), Pose2(0.0, 0.0, 0.2)])
+def test_known_displacement_is_found_to_millimetres(true: Pose2) -> None:
+    found = match_surface(local_map(ROOM), scan_at(ROOM, true, 0.01, seed=1).surface, HERE)
+    assert math.hypot(found.pose.x - true.x, found.pose.y - true.y) < 0.006
+    assert found.pose.yaw == pytest.approx(true.yaw, abs=0.003)
+    assert found.agreement > 0.9
+    assert math.sqrt(float(np.linalg.eigvalsh(found.covariance[:2, :2])[-1])) < 0.01
+
+
+def test_covariance_in_a_corridor_is_large_along_it_and_small_across() -> None:
+    true = Pose2(0.0, 0.08, 0.03)
+    found = match_surface(local_map(CORRIDOR), scan_at(CORRIDOR, true, 0.01, seed=1).surface, HERE)
+    along, across = math.sqrt(found.covariance[0, 0]), math.sqrt(found.covariance[1, 1])
+    assert along > 5.0
+    assert across < 0.01
+    assert found.pose.y == pytest.approx(true.y, abs=0.006)
+    assert found.pose.yaw == pytest.approx(true.yaw, abs=0.003)
+
+
+def test_guess_decides_along_a_corridor() -> None:
+    guess, true = Pose2(0.3, 0.0, 0.0), Pose2(0.3, 0.05, 0.02)
+    prior = np.diag(np.square((0.1, 0.1, 0.1)))
+    found = match_surface(local_map(CORRIDOR), scan_at(CORRIDOR, true, 0.01, seed=1).surface, guess, prior)
+    assert found.pose.x == pytest.approx(0.3, abs=0.002)
+    assert found.pose.y == pytest.approx(0.05, abs=0.006)
+
+
+def test_sides_of_a_thin_wall_are_not_confused() -> None:
+    walls = np.array([[(-3.0, 0.0), (3.0, 0.0)], [(-3.0, 0.06), (3.0, 0.06)], [(-3.0, -2.0), (-3.0, 2.0)]])
+    north, south = Pose2(0.0, 1.0, 0.0), Pose2(0.0, -1.0, 0.0)
+    target = LocalMap([(north, scan_at(walls, north).surface)])
+    found = match_surface(target, scan_at(walls, south).surface, south, np.diag(np.square((0.1, 0.1, 0.05))))
+    assert found.pose.y == pytest.approx(-1.0, abs=0.005)
+
+
+def test_scan_of_another_place_agrees_little() -> None:
+    elsewhere = np.vstack((ROOM + np.array((6.0, 1.5)), CORRIDOR + np.array((0.0, 7.0))))
+    found = match_surface(local_map(ROOM), scan_at(elsewhere, Pose2(7.0, 2.0, 1.0)).surface, HERE)
+    assert found.agreement < 0.5

@@ -1,0 +1,48 @@
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from ur_nodes.geometry.pose import Pose2
+from ur_nodes.slam.odometry_model import OdometryModel
+
+RANDOM = np.random.default_rng(3)
+
+
+def motions(count: int) -> list[tuple[Pose2, Pose2]]:
+    """Reported and true motions: the odometry is 5 % long and turns 3 degrees a metre."""
+    pairs = []
+    for _ in range(count):
+        way, turn = float(RANDOM.uniform(0.2, 0.5)), float(RANDOM.uniform(-0.3, 0.3))
+        true = Pose2(way * math.cos(turn / 2.0), way * math.sin(turn / 2.0), turn)
+        long, more = 1.05 * way, turn + math.radians(3.0) * way
+        pairs.append((Pose2(long * math.cos(more / 2.0), long * math.sin(more / 2.0), more), true))
+    return pairs
+
+
+def test_errors_that_stay_are_learned() -> None:
+    model = OdometryModel()
+    for reported, true in motions(60):
+        model.learn(reported, true)
+    reported, true = motions(1)[0]
+    corrected = model.correct(reported)
+    assert corrected.x == pytest.approx(true.x, abs=0.004)
+    assert corrected.y == pytest.approx(true.y, abs=0.004)
+    assert corrected.yaw == pytest.approx(true.yaw, abs=0.006)
+
+
+def test_wheels_that_slip_once_teach_nothing() -> None:
+    model = OdometryModel()
+    for reported, true in motions(60):
+        model.learn(reported, true)
+    before = model.correct(Pose2(0.4, 0.0, 0.1))
+    model.learn(Pose2(0.5, 0.0, 0.0), Pose2(0.02, 0.0, 0.0))
+    assert model.correct(Pose2(0.4, 0.0, 0.1)) == before
+
+
+def test_longer_motions_are_less_certain() -> None:
+    model = OdometryModel()
+    short, long = model.covariance(Pose2(0.1, 0.0, 0.0)), model.covariance(Pose2(0.5, 0.0, 0.0))
+    assert (np.diag(long) > np.diag(short)).all()
