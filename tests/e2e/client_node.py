@@ -102,6 +102,7 @@ class Client:
 
     def do_late_goal(self, client: str, x: float, y: float, age: float) -> dict[str, Any]:
         """Send a goal as our clients do, which answers a challenge so many seconds old."""
+        wait_until(self.direct.get_num_connections, 60, "a subscriber of goals")
         wait_until(lambda: self.challenge, 60, "a challenge")
         stamp = self.challenge
         assert stamp

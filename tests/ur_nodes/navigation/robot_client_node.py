@@ -131,6 +131,7 @@ class RobotClient:
         return self._place()
 
     def do_cancel_id(self, id: str) -> dict[str, Any]:
+        wait_until(self.cancels.get_num_connections, 60.0, "a subscriber of cancel")
         self.cancels.publish(GoalID(id=id))
         return {}
 
