@@ -1,1 +1,1 @@
-"""Planar poses, rigid transforms, transform history, occupancy grids and map files, without ROS."""
+"""Poses, rigid transforms, transform history, scans as points and occupancy grids, without ROS."""

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from bisect import bisect_left, bisect_right
 
-from ur_nodes.geometry.pose import Pose2, Pose3, interpolate
+from ur_nodes.geometry.pose import Pose2, Pose3, interpolate, wrap_angle
 
 JUMP = 1.0
 """A stamp older (s) than the newest of the same frame by more than this means that time was reset."""
@@ -94,6 +95,21 @@ class TransformTree:
     def pose(self, target: str, source: str, stamp: float | None = None, *, hold: float = 0.0) -> Pose2:
         """Return `lookup` as a planar pose."""
         return self.lookup(target, source, stamp, hold=hold).planar()
+
+    def velocity(self, child: str, window: float) -> tuple[float, float]:
+        """Return the mean planar velocity of a frame in its parent over the newest `window` s.
+
+        Ahead (m/s) in the direction of its newest heading, and turning (rad/s); 0 while the history is shorter.
+        """
+        newest, parent = self.newest(child), self.parent(child)
+        if newest is None or parent is None:
+            return 0.0, 0.0
+        try:
+            before, after = self.pose(parent, child, newest - window), self.pose(parent, child, newest)
+        except TransformError:
+            return 0.0, 0.0
+        ahead = (after.x - before.x) * math.cos(after.yaw) + (after.y - before.y) * math.sin(after.yaw)
+        return ahead / window, wrap_angle(after.yaw - before.yaw) / window
 
     def chain(self, target: str, source: str) -> tuple[str, ...]:
         """Return the frames from `source` up to below its ancestor `target`; () when it is none."""

@@ -103,3 +103,20 @@ def test_history_starts_again_when_time_does() -> None:
     tree.forget()
     assert tree.newest("base_link") is None
     assert tree.pose("base_link", "laser").x == 0.1
+
+
+def test_velocity_is_along_the_newest_heading() -> None:
+    tree = TransformTree()
+    assert tree.velocity("base", 0.2) == (0.0, 0.0)
+    for number in range(4):
+        tree.add("odom", "/base", 10.0 + 0.1 * number, on_floor(0.0, 0.05 * number, math.pi / 2))
+    assert tree.parent("base") == "odom"
+    assert tree.velocity("base", 0.2) == pytest.approx((0.5, 0.0))
+    assert tree.velocity("base", 1.0) == (0.0, 0.0), "the history is shorter"
+
+
+def test_velocity_turns_through_the_smaller_angle() -> None:
+    tree = TransformTree()
+    tree.add("odom", "base", 1.0, on_floor(0.0, 0.0, math.pi - 0.1))
+    tree.add("odom", "base", 1.5, on_floor(0.0, 0.0, -math.pi + 0.1))
+    assert tree.velocity("base", 0.5) == pytest.approx((0.0, 0.4))

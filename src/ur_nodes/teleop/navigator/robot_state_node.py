@@ -14,7 +14,7 @@ from rospy.numpy_msg import numpy_msg
 from sensor_msgs.msg import LaserScan
 
 from ur_nodes.geometry.laser import directions_of_beams, mount_of_pose, points_of_ranges
-from ur_nodes.geometry.pose import Pose2, wrap_angle
+from ur_nodes.geometry.pose import Pose2
 from ur_nodes.geometry.transform_tree import TransformError
 from ur_nodes.rosio.frames import Frames
 
@@ -50,16 +50,7 @@ class RobotState:
 
     def velocity(self, now: float) -> tuple[float, float]:
         """Return the mean velocity over the last moments, ahead in m/s and turning in rad/s; 0 when silent."""
-        newest, parent = self._frames.newest(self._base_frame), self._frames.parent(self._base_frame)
-        if newest is None or parent is None or self.silent(now):
-            return 0.0, 0.0
-        try:
-            before = self._frames.pose(parent, self._base_frame, newest - _SPEED_WINDOW)
-            after = self._frames.pose(parent, self._base_frame, newest)
-        except TransformError:
-            return 0.0, 0.0
-        ahead = (after.x - before.x) * math.cos(after.yaw) + (after.y - before.y) * math.sin(after.yaw)
-        return ahead / _SPEED_WINDOW, wrap_angle(after.yaw - before.yaw) / _SPEED_WINDOW
+        return (0.0, 0.0) if self.silent(now) else self._frames.velocity(self._base_frame, _SPEED_WINDOW)
 
     def scan(self) -> NDArray[np.float64] | None:
         """Return the hits (n, 2) of the newest scan in the map frame, in m."""
