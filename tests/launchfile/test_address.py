@@ -19,11 +19,11 @@ WORLD = MemoryWorld(
 
 
 def test_package_and_name_give_the_file_anywhere_in_the_package() -> None:
-    assert resolve_addresses(["my_pkg", "a.launch", "x:=1"], WORLD) == ["/p/launch/a.launch"]
+    assert resolve_addresses(["my_pkg", "a.launch"], WORLD) == ["/p/launch/a.launch"]
 
 
 def test_path_is_taken_as_it_is() -> None:
-    assert resolve_addresses(["/c.launch", "x:=1"], WORLD) == ["/c.launch"]
+    assert resolve_addresses(["/c.launch"], WORLD) == ["/c.launch"]
 
 
 @pytest.mark.parametrize(

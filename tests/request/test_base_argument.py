@@ -6,7 +6,9 @@ from pathlib import Path
 import pytest
 
 from ur.launchfile.world.system import SystemWorld
-from ur.request.base_argument import check_base
+from ur.request.base_argument import check_bases, find_bases
+from ur.request.launch_request import LaunchFiles
+from ur.robot.base import Base, load_base
 from ur.source.diagnostic import UserError
 
 LIBRARY = Path(__file__).parents[2] / "ubiquity_launches"
@@ -24,15 +26,20 @@ def launch_file(tmp_path: Path) -> Path:
     return path
 
 
+def check_base(path: Path, values: dict[str, str]) -> None:
+    files = LaunchFiles([str(path)], SystemWorld({}))
+    check_bases(files, find_bases(files, values))
+
+
 def find_problem(path: Path, **values: str) -> UserError:
     with pytest.raises(UserError) as caught:
-        check_base([str(path)], values, SystemWorld({}))
+        check_base(path, values)
     return caught.value
 
 
 def test_base_that_has_what_is_needed_is_accepted(launch_file: Path) -> None:
-    check_base([str(launch_file)], {"robot_base": "stage"}, SystemWorld({}))
-    check_base([str(launch_file)], {"robot_base": "magni", "robot_variant": "lidar"}, SystemWorld({}))
+    check_base(launch_file, {"robot_base": "stage"})
+    check_base(launch_file, {"robot_base": "magni", "robot_variant": "lidar"})
 
 
 def test_base_without_the_sensor_is_refused_and_the_variant_with_it_named(launch_file: Path) -> None:
@@ -54,4 +61,18 @@ def test_unknown_base_is_refused(launch_file: Path) -> None:
 
 def test_package_without_bases_is_left_alone(launch_file: Path) -> None:
     shutil.rmtree(launch_file.parents[2] / "bases")
-    check_base([str(launch_file)], {"robot_base": "anything"}, SystemWorld({}))
+    assert find_bases(LaunchFiles([str(launch_file)], SystemWorld({})), {"robot_base": "anything"}) == ()
+
+
+def test_base_of_several_files_of_a_package_is_loaded_once(launch_file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    loaded: list[str] = []
+
+    def load(package: Path, name: str, variant: str) -> Base:
+        loaded.append(name)
+        return load_base(package, name, variant)
+
+    monkeypatch.setattr("ur.request.base_argument.load_base", load)
+    files = LaunchFiles([str(launch_file), str(launch_file)], SystemWorld({}))
+    first, second = find_bases(files, {"robot_base": "magni"})
+    assert first.base is second.base
+    assert loaded == ["magni"]

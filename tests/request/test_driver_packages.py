@@ -6,7 +6,9 @@ import pytest
 
 from ur.launchfile.plan.load import load_plan
 from ur.launchfile.world.system import SystemWorld
+from ur.request.base_argument import find_bases
 from ur.request.driver_packages import check_drivers
+from ur.request.launch_request import LaunchFiles
 from ur.source.diagnostic import Diagnostic, UserError
 
 LIBRARY = Path(__file__).parents[2] / "ubiquity_launches"
@@ -21,7 +23,7 @@ def find_problems(world: SystemWorld, **values: str) -> tuple[Diagnostic, ...]:
     plan = load_plan([FILE], [f"{name}:={value}" for name, value in values.items() if value], world)
     assert plan.diagnostics == ()
     try:
-        check_drivers([FILE], values, plan.nodes, world)
+        check_drivers(find_bases(LaunchFiles([FILE], world), values), plan.nodes, world)
     except UserError as problem:
         return problem.diagnostics
     return ()

@@ -4,16 +4,25 @@ from pathlib import Path
 
 import pytest
 
+from ur.launchfile.world.system import SystemWorld
+from ur.request.arguments import Argument, split_argv
+from ur.request.base_argument import find_bases
+from ur.request.launch_request import LaunchFiles, make_request
 from ur.request.localisation import choose_localisation
+from ur.request.plan_files import localisation_argument
 from ur.source.diagnostic import UserError
 
 LIBRARY = Path(__file__).parents[2] / "ubiquity_launches"
-FILES = [str(LIBRARY / "m_keyboard_navigate" / "launch" / "m_keyboard_navigate.launch.xml")]
-DECLARED = ("robot_base", "robot_variant", "localisation")
+FILE = str(LIBRARY / "m_keyboard_navigate" / "launch" / "m_keyboard_navigate.launch.xml")
+
+
+def choose(values: dict[str, str], path: str = FILE) -> list[Argument]:
+    files = LaunchFiles([path], SystemWorld({}))
+    return choose_localisation(values, lambda: find_bases(files, values))
 
 
 def test_base_with_a_camera_alone_is_localised_by_fiducials() -> None:
-    assert choose_localisation(FILES, DECLARED, {"robot_base": "magni"}) == ["localisation:=fiducials"]
+    assert choose({"robot_base": "magni"}) == [Argument("localisation", "fiducials")]
 
 
 @pytest.mark.parametrize(
@@ -26,15 +35,21 @@ def test_base_with_a_camera_alone_is_localised_by_fiducials() -> None:
     ],
 )
 def test_lidar_or_what_is_given_decides(values: dict[str, str]) -> None:
-    assert choose_localisation(FILES, DECLARED, values) == []
+    assert choose(values) == []
 
 
-def test_nothing_is_added_where_it_is_not_declared() -> None:
-    assert choose_localisation(FILES, ("robot_base",), {"robot_base": "magni"}) == []
-    assert choose_localisation(["/tmp/x.launch"], DECLARED, {"robot_base": "magni"}) == []
+def test_nothing_is_added_for_a_file_of_a_package_without_bases() -> None:
+    assert choose({"robot_base": "magni"}, "/tmp/x.launch") == []
 
 
-def test_way_that_there_is_not_is_refused() -> None:
+def test_nothing_is_added_where_it_is_not_declared(tmp_path: Path) -> None:
+    path = tmp_path / "a.launch"
+    path.write_text('<launch><arg name="robot_base"/></launch>')
+    _, arguments = split_argv(["robot_base:=magni"])
+    assert localisation_argument(make_request([str(path)], SystemWorld({})), arguments) == []
+
+
+def test_unknown_method_is_refused() -> None:
     with pytest.raises(UserError, match="localisation:=fiducial, expected one of amcl, fiducials") as caught:
-        choose_localisation(FILES, DECLARED, {"robot_base": "magni", "localisation": "fiducial"})
+        choose({"robot_base": "magni", "localisation": "fiducial"})
     assert caught.value.diagnostics[0].help == "did you mean 'fiducials'?"

@@ -6,8 +6,10 @@ from pathlib import Path
 import pytest
 
 from ur.launchfile.world import MemoryWorld
+from ur.request.arguments import Argument
+from ur.request.launch_request import LaunchFiles, LaunchRequest
 from ur.request.on_robot import choose_options, find_new_name, name_file
-from ur.request.options import Wishes
+from ur.request.options import LaunchOptions
 from ur.request.share_messages import describe_end, describe_part, explain_problem
 from ur.robot.discovery.record import Record, records_folder, render_record
 from ur.robot.selection import parse_selection, selection_path, store_selection
@@ -85,21 +87,22 @@ def test_end_says_which_runs_go_on_and_for_whom(answer: Answer, lines: list[str]
 
 
 def test_options_that_choose_nodes_are_handed_on() -> None:
-    assert choose_options(Wishes(only=["a", "b"], except_=["c"], screen=True)) == (
+    assert choose_options(LaunchOptions(only=["a", "b"], except_=["c"], screen=True)) == (
         *("--only", "a", "--only", "b"),
         *("--except", "c"),
     )
 
 
 def test_file_of_a_package_is_named_by_both() -> None:
-    words = ["chat", "chat.launch", "text:=x"]
-    assert name_file(words, ["/ws/chat/launch/chat.launch"], MemoryWorld(files={}), "bob") == ["chat", "chat.launch"]
+    files = LaunchFiles(["/ws/chat/launch/chat.launch"], MemoryWorld(files={}))
+    request = LaunchRequest(files, (Argument("text", "x"),), names=("chat", "chat.launch"))
+    assert name_file(request, "bob") == ["chat", "chat.launch"]
 
 
-@pytest.mark.parametrize("word", ["/no/package/x.launch", "-"])
-def test_file_that_the_robot_cannot_have_is_explained(word: str) -> None:
+@pytest.mark.parametrize("name", ["/no/package/x.launch", "-"])
+def test_file_that_the_robot_cannot_have_is_explained(name: str) -> None:
     with pytest.raises(UserError, match="expected a launch file of a package, which bob has too"):
-        name_file([word], [word], MemoryWorld(files={}), "bob")
+        name_file(LaunchRequest(LaunchFiles([name], MemoryWorld(files={})), names=(name,)), "bob")
 
 
 @pytest.mark.parametrize(

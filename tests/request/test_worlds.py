@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from ur.cli.main import main
+from ur.request.arguments import Argument
 from ur.request.environment import PACKAGE
 from ur.request.worlds import resolve_worlds
 from ur.source.diagnostic import UserError
@@ -173,9 +174,11 @@ def test_map_of_a_robot_is_a_path_on_the_robot(home: Path) -> None:
     files = [f"{PACKAGE}/m_keyboard_navigate/launch/{NAVIGATE}"]
     declared = ["robot_machine", "map_file"]
     with pytest.raises(UserError, match=r"map_file:=home.yaml is read on bob, expected the absolute path"):
-        resolve_worlds(["map_file:=home.yaml"], files, declared, "bob")
-    assert resolve_worlds(["map_file:=/maps/lab.yaml"], files, declared, "bob") == ["map_file:=/maps/lab.yaml"]
-    assert resolve_worlds(["map_file:=home.yaml"], files, declared) == [f"map_file:={home}/home.yaml"]
+        resolve_worlds([Argument("map_file", "home.yaml")], files, declared, "bob")
+    there = Argument("map_file", "/maps/lab.yaml")
+    assert resolve_worlds([there], files, declared, "bob") == (there,)
+    here = Argument("map_file", f"{home}/home.yaml")
+    assert resolve_worlds([Argument("map_file", "home.yaml")], files, declared) == (here,)
 
 
 @pytest.mark.parametrize(("argument", "said"), [("world", "world file"), ("map_file", "map file")])

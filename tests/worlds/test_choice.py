@@ -6,13 +6,13 @@ from pathlib import Path
 
 import pytest
 
-from ur.worlds.choice import explain_missing_map, explain_missing_world, list_worlds, resolve_paths
+from ur.worlds.choice import explain_missing_map, explain_missing_world, list_worlds, resolve_path
 
 PACKAGE = Path(__file__).resolve().parents[2] / "ubiquity_launches"
 
 
 @pytest.mark.parametrize(
-    ("word", "resolved"),
+    ("argument", "resolved"),
     [
         ("world:=maze", "world:=maze"),
         ("world:=./home.yaml", "world:={folder}/home.yaml"),
@@ -23,18 +23,18 @@ PACKAGE = Path(__file__).resolve().parents[2] / "ubiquity_launches"
         ("map_file:=/a/b.yaml", "map_file:=/a/b.yaml"),
         ("map_file:=", "map_file:="),
         ("other:=home.yaml", "other:=home.yaml"),
-        ("home.yaml", "home.yaml"),
     ],
 )
-def test_relative_paths_start_at_the_working_folder(word: str, resolved: str, tmp_path: Path) -> None:
+def test_relative_paths_start_at_the_working_folder(argument: str, resolved: str, tmp_path: Path) -> None:
     (tmp_path / "home.yaml").touch()
     wanted = resolved.format(folder=tmp_path, parent=tmp_path.parent)
-    assert resolve_paths([word], tmp_path) == [wanted]
+    name, _, value = argument.partition(":=")
+    assert f"{name}:={resolve_path(name, value, tmp_path)}" == wanted
 
 
 def test_files_that_do_not_exist_yet_are_resolved_for_the_launch_library(tmp_path: Path) -> None:
-    assert resolve_paths(["map_file:=new.txt"], tmp_path, always=True) == [f"map_file:={tmp_path}/new.txt"]
-    assert resolve_paths(["world:=maze"], tmp_path, always=True) == ["world:=maze"]
+    assert resolve_path("map_file", "new.txt", tmp_path, always=True) == f"{tmp_path}/new.txt"
+    assert resolve_path("world", "maze", tmp_path, always=True) == "maze"
 
 
 @pytest.mark.parametrize(

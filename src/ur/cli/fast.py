@@ -42,13 +42,13 @@ def launch_fast(words: Sequence[str]) -> int | None:
         return None
     try:
         from ur.cli.launch.act import act_on, explain_problem
-        from ur.request.options import Wishes
+        from ur.request.options import LaunchOptions
         from ur.source.diagnostic import UserError
         from ur.source.printable import guard_output
 
         with guard_output():
             try:
-                return act_on(words[1:], Wishes())
+                return act_on(words[1:], LaunchOptions())
             except UserError as problem:
                 return explain_problem(problem)
     except KeyboardInterrupt:

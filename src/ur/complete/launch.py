@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from ur.complete.model import Candidate, Known
 from ur.launchfile.world.protocol import PackageNotFound, World
+from ur.request.arguments import parse_argument, split_argv, values_of
 from ur.source.diagnostic import UserError
 
 if TYPE_CHECKING:
@@ -19,7 +20,7 @@ _YAML = (".yaml", ".yml")
 
 def complete_launch(words: Sequence[str], prefix: str, world: World, known: Known) -> Iterator[Candidate]:
     """What may follow `ur launch WORDS`: a package or file, a file of the package, then arguments."""
-    plain = [word for word in words if ":=" not in word]
+    plain = split_argv(words)[0]
     path, _ = find_address(plain, world)
     if path is not None:
         yield from complete_arguments(path, words, prefix, world, known)
@@ -105,15 +106,16 @@ def _names_below(folder: str, depth: int) -> Iterator[str]:
 
 def complete_arguments(path: str, words: Sequence[str], prefix: str, world: World, known: Known) -> Iterator[Candidate]:
     """The arguments of a launch file as `name:=` with their documentation, or their values after `name:=`."""
-    given = dict(word.split(":=", 1) for word in words if ":=" in word)
-    name, equals, begin = prefix.partition(":=")
+    given = values_of(split_argv(words)[1])
+    begun = parse_argument(prefix)
     arguments = _read_arguments(path, words, world)
-    if not equals:
+    if begun is None:
         for each in arguments:
             if each.name.startswith(prefix) and each.name not in given:
                 default = "required" if each.default is None else f"default {each.default!r}"
                 yield Candidate(f"{each.name}:=", f"{_first_line(each.doc)} ({default})".strip(), open=True)
         return
+    name, begin = begun.name, begun.value
     known_default = next((each.default for each in arguments if each.name == name), None)
     for value in _values(name, known_default, given, known):
         if value.text.startswith(begin):

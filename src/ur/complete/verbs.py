@@ -15,6 +15,7 @@ from ur.complete.launch import (
 )
 from ur.complete.model import Candidate, Known, Line, Option
 from ur.launchfile.world.protocol import World
+from ur.request.arguments import parse_argument, split_argv
 
 # By verb: the kind of each word in turn; the last one of a list with an ellipsis is repeated.
 # `path`: any file; `files`: packages, their launch files, and paths; `launch`: all that `ur launch` takes; `explain`:
@@ -114,9 +115,9 @@ def _positional(verb: str, words: Sequence[str], prefix: str, world: World, know
 
 
 def _explain(words: Sequence[str], prefix: str, world: World, known: Known) -> Iterator[Candidate]:
-    plain = [word for word in words if ":=" not in word]
+    plain = split_argv(words)[0]
     path, used = find_address(plain, world)
-    if path is not None and len(plain) == used and ":=" not in prefix:
+    if path is not None and len(plain) == used and parse_argument(prefix) is None:
         yield from known.names(path, words)
     yield from complete_launch(words, prefix, world, known)
 

@@ -11,13 +11,13 @@ from ur.source.suggest import did_you_mean
 _SUFFIXES = (".launch", ".launch.xml", ".test")
 
 
-def resolve_addresses(words: Sequence[str], world: World) -> list[str]:
-    """The launch files that the words of a command line name: `[package] file.launch [file ...]`.
+def resolve_addresses(names: Sequence[str], world: World) -> list[str]:
+    """The launch files that the names of a command line mean: `[package] file.launch [file ...]`.
 
-    Words with `:=` are arguments and are left out. As in roslaunch, a file of that name anywhere in the package wins
-    over a path. `-` stands for the standard input. Raises UserError.
+    As in roslaunch, a file of that name anywhere in the package wins over a path. `-` stands for the standard input.
+    Raises UserError.
     """
-    names = [word for word in words if ":=" not in word]
+    names = list(names)
     if not names:
         return []
     if len(names) >= 2:

@@ -1,37 +1,56 @@
-"""Is the robot base that a launch file is given one that there is, and has it what the file needs?"""
+"""The robot base that launch files are given: loaded once, and compared with what the files need."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
-from ur.launchfile.world.protocol import World
-from ur.request.needs import Need, describe_need, find_variants, list_lacks, read_needs
+from ur.request.launch_request import LaunchFiles
+from ur.request.needs import Need, describe_need, find_needs, find_variants, list_lacks
 from ur.robot.base import Base, list_bases, load_base
 from ur.robot.base.search import find_base_package
 from ur.source.diagnostic import UserError, error
 
 
-def check_base(files: Sequence[str], values: Mapping[str, str], world: World) -> None:
-    """Compare `robot_base` and `robot_variant` with the bases of the package that a launch file belongs to.
+@dataclass(frozen=True, slots=True)
+class FileBase:
+    """The base of a launch file; `package` describes it."""
 
-    The comment `<!--Needs: ...-->` names what the base must have (`ur.request.needs`). Packages without folder `bases`
-    are skipped; bases that workspaces add are found, too. Raises UserError: no such base or variant, a bad base
-    file, something that the base lacks.
+    path: str
+    package: Path
+    base: Base
+
+
+def find_bases(files: LaunchFiles, values: Mapping[str, str]) -> tuple[FileBase, ...]:
+    """Load the base that `robot_base` and `robot_variant` name, from the package that each file belongs to.
+
+    Packages without folder `bases` are skipped; bases that workspaces add are found, too. Raises UserError: no such
+    base or variant, a bad base file.
     """
     name = values.get("robot_base")
     if name is None:
-        return
-    for path in files:
+        return ()
+    loaded: dict[Path, Base] = {}
+    found = []
+    for path in files.paths:
         own = find_package(path)
         if own is None:
             continue
-        package = find_base_package(own, name, world.environment)
-        base = load_base(package, name, values.get("robot_variant", ""))
-        needs = read_needs(path, world)
-        lacks = list_lacks(base, needs)
+        package = find_base_package(own, name, files.world.environment)
+        if package not in loaded:
+            loaded[package] = load_base(package, name, values.get("robot_variant", ""))
+        found.append(FileBase(path, package, loaded[package]))
+    return tuple(found)
+
+
+def check_bases(files: LaunchFiles, bases: Sequence[FileBase]) -> None:
+    """Raise UserError for a base that lacks what the comment `<!--Needs: ...-->` of its file names."""
+    for each in bases:
+        needs = find_needs(files.parse(each.path))
+        lacks = list_lacks(each.base, needs)
         if lacks:
-            raise _lack(path, package, base, needs, lacks)
+            raise _lack(each.path, each.package, each.base, needs, lacks)
 
 
 def find_package(path: str) -> Path | None:

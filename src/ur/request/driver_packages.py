@@ -1,30 +1,23 @@
-"""Are the packages there that drive a real base? If not: which one, why, and how to get it, before anything starts."""
+"""Packages that drive a real base: those that are missing, and how to install them, before anything starts."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 from ur.launchfile.plan.model import NodeSpec
 from ur.launchfile.world.protocol import PackageNotFound, World
-from ur.request.base_argument import find_package
-from ur.robot.base import Base, Driver, load_base
-from ur.robot.base.search import find_base_package
+from ur.request.base_argument import FileBase
+from ur.robot.base import Base, Driver
 from ur.source.diagnostic import Diagnostic, UserError, error
 
 
-def check_drivers(files: Sequence[str], values: Mapping[str, str], nodes: Sequence[NodeSpec], world: World) -> None:
+def check_drivers(bases: Iterable[FileBase], nodes: Sequence[NodeSpec], world: World) -> None:
     """Compare the packages of nodes with the drivers that the file of the base names.
 
-    `values` are the arguments that are given; without `robot_base` among them nothing is looked at. Raises UserError
-    with one finding for each driver's package that is not on this computer.
+    Raises UserError with one finding for each driver's package that is not on this computer.
     """
-    name = values.get("robot_base")
-    own = {found for path in files if (found := find_package(path))}
-    if name is None or not nodes:
-        return
-    packages = {find_base_package(package, name, world.environment) for package in own}
-    bases = [load_base(package, name, values.get("robot_variant", "")) for package in sorted(packages)]
-    missing = [found for base in bases for found in _missing(base, nodes, world)]
+    unique = {each.package: each.base for each in bases}
+    missing = [found for package in sorted(unique) for found in _missing(unique[package], nodes, world)]
     if missing:
         raise UserError(*missing)
 

@@ -1,53 +1,39 @@
-"""How a robot finds its place: the launch argument `localisation`, chosen by what its base has."""
+"""The launch argument `localisation`, which depends on the robot's sensors."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from pathlib import Path
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING
 
-from ur.robot.base import load_base
-from ur.robot.base.search import find_base_package
+from ur.request.arguments import Argument
 from ur.source.diagnostic import UserError, error
 from ur.source.suggest import did_you_mean
 
+if TYPE_CHECKING:
+    from ur.request.base_argument import FileBase
+
 ARGUMENT = "localisation"
-WAYS = ("amcl", "fiducials")
+METHODS = ("amcl", "fiducials")
 """By lidar; by camera, on a map of fiducials."""
 
 
-def choose_localisation(
-    files: Sequence[str],
-    declared: Sequence[str],
-    values: Mapping[str, str],
-    environment: Mapping[str, str] | None = None,
-) -> list[str]:
+def choose_localisation(values: Mapping[str, str], find_bases: Callable[[], Sequence[FileBase]]) -> list[Argument]:
     """The argument to add for launch files that declare it, where the base has a camera and no lidar; else nothing.
 
-    `values` are the arguments known so far; `environment` names workspaces that may have the base. Raises UserError: a
-    way that there is not, no such base or variant.
+    `values` are the arguments known so far; `find_bases` loads the base that they name. Raises UserError: an unknown
+    method, no such base or variant.
     """
-    if ARGUMENT not in declared:
-        return []
     if ARGUMENT in values:
-        return _check(values[ARGUMENT])
-    package = next(filter(None, map(_find_package, files)), None)
-    if package is None or not values.get("robot_base"):
+        _check(values[ARGUMENT])
         return []
-    name = values["robot_base"]
-    base = load_base(find_base_package(package, name, environment or {}), name, values.get("robot_variant", ""))
-    return [f"{ARGUMENT}:=fiducials"] if base.raspicam and not base.lidar else []
+    if not values.get("robot_base"):
+        return []
+    base = next((each.base for each in find_bases()), None)
+    return [Argument(ARGUMENT, "fiducials")] if base is not None and base.raspicam and not base.lidar else []
 
 
-def _check(way: str) -> list[str]:
-    if way not in WAYS:
-        near = did_you_mean(way, WAYS)
-        message = f"{ARGUMENT}:={way}, expected one of {', '.join(WAYS)}"
+def _check(method: str) -> None:
+    if method not in METHODS:
+        near = did_you_mean(method, METHODS)
+        message = f"{ARGUMENT}:={method}, expected one of {', '.join(METHODS)}"
         raise UserError(error(message, rule="bad-argument", help=f"did you mean {near!r}?" if near else None))
-    return []
-
-
-def _find_package(path: str) -> Path | None:
-    """The launch package with bases that a file belongs to."""
-    folders = (folder for folder in Path(path).resolve().parents if (folder / "package.xml").is_file())
-    found = next(folders, None)
-    return found if found is not None and (found / "bases").is_dir() else None

@@ -1,4 +1,4 @@
-"""What launch files and programs need of a base: the comment `<!--Needs: ...-->`, compared with what a base has.
+"""Needs of launch files and programs from a base: the comment `<!--Needs: ...-->`, compared with what a base has.
 
 A need is the name of a field of `ur.robot.base.Base`: `lidar`, `raspicam`, `sonars`, `bumpers`, `imu`, `battery`.
 Several stand one after the other, alternatives have a bar between them: `<!--Needs: raspicam lidar|sonars-->`.
@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+from ur.launchfile.syntax import LaunchFile
 from ur.launchfile.syntax.parse import parse_launch_file
 from ur.launchfile.world.protocol import World
 from ur.robot.base import Base, list_variants, load_base
@@ -21,11 +22,16 @@ _ARTICLES = {"lidar": "a lidar", "raspicam": "a raspicam", "imu": "an imu", "bat
 
 
 def read_needs(path: str, world: World) -> tuple[Need, ...]:
-    """The needs that a comment directly in `<launch>` names, in order. None for a file that cannot be read."""
+    """As find_needs, for a file; nothing for one that cannot be read."""
     try:
-        launch = parse_launch_file(path, world.read_bytes(path)).launch
+        return find_needs(parse_launch_file(path, world.read_bytes(path)))
     except OSError:
         return ()
+
+
+def find_needs(parsed: LaunchFile) -> tuple[Need, ...]:
+    """The needs that a comment directly in `<launch>` names, in order."""
+    launch = parsed.launch
     texts = [comment.text for comment in launch.comments] if launch is not None else []
     words = [
         word for text in texts if text.startswith(NEEDS) for word in text.removeprefix(NEEDS).replace(",", " ").split()

@@ -1,20 +1,64 @@
-"""Changing a plan from the command line, without editing files: which nodes, and what is put in front of them."""
+"""Options of `ur launch` that change a plan: the nodes that start, and programs in front of them."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from ur.launchfile.plan.model import Plan
-from ur.request.questions import find_node
+from ur.request.launch_request import LaunchRequest
+from ur.request.options import LaunchOptions, Report
+from ur.request.plan_files import Loaded, load_request
 from ur.source.diagnostic import UserError, error
+
+
+def load_chosen(request: LaunchRequest, report: Report) -> Loaded:
+    """Load a request, and apply the options that choose nodes; errors in the files are printed.
+
+    Raises UserError, as `load_request` does, and for nodes that options name wrongly.
+    """
+    if request.options.core:
+        return Loaded(request, Plan((), (), (), (), (), ("core",)))
+    loaded = load_request(request)
+    if loaded.plan is None:
+        return loaded
+    return replace(loaded, plan=apply_options(loaded.plan, request.options, report))
+
+
+def apply_options(plan: Plan, options: LaunchOptions, report: Report) -> Plan:
+    """A plan with the nodes that options choose. Raises UserError for nodes that options name wrongly."""
+    if options.local:
+        from ur.run.paths import is_local_address
+        from ur.run.startup.machine_assignment import split_plan
+
+        plan, remote = split_plan(plan, is_local_address)
+        for each in remote:
+            names = ", ".join(node.full_name for node in each.nodes)
+            report("warning", f"--local: {names} for {each.machine.name} ({each.machine.address}) left out")
+    if options.only or options.except_ or options.prefix:
+        plan = choose_nodes(plan, options.only, options.except_, options.prefix)
+    for node in plan.nodes if options.required else ():
+        if node.respawn:
+            message = f"--required: {node.full_name} is to be respawned, expected a node that may end"
+            raise UserError(error(message, node.origin.span, rule="required-respawn"))
+    if options.verbose:
+        report("info", "\n".join(_list_contents(plan)))
+    if options.part is not None:
+        from ur.run.startup.machine_assignment import take_part
+
+        mine = {node.full_name for node in plan.nodes if node.machine == options.part} - set(options.runs_already)
+        plan = take_part(plan, mine)
+        plan = replace(plan, commands=tuple(each for each in plan.commands if each.command != "dump"))
+    return plan
 
 
 def choose_nodes(plan: Plan, only: Sequence[str], without: Sequence[str], prefixes: Sequence[str]) -> Plan:
     """A plan with `only` these nodes (none named: all), without others, some with a `NODE=PREFIX` in front.
 
-    Raises UserError for a name that is not there, and for a prefix without its node.
+    Raises UserError for a node that is not in the plan, and for a prefix without its node.
     """
+    from ur.request.questions import find_node
+
     kept = {find_node(plan, name).full_name for name in only} or {node.full_name for node in plan.nodes}
     kept -= {find_node(plan, name).full_name for name in without}
     before = {}
@@ -29,3 +73,9 @@ def choose_nodes(plan: Plan, only: Sequence[str], without: Sequence[str], prefix
         if node.full_name in kept
     )
     return replace(plan, nodes=tuple(nodes))
+
+
+def _list_contents(plan: Plan) -> Iterator[str]:
+    yield from (f"file {path}" for path in plan.files)
+    yield from (f"parameter {each.name}: {each.command or each.value!r}" for each in plan.params)
+    yield from (f"node {node.full_name} ({node.package}/{node.type})" for node in plan.nodes)

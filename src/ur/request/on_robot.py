@@ -14,11 +14,11 @@ from pathlib import Path
 from types import FrameType
 
 from ur.launchfile.plan.model import Plan
-from ur.launchfile.world.protocol import World
 from ur.request.connection import robot_address
 from ur.request.environment import current_selection
-from ur.request.options import Wishes
-from ur.request.plan_files import Loaded
+from ur.request.launch_request import LaunchRequest
+from ur.request.options import LaunchOptions, Report
+from ur.request.plan_files import Loaded, texts
 from ur.request.share_again import LinkReporter, ShareAgain, examine_robot
 from ur.request.share_messages import describe_end, describe_part, explain_problem
 from ur.robot.discovery.record import load_records, records_folder
@@ -106,27 +106,27 @@ class Part:
 
 
 @contextmanager
-def start_there(loaded: Loaded, words: Sequence[str], wishes: Wishes, client: str) -> Iterator[Part]:
+def start_there(loaded: Loaded, client: str, report: Report) -> Iterator[Part]:
     """Start the robot's nodes on the robot, or find them running; leave them with the context.
 
     They end there when no other computer uses them. A run that is detached here and has no node here goes on.
     `client` is the id of this run. Raises UserError: no way to the robot, nothing there that could start nodes, no such
     launch file there.
     """
-    plan = loaded.plan
+    plan, launch = loaded.plan, loaded.request
     assert plan is not None
     was_known = loaded.robot in _list_known()
     theirs = [node.full_name for node in plan.nodes if node.machine == loaded.robot]
     address = robot_address(loaded.robot)
     here = take_part(plan, {node.full_name for node in plan.nodes} - set(theirs))
     here = replace(here, commands=tuple(each for each in plan.commands if each.command == "dump"))
-    ours = bool(here.nodes) or not wishes.detach
+    ours = bool(here.nodes) or not launch.options.detach
     names = tuple(node.full_name for node in here.nodes if not _is_anonymous(node.full_name))
     request = Request(
         "begin",
         loaded.robot,
-        (*name_file(words, loaded.files, loaded.world, loaded.robot), *loaded.arguments),
-        choose_options(wishes),
+        (*name_file(launch, loaded.robot), *texts(loaded.arguments)),
+        choose_options(launch.options),
         tuple(name for name in theirs if not _is_anonymous(name)),
         f"http://{address.host}:11311",
         address.host,
@@ -140,15 +140,15 @@ def start_there(loaded: Loaded, words: Sequence[str], wishes: Wishes, client: st
     if answer.problem:
         raise explain_problem(loaded.robot, answer.problem)
     for line in describe_part(loaded.robot, answer, len(theirs)):
-        wishes.say("info", line)
+        report("info", line)
     for line in describe_names(answer.names):
-        wishes.say("info", line)
+        report("info", line)
     here = rename_nodes(here, answer.names)
     final = tuple(answer.names.get(name, name) for name in names)
     request = replace(request, client=describe_client(client, final, detached=not ours))
-    again = _make_again(address, request, words)
+    again = _make_again(address, request, launch.argv)
     try:
-        yield Part(here, address, loaded.robot, answer.run, wishes.detach, client, again)
+        yield Part(here, address, loaded.robot, answer.run, launch.options.detach, client, again)
     finally:
         again.close()
         if ours and (answer.run or answer.running):
@@ -162,7 +162,7 @@ def describe_client(client: str, nodes: tuple[str, ...], *, detached: bool) -> C
     return Client(client, name, describe_user(computer, os.getuid()), os.getpid(), nodes, detached)
 
 
-def _make_again(address: Address, request: Request, words: Sequence[str]) -> ShareAgain:
+def _make_again(address: Address, request: Request, argv: Sequence[str]) -> ShareAgain:
     """Make the object that starts the robot's run again after a restart of the robot."""
 
     def begin() -> tuple[str, str]:
@@ -177,14 +177,14 @@ def _make_again(address: Address, request: Request, words: Sequence[str]) -> Sha
         lambda: examine_robot(address),
         begin,
         lambda: time.clock_gettime(time.CLOCK_BOOTTIME) - began,
-        quote("ur", "launch", *words),
+        quote("ur", "launch", *argv),
     )
 
 
-def name_file(words: Sequence[str], files: Sequence[str], world: World, robot: str) -> list[str]:
-    """The words that name the launch file on the robot, too: a package and a file name. Raises UserError."""
-    names = [word for word in words if ":=" not in word]
-    path = Path(files[0])
+def name_file(request: LaunchRequest, robot: str) -> list[str]:
+    """The names that mean the launch file on the robot, too: a package and a file name. Raises UserError."""
+    names, world = list(request.names), request.files.world
+    path = Path(request.files.paths[0])
     if len(names) >= 2 and path.name == names[1] and names[0] != "-":
         return names
     found = next((folder for folder in path.resolve().parents if (folder / "package.xml").is_file()), None)
@@ -203,10 +203,10 @@ def name_file(words: Sequence[str], files: Sequence[str], world: World, robot: s
     )
 
 
-def choose_options(wishes: Wishes) -> tuple[str, ...]:
+def choose_options(options: LaunchOptions) -> tuple[str, ...]:
     """The options that count for the robot's nodes as well."""
-    chosen = [word for name in wishes.only for word in ("--only", name)]
-    return (*chosen, *(word for name in wishes.except_ for word in ("--except", name)))
+    chosen = [each for name in options.only for each in ("--only", name)]
+    return (*chosen, *(each for name in options.except_ for each in ("--except", name)))
 
 
 def find_new_name(robot: str) -> str:

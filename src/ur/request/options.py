@@ -1,16 +1,17 @@
-"""What the options of `ur launch` ask for, as values; without click, whose import is a sixth of the start of a run."""
+"""The options of `ur launch` as values; without click, whose import is a sixth of the start of a run."""
 
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from ur.run.clients.protocol import Severity
     from ur.run.remote.lease import Mode
 
+Report = Callable[["Severity", str], None]
 Query = tuple[str, str | None]
 _PRECEDENCE = (
     "args",
@@ -24,9 +25,9 @@ _PRECEDENCE = (
 )  # as roslaunch's main
 
 
-@dataclass(slots=True)
-class Wishes:
-    """The options of the command line, as click found them."""
+@dataclass(frozen=True, slots=True)
+class LaunchOptions:
+    """The options of a command line."""
 
     core: bool = False
     local: bool = False
@@ -55,23 +56,29 @@ class Wishes:
     timeout_ready: float = 30.0
     respawn_limit: int | None = None
     timings: bool = False
-    watch: bool = False  # these three: how to begin where somebody else drives the robot
+    watch: bool = False  # these three: the conduct where another client drives the robot
     ask: bool = False
     take_over: bool = False
     unattended: bool = False
     replace: bool = False
-    report: str | None = None  # a file for what goes wrong before it runs, as JSON
-    queries: Sequence[Query] = field(default=())
-    notes: list[tuple[Severity, str]] = field(default_factory=list)  # what was said so far, for the interface's log
+    report: str | None = None  # a file for errors before the start, as JSON
+    queries: Sequence[Query] = ()
 
     @property
     def mode(self) -> Mode:
         """The conduct that the options ask for where another client drives the robot."""
         return "watch" if self.watch else "ask" if self.ask else "take" if self.take_over else "drive"
 
-    def say(self, severity: Severity, text: str) -> None:
-        """Tell people something before anything starts."""
-        self.notes.append((severity, text))
+
+class Reporter:
+    """Print lines before anything starts, and keep them for the log of the run's interface."""
+
+    def __init__(self) -> None:
+        self.notices: list[tuple[Severity, str]] = []
+
+    def report(self, severity: Severity, text: str) -> None:
+        """Print a line on standard error."""
+        self.notices.append((severity, text))
         sys.stderr.write(f"{text}\n")
 
 

@@ -1,6 +1,6 @@
 """Requirements of the launch library's programs, satisfied before a run starts anything.
 
-Their heads say it, below `##Summary:` and `##Overview:`:
+Their heads name them, below `##Summary:` and `##Overview:`:
 
     ##Python: vision.lock: cv2 gtsam: OpenCV and gtsam (110 MB)
     ##Debian: camera_needed: libegl1 libgl1-mesa-dri | libosmesa6: OpenGL for the simulated camera (41 MB)
@@ -27,7 +27,7 @@ from ur.request.debian_packages import install_debian
 from ur.request.environment import PACKAGE
 from ur.request.python_packages import need_all
 from ur.run.process.missing_package import is_packaged
-from ur.run.startup.node_selection import has_display
+from ur.run.startup.node_selection import check_display, has_display, is_view
 from ur.source.diagnostic import UserError, error
 
 _LOCAL = frozenset({"localhost", "127.0.0.1", "::1"})
@@ -115,6 +115,18 @@ def prepare(
             raise
         return False  # the run reports that RViz is left out, and how to install it
     return True
+
+
+def prepare_world(files: Sequence[str], plan: Plan, world: World, *, complete: bool) -> World:
+    """Install what the plan needs, and return a world that knows it.
+
+    `complete`: the plan holds the nodes of every computer, and may need a display. Raises UserError.
+    """
+    from ur.launchfile.world.system import SystemWorld
+
+    if complete:
+        check_display(files, plan.nodes, world.environment)
+    return SystemWorld(world.environment) if prepare(plan, world, view=is_view(files)) else world
 
 
 def needs_rviz(plan: Plan, world: World) -> bool:

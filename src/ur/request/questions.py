@@ -15,16 +15,17 @@ from ur.launchfile.plan.load import load_plan
 from ur.launchfile.plan.model import NodeSpec, Plan
 from ur.launchfile.plan.names import join_names
 from ur.launchfile.query.items import all_nodes, find_node_file, list_files, list_nodes
-from ur.launchfile.syntax.parse import parse_launch_file
 from ur.launchfile.world.system import SystemWorld
 from ur.request.environment import PACKAGE
-from ur.request.plan_files import localisation_argument, read_file_words
+from ur.request.launch_request import LaunchRequest, make_request
+from ur.request.plan_files import complete_arguments, localisation_argument, texts
 from ur.robot.selection import Selection
 from ur.source.diagnostic import Diagnostic, Severity, UserError, error
 from ur.source.suggest import did_you_mean
 
 _ANONYMOUS = re.compile(r"\$\(anon ([^)]*)\)")
 _MASTER = "http://localhost:11311/"  # rosgraph's default
+_MASTER_ARGUMENT = "__master"
 _NAMESPACE = "ROS_NAMESPACE"
 
 
@@ -36,13 +37,14 @@ class _AsWritten(SystemWorld):
         return f"$(anon {prefix})"
 
 
-def answer(words: Sequence[str], selection: Selection, query: tuple[str, str | None], shell: Mapping[str, str]) -> int:
+def answer(argv: Sequence[str], selection: Selection, query: tuple[str, str | None], shell: Mapping[str, str]) -> int:
     """Print the answer to one question and return the exit code. `shell` is the environment before any selection."""
     name, node = query
     world = make_world(shell, anonymous="$(anon " not in (node or ""))
+    request = make_request(argv, world, selection)
     if name == "ros-args":
-        return _print_arguments(words, world)
-    plan = _load(words, selection, world)
+        return _print_arguments(request)
+    plan = _load(request)
     if plan is None:
         return 1
     match name:
@@ -56,7 +58,7 @@ def answer(words: Sequence[str], selection: Selection, query: tuple[str, str | N
             print_parameters(plan)
         case _:
             found = find_node(plan, resolve_name(node or "", shell))
-            _print([format_command(found, world, shell, given_master(words))])
+            _print([format_command(found, world, shell, request.values.get(_MASTER_ARGUMENT))])
     return 0
 
 
@@ -145,11 +147,6 @@ def resolve_name(name: str, shell: Mapping[str, str]) -> str:
     return join_names("/roslaunch", name[1:]) if name.startswith("~") else join_names(namespace, name)
 
 
-def given_master(words: Sequence[str]) -> str | None:
-    """The `__master:=URI` among the words."""
-    return next((word.split(":=", 1)[1] for word in words if word.startswith("__master:=")), None)
-
-
 def show_findings(findings: Iterable[Diagnostic]) -> None:
     """Print findings for people on standard error."""
     shown = list(findings)
@@ -160,26 +157,28 @@ def show_findings(findings: Iterable[Diagnostic]) -> None:
         sys.stderr.flush()
 
 
-def _load(words: Sequence[str], selection: Selection, world: SystemWorld) -> Plan | None:
-    # None when roslaunch would refuse to answer. It does not look whether machines are defined.
-    read = read_file_words(words, world, selection, here=True)
-    arguments = [*read.arguments, *localisation_argument(read.files, read.declared, read.arguments)]
-    plan = load_plan(read.files, arguments, world)
+def _load(request: LaunchRequest) -> Plan | None:
+    # None when roslaunch would refuse to answer. It does not check that machines are defined.
+    arguments = complete_arguments(request, local=True)
+    arguments = (*arguments, *localisation_argument(request, arguments))
+    files = request.files
+    plan = load_plan(files.paths, texts(arguments), files.world, parsed=files.parsed)
     show_findings(plan.diagnostics)
     refused = any(each.severity is Severity.ERROR and each.rule != "unknown-machine" for each in plan.diagnostics)
     return None if refused else plan
 
 
-def _print_arguments(words: Sequence[str], world: SystemWorld) -> int:
+def _print_arguments(request: LaunchRequest) -> int:
     from ur.launchfile.query.arguments import format_arguments, read_arguments
 
-    read = read_file_words(words, world, None, here=True)
-    files = read.files
-    broken = parse_launch_file(files[-1], world.read_bytes(files[-1])).diagnostics
+    files = request.files
+    last = files.paths[-1]
+    broken = files.parse(last).diagnostics
     if any(each.severity is Severity.ERROR for each in broken):
         raise UserError(*broken)
     # roslaunch shows those of the last file
-    sys.stdout.write(format_arguments(read_arguments(files[-1], read.given, world)))
+    found = read_arguments(last, texts(request.arguments), files.world, files.parsed)
+    sys.stdout.write(format_arguments(found))
     return 0
 
 

@@ -1,11 +1,14 @@
-"""What base the selected robot is, from whoever knows: its parameter server, the selection, or its own file."""
+"""The selected robot's base, from its parameter server, the selection, or robot.yaml."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import socket
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 
+from ur.request.arguments import Argument
 from ur.request.environment import environment_changes
+from ur.request.options import Report
 from ur.robot.robot_file import RobotFile, load_robot_file
 from ur.robot.selection import Selection
 
@@ -24,10 +27,10 @@ def know_base(
     ask: Callable[[str], Facts | None] | None = None,
     robot_file: Callable[[], RobotFile | None] = load_robot_file,
 ) -> Selection:
-    """The selection with the base and variant of its robot, as far as somebody knows them; `ask` is `read_facts`.
+    """The selection with the base and variant of its robot, as far as they are known; `ask` is `read_facts`.
 
-    A robot that runs knows best: what its parameter server says goes before a simulated robot that is only selected. A
-    base that was selected together with a real robot stays. On the robot itself its file is read where no master runs.
+    The parameter server of a robot that runs goes before a simulated robot that is only selected. A base that was
+    selected together with a real robot stays. On the robot itself its file is read where no master runs.
     """
     from ur.request.plan_files import is_this_computer
 
@@ -59,3 +62,30 @@ def read_facts(master_uri: str) -> Facts | None:
     if not isinstance(base, str) or not base:
         return None
     return base, variant if isinstance(variant, str) else ""
+
+
+def know_robot(
+    selected: Selection, environment: Mapping[str, str], arguments: Iterable[Argument], report: Report
+) -> Selection:
+    """The selection of a launch: as know_base, for the robot whose master is set. Raises UserError.
+
+    Reports a ROS_MASTER_URI that was set by hand, and a base that runs and is not the selected one.
+    """
+    followed = _follow_master(selected, environment, report)
+    known = know_base(followed, environment)
+    if followed.base not in ("", known.base) and not any(each.name == "robot_base" for each in arguments):
+        message = f"the robot that runs already is a {known.base}: the selection {followed} is not used"
+        report("warning", message)
+    return known
+
+
+def _follow_master(selected: Selection, environment: Mapping[str, str], report: Report) -> Selection:
+    if selected.simulated:
+        return selected
+    from ur.robot.master_choice import follow_master
+
+    uri = environment_changes(selected, environment).get("ROS_MASTER_URI", environment.get("ROS_MASTER_URI", ""))
+    robot = follow_master(selected, uri, socket.gethostname())
+    if robot.robot != selected.robot:
+        report("warning", f"ROS_MASTER_URI={uri} was set by hand: using {robot} with that master, not {selected}")
+    return robot

@@ -8,8 +8,7 @@ from collections.abc import Collection, Iterable, Sequence
 from contextlib import ExitStack
 from typing import TYPE_CHECKING
 
-from ur.request.options import Wishes
-from ur.robot.selection import Selection
+from ur.request.arguments import Argument
 from ur.run.join.claims import Definition, read_claims
 from ur.run.join.lock import MasterLock, lock_master
 from ur.run.master.client import Master, parse_master_uri
@@ -18,6 +17,8 @@ from ur.source.diagnostic import Diagnostic, UserError, error
 
 if TYPE_CHECKING:
     from ur.launchfile.plan.model import Plan
+    from ur.request.launch_request import LaunchRequest
+    from ur.request.options import LaunchOptions, Report
     from ur.request.plan_files import Loaded
     from ur.run.join.decision import Decision, Held
 
@@ -26,44 +27,47 @@ _STOP_SECONDS = 10.0
 _ROBOT_ARGUMENTS = {"robot_base": 0, "robot_variant": 1}  # their places in what `read_facts` returns
 
 
-def begin_launch(words: Sequence[str], wishes: Wishes, stack: ExitStack) -> tuple[MasterLock, list[str]]:
-    """Keep other launches of this user at the same master waiting, as long as `stack` is open or until the release.
+def lock_launch(options: LaunchOptions, stack: ExitStack, report: Report) -> MasterLock:
+    """Make other launches of this user at the same master wait, as long as `stack` is open or until the release.
 
-    Returns the arguments of the command line, too, with the world of the simulated robot that runs where they leave it
-    open. A robot's share of a run and a mere master wait for nobody.
+    A robot's share of a run and a mere master wait for no other launch.
     """
-    if wishes.part is not None or wishes.core:
-        return MasterLock(), list(words)
-    uri = find_master_uri(wishes)
-    lock = stack.enter_context(lock_master(uri, os.environ, os.getuid(), lambda text: wishes.say("info", text)))
-    return lock, _follow_robot(words, uri)
+    if options.part is not None or options.core:
+        return MasterLock()
+    uri = find_master_uri(options)
+    return stack.enter_context(lock_master(uri, os.environ, os.getuid(), lambda text: report("info", text)))
 
 
-def find_master_uri(wishes: Wishes) -> str:
+def find_master_uri(options: LaunchOptions) -> str:
     """The address of the master of a launch."""
     uri = os.environ["ROS_MASTER_URI"]
-    return uri if wishes.port is None else f"http://{parse_master_uri(uri).host}:{wishes.port}"
+    return uri if options.port is None else f"http://{parse_master_uri(uri).host}:{options.port}"
 
 
-def _follow_robot(words: Sequence[str], uri: str) -> list[str]:
-    given = {word.partition(":=")[0] for word in words if ":=" in word}
-    if given & {"world", "world_file"}:
-        return list(words)
-    names = [name for entry in _list_runs(uri) if (name := _find_world(entry))]
-    if not names or "-" in words:  # standard input can be read only once
-        return list(words)
-    from ur.launchfile.address import resolve_addresses
-    from ur.launchfile.world.system import SystemWorld
-    from ur.request.plan_files import declared_arguments
-
-    world = SystemWorld(os.environ)
-    declared = declared_arguments(resolve_addresses(words, world), world)
-    return [*words, f"world:={names[0]}"] if "world" in declared else list(words)
+def follow_world(request: LaunchRequest) -> LaunchRequest:
+    """Add the world of the simulated robot that runs, where the arguments leave it open."""
+    options = request.options
+    if options.part is not None or options.core or request.values.keys() & {"world", "world_file"}:
+        return request
+    names = [name for entry in _list_runs(find_master_uri(options)) if (name := _find_world(entry))]
+    if not names or "world" not in request.files.declared:
+        return request
+    return request.add_arguments([Argument("world", names[0])])
 
 
-def join_running(
-    loaded: Loaded, words: Sequence[str], selection: Selection, wishes: Wishes
-) -> tuple[Plan, tuple[RunEntry, ...]]:
+def refuse_second_master() -> None:
+    """Raise UserError when a master runs already, for a launch that starts a master alone."""
+    from ur.run.master.xml_rpc import Unanswered
+
+    master = parse_master_uri(os.environ["ROS_MASTER_URI"])
+    try:
+        master.get_run_id()
+    except Unanswered:
+        return
+    raise UserError(error(f"--core: a master runs already at {master.uri}", rule="second-master", help="ur ps"))
+
+
+def join_running(loaded: Loaded, report: Report) -> tuple[Plan, tuple[RunEntry, ...]]:
     """The plan without the nodes that run already, and the runs of this user on this computer that it joins.
 
     Raises UserError: a node would end, the robot that runs is another than the arguments ask for, or every node of this
@@ -72,29 +76,30 @@ def join_running(
     plan, robot = loaded.plan, loaded.robot
     assert plan is not None
     ours = [node.full_name for node in plan.nodes if not robot or node.machine != robot]
-    uri = find_master_uri(wishes)
-    entries = {entry.run: entry for entry in _await_stopping(_list_runs(uri), wishes)}
-    held = _find_held(ours, entries.values(), uri, elsewhere=not selection.simulated)
+    uri = find_master_uri(loaded.request.options)
+    entries = {entry.run: entry for entry in _await_stopping(_list_runs(uri), report)}
+    selection = loaded.request.selection
+    held = _find_held(ours, entries.values(), uri, elsewhere=selection is not None and not selection.simulated)
     if not held:
         return plan, ()
     from ur.run.join.decision import decide, find_free_names, leave_out
     from ur.run.remote.names import rename_nodes
 
     decision = decide(plan, held)
-    _check_refused(decision, declares_bring_up="bring_up" in _declared(loaded))
-    _check_arguments(loaded, words, decision, uri)
+    _check_refused(decision, declares_bring_up="bring_up" in loaded.request.files.declared)
+    _check_arguments(loaded, decision, uri)
     if decision.joined and len(decision.joined) == len(ours):
         raise _explain_nothing_left(decision)
     owners = tuple(entries[run] for run in dict.fromkeys(each.run for each in decision.joined) if run)
     for line in describe_join(decision):
-        wishes.say("info", line)
-    _await_owners(owners, wishes)
+        report("info", line)
+    _await_owners(owners, report)
     names = find_free_names(
         [each.name for each in decision.renamed], [*ours, *(name for entry in owners for name in _list_nodes(entry))]
     )
     for each in decision.renamed:
         where = f"in run {each.run}" if each.run else "already"
-        wishes.say("info", f"{each.name} runs {where}, so this one is called {names[each.name]}")
+        report("info", f"{each.name} runs {where}, so this one is called {names[each.name]}")
     return rename_nodes(leave_out(plan, decision), names), owners
 
 
@@ -122,14 +127,14 @@ def _list_runs(uri: str) -> list[RunEntry]:
     return [entry for entry in runs if is_same_master(entry.master_uri, uri)]
 
 
-def _await_stopping(entries: Sequence[RunEntry], wishes: Wishes) -> list[RunEntry]:
+def _await_stopping(entries: Sequence[RunEntry], report: Report) -> list[RunEntry]:
     """Those of these runs that go on, once those that are stopping are gone, or take too long."""
     left = []
     for entry in entries:
         from ur.run.remote.local_runs import is_stopping, wait_exit
 
         if is_stopping(entry):
-            wishes.say("info", f"waiting for the end of {entry.run}, which is stopping")
+            report("info", f"waiting for the end of {entry.run}, which is stopping")
             if wait_exit(entry, time.monotonic() + _STOP_SECONDS):
                 continue
         left.append(entry)
@@ -189,12 +194,6 @@ def _find_foreign(names: Sequence[str], uri: str, *, elsewhere: bool) -> list[st
     return [name for name in live if name not in away]
 
 
-def _declared(loaded: Loaded) -> tuple[str, ...]:
-    from ur.request.plan_files import declared_arguments
-
-    return declared_arguments(loaded.files, loaded.world) if "-" not in loaded.files else ()
-
-
 def _check_refused(decision: Decision, *, declares_bring_up: bool) -> None:
     problems: list[Diagnostic] = []
     for run in dict.fromkeys(each.run for each in decision.refused):
@@ -214,10 +213,9 @@ def _check_refused(decision: Decision, *, declares_bring_up: bool) -> None:
         raise UserError(*problems)
 
 
-def _check_arguments(loaded: Loaded, words: Sequence[str], decision: Decision, uri: str) -> None:
+def _check_arguments(loaded: Loaded, decision: Decision, uri: str) -> None:
     """Raise UserError for an argument that the running robot contradicts."""
-    given = [word for word in words if ":=" in word]
-    if not decision.base or not given:
+    if not decision.base or not loaded.request.arguments:
         return
     run = next((each.run for each in decision.base if each.run), "")
     robot = f"the robot that {run} started" if run else "the robot that runs already"
@@ -228,31 +226,34 @@ def _check_arguments(loaded: Loaded, words: Sequence[str], decision: Decision, u
             rule="robot-runs-already",
             help=f"{stop}; to join it leave {argument} out, or give bring_up:=false",
         )
-        for argument, name, value in _list_misfits(loaded, given, decision, uri)
+        for argument, name, value in _list_misfits(loaded, decision, uri)
     ]
     if problems:
         raise UserError(*problems)
 
 
-def _list_misfits(loaded: Loaded, given: Sequence[str], decision: Decision, uri: str) -> list[tuple[str, str, str]]:
+def _list_misfits(loaded: Loaded, decision: Decision, uri: str) -> list[tuple[str, str, str]]:
     from ur.launchfile.plan.load import load_plan
+    from ur.request.plan_files import texts
     from ur.request.robot_facts import read_facts
     from ur.run.join.decision import find_misfits
 
     assert loaded.plan is not None
+    files = loaded.request.files
     facts = read_facts(uri)
     found = []
     varied = {}
-    for word in given:
-        name, _, value = word.partition(":=")
-        if name in _ROBOT_ARGUMENTS:
-            if facts is not None and facts[_ROBOT_ARGUMENTS[name]] != value:
-                found.append((word, name, facts[_ROBOT_ARGUMENTS[name]]))
+    for given in loaded.request.arguments:
+        text = str(given)
+        if given.name in _ROBOT_ARGUMENTS:
+            if facts is not None and facts[_ROBOT_ARGUMENTS[given.name]] != given.value:
+                found.append((text, given.name, facts[_ROBOT_ARGUMENTS[given.name]]))
             continue
-        rest = [each for each in loaded.arguments if each != word]
+        rest = [each for each in texts(loaded.arguments) if each != text]
         # Left out it has its default, which may be what was given; with one more digit it is another text or number.
-        varied[word] = [load_plan(loaded.files, more, loaded.world) for more in (rest, [*rest, f"{word}0"])]
-    if found or "-" in loaded.files:
+        changes = (rest, [*rest, f"{text}0"])
+        varied[text] = [load_plan(files.paths, more, files.world, parsed=files.parsed) for more in changes]
+    if found:
         return found
     misfits: dict[str, tuple[str, str, str]] = {}
     for each in find_misfits(loaded.plan, decision, varied):
@@ -278,11 +279,11 @@ def _explain_nothing_left(decision: Decision) -> UserError:
     )
 
 
-def _await_owners(owners: Iterable[RunEntry], wishes: Wishes) -> None:
+def _await_owners(owners: Iterable[RunEntry], report: Report) -> None:
     from ur.run.join.owner import await_owner
 
     for entry in owners:
-        if not await_owner(entry, lambda text: wishes.say("info", text)):
+        if not await_owner(entry, lambda text: report("info", text)):
             raise UserError(
                 error(
                     f"{entry.run} has ended, or has not started, while this program was to join it",

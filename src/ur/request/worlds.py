@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 from ur.launchfile.plan.model import NodeSpec, Plan
+from ur.request.arguments import Argument, values_of
 from ur.request.environment import PACKAGE
 from ur.source.diagnostic import UserError, error
 from ur.worlds.choice import (
@@ -16,38 +17,40 @@ from ur.worlds.choice import (
     explain_missing_world,
     is_path,
     list_worlds,
-    resolve_paths,
+    resolve_path,
 )
 
 _LOCAL = frozenset({"localhost", "127.0.0.1", "::1"})
 
 
-def resolve_worlds(words: Sequence[str], files: Sequence[str], declared: Sequence[str], robot: str = "") -> list[str]:
+def resolve_worlds(
+    arguments: Sequence[Argument], files: Sequence[str], declared: Sequence[str], robot: str = ""
+) -> tuple[Argument, ...]:
     """Complete the arguments that choose worlds and maps: absolute paths, and where the world says that robots start.
 
     Launch files of the launch library take every relative path from the working folder; those of others only paths of
     files that exist. `robot` is the other computer that reads the map, '' where that is this one. Raises UserError for
     an argument without a value, and for a path of this computer that the other one is to read.
     """
-    if not any(word.partition(":=")[0] in PATHS for word in words):
-        return list(words)
-    for word in words:
-        name, _, value = word.partition(":=")
+    if not any(each.name in PATHS for each in arguments):
+        return tuple(arguments)
+    for each in arguments:
+        name, value = each.name, each.value
         if name in PATHS and name in declared and not value:
             expected = f"one of {', '.join(list_worlds(PACKAGE))}, or " if name == WORLD else ""
             message = f"{name}:= has no value, expected {expected}the path of a YAML file"
             raise UserError(error(message, rule="bad-argument", help=f"write {name}:=VALUE without a blank"))
         if name == "map_file" and robot and value and not value.startswith("/"):
-            message = f"{name}:={value} is read on {robot}, expected the absolute path of a file there"
+            message = f"{each} is read on {robot}, expected the absolute path of a file there"
             help_ = f"copy the map to {robot}, for example with 'ur sync {robot}', and give its path there"
             raise UserError(error(message, rule="bad-argument", help=help_))
     own = all(Path(path).is_relative_to(PACKAGE) for path in files)
-    resolved = resolve_paths(words, Path.cwd(), always=own)
-    return [*resolved, *_start_arguments(resolved, declared)]
+    folder = Path.cwd()
+    resolved = [Argument(each.name, resolve_path(each.name, each.value, folder, always=own)) for each in arguments]
+    return (*resolved, *_start_arguments(values_of(resolved), declared))
 
 
-def _start_arguments(words: Sequence[str], declared: Sequence[str]) -> list[str]:
-    given = dict(word.split(":=", 1) for word in words)
+def _start_arguments(given: Mapping[str, str], declared: Sequence[str]) -> list[Argument]:
     path = given.get("world_file") or given.get(WORLD, "")
     names = ("x", "y", "yaw")
     if not is_path(path) or any(name in given or name not in declared for name in names):
@@ -58,7 +61,7 @@ def _start_arguments(words: Sequence[str], declared: Sequence[str]) -> list[str]
         start = read_world(path).start
     except UserError:  # the simulator of the plan decides whether this is a world at all
         return []
-    return [f"{name}:={value!r}" for name, value in zip(names, start, strict=True)] if any(start) else []
+    return [Argument(name, repr(value)) for name, value in zip(names, start, strict=True)] if any(start) else []
 
 
 def check_worlds(plan: Plan) -> None:

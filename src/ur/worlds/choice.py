@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
 from pathlib import Path
 
 from ur.source.diagnostic import UserError, error
@@ -23,23 +22,18 @@ def is_path(value: str) -> bool:
     return "/" in value or value.endswith((".yaml", ".yml"))
 
 
-def resolve_paths(words: Sequence[str], folder: Path, *, always: bool = False) -> list[str]:
-    """Replace relative paths in arguments `NAME:=VALUE` by absolute ones.
+def resolve_path(name: str, value: str, folder: Path, *, always: bool = False) -> str:
+    """Make the value of an argument absolute if it is a relative path of a world or a map.
 
     Without `always` only values that name an existing file, or begin with `./`, `../` or `~/`: launch files of others
     may mean something else by the same argument.
     """
-    return [_resolve(word, folder, always) for word in words]
-
-
-def _resolve(word: str, folder: Path, always: bool) -> str:
-    name, assigned, value = word.partition(":=")
-    if not assigned or name not in PATHS or not value or (name == WORLD and not is_path(value)):
-        return word
+    if name not in PATHS or not value or (name == WORLD and not is_path(value)):
+        return value
     path = folder / Path(value).expanduser()
     if not (always or value.startswith(_MARKS) or path.is_file()):
-        return word
-    return f"{name}:={os.path.normpath(path)}"
+        return value
+    return os.path.normpath(path)
 
 
 def list_worlds(package: Path) -> tuple[str, ...]:

@@ -171,9 +171,9 @@ def list_values(name: str, given: Mapping[str, str], environment: Mapping[str, s
     if name == "world":
         return [Candidate(path.stem) for path in sorted((PACKAGE / "n_simulator" / "worlds").glob("*.yaml"))]
     if name == "localisation":
-        from ur.request.localisation import WAYS
+        from ur.request.localisation import METHODS
 
-        return [Candidate(each) for each in WAYS]
+        return [Candidate(each) for each in METHODS]
     if name == "machine" or name.endswith("_machine"):
         return [Candidate("localhost", "this computer"), *_robots(environment)]
     return ()
@@ -187,16 +187,18 @@ def _rules() -> Iterator[Candidate]:
     yield from (Candidate(name, "a group of rules") for name in sorted({rule.group.value for rule in rules.values()}))
 
 
-def _names(path: str, words: Sequence[str], environment: Mapping[str, str]) -> Iterator[Candidate]:
+def _names(path: str, argv: Sequence[str], environment: Mapping[str, str]) -> Iterator[Candidate]:
     from ur.check.computer import make_world
     from ur.launchfile.query.explain import list_names
+    from ur.request.arguments import split_argv
     from ur.request.environment import current_selection
-    from ur.request.plan_files import read_file_words
+    from ur.request.launch_request import make_request
+    from ur.request.plan_files import complete_arguments, texts
 
     world = make_world([path], environment)
-    given = [word for word in words if ":=" in word]
-    read = read_file_words([path, *given], world, current_selection(environment), here=True)
-    yield from (Candidate(name, kind) for name, kind in list_names(read.files, read.arguments, world).items())
+    request = make_request([path, *texts(split_argv(argv)[1])], world, current_selection(environment))
+    files, arguments = request.files, texts(complete_arguments(request, local=True))
+    yield from (Candidate(name, kind) for name, kind in list_names(files.paths, arguments, world, files.parsed).items())
 
 
 def _runs(environment: Mapping[str, str]) -> Iterator[Candidate]:

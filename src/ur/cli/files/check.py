@@ -52,6 +52,7 @@ def command(
     from ur.check.links import describe_left_out
     from ur.check.render.pages import render_rule_page
     from ur.check.run import check_paths
+    from ur.request.arguments import split_argv, values_of
     from ur.request.environment import know_own_package
     from ur.source.progress_line import show_progress
 
@@ -59,12 +60,12 @@ def command(
         click.echo(render_rule_page(find_rule(explain)), nl=False)
         return 0
     chosen = choose_rules(_words(select), _words(ignore))
-    arguments = dict(word.split(":=", 1) for word in paths if ":=" in word)
-    words = [word for word in paths if ":=" not in word] or ["."]
+    names, arguments = split_argv(paths)
+    places, values = names or ["."], values_of(arguments)
 
     def check() -> Report:
         with show_progress("finding launch files") as progress:
-            return check_paths(words, make_world(words, know_own_package(os.environ)), chosen, arguments, progress)
+            return check_paths(places, make_world(places, know_own_package(os.environ)), chosen, values, progress)
 
     report = check()
     if fix:

@@ -1,4 +1,4 @@
-"""`ur explain`: where a name in a launch file got its value."""
+"""`ur explain`: the origin of a value in a launch file."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ import click
 
 
 @click.command("explain")
-@click.argument("words", nargs=-1, required=True, metavar="[PACKAGE] FILE [ARG:=VALUE]... NAME")
-def command(words: tuple[str, ...]) -> int:
+@click.argument("argv", nargs=-1, required=True, metavar="[PACKAGE] FILE [ARG:=VALUE]... NAME")
+def command(argv: tuple[str, ...]) -> int:
     """Explain where a name in a launch file got its value.
 
     NAME is a parameter, an argument, a remap or a node. It may lack its namespace: `rate` finds `/talker/rate`.
@@ -21,21 +21,24 @@ def command(words: tuple[str, ...]) -> int:
     from ur.launchfile.address import join_addresses
     from ur.launchfile.query.explain import explain_name, format_layers
     from ur.launchfile.world.system import SystemWorld
+    from ur.request.arguments import split_argv
     from ur.request.environment import apply_selection, current_selection
-    from ur.request.plan_files import read_file_words
+    from ur.request.launch_request import make_request
+    from ur.request.plan_files import complete_arguments, texts
     from ur.source.progress_line import show_progress
 
-    plain = [word for word in words if ":=" not in word]
-    if len(plain) < 2:
+    names, arguments = split_argv(argv)
+    if len(names) < 2:
         raise click.UsageError("expected FILE and NAME, for instance: ur explain robot.launch rate")
     selection = current_selection(os.environ)
     apply_selection(selection)
     world = SystemWorld(os.environ)
-    if len(plain) == 2 and join_addresses(plain, world) != plain:
-        raise click.UsageError(f"expected NAME after {' '.join(plain)}: a parameter, argument, remap or node")
-    arguments = [word for word in words if ":=" in word]
-    read = read_file_words([*plain[:-1], *arguments], world, selection, here=True)
-    with show_progress(f"reading {' '.join(plain[:-1])}"):
-        layers = explain_name(plain[-1], read.files, read.arguments, make_world(read.files, os.environ))
+    if len(names) == 2 and join_addresses(names, world) != names:
+        raise click.UsageError(f"expected NAME after {' '.join(names)}: a parameter, argument, remap or node")
+    request = make_request([*names[:-1], *texts(arguments)], world, selection)
+    files, completed = request.files, texts(complete_arguments(request, local=True))
+    with show_progress(f"reading {' '.join(names[:-1])}"):
+        checked = make_world(files.paths, os.environ)
+        layers = explain_name(names[-1], files.paths, completed, checked, files.parsed)
     click.echo(format_layers(layers).replace(f"{Path.cwd()}/", ""), nl=False)
     return 0

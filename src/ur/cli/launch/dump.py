@@ -1,4 +1,4 @@
-"""`ur launch --dump json`: all that a launch file means, as roslaunch understands it."""
+"""`ur launch --dump json`: the complete plan of a launch file, as roslaunch understands it."""
 
 from __future__ import annotations
 
@@ -9,23 +9,25 @@ from collections.abc import Mapping, Sequence
 from ur.launchfile.dump import dump_plan, dump_refusal
 from ur.launchfile.plan.commands import refuse_command, run_command
 from ur.launchfile.plan.load import load_plan
-from ur.request.plan_files import read_file_words
+from ur.request.launch_request import make_request
+from ur.request.plan_files import texts
 from ur.request.questions import make_world
 from ur.source.diagnostic import UserError
 
 
 def print_dump(
-    words: Sequence[str], shell: Mapping[str, str], *, with_origins: bool = False, no_commands: bool = False
+    argv: Sequence[str], shell: Mapping[str, str], *, with_origins: bool = False, no_commands: bool = False
 ) -> int:
     """Print the plan behind `[PACKAGE] FILE [ARG:=VALUE]...` as JSON with sorted keys; 1 if roslaunch refuses it.
 
-    Nothing is taken from the selection: the same words and the same shell mean what they mean to roslaunch.
+    Nothing is taken from the selection: the same arguments and the same shell mean what they mean to roslaunch.
     `no_commands` refuses files with `<param command=...>` instead of running the programs.
     """
     world = make_world(shell, anonymous=True)
     try:
-        read = read_file_words(words, world, None, here=True)
-        plan = load_plan(read.files, read.arguments, world)
+        request = make_request(argv, world)
+        files = request.files
+        plan = load_plan(files.paths, texts(request.arguments), world, parsed=files.parsed)
         dumped = dump_plan(plan, with_origins=with_origins, run=refuse_command if no_commands else run_command)
     except UserError as problem:
         dumped = dump_refusal(problem.diagnostics)

@@ -6,13 +6,13 @@ import os
 from typing import Any
 
 from ur.cli.launch.act import act_on, explain_problem
-from ur.cli.launch.options import LaunchCommand, check_wishes, make_parameters
-from ur.request.options import Query, Wishes
+from ur.cli.launch.options import LaunchCommand, check_options, make_parameters
+from ur.request.options import LaunchOptions, Query
 from ur.source.diagnostic import UserError, error
 
 
 def launch(
-    words: tuple[str, ...],
+    argv: tuple[str, ...],
     nodes: bool,
     files: bool,
     find_node: str | None,
@@ -23,7 +23,7 @@ def launch(
     dump: str | None,
     with_origins: bool,
     no_commands: bool,
-    **options: Any,
+    **others: Any,
 ) -> int:
     """Start a launch file, in place of roslaunch.
 
@@ -34,18 +34,18 @@ def launch(
     flags = {"nodes": nodes, "files": files, "dump-params": dump_params, "ros-args": ros_args, "dry-run": dry_run}
     queries: list[Query] = [(name, None) for name, asked in flags.items() if asked]
     queries += [(name, node) for name, node in (("find-node", find_node), ("args", args), ("dump", dump)) if node]
-    wishes = Wishes(**options, queries=queries)
-    check_wishes(words, wishes)
+    options = LaunchOptions(**others, queries=tuple(queries))
+    check_options(argv, options)
     if (with_origins or no_commands) and not dump:
         raise UserError(error("--with-origins and --no-commands belong to --dump json", rule="bad-options"))
     try:
         if dump:
             from ur.cli.launch.dump import print_dump
 
-            return print_dump(words, dict(os.environ), with_origins=with_origins, no_commands=no_commands)
-        return act_on(words, wishes)
+            return print_dump(argv, dict(os.environ), with_origins=with_origins, no_commands=no_commands)
+        return act_on(argv, options)
     except UserError as problem:
-        return explain_problem(problem, wishes.report)
+        return explain_problem(problem, options.report)
 
 
 command = LaunchCommand("launch", callback=launch, params=make_parameters(), help=launch.__doc__)

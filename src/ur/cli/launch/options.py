@@ -1,4 +1,4 @@
-"""The options of `ur launch`: roslaunch's, each with its meaning or a line that says why not, and our own."""
+"""The options of `ur launch`: roslaunch's, each with its meaning or the reason for a refusal, and our own."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from ur.request.options import Wishes
+from ur.request.options import LaunchOptions
 from ur.source.diagnostic import UserError, error
 
 _OURS = {"dry-run", "dump"}
@@ -20,7 +20,7 @@ ROSLAUNCH = (
     "--sigint-timeout", "--sigterm-timeout", "--help",
 )  # fmt: skip
 _SECONDS = click.FloatRange(min=0, min_open=True, max=1e6)
-# There is no summary, no look at the size of the log folder and no change of the title that could be left out.
+# There is no summary, no check of the log folder's size and no change of the title that could be left out.
 _NOTHING_TO_DO = ("--no-summary", "--skip-log-check", "--disable-title")
 _REFUSED = {
     "-c": "ur has no child mode; it is how roslaunch starts itself on other computers",
@@ -108,12 +108,12 @@ def make_parameters() -> list[click.Parameter]:
             click.Option(names, hidden=True, expose_value=False, callback=refuse)
             for names in (["-c", "--child"], ["-u", "--server_uri"], ["--run_id"])
         ),
-        click.Argument(["words"], nargs=-1, required=False, metavar="[PACKAGE] FILE [ARG:=VALUE]..."),
+        click.Argument(["argv"], nargs=-1, required=False, metavar="[PACKAGE] FILE [ARG:=VALUE]..."),
     ]
 
 
 def make_lease_options() -> list[click.Option]:
-    """The options that say how to begin where somebody else drives the robot; `ur run` hands them on."""
+    """Options for the conduct where another client drives the robot; `ur run` passes them on."""
     texts = {
         "--watch": "If somebody else drives the robot, watch.",
         "--ask": "If somebody else drives the robot, ask to drive.",
@@ -123,10 +123,10 @@ def make_lease_options() -> list[click.Option]:
     return [click.Option([name], is_flag=True, help=text) for name, text in texts.items()]
 
 
-def check_seconds(wishes: Wishes) -> None:
+def check_seconds(options: LaunchOptions) -> None:
     """Raise UserError for times that are no numbers, which click takes."""
     for name in ("timeout", "sigint_timeout", "sigterm_timeout", "timeout_ready"):
-        value = getattr(wishes, name)
+        value = getattr(options, name)
         if value is not None and value != value:
             option = name.replace("_", "-")
             raise UserError(error(f"--{option} nan, expected a number of seconds above 0", rule="bad-options"))
@@ -141,39 +141,39 @@ class LaunchCommand(click.Command):
         return super().parse_args(ctx, list(_complete_options(args, known)))
 
 
-def _complete_options(words: Sequence[str], known: set[str]) -> Iterator[str]:
-    for number, word in enumerate(words):
-        if word == "--":
-            yield from words[number:]
+def _complete_options(argv: Sequence[str], known: set[str]) -> Iterator[str]:
+    for number, argument in enumerate(argv):
+        if argument == "--":
+            yield from argv[number:]
             return
-        name, sign, value = word.partition("=")
+        name, sign, value = argument.partition("=")
         near = [each for each in ROSLAUNCH if each.startswith(name)]
         if name.startswith("--") and name not in known and len(near) == 1:
             name = near[0]
         yield name + sign + value
 
 
-def check_wishes(words: Sequence[str], wishes: Wishes) -> None:
+def check_options(argv: Sequence[str], options: LaunchOptions) -> None:
     """Raise UserError for options that exclude each other, click.UsageError where files are missing or too many."""
-    if wishes.core and (words or wishes.wait or wishes.queries):
+    if options.core and (argv or options.wait or options.queries):
         raise UserError(
             error("--core starts a master alone, expected no launch file, --wait or question", rule="bad-options")
         )
-    if not words and not wishes.core:
+    if not argv and not options.core:
         raise click.UsageError("missing argument '[PACKAGE] FILE [ARG:=VALUE]...'", click.get_current_context())
-    if words.count("-") > 1:
+    if argv.count("-") > 1:
         raise UserError(error("'-' is standard input, expected it once", rule="bad-options"))
-    if wishes.screen and wishes.log:
+    if options.screen and options.log:
         raise UserError(error("--screen and --log exclude each other, expected one", rule="bad-options"))
-    modes = [name for name in ("watch", "ask", "take_over") if getattr(wishes, name)]
+    modes = [name for name in ("watch", "ask", "take_over") if getattr(options, name)]
     if len(modes) > 1:
         text = " and ".join(f"--{name.replace('_', '-')}" for name in modes)
         raise UserError(error(f"{text} exclude each other, expected one", rule="bad-options"))
-    if wishes.detach and wishes.json:
+    if options.detach and options.json:
         help_ = "'ur attach --json' prints the events of a run that is detached"
         raise UserError(error("--detach and --json exclude each other", rule="bad-options", help=help_))
-    check_seconds(wishes)
-    names = [name for name, _ in wishes.queries]
+    check_seconds(options)
+    names = [name for name, _ in options.queries]
     if len([name for name in names if name in _EXCLUSIVE]) > 1 or (len(names) > 1 and set(names) & _OURS):
         raise UserError(
             error(f"{' and '.join(f'--{name}' for name in names)} exclude each other, expected one", rule="bad-options")

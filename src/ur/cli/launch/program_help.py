@@ -1,4 +1,4 @@
-"""The help page of a program: what it does, the arguments of its launch file, and examples."""
+"""The help page of a program: its overview, the arguments of its launch file, and examples."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import re
 import shutil
 import sys
 from collections.abc import Iterator, Mapping, Sequence
-from pathlib import Path
 from textwrap import fill, wrap
 from typing import TYPE_CHECKING
 
@@ -16,7 +15,6 @@ from ur.source.render import shows_colour
 
 if TYPE_CHECKING:
     from ur.launchfile.query.arguments import ArgumentSpec
-    from ur.launchfile.world.protocol import World
 
 _WIDEST = 100
 _INDENT = "      "
@@ -30,6 +28,7 @@ def describe_program(program: Program, environment: Mapping[str, str]) -> str:
     Raises UserError when its launch file cannot be read.
     """
     from ur.docs.repository.programs import read_headings
+    from ur.request.program_arguments import read_program_arguments
     from ur.source.file import SourceFile
 
     width = min(_WIDEST, shutil.get_terminal_size().columns)
@@ -57,34 +56,6 @@ def describe_program(program: Program, environment: Mapping[str, str]) -> str:
     found = [each for each in _EXAMPLES.findall(overview) if each != "NAME:=VALUE"]
     lines += [f"  ur run {program.name} {' '.join(each.split())}" for each in found or _make_examples(arguments)]
     return _finish(lines)
-
-
-def read_program_arguments(path: Path, environment: Mapping[str, str]) -> tuple[ArgumentSpec, ...]:
-    """The arguments of a launch file, with the defaults that follow from the selection. Raises UserError."""
-    from ur.launchfile.query.arguments import ArgumentSpec, read_arguments
-    from ur.launchfile.world.system import SystemWorld
-    from ur.request.environment import current_selection, know_own_package
-    from ur.request.plan_files import declared_arguments, selected_arguments
-
-    world = SystemWorld(know_own_package(environment))
-    declared = declared_arguments([str(path)], world)
-    given = selected_arguments(current_selection(environment), declared, [], here=True)
-    values = dict(word.split(":=", 1) for word in given)
-    missing = [name for name in _required(path, world) if name not in values]
-    found = read_arguments(str(path), [*given, *(f"{name}:=..." for name in missing)], world)
-    return tuple(
-        ArgumentSpec(each.name, values[each.name], each.doc, each.span) if values.get(each.name) else each
-        for each in found
-    )
-
-
-def _required(path: Path, world: World) -> Iterator[str]:
-    from ur.launchfile.syntax.parse import parse_launch_file
-
-    launch = parse_launch_file(str(path), world.read_bytes(str(path))).launch
-    for element in launch.elements if launch is not None else ():
-        if element.name == "arg" and not {"default", "value"} & set(element.attributes):
-            yield element.attributes.get("name", "")
 
 
 def _argument(each: ArgumentSpec, environment: Mapping[str, str], width: int) -> Iterator[str]:

@@ -1,77 +1,24 @@
-"""From the options of `ur launch` to a run: its plan, its interface, its limits."""
+"""A run of `ur launch`: its host, its plan, its interface, its end."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from ur.request.options import Wishes
+from ur.request.options import LaunchOptions, Reporter
 from ur.robot.selection import Selection
 from ur.source.diagnostic import Diagnostic, Severity, UserError, error
 
 if TYPE_CHECKING:
     from ur.launchfile.plan.model import Plan
-    from ur.launchfile.world.protocol import World
-    from ur.request.plan_files import Loaded
     from ur.run.clients.protocol import Severity as EventSeverity
-    from ur.run.launch import Options
     from ur.run.output.console import Console
     from ur.run.process.detach import LetGo
     from ur.run.record.registry import RunEntry
-    from ur.run.startup.timings import Timings
     from ur.tui.start import Viewer
-
-
-def load_wanted(words: Sequence[str], selection: Selection, wishes: Wishes) -> Loaded:
-    """What a command line means with the options that choose nodes; errors in it are shown.
-
-    Raises UserError, as `load_words` does, and for nodes that options name wrongly.
-    """
-    from ur.request.plan_files import Loaded, load_words
-
-    if wishes.core:
-        from ur.launchfile.plan.model import Plan
-        from ur.launchfile.world.system import SystemWorld
-
-        return Loaded(Plan((), (), (), (), (), ("core",)), SystemWorld(os.environ))
-    loaded = load_words(words, selection, wishes.part)
-    plan = loaded.plan
-    if plan is None:
-        return loaded
-    if wishes.local:
-        from ur.run.paths import is_local_address
-        from ur.run.startup.machine_assignment import split_plan
-
-        plan, away = split_plan(plan, is_local_address)
-        for each in away:
-            names = ", ".join(node.full_name for node in each.nodes)
-            wishes.say("warning", f"--local: {names} for {each.machine.name} ({each.machine.address}) left out")
-    if wishes.only or wishes.except_ or wishes.prefix:
-        from ur.request.node_choice import choose_nodes
-
-        plan = choose_nodes(plan, wishes.only, wishes.except_, wishes.prefix)
-    for node in plan.nodes if wishes.required else ():
-        if node.respawn:
-            message = f"--required: {node.full_name} is to be respawned, expected a node that may end"
-            raise UserError(error(message, node.origin.span, rule="required-respawn"))
-    if wishes.verbose:
-        wishes.say("info", "\n".join(_list_contents(plan)))
-    if wishes.part is not None:
-        from ur.run.startup.machine_assignment import take_part
-
-        mine = {node.full_name for node in plan.nodes if node.machine == wishes.part} - set(wishes.runs_already)
-        plan = take_part(plan, mine)
-        plan = replace(plan, commands=tuple(each for each in plan.commands if each.command != "dump"))
-    return replace(loaded, plan=plan)
-
-
-def _list_contents(plan: Plan) -> Iterator[str]:
-    yield from (f"file {path}" for path in plan.files)
-    yield from (f"parameter {each.name}: {each.command or each.value!r}" for each in plan.params)
-    yield from (f"node {node.full_name} ({node.package}/{node.type})" for node in plan.nodes)
 
 
 def describe_finding(finding: Diagnostic) -> tuple[EventSeverity, str]:
@@ -82,31 +29,39 @@ def describe_finding(finding: Diagnostic) -> tuple[EventSeverity, str]:
     return severity, render_human([finding], colour=False).rstrip()
 
 
-def run_launch(words: Sequence[str], selection: Selection, wishes: Wishes, let_go: LetGo | None) -> int:
+def run_launch(
+    argv: Sequence[str], selection: Selection, options: LaunchOptions, reporter: Reporter, let_go: LetGo | None
+) -> int:
     """Start what a command line asks for, and return the exit code once it has ended. Raises UserError."""
     from ur.run.process.host_client import start_host  # now, not before: help and completion need none of it
 
     host = start_host()  # its start overlaps with the reading of the launch file
     stack = ExitStack()
     try:
-        from ur.cli.launch.joining import Joined, join
-        from ur.request.running import begin_launch
+        from ur.request.joining import Joined, join
+        from ur.request.launch_request import make_request
+        from ur.request.node_choice import load_chosen
+        from ur.request.plan_files import make_world
+        from ur.request.preparation import prepare_world
+        from ur.request.run_options import make_run_options
+        from ur.request.running import follow_world, lock_launch, refuse_second_master
         from ur.run.launch import run_plan
 
-        lock, words = begin_launch(words, wishes, stack)
-        loaded = load_wanted(words, selection, wishes)
-        plan, world = loaded.plan, loaded.world
+        lock = lock_launch(options, stack, reporter.report)
+        request = follow_world(make_request(argv, make_world(), selection, options))
+        loaded = load_chosen(request, reporter.report)
+        plan = loaded.plan
         if plan is None:
-            _report(loaded.findings, wishes)
+            _write_findings(loaded.findings, options)
             return 1
-        if wishes.core:
-            _refuse_second_master()
-        world = _prepare(loaded.files, plan, world, wishes)
+        if options.core:
+            refuse_second_master()
+        world = prepare_world(request.files.paths, plan, loaded.world, complete=options.part is None)
         restart_share = None
         client = os.urandom(8).hex()
         joined = Joined(plan, {})
-        if wishes.part is None:
-            found = join(loaded, words, selection, wishes, client)
+        if options.part is None:
+            found = join(loaded, client, reporter.report)
             if found is None:
                 return 0
             joined = found
@@ -118,32 +73,30 @@ def run_launch(words: Sequence[str], selection: Selection, wishes: Wishes, let_g
         if loaded.robot and any(node.machine == loaded.robot for node in plan.nodes):
             from ur.request.on_robot import start_there  # ssh, and what comes with it: only where it is needed
 
-            part = stack.enter_context(start_there(replace(loaded, plan=plan), words, wishes, client))
+            part = stack.enter_context(start_there(replace(loaded, plan=plan), client, reporter.report))
             plan, restart_share = part.here, part.again.start
             if not plan.nodes:
                 lock.release()
                 return part.follow()
-        if wishes.debug:
-            from ur.cli.launch import debugging
+        if options.debug:
+            from ur.request import debugging
 
-            terminal = not (wishes.detach or wishes.json) and debugging.has_terminal()
-            plan, told = debugging.debug_nodes(plan, wishes.debug, world, terminal=terminal)
-            if told:
-                wishes.say("warning", "\n".join(told))
-        with _pid_file(wishes.pid), _viewer(plan, wishes) as viewer:
+            terminal = not (options.detach or options.json) and debugging.has_terminal()
+            plan, lines = debugging.debug_nodes(plan, options.debug, world, terminal=terminal)
+            if lines:
+                reporter.report("warning", "\n".join(lines))
+        with _pid_file(options.pid), _viewer(plan, options, reporter) as viewer:
             console = _make_console(viewer)
             try:
-                options = _options(words, selection, wishes, console, let_go)
-                options = replace(
-                    options,
+                run_options = replace(
+                    make_run_options(request, _call_started(console, let_go)),
                     environment=joined.environment,
                     restart_share=restart_share,
                     owners=joined.owners,
                     call_registered=lock.release,
+                    viewer=viewer.link if viewer is not None else None,
                 )
-                if viewer is not None:
-                    options = replace(options, viewer=viewer.link)
-                return run_plan(plan, world, host, console, options)
+                return run_plan(plan, world, host, console, run_options)
             finally:
                 console.finish(1.0)
     finally:
@@ -151,41 +104,28 @@ def run_launch(words: Sequence[str], selection: Selection, wishes: Wishes, let_g
         stack.close()
 
 
-def _prepare(files: Sequence[str], plan: Plan, world: World, wishes: Wishes) -> World:
-    """Install what the plan needs, and return a world that knows it. Raises UserError."""
-    from ur.request.preparation import prepare
-    from ur.run.startup.node_selection import check_display, is_view
+def _call_started(console: Console, let_go: LetGo | None) -> Callable[[RunEntry], None] | None:
+    """The call that lets the terminal of a detached run go; None for a run that keeps it."""
+    if let_go is None:
+        return None
 
-    if wishes.part is None:
-        check_display(files, plan.nodes, world.environment)
-    if not prepare(plan, world, view=is_view(files)):
-        return world
-    from ur.launchfile.world.system import SystemWorld
+    def leave(entry: RunEntry) -> None:
+        console.finish(1.0)
+        console.calm()
+        let_go(entry)
 
-    return SystemWorld(world.environment)
+    return leave
 
 
-def _report(findings: Sequence[Diagnostic], wishes: Wishes) -> None:
-    if wishes.report is not None:
+def _write_findings(findings: Sequence[Diagnostic], options: LaunchOptions) -> None:
+    if options.report is not None:
         from ur.cli.launch.act import write_report
 
-        write_report(findings, wishes.report)
-
-
-def _refuse_second_master() -> None:
-    from ur.run.master.client import parse_master_uri
-    from ur.run.master.xml_rpc import Unanswered
-
-    master = parse_master_uri(os.environ["ROS_MASTER_URI"])
-    try:
-        master.get_run_id()
-    except Unanswered:
-        return
-    raise UserError(error(f"--core: a master runs already at {master.uri}", rule="second-master", help="ur ps"))
+        write_report(findings, options.report)
 
 
 def _make_console(viewer: Viewer | None) -> Console:
-    """The console; what it says before the interface opens is the beginning of the interface's log too."""
+    """The console; what it prints before the interface opens is the beginning of the interface's log too."""
     from ur.run.output.console import Console
 
     if viewer is None:
@@ -203,71 +143,21 @@ def _make_console(viewer: Viewer | None) -> Console:
 
 
 @contextmanager
-def _viewer(plan: Plan, wishes: Wishes) -> Iterator[Viewer | None]:
-    """The interface, where there is a terminal that no node needs. It begins with what was said so far."""
-    if wishes.plain or wishes.json or wishes.detach or any(node.terminal for node in plan.nodes):
+def _viewer(plan: Plan, options: LaunchOptions, reporter: Reporter) -> Iterator[Viewer | None]:
+    """The interface, where there is a terminal that no node needs. Its log begins with what was reported so far."""
+    if options.plain or options.json or options.detach or any(node.terminal for node in plan.nodes):
         yield None
         return
     from ur.tui.start import Viewer, look_for_mode
 
-    mode = look_for_mode(os.environ, calm=wishes.calm)
+    mode = look_for_mode(os.environ, calm=options.calm)
     if mode == "plain":
         yield None
         return
     with Viewer(mode) as viewer:
-        for note in (*map(describe_finding, plan.diagnostics), *wishes.notes):
+        for note in (*map(describe_finding, plan.diagnostics), *reporter.notices):
             viewer.note(*note)
         yield viewer
-
-
-def _options(
-    words: Sequence[str], selection: Selection, wishes: Wishes, console: Console, let_go: LetGo | None
-) -> Options:
-    from ur.run.launch import Options
-    from ur.run.supervisor.model import Limits
-
-    given = dict(word.split(":=", 1) for word in words if ":=" in word)
-    base = given.get("robot_base", selection.base)
-    defaults = Limits()
-
-    def leave(entry: RunEntry) -> None:
-        console.finish(1.0)
-        console.calm()
-        if let_go is not None:
-            let_go(entry)
-
-    master_words = []
-    if wishes.timeout is not None:
-        master_words += ["-t", str(wishes.timeout)]
-    if wishes.master_logger_level is not None:
-        master_words += ["--master-logger-level", wishes.master_logger_level]
-    return Options(
-        limits=Limits(
-            interrupt=wishes.sigint_timeout or defaults.interrupt,
-            terminate=wishes.sigterm_timeout or defaults.terminate,
-            quick_deaths=defaults.quick_deaths if wishes.respawn_limit is None else wishes.respawn_limit,
-        ),
-        force_screen=wishes.screen,
-        force_log=wishes.log,
-        force_required=wishes.required,
-        wait_for_master=wishes.wait and not wishes.detach,
-        port=wishes.port,
-        workers=wishes.numworkers,
-        master_words=tuple(master_words),
-        base=base,
-        variant=given.get("robot_variant", selection.variant if base == selection.base else ""),
-        events=1 if wishes.json else None,
-        timings=_begin_timings() if wishes.timings else None,
-        call_started=None if let_go is None else leave,
-    )
-
-
-def _begin_timings() -> Timings:
-    from ur.run.startup.timings import begin_timings
-
-    timings = begin_timings()
-    timings.mark("launch file")
-    return timings
 
 
 class _pid_file:  # noqa: N801 - used like a function: with _pid_file(path)

@@ -36,26 +36,26 @@ def command(context: click.Context) -> None:
 @click.option("--name", help="The name of the service. [default: that of the launch file or program]")
 @PASSWORD_FROM
 @click.argument(
-    "words", nargs=-1, type=click.UNPROCESSED, metavar="[PACKAGE FILE.launch | PROGRAM | COMMAND] [ARG:=VALUE ...]"
+    "argv", nargs=-1, type=click.UNPROCESSED, metavar="[PACKAGE FILE.launch | PROGRAM | COMMAND] [ARG:=VALUE ...]"
 )
-def install(robot: str | None, name: str | None, password_from: int | None, words: tuple[str, ...]) -> int:
+def install(robot: str | None, name: str | None, password_from: int | None, argv: tuple[str, ...]) -> int:
     """Start a ROS master when the robot boots, and a launch file, program or command after it.
 
     Both wait for the robot's address; what ends is started again, after pauses that grow while it keeps ending. The
     launch file has to be on the robot: `ur sync` brings it. It is told what the robot knows of itself: base, variant,
     that nothing is simulated. All run as the robot's user, with the environment of that user's login shell.
     """
-    from ur.cli.robots.boot_command import bring_library, make_line, read_wish
+    from ur.cli.robots.boot_command import bring_library, make_line, parse_request
 
     address = robot_address(robot)
     known_as = address.host.removesuffix(".local")
-    wish = read_wish(words) if words else None
-    called = name or (wish.name if wish else MASTER)
-    if wish and not is_unit_name(called):
+    request = parse_request(argv) if argv else None
+    called = name or (request.name if request else MASTER)
+    if request and not is_unit_name(called):
         raise _bad_name(called, "give --name")
     with connect_robot(address) as shell:
-        copied = bring_library(wish, shell, address.user) if wish else 0
-        line = make_line(wish, shell, known_as) if wish else ""
+        copied = bring_library(request, shell, address.user) if request else 0
+        line = make_line(request, shell, known_as) if request else ""
 
         def make(facts: Facts) -> list[Wanted]:
             units = [master_unit(address.user, facts.home)]
@@ -110,9 +110,9 @@ def log(robot: str | None, follow: bool, lines: int, name: str) -> int:
             )
     options = ["-o", "StrictHostKeyChecking=yes", "-o", "ConnectTimeout=10"]
     terminal = ["-t"] if follow and sys.stdin.isatty() else []
-    words = ["ssh", *options, *terminal, "--", str(address), log_command(name, lines, follow=follow)]
+    argv = ["ssh", *options, *terminal, "--", str(address), log_command(name, lines, follow=follow)]
     sys.stdout.flush()
-    os.execvp("ssh", words)  # noqa: S606 - no shell
+    os.execvp("ssh", argv)  # noqa: S606 - no shell
 
 
 @command.command("remove")

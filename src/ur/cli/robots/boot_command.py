@@ -1,4 +1,4 @@
-"""What `ur boot install` was asked to start: a launch file, a program, or a command."""
+"""The command that `ur boot install` writes: of a launch file, a program, or a command."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from ur.cli.computer.setup import show_changes
+from ur.request.arguments import Argument, split_argv, values_of
 from ur.request.environment import PACKAGE, know_own_package
 from ur.robot.boot.launch_file import RobotLaunch, choose_arguments, find_launch, is_launch_name
 from ur.robot.boot.units import LIBRARIES, command_line, launch_line
@@ -20,55 +21,60 @@ from ur.source.diagnostic import UserError, error
 
 
 @dataclass(frozen=True, slots=True)
-class Wish:
-    """What to start: a launch file of a package with arguments, or, with an empty `package`, the words of a command.
+class BootRequest:
+    """A launch file of a package with arguments, or, with an empty `package`, the argv of a command.
 
-    `name` is what the service is called unless the user says otherwise.
+    `name` is the service's, unless the user gives another.
     """
 
     name: str
     package: str
     file: str
-    words: tuple[str, ...]
+    argv: tuple[str, ...]
 
 
-def read_wish(words: Sequence[str]) -> Wish:
+def parse_request(argv: Sequence[str]) -> BootRequest:
     """Tell the three forms apart. Raises UserError: a program that starts no launch file."""
-    first, rest = words[0], tuple(words[1:])
+    first, rest = argv[0], tuple(argv[1:])
     if rest and is_launch_name(rest[0]):
-        return Wish(rest[0].partition(".")[0].lower(), first, rest[0], rest[1:])
+        return BootRequest(rest[0].partition(".")[0].lower(), first, rest[0], rest[1:])
     program = first.removeprefix("ur_")
     if "/" not in first and (PACKAGE / "bin" / f"ur_{program}").is_file():
         from ur.request.programs import choose_program, find_launch_file, list_programs
 
         path = find_launch_file(choose_program(list_programs(PACKAGE / "bin", PACKAGE.name), program))
         if path is not None:
-            return Wish(program, PACKAGE.name, path.name, rest)
-    return Wish(first.rpartition("/")[2].lower(), "", "", tuple(words))
+            return BootRequest(program, PACKAGE.name, path.name, rest)
+    return BootRequest(first.rpartition("/")[2].lower(), "", "", tuple(argv))
 
 
-def make_line(wish: Wish, shell: Shell, robot: str) -> str:
+def make_line(request: BootRequest, shell: Shell, robot: str) -> str:
     """The command line of the service. Raises UserError: not on the robot, a wrong argument, a terminal is needed."""
-    if not wish.package:
-        found = shell.run(quote("bash", "-lc", f"command -v {quote(wish.words[0])}"))
+    if not request.package:
+        found = shell.run(quote("bash", "-lc", f"command -v {quote(request.argv[0])}"))
         if found.code:
             raise _problem(
-                f"{robot}: {wish.words[0]!r} is no command there, expected PACKAGE FILE.launch, PROGRAM or a command",
+                f"{robot}: {request.argv[0]!r} is no command there, expected PACKAGE FILE.launch, PROGRAM or a command",
                 "'ur list' names the programs",
             )
-        return command_line(wish.words)
-    launch = find_launch(shell, wish.package, wish.file, robot)
-    arguments = choose_arguments(_declared(launch), wish.words, _facts(launch), wish.file)
-    _refuse_terminal(wish, arguments)
-    return launch_line(wish.package, wish.file, arguments)
+        return command_line(request.argv)
+    launch = find_launch(shell, request.package, request.file, robot)
+    stray, given = split_argv(request.argv)
+    if stray:
+        message = f"{stray[0]!r} is no argument of {request.file}, expected NAME:=VALUE"
+        raise _problem(message, "ur boot install --help")
+    values = choose_arguments(_declared(launch), values_of(given), _facts(launch), request.file)
+    arguments = [str(Argument(name, value)) for name, value in values.items()]
+    _refuse_terminal(request, arguments)
+    return launch_line(request.package, request.file, arguments)
 
 
-def bring_library(wish: Wish, shell: SshShell, user: str) -> int:
+def bring_library(request: BootRequest, shell: SshShell, user: str) -> int:
     """Copy this project to the robot when a launch file of it is wanted; how many changes that took.
 
     Raises UserError when it is not set up there: its nodes could not run.
     """
-    if wish.package != PACKAGE.name:
+    if request.package != PACKAGE.name:
         return 0
     wanted = read_repository()
     _, count = bring_about(
@@ -76,7 +82,7 @@ def bring_library(wish: Wish, shell: SshShell, user: str) -> int:
     )
     if shell.run(f"for d in {' '.join(LIBRARIES)}; do [ -r $d/.venv/ready-run ] && exit; done; exit 1").code:
         raise _problem(
-            f"{shell.address.host}: {wish.package} is there and not set up, and its nodes need that",
+            f"{shell.address.host}: {request.package} is there and not set up, and its nodes need that",
             f"ur robot setup {shell.address.host.removesuffix('.local')} completes it; then run this again",
         )
     return count
@@ -106,7 +112,7 @@ def _facts(launch: RobotLaunch) -> dict[str, str]:
         return {}
 
 
-def _refuse_terminal(wish: Wish, arguments: Sequence[str]) -> None:
+def _refuse_terminal(request: BootRequest, arguments: Sequence[str]) -> None:
     """Nobody sits at a robot that boots: refuse what wants a terminal, as far as this computer knows the file."""
     from ur.launchfile.address import resolve_addresses
     from ur.launchfile.plan.load import load_plan
@@ -114,13 +120,13 @@ def _refuse_terminal(wish: Wish, arguments: Sequence[str]) -> None:
 
     world = SystemWorld(know_own_package(os.environ))
     try:
-        plan = load_plan(resolve_addresses([wish.package, wish.file], world), [*arguments], world)
+        plan = load_plan(resolve_addresses([request.package, request.file], world), [*arguments], world)
     except (UserError, LookupError, OSError):
         return
     wanting = [node.full_name for node in plan.nodes if node.terminal]
     if wanting:
         raise _problem(
-            f"{wish.file}: {wanting[0]} needs the terminal, which a robot that boots does not have",
+            f"{request.file}: {wanting[0]} needs the terminal, which a robot that boots does not have",
             "the robot can start its own part: ur boot install robot_base",
         )
 

@@ -45,6 +45,7 @@ class Draft:
         *,
         follow: bool = True,
         budget: Budget | None = None,
+        parsed: dict[str, LaunchFile] | None = None,
     ) -> None:
         self.world = world
         self.budget = budget or Budget()
@@ -64,7 +65,7 @@ class Draft:
         self.machine_uses: list[tuple[str, Element, Scope]] = []
         self.reads_angles = False  # roslaunch knows deg() and rad() once it has seen its first <rosparam>
         self.includes: list[IncludeSpec] = []
-        self._parsed: dict[str, LaunchFile] = {}
+        self._parsed: dict[str, LaunchFile] = {} if parsed is None else parsed
         self._trees = trees
 
     def origin(self, span: Span, scope: Scope) -> Origin:

@@ -29,6 +29,7 @@ def load_plan(
     trees: dict[str, LaunchFile] | None = None,
     computers: Sequence[MachineSpec] = (),
     budget: Budget | None = None,
+    parsed: dict[str, LaunchFile] | None = None,
 ) -> Plan:
     """What launch files mean, all of them together, with `NAME:=VALUE` arguments.
 
@@ -36,10 +37,11 @@ def load_plan(
     diagnostics hold an error for everything that roslaunch would refuse, and warnings for what it silently accepts.
     Nothing is executed; see `run_commands` for the parameters that programs print. A `trace` is filled with how values
     came about, in order. `trees`, by absolute path, spare files from being parsed again, and gain those that are.
+    `parsed` does the same by the paths that name files, as they are written.
     `computers` are machines that need no `<machine>` tag; the tag of a file goes before one of the same name. `budget`
     limits what expressions compute; who loads a file several times gives them one.
     """
-    draft = Draft(world, trace, trees, budget=budget)
+    draft = Draft(world, trace, trees, budget=budget, parsed=parsed)
     try:
         values, ignored = read_assignments(arguments)
         declared: set[str] = set()

@@ -11,7 +11,7 @@ from ur.launchfile.plan.problems import Refused
 from ur.launchfile.plan.scope import Scope
 from ur.launchfile.plan.tags.arguments import resolve_arg
 from ur.launchfile.plan.tags.attributes import is_wanted
-from ur.launchfile.syntax import Comment, Element
+from ur.launchfile.syntax import Comment, Element, LaunchFile
 from ur.launchfile.world.protocol import World
 from ur.source.diagnostic import UserError, error
 from ur.source.file import Span
@@ -27,23 +27,26 @@ class ArgumentSpec:
     span: Span
 
 
-def read_arguments(path: str, arguments: Sequence[str], world: World) -> tuple[ArgumentSpec, ...]:
+def read_arguments(
+    path: str, arguments: Sequence[str], world: World, parsed: dict[str, LaunchFile] | None = None
+) -> tuple[ArgumentSpec, ...]:
     """The arguments of a launch file in document order, without those of fixed value.
 
     `arguments` decide which `if` and `unless` hold. Documentation is `doc=`, else the comment `<!--NAME: text-->` that
-    follows. Raises UserError when the file cannot be read or an argument cannot be resolved.
+    follows. `parsed` is that of `load_plan`. Raises UserError when the file cannot be read or an argument cannot be
+    resolved.
     """
-    draft = Draft(world)
+    draft = Draft(world, parsed=parsed)
     try:
-        parsed = draft.parse(path)
+        tree = draft.parse(path)
         scope = Scope(initial_namespace(arguments, world.environment), path, read_assignments(arguments)[0])
     except (OSError, ValueError) as problem:
         raise UserError(error(f"{path}: {problem}, expected a launch file", rule="missing-file")) from None
-    if parsed.launch is None:
-        raise UserError(*parsed.diagnostics)
-    comments = _comments_after(parsed.launch)
+    if tree.launch is None:
+        raise UserError(*tree.diagnostics)
+    comments = _comments_after(tree.launch)
     found: dict[str, ArgumentSpec] = {}
-    for element in parsed.launch.elements:
+    for element in tree.launch.elements:
         if element.name != "arg":
             continue
         try:

@@ -9,7 +9,14 @@ from dataclasses import dataclass
 from ur.launchfile.plan.load import load_plan
 from ur.launchfile.plan.model import ArgumentStep, NodeSpec, Origin, ParamSpec, Plan, RemapStep, TraceStep
 from ur.launchfile.plan.names import canonical_name, read_assignments
-from ur.launchfile.syntax import Element, SubstitutionProblem, is_eval, parse_launch_file, parse_substitutions
+from ur.launchfile.syntax import (
+    Element,
+    LaunchFile,
+    SubstitutionProblem,
+    is_eval,
+    parse_launch_file,
+    parse_substitutions,
+)
 from ur.launchfile.world.protocol import World
 from ur.source.diagnostic import Severity, UserError, error
 from ur.source.file import Span
@@ -29,13 +36,20 @@ class Layer:
     below: tuple[Layer, ...] = ()
 
 
-def explain_name(name: str, files: Sequence[str], arguments: Sequence[str], world: World) -> tuple[Layer, ...]:
+def explain_name(
+    name: str,
+    files: Sequence[str],
+    arguments: Sequence[str],
+    world: World,
+    parsed: dict[str, LaunchFile] | None = None,
+) -> tuple[Layer, ...]:
     """Everything that launch files call `name`: parameters, arguments, remaps and nodes, each with its layers.
 
-    A name without its namespace is enough: `rate` finds `/talker/rate`. Raises UserError when nothing has this name.
+    A name without its namespace is enough: `rate` finds `/talker/rate`. `parsed` is that of `load_plan`. Raises
+    UserError when nothing has this name.
     """
     trace: list[TraceStep] = []
-    plan = load_plan(files, arguments, world, trace)
+    plan = load_plan(files, arguments, world, trace, parsed=parsed)
     layers = tuple(_Explainer(plan, trace, read_assignments(arguments)[0], world).explain(name))
     if layers:
         return layers
@@ -53,10 +67,12 @@ def explain_name(name: str, files: Sequence[str], arguments: Sequence[str], worl
     )
 
 
-def list_names(files: Sequence[str], arguments: Sequence[str], world: World) -> dict[str, str]:
+def list_names(
+    files: Sequence[str], arguments: Sequence[str], world: World, parsed: dict[str, LaunchFile] | None = None
+) -> dict[str, str]:
     """The names that explain_name knows, with what each is; those of nodes and parameters also without namespace."""
     trace: list[TraceStep] = []
-    plan = load_plan(files, arguments, world, trace)
+    plan = load_plan(files, arguments, world, trace, parsed=parsed)
     names = {step.name: "argument" for step in trace if isinstance(step, ArgumentStep) and step.passed_to is None}
     names.update({step.source: "remap" for step in trace if isinstance(step, RemapStep)})
     full = {node.full_name: "node" for node in plan.nodes}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import base64
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from ur.robot.robot_file import ROBOT_FILE
@@ -66,17 +66,14 @@ def find_launch(shell: Shell, package: str, file: str, robot: str) -> RobotLaunc
 
 
 def choose_arguments(
-    declared: Mapping[str, bool], given: Sequence[str], facts: Mapping[str, str], name: str
-) -> list[str]:
+    declared: Mapping[str, bool], given: Mapping[str, str], facts: Mapping[str, str], name: str
+) -> dict[str, str]:
     """The arguments of a launch file that starts when a robot boots: those given, and what the robot knows of itself.
 
     `declared` says of each argument whether it has to be given; `facts` are `base` and `variant` of the robot. Raises
     UserError: an argument is missing, or not known.
     """
-    values = dict(word.split(":=", 1) for word in given if ":=" in word)
-    stray = [word for word in given if ":=" not in word]
-    if stray:
-        raise _problem(f"{stray[0]!r} is no argument of {name}, expected NAME:=VALUE", "ur boot install --help")
+    values = dict(given)
     unknown = [each for each in values if each not in declared]
     if unknown:
         known = ", ".join(declared) or "(none)"
@@ -92,7 +89,7 @@ def choose_arguments(
     missing = [each for each, required in declared.items() if required and each not in values]
     if missing:
         raise _problem(f"{name} needs a value for {missing[0]}", f"add {missing[0]}:=...")
-    return [f"{key}:={value}" for key, value in values.items()]
+    return values
 
 
 def _problem(message: str, help: str) -> UserError:

@@ -5,13 +5,13 @@ from typing import Any
 
 import pytest
 
-from ur.cli.launch import driving
-from ur.cli.launch.driving import ask_mode, choose_mode
-from ur.cli.launch.options import check_wishes
+from ur.cli.launch.options import check_options
 from ur.launchfile.plan.load import load_plan
 from ur.launchfile.plan.model import NodeSpec
 from ur.launchfile.world import MemoryWorld
-from ur.request.options import Wishes
+from ur.request import driving
+from ur.request.driving import ask_mode, choose_mode
+from ur.request.options import LaunchOptions
 from ur.run.remote.lease import Lease
 from ur.source import UserError
 
@@ -65,7 +65,7 @@ def test_end_of_the_input_means_to_quit() -> None:
 @pytest.mark.usefixtures("held")
 def test_robot_that_is_driven_is_refused_where_nobody_can_be_asked() -> None:
     with pytest.raises(UserError) as caught:
-        choose_mode(Wishes(detach=True), "bob", KEYS, "laptop")
+        choose_mode(LaunchOptions(detach=True), "bob", KEYS, "laptop")
     (found,) = caught.value.diagnostics
     assert found.message.startswith("laptop2 drives bob since ")
     assert "(keyboard_drive)" in found.message
@@ -74,24 +74,25 @@ def test_robot_that_is_driven_is_refused_where_nobody_can_be_asked() -> None:
 
 @pytest.mark.usefixtures("held")
 @pytest.mark.parametrize(
-    ("wishes", "mode"), [(Wishes(watch=True), "watch"), (Wishes(ask=True), "ask"), (Wishes(take_over=True), "take")]
+    ("options", "mode"),
+    [(LaunchOptions(watch=True), "watch"), (LaunchOptions(ask=True), "ask"), (LaunchOptions(take_over=True), "take")],
 )
-def test_option_says_it_without_a_question(wishes: Wishes, mode: str) -> None:
-    assert choose_mode(wishes, "bob", KEYS, "laptop") == mode
+def test_option_says_it_without_a_question(options: LaunchOptions, mode: str) -> None:
+    assert choose_mode(options, "bob", KEYS, "laptop") == mode
 
 
 @pytest.mark.usefixtures("held")
 def test_program_that_commands_nothing_is_not_asked_about() -> None:
-    assert choose_mode(Wishes(detach=True), "bob", nodes_of("rviz"), "laptop") == "drive"
+    assert choose_mode(LaunchOptions(detach=True), "bob", nodes_of("rviz"), "laptop") == "drive"
 
 
 def test_free_robot_is_driven_without_a_question(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("ROS_MASTER_URI", "http://bob.local:11311")
     monkeypatch.setattr(driving, "read_lease", lambda _: Lease())
-    assert choose_mode(Wishes(detach=True), "bob", KEYS, "laptop") == "drive"
+    assert choose_mode(LaunchOptions(detach=True), "bob", KEYS, "laptop") == "drive"
 
 
 @pytest.mark.parametrize("given", [{"watch": True, "ask": True}, {"ask": True, "take_over": True}])
 def test_options_exclude_each_other(given: dict[str, Any]) -> None:
     with pytest.raises(UserError, match="exclude each other"):
-        check_wishes(("a.launch",), Wishes(**given))
+        check_options(("a.launch",), LaunchOptions(**given))

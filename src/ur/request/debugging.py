@@ -18,17 +18,17 @@ from ur.source.diagnostic import UserError, error
 from ur.source.suggest import did_you_mean
 
 
-def debug_nodes(plan: Plan, wishes: Sequence[str], world: World, *, terminal: bool) -> tuple[Plan, tuple[str, ...]]:
-    """The plan with debuggers, and what people have to do elsewhere. `terminal`: there is one, and it may be used.
+def debug_nodes(plan: Plan, requests: Sequence[str], world: World, *, terminal: bool) -> tuple[Plan, tuple[str, ...]]:
+    """The plan with debuggers, and lines about what to do in other terminals. `terminal`: there is one to use.
 
     A debugger replaces the node's own launch-prefix, and is not started again when it ends. Raises UserError: an
     unknown node or debugger, one that does not suit or is not installed.
     """
     changed: dict[str, NodeSpec] = {}
-    told: list[str] = []
+    lines: list[str] = []
     port = 5678  # debugpy's usual one
-    for wish in wishes:
-        name, _, word = wish.partition("=")
+    for request in requests:
+        name, _, tool_name = request.partition("=")
         node = find_node(plan, name)
         path = find_executable(node, world)
         target = look_at_program(node.full_name, path)
@@ -37,25 +37,25 @@ def debug_nodes(plan: Plan, wishes: Sequence[str], world: World, *, terminal: bo
             terminal=terminal and not any(each.terminal for each in (*plan.nodes, *changed.values())),
             python=target.interpreter if target.kind == "python" else "",
         )
-        tool = _read_tool(wish, word) if word else choose_tool(target.kind)
+        tool = _parse_tool(request, tool_name) if tool_name else choose_tool(target.kind)
         if tool == "debugpy":
             port = find_free_port(port)
         found = plan_debugging(target, tool, around, port)
         changed[node.full_name] = _put_in_front(node, found)
-        told += found.say if found.place == "log" else found.say[1:]  # elsewhere one sees it
-        told += _tell_core(node.full_name, path, node.cwd, world) if tool == "gdb" else ()
+        lines += found.say if found.place == "log" else found.say[1:]  # in a pane or a window it is visible
+        lines += _describe_core(node.full_name, path, node.cwd, world) if tool == "gdb" else ()
         port += 1
-    return replace(plan, nodes=tuple(changed.get(node.full_name, node) for node in plan.nodes)), tuple(told)
+    return replace(plan, nodes=tuple(changed.get(node.full_name, node) for node in plan.nodes)), tuple(lines)
 
 
-def _tell_core(name: str, path: str, cwd: str | None, world: World) -> tuple[str, ...]:
+def _describe_core(name: str, path: str, cwd: str | None, world: World) -> tuple[str, ...]:
     folder = choose_folder(cwd, path) or ros_home(world.environment)
     command, _ = find_core(os.path.realpath(path), folder, read_core_rules(os.getpid()))
     return (f"{name} left a core file when it crashed before; {shlex.join(command)} looks at it",) if command else ()
 
 
 def has_terminal() -> bool:
-    """Whether keyboard and screen are a terminal of ours."""
+    """Return whether keyboard and screen are a terminal of this process group."""
     try:
         return os.isatty(0) and os.isatty(1) and os.tcgetpgrp(0) == os.getpgrp()
     except OSError:
@@ -74,14 +74,14 @@ def _put_in_front(node: NodeSpec, found: Debugging) -> NodeSpec:
     )
 
 
-def _read_tool(wish: str, word: str) -> Tool:
+def _parse_tool(request: str, name: str) -> Tool:
     for tool in TOOLS:
-        if tool == word:
+        if tool == name:
             return tool
-    near = did_you_mean(word, TOOLS)
+    near = did_you_mean(name, TOOLS)
     raise UserError(
         error(
-            f"--debug {wish}: no such debugger, expected one of {', '.join(TOOLS)}",
+            f"--debug {request}: no such debugger, expected one of {', '.join(TOOLS)}",
             rule="unknown-debugger",
             help=f"did you mean {near}?" if near else None,
         )

@@ -1,4 +1,4 @@
-"""Beginning where somebody else drives the selected robot: what the options say, or the person at the terminal."""
+"""Conduct where another client drives the selected robot: from the options, or from the person at the terminal."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 
 from ur.launchfile.plan.model import NodeSpec, Plan
-from ur.request.options import Wishes
+from ur.request.options import LaunchOptions, Report
 from ur.run.master.client import parse_master_uri
 from ur.run.paths import is_local_address
 from ur.run.remote.lease import Lease, Mode, describe_lease, is_held_by_other, read_lease
@@ -26,8 +26,8 @@ def computer_name() -> str:
     return socket.gethostname().partition(".")[0]
 
 
-def rename_taken(plan: Plan, robot: str, wishes: Wishes) -> Plan:
-    """Give nodes of this computer another name where a node elsewhere has theirs, and say so.
+def rename_taken(plan: Plan, robot: str, report: Report) -> Plan:
+    """Give nodes of this computer another name where a node elsewhere has theirs, and report it.
 
     `robot` is the machine of the nodes that do not start here.
     """
@@ -35,23 +35,23 @@ def rename_taken(plan: Plan, robot: str, wishes: Wishes) -> Plan:
     ours = [node.full_name for node in plan.nodes if not robot or node.machine != robot]
     names = choose_names(ours, computer_name(), lambda wanted: find_taken(wanted, master, is_local_address))
     for line in describe_names(names):
-        wishes.say("info", line)
+        report("info", line)
     return rename_nodes(plan, names)
 
 
 def choose_mode(
-    wishes: Wishes, robot: str, nodes: Sequence[NodeSpec], name: str, ask: Callable[[str], str] | None = None
+    options: LaunchOptions, robot: str, nodes: Sequence[NodeSpec], name: str, ask: Callable[[str], str] | None = None
 ) -> Mode | None:
-    """Choose how to begin on a robot; None: the person at the terminal does not want to.
+    """Choose the conduct on a robot; None: the person at the terminal does not want to begin.
 
-    Raises UserError: somebody else drives, no option says what to do about it, and there is no terminal to ask at.
+    Raises UserError: another client drives, no option chooses what to do, and there is no terminal to ask at.
     """
-    if wishes.mode != "drive" or not may_drive(nodes):
-        return wishes.mode
+    if options.mode != "drive" or not may_drive(nodes):
+        return options.mode
     lease = read_lease(os.environ["ROS_MASTER_URI"])
     if not is_held_by_other(lease, name, list_clients(clients_folder(os.environ, os.getuid()))):
         return "drive"
-    if ask is None and (wishes.detach or wishes.json or not (sys.stdin.isatty() and sys.stderr.isatty())):
+    if ask is None and (options.detach or options.json or not (sys.stdin.isatty() and sys.stderr.isatty())):
         raise refuse(lease, robot)
     return ask_mode(describe_lease(lease, robot, time.time()), ask or _ask)
 
@@ -70,7 +70,7 @@ def ask_mode(description: str, ask: Callable[[str], str]) -> Mode | None:
 
 
 def refuse(lease: Lease, robot: str) -> UserError:
-    """Explain that somebody else drives the robot."""
+    """Make the error that another client drives the robot."""
     return UserError(
         error(
             f"{describe_lease(lease, robot, time.time())}, expected a robot that nobody drives",

@@ -1,47 +1,42 @@
-"""`ur launch --dry-run`: what would be started, as lines that a shell takes."""
+"""`ur launch --dry-run`: the commands that would be started, as lines that a shell takes."""
 
 from __future__ import annotations
 
 import shlex
-import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from ur.launchfile.plan.model import MachineSpec, NodeSpec, Plan
 from ur.launchfile.world.protocol import World
 from ur.request.questions import changed_variables
+from ur.run.paths import ros_home
 from ur.run.process.command import find_program
-from ur.source.diagnostic import UserError
+from ur.source.diagnostic import Diagnostic, UserError
 
 _LOCAL = frozenset({"localhost", "127.0.0.1", "::1"})
 
 
-def print_dry_run(plan: Plan, world: World, shell: Mapping[str, str], words: Sequence[str]) -> int:
+def format_dry_run(
+    plan: Plan, world: World, shell: Mapping[str, str], argv: Sequence[str]
+) -> tuple[list[str], list[Diagnostic]]:
     """For each node a comment with its name and machine, and the command line that starts it, ready to paste.
 
-    `shell` is the environment of the shell that the lines are for, `world` the one that nodes run in. Programs that are
-    missing are named on standard error; then 1 is returned.
+    `shell` is the environment of the shell that the lines are for, `world` the one that nodes run in. The second list
+    holds errors about programs that are missing.
     """
     lines = []
     if plan.params:
-        lines.append(f"# parameters first: ur launch --dump-params {shlex.join(words)} | rosparam load -")
+        lines.append(f"# parameters first: ur launch --dump-params {shlex.join(argv)} | rosparam load -")
     machines = {machine.name: machine for machine in plan.machines}
-    problems: list[UserError] = []
+    problems: list[Diagnostic] = []
     for node in plan.nodes:
         machine = machines.get(node.machine or "")
         try:
             lines += format_node(node, machine, world, shell)
         except UserError as problem:
-            problems.append(problem)
+            problems += problem.diagnostics
             lines.append(f"# {node.full_name}: cannot be started, see the error")
-    sys.stdout.write("".join(f"{line}\n" for line in lines))
-    sys.stdout.flush()
-    if problems:
-        from ur.source.render import render_human, shows_colour
-
-        found = [each for problem in problems for each in problem.diagnostics]
-        sys.stderr.write(render_human(found, colour=shows_colour(sys.stderr)))
-    return 1 if problems else 0
+    return lines, problems
 
 
 def format_node(node: NodeSpec, machine: MachineSpec | None, world: World, shell: Mapping[str, str]) -> list[str]:
@@ -58,33 +53,28 @@ def format_node(node: NodeSpec, machine: MachineSpec | None, world: World, shell
     return [f"# {node.full_name} on {where}", f"({enter} && {_with_variables(changes, program.argv, shell)})"]
 
 
-def ros_home(environment: Mapping[str, str]) -> str:
-    """The folder that nodes run in: ROS_HOME, else `.ros` in the user's home."""
-    return environment.get("ROS_HOME") or str(Path(environment.get("HOME") or Path.home()) / ".ros")
-
-
 def _format_remote(node: NodeSpec, machine: MachineSpec, world: World) -> str:
     # The path of the program is known on that computer only: its rosrun finds it.
     remaps = [f"{source}:={target}" for source, target in node.remaps]
-    words = ["rosrun", node.package, node.type, *shlex.split(node.args), *remaps, f"__name:={node.name}"]
+    argv = ["rosrun", node.package, node.type, *shlex.split(node.args), *remaps, f"__name:={node.name}"]
     if node.launch_prefix:
-        words[1:1] = ["--prefix", node.launch_prefix]
+        argv[1:1] = ["--prefix", node.launch_prefix]
     master = world.environment.get("ROS_MASTER_URI")
     changes = changed_variables(node, {}, {"ROS_MASTER_URI": master} if master else {})
-    there = " ".join(
-        filter(None, [machine.env_loader and shlex.quote(machine.env_loader), _with_variables(changes, words, {})])
+    command = " ".join(
+        filter(None, [machine.env_loader and shlex.quote(machine.env_loader), _with_variables(changes, argv, {})])
     )
     port = ["-p", str(machine.ssh_port)] if machine.ssh_port != 22 else []
     host = f"{machine.user}@{machine.address}" if machine.user else machine.address
-    return shlex.join(["ssh", "-t", *port, "--", host, there])
+    return shlex.join(["ssh", "-t", *port, "--", host, command])
 
 
-def _with_variables(changes: Mapping[str, str | None], words: Sequence[str], shell: Mapping[str, str]) -> str:
+def _with_variables(changes: Mapping[str, str | None], argv: Sequence[str], shell: Mapping[str, str]) -> str:
     if not changes:
-        return shlex.join(words)
-    removed = [word for name, value in changes.items() if value is None for word in ("-u", name)]
+        return shlex.join(argv)
+    removed = [each for name, value in changes.items() if value is None for each in ("-u", name)]
     set_ = [_set(name, value, shell.get(name)) for name, value in changes.items() if value is not None]
-    return " ".join(["env", *removed, *set_, shlex.join(words)])
+    return " ".join(["env", *removed, *set_, shlex.join(argv)])
 
 
 def _set(name: str, value: str, known: str | None) -> str:

@@ -1,0 +1,47 @@
+"""Command lines of verbs that take launch files: names of packages and files, and arguments `NAME:=VALUE`.
+
+This is the only place of the project that splits them; everything after it takes `Argument`s. How roslaunch judges an
+argument (`ur.launchfile.plan.names.read_assignments`) is a rule of launch files, and stays there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+ASSIGN = ":="
+
+
+@dataclass(frozen=True, slots=True)
+class Argument:
+    """An argument of a launch file; its text is what was typed."""
+
+    name: str
+    value: str
+
+    def __str__(self) -> str:
+        return f"{self.name}{ASSIGN}{self.value}"
+
+
+def parse_argument(text: str) -> Argument | None:
+    """Split `NAME:=VALUE` at its first `:=`; None for a text without one."""
+    name, assigned, value = text.partition(ASSIGN)
+    return Argument(name, value) if assigned else None
+
+
+def split_argv(argv: Sequence[str]) -> tuple[list[str], tuple[Argument, ...]]:
+    """Separate names (of packages, files, nodes) from arguments, each in their order."""
+    names: list[str] = []
+    arguments: list[Argument] = []
+    for text in argv:
+        argument = parse_argument(text)
+        if argument is None:
+            names.append(text)
+        else:
+            arguments.append(argument)
+    return names, tuple(arguments)
+
+
+def values_of(arguments: Iterable[Argument]) -> dict[str, str]:
+    """Values by name; of a name that is given twice, the last."""
+    return {each.name: each.value for each in arguments}

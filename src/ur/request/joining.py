@@ -1,0 +1,72 @@
+"""Joining what runs already, before anything starts: nodes that would end others, and the client that drives."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from ur.launchfile.plan.model import Plan
+
+if TYPE_CHECKING:
+    from ur.request.options import Report
+    from ur.request.plan_files import Loaded
+    from ur.run.record.registry import RunEntry
+    from ur.run.remote.lease import Mode
+
+
+@dataclass(frozen=True, slots=True)
+class Joined:
+    """A plan whose nodes have names that nobody has, without those that run already in the runs `owners`.
+
+    `environment` is what its nodes on this computer learn of this run as a client.
+    """
+
+    plan: Plan
+    environment: Mapping[str, str]
+    owners: tuple[RunEntry, ...] = ()
+
+
+def join(loaded: Loaded, client: str, report: Report) -> Joined | None:
+    """Decide what starts beside what runs at the master already. `client` is the id of this run.
+
+    None: another client drives, and the person at the terminal does not want to go on. Raises UserError: a node that
+    runs would end, all of them run already, or another client drives and there is no terminal to ask at.
+    """
+    plan, options, selection = loaded.plan, loaded.request.options, loaded.request.selection
+    assert plan is not None
+    simulated = selection is None or selection.simulated
+    owners: tuple[RunEntry, ...] = ()
+    if not options.replace and plan.nodes:
+        from ur.request.running import join_running
+
+        plan, owners = join_running(loaded, report)
+    mode = options.mode
+    if selection is not None and not simulated:
+        from ur.request.driving import choose_mode, computer_name, rename_taken
+
+        plan = rename_taken(plan, loaded.robot, report)
+        chosen = choose_mode(options, selection.robot, plan.nodes, computer_name())
+        if chosen is None:
+            return None
+        mode = chosen
+    environment = describe_client(client, mode, plan, simulated=simulated, unattended=options.unattended)
+    return Joined(plan, environment, owners)
+
+
+def describe_client(client: str, mode: Mode, plan: Plan, *, simulated: bool, unattended: bool) -> Mapping[str, str]:
+    """The variables that `ur_nodes.motion.lease.view` reads; none where nothing can be driven."""
+    from ur.run.record.registry import make_run_name
+    from ur.run.startup.node_selection import may_drive
+
+    if simulated and mode == "drive" and not unattended and not may_drive(plan.nodes):
+        return {}
+    title, _ = make_run_name(plan.files, 0)
+    return {
+        "UR_CLIENT": client,
+        "UR_CLIENT_NAME": os.uname().nodename.partition(".")[0],
+        "UR_PROGRAM": title.removeprefix("m_"),
+        "UR_LEASE": mode,
+        "UR_ATTENDED": "0" if unattended else "1",
+    }

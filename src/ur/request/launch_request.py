@@ -1,0 +1,116 @@
+"""The request of a command line that names launch files, made once, where its verb begins."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+
+from ur.launchfile.address import resolve_addresses
+from ur.launchfile.syntax import LaunchFile
+from ur.launchfile.syntax.parse import parse_launch_file
+from ur.launchfile.world.protocol import World
+from ur.request.arguments import Argument, split_argv, values_of
+from ur.request.options import LaunchOptions
+from ur.robot.selection import Selection
+from ur.source.diagnostic import UserError, error
+from ur.source.suggest import did_you_mean
+
+STANDARD_INPUT = "-"
+_DEFAULTS = LaunchOptions()
+
+
+class LaunchFiles:
+    """The launch files of a request, in a world. A file, and each that it includes, is read and parsed once.
+
+    `parsed` holds the trees by the paths that name them; `load_plan` takes and extends it.
+    """
+
+    def __init__(self, paths: Sequence[str], world: World) -> None:
+        self.paths = tuple(paths)
+        self.world = world
+        self.parsed: dict[str, LaunchFile] = {}
+        self._declared: tuple[str, ...] | None = None
+
+    def parse(self, path: str) -> LaunchFile:
+        """Parse a file, unless it was parsed before. Raises OSError."""
+        known = self.parsed.get(path)
+        if known is None:
+            known = self.parsed[path] = parse_launch_file(path, self.world.read_bytes(path))
+        return known
+
+    @property
+    def declared(self) -> tuple[str, ...]:
+        """The arguments that the files declare and that can be given, in order. Unreadable files declare none."""
+        if self._declared is None:
+            names: dict[str, None] = {}
+            for path in self.paths:
+                try:
+                    parsed = self.parse(path)
+                except OSError:
+                    continue
+                for element in parsed.launch.elements if parsed.launch is not None else ():
+                    if element.name == "arg" and "value" not in element.attributes:
+                        names[element.attributes.get("name", "")] = None
+            self._declared = tuple(names)
+        return self._declared
+
+
+@dataclass(frozen=True, slots=True)
+class LaunchRequest:
+    """Launch files with the arguments that were given for them, the selected robot, and options.
+
+    Without a `selection` the arguments are complete. `names` are the names of the command line as they were typed.
+    """
+
+    files: LaunchFiles
+    arguments: tuple[Argument, ...] = ()
+    selection: Selection | None = None
+    options: LaunchOptions = _DEFAULTS
+    names: tuple[str, ...] = ()
+
+    @property
+    def values(self) -> dict[str, str]:
+        """The values of the arguments by name."""
+        return values_of(self.arguments)
+
+    @property
+    def argv(self) -> tuple[str, ...]:
+        """The names and arguments as a command line, without options."""
+        return (*self.names, *map(str, self.arguments))
+
+    def add_arguments(self, added: Iterable[Argument]) -> LaunchRequest:
+        """Make a request with more arguments."""
+        return replace(self, arguments=(*self.arguments, *added))
+
+
+def make_request(
+    argv: Sequence[str], world: World, selection: Selection | None = None, options: LaunchOptions = _DEFAULTS
+) -> LaunchRequest:
+    """Read `FILE` or `PACKAGE FILE`, and `[ARG:=VALUE]...`: the form of every verb that takes launch files.
+
+    Raises UserError: no such file, or a name that is neither a file nor an argument.
+    """
+    names, arguments = split_argv(argv)
+    files = LaunchFiles(resolve_addresses(names, world), world)
+    refuse_stray_names(files)
+    return LaunchRequest(files, arguments, selection, options, tuple(names))
+
+
+def refuse_stray_names(files: LaunchFiles) -> None:
+    """Raise UserError for a name after the launch file that is neither another file nor NAME:=VALUE."""
+    for name in files.paths[1:]:
+        if name == STANDARD_INPUT or files.world.is_file(name):
+            continue
+        declared = files.declared
+        bare = name.lstrip("-").partition("=")[0]
+        near = did_you_mean(bare.replace("-", "_"), declared)
+        known = f", expected NAME:=VALUE with NAME one of {', '.join(declared)}"
+        if not declared:
+            known = ": the launch file declares no arguments"
+        raise UserError(
+            error(
+                f"{name!r} is no argument{known}",
+                rule="bad-argument",
+                help=f"did you mean {near}:=...?" if near else None if declared else f"leave {name} out",
+            )
+        )

@@ -1,0 +1,67 @@
+"""The arguments of a program's launch file: read for its help page, and checked before the program starts."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ur.request.arguments import Argument
+from ur.request.launch_request import LaunchFiles
+from ur.request.programs import Program, find_launch_file
+from ur.source.diagnostic import UserError, error
+from ur.source.suggest import did_you_mean
+
+if TYPE_CHECKING:
+    from ur.launchfile.query.arguments import ArgumentSpec
+
+_TRUTH_VALUES = ("simulate", "bring_up", "use_rviz")  # in every launch file that declares them
+
+
+def check_arguments(program: Program, arguments: Sequence[Argument], environment: Mapping[str, str]) -> None:
+    """Raise UserError for an argument that a program's launch file does not declare, or a bad truth value."""
+    path = find_launch_file(program) if arguments else None
+    if path is None:
+        return  # the program reads its arguments itself
+    from ur.launchfile.world.system import SystemWorld
+
+    declared = LaunchFiles([str(path)], SystemWorld(environment)).declared
+    for name in (each.name for each in arguments):
+        if name not in declared and not name.startswith("_"):
+            near = did_you_mean(name, declared)
+            help_ = f"did you mean {near}:=...?" if near else f"'ur run {program.name} --help' describes its arguments"
+            known = ", ".join(declared) or "no arguments"
+            message = f"unknown argument {name!r} of program {program.name!r}, expected one of {known}"
+            raise UserError(error(message, rule="unknown-argument", help=help_))
+    for name, value in ((each.name, each.value) for each in arguments):
+        if name in _TRUTH_VALUES and value.lower() not in ("true", "false", "1", "0") and not value.startswith("$("):
+            near = did_you_mean(value, ("true", "false"))
+            help_ = f"did you mean {name}:={near}?" if near else f"for example {name}:=false"
+            message = f"argument {name!r} is {value!r}, expected true or false"
+            raise UserError(error(message, rule="bad-argument", help=help_))
+
+
+def read_program_arguments(path: Path, environment: Mapping[str, str]) -> tuple[ArgumentSpec, ...]:
+    """The arguments of a launch file, with the defaults that follow from the selection. Raises UserError."""
+    from ur.launchfile.query.arguments import ArgumentSpec, read_arguments
+    from ur.launchfile.world.system import SystemWorld
+    from ur.request.arguments import values_of
+    from ur.request.environment import current_selection, know_own_package
+    from ur.request.plan_files import selected_arguments, texts
+
+    files = LaunchFiles([str(path)], SystemWorld(know_own_package(environment)))
+    given = selected_arguments(current_selection(environment), files.declared, (), local=True)
+    values = values_of(given)
+    required = [Argument(name, "...") for name in _list_required(files) if name not in values]
+    found = read_arguments(str(path), texts([*given, *required]), files.world, files.parsed)
+    return tuple(
+        ArgumentSpec(each.name, values[each.name], each.doc, each.span) if values.get(each.name) else each
+        for each in found
+    )
+
+
+def _list_required(files: LaunchFiles) -> Iterator[str]:
+    launch = files.parse(files.paths[0]).launch
+    for element in launch.elements if launch is not None else ():
+        if element.name == "arg" and not {"default", "value"} & set(element.attributes):
+            yield element.attributes.get("name", "")

@@ -1,0 +1,58 @@
+from __future__ import annotations
+
+import pytest
+
+from ur.launchfile.plan.load import load_plan
+from ur.launchfile.world import MemoryWorld
+from ur.request import launch_request
+from ur.request.arguments import Argument
+from ur.request.launch_request import LaunchFiles, LaunchRequest, make_request
+from ur.source import UserError
+
+FILES = {
+    "/x.launch": '<launch><arg name="a"/><arg name="b" default=""/><arg name="c" value="1"/></launch>',
+    "/top.launch": '<launch><include file="/x.launch"><arg name="a" value="1"/></include></launch>',
+}
+
+
+def test_declared_arguments_are_those_that_can_be_given() -> None:
+    assert LaunchFiles(["/x.launch", "/none.launch"], MemoryWorld(files=FILES)).declared == ("a", "b")
+
+
+def test_names_and_arguments_may_stand_in_any_order() -> None:
+    request = make_request(["a:=1", "/x.launch", "b:=x:=y"], MemoryWorld(files=FILES))
+    assert request.files.paths == ("/x.launch",)
+    assert request.arguments == (Argument("a", "1"), Argument("b", "x:=y"))
+    assert request.argv == ("/x.launch", "a:=1", "b:=x:=y")
+
+
+def test_of_an_argument_that_is_given_twice_the_last_counts() -> None:
+    request = make_request(["/x.launch", "a:=1", "a:=2"], MemoryWorld(files=FILES))
+    assert request.values == {"a": "2"}
+    assert request.add_arguments([Argument("a", "3")]).values == {"a": "3"}
+    assert request.values == {"a": "2"}
+
+
+def test_stray_name_is_explained() -> None:
+    world = MemoryWorld(files=FILES)
+    assert make_request(["/x.launch", "/top.launch", "-"], world).files.paths == ("/x.launch", "/top.launch", "-")
+    with pytest.raises(UserError, match="'--aa=1' is no argument, expected NAME:=VALUE with NAME one of a, b"):
+        make_request(["/x.launch", "--aa=1"], world)
+
+
+def test_each_file_is_parsed_once_for_all_plans_of_a_request(monkeypatch: pytest.MonkeyPatch) -> None:
+    reads: list[str] = []
+
+    class Counting(MemoryWorld):
+        def read_bytes(self, path: str) -> bytes:
+            reads.append(path)
+            return super().read_bytes(path)
+
+    request: LaunchRequest = make_request(["/top.launch", "/x.launch", "a:=1"], Counting(files=FILES))
+    files = request.files
+    assert files.declared == ("a", "b")
+    for text in ("a:=1", "a:=2"):
+        assert load_plan(files.paths, [text], files.world, parsed=files.parsed).diagnostics == ()
+    assert sorted(reads) == ["/top.launch", "/x.launch"]
+    monkeypatch.setattr(launch_request, "parse_launch_file", None)
+    assert files.parse("/x.launch").launch is not None
