@@ -1,4 +1,4 @@
-"""Which files are checked: everything of a package or folder that rules look at, or single files."""
+"""Collection of the files to check: everything of a package or folder that rules look at, or single files."""
 
 from __future__ import annotations
 
@@ -118,7 +118,7 @@ def _without_twins(programs: set[str], world: World) -> set[str]:
 
 
 def is_script(path: str, world: World) -> bool:
-    """Whether a file begins with `#!`."""
+    """Return whether a file begins with `#!`."""
     try:
         return world.read_bytes(path).startswith(b"#!")
     except OSError:

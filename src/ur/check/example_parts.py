@@ -1,4 +1,4 @@
-"""What the examples of several rules share: the same few launch files, to which each rule adds its own lines."""
+"""Shared parts of the rules' examples: a few launch files, to which each rule adds its own lines."""
 
 from __future__ import annotations
 

@@ -20,7 +20,7 @@ OPEN, CLOSE = "«", "»"
 
 
 def check_example(example: Example) -> Report:
-    """What all rules find in an example."""
+    """Apply all rules to an example."""
     files = {f"{FOLDER}/package.xml": "<package><name>my_robot</name></package>", **_OTHERS}
     files |= {_place(path): strip_marks(text) for path, text in example.files.items()}
     executables = (*_EXECUTABLES, *map(_place, example.executables))

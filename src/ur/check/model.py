@@ -1,4 +1,4 @@
-"""What a rule is, and what rules look at."""
+"""Rules, their examples, and the views of files that rules inspect."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 class Group(Enum):
-    """What a rule is about; `--select` and `--ignore` take these codes too."""
+    """The subject of a rule; `--select` and `--ignore` take these codes too."""
 
     XML = "xml"
     ARGUMENTS = "arguments"

@@ -28,7 +28,7 @@ from ur.source.suggest import did_you_mean
 
 @dataclass(frozen=True, slots=True)
 class Report:
-    """What a check found, sorted by place, and how many files it looked at."""
+    """The findings of a check, sorted by place, and the number of checked files."""
 
     findings: tuple[Diagnostic, ...]
     files: int
@@ -37,7 +37,7 @@ class Report:
 
     @property
     def errors(self) -> int:
-        """How many findings are errors."""
+        """The number of findings that are errors."""
         return sum(found.severity is Severity.ERROR for found in self.findings)
 
 

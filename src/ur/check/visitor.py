@@ -32,7 +32,7 @@ class Visitor:
         self._param: list[_Hook] = [(rule, rule.param) for rule in every if rule.param]
 
     def visit_launch_file(self, view: LaunchView) -> Iterable[Diagnostic]:
-        """What the rules find in a launch file's tree."""
+        """Apply the rules to a launch file's tree."""
         if view.tree.launch is None or view.tree.diagnostics:
             return  # half a file says nothing about the other half
         for element in walk_possible(view.tree.launch):
@@ -42,7 +42,7 @@ class Visitor:
     def visit_plan(
         self, plan: Plan, element_at: Callable[[str, int], Element | None], package: Package | None, world: World
     ) -> Iterable[Diagnostic]:
-        """What the rules find in a resolved file. `element_at` gives the tag at a path and offset, None for others."""
+        """Apply the rules to a resolved file. `element_at` gives the tag at a path and offset, None for others."""
         addresses = {machine.name: machine.address for machine in plan.machines}
         for node in (*plan.nodes, *(test.node for test in plan.tests)):
             element = element_at(node.origin.span.file.path, node.origin.span.start)
@@ -57,15 +57,15 @@ class Visitor:
                 yield from _with_includes(found, param.origin)
 
     def visit_yaml_file(self, view: YamlView) -> Iterable[Diagnostic]:
-        """What the rules find in a YAML file."""
+        """Apply the rules to a YAML file."""
         return _ask(self._yaml_file, view.package, view)
 
     def visit_program(self, view: ProgramView) -> Iterable[Diagnostic]:
-        """What the rules find in a program."""
+        """Apply the rules to a program."""
         return _ask(self._program, view.package, view)
 
     def visit_package(self, view: PackageView) -> Iterable[Diagnostic]:
-        """What the rules find in a whole package."""
+        """Apply the rules to a whole package."""
         return _ask(self._package, view.package, view)
 
 

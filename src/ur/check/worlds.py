@@ -30,7 +30,7 @@ class Unknowns:
 
     @property
     def any_used(self) -> bool:
-        """Whether anything unknown was asked for."""
+        """Return whether anything unknown was asked for."""
         return bool(self._names or self.tried)
 
     def names_in(self, text: str) -> list[str]:
@@ -39,7 +39,7 @@ class Unknowns:
 
 
 def has_marker(text: str) -> bool:
-    """Whether a text depends on something unknown."""
+    """Return whether a text depends on something unknown."""
     return _LETTER in text
 
 

@@ -1,3 +1,3 @@
-"""What Tab offers after `ur ...`, and the few lines that make bash, zsh and fish ask for it."""
+"""Completion candidates after `ur ...`, and the few lines that make bash, zsh and fish ask for it."""
 
 from __future__ import annotations

@@ -19,7 +19,7 @@ _YAML = (".yaml", ".yml")
 
 
 def complete_launch(words: Sequence[str], prefix: str, world: World, known: Known) -> Iterator[Candidate]:
-    """What may follow `ur launch WORDS`: a package or file, a file of the package, then arguments."""
+    """List what may follow `ur launch WORDS`: a package or file, a file of the package, then arguments."""
     plain = split_argv(words)[0]
     path, _ = find_address(plain, world)
     if path is not None:

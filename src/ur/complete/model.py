@@ -1,4 +1,4 @@
-"""What is completed, and what it is completed with."""
+"""Candidates for completion, and the sources of names."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ Source = Callable[[], Iterable[Candidate]]
 
 @dataclass(frozen=True, slots=True)
 class Known:
-    """Where names come from; each is asked when it is needed.
+    """The sources of names; each is asked when it is needed.
 
     `sources` are by kind (`program`, `robot`, `run`, `node`, `base`, `selection`, `rule`, `verb`); `options` by verb;
     `launch_file` is the launch file that a program starts; `values` those that an argument of a launch file may have;

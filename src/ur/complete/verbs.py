@@ -1,4 +1,4 @@
-"""Which kind of word stands where, for each verb."""
+"""The kinds of arguments that each verb takes, by position."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ _OPTIONS = {
 
 
 def complete_line(line: Line, world: World, known: Known) -> list[Candidate]:
-    """What may stand at the cursor, best first, nothing twice."""
+    """List the candidates at the cursor, best first, nothing twice."""
     found: dict[str, Candidate] = {}
     for each in _complete(line, world, known):
         if each.text.startswith(line.prefix):

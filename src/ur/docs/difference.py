@@ -1,4 +1,4 @@
-"""What would change: the differences between files as they are and as they should be."""
+"""Differences between files as they are and as they should be."""
 
 from __future__ import annotations
 

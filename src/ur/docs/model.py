@@ -1,4 +1,4 @@
-"""What is documented: a repository, its packages, programs and launch files. Paths are relative to the repository."""
+"""Documented things: a repository, its packages, programs and launch files. Paths are relative to the repository."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ class ParamFileDoc:
 
 @dataclass(frozen=True, slots=True)
 class TopicDoc:
-    """What a node has to do with a name. `source` is how that is known; `rate` is in Hz."""
+    """A topic, service or action that a node uses. `source` is how that is known; `rate` is in Hz."""
 
     kind: str  # publishes, subscribes, offers service, ..., or uses
     name: str
@@ -135,7 +135,7 @@ class TreeItem:
 
 @dataclass(frozen=True, slots=True)
 class TreeDoc:
-    """What a launch file starts in some cases (without any: in all)."""
+    """The nodes that a launch file starts in some cases (without any: in all)."""
 
     cases: tuple[Case, ...]
     root: TreeItem
@@ -143,7 +143,7 @@ class TreeDoc:
 
 @dataclass(frozen=True, slots=True)
 class SupportDoc:
-    """Whether a launch file works for a base; if not, what is missing."""
+    """Return whether a launch file works for a base; if not, what is missing."""
 
     case: Case
     missing: tuple[str, ...]

@@ -1,4 +1,4 @@
-"""What is the same in all cases is said once; what differs, with its cases."""
+"""Grouping by case: what is the same in all cases is written once, what differs with its cases."""
 
 from __future__ import annotations
 

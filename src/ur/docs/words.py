@@ -1,4 +1,4 @@
-"""How things are shown: paths and values the same on every computer, conditions and types in words."""
+"""Formatting: paths and values that are the same on every computer, conditions and types in words."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def describe_condition(element: Element) -> str:
 
 
 def describe_type(name: str, default: str | None, used: Mapping[str, str]) -> str:
-    """What an argument may be, from what it is used for, its default and its name."""
+    """Describe the values of an argument, from its uses, its default and its name."""
     if name == "robot_base":
         return "base"
     if name == "robot_variant":

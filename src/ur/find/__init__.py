@@ -1,3 +1,3 @@
-"""Where names of launch files are defined and used, over a whole workspace."""
+"""Definitions and uses of names in launch files, over a whole workspace."""
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What is found."""
+"""Definitions and uses of names."""
 
 from __future__ import annotations
 
@@ -37,5 +37,5 @@ class Wanted:
         self._pattern = re.compile(pattern)
 
     def matches(self, name: str) -> bool:
-        """Whether a full name (or a path, or an argument) is meant."""
+        """Return whether a full name (or a path, or an argument) is meant."""
         return self._pattern.match(name if name.startswith("/") else f"/{name}") is not None

@@ -21,7 +21,7 @@ _HEADING = re.compile(r"<!--\s*([A-Za-z_]\w*)\s*:(?!/)")
 
 @dataclass(frozen=True, slots=True)
 class _Unit:
-    """What stays together: comments before a tag, the tag, the comments that document it."""
+    """Tags and comments that stay together: comments before a tag, the tag, the comments that document it."""
 
     rank: int
     pieces: tuple[Piece, ...]
@@ -74,7 +74,7 @@ def _rank(tag: Tag, optional: set[str]) -> int:
 
 
 def _belongs(piece: Piece, unit: _Unit) -> bool:
-    """Whether a comment behind a tag speaks of it: on its line, or under the argument's name."""
+    """Return whether a comment behind a tag speaks of it: on its line, or under the argument's name."""
     last = unit.pieces[-1].what
     if piece.same_line and isinstance(last, Tag | Note) and isinstance(piece.what, Note):
         return True
@@ -90,7 +90,7 @@ def _heading(piece: Piece) -> str | None:
 
 
 def is_title(comment: str) -> bool:
-    """Whether a comment, from `<!--` to `-->`, titles a group of arguments."""
+    """Return whether a comment, from `<!--` to `-->`, titles a group of arguments."""
     return _TITLE.match(comment) is not None
 
 

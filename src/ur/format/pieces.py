@@ -96,7 +96,7 @@ def _others(gap: str) -> Iterator[Piece]:
 
 
 def end_of(element: Element) -> int:
-    """Where an element ends, its end tag included."""
+    """The offset of the end of an element, its end tag included."""
     tag = element.tag_span
     if tag.text.endswith("/>") or element.end <= element.start:
         return tag.end

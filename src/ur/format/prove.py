@@ -39,7 +39,7 @@ class EditedWorld:
 
 
 def same_content(before: LaunchFile, after: LaunchFile) -> bool:
-    """Whether two files hold the same tags, comments and texts; those directly in `<launch>` in whatever order.
+    """Return whether two files hold the same tags, comments and texts; those directly in `<launch>` in whatever order.
 
     Comments that title a group of arguments do not count, nor blanks in comments.
     """
@@ -54,7 +54,7 @@ def same_content(before: LaunchFile, after: LaunchFile) -> bool:
 
 
 def same_plans(path: str, data: bytes, new: bytes, package: Package | None, world: World) -> bool:
-    """Whether a launch file resolves to the same plans, for each base and variant and each option the other way."""
+    """Return whether a launch file resolves to the same plans, for each base, variant and option."""
     before = _plans(path, package, EditedWorld(world, path, data))
     after = _plans(path, package, EditedWorld(world, path, new))
     return all(first == second for first, second in zip(before, after, strict=True))

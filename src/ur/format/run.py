@@ -26,7 +26,7 @@ class Formatted:
 
     @property
     def changed(self) -> bool:
-        """Whether anything is different."""
+        """Return whether anything is different."""
         return self.text != self.before
 
 

@@ -32,7 +32,7 @@ class _Builder:
 
 
 def graph_plan(plan: Plan) -> Graph:
-    """What the nodes of a plan are known to publish, subscribe, offer and use.
+    """Graph of the topics, services and actions that the nodes of a plan are known to use.
 
     Known from `ready:` comments, the table of well-known nodes, the parameters and base of ours, and remaps: of other
     nodes only the box is there.
@@ -76,7 +76,7 @@ def _connect(builder: _Builder, node: str, use: NameUse) -> None:
 
 
 def graph_system(state: Sequence[Iterable[tuple[str, Sequence[str]]]], only: Iterable[str] = ()) -> Graph:
-    """What a master knows: `state` is what `getSystemState` returns (publishers, subscribers, services).
+    """Graph of the nodes and topics of a master: `state` is the result of `getSystemState`.
 
     `only`: the nodes whose neighbourhood is wanted; without any, all. Services that every node has are left out.
     """

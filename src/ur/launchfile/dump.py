@@ -60,7 +60,7 @@ def dump_plan(plan: Plan, *, with_origins: bool = False, run: CommandRunner = re
 
 
 def dump_refusal(diagnostics: Sequence[Diagnostic]) -> dict[str, Any]:
-    """What is dumped when roslaunch would refuse: at least one of the findings is an error, the first is named."""
+    """Dump of a file that roslaunch would refuse: at least one of the findings is an error, the first is named."""
     first = next(found for found in diagnostics if found.severity is Severity.ERROR)
     message = f"{first.span}: {first.message}" if first.span else first.message
     return {"ok": False, "error": message, "diagnostics": [_dump_diagnostic(found) for found in diagnostics]}

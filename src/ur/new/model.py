@@ -1,4 +1,4 @@
-"""What is asked for, and what is written."""
+"""Requests for new files, and the files that are written."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class Topic:
 
 @dataclass(frozen=True, slots=True)
 class Observed:
-    """What a running node showed: `services` beside those that every node offers, `parameters` by name below the node.
+    """The observed interface of a node: `services` beside those of every node, `parameters` by name below the node.
 
     A parameter that the node asked for and nobody has set is None.
     """

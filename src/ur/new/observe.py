@@ -101,7 +101,7 @@ class _Listener:
             self.latest = time.monotonic()
 
     def tell(self) -> Observed:
-        """What was said, in the node's own words."""
+        """The output of the node."""
         with self._lock:
             values = self._master.getParam(NAME, NAME)
         known = dict(_flatten(values[2])) if isinstance(values, list) and values[0] == 1 else {}

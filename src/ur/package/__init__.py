@@ -1,3 +1,3 @@
-"""What the package.xml and CMakeLists.txt of a launch package have to say, from what its launch files use."""
+"""The required content of package.xml and CMakeLists.txt, from what the launch files of a package use."""
 
 from __future__ import annotations

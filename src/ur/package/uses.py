@@ -1,4 +1,4 @@
-"""Which packages a launch package takes something from."""
+"""Packages that a launch package depends on."""
 
 from __future__ import annotations
 

@@ -37,7 +37,7 @@ def unmount_command(target: Path) -> list[str]:
 
 
 def default_target(home: Path, name: str) -> Path:
-    """Where a robot's workspace is mounted unless the user says otherwise."""
+    """The default mount point of a robot's workspace."""
     return home / "robots" / name
 
 

@@ -1,4 +1,4 @@
-"""Where this project is on a robot, and how the part of a program that belongs there is asked for over ssh."""
+"""The location of this project on a robot, and the request for the robot's share of a run over ssh."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def ask_part(shell: Shell, request: str, timeout: float) -> str:
 
 
 def explain_failure(place: str, done: Done) -> UserError:
-    """What it means that a robot did not answer the request."""
+    """Explain a robot's failure to answer the request."""
     name = place.rpartition("@")[2].removesuffix(".local")
     said = (done.err.strip().splitlines() or [f"exit code {done.code}"])[-1]
     if done.code == NOT_THERE:

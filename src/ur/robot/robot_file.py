@@ -1,4 +1,4 @@
-"""What a robot's computer knows about itself: `/etc/ubiquity/robot.yaml`."""
+"""The robot's own description: `/etc/ubiquity/robot.yaml`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which robot is meant: what `ur use` stores and every command follows.
+"""The selected robot: stored by `ur use`, followed by every command.
 
 Written `sim[:BASE[:VARIANT]]` for a simulated robot on this computer, `ROBOT[:BASE[:VARIANT]]` for a robot whose
 computer answers to `ROBOT.local`.
@@ -31,12 +31,12 @@ class Selection:
 
     @property
     def simulated(self) -> bool:
-        """Whether the robot is a simulated one, on this computer."""
+        """Return whether the robot is a simulated one, on this computer."""
         return self.robot == SIMULATION
 
     @property
     def master_uri(self) -> str:
-        """Where the robot's ROS master is."""
+        """The URI of the robot's ROS master."""
         return "http://localhost:11311" if self.simulated else f"http://{self.robot}.local:11311"
 
     def __str__(self) -> str:

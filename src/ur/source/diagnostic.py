@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 
 class Severity(Enum):
-    """How bad it is. Errors stop a program from working; warnings are conventions."""
+    """The severity of a finding. Errors stop a program from working; warnings are conventions."""
 
     ERROR = "error"
     WARNING = "warning"
@@ -48,7 +48,7 @@ class Diagnostic:
 
 
 class UserError(Exception):
-    """What the user gave cannot be used, and why. The only exception that crosses a stage because of user input."""
+    """Input that cannot be used, with the reasons. The only exception that crosses a stage because of user input."""
 
     def __init__(self, *diagnostics: Diagnostic) -> None:
         super().__init__(*diagnostics)

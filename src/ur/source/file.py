@@ -86,7 +86,7 @@ class Span(NamedTuple):
 
     @property
     def position(self) -> Position:
-        """Where it starts."""
+        """Its start, as line and column."""
         return self.file.position(self.start)
 
     @property

@@ -64,7 +64,7 @@ class Section:
 
     @property
     def span(self) -> Span:
-        """Where the mapping stands."""
+        """The span of the mapping."""
         return _span(self.file, self._node)
 
     @property
@@ -73,7 +73,7 @@ class Section:
         return tuple(self._items)
 
     def has(self, key: str) -> bool:
-        """Whether the key is there (and not null)."""
+        """Return whether the key is there (and not null)."""
         self._asked[key] = None
         return key in self._items and self._plain(self._items[key][1]) is not None
 

@@ -45,7 +45,7 @@ class Fiducial:
 
 @dataclass(frozen=True, slots=True)
 class World:
-    """The surroundings of robots, in the map frame: m, rad. `start` (x, y, yaw) is their first pose."""
+    """The world of the robots, in the map frame: m, rad. `start` (x, y, yaw) is where they begin."""
 
     floor_plan: MapImage
     wall_height: float

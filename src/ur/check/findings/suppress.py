@@ -38,7 +38,7 @@ class Suppressions:
     used: set[tuple[str, int, str]] = field(default_factory=set)
 
     def hides(self, found: Diagnostic) -> bool:
-        """Whether a comment hides a finding; remembers which one."""
+        """Return whether a comment hides a finding; remembers which one."""
         if found.span is None:
             return False
         hidden = False

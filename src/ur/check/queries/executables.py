@@ -1,4 +1,4 @@
-"""Whether a node's program exists: installed, in the source tree, or built by the package when somebody builds it."""
+"""Lookup of a node's program: installed, in the source tree, or built by the package."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class Verdict(NamedTuple):
 
 
 def find_program(package: str, name: str, world: World) -> Verdict:
-    """What is known of the program of a node. A program that the package builds when it is built counts as found."""
+    """Look up the program of a node. A program that the package builds when it is built counts as found."""
     if "/" in name:
         return Verdict("unknown")
     try:
@@ -57,12 +57,12 @@ def find_program(package: str, name: str, world: World) -> Verdict:
 
 
 def is_stand_in(folder: str, world: World) -> bool:
-    """Whether a package's folder holds nothing but its package.xml: what it stands for is somewhere else."""
+    """Return whether a package's folder holds nothing but its package.xml: what it stands for is somewhere else."""
     return set(world.list_folder(folder)) == {"package.xml"}
 
 
 def is_misspelt(name: str, near: str) -> bool:
-    """Whether a name is so near to one that exists that it can hardly be another."""
+    """Return whether a name is so near to one that exists that it can hardly be another."""
     if _DIGITS.sub("", name) == _DIGITS.sub("", near):
         return False  # openni_launch and openni2_launch are two packages
     if name.count("_") != near.count("_") and name.replace("_", "") != near.replace("_", ""):

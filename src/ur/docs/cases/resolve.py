@@ -45,7 +45,7 @@ class Way:
 
     @property
     def started(self) -> Started:
-        """What is started."""
+        """The started nodes and includes."""
         assert self.plan.started is not None
         return self.plan.started
 
@@ -68,7 +68,7 @@ class Outcome:
 def resolve_outcomes(
     view: LaunchView, files: Files, world: CachedWorld, starter: Starter, given: Assignment = ()
 ) -> tuple[Outcome, ...]:
-    """What a launch file is in each case, in the order of the bases; `given` arguments are the same in all.
+    """Resolve a launch file in each case, in the order of the bases; `given` arguments are the same in all.
 
     What no case starts is looked for with other values of the arguments that its conditions speak of.
     """

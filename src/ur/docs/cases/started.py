@@ -1,4 +1,4 @@
-"""What launch files start, put together from single files: each is resolved once per set of arguments it is handed.
+"""Nodes that launch files start, put together from single files: each is resolved once per set of arguments.
 
 The same as resolving every tree from its root (a test compares), in a fraction of the time.
 """
@@ -83,7 +83,7 @@ class Starter:
         )
 
     def findings_of(self, started: Started) -> tuple[Diagnostic, ...]:
-        """What is wrong in a file and below it, each finding once."""
+        """List the findings in a file and in the files that it includes, each once."""
         known = self._findings.get(id(started))
         if known is None:
             self._findings[id(started)] = ()  # for circles
@@ -200,7 +200,7 @@ def find_taking_part(roots: Iterable[Started]) -> dict[str, set[int]]:
 
 
 def place_of(item: Item) -> int:
-    """Where the tag of a node or include starts."""
+    """The offset of the tag of a node or include."""
     return (item if isinstance(item, NodeSpec) else item[0]).origin.span.start
 
 

@@ -1,4 +1,4 @@
-"""Which arguments turn on what takes part in no plain case: tried out, a few values at a time."""
+"""Arguments that enable nodes which no plain case starts: tried out, a few values at a time."""
 
 from __future__ import annotations
 

@@ -82,12 +82,12 @@ class LaunchDescriber:
         return self.outcomes[path]
 
     def exists(self, path: str) -> bool:
-        """Whether there is a file or folder at a path from the root of the repository."""
+        """Return whether there is a file or folder at a path from the root of the repository."""
         whole = f"{self.repository.root}/{path}"
         return self.repository.world.is_file(whole) or bool(self.repository.world.list_folder(whole))
 
     def describe_trees(self, view: LaunchView, given: tuple[tuple[str, str], ...] = ()) -> tuple[TreeDoc, ...]:
-        """What a file starts, per base, when it is given some arguments."""
+        """Describe the nodes that a file starts, per base, with some arguments."""
         outcomes = (
             resolve_outcomes(view, self.files, self.repository.world, self.starter, given)
             if given

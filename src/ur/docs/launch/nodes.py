@@ -146,7 +146,7 @@ class NodeDescriber:
             yield ParamFileDoc(values, tuple(names), element.span.position.line)
 
     def describe_topics(self, specs: Sequence[tuple[Outcome, NodeSpec]]) -> tuple[TopicDoc, ...]:
-        """What is known of a node's topics, services and actions, in any case."""
+        """Describe the known topics, services and actions of a node, in any case."""
         found: dict[TopicDoc, None] = {}
         for outcome, node in specs:
             for use in find_name_uses(node):

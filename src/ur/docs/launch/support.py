@@ -1,4 +1,4 @@
-"""Which bases and variants a launch file works for, and what is missing where it does not."""
+"""Bases and variants that a launch file supports, and what the others lack."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ def describe_finding(found: Diagnostic, words: Words) -> str:
 
 
 def list_unreadable(findings: Iterable[Diagnostic], path: str, words: Words) -> tuple[str, ...]:
-    """What made it impossible to read a file."""
+    """List the errors that made it impossible to read a file."""
     return tuple(
         describe_finding(found, words)
         for found in findings

@@ -63,7 +63,7 @@ class TreeMaker:
         return self._outlines(path)
 
     def show_path(self, path: str) -> str:
-        """How a path is shown."""
+        """Format a path."""
         return self._show_path(path)
 
     def targets_of(self, include: Element, written: str) -> list[str]:

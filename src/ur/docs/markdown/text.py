@@ -57,7 +57,7 @@ class Page:
         self._lines += [text, ""]
 
     def markdown(self, text: str) -> None:
-        """What a person wrote: headings in it become bold, so that they do not mix with ours."""
+        """Markdown of an author: its headings become bold, so that they do not mix with those of the page."""
         fenced = False
         for line in map_links(text, self.place).splitlines():
             if line.lstrip().startswith("```"):
@@ -93,7 +93,7 @@ class Page:
         return f"[{escape_text(label or path)}]({self.place(path)})"
 
     def place(self, path: str) -> str:
-        """Where a file of the repository is, seen from the page."""
+        """The path of a file of the repository, relative to the page."""
         target = posixpath.normpath(self._folder + path) if self._folder else path
         return printable(target).replace(" ", "%20").replace("(", "%28").replace(")", "%29")
 
@@ -138,5 +138,5 @@ def escape_text(text: str) -> str:
 
 
 def escape_cell(text: str) -> str:
-    """What may stand in a cell of a table."""
+    """Escape a text for the cell of a table."""
     return re.sub(r"(?<!\\)\|", r"\\|", " ".join(text.split()))

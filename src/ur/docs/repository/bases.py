@@ -23,7 +23,7 @@ _NAME = re.compile(r"\w+\Z")
 
 
 def read_base(path: str, name: str, world: World) -> BaseDoc:
-    """What a base file says; a file that cannot be understood says nothing."""
+    """Read a base file; one that cannot be understood gives an empty description."""
     try:
         whole = parse_section(SourceFile(path, world.read_bytes(path).decode("utf-8", "replace")), "a base file")
         summary = whole.text("summary", "")
@@ -71,7 +71,7 @@ def _from_comparison(value: str) -> Iterator[str]:
 
 
 def list_choices(written: str, piece: str, view: LaunchView) -> Iterator[str]:
-    """What a piece of a written path may be, so that there is such a file or folder; other pieces may be anything."""
+    """List the values of a piece of a path for which a file or folder exists; other pieces may be anything."""
     yield from match_paths(written, view, until=piece)
 
 

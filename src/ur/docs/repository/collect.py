@@ -1,4 +1,4 @@
-"""What a launch repository holds: packages, bases, launch files and programs, each read once."""
+"""The contents of a launch repository: packages, bases, launch files and programs, each read once."""
 
 from __future__ import annotations
 

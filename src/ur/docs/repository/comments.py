@@ -1,4 +1,4 @@
-"""What a launch file says about itself: summary, overview, needs, and a text for each argument."""
+"""Documentation in a launch file: summary, overview, needs, and a text for each argument."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a program says about itself, and which launch files it starts with which arguments."""
+"""Documentation in programs, and the launch files and arguments that they start."""
 
 from __future__ import annotations
 

@@ -68,7 +68,7 @@ class RepositoryWorld:
 
 
 def is_elsewhere(path: str) -> bool:
-    """Whether a path is in a package that is not part of the repository."""
+    """Return whether a path is in a package that is not part of the repository."""
     return path.startswith(_ELSEWHERE)
 
 
@@ -79,5 +79,5 @@ def show_elsewhere(path: str) -> str:
 
 
 def is_unknown(text: str) -> bool:
-    """Whether a text holds something that only the person who starts a file knows."""
+    """Return whether a text holds something that only the person who starts a file knows."""
     return _UNKNOWN in text

@@ -58,7 +58,7 @@ def link(target: str, content: str, extra: str = "") -> str:
 
 
 def cases_attribute(cases: Iterable[Case]) -> str:
-    """What the base switch looks at."""
+    """The HTML attribute that the base switch reads."""
     keys = " ".join(case.key for case in cases if case.base)
     return f' data-cases="{escape(keys)}"' if keys else ""
 

@@ -1,4 +1,4 @@
-"""What all pages of the site have in common: head, header with search and base switch, navigation, footer."""
+"""The common parts of all pages of the site: head, header with search and base switch, navigation, footer."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ document.documentElement.classList.add("js")"""
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """Which page each launch file and program has, by path in the repository; every case that there is."""
+    """The pages of launch files and programs, by path in the repository, and all cases."""
 
     title: str
     launch_pages: Mapping[str, str]

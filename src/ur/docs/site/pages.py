@@ -133,7 +133,7 @@ class Pages:
         return render_page(self.plan, page, title, content, cases, toc)
 
     def place(self, path: str, page: str) -> str | None:
-        """Where a path of the repository is, seen from a page; None for what is not on the site."""
+        """The URL of a path of the repository, relative to a page; None for a path that is not on the site."""
         bare, hash_, _ = path.partition("#")
         target = self.plan.launch_pages.get(bare) or self.plan.program_pages.get(bare)
         return way_between(page, target) if target is not None and not hash_ else None
@@ -145,7 +145,7 @@ class Pages:
         return link(target, name) if target else f"<code>{name}</code>"
 
     def neighbours(self, doc: LaunchDoc, page: str) -> str:
-        """Who includes and starts a file."""
+        """List the files that include a file and the programs that start it."""
         parts = []
         if doc.included_by:
             parts.append("Included by " + ", ".join(self.link_to(path, page) for path in doc.included_by) + ".")
@@ -175,7 +175,7 @@ class Pages:
         return f'<li class="{item.kind}">{self.tree_label(item, page)}{note}{inner}</li>'
 
     def tree_label(self, item: TreeItem, page: str) -> str:
-        """What an item is."""
+        """The label of an item."""
         if item.kind == "file" or (item.kind == "off" and item.path):
             return self.link_to(item.path, page)
         if item.kind == "node":

@@ -79,7 +79,7 @@ class Parts:
             yield (_line_link(param.line, code(param.name)), show_values(param.values), of)
 
     def topic_rows(self) -> Iterable[tuple[str, ...]]:
-        """What nodes have to do with which names."""
+        """Table rows of the names that nodes use."""
         for node in self.doc.nodes:
             name = code(node.names[0].text)
             for topic in node.topics:

@@ -17,7 +17,7 @@ MAX_OUTPUT = 64 * 1024 * 1024
 
 @dataclass(frozen=True, slots=True)
 class CommandResult:
-    """What a program left: its exit code and what it wrote to its standard output."""
+    """The exit code and the standard output of a command."""
 
     code: int
     output: bytes

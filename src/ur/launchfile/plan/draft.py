@@ -69,7 +69,7 @@ class Draft:
         self._trees = trees
 
     def origin(self, span: Span, scope: Scope) -> Origin:
-        """Where an item comes from."""
+        """The origin of an item."""
         return Origin(span, scope.chain)
 
     def warn(
@@ -172,7 +172,7 @@ class Draft:
         self.nodes.append(node)
 
     def finish(self) -> Plan:
-        """What has been collected."""
+        """The collected plan."""
         return Plan(
             nodes=tuple(self.nodes),
             tests=tuple(self.tests),

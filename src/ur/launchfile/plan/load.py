@@ -31,7 +31,7 @@ def load_plan(
     budget: Budget | None = None,
     parsed: dict[str, LaunchFile] | None = None,
 ) -> Plan:
-    """What launch files mean, all of them together, with `NAME:=VALUE` arguments.
+    """Resolve launch files, all of them together, with `NAME:=VALUE` arguments.
 
     Means exactly what roslaunch means by them. Never raises because of what a file or an argument says: the plan's
     diagnostics hold an error for everything that roslaunch would refuse, and warnings for what it silently accepts.

@@ -14,7 +14,7 @@ ParamValue = bool | int | float | str | bytes | list["ParamValue"] | dict[str, "
 
 @dataclass(frozen=True, slots=True)
 class Origin:
-    """Where an item stands, and the `<include>` tags that led there, outermost first."""
+    """The place of an item, and the `<include>` tags that led there, outermost first."""
 
     span: Span
     includes: tuple[Span, ...] = ()
@@ -62,7 +62,7 @@ ReadyKind = Literal["topic", "service", "frame", "action", "process"]
 
 @dataclass(frozen=True, slots=True)
 class ReadyCondition:
-    """What has to be there before a node is of use: a topic published (at `rate` Hz), a service, a tf frame, an action.
+    """A condition that makes a node ready: a topic published (at `rate` Hz), a service, a tf frame, an action.
 
     `name` is in full, as the master knows it; a frame's has no leading slash. "process" (without a name) says that the
     program is no ROS node: that it runs is enough.
@@ -128,7 +128,7 @@ class IncludeSpec:
 
 @dataclass(frozen=True, slots=True)
 class ArgumentStep:
-    """What one `<arg>` did. `passed_to` is the `<include>` it stands in; without one it declares the argument.
+    """The effect of one `<arg>`. `passed_to` is the `<include>` it stands in; without one it declares the argument.
 
     `written` is the text of `value=` or `default=`; `value` what the argument is after this tag, None while it has
     none. `handed_over`: an including file passed it.

@@ -10,7 +10,7 @@ _ASSIGNMENT = re.compile(r"[~/A-Za-z_][\w/]*:=.*\Z")
 
 
 def is_private(name: str) -> bool:
-    """Whether a name starts with `~`."""
+    """Return whether a name starts with `~`."""
     return name[:1] == "~"
 
 
@@ -42,7 +42,7 @@ def canonical_name(name: str) -> str:
 
 
 def is_legal_name(name: str) -> bool:
-    """Whether a name may be used in a ROS graph; the empty one may."""
+    """Return whether a name may be used in a ROS graph; the empty one may."""
     return not name or (_LEGAL.match(name) is not None and "//" not in name)
 
 

@@ -1,4 +1,4 @@
-"""What one launch file means by itself: the files that it includes are named, and not entered.
+"""Resolution of one launch file by itself: the files that it includes are named, and not entered.
 
 Whoever asks about many files, each in many ways, asks once per file and arguments, and puts the answers together.
 """

@@ -1,4 +1,4 @@
-"""How resolving one tag ends when it cannot be resolved."""
+"""Exceptions for tags that cannot be resolved, and the kinds of their diagnostics."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is in force at a place in a launch file: namespace, arguments, remaps, environment, `~` parameters."""
+"""The scope of a place in a launch file: namespace, arguments, remaps, environment, `~` parameters."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What well-known nodes publish, subscribe, offer and use, by the name of their executable.
+"""Topics, services and actions of well-known nodes, by the name of their executable.
 
 Upstream's names, from the nodes' own documentation on wiki.ros.org; our nodes stand in under the same names, and
 docs/architecture.md says what they speak. Names are as the node writes them: relative ones follow its namespace,
@@ -108,5 +108,5 @@ KNOWN_IN_PACKAGE: dict[tuple[str, str], Interface] = {
 
 
 def find_interface(executable: str, package: str = "") -> Interface | None:
-    """What is known of an executable, of a package if that is given; None when nothing is."""
+    """Look up the interface of an executable, of a package if that is given; None when nothing is."""
     return KNOWN_IN_PACKAGE.get((package, executable)) or KNOWN_NODES.get(executable)

@@ -1,4 +1,4 @@
-"""What a node has to do with topics, services and actions, as far as its launch file and the table of nodes tell."""
+"""Topics, services and actions of a node, from its launch file and the table of well-known nodes."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ _READY: dict[str, Use] = {
 
 
 def find_name_uses(node: NodeSpec) -> tuple[NameUse, ...]:
-    """What is known of a node: its `ready:` comment first, then the table of well-known nodes, then its remaps."""
+    """List the names that a node uses: its `ready:` comment, then the table of well-known nodes, then its remaps."""
     found: dict[tuple[str, Use | None], NameUse] = {}
     for each in (*_from_ready(node), *_from_table(node)):
         found.setdefault((each.name, each.use), each)

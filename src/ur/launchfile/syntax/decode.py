@@ -40,7 +40,7 @@ class Offsets:
         self._character = 0
 
     def characters(self, byte: int) -> int:
-        """How many characters stand before a byte."""
+        """The number of characters before a byte."""
         if self._same:
             return byte
         if byte < self._byte:

@@ -60,7 +60,7 @@ class Substitution:
 
 
 def is_eval(text: str) -> bool:
-    """Whether a value is one `$(eval ...)`: roslaunch looks at both ends and takes all between for the expression."""
+    """Return whether a value is one `$(eval ...)`: as for roslaunch, all between its two ends is the expression."""
     return text.startswith(_EVAL) and text.endswith(")")
 
 

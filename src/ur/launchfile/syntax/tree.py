@@ -101,7 +101,7 @@ class Element:
         return Span(self.source, whole.start + place(start), whole.start + place(end))
 
     def text_offset(self, offset: int) -> int:
-        """Where a character of `text` is written in the file."""
+        """The offset in the file of a character of `text`."""
         if self._pieces is None:
             self._pieces = list(self._find_pieces())
         index = bisect_left(self._pieces, offset, key=lambda piece: piece.end)

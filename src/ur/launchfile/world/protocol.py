@@ -1,4 +1,4 @@
-"""What the launch language asks of the computer it is read on."""
+"""The interface between the launch language and a computer: packages, files and variables."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class World(Protocol):
         ...
 
     def find_in_package(self, package: str, path: str) -> str | None:
-        """What `$(find package)/path` means when it is not below the package's folder: an installed program or file.
+        """Resolve `$(find package)/path` outside the package's folder: an installed program or file.
 
         `path` has no leading slash. None when nothing special is there. Raises PackageNotFound.
         """
@@ -46,7 +46,7 @@ class World(Protocol):
         ...
 
     def is_file(self, path: str) -> bool:
-        """Whether a path names a file."""
+        """Return whether a path names a file."""
         ...
 
     def read_bytes(self, path: str) -> bytes:

@@ -1,4 +1,4 @@
-"""What a robot base is: its file `bases/<base>/base.yaml`, read and checked.
+"""Robot bases: the file `bases/<base>/base.yaml`, read and checked.
 
 The same file feeds the real robot, its URDF and the simulated one. Lengths are in m, masses in kg, angles in rad,
 times in s, voltages in V, currents in A; poses are in `base_footprint` (REP 103 axes: x forward, y left, z up) unless

@@ -54,7 +54,7 @@ def write_stl(triangles: Sequence[Triangle]) -> bytes:
 
 
 def _keep(polygon: Sequence[Point], normal: Point, limit: float) -> list[Point]:
-    """What of a convex polygon has `normal . point <= limit` (Sutherland and Hodgman)."""
+    """The part of a convex polygon with `normal . point <= limit` (Sutherland and Hodgman)."""
     kept: list[Point] = []
     for (ax, ay), (bx, by) in pairwise([*polygon, *polygon[:1]]):
         a, b = (normal[0] * x + normal[1] * y - limit for x, y in ((ax, ay), (bx, by)))

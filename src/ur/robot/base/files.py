@@ -1,4 +1,4 @@
-"""Where the bases of a launch package are, and which variants they have."""
+"""The files of the bases of a launch package, and their variants."""
 
 from __future__ import annotations
 

@@ -28,7 +28,7 @@ class Caster:
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """What the base can do: m/s, rad/s, m/s^2, rad/s^2; `command_age` (s) is when an old command means stop.
+    """Limits of motion: m/s, rad/s, m/s^2, rad/s^2; `command_age` (s) is when an old command means stop.
 
     The accelerations hold while it speeds up, the decelerations (at least as high; the same unless given) while it
     brakes. `lag` (s) is what passes between a command and wheels that have obeyed it, beside the braking itself.
@@ -46,7 +46,7 @@ class Limits:
 
 @dataclass(frozen=True, slots=True)
 class Odometry:
-    """How encoder odometry goes wrong: standard deviations, relative to the distance a wheel rolls.
+    """Errors of encoder odometry: standard deviations, relative to the distance a wheel rolls.
 
     `wheel_noise` is random per step, in m per sqrt(m) rolled; `radius_error` is the spread of each wheel's fixed
     relative error in radius; `separation_error` that of the wheel separation. All are drawn from the seed.
@@ -61,7 +61,7 @@ class Odometry:
 
 @dataclass(frozen=True, slots=True)
 class Battery:
-    """What is drained (sensor_msgs/BatteryState). `design_capacity` is in Ah; voltages are those at rest.
+    """The battery (sensor_msgs/BatteryState). `design_capacity` is in Ah; voltages are those at rest.
 
     `current_idle` flows while the base stands, `current_moving` at full speed.
     """

@@ -45,7 +45,7 @@ def _half_hull(points: Sequence[Point]) -> list[Point]:
 
 
 def is_inside(point: Point, points: Sequence[Point], tolerance: float) -> bool:
-    """Whether a point lies in the convex hull of others, or outside it by no more than a tolerance, m."""
+    """Return whether a point lies in the convex hull of others, or outside it by no more than a tolerance, m."""
     hull = find_hull(points)
     return all(
         _side(a, b, point) >= -tolerance * math.dist(a, b) for a, b in zip(hull, [*hull[1:], hull[0]], strict=True)

@@ -15,7 +15,7 @@ _BODY_FRAMES = ("base_footprint", "base_link", "left_wheel", "right_wheel")
 
 @dataclass(frozen=True, slots=True)
 class Sensors:
-    """What the section holds."""
+    """The sensors of the section."""
 
     lidar: Lidar | None = None
     raspicam: Camera | None = None

@@ -85,7 +85,7 @@ class Bumper:
     end: float
 
     def covers(self, x: float, y: float) -> bool:
-        """Whether a touch at a point (in `base_footprint`) closes this switch."""
+        """Return whether a touch at a point (in `base_footprint`) closes this switch."""
         turn = 2.0 * math.pi
         return (math.atan2(y, x) - self.start) % turn <= self.end - self.start
 

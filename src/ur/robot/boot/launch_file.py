@@ -1,4 +1,4 @@
-"""Which launch file a boot service starts, as the robot has it, and with which arguments."""
+"""The launch file of a boot service, as the robot has it, and its arguments."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class RobotLaunch:
 
 
 def is_launch_name(word: str) -> bool:
-    """Whether a word of a command line names a launch file."""
+    """Return whether a word of a command line names a launch file."""
     return word.endswith((".launch", ".launch.xml")) and "/" not in word
 
 

@@ -1,4 +1,4 @@
-"""How boot services are: asked of systemd and the journal with one script, and put in words. Pure."""
+"""State of boot services: read from systemd and the journal with one script, and formatted. Pure."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a robot starts when it boots: a ROS master that is kept up, and programs, as systemd units. Pure."""
+"""Boot services of a robot: a ROS master that is kept up, and programs, as systemd units. Pure."""
 
 from __future__ import annotations
 
@@ -121,7 +121,7 @@ class Unit:
 
     @property
     def path(self) -> str:
-        """Where it belongs."""
+        """The path of the unit."""
         return f"{FOLDER}/{self.service}.service"
 
 
@@ -162,7 +162,7 @@ def launch_line(package: str, file: str, arguments: Sequence[str]) -> str:
 
 
 def is_unit_name(text: str) -> bool:
-    """Whether a program may be called so."""
+    """Return whether a program may be called so."""
     return text != MASTER and re.fullmatch(r"[a-z0-9][a-z0-9_-]{0,50}", text) is not None
 
 

@@ -1,4 +1,4 @@
-"""What holds the way back on the robot: shell scripts, as texts. Pure.
+"""Shell scripts that revert a change on the robot, as texts. Pure.
 
 On the robot's disk, for root alone, below `FOLDER`:
 
@@ -148,7 +148,7 @@ sync; i=0; while [ "$(cat "$p/id" 2>/dev/null)" = @ID@ ] && [ $i -lt 100 ]; do i
 
 @dataclass(frozen=True, slots=True)
 class Ended:
-    """How a change ended: confirmed, or taken back and why."""
+    """The end of a change: confirmed, or reverted and the reason."""
 
     confirmed: bool
     reason: str
@@ -183,6 +183,6 @@ def look_script(identity: str) -> str:
 
 
 def parse_last(identity: str, output: str) -> Ended | None:
-    """What was printed with exit code GONE; None when it is about another change."""
+    """Parse the output of a script with exit code GONE; None when it is about another change."""
     lines = [*output.splitlines(), "", "", ""]
     return Ended(lines[1] == "confirmed", lines[2]) if lines[0] == identity else None

@@ -46,7 +46,7 @@ class Order:
 
 
 def list_changes(change: GuardedChange, facts: Facts) -> list[Change]:
-    """What will be different on the robot, for people and for `pack_order`."""
+    """List the changes on the robot, for people and for `pack_order`."""
     return [planned for item in change.wanted if (planned := item.plan(facts))]
 
 

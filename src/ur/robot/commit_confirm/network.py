@@ -32,7 +32,7 @@ NAMESPACE = uuid.UUID("6f0e1a3c-52a5-4e0c-9a0e-8d0c3a9b7f14")
 
 @dataclass(frozen=True, slots=True)
 class Addressing:
-    """How a device gets its IPv4 address: an address with its prefix length, or None for DHCP."""
+    """The IPv4 configuration of a device: an address with its prefix length, or None for DHCP."""
 
     address: ipaddress.IPv4Interface | None
     gateway: ipaddress.IPv4Address | None = None

@@ -1,4 +1,4 @@
-"""What NetworkManager says of a robot's networks: one script, and its answer read. Both are pure.
+"""A robot's networks as NetworkManager has them: one script, and the parser of its output. Both are pure.
 
 The format is that of `nmcli --terse` (nmcli(1)): fields with a colon between them, colons and backslashes escaped.
 """
@@ -41,13 +41,13 @@ class Device:
 
     @property
     def managed(self) -> bool:
-        """Whether NetworkManager may change it."""
+        """Return whether NetworkManager may change it."""
         return not self.state.startswith("unmanaged")
 
 
 @dataclass(frozen=True, slots=True)
 class Profile:
-    """What NetworkManager knows of one network; `ssid` is '' for a wired one, `device` says where it is used."""
+    """A network profile of NetworkManager; `ssid` is '' for a wired one, `device` says where it is used."""
 
     uuid: str
     kind: str

@@ -40,7 +40,7 @@ class Link(Shell, Protocol):
     """A shell on another computer that can become root there."""
 
     def find_sudo(self, candidates: Sequence[Secret]) -> bool:
-        """Whether there is a way."""
+        """Return whether there is a way."""
 
 
 Open = Callable[[Address], AbstractContextManager[Link]]
@@ -48,7 +48,7 @@ Open = Callable[[Address], AbstractContextManager[Link]]
 
 @dataclass(frozen=True, slots=True)
 class Ways:
-    """How the robot may be reached after the change, best first, and how before it."""
+    """Addresses of the robot after the change, best first, and before it."""
 
     after: tuple[Address, ...]
     before: Address
@@ -65,7 +65,7 @@ def open_as(host: str) -> Open:
 
 
 def new_identity() -> str:
-    """What an attempt is called."""
+    """Make the identity of an attempt."""
     return secrets.token_hex(4)
 
 
@@ -112,7 +112,7 @@ def _pending(place: str, said: str) -> UserError:
 
 
 def is_doubtful(problem: UserError) -> bool:
-    """Whether the connection broke while a change was handed over, so that it may have begun."""
+    """Return whether the connection broke while a change was handed over, so that it may have begun."""
     return problem.diagnostics[0].rule in ("lost-connection", "no-answer")
 
 

@@ -54,7 +54,7 @@ def parse_builder(text: str) -> Builder:
 
 
 def choose_jobs(builder: Builder, wanted: int | None) -> tuple[int, str]:
-    """How many compilers may run at once, and a line that says why when it is fewer than there are processors.
+    """Choose the number of parallel compilers, and a line that says why when it is fewer than there are processors.
 
     What a user wants is done; when it is more than memory allows, the line says so.
     """

@@ -51,7 +51,7 @@ class WantedRepository:
     title: str = "ubiquity_launches"
 
     def request(self, user: str) -> Request:
-        """Whether there is one, and which."""
+        """The facts to read: the installed repository."""
         return Request(user, files=frozenset({COPY, WORKSPACE_COPY, STAMP}))
 
     def plan(self, facts: Facts) -> Change | None:

@@ -116,7 +116,7 @@ class Browser:
 
     @property
     def sightings(self) -> list[Sighting]:
-        """Who is there now."""
+        """The robots that are visible now."""
         return self._crowd.sightings
 
     @property

@@ -123,7 +123,7 @@ def _compare(questions: IO[str], answers: IO[str], clock: Callable[[], float]) -
 
 
 def best_offset(readings: Iterable[tuple[float, float, float]]) -> float | None:
-    """How far (s) the other clock is ahead, by the quickest of (asked, its time, answered); None without any."""
+    """The offset (s) of the other clock, from the quickest of (asked, its time, answered); None without any."""
     quickest = min(readings, key=lambda each: each[2] - each[0], default=None)
     return None if quickest is None else clock_offset(*quickest)
 

@@ -1,4 +1,4 @@
-"""What this computer remembers of robots that it set up: one file each, written by `ur robot setup`."""
+"""Records of the robots that were set up from this computer: one file each, written by `ur robot setup`."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Record:
 
 
 def records_folder(environment: Mapping[str, str]) -> Path:
-    """Where records are, beside the selection."""
+    """The folder of the records, beside the selection."""
     return selection_path(environment).parent / "robots"
 
 

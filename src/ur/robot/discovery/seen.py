@@ -1,4 +1,4 @@
-"""Where robots were seen last: a memory that outlives their absence, and helps when a name leads nowhere."""
+"""Last known addresses of robots, which help when a name no longer resolves."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def seen_path(environment: Mapping[str, str]) -> Path:
 
 
 def load_seen(path: Path) -> dict[str, Seen]:
-    """What is remembered, by name; nothing when the file makes no sense: it is only a memory."""
+    """Load the last known addresses by name; nothing when the file makes no sense: it is only a memory."""
     try:
         entries = json.loads(path.read_text(encoding="utf-8"))
         found = [Seen(str(each["name"]), str(each["address"]), float(each["time"])) for each in entries]
@@ -54,7 +54,7 @@ def note_seen(path: Path, robots: Iterable[Seen]) -> None:
 
 
 def describe_age(seconds: float) -> str:
-    """How long ago something was, in people's words."""
+    """Describe an age in words."""
     for unit, length in (("d", 86400.0), ("h", 3600.0), ("min", 60.0)):
         if seconds >= length:
             return f"{seconds / length:.0f} {unit} ago"

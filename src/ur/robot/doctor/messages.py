@@ -1,4 +1,4 @@
-"""Which messages a computer knows, so that two can be compared: one script, and its answer read. Both are pure.
+"""Message definitions of a computer, to compare two: one script, and the parser of its output. Both are pure.
 
 Nodes connect when the MD5 sums of their messages agree. These stand in the Python modules that genpy makes. Definitions
 that were not built yet are compared by their text without comments and blanks, which is what those sums are made of

@@ -1,4 +1,4 @@
-"""What the doctor talks about: two computers, what is wrong with them, and the commands that cure it. Values only."""
+"""Values of the doctor: two computers, findings, and the commands that fix them. Values only."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ class Finding:
 
     @property
     def fixable(self) -> bool:
-        """Whether `--fix` does something about it."""
+        """Return whether `--fix` does something about it."""
         return any(command.safe for command in self.commands)
 
 

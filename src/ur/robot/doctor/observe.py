@@ -1,4 +1,4 @@
-"""What is seen on one of two computers: one script, and its answer read. Both are pure."""
+"""Inspection of one of two computers: one script, and the parser of its output. Both are pure."""
 
 from __future__ import annotations
 

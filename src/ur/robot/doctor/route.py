@@ -22,7 +22,7 @@ Port = Literal["open", "refused", "silent", ""]
 
 @dataclass(frozen=True, slots=True)
 class Way:
-    """How far one gets. `resolves`: what the name means here; `ping` whether it answers; `port` how port 22 does.
+    """The steps to a robot that work. `resolves`: the addresses of the name; `ping`: it answers; `port`: port 22.
 
     `rule` and `said` are what the login failed with; `host_key` is the one that is shown now, where that matters;
     `twin`: addresses of a computer that zeroconf calls NAME-2.
@@ -97,7 +97,7 @@ def list_steps(address: Address, way: Way) -> list[Step]:
 
 
 def explain_way(address: Address, way: Way, seen: Seen | None, record: Record | None, now: float) -> Finding:
-    """What the step that fails means, and what to do."""
+    """Explain the step that fails, with a fix."""
     host, name = address.host, _short(address)
     if not way.resolves:
         last = f"; it was last seen at {seen.address}, {describe_age(now - seen.time)}" if seen else ""

@@ -1,4 +1,4 @@
-"""What was seen of two computers, side by side, for people; and which packages differ. Pure."""
+"""Summary of two computers, side by side, and of the packages that differ. Pure."""
 
 from __future__ import annotations
 

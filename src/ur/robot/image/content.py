@@ -1,4 +1,4 @@
-"""What bytes are: file systems by their superblocks, other things by their first bytes.
+"""Identification of bytes: file systems by their superblocks, other things by their first bytes.
 
 Sources: Microsoft, "FAT: General Overview of On-Disk Format" 1.03; the Linux kernel's documentation of ext4 (super
 block); file(1) for the rest.
@@ -48,12 +48,12 @@ def identify_filesystem(read: Read, start: int) -> FileSystem:
 
 
 def identify_packing(head: bytes) -> str | None:
-    """How a file that begins so is compressed: xz, gzip, bzip2, zip or zstd; None when it is not."""
+    """Identify the compression by the first bytes: xz, gzip, bzip2, zip or zstd; None when it is not."""
     return next((name for mark, name in _PACKED.items() if head.startswith(mark)), None)
 
 
 def describe_other(read: Read) -> str:
-    """What a file is that has neither partitions nor a file system, in a few words."""
+    """Describe a file that has neither partitions nor a file system, in a few words."""
     for offset, mark, name in _OTHERS:
         if read(offset, len(mark)) == mark:
             return name

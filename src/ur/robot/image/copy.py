@@ -26,7 +26,7 @@ Progress = Callable[[int, int], None]
 
 
 def packing_of(path: Path) -> str | None:
-    """How a file is compressed; None when it is not. Raises UserError when it cannot be read."""
+    """Identify the compression of a file; None when it is not. Raises UserError when it cannot be read."""
     try:
         with path.open("rb") as file:
             return identify_packing(file.read(8))

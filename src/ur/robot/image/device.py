@@ -23,7 +23,7 @@ class Device:
 
 
 def is_device(path: Path) -> bool:
-    """Whether it is a block device."""
+    """Return whether it is a block device."""
     try:
         return stat.S_ISBLK(path.stat().st_mode)
     except OSError:

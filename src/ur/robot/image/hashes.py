@@ -1,4 +1,4 @@
-"""What is written in place of a password: one-way, and only what the robot needs to check it."""
+"""Hashes of passwords, which are written in place of them."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def hash_password(password: Secret, salt: str = "") -> str:
 
 
 def is_hash_of(hashed: str, password: Secret) -> bool:
-    """Whether a hash that `hash_password` made is this password's."""
+    """Return whether a hash that `hash_password` made is this password's."""
     found = _SALT.fullmatch(hashed)
     return found is not None and hash_password(password, found[1]) == hashed
 

@@ -1,4 +1,4 @@
-"""Which system an image holds, and where the seed of its first boot belongs. Found by looking, not by the file's name.
+"""The operating system of an image, and the location of its first-boot seed, found by content, not by the file's name.
 
 Sources: cloud-init's data source NoCloud (cloudinit/sources/DataSourceNoCloud.py), Ubuntu's README on system-boot,
 Raspberry Pi OS: pi-gen (stage2/04-cloud-init) and raspberrypi-sys-mods (firstboot, init_config, sshswitch).
@@ -25,7 +25,7 @@ _EXPECTED = "expected an image of Ubuntu (Raspberry Pi or cloud), Debian (cloud)
 
 
 class Scheme(Enum):
-    """How a system is told what to do at its first boot."""
+    """The first-boot configuration scheme of a system."""
 
     BOOT_SEED = "cloud-init reads a seed from the boot partition"
     ROOT_SEED = "cloud-init reads a seed from a folder of the system"
@@ -34,7 +34,7 @@ class Scheme(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Layout:
-    """What an image holds. `boot` or `root` is None where the scheme does not need it.
+    """The content of an image. `boot` or `root` is None where the scheme does not need it.
 
     `system` is what it calls itself, `raspberry` whether it is Raspberry Pi OS, `netplan` the version of what sets up
     its network ('' when that is not known). `os` is None where the system cannot be read.

@@ -1,4 +1,4 @@
-"""Where the partitions of a disk or of its image are: MBR and GPT, read without root and without a device for it.
+"""Partitions of a disk or of its image: MBR and GPT, read without root and without a device for it.
 
 Sources: UEFI specification 2.10, chapter 5 (GPT, and the protective MBR); for logical partitions, the chain of extended
 boot records as Linux reads it (block/partitions/msdos.c).

@@ -36,7 +36,7 @@ def seed_places(layout: Layout) -> tuple[tuple[Literal["boot", "root"], str], ..
 
 
 def read_seed(layout: Layout) -> dict[tuple[str, str], bytes | None]:
-    """What is there now: each place of a seed, and beside it the original that an earlier seed put aside."""
+    """Read the present state: each place of a seed, and beside it the original that an earlier seed put aside."""
     found: dict[tuple[str, str], bytes | None] = {}
     for volume, path in seed_places(layout):
         for name in (path, path + ORIGINAL):
@@ -45,7 +45,7 @@ def read_seed(layout: Layout) -> dict[tuple[str, str], bytes | None]:
 
 
 def plan_writes(layout: Layout, present: dict[tuple[str, str], bytes | None], seed: Iterable[SeedFile]) -> list[Write]:
-    """What has to be written for this seed; nothing when it is there. What the image brought is kept as NAME.orig."""
+    """Plan the files to write for this seed; nothing when it is there. What the image brought is kept as NAME.orig."""
     wanted = {(file.volume, file.path): file.text.encode() for file in seed}
     return list(_plan(layout, present, wanted))
 
@@ -69,7 +69,7 @@ def _plan(
 
 
 def plan_undo(layout: Layout, present: dict[tuple[str, str], bytes | None]) -> list[Write]:
-    """What takes a seed of ours away again and puts the image's own files back."""
+    """Plan the changes that remove a seed of ours and put the image's own files back."""
     return list(_plan(layout, present, {}))
 
 

@@ -64,7 +64,7 @@ class HostKeyPair:
 
 @dataclass(frozen=True, slots=True)
 class Wish:
-    """What a robot shall be after its first boot. `password` is a hash of crypt(3); '' for a user who has none.
+    """The wanted state of a robot after its first boot. `password` is a hash of crypt(3); '' for a user who has none.
 
     A user without a password may use sudo without one: whoever holds the key holds the robot. With one, sudo asks.
     `host_key` is the one that it will have; None: it makes one itself.
@@ -181,7 +181,7 @@ def meta_data_text(rest: str) -> str:
 
 
 def custom_toml(wish: Wish) -> str:
-    """What Raspberry Pi OS 12 reads at its first boot (raspberrypi-sys-mods: init_config). Its user may use sudo."""
+    """The file that Raspberry Pi OS 12 reads at its first boot (its init_config). The user it creates has sudo."""
     sections: list[tuple[str, dict[str, Any]]] = [
         ("system", {"hostname": wish.robot.name}),
         (

@@ -47,7 +47,7 @@ class FatVolume:
     start: int
 
     def names(self) -> frozenset[str]:
-        """What is in its uppermost folder, in small letters: FAT takes capital ones for the same."""
+        """The names in its root folder, in lower case: FAT takes capital ones for the same."""
         return frozenset(
             line.removeprefix("::/").rstrip("/").lower()
             for line in self._run("mdir", "-b", "::/").decode().splitlines()

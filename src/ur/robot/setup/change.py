@@ -26,7 +26,7 @@ class Command:
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """What an item of the wanted state lacks. `difference` is for people: a unified diff or a few words.
+    """A change of one item to its wanted state. `difference` is for people: a unified diff or a few words.
 
     `note` is a word on why it may take long.
     """

@@ -43,12 +43,12 @@ def look(shell: Shell, wanted: Sequence[Wanted], user: str, base: Request, *, ro
 
 
 def plan_changes(wanted: Sequence[Wanted], facts: Facts) -> list[Change]:
-    """What has to be changed, in order; empty when all is as wanted."""
+    """Plan the changes, in order; empty when all is as wanted."""
     return [change for item in wanted if (change := item.plan(facts))]
 
 
 def plan_undo(wanted: Sequence[Wanted], facts: Facts) -> list[Change]:
-    """What takes everything back, last first."""
+    """Plan the changes that undo everything, last first."""
     return [change for item in reversed(wanted) if (change := item.undo(facts))]
 
 

@@ -1,4 +1,4 @@
-"""What is there on a computer: asked with one shell script, read from its output. Both are pure."""
+"""Facts about a computer: one shell script, and the parser of its output. Both are pure."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class ServiceState:
 
 @dataclass(frozen=True, slots=True)
 class Request:
-    """Which facts are wanted. A path that begins with ~/ lies in the home folder of the user."""
+    """The facts to read. A path that begins with ~/ lies in the home folder of the user."""
 
     user: str
     files: frozenset[str] = frozenset()
@@ -57,7 +57,7 @@ class Request:
 
 @dataclass(frozen=True, slots=True)
 class Facts:
-    """What is there. `packages` holds the versions of those that are installed.
+    """The facts read from a computer. `packages` holds the versions of those that are installed.
 
     `system` is the text of its os-release. `addresses` are the computer's own, of scope global. `boot` names this boot:
     it changes when the computer reboots. `apt_user` is the program that installs packages at this moment, '' when none

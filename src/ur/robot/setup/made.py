@@ -1,4 +1,4 @@
-"""What `ur` made in a home folder and what was there before, so that it can be taken back without a trace.
+"""Records of what `ur` made in a home folder, so that it can be undone without a trace.
 
 The record has a line for each file and folder that was not there, and `unended PATH` for files whose last line had no
 end. Files that were replaced lie beside it. It is written before anything is made, by the scripts that make it.
@@ -17,17 +17,17 @@ RECORD = f"{FOLDER}/made"
 
 
 def kept_path(path: str) -> str:
-    """Where a file of the user lies that was replaced."""
+    """The path of the kept original of a replaced file."""
     return f"{FOLDER}/before{path.removeprefix('~').replace('/', '%')}"
 
 
 def is_made(facts: Facts, path: str) -> bool:
-    """Whether it is known that this file or folder was not there before."""
+    """Return whether it is known that this file or folder was not there before."""
     return facts.resolve(path) in (facts.file(RECORD).text or "").split("\n")
 
 
 def was_unended(facts: Facts, path: str) -> bool:
-    """Whether the last line of this file had no end."""
+    """Return whether the last line of this file had no end."""
     return f"unended {facts.resolve(path)}" in (facts.file(RECORD).text or "").split("\n")
 
 

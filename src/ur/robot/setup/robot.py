@@ -49,7 +49,7 @@ def prepare_viewer(shell: Shell, user: str) -> Viewer:
 
 
 def preview(task: Task, shell: SshShell, viewer: Viewer) -> list[Change]:
-    """What would be changed on the robot."""
+    """Preview the changes on the robot."""
     user = task.address.user
     base = base_request(user)
     items = _wanted(task, shell, viewer, gather(shell, base, root=True))

@@ -1,4 +1,4 @@
-"""What a robot's computer shall be."""
+"""The wanted state of a robot's computer."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ KEEP_NAME = "# Written by ur robot setup.\npreserve_hostname: true\nmanage_etc_h
 
 @dataclass(frozen=True, slots=True)
 class Viewer:
-    """What a robot has to know of the computer in front of the user. `host_key` is None when no ssh server is there."""
+    """The facts that a robot needs about the viewer. `host_key` is None when no ssh server is there."""
 
     user: str
     name: str
@@ -87,7 +87,7 @@ class WantedPassword:
 
 
 def is_robot_name(text: str) -> bool:
-    """Whether a robot may be called so: a host name of one label (RFC 1123), in lower case."""
+    """Return whether a robot may be called so: a host name of one label (RFC 1123), in lower case."""
     return re.fullmatch(r"[a-z0-9]([a-z0-9-]{0,61}[a-z0-9])?", text) is not None
 
 

@@ -119,7 +119,7 @@ def _clock(here: Shell, there: Shell) -> Check:
 
 
 def clock_offset(before: float, middle: float, after: float) -> float:
-    """How far (s) a clock that was read between two readings of ours is ahead, surely: 0 when it lies between them."""
+    """The least offset (s) of a clock that was read between two readings of ours: 0 when it lies between them."""
     return min(middle - before, 0.0) + max(middle - after, 0.0)
 
 

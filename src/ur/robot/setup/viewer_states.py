@@ -1,4 +1,4 @@
-"""What the computer in front of the user, the viewer, shall be."""
+"""The wanted state of the viewer, the computer in front of the user."""
 
 from __future__ import annotations
 

@@ -26,10 +26,10 @@ class Wanted(Protocol):
         """The facts that `plan` and `undo` look at."""
 
     def plan(self, facts: Facts) -> Change | None:
-        """What is missing."""
+        """Plan the missing changes."""
 
     def undo(self, facts: Facts) -> Change | None:
-        """What takes it back."""
+        """Plan the changes that undo it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -172,7 +172,7 @@ class WantedGroups:
     names: tuple[str, ...]
 
     def request(self, user: str) -> Request:
-        """Which groups there are."""
+        """The facts to read: the groups."""
         return Request(user, files=frozenset({"/etc/group"}))
 
     def plan(self, facts: Facts) -> Change | None:

@@ -162,7 +162,7 @@ class SshShell:
         return ["ssh", *_ONLY_SHARED, *self._options, "--", self.place, command]
 
     def _preface(self, root: bool) -> str:
-        """What sudo reads before the script does."""
+        """The input that sudo reads before the script."""
         return f"{self._sudo.reveal()}\n" if root and self._sudo else ""
 
     def find_sudo(self, candidates: Sequence[Secret]) -> bool:
@@ -271,7 +271,7 @@ def lost_connection(place: str, said: str) -> UserError:
 
 
 def is_expired(said: str) -> bool:
-    """Whether sshd refused a command since the user has to choose a new password first."""
+    """Return whether sshd refused a command since the user has to choose a new password first."""
     return "Password change required but no TTY available" in said
 
 
@@ -288,7 +288,7 @@ def expired_password(address: Address) -> UserError:
 
 
 def explain_failure(address: Address, said: str) -> UserError:
-    """What ssh's words mean when a login failed, and what helps."""
+    """Explain ssh's output after a failed login, with a fix."""
     lines = [line for line in said.splitlines() if line.strip()]
     last = lines[-1] if lines else "ssh said nothing"
     for pattern, rule, message, help in _FAILURES:

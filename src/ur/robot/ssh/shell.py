@@ -22,7 +22,7 @@ _CHUNK = 1 << 16
 
 @dataclass(frozen=True, slots=True)
 class Done:
-    """How a command ended."""
+    """The result of a command."""
 
     code: int
     out: str
@@ -41,7 +41,7 @@ class Shell(Protocol):
 
     @property
     def place(self) -> str:
-        """What the computer is called in messages."""
+        """The name of the computer in messages."""
 
     def run(self, script: str, *, root: bool = False, stdin: str | Secret = "", timeout: float = 60.0) -> Done:
         """Run a script to its end. Raises UserError when it cannot be run at all, or not within `timeout` seconds."""

@@ -1,4 +1,4 @@
-"""What differs between two workspaces, and whose change it is: a comparison of three, with what both had last. Pure."""
+"""Three-way comparison of two workspaces with what both had at the last sync. Pure."""
 
 from __future__ import annotations
 
@@ -140,7 +140,7 @@ def drop_ignored(manifest: Manifest, patterns: Sequence[str]) -> Manifest:
 
 
 def agree(plan: SyncPlan, done: Mapping[Side, Mapping[str, File | None]]) -> dict[str, Agreed]:
-    """What both sides have alike after the steps in `done`, with what the changed side has now (None: gone)."""
+    """The common state of both sides after the steps in `done`, with the new state of the changed side (None: gone)."""
     agreed = dict(plan.same)
     for step in plan.steps:
         if step.path not in done[step.to]:

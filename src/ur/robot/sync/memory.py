@@ -1,4 +1,4 @@
-"""What was agreed with a robot at the last sync, kept on this computer."""
+"""The state at the last sync with a robot, kept on this computer."""
 
 from __future__ import annotations
 

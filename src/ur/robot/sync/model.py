@@ -1,4 +1,4 @@
-"""What a workspace holds, what was agreed at the last sync, and what the next one would do. Values."""
+"""Values of a sync: the content of a workspace, the state at the last sync, and the plan of the next one."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class File:
 
     @property
     def identity(self) -> Identity:
-        """What makes it the same file on the other side."""
+        """The identity that it shares with the same file on the other side."""
         return self.kind, self.executable, self.content
 
     def as_json(self) -> list[Any]:
@@ -51,7 +51,7 @@ class Agreed:
 
     @property
     def identity(self) -> Identity:
-        """What both had."""
+        """The identity of the common version."""
         return self.here.identity
 
 
@@ -78,7 +78,7 @@ class Conflict:
 
 @dataclass(frozen=True, slots=True)
 class SyncPlan:
-    """What a sync would do: `steps`, `conflicts`, and `waiting` steps in the direction that was not asked for.
+    """The plan of a sync: `steps`, `conflicts`, and `waiting` steps in the direction that was not asked for.
 
     With the paths in `same`, which both have alike, the next sync begins. `skipped` says what is left out, and why.
     """

@@ -34,7 +34,7 @@ File = list[Any]
 
 
 def scan(request: Request) -> Request:
-    """What is in the workspace `root`. `ignore` are patterns; `known` gives hashes by path, size and time."""
+    """List the files of the workspace `root`. `ignore` are patterns; `known` gives hashes by path, size and time."""
     root = os.path.realpath(os.path.expanduser(request["root"]))
     patterns = [*IGNORED, *request["ignore"], *_read_patterns(root)]
     files: dict[str, File] = {}
@@ -90,7 +90,7 @@ def _is_toplevel(entry: os.DirEntry[str]) -> bool:
 
 
 def is_ignored(path: str, patterns: list[str], *, folder: bool = False) -> bool:
-    """Whether a path fits one of the patterns: of names at any depth, or, with a / inside, of whole paths.
+    """Return whether a path fits one of the patterns: of names at any depth, or, with a / inside, of whole paths.
 
     A pattern that ends in / is for folders only. What is inside an ignored folder is not asked about here.
     """
@@ -223,7 +223,7 @@ def _apply_one(request: Request, path: str, before: File | None, after: File | N
 
 
 def _compare(target: str, before: File | None) -> str:
-    """Why a file is not as it was listed; '' when it is."""
+    """The difference of a file from its listing; '' when it is."""
     try:
         now = describe(target, [before[1], before[2], before[4]] if before else None)
     except (FileNotFoundError, NotADirectoryError):

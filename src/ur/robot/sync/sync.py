@@ -35,7 +35,7 @@ class Place:
 
 @dataclass(frozen=True, slots=True)
 class Look:
-    """What both sides hold, what they ignore taken out; the pair, and the last sync's memory if it is of this pair."""
+    """The content of both sides without ignored files; the pair, and the last sync's memory if it is of this pair."""
 
     here: Manifest
     there: Manifest
@@ -45,7 +45,7 @@ class Look:
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """What a sync did: the memory for the next one, and the paths that it left alone, with the reasons, by side."""
+    """The result of a sync: the memory for the next one, and the paths left alone, with the reasons, by side."""
 
     memory: Memory
     left: Mapping[Side, Mapping[str, str]]

@@ -1,4 +1,4 @@
-"""What to do about a link, in one line, from its last seconds. Pure."""
+"""Advice about a wireless link, in one line, from its last seconds. Pure."""
 
 from __future__ import annotations
 

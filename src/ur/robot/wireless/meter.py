@@ -70,7 +70,7 @@ class Lines:
 
 
 class Radio:
-    """What a computer says of its wireless links, from the lines of LOOP. `wireless`: None until it said something."""
+    """The wireless links of a computer, from the lines of LOOP. `wireless`: None until it said something."""
 
     def __init__(self, clock: Callable[[], float]) -> None:
         self._clock = clock
@@ -125,7 +125,7 @@ class Meter:
             lines.close()
 
     def take(self) -> Sample:
-        """What was measured since the last time."""
+        """Take the samples measured since the last call."""
         with self._lock:
             sent, lost, latency = self._echoes.take()
         self._silent = self._silent + 1 if latency is None else 0

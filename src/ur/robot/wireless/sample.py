@@ -1,4 +1,4 @@
-"""What was measured, second by second, and what ping(8) says of it. Pure."""
+"""Samples of a link, one a second, and the parser of ping(8). Pure."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Sample:
 
     @property
     def gap(self) -> bool:
-        """Whether nothing came back in this second."""
+        """Return whether nothing came back in this second."""
         return self.latency is None
 
     @property

@@ -74,7 +74,7 @@ def resolve_value(value: str, element: Element, name: str, draft: Draft, scope: 
 
 
 def explain_problem(problem: SubstitutionProblem, span: Span, scope: Scope) -> Refused:
-    """What is wrong with a substitution, as a finding."""
+    """Turn a problem of a substitution into a finding."""
     if isinstance(problem, MissingArgument):
         return _explain_missing_argument(problem.name, span, scope)
     return refuse(problem.message, span, problem.rule, problem.help, subject=problem.subject, kind=problem.kind)
@@ -120,7 +120,7 @@ def _explain_missing_argument(name: str, span: Span, scope: Scope) -> Refused:
 
 
 def is_wanted(element: Element, draft: Draft, scope: Scope) -> bool:
-    """Whether `if` and `unless` let a tag take part. Raises Refused when they say neither yes nor no."""
+    """Return whether `if` and `unless` let a tag take part. Raises Refused when they say neither yes nor no."""
     attributes = element.attributes
     if "if" not in attributes and "unless" not in attributes:
         return True

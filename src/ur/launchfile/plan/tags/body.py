@@ -1,4 +1,4 @@
-"""What stands inside `<launch>`: the tags in document order, groups, and included files."""
+"""The body of `<launch>`: the tags in document order, groups, and included files."""
 
 from __future__ import annotations
 

@@ -15,7 +15,7 @@ EXPECTED = (
 
 
 def is_ready_comment(text: str) -> bool:
-    """Whether the text of a comment states conditions."""
+    """Return whether the text of a comment states conditions."""
     return _READY.match(text) is not None
 
 

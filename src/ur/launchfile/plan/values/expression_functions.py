@@ -36,7 +36,7 @@ _METHODS: Mapping[type, frozenset[str]] = {
 
 
 def size_of(value: Any) -> int:
-    """How large a value is: characters, items, or bits / 8. Raises ExpressionProblem when it is too large to go on."""
+    """The size of a value: characters, items, or bits / 8. Raises ExpressionProblem when it is too large to go on."""
     if isinstance(value, (str, bytes, list, tuple, dict, set, frozenset)):
         size = len(value)
     elif isinstance(value, int):

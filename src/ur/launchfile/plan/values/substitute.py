@@ -182,7 +182,7 @@ def _find(resolved: str, piece: Substitution, world: World) -> str:
 
 
 def find_path(package: str, path: str, start: int, end: int, world: World) -> str:
-    """What `$(find package)/path` means, or `$(find package)` when the path is empty. Raises SubstitutionProblem."""
+    """Resolve `$(find package)/path`, or `$(find package)` when the path is empty. Raises SubstitutionProblem."""
     try:
         special = world.find_in_package(package, path) if path else None
         if special is not None:

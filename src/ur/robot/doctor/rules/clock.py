@@ -26,7 +26,7 @@ def check_offset(pair: Pair) -> Iterator[Finding]:
 
 
 def check_daemon(where: Where, side: Side) -> Iterator[Finding]:
-    """What keeps a clock right."""
+    """Check for a running clock synchronisation."""
     state = side.active.get("chrony.service")
     if state not in ("active", None) and not any(unit.name == "chrony.service" for unit in side.failing):
         installed = not side.packages or "chrony" in side.packages

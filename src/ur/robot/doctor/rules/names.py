@@ -14,7 +14,7 @@ INSTALL = "apt-get install -y avahi-daemon libnss-mdns"
 
 
 def runs_avahi(side: Side) -> bool:
-    """Whether the daemon that makes .local names runs."""
+    """Return whether the daemon that makes .local names runs."""
     return side.active.get("avahi-daemon.service") == "active"
 
 

@@ -1,4 +1,4 @@
-"""What goes through between the two: ports, full frames, loss, latency."""
+"""Rules about the network between the two: ports, full frames, loss, latency."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _FIREWALLS = {
 
 
 def check_address(where: Where, side: Side) -> Iterator[Finding]:  # noqa: ARG001 - of the protocol
-    """Whether the computer is in a network at all."""
+    """Check that the computer is in a network."""
     if side.name and not side.addresses:
         yield Finding(
             "no-network", f"{side.name} has no address in any network", "connect it; what there is: nmcli device status"

@@ -1,4 +1,4 @@
-"""What is installed: packages that one of the two lacks, and messages that they define differently."""
+"""Rules about installed packages: those that one of the two lacks, and messages that they define differently."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def check_release(where: Where, side: Side) -> Iterator[Finding]:
 
 
 def check_missing(where: Where, side: Side) -> Iterator[Finding]:
-    """What `ur setup` or `ur robot setup` installs."""
+    """Check for the packages that `ur setup` or `ur robot setup` installs."""
     wanted = there.PACKAGES if where == "there" else here.PACKAGES
     if side.release and find_release(side.release).ros != "native":
         wanted = tuple(sorted({*wanted} - {*load_ros_packages()}))

@@ -1,4 +1,4 @@
-"""What a rule is: the kinds of findings that it makes, in people's words, and the function that makes them."""
+"""Registry of the rules: a description of the findings of each, and the function that makes them."""
 
 from __future__ import annotations
 
