@@ -72,7 +72,7 @@ def test_launch_file_named_by_hand_is_taken_whatever_its_ending() -> None:
 
 @pytest.mark.parametrize("path", ["/s/a/launch/plugins.xml", "/s/a/package.xml", "/s/a/bin/data"])
 def test_other_file_named_by_hand_is_refused(path: str) -> None:
-    with pytest.raises(UserError, match="is no launch file"):
+    with pytest.raises(UserError, match="not a launch file"):
         collect_targets([path], WORLD)
 
 

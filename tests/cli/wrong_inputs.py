@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import os
+import re
 import shlex
 import sys
 import tempfile
@@ -217,9 +218,6 @@ new package demo
 new node talker --package src/demo --summary Talk. --from-package dmeo --type talker --no-look
 new node talker --package src/demo --summary Talk. --from-package demo --type tlker --no-look
 new multi all --package src/demo --summary Talk. --include nothing
-new rviz map --package src/demo --summary Talk. --topic scan
-new program drive --package src/demo --summary Talk. --launch nothing.launch
-new base mangi --package src/demo --summary Talk. --like nothing
 new base small --package src/demo --summary Talk. --mass -1
 new package nose --summary Talk. --email nobody
 new world a/b --size 8x6
@@ -314,6 +312,7 @@ def describe(words: list[str], folder: str) -> str:
     printed = io.StringIO()
     with redirect_stdout(printed), redirect_stderr(printed), patch.object(sys, "stdin", io.StringIO()):
         code = main(words)
-    text = printed.getvalue().replace(folder, "~").replace(str(LIBRARY.parent), "UR")
+    text = re.sub(rf"{re.escape(tempfile.gettempdir())}/tmp\w+", "TMP", printed.getvalue().replace(folder, "~"))
+    text = text.replace(str(LIBRARY.parent), "UR")
     lines = "".join(f"    {line}".rstrip() + "\n" for line in text.splitlines())
     return f"$ ur {shlex.join(words)}\n  -> {code}\n{lines}\n"

@@ -81,7 +81,7 @@ def test_mount_on_a_folder_with_files_is_refused(pair: Bench) -> None:
         ("nobody", "no computer answers to this name"),
         ("bob --folder nowhere", "nowhere is not there"),
         ("bob --at here --over", "two places"),
-        ("", "no robot is given"),
+        ("", "no robot given"),
     ],
 )
 def test_mount_that_cannot_be_is_explained_and_leaves_nothing(pair: Bench, words: str, said: str) -> None:

@@ -172,9 +172,9 @@ def test_lines_are_printed_where_there_is_no_terminal(pair: Bench) -> None:
     ("words", "said"),
     [
         ("wifi nobody", "no computer answers to this name"),
-        ("wifi", "no robot is given"),
+        ("wifi", "no robot given"),
         ("wifi bob --log /no/such/folder/x", "cannot be written"),
-        ("wifi 'b b'", "is not the address of a computer"),
+        ("wifi 'b b'", "is not an address"),
     ],
 )
 def test_what_cannot_be_done_is_said_in_one_line(pair: Bench, words: str, said: str) -> None:

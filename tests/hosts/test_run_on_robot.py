@@ -284,7 +284,7 @@ def test_what_the_robot_lacks_is_said_in_one_line(pair: Bench) -> None:
     try:
         done = laptop.run(f"{UR} launch chat chat.launch", user="pat", timeout=120)
         assert done.code != 0
-        assert "error: bob: chat is neither a package nor a file" in done.err
+        assert "error: bob: no package or file named 'chat'" in done.err
         assert "ur sync bob" in done.err
     finally:
         robot.run("mv chat catkin_ws/src/chat", user="ros").check()

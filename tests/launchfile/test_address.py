@@ -29,13 +29,17 @@ def test_path_is_taken_as_it_is() -> None:
 @pytest.mark.parametrize(
     ("words", "message", "help_"),
     [
-        (["my_pkg", "b.launch"], "holds 2 files", "/p/one/b.launch"),
-        (["my_pkg", "aa.launch"], "holds no file", "a.launch"),
-        (["my_pkg", "m_driv.launch.xml"], "holds no file", "m_drive.launch.xml"),
-        (["my_pgk", "a.launch"], "neither", "my_pkg"),
-        (["/d.launch"], "is no file", "/c.launch"),
-        (["my_pkg"], "'my_pkg' is given without a launch file, expected one of a.launch, b.launch", "ur launch my_pkg"),
-        (["my_pkg", "bb.launch"], "holds no file", "did you mean b.launch?"),
+        (["my_pkg", "b.launch"], "has 2 files", "/p/one/b.launch"),
+        (["my_pkg", "aa.launch"], "no file '", "a.launch"),
+        (["my_pkg", "m_driv.launch.xml"], "no file '", "m_drive.launch.xml"),
+        (["my_pgk", "a.launch"], "no package or file named", "my_pkg"),
+        (["/d.launch"], "no file '/d.launch'", "/c.launch"),
+        (
+            ["my_pkg"],
+            "no launch file given for package 'my_pkg', expected one of a.launch, b.launch",
+            "ur launch my_pkg",
+        ),
+        (["my_pkg", "bb.launch"], "no file '", "did you mean b.launch?"),
     ],
 )
 def test_wrong_address_is_explained(words: list[str], message: str, help_: str) -> None:

@@ -94,5 +94,5 @@ def test_free_robot_is_driven_without_a_question(monkeypatch: pytest.MonkeyPatch
 
 @pytest.mark.parametrize("given", [{"watch": True, "ask": True}, {"ask": True, "take_over": True}])
 def test_options_exclude_each_other(given: dict[str, Any]) -> None:
-    with pytest.raises(UserError, match="exclude each other"):
+    with pytest.raises(UserError, match="cannot be used together"):
         check_options(("a.launch",), LaunchOptions(**given))

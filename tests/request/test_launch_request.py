@@ -36,7 +36,7 @@ def test_of_an_argument_that_is_given_twice_the_last_counts() -> None:
 def test_stray_name_is_explained() -> None:
     world = MemoryWorld(files=FILES)
     assert make_request(["/x.launch", "/top.launch", "-"], world).files.paths == ("/x.launch", "/top.launch", "-")
-    with pytest.raises(UserError, match="'--aa=1' is no argument, expected NAME:=VALUE with NAME one of a, b"):
+    with pytest.raises(UserError, match="'--aa=1' is not an argument, expected NAME:=VALUE with NAME one of a, b"):
         make_request(["/x.launch", "--aa=1"], world)
 
 

@@ -133,7 +133,7 @@ def test_dump_with_origins_names_places_and_includes(folder: Path) -> None:
     [
         (["{folder}/a.launch", "port:=7"], "machine 'no_such_machine' is not defined"),
         (["{folder}/a.launch"], "argument 'port' is required and was not given"),
-        (["{folder}/none.launch"], "is no file, expected a launch file"),
+        (["{folder}/none.launch"], "expected a launch file"),
         (["--no-commands", "{folder}/part.launch.xml", "{folder}/command.launch"], "programs are not run here"),
     ],
 )

@@ -60,7 +60,7 @@ def test_detached_run_outlives_its_terminal_and_is_stopped_from_another(world: A
     assert listed["title"] == "test"
     assert f"{listed['run']} has ended" in call(world, "stop")
     wait_nothing_left(world.folder, without=frozenset({world.master_pid}))
-    assert "nothing runs" in call(world, "ps")
+    assert "no run is active" in call(world, "ps")
     assert not Path(listed["folder"]).exists()
 
 
@@ -132,7 +132,7 @@ def test_run_killed_with_9_is_not_listed_any_more(world: Any) -> None:
     [listed] = json.loads(call(world, "ps", "--json"))
     os.kill(listed["pid"], signal.SIGKILL)
     wait_nothing_left(world.folder, without=frozenset({world.master_pid}))
-    assert "nothing runs" in call(world, "ps")
+    assert "no run is active" in call(world, "ps")
     assert not Path(listed["folder"]).exists()
 
 

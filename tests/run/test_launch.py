@@ -267,7 +267,7 @@ def test_required_node_dying_behind_the_terminal_is_reported_afterwards(world: A
 def test_program_refuses_words_that_are_no_arguments(world: Any) -> None:
     run = world.launch(TERMINAL.format("ask", "") + '<arg name="world" default="maze"/>', "--", "--world", "office")
     assert run.wait() == 2
-    assert "error: '--world' is no argument, expected NAME:=VALUE with NAME one of world" in run.text
+    assert "error: '--world' is not an argument, expected NAME:=VALUE with NAME one of world" in run.text
     assert "help: did you mean world:=...?" in run.text
 
 

@@ -79,9 +79,9 @@ def collect_targets(paths: Sequence[str], world: World) -> Targets:
         if world.is_file(path) and not _can_be_checked(path, launch, yaml, folders, world):
             raise UserError(
                 error(
-                    f"{word} is no launch file, YAML file or program of a package, expected one of them",
+                    f"{word}: not a launch file, YAML file or program of a package",
                     rule="unknown-file",
-                    help="programs stand in the folder bin of a package; launch files hold <launch>",
+                    help="a program is a file in the folder bin of a package, a launch file contains <launch>",
                 )
             )
         programs.update(file for file in files if file.rpartition("/")[0] in folders and is_script(file, world))

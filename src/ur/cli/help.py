@@ -78,7 +78,7 @@ def _show_program(name: str, *, known_verb: bool) -> None:
     near = did_you_mean(name, (*VERBS, *names))
     raise UserError(
         error(
-            f"unknown command {name!r}, expected a verb of ur or a program",
+            f"unknown command {name!r}, expected a command of ur or a program",
             rule="unknown-verb",
             help=f"did you mean 'ur help {near}'?" if near else "'ur help' lists the verbs, 'ur list' the programs",
         )

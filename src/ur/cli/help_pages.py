@@ -18,7 +18,7 @@ _RUN = "A run, as 'ur ps' lists it, or the beginning of its name; optional where
 _ROBOT = "A robot's name, HOST or USER@HOST; the selected robot unless given."
 _FILE = "A launch file: its path, or a package and the name of a file in it; then its arguments NAME:=VALUE."
 _PATHS = "Files, folders or packages; the current folder unless given."
-_NEW = "The name, in small letters, digits and _; asked for unless given."
+_NEW = "The name, in lower-case letters, digits and _; asked for unless given."
 
 PAGES: Mapping[str, HelpPage] = {
     "run": HelpPage(

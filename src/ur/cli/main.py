@@ -151,16 +151,19 @@ def _explain(problem: click.UsageError, words: Sequence[str]) -> int:
     verb = problem.ctx.command.name if problem.ctx is not None and problem.ctx.parent is not None else None
     where = problem.ctx.command_path if verb and problem.ctx else "ur"
     if problem.ctx is None and words[0] in VERBS:  # click does not say where an option lacks its value
-        where = f"ur {words[0]}"
+        where = _name_command(words)
     message = problem.format_message().rstrip(".")
-    help_line = f"'{where} --help' shows what there is"
-    if isinstance(problem, click.BadParameter) and (wanted := _describe_number(problem.param)):
+    help_line = f"'{where} --help' lists the options"
+    if isinstance(problem, click.BadParameter) and (wanted := _describe_values(problem.param)):
         assert problem.param is not None
         given = problem.message.partition(" is not ")[0].strip("'")
-        option = max(problem.param.opts, key=len)
-        message = f"{where}: {given!r} is not a value of {option}, expected {wanted}"
+        named = isinstance(problem.param, click.Option)
+        target = f" for {max(problem.param.opts, key=len)}" if named else ""
+        message = f"{where}: invalid value {given!r}{target}, expected {wanted}"
+    elif isinstance(problem, click.BadOptionUsage) and not isinstance(problem, click.NoSuchOption):
+        message = f"{where}: option '{problem.option_name}' requires a value"
     elif isinstance(problem, click.NoSuchOption):
-        message = f"{problem.option_name} is not an option of '{where}'"
+        message = f"{where}: unknown option '{problem.option_name}'"
         names = [name for param in problem.ctx.command.params for name in param.opts] if problem.ctx else []
         near = did_you_mean(problem.option_name, names)
         help_line = f"did you mean {near!r}?" if near else help_line
@@ -196,9 +199,20 @@ def _suggest_command(word: str) -> str | None:
     return f"did you mean 'ur run {near}'?" if near else None
 
 
-def _describe_number(param: click.Parameter | None) -> str:
-    """The numbers that an option takes: 'a whole number from 1 to 65535'; '' for one that takes something else."""
+def _name_command(words: Sequence[str]) -> str:
+    """The command that a command line calls: 'ur robot setup'."""
+    command = load_verb(words[0])
+    inner = getattr(command, "commands", {})
+    name = next((word for word in words[1:] if word in inner), "")
+    return f"ur {words[0]} {name}".rstrip()
+
+
+def _describe_values(param: click.Parameter | None) -> str:
+    """The values that an option takes: 'a whole number from 1 to 65535', 'bash, fish or zsh'; '' for any text."""
     kind = param.type if param is not None else None
+    if isinstance(kind, click.Choice):
+        *some, last = map(str, kind.choices)
+        return f"{', '.join(some)} or {last}" if some else last
     if not isinstance(kind, click.types.IntParamType | click.types.FloatParamType):
         return ""
     text = "a whole number" if isinstance(kind, click.types.IntParamType) else "a number"

@@ -60,7 +60,7 @@ def _find_in_package(package: str, name: str, world: World) -> str | None:
     if len(found) > 1:
         raise UserError(
             error(
-                f"package {package} holds {len(found)} files named {name}, expected one",
+                f"package '{package}' has {len(found)} files named '{name}', expected one",
                 rule="ambiguous-file",
                 notes=tuple(Note(path) for path in found),
                 help=f"give the path: {found[0]}",
@@ -72,7 +72,7 @@ def _find_in_package(package: str, name: str, world: World) -> str | None:
 def _explain(names: list[str], world: World) -> Diagnostic:
     if len(names) == 1 and names[0] in world.package_names():
         files = _list_launch_files(world.find_package(names[0]), world)
-        message = f"package {names[0]!r} is given without a launch file, expected one of {_shorten(files)}"
+        message = f"no launch file given for package {names[0]!r}, expected one of {_shorten(files)}"
         return error(message, rule="missing-file", help=f"ur launch {names[0]} {files[0]}" if files else None)
     if len(names) == 1:
         folder, slash, last = names[0].rpartition("/")
@@ -83,18 +83,18 @@ def _explain(names: list[str], world: World) -> Diagnostic:
             expected = f"one of {_shorten(files)}" if files else "a launch file"
             message = f"{names[0]} is a folder, expected {expected}"
             return error(message, rule="missing-file", help=f"give a file: {files[0]}" if files else help_)
-        return error(f"{names[0]} is no file, expected a launch file", rule="missing-file", help=help_)
+        return error(f"no file '{names[0]}', expected a launch file", rule="missing-file", help=help_)
     package, name = names[:2]
     known = set(world.package_names())
     if package in known:
         return error(
-            f"package {package} holds no file named {name}, expected a launch file",
+            f"no file '{name}' in package '{package}', expected a launch file",
             rule="missing-file",
             help=_near_launch_file(package, name, world),
         )
     near = did_you_mean(package, known)
     help_ = f"did you mean {near}?" if near else "install it, or source the setup.bash of its workspace"
-    return error(f"{package} is neither a package nor a file, expected one of them", rule="unknown-package", help=help_)
+    return error(f"no package or file named '{package}'", rule="unknown-package", help=help_)
 
 
 def _near_launch_file(package: str, name: str, world: World) -> str | None:

@@ -28,9 +28,9 @@ def robot_address(robot: str | None) -> Address:
         if selected.simulated:
             raise UserError(
                 error(
-                    "no robot is given, and the selected one is simulated, expected a robot with a computer of its own",
+                    "no robot given, and the selected robot is simulated, expected a real robot",
                     rule="no-robot",
-                    help="ur use ROBOT, or name it; 'ur robots' shows who is there",
+                    help="name a robot, or select one with 'ur use ROBOT'; 'ur robots' lists them",
                 )
             )
         robot = selected.robot

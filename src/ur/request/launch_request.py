@@ -109,7 +109,7 @@ def refuse_stray_names(files: LaunchFiles) -> None:
             known = ": the launch file declares no arguments"
         raise UserError(
             error(
-                f"{name!r} is no argument{known}",
+                f"{name!r} is not an argument{known}",
                 rule="bad-argument",
                 help=f"did you mean {near}:=...?" if near else None if declared else f"leave {name} out",
             )

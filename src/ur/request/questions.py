@@ -99,7 +99,7 @@ def find_node(plan: Plan, name: str) -> NodeSpec:
     near = did_you_mean(full, names)
     raise UserError(
         error(
-            f"node {name!r} is not in this launch file, expected one of {', '.join(names) or '(none)'}",
+            f"unknown node {name!r}, expected one of {', '.join(names) or '(none)'}",
             rule="unknown-node",
             help=f"did you mean {near}?" if near else None,
         )

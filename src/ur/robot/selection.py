@@ -48,7 +48,7 @@ def parse_selection(text: str) -> Selection:
     robot, *parts = text.strip().split(":")
     robot = robot.removesuffix(".local")
     if not _HOST.fullmatch(robot):
-        raise _bad(text, f"{robot!r} is not the name of a computer")
+        raise _bad(text, f"{robot!r} is not a valid host name")
     if len(parts) > 2:
         raise _bad(text, "too many parts")
     for part in parts:

@@ -47,4 +47,4 @@ def test_json_names_role_and_place(folder: Path, capsys: pytest.CaptureFixture[s
 
 def test_nothing_found_is_said_with_what_to_try(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["find", "speed"]) == 1
-    assert capsys.readouterr().err == "nothing called 'speed' in .; names may be written with *: ur find '*speed*'\n"
+    assert capsys.readouterr().err == "no 'speed' in .; use * as a wildcard: ur find '*speed*'\n"

@@ -94,10 +94,10 @@ def test_base_is_there_at_once(capsys: pytest.CaptureFixture[str]) -> None:
             ["node", "x", "--from-package", "ubiquity_launches", "--type", "joy_nod", "--summary", "s"],
             "did you mean joy_node?",
         ),
-        (["node", "x", "--from-package", "ubiquity_launch", "--type", "joy"], "--summary is not given"),
-        (["rviz", "Bad-Name", "--summary", "s"], "expected small letters, digits and _"),
-        (["program", "x"], "--summary is not given"),
-        (["rviz", "x", "--summary", "s", "--package", "nowhere"], "nowhere is neither a folder nor a package"),
+        (["node", "x", "--from-package", "ubiquity_launch", "--type", "joy"], "--summary is required"),
+        (["rviz", "Bad-Name", "--summary", "s"], "expected lower-case letters, digits and _"),
+        (["program", "x"], "--summary is required"),
+        (["rviz", "x", "--summary", "s", "--package", "nowhere"], "no folder or package named 'nowhere'"),
     ],
 )
 @pytest.mark.usefixtures("package")

@@ -32,14 +32,14 @@ def test_picture_becomes_a_world_of_its_size(folder: Path, capsys: pytest.Captur
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        ([], "NAME is not given"),
+        ([], "NAME is required"),
         (["home"], "neither --picture nor --size is given"),
         (["home", "--size", "8"], "expected WIDTHxHEIGHT in m"),
         (["home", "--size", "0.1x8"], "--size 0.1, expected 1 to 1000 m"),
         (["home", "--size", "900x900"], "expected at most 4000"),
         (["home", "--size", "8x6", "--cell", "nan"], "--cell nan"),
         (["home", "--size", "8x6", "--width", "3"], "--width belongs to --picture"),
-        (["home", "--size", "8x6", "--picture", "plan.png"], "exclude each other"),
+        (["home", "--size", "8x6", "--picture", "plan.png"], "cannot be used together"),
         (["home", "--picture", "plan.png"], "--width is not given"),
         (["home", "--picture", "plan.png", "--width", "-1"], "--width -1, expected"),
         (["home", "--picture", "none.png", "--width", "8"], "picture 'none.png' does not exist"),

@@ -55,9 +55,9 @@ def test_questions_are_answered_as_roslaunch_does(
 @pytest.mark.parametrize(
     ("words", "told"),
     [
-        (["--screen", "--log"], "--screen and --log exclude each other"),
-        (["--nodes", "--ros-args"], "--nodes and --ros-args exclude each other"),
-        (["--files", "--dry-run"], "--files and --dry-run exclude each other"),
+        (["--screen", "--log"], "--screen and --log cannot be used together"),
+        (["--nodes", "--ros-args"], "--nodes and --ros-args cannot be used together"),
+        (["--files", "--dry-run"], "--files and --dry-run cannot be used together"),
         (["--core"], "--core starts a master alone"),
         (["-", "-"], "expected it once"),
         (["-c", "child"], "-c is not for ur launch"),
@@ -76,7 +76,7 @@ def test_wrong_options_are_explained(
     ("words", "told"),
     [
         (["--args", "/deep/onne"], "did you mean /deep/one?"),
-        (["--dry-run", "--only", "three"], "node 'three' is not in this launch file, expected one of /deep/one, /two"),
+        (["--dry-run", "--only", "three"], "unknown node 'three', expected one of /deep/one, /two"),
         (["--dry-run", "--prefix", "two"], "--prefix 'two', expected NODE=PREFIX"),
         (["--dry-run", "--required"], "--required: /two is to be respawned"),
     ],

@@ -42,7 +42,7 @@ def test_base_that_is_not_known_is_said_and_the_list_comes_all_the_same(
     (home / "ubiquity_launches" / "selection").write_text("sim:magnni\n", encoding="utf-8")
     assert main(["list"]) == 0
     captured = capsys.readouterr()
-    assert "base 'magnni' is not known" in captured.err
+    assert "unknown base 'magnni'" in captured.err
     assert find_line(captured.out, "rviz_sonar")
 
 

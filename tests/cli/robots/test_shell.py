@@ -102,7 +102,7 @@ def test_missing_ssh_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
 
 def test_robot_is_the_selected_one_unless_it_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
-    with pytest.raises(UserError, match="no robot is given"):
+    with pytest.raises(UserError, match="no robot given"):
         robot_address(None)
     (tmp_path / "ubiquity_launches").mkdir()
     (tmp_path / "ubiquity_launches/selection").write_text("eve\n")

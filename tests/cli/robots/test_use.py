@@ -41,7 +41,7 @@ def test_selection_that_is_a_link_stays_one(config: Path, tmp_path: Path) -> Non
     [
         ("sim:mangi", "did you mean 'magni'?"),
         ("sim:magni:lidr", "did you mean 'lidar'?"),
-        ("a b", "'a b' is not the name of a computer"),
+        ("a b", "'a b' is not a valid host name"),
         ("sim:stage:x:y", "too many parts"),
         ("sim::lidar", "a variant needs its base"),
         ("sim:", "nothing follows the last ':'"),

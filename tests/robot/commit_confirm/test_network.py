@@ -122,8 +122,8 @@ def test_address_is_set_on_the_profile_of_the_device(
     [
         ("10.0.0.7", None, (), "--address '10.0.0.7'"),
         ("10.0.0.300/24", None, (), "--address"),
-        ("10.0.0.0/24", None, (), "not the address of a computer"),
-        ("10.0.0.255/24", None, (), "not the address of a computer"),
+        ("10.0.0.0/24", None, (), "not a host address"),
+        ("10.0.0.255/24", None, (), "not a host address"),
         ("10.0.0.7/24", "10.0.1.1", (), "--gateway 10.0.1.1 is not in the network 10.0.0.0/24"),
         ("10.0.0.7/24", "there", (), "--gateway 'there'"),
         ("10.0.0.7/24", None, ("dns.example",), "--dns 'dns.example'"),

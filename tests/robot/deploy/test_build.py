@@ -58,7 +58,7 @@ def test_jobs_fit_into_memory(processors: int, memory: int, wanted: int | None, 
 @pytest.mark.parametrize(
     ("builder", "said"),
     [
-        (replace(GOOD, packages=None), "is not there"),
+        (replace(GOOD, packages=None), "no workspace"),
         (replace(GOOD, packages=0), "holds no package"),
         (replace(GOOD, tools=frozenset({"cmake", "make"})), "catkin g++ not installed"),
         (replace(GOOD, tools=GOOD.tools - {"catkin"}, catkin_tools=True), "catkin-tools not installed"),

@@ -39,7 +39,7 @@ def test_address_is_read(text: str, address: Address) -> None:
 
 @pytest.mark.parametrize("text", ["", "a b", "-oProxyCommand=x", "ros@-x", "a;b@robot", "robot/x"])
 def test_address_that_could_be_something_else_is_refused(text: str) -> None:
-    with pytest.raises(UserError, match="not the address of a computer"):
+    with pytest.raises(UserError, match="is not an address"):
         parse_address(text, "ros")
 
 

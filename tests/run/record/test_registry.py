@@ -240,7 +240,7 @@ def test_words_find_runs_by_id_title_or_beginning() -> None:
     assert find_run([one, two], "drive.11") == one
     assert find_run([one, two], "driv") == one
     for runs, word, text in (
-        ([], None, "nothing runs"),
+        ([], None, "no run is active"),
         ([one, two], None, "several runs"),
         ([one, two], "dri", "several runs"),
         ([one, two], "drove.11", "did you mean"),

@@ -155,5 +155,5 @@ def test_file_that_is_not_there_is_a_problem_with_its_rule(world: Any) -> None:
     request = replace(request_of(world, ONE, "talk"), words=("no_such_package", "x.launch"))
     problem = ask(world, request).problem
     assert problem is not None
-    assert problem.message.startswith("no_such_package is neither a package nor a file")
+    assert problem.message.startswith("no package or file named 'no_such_package'")
     assert (problem.rule, problem.place) == ("unknown-package", "")

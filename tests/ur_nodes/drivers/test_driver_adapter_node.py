@@ -68,7 +68,7 @@ def test_bumpers_of_neato_become_latched_topics_of_the_base(ros: RosSession) -> 
 
 
 MISTAKES = [
-    (["_base:=lokki"], "base 'lokki' is not known"),
+    (["_base:=lokki"], "unknown base 'lokki'"),
     (["_base:=botvac", "_bumper_messages:=nowhere/Sensor"], "expected a type of message as package/Name"),
     (["_base:=botvac", "_bumper_messages:=std_msgs/Bool"], "messages std_msgs/Bool have no name and value"),
     (

@@ -205,7 +205,7 @@ def test_smoother_ramps_within_its_limits(robot: Robot) -> None:
 @pytest.mark.parametrize(
     ("program", "parameters", "message"),
     [
-        ("n_cmd_vel_mux/bin/twist_mux", ("_base:=stagge",), "base 'stagge' is not known"),
+        ("n_cmd_vel_mux/bin/twist_mux", ("_base:=stagge",), "unknown base 'stagge'"),
         ("n_cmd_vel_mux/bin/twist_mux", ("_base:=stage",), "parameter /cmd_vel_mux_2/topics: None, expected a list"),
         ("n_cmd_vel_mux/bin/twist_mux", ("_base:=stage", "_topics:=key_vel"), "'key_vel', expected a list of mappings"),
         ("n_velocity_smoother/bin/velocity_smoother", (), "parameter /cmd_vel_mux_2/accel_lim_v is not set"),

@@ -142,7 +142,7 @@ def test_node_gives_several_robots_names_of_their_own(ros: Ros) -> None:
 @pytest.mark.parametrize(
     ("parameter", "message"),
     [
-        ("_base:=stagge", "base 'stagge' is not known"),
+        ("_base:=stagge", "unknown base 'stagge'"),
         ("_world_file:=/nowhere/maze.yaml", "/nowhere/maze.yaml: no such file or directory"),
         ("_world_file:=BROKEN", "broken.yaml:3:1: error: not valid YAML"),
         ("_speed:=fast", "parameter /simulator/speed: 'fast', expected a number"),

@@ -29,7 +29,7 @@ def command(argv: tuple[str, ...]) -> int:
 
     names, arguments = split_argv(argv)
     if len(names) < 2:
-        raise click.UsageError("expected FILE and NAME, for instance: ur explain robot.launch rate")
+        raise click.UsageError("missing argument 'FILE' or 'NAME', for instance: ur explain robot.launch rate")
     selection = current_selection(os.environ)
     apply_selection(selection)
     world = SystemWorld(os.environ)

@@ -55,7 +55,7 @@ def command(name: str, paths: tuple[str, ...], kinds: tuple[str, ...], as_json: 
         _show(found)
     else:
         where = ", ".join(words)
-        click.echo(f"nothing called {name!r} in {where}; names may be written with *: ur find '*{name}*'", err=True)
+        click.echo(f"no {name!r} in {where}; use * as a wildcard: ur find '*{name}*'", err=True)
     return 0 if found else 1
 
 

@@ -15,7 +15,7 @@ def _check_name(_context: click.Context, _parameter: click.Parameter, value: str
     import re
 
     if value is not None and not re.fullmatch(_NAME, value):
-        raise click.BadParameter(f"{value!r}, expected small letters, digits and _, a letter first")
+        raise click.BadParameter(f"{value!r}, expected lower-case letters, digits and _, starting with a letter")
     return value
 
 

@@ -67,15 +67,21 @@ def find_target(word: str | None) -> Target:
         try:
             return Target(word, Path(SystemWorld(know_own_package(os.environ)).find_package(word)))
         except PackageNotFound:
-            message = f"{word} is neither a folder nor a package, expected one of them"
-            raise UserError(error(message, rule="unknown-package", help="ur new package makes one")) from None
+            message = f"no folder or package named '{word}'"
+            raise UserError(error(message, rule="unknown-package", help="create one: ur new package")) from None
     start = Path(word or ".").resolve()
     for folder in (start, *start.parents):
         if (folder / "package.xml").is_file():
             named = re.search(r"<name>\s*([\w-]+)\s*</name>", (folder / "package.xml").read_text(encoding="utf-8"))
             return Target(named.group(1) if named else folder.name, folder)
-    message = f"no package.xml in {start} or above, expected a package that gets the new files"
-    raise UserError(error(message, rule="no-package", help="go into one, name it with --package, or: ur new package"))
+    message = f"no package.xml in {start} or its parent folders"
+    raise UserError(
+        error(
+            message,
+            rule="no-package",
+            help="change to the folder of a package, name one with --package, or create one: ur new package",
+        )
+    )
 
 
 def _formatted(target: Target, file: NewFile) -> NewFile:

@@ -37,7 +37,9 @@ def ask(value: str | None, option: str, question: str, default: str | None = Non
     if not sys.stdin.isatty():
         raise UserError(
             error(
-                f"{option} is not given, expected it where nobody can be asked", rule="not-given", help=f"{question}?"
+                f"{option} is required where there is no terminal to ask on",
+                rule="not-given",
+                help=f"give {option}: {question}",
             )
         )
     answer: str = click.prompt(question, default=default or None, type=str)
@@ -88,13 +90,13 @@ def find_program(package: str, kind: str) -> str:
     except PackageNotFound:
         near = did_you_mean(package, world.package_names())
         help_ = f"did you mean {near}?" if near else "install it, or source the setup.bash of its workspace"
-        raise UserError(error(f"package {package} is not known here", rule="unknown-package", help=help_)) from None
+        raise UserError(error(f"unknown package '{package}'", rule="unknown-package", help=help_)) from None
     if found:
         return found[0]
     names = sorted(world.executable_names(package))
     near = did_you_mean(kind, names)
     help_ = f"did you mean {near}?" if near else f"there is {', '.join(names) or 'none'}"
-    raise UserError(error(f"{package} holds no executable {kind}, expected one", rule="missing-executable", help=help_))
+    raise UserError(error(f"no executable '{kind}' in package '{package}'", rule="missing-executable", help=help_))
 
 
 def find_parts(words: Sequence[str], target: Target) -> list[Part]:
@@ -164,7 +166,7 @@ def urdf_files(target: Target, name: str, text: str, like: str) -> list[NewFile]
     known = list_bases(target.folder)
     if known and like not in known:
         near = did_you_mean(like, known)
-        message = f"--like {like}: base {like!r} is not known, expected one of {', '.join(known)}"
+        message = f"--like {like}: unknown base {like!r}, expected one of {', '.join(known)}"
         raise UserError(error(message, rule="unknown-base", help=f"did you mean {near}?" if near else None))
     files = [
         NewFile(str(each.relative_to(target.folder).with_name(f"{name}.yaml")), each.read_text(encoding="utf-8"))

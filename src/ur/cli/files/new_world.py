@@ -29,7 +29,7 @@ def new_world(name: str | None, picture: str | None, width: float | None, size: 
     Robots start at (0, 0), which is free floor near the middle of the picture.
     """
     if picture and size:
-        raise _wrong("--picture and --size exclude each other, expected one")
+        raise _wrong("--picture and --size cannot be used together")
     if width is not None and size:
         raise _wrong("--width belongs to --picture, expected --size alone")
     name = ask(name, "NAME", "Name of the world")

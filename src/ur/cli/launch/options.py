@@ -154,7 +154,7 @@ def _complete_options(argv: Sequence[str], known: set[str]) -> Iterator[str]:
 
 
 def check_options(argv: Sequence[str], options: LaunchOptions) -> None:
-    """Raise UserError for options that exclude each other, click.UsageError where files are missing or too many."""
+    """Raise UserError for options that cannot be used together, click.UsageError where FILE is missing or surplus."""
     if options.core and (argv or options.wait or options.queries):
         raise UserError(
             error("--core starts a master alone, expected no launch file, --wait or question", rule="bad-options")
@@ -164,17 +164,17 @@ def check_options(argv: Sequence[str], options: LaunchOptions) -> None:
     if argv.count("-") > 1:
         raise UserError(error("'-' is standard input, expected it once", rule="bad-options"))
     if options.screen and options.log:
-        raise UserError(error("--screen and --log exclude each other, expected one", rule="bad-options"))
+        raise UserError(error("--screen and --log cannot be used together", rule="bad-options"))
     modes = [name for name in ("watch", "ask", "take_over") if getattr(options, name)]
     if len(modes) > 1:
         text = " and ".join(f"--{name.replace('_', '-')}" for name in modes)
-        raise UserError(error(f"{text} exclude each other, expected one", rule="bad-options"))
+        raise UserError(error(f"{text} cannot be used together", rule="bad-options"))
     if options.detach and options.json:
         help_ = "'ur attach --json' prints the events of a run that is detached"
-        raise UserError(error("--detach and --json exclude each other", rule="bad-options", help=help_))
+        raise UserError(error("--detach and --json cannot be used together", rule="bad-options", help=help_))
     check_seconds(options)
     names = [name for name, _ in options.queries]
     if len([name for name in names if name in _EXCLUSIVE]) > 1 or (len(names) > 1 and set(names) & _OURS):
         raise UserError(
-            error(f"{' and '.join(f'--{name}' for name in names)} exclude each other, expected one", rule="bad-options")
+            error(f"{' and '.join(f'--{name}' for name in names)} cannot be used together", rule="bad-options")
         )

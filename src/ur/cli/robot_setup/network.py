@@ -60,9 +60,9 @@ def network(
     from ur.robot.commit_confirm.network import parse_addressing
 
     if dhcp and (address or gateway):
-        raise click.UsageError("--dhcp gives address and gateway, expected no --address or --gateway beside it")
+        raise click.UsageError("--dhcp cannot be used with --address or --gateway")
     if (gateway or names) and not (address or dhcp):
-        raise click.UsageError("--gateway and --dns belong to an address, expected --address or --dhcp with them")
+        raise click.UsageError("--gateway and --dns require --address or --dhcp")
     wanted = parse_addressing(address, gateway, names, dhcp=dhcp) if address or dhcp else None
     (password,) = read_lines(password_from, "--password-from", 1)
 

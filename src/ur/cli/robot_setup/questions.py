@@ -110,7 +110,7 @@ def check_names(tasks: Sequence[Task]) -> None:
         if not is_robot_name(name):
             raise UserError(
                 error(
-                    f"{name!r} is not the name of a computer, expected up to 63 lower case letters, digits and -",
+                    f"{name!r} is not a valid host name, expected up to 63 lower-case letters, digits and -",
                     rule="bad-name",
                 )
             )

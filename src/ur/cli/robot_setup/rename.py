@@ -53,7 +53,7 @@ def rename(robot: str, name: str, wait: int, password_from: int | None, dry_run:
     address = robot_address(robot)
     later = Address(address.user, f"{name}.local")
     if later.host == address.host:
-        raise UserError(error(f"{robot} is the same name, expected another one", rule="bad-name"))
+        raise UserError(error(f"the robot is already named '{robot}'", rule="bad-name"))
     (password,) = read_lines(password_from, "--password-from", 1)
     try:
         with connect_robot(address) as shell:
@@ -83,7 +83,7 @@ def check_name(name: str) -> None:
     if not is_robot_name(name):
         raise UserError(
             error(
-                f"{name!r} is not the name of a computer, expected up to 63 lower case letters, digits and -",
+                f"{name!r} is not a valid host name, expected up to 63 lower-case letters, digits and -",
                 rule="bad-name",
             )
         )

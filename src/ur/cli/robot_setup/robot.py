@@ -111,7 +111,7 @@ def setup(
     if file and (hosts or name or base):
         raise click.UsageError("--from FILE names the robots: expected no HOST, --name or --base beside it")
     if not file and not hosts:
-        raise click.UsageError("expected HOST, for instance ros@robot.local")
+        raise click.UsageError("missing argument 'HOST', for instance ros@robot.local")
     if name and len(hosts) > 1:
         raise click.UsageError("--name is for one HOST, expected --from FILE for several")
     if host_key and (file or len(hosts) > 1):

@@ -51,9 +51,9 @@ def wifi(
     network is not in reach. Needs NetworkManager on the robot.
     """
     if ssid is not None and forget is not None:
-        raise click.UsageError("--ssid and --forget are two changes, expected one of them")
+        raise click.UsageError("--ssid and --forget cannot be used together")
     if (hidden or band) and ssid is None:
-        raise click.UsageError("--hidden and --band say how to join a network, expected --ssid NAME with them")
+        raise click.UsageError("--hidden and --band require --ssid NAME")
     network_password, own_password = read_lines(passwords_from, "--passwords-from", 2)
 
     def plan(shell: SshShell, networks: Networks) -> GuardedChange | None:

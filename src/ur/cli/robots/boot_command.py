@@ -61,7 +61,7 @@ def make_line(request: BootRequest, shell: Shell, robot: str) -> str:
     launch = find_launch(shell, request.package, request.file, robot)
     stray, given = split_argv(request.argv)
     if stray:
-        message = f"{stray[0]!r} is no argument of {request.file}, expected NAME:=VALUE"
+        message = f"{stray[0]!r} is not an argument of {request.file}, expected NAME:=VALUE"
         raise _problem(message, "ur boot install --help")
     values = choose_arguments(_declared(launch), values_of(given), _facts(launch), request.file)
     arguments = [str(Argument(name, value)) for name, value in values.items()]

@@ -54,7 +54,7 @@ def command(
     in the workspace names.
     """
     if only_to and only_from:
-        raise click.UsageError("--to and --from exclude each other; without them both directions are synced")
+        raise click.UsageError("--to and --from cannot be used together; without them both directions are synced")
     if take and not paths:
         raise click.UsageError("--take is for the conflicts of PATHs, expected at least one ('.' is everything)")
     address = robot_address(robot)

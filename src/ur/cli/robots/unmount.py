@@ -22,7 +22,7 @@ def command(robot: str | None) -> int:
     address = robot_address(robot)
     found = mounts_of(read_mounts(), address.host)
     if not found:
-        click.echo(f"nothing of {address.host} is mounted")
+        click.echo(f"no folder of {address.host} is mounted")
     code = 0
     for mount in found:
         what = f"unmounting {mount.target}"

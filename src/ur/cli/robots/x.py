@@ -29,7 +29,7 @@ def command(robot: str, words: tuple[str, ...], check: bool) -> int:
     words arrive as they are.
     """
     if not words and not check:
-        raise click.UsageError("expected PROGRAM, or --check")
+        raise click.UsageError("missing argument 'PROGRAM'")
     if not os.environ.get("DISPLAY"):
         raise UserError(
             error(

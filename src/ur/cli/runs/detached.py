@@ -37,7 +37,7 @@ def choose_run(word: str | None) -> RunEntry:
         ended = find_ended(list_own_ended(), word)
         if ended is None:
             raise
-        what = "nothing runs" if word is None else f"run {word!r} does not run"
+        what = "no run is active" if word is None else f"run {word!r} does not run"
         raise UserError(
             error(
                 f"{what}; {describe_end(ended, time.time())}",

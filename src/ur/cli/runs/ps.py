@@ -34,7 +34,7 @@ def command(as_json: bool, ended: bool) -> int:
         click.echo(json.dumps([describe_run(run) for run in runs], indent=2))
         return 0
     if not runs:
-        sys.stderr.write("nothing runs\n")
+        sys.stderr.write("no run is active\n")
         return 0
     users = {run.run: [*list_clients(run), *list_joined(run, runs)] for run in runs}
     rows = [("RUN", "PROCESS", "SINCE", "", "MASTER", "USED BY" if any(users.values()) else "")]

@@ -32,7 +32,7 @@ def command(run: str | None, node: str | None, every: bool) -> int:
     """
     if every:
         if run or node:
-            raise UserError(error("--all stops every run, expected neither RUN nor --node", rule="bad-options"))
+            raise UserError(error("--all cannot be used with RUN or --node", rule="bad-options"))
         runs = list_own_runs()
         last = leave_out_joined(runs)
         for entry in [*(each for each in runs if each not in last), *last]:

@@ -109,7 +109,7 @@ def _check_arguments(
         )
     for argument in ignored:
         draft.warn(
-            f"'{argument}' is passed over, expected NAME:=VALUE with a legal name and a value",
+            f"'{argument}' is ignored, expected NAME:=VALUE with a valid name and a value",
             _place(line, argument),
             None,
             "bad-argument",

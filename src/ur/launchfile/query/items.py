@@ -28,7 +28,7 @@ def find_node_file(plan: Plan, name: str) -> str:
     near = did_you_mean(full_name, names)
     raise UserError(
         error(
-            f"no node is named {full_name}, expected one of {', '.join(names) or 'none'}",
+            f"unknown node '{full_name}', expected one of {', '.join(names) or 'none'}",
             rule="unknown-node",
             help=f"did you mean {near}?" if near else None,
         )

@@ -202,7 +202,7 @@ class _Builder:
                 notes = (Note(f"<{opened.name}> was opened here", opened.span),)
                 help_ = f"add </{opened.name}> at the end"
             else:
-                reason = "the file holds no element, expected <launch>"
+                reason = "no element found, expected <launch>"
                 help_ = "a launch file starts with <launch> and ends with </launch>"
         elif lone := _find_lone_ampersand(text, offset):
             span = Span(self.source, lone.start(), lone.end())

@@ -24,7 +24,7 @@ def load_base(package: str | Path, name: str, variant: str = "") -> Base:
         near = did_you_mean(name, names)
         raise UserError(
             error(
-                f"base {name!r} is not known, expected one of {', '.join(names) or '(no base found)'}",
+                f"unknown base {name!r}, expected one of {', '.join(names) or '(no base found)'}",
                 rule="unknown-base",
                 help=f"did you mean {near!r}?"
                 if near

@@ -252,8 +252,7 @@ def parse_addressing(address: str | None, gateway: str | None, names: Sequence[s
         good = False
     if not good:
         raise _refused(
-            f"--address {text!r} is not the address of a computer, expected one with the length of its network's part, "
-            "for instance 192.168.1.7/24",
+            f"--address {text!r} is not a host address with a prefix length, expected for instance 192.168.1.7/24",
             "bad-address",
             "",
         )

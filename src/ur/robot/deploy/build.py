@@ -71,7 +71,7 @@ def check_builder(builder: Builder, place: str, *, here: bool) -> None:
     """Raise UserError: something is missing to build with, or there is nothing to build."""
     again = "ur setup" if here else "ur robot setup"
     if builder.packages is None:
-        raise _problem(f"{place}: ~/{WORKSPACE}/src is not there, expected a workspace", f"run: {again}")
+        raise _problem(f"{place}: no workspace, expected ~/{WORKSPACE}/src", f"run: {again}")
     if not builder.packages:
         raise _problem(
             f"{place}: ~/{WORKSPACE}/src holds no package, expected at least one",

@@ -104,8 +104,8 @@ def explain_way(address: Address, way: Way, seen: Seen | None, record: Record | 
         return Finding(
             "robot-not-found",
             f"the name {host} leads nowhere{last}",
-            "is it on, and in the same network? was it renamed? 'ur robots' shows who is there; at the robot itself: "
-            "systemctl status avahi-daemon",
+            "is it on, and in the same network? was it renamed? 'ur robots' lists the robots that answer; "
+            "at the robot itself: systemctl status avahi-daemon",
         )
     where = ", ".join(way.resolves)
     if way.port == "refused":

@@ -46,7 +46,7 @@ def parse_address(text: str, default_user: str) -> Address:
     if not _USER.fullmatch(user) or not _HOST.fullmatch(host):
         raise UserError(
             error(
-                f"{text!r} is not the address of a computer, expected HOST or USER@HOST, for instance ros@robot.local",
+                f"{text!r} is not an address, expected HOST or USER@HOST, for instance ros@robot.local",
                 rule="bad-address",
             )
         )
@@ -317,10 +317,20 @@ _FAILURES = (
         "Could not resolve hostname",
         "unknown-host",
         "no computer answers to this name",
-        "is it on, and in the same network? 'ur robots' shows who is there",
+        "is it on, and in the same network? 'ur robots' lists the robots that answer",
     ),
-    ("timed out", "no-answer", "no answer", "is it on, and in the same network? 'ur robots' shows who is there"),
-    ("No route to host", "no-answer", "no answer", "is it on, and in the same network? 'ur robots' shows who is there"),
+    (
+        "timed out",
+        "no-answer",
+        "no answer",
+        "is it on, and in the same network? 'ur robots' lists the robots that answer",
+    ),
+    (
+        "No route to host",
+        "no-answer",
+        "no answer",
+        "is it on, and in the same network? 'ur robots' lists the robots that answer",
+    ),
     (
         "Connection refused",
         "no-ssh",

@@ -125,7 +125,7 @@ def find_run(runs: Iterable[RunEntry], word: str | None) -> RunEntry:
     """
     runs = list(runs)
     if not runs:
-        raise UserError(error("nothing runs", rule="no-run", help="ur launch --detach FILE starts a run"))
+        raise UserError(error("no run is active", rule="no-run", help="start one: ur launch --detach FILE"))
     matching = [run for run in runs if word is None or run.run == word or run.title == word]
     if not matching and word is not None:
         matching = [run for run in runs if run.run.startswith(word)]
