@@ -44,10 +44,10 @@ def wait_begin(control: RunControl) -> list[RunEvent] | None:
     early: list[RunEvent] = []
     while not any(isinstance(event, RunStarted) for event in early):
         select.select([control], [], [])
-        happened = control.receive()
-        if happened is None:
+        received = control.receive()
+        if received is None:
             return None
-        early += happened
+        early += received
     return early
 
 

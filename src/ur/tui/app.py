@@ -54,7 +54,7 @@ class WatchApp(LogActions):
             return
         found = self.services.debug(row, self.state.run)
         if isinstance(found, str):
-            self.say(found)
+            self.show_notice(found)
             return
         if len(found.ways) == 1 and not found.ways[0].prefix:
             self._look_into(row.name, found.ways[0])
@@ -113,7 +113,7 @@ class WatchApp(LogActions):
     def _steerable(self) -> NodeRow | None:
         row = self.nodes.chosen
         if row is not None and row.changed.core:
-            self.say(f"{row.name} belongs to the run itself: it starts first and stops last")
+            self.show_notice(f"{row.name} belongs to the run itself: it starts first and stops last")
             return None
         return row
 
@@ -122,6 +122,6 @@ class WatchApp(LogActions):
         if row is not None:
             self._send(make(row.name), f"{word} {row.name}")
 
-    def _send(self, command: RunCommand, said: str) -> None:
+    def _send(self, command: RunCommand, text: str) -> None:
         self.control.send(command)
-        self.say(said)
+        self.show_notice(text)

@@ -119,7 +119,7 @@ class LogActions(RunScreen):
         if row is None:
             return
         if not row.changed.log:
-            self.say(f"{row.name} has no log file")
+            self.show_notice(f"{row.name} has no log file")
             return
         pager = self.services.find_pager()
         if pager is None:
@@ -130,6 +130,6 @@ class LogActions(RunScreen):
     def report(self, problem: str) -> None:
         """Show what went wrong ('' for nothing) and go on."""
         if problem:
-            self.say(problem)
+            self.show_notice(problem)
         else:
             self.draw()

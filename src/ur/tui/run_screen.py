@@ -94,7 +94,7 @@ class RunScreen(FullScreenApp[str]):
         self.nodes = NodeTable(self.palette)
         self.log_view = LogView(self.journal, self.palette)
         self._early = early
-        self._said = ""
+        self._notice = ""
         self._begun = False
         self._stopping = False
         self.parting: list[str] = []  # warnings since the run stops
@@ -136,22 +136,22 @@ class RunScreen(FullScreenApp[str]):
     def _listen(self) -> None:
         loop = asyncio.get_running_loop()
         loop.remove_reader(self.control.fileno())  # not again before what came was drawn
-        happened = self.control.receive()
-        if happened is None:
+        received = self.control.receive()
+        if received is None:
             self.exit("ended" if self.state.exit_code is not None else "gone")
             return
-        self.take(happened)
+        self.take(received)
         if self.is_running:
             loop.call_later(PAUSE, lambda: loop.add_reader(self.control.fileno(), self._listen))
 
-    def take(self, happened: Sequence[RunEvent]) -> None:
+    def take(self, received: Sequence[RunEvent]) -> None:
         """Show events."""
-        for each in happened:
+        for each in received:
             self._stopping = self._stopping or isinstance(each, RunStopping)
             if self._stopping and isinstance(each, Notice) and each.severity == "warning":
                 self.parting += each.text.split("\n")
-        self.state = apply_events(self.state, happened)
-        self.journal.add((each for each in happened if isinstance(each, (OutputLine, Notice))), self.services.now())
+        self.state = apply_events(self.state, received)
+        self.journal.add((each for each in received if isinstance(each, (OutputLine, Notice))), self.services.now())
         if self.state.exit_code is not None:
             self.exit("ended")
             return
@@ -180,21 +180,21 @@ class RunScreen(FullScreenApp[str]):
         level = next(text for rank, text in RANKS if rank == self.rank)
         rule = describe_filter(self.log_view.filter, level, follows=self.log_view.follows, width=width, palette=own)
         self._write("#rule", rule)
-        said = Text(self._said, style=own.yellow, no_wrap=True, overflow="ellipsis")
-        self._write("#foot", said if self._said else describe_foot(width - 2, own))
+        notice = Text(self._notice, style=own.yellow, no_wrap=True, overflow="ellipsis")
+        self._write("#foot", notice if self._notice else describe_foot(width - 2, own))
 
     def _write(self, place: str, text: Text) -> None:
         self.query_one(place, Static).update(text)
 
-    def say(self, text: str) -> None:
+    def show_notice(self, text: str) -> None:
         """Show a message until the next key."""
-        self._said = printable(text)
+        self._notice = printable(text)
         self.draw()
 
     async def on_event(self, event: events.Event) -> None:
         """Handle an event. At a key the last remark has been read."""
-        if isinstance(event, events.Key) and not event.is_forwarded and self._said:
-            self._said = ""
+        if isinstance(event, events.Key) and not event.is_forwarded and self._notice:
+            self._notice = ""
             self.call_later(self.draw)
         await super().on_event(event)
 

@@ -33,13 +33,13 @@ class Shown:
     status: str
 
 
-def show_events(state: RunState, happened: list[RunEvent], width: int) -> tuple[RunState, Shown]:
+def show_events(state: RunState, received: list[RunEvent], width: int) -> tuple[RunState, Shown]:
     """The state after these events, and what people see of them: notices, warnings and errors."""
     from ur.tui.journal import clean
 
-    state = apply_events(state, happened)
+    state = apply_events(state, received)
     lines = []
-    for event in happened:
+    for event in received:
         if isinstance(event, OutputLine) and event.severity in ("warning", "error", "fatal"):
             colour = YELLOW if event.severity == "warning" else RED
             lines.append(paint(f"[{event.name}] {strip_styles(clean(event.text))}", colour))
@@ -110,10 +110,10 @@ def show_status_line(
                 if guest or state.run.detached:
                     return "detached", 0
                 control.send(StopRun("Ctrl-C"))
-            happened = control.receive() if control.fileno() in ready else []
-            if happened is None:
+            received = control.receive() if control.fileno() in ready else []
+            if received is None:
                 return ("gone", 1) if state.exit_code is None else ("ended", state.exit_code)
-            state, shown = show_events(state, happened, shutil.get_terminal_size().columns)
+            state, shown = show_events(state, received, shutil.get_terminal_size().columns)
             write(CLEAR_LINE + "".join(f"{line}\r\n" for line in shown.lines) + shown.status)
             sys.stdout.flush()
             if state.exit_code is not None:

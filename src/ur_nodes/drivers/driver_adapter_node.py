@@ -63,14 +63,14 @@ class BumperAdapter:
         self._states = BumperStates(known)
         self._topics = {name: rospy.Publisher(f"{topic}/{name}", Bool, queue_size=1, latch=True) for name in known}
         rospy.Subscriber("driver/bumpers", kind, self._on_bumper, queue_size=10)
-        self._timer = rospy.Timer(rospy.Duration.from_sec(1.0 / _LOOK_RATE), self._tell)
+        self._timer = rospy.Timer(rospy.Duration.from_sec(1.0 / _LOOK_RATE), self._publish_bumpers)
 
     def _on_bumper(self, message: Any) -> None:
         if message.value and message.name in self._names:
             self._states.press(self._names[message.name], rospy.get_time())
-            self._tell(None)
+            self._publish_bumpers(None)
 
-    def _tell(self, _event: Any) -> None:
+    def _publish_bumpers(self, _event: Any) -> None:
         for name, pressed in self._states.changes(rospy.get_time()).items():
             self._topics[name].publish(pressed)
 

@@ -33,7 +33,7 @@ class MuxNode:
         if stopped:
             rospy.logwarn("emergency stop is still on; call %s to end it", rospy.resolve_name("~release"))
         clock = make_clock()
-        self._runner = MuxRunner(start_mux(settings, stopped=stopped), "cmd_vel_out", clock, self._tell)
+        self._runner = MuxRunner(start_mux(settings, stopped=stopped), "cmd_vel_out", clock, self._publish_state)
         self._admission = AdmissionRunner(
             settings,
             self._runner.handle,
@@ -62,7 +62,7 @@ class MuxNode:
         hint = f"; {', '.join(waiting)} may drive after a pause" if waiting else ""
         return TriggerResponse(success=True, message="stopped" if stopped else f"released{hint}")
 
-    def _tell(self, state: MuxState) -> None:
+    def _publish_state(self, state: MuxState) -> None:
         self._active.publish(state.active_name)
         self._stopped.publish(state.stopped)
 

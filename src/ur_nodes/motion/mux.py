@@ -211,7 +211,7 @@ def _choose(state: MuxState, now: float) -> int | None:
     """The index of the source to follow."""
     if state.stopped:
         return None
-    floor = max((lock.priority for lock, said in _locks(state) if _is_locked(lock, said, now)), default=None)
+    floor = max((lock.priority for lock, message in _locks(state) if _is_locked(lock, message, now)), default=None)
     best: int | None = None
     for index, (source, heard) in enumerate(zip(state.settings.sources, state.heard, strict=True)):
         if heard.barred or (floor is not None and source.priority < floor) or not _drives(source, heard, now):
@@ -233,8 +233,8 @@ def _locks(state: MuxState) -> zip[tuple[Lock, tuple[bool, float]]]:
     return zip(state.settings.locks, state.locks, strict=True)
 
 
-def _is_locked(lock: Lock, said: tuple[bool, float], now: float) -> bool:
-    return said[0] or (lock.timeout > 0.0 and now - said[1] > lock.timeout)
+def _is_locked(lock: Lock, message: tuple[bool, float], now: float) -> bool:
+    return message[0] or (lock.timeout > 0.0 and now - message[1] > lock.timeout)
 
 
 def _send(state: MuxState, now: float) -> tuple[MuxState, Velocity]:

@@ -161,8 +161,8 @@ class MoveBase:
         return handle
 
     def _obey(self, out: Outputs) -> None:
-        if out.say:
-            rospy.logwarn("%s", out.say)
+        if out.log:
+            rospy.logwarn("%s", out.log)
         if out.clear is not None:
             self._forget_obstacles(out.clear)
         if out.command is not None:

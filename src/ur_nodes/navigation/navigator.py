@@ -115,7 +115,7 @@ class Navigator:
         run.moved_at = inputs.now
         if inputs.now - run.trouble_since > self._settings.trouble_patience:
             return self._end(Ending.FAILED, trouble)
-        return Outputs(command=(0.0, 0.0), say=f"stopped: {trouble}" if first else "")
+        return Outputs(command=(0.0, 0.0), log=f"stopped: {trouble}" if first else "")
 
     def _take_answer(self, run: _Run, answer: PlanAnswer, inputs: Inputs) -> Outputs | None:
         run.asked = None
@@ -209,7 +209,7 @@ class Navigator:
         run.reason = reason
         run.recovery = Recovery(run.recovery.tried)
         self._enter(run, Phase.RECOVERING, inputs.now)
-        return Outputs(command=(0.0, 0.0), say=f"{reason}; recovering: {behaviour.value}")
+        return Outputs(command=(0.0, 0.0), log=f"{reason}; recovering: {behaviour.value}")
 
     def _is_stuck(self, run: _Run, blocked: bool, inputs: Inputs, pose: Pose2) -> bool:
         """No command for the controller's patience, or commanded to move and not moving."""

@@ -81,7 +81,7 @@ class Outputs:
     """The outputs of a step.
 
     A command (m/s, rad/s) or silence; whether to plan (from the robot's place to the goal); what to clear; an ending
-    with a text. `ahead` (t, 3) in the odometry frame are the poses that the local planner predicts; `say` is for the
+    with a text. `ahead` (t, 3) in the odometry frame are the poses that the local planner predicts; `log` is for the
     log.
     """
 
@@ -91,4 +91,4 @@ class Outputs:
     ending: Ending | None = None
     text: str = ""
     ahead: Points | None = None
-    say: str = ""
+    log: str = ""

@@ -59,9 +59,9 @@ def start() -> None:
     """Check the arguments and begin."""
     words = rospy.myargv(sys.argv)[1:]
     if words != _EXPECTED:
-        said = " ".join(words) or "nothing"
+        given = " ".join(words) or "nothing"
         help_ = "image_transport's own republish knows other transports: n_image_uncompress, image_uncompress_pkg"
-        raise UserError(error(f"arguments: {said}, expected {' '.join(_EXPECTED)}", rule="bad-argument", help=help_))
+        raise UserError(error(f"arguments: {given}, expected {' '.join(_EXPECTED)}", rule="bad-argument", help=help_))
     Republisher()
 
 

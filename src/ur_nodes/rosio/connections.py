@@ -103,9 +103,9 @@ def bound_connections() -> bool:
     subscriptions = Subscriptions(addresses)
     _bound_xml_rpc(addresses)
     _bound_transport(addresses)
-    told: Ends = weakref.WeakKeyDictionary()
-    _bound_publishers(told)
-    _tell_peers_of_ends(told)
+    notified: Ends = weakref.WeakKeyDictionary()
+    _bound_publishers(notified)
+    _notify_peers(notified)
     _connect_subscribers_with(subscriptions)
     return True
 
@@ -163,8 +163,8 @@ def _bound_transport(addresses: Addresses) -> None:
     _replace(transport, "_reconnect", reconnect)
 
 
-def _bound_publishers(told: Ends) -> None:
-    """Bound connections that this node accepts: of subscribers and of service callers; those of roscpp go to `told`."""
+def _bound_publishers(notified: Ends) -> None:
+    """Bound connections of subscribers and of service callers; those of roscpp go to `notified`."""
     server, handler = tcpros_base.TCPROSServer, tcpros_pubsub.TCPROSHandler
     accept, accept_topic = getattr(server, "_tcp_server_callback"), handler.topic_connection_handler  # noqa: B009
     accept_call = tcpros_service.service_connection_handler
@@ -186,7 +186,7 @@ def _bound_publishers(told: Ends) -> None:
                 watch_peer(sock)
                 limit_sending(sock)
             if _is_roscpp(header):
-                told[sock] = (sock.getsockname(), sock.getpeername())
+                notified[sock] = (sock.getsockname(), sock.getpeername())
             if command and topic.queue_size is not None:  # else the program itself would wait for the network
                 sock.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, COMMAND_BUFFER)
         return accept_topic(self, sock, address, header)
@@ -201,8 +201,8 @@ def _bound_publishers(told: Ends) -> None:
     _replace(handler, "topic_connection_handler", bounded_accept_topic)
 
 
-def _tell_peers_of_ends(told: Ends) -> None:
-    """Have subscribers told, when the network is back, that their connections (`told`) have ended during the cut."""
+def _notify_peers(notified: Ends) -> None:
+    """Notify subscribers, when the network is back, that their connections (`notified`) ended during the cut."""
     server, transport = tcpros_base.TCPServer, tcpros_base.TCPROSTransport
     create, close = getattr(server, "_create_server_sock"), transport.close  # noqa: B009
     write = transport.write_data
@@ -220,9 +220,9 @@ def _tell_peers_of_ends(told: Ends) -> None:
                 lost.add(self.socket)
             raise
 
-    def telling_close(self: Any) -> None:
+    def notifying_close(self: Any) -> None:
         sock = self.socket
-        ends = None if sock is None else told.pop(sock, None)
+        ends = None if sock is None else notified.pop(sock, None)
         is_lost = ends is not None and (sock in lost or _has_link_trouble(sock))
         close(self)
         if ends is not None and is_lost and not over.is_set():
@@ -233,7 +233,7 @@ def _tell_peers_of_ends(told: Ends) -> None:
     rospy.core.add_preshutdown_hook(lambda _reason: over.set())
     _replace(server, "_create_server_sock", create_shared)
     _replace(transport, "write_data", noting_write)
-    _replace(transport, "close", telling_close)
+    _replace(transport, "close", notifying_close)
 
 
 def _is_roscpp(header: Any) -> bool:

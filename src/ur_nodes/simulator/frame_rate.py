@@ -18,7 +18,7 @@ class FrameCount:
         self._begin = self._last = -math.inf
         self._made = 0
         self._warm = False
-        self._told = False
+        self._warned = False
 
     def note(self, time: float, *, made: bool) -> str | None:
         """A picture is due at a time (s), and is made or left out. Return a warning, once, when too few are made."""
@@ -31,9 +31,9 @@ class FrameCount:
             return None
         reached, warm = self._made / passed, self._warm
         self._begin, self._made, self._warm = time, 0, True
-        if self._told or not warm or reached >= ENOUGH * self._rate:
+        if self._warned or not warm or reached >= ENOUGH * self._rate:
             return None
-        self._told = True
+        self._warned = True
         return (
             f"the simulated camera makes {reached:.0f} of the {self._rate:.0f} pictures a second asked for:"
             " this computer draws no faster; the others are left out, everything else keeps its pace"

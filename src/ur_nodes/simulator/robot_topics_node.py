@@ -37,7 +37,7 @@ class RobotTopics:
         self._joints = make_publisher(f"{prefix}joint_states", JointState, queue)
         self._scan = make_publisher(prefix + lidar.topic, LaserScan, queue) if lidar else None
         self._collisions = rospy.Publisher(f"~{prefix}collisions", Int32, queue_size=1, latch=True)
-        self._told_collisions = -1
+        self._sent_collisions = -1
         odom, base = prefix + frames.odom, prefix + frames.base
         self._odom_message = _odometry_message(odom, base)
         self._truth_message = _odometry_message(frames.map, base)
@@ -105,8 +105,8 @@ class RobotTopics:
     def publish_collisions(self) -> None:
         """Publish the number of collisions of the robot; latched, sent when it changes."""
         count = self._simulation.collisions[self._robot]
-        if count != self._told_collisions:
-            self._told_collisions = count
+        if count != self._sent_collisions:
+            self._sent_collisions = count
             self._collisions.publish(count)
 
 

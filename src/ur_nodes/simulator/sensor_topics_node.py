@@ -45,7 +45,7 @@ class SensorTopics:
             self._bumpers = {
                 name: rospy.Publisher(topic, Bool, queue_size=1, latch=True) for name, topic in topics.items()
             }
-        self._told: dict[str, bool] = {}
+        self._sent: dict[str, bool] = {}
 
     def publish(self, tick: Tick, stamp: rospy.Time) -> None:
         """Publish the readings that are due."""
@@ -86,8 +86,8 @@ class SensorTopics:
     def _publish_bumpers(self) -> None:
         """Sent when one changes."""
         for name, pressed in self._simulation.senses[self._robot].pressed(self._simulation.time).items():
-            if self._told.get(name) is not pressed:
-                self._told[name] = pressed
+            if self._sent.get(name) is not pressed:
+                self._sent[name] = pressed
                 self._bumpers[name].publish(pressed)
 
 

@@ -43,21 +43,21 @@ class Belief:
         """The standard deviation of the place, m."""
         return math.sqrt(float(self.covariance[0, 0] + self.covariance[1, 1]))
 
-    def predict(self, said: Pose2, noise: OdometryNoise) -> Belief:
-        """Return the belief after a motion that odometry measured as `said`."""
-        way = math.hypot(said.x, said.y)
-        if way < 1e-4 and abs(said.yaw) < 1e-4:
-            return replace(self, pose=self.pose.compose(said))
+    def predict(self, measured: Pose2, noise: OdometryNoise) -> Belief:
+        """Return the belief after a motion that odometry has `measured`."""
+        distance = math.hypot(measured.x, measured.y)
+        if distance < 1e-4 and abs(measured.yaw) < 1e-4:
+            return replace(self, pose=self.pose.compose(measured))
         per_m, turn_per_m, turn_per_rad = self.errors.values
         motion = Pose2(
-            float(said.x * (1.0 + per_m)),
-            said.y,
-            float(said.yaw * (1.0 + turn_per_rad) + turn_per_m * said.x),
+            float(measured.x * (1.0 + per_m)),
+            measured.y,
+            float(measured.yaw * (1.0 + turn_per_rad) + turn_per_m * measured.x),
         )
         c, s = math.cos(motion.yaw), math.sin(motion.yaw)
         # The adjoint of the inverse motion: errors before it, as seen after it.
         carry = np.array([[c, s, s * motion.x - c * motion.y], [-s, c, c * motion.x + s * motion.y], [0, 0, 1.0]])
-        effect = np.array([[said.x, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, said.x, said.yaw]])
+        effect = np.array([[measured.x, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, measured.x, measured.yaw]])
         shift, turn = noise.sigmas(motion)
         together, errors = carry @ self.errors.together, self.errors.covariance
         mixed = together @ effect.T

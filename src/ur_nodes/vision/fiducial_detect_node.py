@@ -38,7 +38,7 @@ class FiducialDetect:
     def __init__(self, detector: Detector, own: Parameters) -> None:
         self._detector = detector
         self._camera: CameraModel | None = None
-        self._told = False
+        self._warned = False
         self._estimate = own.boolean("do_pose_estimation", True)
         self._publish_tf = own.boolean("publish_fiducial_tf", True)
         self._draw = own.boolean("publish_images", True)
@@ -57,8 +57,8 @@ class FiducialDetect:
 
     def _take_info(self, message: CameraInfo) -> None:
         self._camera = read_camera(message)
-        if self._camera is None and not self._told:
-            self._told = True
+        if self._camera is None and not self._warned:
+            self._warned = True
             rospy.logwarn("%s: the camera is not calibrated (K is 0): no poses", rospy.resolve_name("camera_info"))
 
     @quiet_at_end

@@ -59,7 +59,7 @@ class Drive:
     length: float
     pose: Pose2
     touched: bool
-    sayings: tuple[str, ...]
+    logged: tuple[str, ...]
     speeds: NDArray[np.float64]
     trace: NDArray[np.float64]
     plans: int
@@ -105,7 +105,7 @@ class ClosedLoop:
         for obstacle in obstacles:
             self.add_obstacle(*obstacle)
         self.navigator.start(goal, self.now)
-        began, length, touched, plans, sayings = self.now, 0.0, False, 0, []
+        began, length, touched, plans, logged = self.now, 0.0, False, 0, []
         speeds, trace = [], []
         answer: PlanAnswer | None = None
         while self.now - began < seconds:
@@ -118,8 +118,8 @@ class ClosedLoop:
                 Inputs(self.now, motion, self._odom_of_map(), self.local_costs.occupied(), answer, "", blocked)
             )
             answer = None
-            if out.say:
-                sayings.append(out.say)
+            if out.log:
+                logged.append(out.log)
             if out.clear:
                 keep = self.pose if out.clear is Behaviour.CLEAR_FAR else None
                 self.global_costs.clear(keep, 3.0)
@@ -143,7 +143,7 @@ class ClosedLoop:
             length,
             self.pose,
             touched,
-            tuple(sayings),
+            tuple(logged),
             np.array(speeds),
             np.array(trace),
             plans,

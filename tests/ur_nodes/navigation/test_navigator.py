@@ -36,7 +36,7 @@ def check(drive: Drive, goal: Pose2, limits: Limits = LIMITS) -> None:
 def test_navigator_reaches_goals_through_a_door(outline: tuple[tuple[float, float], ...], goal: Pose2) -> None:
     drive = ClosedLoop(two_rooms(), outline=outline).drive(goal)
     check(drive, goal)
-    assert drive.sayings == ()
+    assert drive.logged == ()
 
 
 def test_navigator_drives_fast_and_straight_in_the_open() -> None:
@@ -66,7 +66,7 @@ def test_navigator_gives_up_at_a_door_that_is_shut_after_trying_everything() -> 
     assert not drive.touched
     assert "nothing wide enough" in drive.text
     assert "after clearing, turning and backing off" in drive.text
-    assert len([line for line in drive.sayings if "recovering" in line]) == len(SEQUENCE)
+    assert len([line for line in drive.logged if "recovering" in line]) == len(SEQUENCE)
 
 
 @pytest.mark.parametrize(
@@ -148,8 +148,8 @@ def test_navigator_stops_in_trouble_says_why_and_goes_on_after_it() -> None:
     history.step(PlanAnswer(STRAIGHT))
     out = history.step(trouble="no scan on /scan for 1.0 s")
     assert out.command == (0.0, 0.0)
-    assert "no scan on /scan" in out.say
-    assert history.step(trouble="no scan on /scan for 1.1 s").say == "", "once is enough"
+    assert "no scan on /scan" in out.log
+    assert history.step(trouble="no scan on /scan for 1.1 s").log == "", "once is enough"
     out = history.step()
     assert out.command is not None
     assert out.command[0] > 0.0
@@ -178,8 +178,8 @@ def test_navigator_tries_each_recovery_in_order_before_it_gives_up() -> None:
             history.motion = Motion(
                 Pose2(x + 0.1 * v * math.cos(yaw), y + 0.1 * v * math.sin(yaw), yaw + 0.1 * w), v, w
             )
-        if out.say:
-            tried.append(out.say.split("recovering: ")[1])
+        if out.log:
+            tried.append(out.log.split("recovering: ")[1])
         if out.clear:
             cleared.append(out.clear)
         if out.ending:
@@ -202,7 +202,7 @@ def test_navigator_notices_that_the_robot_does_not_move() -> None:
     history.start()
     history.step(PlanAnswer(STRAIGHT))
     outs = [history.step() for _ in range(30)]
-    assert any("recovering" in out.say for out in outs)
+    assert any("recovering" in out.log for out in outs)
 
 
 def test_navigator_takes_a_new_goal_over_without_a_jerk() -> None:

@@ -18,7 +18,7 @@ class Reports:
         """`freshness` (s) is how old a command may be."""
         self._freshness = freshness
         self._counts: dict[tuple[Source, Refusal, bool], int] = {}
-        self._said_at: dict[tuple[Source, Refusal, bool], float] = {}
+        self._logged_at: dict[tuple[Source, Refusal, bool], float] = {}
 
     def count(self, source: Source, refusal: Refusal, *, stamped: bool) -> None:
         """Count a command. One on probation is not counted: the publisher may be about to drive."""
@@ -28,11 +28,11 @@ class Reports:
 
     def lines(self, now: float, lease: Lease) -> list[str]:
         """Return the lines that are due, one for each source and reason."""
-        due = [key for key in self._counts if now - self._said_at.get(key, -math.inf) >= _EVERY]
+        due = [key for key in self._counts if now - self._logged_at.get(key, -math.inf) >= _EVERY]
         lines = []
         for key in due:
             source, refusal, stamped = key
-            self._said_at[key] = now
+            self._logged_at[key] = now
             number = self._counts.pop(key)
             topic = f"{source.topic}_stamped" if stamped else source.topic
             what = "1 command" if number == 1 else f"{number} commands"

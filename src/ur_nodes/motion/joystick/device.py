@@ -38,16 +38,16 @@ def take_records(state: JoystickState, data: bytes, settings: JoystickSettings) 
 
     The rest is an incomplete record: put it in front of what is read next.
     """
-    told = False
+    event = False
     whole = len(data) - len(data) % RECORD.size
     for _, value, kind, number in RECORD.iter_unpack(data[:whole]):
-        told = told or not kind & _INITIAL
+        event = event or not kind & _INITIAL
         if kind & ~_INITIAL == _AXIS:
             state = replace(state, axes=_set(state.axes, number, scale_axis(value, settings.deadzone), 0.0))
         elif kind & ~_INITIAL == _BUTTON:
             pressed = _press(state, number, value, kind, settings)
             state = replace(state, buttons=_set(state.buttons, number, pressed, 0))
-    return state, told, data[whole:]
+    return state, event, data[whole:]
 
 
 def scale_axis(value: int, deadzone: float) -> float:

@@ -40,19 +40,19 @@ class JoyNode:
         self._thread.join(timeout=1.0)
 
     def _run(self) -> None:
-        said = ""
+        logged = ""
         while not self._ended.is_set():
             try:
                 descriptor = os.open(self._device, os.O_RDONLY | os.O_NONBLOCK)
             except OSError as problem:
-                if problem.strerror != said:
-                    said = str(problem.strerror)
+                if problem.strerror != logged:
+                    logged = str(problem.strerror)
                     rospy.logwarn(
-                        "%s: %s, expected a joystick; waiting for one%s", self._device, said.lower(), _hint(problem)
+                        "%s: %s, expected a joystick; waiting for one%s", self._device, logged.lower(), _hint(problem)
                     )
                 self._ended.wait(_RETRY)
                 continue
-            said = ""
+            logged = ""
             rospy.loginfo("%s: joystick found", self._device)
             try:
                 self._read(descriptor)
@@ -74,8 +74,8 @@ class JoyNode:
             data = _read_some(descriptor)
             if data is None:
                 break
-            state, told, rest = take_records(state, rest + data, self._settings)
-            if told:
+            state, event, rest = take_records(state, rest + data, self._settings)
+            if event:
                 self._publish(state)
                 due = time.monotonic() + self._repeat
             self._ended.wait(self._gather)

@@ -132,17 +132,17 @@ def write_lines(camera: Camera, ended: threading.Event, source: int) -> None:
 
     While nothing comes there is a line when the reason changes, and every ten seconds.
     """
-    told, reading = "", True
+    reported, reading = "", True
     due = 0.0
     while not ended.is_set():
         now = time.monotonic()
         reason = camera.why_silent(now)
         line = describe_silence(camera.feed, reason, now) or describe_feed(camera.feed, camera.publishers, now)
         subject = reason or ("pictures" if camera.feed.times else line)
-        if (now >= due and (reason or camera.feed.times)) or (subject != told and line):
+        if (now >= due and (reason or camera.feed.times)) or (subject != reported and line):
             sys.stdout.write(line + "\n")
             sys.stdout.flush()
-            told, due = subject, now + (_REASON_EVERY if reason else _LINE_EVERY)
+            reported, due = subject, now + (_REASON_EVERY if reason else _LINE_EVERY)
         if not reading:
             ended.wait(_ESCAPE_WAIT)
         elif select.select([source], [], [], _ESCAPE_WAIT)[0]:

@@ -200,7 +200,7 @@ def _drive(
     command: Go | GoTo, text: str, navigator: Navigator, store: WaypointStore, limits: Limits, around: BatchContext
 ) -> bool:
     place = target_of(command, navigator.snapshot(), store)
-    if reason := _wait_for_word(navigator, limits, around):
+    if reason := _wait_for_result(navigator, limits, around):
         around.out(f"{text}: not sent: {reason}")
         return False
     start = around.clock()
@@ -229,7 +229,7 @@ def _drive(
     return report.state is GoalState.REACHED
 
 
-def _wait_for_word(navigator: Navigator, limits: Limits, around: BatchContext) -> str:
+def _wait_for_result(navigator: Navigator, limits: Limits, around: BatchContext) -> str:
     """Wait while the robot is silent. Returns why the goal cannot be sent, or nothing."""
     deadline = around.clock() + limits.start
     while (snapshot := navigator.snapshot()).silence is not None and around.clock() < deadline:

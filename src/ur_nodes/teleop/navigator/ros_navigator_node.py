@@ -45,7 +45,7 @@ from ur_nodes.teleop.navigator.model import ROBOT, Silence, Snapshot
 from ur_nodes.teleop.navigator.robot_state_node import RobotState
 
 _STATUS_SILENT = 3.0
-_NO_WORD = 1.0  # s without a message, after which a sender counts as silent
+_SILENT = 1.0  # s without a message, after which a sender counts as silent
 _NANO = 1_000_000_000
 # What amcl takes as spread of a pose that a person points at: RViz's "2D Pose Estimate" sends the same.
 _POINTED_VARIANCE = (0.25, 0.25, (math.pi / 12) ** 2)
@@ -187,7 +187,7 @@ class RosNavigator:
         heard = [] if lease.state == "unknown" else [("the mux", lease.link_age)]
         if self._status_at > -math.inf:
             heard.append(("navigation", now - self._status_at))
-        silent = [Silence(*each) for each in heard if each[1] > _NO_WORD]
+        silent = [Silence(*each) for each in heard if each[1] > _SILENT]
         if not silent:
             return None
         if len(silent) == len(heard):
