@@ -185,7 +185,7 @@ debian_remove() {
   [[ ! -d $debian_data ]] || delete "$debian_data" 2>/dev/null || debian_as_root remove || return
   local folder
   for folder in "$1" "${debian_data%/*}"; do # that of a clone, and of a wheel
-    [[ -e $folder/.venv/debian ]] && rm -rf "$folder/.venv"
+    [[ -e $folder/.venv/debian && "$(<"$folder/.venv/debian")" == "$debian_data" ]] && rm -rf "$folder/.venv"
   done
   rmdir "${debian_data%/*}" 2>/dev/null
   echo "removed $debian_data"

@@ -45,18 +45,10 @@ check_system() {
   arch="$(uname -m)"
   find_release /etc/os-release
   case "$release_ros:$arch" in
-    native:x86_64 | native:aarch64) ;;
-    brought:x86_64 | brought:aarch64)
-      die "$release_pretty has no packages of ROS 1; expected Debian 12 or later, or Ubuntu 22.04" ;;
+    native:x86_64 | native:aarch64 | brought:x86_64 | brought:aarch64) ;;
     *) die "$release_pretty on $arch is not supported${release_note:+ ($release_note)}; $expected" ;;
   esac
   [[ $release_tried == yes ]] || say "note: $release_pretty is expected to work, but was not tried"
-}
-
-# Return whether this release has no ROS 1, so that a Debian root takes its place (tools/debian_root.bash).
-lacks_ros() {
-  # shellcheck disable=SC1091 # as above
-  case "$(. /etc/os-release && echo "${ID-}:${VERSION_ID-}")" in debian:1[23] | ubuntu:22.*) return 1 ;; esac
 }
 
 # run_step TITLE COMMAND...: output goes to the log; a terminal shows the time and the last line.
@@ -218,7 +210,7 @@ fi
 debian_enter "\$program" "\$@"
 END
   chmod +x .venv/bin/python
-  : >.venv/debian
+  printf '%s\n' "${XDG_DATA_HOME:-$HOME/.local/share}/ubiquity_launches/debian-13" >.venv/debian
 }
 
 install_python() {
@@ -268,7 +260,7 @@ if [[ ! -w . || ! -w .cache || ( -e .venv && ! -w .venv ) ]]; then
   [[ -n $wheel ]] && help="list the permissions of all folders above it: namei -l $state/.venv"
   die "$state is not writable for $(id -un), expected a folder of your own" "$help"
 fi
-lacks_ros && bring_debian "$@"
+[[ $release_ros == brought ]] && bring_debian "$@"
 exec 9>.cache/set_up.lock
 flock -n 9 || { say "another set-up of this folder is running: waiting for it" && flock 9; }
 begin=$SECONDS
