@@ -21,6 +21,7 @@ _SPREAD = 0.06  # m: a point that lies so far from a wall scores exp(-1/2)
 _MARGIN = 0.3  # m round the walls
 _LEVELS = 5
 _WIDEST = 30000  # poses of a level; the least likely ones beyond are dropped
+_BLOCK = 2048  # poses that are scored at a time, for the sake of memory
 _DIVE = 24  # poses that are followed down first, for a score to hold the others against
 _KEPT = 0.8  # of the best score: poses that are followed up, for the sake of rivals
 _APART = (0.6, 0.25)  # m, rad: farther from the best pose, another one is a different place
@@ -68,12 +69,15 @@ class Pyramid:
 
         `turned` (turns, m, 2) are the points in cells, turned; `corner` (2) is where pose 0, 0 lies, m.
         """
+        if len(poses) > _BLOCK:
+            parts = [poses[first : first + _BLOCK] for first in range(0, len(poses), _BLOCK)]
+            return np.concatenate([self.score(level, part, turned, corner) for part in parts])
         table = self.levels[level]
         height, width = table.shape
         base = ((corner - self._low) / _CELL).astype(np.float32)
-        cells = np.floor(turned + base).astype(np.int32)
-        columns = np.clip(cells[poses[:, 2], :, 0] + poses[:, 0, None].astype(np.int32), 0, width - 1)
-        rows = np.clip(cells[poses[:, 2], :, 1] + poses[:, 1, None].astype(np.int32), 0, height - 1)
+        cells = np.floor(turned[poses[:, 2]] + base).astype(np.int32)
+        columns = np.clip(cells[..., 0] + poses[:, 0, None].astype(np.int32), 0, width - 1)
+        rows = np.clip(cells[..., 1] + poses[:, 1, None].astype(np.int32), 0, height - 1)
         scores: NDArray[np.float32] = table.ravel().take(rows * width + columns).mean(axis=1)
         return scores
 
