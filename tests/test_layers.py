@@ -56,7 +56,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     ),
     "ur_nodes.mapping": ("ur.source", "ur_nodes.geometry", "ur_nodes.rosio"),
     "ur_nodes.localisation": ("ur.source", "ur_nodes.geometry", "ur_nodes.rosio"),
-    "ur_nodes.slam": ("ur.source", "ur_nodes.geometry", "ur_nodes.rosio"),
+    "ur_nodes.slam": ("ur.source", "ur_nodes.geometry", "ur_nodes.localisation.laser", "ur_nodes.rosio"),
     "ur_nodes.costmap": ("ur.source", "ur.robot.base", "ur.worlds", "ur_nodes.geometry", "ur_nodes.rosio"),
     "ur_nodes.navigation": (
         "ur.source",

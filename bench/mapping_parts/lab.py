@@ -7,8 +7,8 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-
 from ur.worlds.floor_plan import FloorPlan
+
 from ur.worlds.world_file import World
 
 _CELL = 0.05

@@ -10,8 +10,8 @@ from bench.mapping_parts.log import Floats, Log
 from numpy.typing import NDArray
 from scipy.ndimage import binary_erosion
 from scipy.spatial import cKDTree
-
 from ur.worlds.floor_plan import FloorPlan
+
 from ur_nodes.geometry.grid import OCCUPIED, Grid
 
 _NEAR = 0.05  # m

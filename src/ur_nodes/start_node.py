@@ -1,4 +1,4 @@
-"""Starts a node of this package, or reports in one line a library that is missing: start_node NODE [ARG ...]."""
+"""Start a node that needs `requirements/vision.lock`, or report a missing library: start_node NODE [ARG ...]."""
 
 from __future__ import annotations
 
@@ -8,7 +8,11 @@ from importlib.util import find_spec
 
 from ur.source.project import project_folder
 
-_NEEDS = {"fiducial_detect": ("cv2",), "fiducial_slam": ("cv2", "gtsam")}
+_NEEDS = {
+    "fiducial_detect": ("vision", ("cv2",)),
+    "fiducial_slam": ("vision", ("cv2", "gtsam")),
+    "slam_gmapping": ("slam", ("gtsam",)),
+}  # the package and the libraries of each node
 _NAMES = {"cv2": "OpenCV (opencv-python-headless)", "gtsam": "gtsam"}
 
 
@@ -18,14 +22,15 @@ def main(arguments: list[str]) -> int:
     if name not in _NEEDS:
         sys.stderr.write(f"error: start_node: {name!r}, expected one of {', '.join(_NEEDS)}\n")
         return 2
-    if missing := [_NAMES[library] for library in _NEEDS[name] if find_spec(library) is None]:
+    package, libraries = _NEEDS[name]
+    if missing := [_NAMES[library] for library in libraries if find_spec(library) is None]:
         lock = project_folder() / "requirements/vision.lock"
         sys.stderr.write(
             f"error: {name}: {' and '.join(missing)} not installed, expected in {sys.prefix}\n"
             f"  help: {sys.executable} -I -m pip install --require-hashes -r {lock}\n"
         )
         return 2
-    node = importlib.import_module(f"ur_nodes.vision.{name}_node")
+    node = importlib.import_module(f"ur_nodes.{package}.{name}_node")
     code: int = node.main()
     return code
 

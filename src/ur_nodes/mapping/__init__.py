@@ -1,1 +1,1 @@
-"""Maps as files and topics: the stand-in for `map_server`."""
+"""Maps as files and topics: the stand-ins for `map_server` and `map_saver`."""

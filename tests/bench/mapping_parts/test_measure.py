@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from bench.mapping_parts.log import Log, chain, steps_of, with_poor_sensors
 from bench.mapping_parts.measure import Fit, best_fit, errors_after_fit, relation_errors, score_map
-
 from ur.worlds.floor_plan import FloorPlan
+
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
 

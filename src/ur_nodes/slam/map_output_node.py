@@ -1,0 +1,61 @@
+"""Draws the map of a mapper every few seconds, publishes it, and answers who asks for it."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Sequence
+
+import rospy
+from nav_msgs.msg import MapMetaData, OccupancyGrid
+from nav_msgs.srv import GetMap, GetMapRequest, GetMapResponse
+
+from ur_nodes.geometry.pose import Pose2
+from ur_nodes.rosio.grid_message import grid_message
+from ur_nodes.slam.gmapping_settings import GmappingSettings
+from ur_nodes.slam.occupancy import OccupancyMap
+from ur_nodes.slam.scan import Scan
+
+Keyframes = Callable[[], tuple[Sequence[Pose2], Sequence[Scan]]]
+
+
+class MapOutput:
+    """The topics `map` and `map_metadata`, latched, and the service `dynamic_map`.
+
+    `keyframes` gives poses and scans as of now. The map is drawn in a thread of its own, so no scan waits for it.
+    """
+
+    def __init__(self, settings: GmappingSettings, keyframes: Keyframes) -> None:
+        self._settings = settings
+        self._keyframes = keyframes
+        self._drawn = OccupancyMap(settings.delta, settings.occ_thresh, settings.max_usable or float("inf"))
+        if settings.edges:
+            self._drawn.include(settings.edges[:2], settings.edges[2:])
+        self._message: OccupancyGrid | None = None
+        self._lock = threading.Lock()  # guards _drawn and _message
+        self._map = rospy.Publisher("map", OccupancyGrid, queue_size=1, latch=True)
+        self._metadata = rospy.Publisher("map_metadata", MapMetaData, queue_size=1, latch=True)
+        rospy.Service("dynamic_map", GetMap, self._answer)
+
+    def publish(self) -> None:
+        """Draw what has changed, and publish the map; nothing happens before the first keyframe."""
+        with self._lock:
+            message = self._draw()
+        if message:
+            self._map.publish(message)
+            self._metadata.publish(message.info)
+
+    def _draw(self) -> OccupancyGrid | None:
+        poses, scans = self._keyframes()
+        if not poses:
+            return None
+        self._drawn.update(poses, scans)
+        grid, now = self._drawn.grid(), rospy.Time.now()
+        self._message = grid_message(grid, self._settings.map_frame, now)
+        return self._message
+
+    def _answer(self, _request: GetMapRequest) -> GetMapResponse:
+        with self._lock:
+            message = self._draw()
+        if message is None:
+            raise rospy.ServiceException("there is no map yet; is the lidar driver running?")
+        return GetMapResponse(message)

@@ -1,0 +1,215 @@
+"""The node `slam_gmapping`: a map from a lidar and, where there is one, odometry."""
+
+from __future__ import annotations
+
+import math
+import sys
+import threading
+from collections import deque
+from collections.abc import Sequence
+
+import numpy as np
+import rospy
+import tf2_ros
+from geometry_msgs.msg import TransformStamped
+from sensor_msgs.msg import LaserScan
+from std_msgs.msg import Float64
+
+from ur_nodes.geometry.pose import Pose2
+from ur_nodes.localisation.laser import Mount, directions_of_beams, mount_of_pose
+from ur_nodes.rosio.frames import Frames
+from ur_nodes.rosio.geometry import transform_message
+from ur_nodes.rosio.parameters import Parameters
+from ur_nodes.rosio.shell import run_node
+from ur_nodes.slam.gmapping_settings import read_settings
+from ur_nodes.slam.map_output_node import MapOutput
+from ur_nodes.slam.mapper import Estimate, Mapper
+from ur_nodes.slam.scan import Scan, make_scan
+
+LONGEST_QUEUE = 30  # scans that wait for their transform
+SILENCE = 15.0  # s without an update before the log says so, and again after as long
+
+
+class SlamGmappingNode:
+    """Translates messages for a Mapper. A thread takes scans, another one draws the map; callbacks only hand over."""
+
+    def __init__(self) -> None:
+        self._settings = settings = read_settings(Parameters())
+        self._mapper = Mapper(settings.mapper)
+        self._work = threading.Lock()  # guards the mapper and the correction
+        self._correction: Pose2 | None = None  # of the odometry's frame in the map, or of the robot without odometry
+        self._mounts: dict[str, Mount] = {}
+        self._beams: tuple[tuple[int, float, float], np.ndarray] | None = None
+        self._scans: deque[LaserScan] = deque(maxlen=LONGEST_QUEUE)
+        self._count = 0
+        self._lost = False
+        self._news = threading.Condition()  # guards _scans
+        self._child = settings.odom_frame or settings.base_frame
+        self._broadcaster = tf2_ros.TransformBroadcaster()
+        self._entropy = rospy.Publisher("~entropy", Float64, queue_size=1, latch=True)
+        self._output = MapOutput(settings, self._keyframes)
+        self._frames = Frames(self._wake, ignored=frozenset((self._child,)))
+        rospy.Subscriber("scan", LaserScan, self._take_scan, queue_size=2, tcp_nodelay=True)
+        for name, run in (("scans", self._run), ("map", self._draw), ("transform", self._broadcast)):
+            threading.Thread(target=run, name=name, daemon=True).start()
+
+    # -- scans -----------------------------------------------------------------------------------------------------
+
+    def _take_scan(self, message: LaserScan) -> None:
+        self._count += 1
+        if self._count % self._settings.throttle_scans:
+            return
+        with self._news:
+            self._scans.append(message)
+            self._news.notify()
+
+    def _wake(self) -> None:
+        if self._scans:
+            with self._news:
+                self._news.notify()
+
+    def _run(self) -> None:
+        quiet_since = rospy.get_time()
+        while not rospy.is_shutdown():
+            ready = self._next_scan()
+            now = rospy.get_time()
+            if ready:
+                quiet_since = now
+                self._use_scan(*ready)
+            elif not 0.0 <= now - quiet_since <= SILENCE:
+                quiet_since = now
+                self._explain_silence()
+
+    def _next_scan(self) -> tuple[LaserScan, Pose2 | None] | None:
+        """The newest scan whose odometry is known, after at most 1 s; older ones are dropped with it."""
+        with self._news:
+            for index in range(len(self._scans) - 1, -1, -1):
+                odometry = self._odometry(self._scans[index].header.stamp)
+                if odometry or not self._settings.odom_frame:
+                    scan = self._scans[index]
+                    for _ in range(index + 1):
+                        self._scans.popleft()
+                    return scan, odometry
+            self._news.wait(1.0)
+        return None
+
+    def _use_scan(self, message: LaserScan, odometry: Pose2 | None) -> None:
+        mount = self._mount(message.header.frame_id.lstrip("/"))
+        if not mount:
+            rospy.logwarn_throttle(
+                SILENCE, f"no transform from {message.header.frame_id} to {self._settings.base_frame}, expected one"
+            )
+            return
+        scan = self._scan(message, mount)
+        first = not self._mapper.scans
+        with self._work:
+            estimate = self._mapper.add_scan(scan, odometry)
+            self._correction = estimate.pose.compose(odometry.inverse()) if odometry else estimate.pose
+        self._entropy.publish(Float64(entropy(estimate)))
+        self._report(estimate)
+        if first:
+            self._output.publish()
+
+    def _report(self, estimate: Estimate) -> None:
+        lost = not estimate.located
+        if lost and not self._lost:
+            rospy.logwarn(
+                "the scan does not match the map (%.0f %% of it); the map goes on by odometry alone",
+                100.0 * estimate.agreement,
+            )
+        elif self._lost and not lost:
+            rospy.loginfo("the scan matches the map again")
+        self._lost = lost
+
+    def _scan(self, message: LaserScan, mount: Mount) -> Scan:
+        key = (len(message.ranges), message.angle_min, message.angle_increment)
+        if not self._beams or self._beams[0] != key:
+            self._beams = (key, directions_of_beams(*key))
+        settings = self._settings
+        far = min(settings.max_range or math.inf, message.range_max)
+        # As upstream: beams without an echo are free floor only where less than the lidar's range is to be used.
+        free = settings.max_usable if settings.max_usable < far else 0.0
+        return make_scan(
+            np.array(message.ranges, dtype=np.float32),
+            self._beams[1],
+            (message.range_min, far),
+            mount.rotation[:2, :2],
+            mount.offset[:2],
+            free,
+        )
+
+    # -- frames ----------------------------------------------------------------------------------------------------
+
+    def _mount(self, frame: str) -> Mount | None:
+        if frame not in self._mounts:
+            found = self._frames.find(self._settings.base_frame, frame, rospy.Time(0))
+            if not found:
+                return None
+            self._mounts[frame] = mount_of_pose(found)
+        return self._mounts[frame]
+
+    def _odometry(self, stamp: rospy.Time) -> Pose2 | None:
+        if not self._settings.odom_frame:
+            return None
+        found = self._frames.find(self._settings.odom_frame, self._settings.base_frame, stamp)
+        return found.planar() if found else None
+
+    def _broadcast(self) -> None:
+        """Publish the transform from the map, again and again, as of the last scan."""
+        period = self._settings.transform_publish_period
+        while period > 0.0 and _sleep(period):
+            correction = self._correction
+            if correction is None:
+                continue
+            message = TransformStamped()
+            message.header.frame_id = self._settings.map_frame
+            message.header.stamp = rospy.Time.now() + rospy.Duration(self._settings.tf_delay)
+            message.child_frame_id = self._child
+            message.transform = transform_message(correction)
+            self._broadcaster.sendTransform(message)
+
+    # -- the map ---------------------------------------------------------------------------------------------------
+
+    def _keyframes(self) -> tuple[Sequence[Pose2], Sequence[Scan]]:
+        with self._work:
+            return list(self._mapper.keyframes), list(self._mapper.scans)
+
+    def _draw(self) -> None:
+        while _sleep(self._settings.map_update_interval):
+            self._output.publish()
+
+    def _explain_silence(self) -> None:
+        settings, topic = self._settings, rospy.resolve_name("scan")
+        if not self._scans:
+            rospy.logwarn("no scan on %s for %g s; is the lidar driver running?", topic, SILENCE)
+        elif not self._odometry(rospy.Time(0)):
+            rospy.logwarn("no transform from %s to %s, expected one", settings.base_frame, settings.odom_frame)
+        else:
+            rospy.logwarn("%s and tf timestamps do not overlap; do all nodes use the same clock?", topic)
+
+
+def entropy(estimate: Estimate) -> float:
+    """The differential entropy of the pose round the estimate (m and rad), higher when it is less certain."""
+    sign, logarithm = np.linalg.slogdet(2.0 * math.pi * math.e * estimate.covariance)
+    return 0.5 * float(logarithm) if sign > 0 else -math.inf
+
+
+def _sleep(seconds: float) -> bool:
+    """Sleep; False at the end of the node."""
+    try:
+        rospy.sleep(seconds)
+    except rospy.ROSTimeMovedBackwardsException:
+        pass
+    except rospy.ROSInterruptException:
+        return False
+    return not rospy.is_shutdown()
+
+
+def main() -> int:
+    """Run until shutdown; exit code 2 when a parameter cannot be used."""
+    nodes: list[SlamGmappingNode] = []
+    return run_node("slam_gmapping", lambda: nodes.append(SlamGmappingNode()))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,147 @@
+"""For the tests of slam_gmapping: the simulator in lock step, and questions answered line by line (JSON)."""
+
+from __future__ import annotations
+
+import math
+import sys
+import threading
+from pathlib import Path
+from typing import Any
+
+import rospy
+from geometry_msgs.msg import TransformStamped
+from nav_msgs.msg import MapMetaData, OccupancyGrid
+from nav_msgs.srv import GetMap
+from sensor_msgs.msg import LaserScan
+from std_msgs.msg import Float64
+from tests.json_client import answer_requests, claim_output
+from tf2_msgs.msg import TFMessage
+
+from ur.robot.base import load_base
+from ur.worlds.world_file import read_world
+from ur_nodes.geometry.pose import Pose2
+from ur_nodes.rosio.geometry import pose_of_transform, transform_message
+from ur_nodes.rosio.grid_message import grid_of_message
+from ur_nodes.simulator.simulation import Simulation
+
+PATIENCE = 30.0  # s
+PACKAGE = Path(__file__).resolve().parents[3] / "ubiquity_launches"
+
+
+class Client:
+    """A robot in the maze that moves only when told; every scan waits until it has been used."""
+
+    def __init__(self, child: str) -> None:
+        self._child = child  # the frame whose transform from the map is expected
+        self._base = load_base(PACKAGE, "stage", "")
+        world = read_world(PACKAGE / "n_simulator" / "worlds" / "maze.yaml")
+        self._simulation = Simulation(world, self._base, seed=1)
+        self._used = 0
+        self._correction: Pose2 | None = None
+        self._news = threading.Condition()
+        self._tf = rospy.Publisher("/tf", TFMessage, queue_size=100)
+        self._static = rospy.Publisher("/tf_static", TFMessage, queue_size=1, latch=True)
+        self._scan = rospy.Publisher("scan", LaserScan, queue_size=5)
+        rospy.Subscriber("/tf", TFMessage, self._take_tf, queue_size=100)
+        rospy.Subscriber("slam_gmapping/entropy", Float64, self._take_entropy, queue_size=100)
+        assert self._base.lidar
+        mount = Pose2(self._base.lidar.pose[0], self._base.lidar.pose[1], self._base.lidar.pose[5])
+        self._static.publish(TFMessage([transform("base_footprint", "laser", mount, rospy.Time.now())]))
+
+    def drive(self, linear: float, angular: float, seconds: float) -> float:
+        """Drive; the distance (m) between the true pose and the published one at the end."""
+        self._wait(lambda: self._scan.get_num_connections() > 0 and self._tf.get_num_connections() > 0)
+        end = self._simulation.time + seconds
+        while self._simulation.time < end:
+            self._simulation.command(0, linear, angular)
+            if self._simulation.advance().scan:
+                self._publish()
+        return self._error()
+
+    def map(self) -> dict[str, Any]:
+        """The frames of the map from service and topic, its resolution, and how many cells are occupied and free."""
+        rospy.wait_for_service("dynamic_map", PATIENCE)
+        message = rospy.ServiceProxy("dynamic_map", GetMap)().map
+        topic = rospy.wait_for_message("map", OccupancyGrid, PATIENCE)
+        metadata = rospy.wait_for_message("map_metadata", MapMetaData, PATIENCE)
+        values = grid_of_message(message).values
+        return {
+            "frames": [message.header.frame_id, topic.header.frame_id],
+            "resolution": round(metadata.resolution, 6),
+            "occupied": int((values == 100).sum()),
+            "free": int((values == 0).sum()),
+        }
+
+    def _publish(self) -> None:
+        before = self._used
+        odometry = Pose2(*self._simulation.odometry(0).pose)
+        ranges = self._simulation.scan(0).tolist()
+        deadline = rospy.get_time() + PATIENCE
+        while self._used == before:  # the node may not be connected yet: publish it again
+            stamp = rospy.Time.now()
+            self._tf.publish(TFMessage([transform("odom", "base_footprint", odometry, stamp)]))
+            self._scan.publish(self._message(ranges, stamp))
+            with self._news:
+                self._news.wait_for(lambda: self._used != before, 1.0)
+            if rospy.get_time() > deadline:
+                raise TimeoutError("the scan was not used")
+
+    def _message(self, ranges: list[float], stamp: rospy.Time) -> LaserScan:
+        lidar = self._base.lidar
+        assert lidar
+        message = LaserScan(angle_min=lidar.angle_min, angle_max=lidar.angle_max)
+        message.angle_increment = (lidar.angle_max - lidar.angle_min) / (lidar.samples - 1)
+        message.header.frame_id, message.header.stamp = "laser", stamp
+        message.range_min, message.range_max, message.ranges = lidar.range_min, lidar.range_max, ranges
+        return message
+
+    def _error(self) -> float:
+        """Once the transform as of the last scan is published: it comes again and again, so the second one is."""
+        for _ in range(2):
+            with self._news:
+                self._correction = None
+                if not self._news.wait_for(lambda: self._correction is not None, PATIENCE):
+                    raise TimeoutError(f"map -> {self._child} was not published")
+                found = self._correction
+        assert found
+        if self._child == "odom":
+            found = found.compose(Pose2(*self._simulation.odometry(0).pose))
+        return math.dist(found[:2], self._simulation.pose(0)[:2])
+
+    def _take_entropy(self, _message: Float64) -> None:
+        with self._news:
+            self._used += 1
+            self._news.notify_all()
+
+    def _take_tf(self, message: TFMessage) -> None:
+        with self._news:
+            for item in message.transforms:
+                if item.header.frame_id == "map" and item.child_frame_id == self._child:
+                    self._correction = pose_of_transform(item.transform)
+                    self._news.notify_all()
+
+    @staticmethod
+    def _wait(condition: Any) -> None:
+        end = rospy.get_time() + PATIENCE
+        while not condition():
+            if rospy.get_time() > end:
+                raise TimeoutError("nothing subscribes scan")
+            rospy.sleep(0.02)
+
+
+def transform(parent: str, child: str, pose: Pose2, stamp: rospy.Time) -> TransformStamped:
+    message = TransformStamped()
+    message.header.frame_id, message.child_frame_id, message.header.stamp = parent, child, stamp
+    message.transform = transform_message(pose)
+    return message
+
+
+def main() -> None:
+    """Answer questions on standard input until it ends."""
+    answers = claim_output()
+    rospy.init_node("client", disable_signals=True)
+    answer_requests(answers, Client(sys.argv[1]))
+
+
+if __name__ == "__main__":
+    main()
