@@ -56,7 +56,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     ),
     "ur_nodes.mapping": ("ur.source", "ur_nodes.geometry", "ur_nodes.rosio"),
     "ur_nodes.localisation": ("ur.source", "ur_nodes.geometry", "ur_nodes.rosio"),
-    "ur_nodes.slam": ("ur.source", "ur_nodes.geometry", "ur_nodes.localisation.laser", "ur_nodes.rosio"),
+    "ur_nodes.slam": ("ur.source", "ur_nodes.geometry", "ur_nodes.rosio"),
     "ur_nodes.costmap": ("ur.source", "ur.robot.base", "ur.worlds", "ur_nodes.geometry", "ur_nodes.rosio"),
     "ur_nodes.navigation": (
         "ur.source",
@@ -109,7 +109,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     ),
     "ur_nodes.motion.joystick": ("ur_nodes.rosio", "ur_nodes.motion.challenge", "ur_nodes.motion.lease"),
     "ur_nodes.vision": ("ur.source", "ur_nodes.geometry", "ur_nodes.rosio"),
-    "ur_nodes": (),
+    "ur_nodes": ("ur.source",),
 }
 ROS = {
     "actionlib", "actionlib_msgs", "genpy", "geometry_msgs", "map_msgs", "move_base_msgs", "nav_msgs", "rosgraph",

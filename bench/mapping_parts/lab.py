@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
-from ur.worlds.floor_plan import FloorPlan
 
+from ur.worlds.map_file import MapFile, MapImage
 from ur.worlds.world_file import World
 
 _CELL = 0.05
@@ -39,7 +40,9 @@ def make_lab(seed: int) -> World:
     start = np.array((1.0, 5.05))
     c, s = math.cos(yaw), math.sin(yaw)
     origin = (-float(c * start[0] - s * start[1]), -float(s * start[0] + c * start[1]), yaw)
-    return World(FloorPlan(cells, _CELL, origin), 1.0, 0.9, (), (), (0.0, 0.0, 0.0))
+    file = MapFile(Path("lab.png"), _CELL, origin, negate=False, occupied_thresh=0.65, free_thresh=0.25, mode="trinary")
+    plan = MapImage(file, np.where(cells, 100, 0).astype(np.int8))
+    return World(plan, 1.0, 0.9, (), (), (0.0, 0.0, 0.0))
 
 
 def lab_goals(world: World, random: np.random.Generator) -> NDArray[np.float64]:

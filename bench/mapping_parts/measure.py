@@ -10,8 +10,8 @@ from bench.mapping_parts.log import Floats, Log
 from numpy.typing import NDArray
 from scipy.ndimage import binary_erosion
 from scipy.spatial import cKDTree
-from ur.worlds.floor_plan import FloorPlan
 
+from ur.worlds.map_file import MapImage
 from ur_nodes.geometry.grid import OCCUPIED, Grid
 
 _NEAR = 0.05  # m
@@ -55,14 +55,14 @@ def rms(values: Floats) -> float:
     return float(np.sqrt(np.mean(np.square(values))))
 
 
-def score_map(grid: Grid, fit: Fit, log: Log, plan: FloorPlan) -> float:
+def score_map(grid: Grid, fit: Fit, log: Log, plan: MapImage) -> float:
     """The F score of a map's occupied cells.
 
     Precision: the share of them whose centre is within 0.05 m of a cell of the true walls. Recall: the share of the
     true walls' outermost cells, of those that a beam of the log ended on, that are within 0.05 m of an occupied cell.
     """
     yaw = plan.origin[2]
-    walls = plan.occupied
+    walls = plan.walls
     outer = walls & ~binary_erosion(walls, border_value=1)
     x, y = plan.origin[:2]
     place = Fit(yaw, x, y)

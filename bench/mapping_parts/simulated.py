@@ -42,7 +42,7 @@ def read_bench_world(name: str, seed: int) -> tuple[World, list[tuple[float, flo
 def grid_of_world(world: World) -> Grid:
     """The floor plan as a grid."""
     plan = world.floor_plan
-    return Grid(np.where(plan.occupied, 100, 0).astype(np.int8), plan.resolution, Pose2(*plan.origin))
+    return Grid(np.where(plan.walls, 100, 0).astype(np.int8), plan.resolution, Pose2(*plan.origin))
 
 
 def make_log(name: str, seed: int = 0, base_name: str = "stage") -> Log:

@@ -15,8 +15,8 @@ from geometry_msgs.msg import TransformStamped
 from sensor_msgs.msg import LaserScan
 from std_msgs.msg import Float64
 
+from ur_nodes.geometry.laser import Mount, directions_of_beams, mount_of_pose
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.localisation.laser import Mount, directions_of_beams, mount_of_pose
 from ur_nodes.rosio.frames import Frames
 from ur_nodes.rosio.geometry import transform_message
 from ur_nodes.rosio.parameters import Parameters

@@ -1,13 +1,14 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
 from bench.mapping_parts.log import Log, chain, steps_of, with_poor_sensors
 from bench.mapping_parts.measure import Fit, best_fit, errors_after_fit, relation_errors, score_map
-from ur.worlds.floor_plan import FloorPlan
 
+from ur.worlds.map_file import MapFile, MapImage
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
 
@@ -44,7 +45,8 @@ def test_relations_over_loops_show_an_error_between_two_rounds() -> None:
 def test_true_map_scores_one_and_a_shifted_one_less() -> None:
     walls = np.zeros((60, 60), dtype=bool)
     walls[[0, -1]] = walls[:, [0, -1]] = True
-    plan = FloorPlan(walls, 0.05, (-1.5, -1.5, 0.4))
+    file = MapFile(Path("box.png"), 0.05, (-1.5, -1.5, 0.4), False, 0.65, 0.25, "trinary")
+    plan = MapImage(file, np.where(walls, 100, 0).astype(np.int8))
     angles = np.arange(0.0, 2.0 * math.pi, 0.01)
     centre = Fit(0.4, -1.5, -1.5).apply(np.array([(1.5, 1.5)]))[0]
     far = 1.45 / np.maximum(np.abs(np.cos(angles)), np.abs(np.sin(angles)))

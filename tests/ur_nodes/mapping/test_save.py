@@ -4,9 +4,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from ur_nodes.geometry.map_file import load_map
 
-from ur_nodes.geometry.grid import Grid
+from ur_nodes.geometry.grid import Grid, load_map
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.mapping.save import save_map
 

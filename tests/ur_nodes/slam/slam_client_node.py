@@ -20,7 +20,7 @@ from tf2_msgs.msg import TFMessage
 from ur.robot.base import load_base
 from ur.worlds.world_file import read_world
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.rosio.geometry import pose_of_transform, transform_message
+from ur_nodes.rosio.geometry import pose3_of_transform, transform_message
 from ur_nodes.rosio.grid_message import grid_of_message
 from ur_nodes.simulator.simulation import Simulation
 
@@ -117,7 +117,7 @@ class Client:
         with self._news:
             for item in message.transforms:
                 if item.header.frame_id == "map" and item.child_frame_id == self._child:
-                    self._correction = pose_of_transform(item.transform)
+                    self._correction = pose3_of_transform(item.transform).planar()
                     self._news.notify_all()
 
     @staticmethod

@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from tests.ros_session import RosSession
-from ur_nodes.geometry.map_file import load_map
+
+from ur_nodes.geometry.grid import load_map
 
 PACKAGE = Path(__file__).parents[3] / "ubiquity_launches"
 SLAM = PACKAGE / "n_slam_gmapping" / "bin" / "slam_gmapping"
