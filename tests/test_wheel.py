@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import shutil
 import subprocess
 import sys
 import zipfile
@@ -203,10 +204,15 @@ def test_first_start_makes_an_environment_and_an_upgrade_renews_it(
     wheel: Path, tmp_path: Path, session: RosSession
 ) -> None:
     installed = Installed(wheel, tmp_path)
+    before = ROOT / "tests/data/previous_version"
+    for source, folder in (("config", ".config"), ("state", ".local/state"), ("share", ".local/share")):
+        shutil.copytree(before / source, installed.home / folder)
+    state = {path: path.read_bytes() for path in installed.home.rglob("*") if path.is_file()}
     # The locked packages are there already: the set-up fetches nothing.
     make_environment(installed.made, "--system-site-packages")
-    done = installed.run("ur", "use", "sim:magni")
+    done = installed.run("ur", "use")
     assert (done.returncode, "setting up this computer" in done.stderr) == (0, True), done
+    assert "bob:magni:lidar" in done.stdout
     assert installed.ur("--version").endswith(f"(wheel in {installed.made})\n")
     assert installed.run("ur", "use").stderr == ""
     network = {name: session.env[name] for name in ("ROS_MASTER_URI", "ROS_HOSTNAME")}
@@ -217,4 +223,5 @@ def test_first_start_makes_an_environment_and_an_upgrade_renews_it(
     installed.install(wheel)
     done = installed.run("ur", "use")
     assert "setting up this computer" in done.stderr
-    assert "sim:magni" in done.stdout
+    assert "bob:magni:lidar" in done.stdout
+    assert {path: path.read_bytes() for path in state} == state

@@ -1,0 +1,69 @@
+"""What the previous version wrote stays after an upgrade. tests/data/previous_version was written by commit 5e5238a."""
+
+from __future__ import annotations
+
+import math
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ur.cli.main import main
+from ur.robot.discovery.record import Record, load_records, records_folder
+from ur.robot.discovery.seen import Seen, load_seen, note_seen, seen_path
+from ur.robot.selection import Selection, load_selection, selection_path
+from ur.robot.sync.memory import Pair, load_memory, memory_path
+from ur_nodes.geometry.grid import Grid
+from ur_nodes.geometry.pose import Pose2
+from ur_nodes.teleop.navigate.waypoints import WaypointStore, name_of_map, waypoint_path
+
+STATE = Path(__file__).parent / "data/previous_version"
+BOB, EVE = Record("bob", "ros", "magni", "lidar"), Record("eve", "pi", "loki")
+
+
+@pytest.fixture
+def environment(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> dict[str, str]:
+    """The home folder of who has used the previous version."""
+    shutil.copytree(STATE, tmp_path / "home")
+    folders = {"XDG_CONFIG_HOME": "config", "XDG_STATE_HOME": "state", "XDG_DATA_HOME": "share"}
+    variables = {name: str(tmp_path / "home" / folder) for name, folder in folders.items()}
+    for name, value in {"HOME": str(tmp_path / "home"), **variables}.items():
+        monkeypatch.setenv(name, value)
+    return {"HOME": str(tmp_path / "home"), **variables}
+
+
+def test_selection_and_robots_are_those_of_before(
+    environment: dict[str, str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert load_selection(selection_path(environment)) == Selection("bob", "magni", "lidar")
+    assert load_records(records_folder(environment)) == [BOB, EVE]
+    assert load_seen(seen_path(environment)) == {"bob": Seen("bob", "192.168.1.23", 1.7e9)}
+    assert main(["use"]) == 0
+    assert "bob:magni:lidar" in capsys.readouterr().out
+
+
+def test_last_synchronisation_of_workspaces_is_known(environment: dict[str, str]) -> None:
+    memory = load_memory(memory_path("bob", environment))
+    assert memory
+    assert memory.pair == Pair("/home/pat/catkin_ws/src", "/home/ros/catkin_ws/src", "0123abcd")
+    assert list(memory.agreed) == ["mine/package.xml"]
+
+
+def test_waypoints_are_found_under_the_names_of_their_maps(environment: dict[str, str]) -> None:
+    store = WaypointStore(waypoint_path("maze", environment))
+    places = {name: (place.x, place.y, place.yaw) for name, place in store.places().items()}
+    assert places == {"kitchen": (1.5, 2.0, math.pi / 2), "on": (0.0, 0.0, 0.0)}
+    unnamed = Grid(np.zeros((2, 3), dtype=np.int8), 0.05, Pose2(-1.0, 2.0, 0.5))
+    assert name_of_map(unnamed) == "map-d1735a1e"
+
+
+def test_what_is_written_now_keeps_what_was_there(environment: dict[str, str]) -> None:
+    note_seen(seen_path(environment), [Seen("eve", "192.168.1.31", 1.7e9 + 60)])
+    assert set(load_seen(seen_path(environment))) == {"bob", "eve"}
+    store = WaypointStore(waypoint_path("maze", environment))
+    store.remember("door", Pose2(1.0, 1.0, 0.0))
+    assert set(store.places()) == {"door", "kitchen", "on"}
+    assert main(["use", "sim:magni"]) == 0
+    assert load_records(records_folder(environment)) == [BOB, EVE]
+    assert load_selection(selection_path(environment)) == Selection("sim", "magni")
