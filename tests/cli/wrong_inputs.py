@@ -137,13 +137,16 @@ use sim:magni:lidra
 use a:b:c:d
 use 'a b'
 use robot.example.org
+debian install
 setup --undo --dry-run more
 robots more
 shell
+shell --nonsense
 shell 'a b'
 shell -- -oProxyCommand=x
-x 'a b'
-x -- -oProxyCommand=x
+x --nonsense word
+x 'a b' word
+x -- -oProxyCommand=x word
 sync 'a b'
 sync --to --from carrot
 sync
@@ -187,6 +190,7 @@ image prepare --country Germany --name carrot notes.txt
 image prepare --undo notes.txt
 image prepare empty
 boot install
+boot install --nonsense
 boot install nothing
 boot install demo talkr.launch
 boot install demo speed.launch
@@ -250,7 +254,7 @@ def _derive(path: list[str], command: click.Command) -> Iterator[list[str]]:
     if isinstance(command, click.Group):
         yield [*path, "nonsense"]
         return
-    if not command.ignore_unknown_options and path != ["run"]:
+    if not command.context_settings.get("ignore_unknown_options"):
         yield [*path, "--nonsense"]
     arguments = [each for each in command.params if isinstance(each, click.Argument)]
     if any(each.required for each in arguments):
@@ -299,12 +303,17 @@ def enter_folder(folder: Path) -> Iterator[None]:
         "COLUMNS": "100",
         "LANG": "C.UTF-8",
     }
-    with patch.dict(os.environ, variables, clear=True):
+    replaced = dict.fromkeys(("execv", "execve", "execvp", "execvpe"), _refuse_exec)
+    with patch.dict(os.environ, variables, clear=True), patch.multiple(os, **replaced):
         os.chdir(folder)
         try:
             yield
         finally:
             os.chdir(before)
+
+
+def _refuse_exec(*words: object) -> None:
+    raise AssertionError(f"this input is not wrong: another program would take the place of this process: {words}")
 
 
 def describe(words: list[str], folder: str) -> str:
