@@ -1,0 +1,91 @@
+"""Make docs/reference/releases.md, and the sentences about releases in README.md, from src/ur/system/releases.tsv.
+
+A test compares the committed texts with this.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+from ur.system.releases import Release, load_releases
+
+ROOT = Path(__file__).parents[1]
+PAGE = ROOT / "docs" / "reference" / "releases.md"
+README = ROOT / "README.md"
+BEGIN, END = "<!-- releases: made by tools/make_releases_page.py -->", "<!-- releases: end -->"
+_HEAD = """\
+# Releases
+
+Made by `tools/make_releases_page.py`: edit `src/ur/system/releases.tsv` instead.
+
+The project needs ROS 1 from the distribution's own packages, on x86-64 or arm64.
+A release that packages it can be the system of your computer and of a robot.
+A release that does not can be the system of your computer only.
+ROS 1 then runs in a Debian 13 root that the project makes.
+`ur image prepare` and `ur robot setup` refuse such a system.
+
+A derivative counts as the release that it is made from: Linux Mint 22 as Ubuntu 24.04, LMDE 7 as Debian 13.
+Derivatives are expected to work, but were not tried.
+
+"""
+_FOOT = """
+The column "lists" has the date of the look-up in the release's package lists, made with `tools/check_releases.py`.
+"Measured" means that they were looked up on another computer, on a day that was not recorded.
+"Tried" means that the first drive was run on the release, on x86-64, with `tests/fresh/run`.
+The others, and arm64, are expected to work.
+"""
+_ROS = {"native": "its own packages", "brought": "a Debian 13 root", "refused": "none: refused"}
+
+
+def make_page(rows: Sequence[Release] | None = None) -> str:
+    """The whole page."""
+    rows = load_releases() if rows is None else rows
+    columns = ("system", "ROS 1 from", "robots", "not packaged", "lists", "tried", "note")
+    lines = [f"| {' | '.join(columns)} |", "|---" * len(columns) + "|"]
+    for row in rows:
+        missing = ", ".join("all of ROS 1" if name == "all" else name for name in row.missing)
+        robots, tried = ("yes" if row.ros == "native" else "no"), ("yes" if row.tried else "")
+        lines.append(f"| {row.name} | {_ROS[row.ros]} | {robots} | {missing} | {row.lists} | {tried} | {row.note} |")
+    return _HEAD + "\n".join(lines) + "\n" + _FOOT
+
+
+def make_sentences(rows: Sequence[Release] | None = None) -> str:
+    """The sentences of the README, one a line, about the releases that have a name."""
+    rows = [row for row in (load_releases() if rows is None else rows) if not row.name.startswith(("other ", "any "))]
+    sentences = []
+    tried = [row.name for row in rows if row.tried and row.ros == "native"]
+    sentences.append(f"It runs on {_join(tried)} on x86-64, with or without a display.")
+    expected = [row.name for row in rows if not row.tried and row.ros == "native"]
+    sentences.append(f"It is expected to work on {_join([*expected, 'arm64'])}, which were not tried.")
+    brought = [row for row in rows if row.ros == "brought"]
+    for words, wanted in (("", True), ("; this is expected to work, but was not tried there", False)):
+        if names := [row.name for row in brought if row.tried is wanted]:
+            sentences.append(f"Where ROS 1 is not packaged ({_join(names)}), it makes a Debian 13 root for it{words}.")
+    sentences.append("[All releases](docs/reference/releases.md), and what each packages.")
+    return "\n".join(sentences)
+
+
+def replace_sentences(text: str, sentences: str) -> str:
+    """A text with the sentences between its two marks. Raises ValueError where it lacks them."""
+    pattern = rf"(?s)(?<={re.escape(BEGIN)}\n).*?(?=\n{re.escape(END)})"
+    replaced, count = re.subn(pattern, lambda _: sentences, text)
+    if count != 1:
+        raise ValueError(f"expected the marks {BEGIN} and {END} once")
+    return replaced
+
+
+def _join(names: Sequence[str]) -> str:
+    return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
+
+
+def main() -> None:
+    """Write the page and the sentences."""
+    PAGE.write_text(make_page(), encoding="utf-8")
+    README.write_text(replace_sentences(README.read_text(encoding="utf-8"), make_sentences()), encoding="utf-8")
+    print(PAGE, README, sep="\n")
+
+
+if __name__ == "__main__":
+    main()
