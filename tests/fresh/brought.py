@@ -297,7 +297,7 @@ def trial_interruptions() -> str:
             )
             time.sleep(seconds)
             how = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT)[number % 3]
-            os.kill(process.pid, how) if number % 2 else os.killpg(process.pid, how)
+            os.kill(process.pid, how) if how is signal.SIGTERM else os.killpg(process.pid, how)
             process.wait()
             wait_for(lambda: not processes(str(data)), f"end of what was killed after {seconds} s")
             assert str(data) not in Path("/proc/mounts").read_text()
