@@ -179,10 +179,11 @@ debian_running() {
 debian_remove() {
   local running
   [[ -e $debian_mark ]] && debian_die "the Debian root cannot be removed from inside" "run 'ur debian remove' in a shell of this computer"
+  [[ -d $debian_data ]] || { echo "there is no Debian root in $debian_data" && return; }
   mapfile -t running < <(debian_running)
   [[ ${#running[@]} -eq 0 ]] || debian_die "programs still run in the Debian root: processes ${running[*]}" "ur stop --all, or end them"
   if [[ -e $debian_data/allowed ]]; then debian_as_root forbid || return; fi
-  [[ ! -d $debian_data ]] || delete "$debian_data" 2>/dev/null || debian_as_root remove || return
+  delete "$debian_data" 2>/dev/null || debian_as_root remove || return
   local folder
   for folder in "$1" "${debian_data%/*}"; do # that of a clone, and of a wheel
     [[ -e $folder/.venv/debian && "$(<"$folder/.venv/debian")" == "$debian_data" ]] && rm -rf "$folder/.venv"

@@ -46,7 +46,7 @@ def test_nothing_of_the_project_stays_in_the_home_folder(tmp_path: Path, own: di
     undo = commands_below("2. Take the set-up of this computer back")
     assert undo == ["ur setup --undo"]
     run(f"{undo[0]} --only-mine", own)  # the computer's own settings are not for a test to change
-    for command in commands_below("4. Remove what it has remembered"):
+    for command in commands_below("5. Remove what it has remembered"):
         run(command, own)
 
     left = [str(path.relative_to(tmp_path)) for path in sorted(tmp_path.rglob("*")) if path.is_file()]
