@@ -43,7 +43,7 @@ def enter_environment(arguments: Sequence[str]) -> int | None:
 
 
 def is_current(environment: Path, prefix: Path) -> bool:
-    """Whether an environment was made from the wheel installed in `prefix`, as it is now."""
+    """Return whether an environment was made from the wheel installed in `prefix`, as it is now."""
     ready = environment / READY
     records = list(package_folder().parent.glob(f"{DISTRIBUTION.replace('-', '_')}-*.dist-info/RECORD"))
     if (environment / "debian").exists() and not (environment.parent / "debian-13/enter.bash").exists():

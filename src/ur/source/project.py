@@ -42,7 +42,7 @@ def package_folder() -> Path:
 
 
 def is_installed() -> bool:
-    """Whether this runs from a wheel."""
+    """Return whether this runs from a wheel."""
     return (package_folder() / DATA_FOLDER).is_dir()
 
 
