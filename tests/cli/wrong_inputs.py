@@ -9,7 +9,7 @@ import shlex
 import sys
 import tempfile
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, redirect_stderr, redirect_stdout
+from contextlib import ExitStack, contextmanager, redirect_stderr, redirect_stdout
 from pathlib import Path
 from unittest.mock import patch
 
@@ -303,8 +303,10 @@ def enter_folder(folder: Path) -> Iterator[None]:
         "COLUMNS": "100",
         "LANG": "C.UTF-8",
     }
-    replaced = dict.fromkeys(("execv", "execve", "execvp", "execvpe"), _refuse_exec)
-    with patch.dict(os.environ, variables, clear=True), patch.multiple(os, **replaced):
+    with ExitStack() as replaced:
+        replaced.enter_context(patch.dict(os.environ, variables, clear=True))
+        for name in ("execv", "execve", "execvp", "execvpe"):
+            replaced.enter_context(patch.object(os, name, _refuse_exec))
         os.chdir(folder)
         try:
             yield
