@@ -23,7 +23,6 @@ OTHERS = {
 # Packages without a test file of their own, each with the place of its tests.
 ELSEWHERE = {
     "ur/check/rules": "every rule holds its examples, which tests/check/test_rules.py runs",
-    "ur/cli/computer": "commands are tested as programs: tests/cli/ and tests/hosts/",
     "ur/cli/runs": "commands are tested as programs: tests/cli/ and tests/run/",
     "ur/docs/launch": "whole documents: tests/docs/ and tests/docs/site/",
     "ur/docs/repository": "whole documents: tests/docs/ and tests/docs/site/",
