@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import gtsam
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +13,7 @@ from scipy.sparse.csgraph import dijkstra
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.slam.surface import Floats
 
-_LEVER = 4.0  # m: how far a turn is felt when an uncertainty is given as one length
+_TURN = 16.0  # m^2: how much the variance of a turn counts when paths are compared
 _KERNEL = 2.0  # standard deviations beyond which a loop counts less and less
 _FIXED = np.array((1e-4, 1e-4, 1e-4))
 
@@ -23,7 +25,7 @@ class PoseGraph:
         self._graph = gtsam.NonlinearFactorGraph()
         self._values = gtsam.Values()
         self._ends: list[tuple[int, int]] = []
-        self._costs: list[float] = []
+        self._costs: list[tuple[float, float, float]] = []  # variances of shift and turn, and the length, of each edge
         self.poses: list[Pose2] = []
 
     def add_pose(self, pose: Pose2) -> int:
@@ -43,7 +45,8 @@ class PoseGraph:
             model = gtsam.noiseModel.Robust.Create(gtsam.noiseModel.mEstimator.Cauchy.Create(_KERNEL), model)
         self._graph.add(gtsam.BetweenFactorPose2(before, after, gtsam.Pose2(*relative), model))
         self._ends.append((before, after))
-        self._costs.append(float(covariance[0, 0] + covariance[1, 1] + _LEVER**2 * covariance[2, 2]))
+        length = math.hypot(relative.x, relative.y)
+        self._costs.append((float(covariance[0, 0] + covariance[1, 1]), float(covariance[2, 2]), length))
 
     def optimise(self) -> None:
         """Bring all poses to where they fit the edges best."""
@@ -57,15 +60,21 @@ class PoseGraph:
     def spread_from(self, number: int, limit: float) -> NDArray[np.float64]:
         """How uncertain (m, one standard deviation) each pose is relative to one; inf beyond `limit`.
 
-        The variances along the shortest path of edges are added up.
+        The variances of shifts along the path of edges with the least of them are added up; those of turns, too, and
+        felt at its end as those of a random walk: by a third of the square of its length.
         """
         count = len(self.poses)
         if not self._ends:
             return np.where(np.arange(count) == number, 0.0, np.inf)
-        best: dict[tuple[int, int], float] = {}
-        for ends, cost in zip(self._ends, self._costs, strict=True):
-            best[ends] = min(cost, best.get(ends, np.inf))
+        best: dict[tuple[int, int], tuple[float, float, float]] = {}
+        for ends, (shift, turn, length) in zip(self._ends, self._costs, strict=True):
+            if ends not in best or shift + _TURN * turn < best[ends][0] + _TURN * best[ends][1]:
+                best[ends] = (shift, turn, length)
         rows, columns = np.array(list(best)).T
-        table = csr_array((np.fromiter(best.values(), float), (rows, columns)), shape=(count, count))
-        spread: NDArray[np.float64] = dijkstra(table, directed=False, indices=number, limit=limit * limit)
-        return np.sqrt(spread)
+        costs = np.array(list(best.values()))
+        sums = []
+        for values in costs.T:
+            table = csr_array((np.maximum(values, 1e-12), (rows, columns)), shape=(count, count))
+            sums.append(dijkstra(table, directed=False, indices=number))
+        spread: NDArray[np.float64] = np.sqrt(sums[0] + sums[1] * np.square(sums[2]) / 3.0)
+        return np.where(spread <= limit, spread, np.inf)

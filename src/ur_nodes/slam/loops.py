@@ -62,7 +62,8 @@ def find_groups(poses: Sequence[Pose2], number: int, spread: NDArray[np.float64]
         return []
     places = np.array([pose[:2] for pose in poses[:last]])
     gaps = np.hypot(*(places - poses[number][:2]).T)
-    within = np.flatnonzero(gaps < _NEAR + np.minimum(3.0 * spread[:last], _WIDEST.shift))
+    known = np.isfinite(spread[:last])
+    within = np.flatnonzero(known & (gaps < _NEAR + np.minimum(3.0 * spread[:last], _WIDEST.shift)))
     if not len(within):
         return []
     runs = np.split(within, np.flatnonzero(np.diff(within) > 1) + 1)

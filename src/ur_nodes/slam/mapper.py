@@ -26,6 +26,7 @@ _APART = (0.3, 0.6)  # m, rad: nearer ones show the same
 _LOST = 0.35  # agreement below which the scan says nothing
 _POOR = 0.6  # agreement below which a wider search is tried
 _SLIPPED = 2.5  # standard deviations of odometry: the scan says that the wheels slip
+_LONGEST = 20.0  # m: places that are less certain are not looked at
 _BACKLOG = 2  # places that may wait to be looked at when a keyframe is made
 _DOUBTFUL = 24  # keyframes for which a loop waits for confirmation
 _LEAST = np.diag(np.square((0.002, 0.002, 0.0007)))  # of an edge, m and rad: what no covariance knows
@@ -202,7 +203,7 @@ class Mapper:
         self._changed = True
         while len(self._work) > _BACKLOG:
             self._do_some_work()
-        spread = self._graph.spread_from(number, 3.0)
+        spread = self._graph.spread_from(number, _LONGEST)
         self._work.extend((number, group) for group in find_groups(self._graph.poses, number, spread))
 
     def _do_some_work(self) -> None:

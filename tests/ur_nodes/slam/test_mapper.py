@@ -17,13 +17,13 @@ RING = walls_of(
 LENGTHS = (12.0, 10.0, 12.0, 10.0)
 
 
-def drive_round(step: float = 0.1) -> list[Pose2]:
+def drive_round(step: float = 0.2) -> list[Pose2]:
     """Once round the ring and a little farther, in steps of `step` m."""
     poses = [Pose2(0.0, 0.0, 0.0)]
     for side, length in enumerate((*LENGTHS, 3.0)):
         poses += [poses[-1].compose(Pose2(step * n, 0.0, 0.0)) for n in range(1, round(length / step) + 1)]
         if side < 4:
-            poses += [poses[-1].compose(Pose2(0.0, 0.0, turn)) for turn in np.linspace(0.1, math.pi / 2.0, 16)]
+            poses += [poses[-1].compose(Pose2(0.0, 0.0, turn)) for turn in np.linspace(0.2, math.pi / 2.0, 8)]
     return poses
 
 
