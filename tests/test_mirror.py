@@ -27,7 +27,6 @@ ELSEWHERE = {
     "ur/docs/launch": "whole documents: tests/docs/ and tests/docs/site/",
     "ur/docs/repository": "whole documents: tests/docs/ and tests/docs/site/",
     "ur/run/process": "processes of whole runs: tests/run/",
-    "ur_nodes/mapping": "its one module is a node: tests/ur_nodes/localisation/",
 }
 
 TEST_FILES = sorted(TESTS.rglob("test_*.py"))
