@@ -187,7 +187,10 @@ def test_environment_of_a_copy_is_taken_back_and_that_of_a_clone_stays(tmp_path:
 
 
 def test_digest_of_the_environment_is_the_one_that_its_set_up_writes() -> None:
-    line = "cat requirements/run.lock tools/set_up.bash src/ur/system/ros_packages.txt pyproject.toml | sha256sum"
+    files = 'requirements/run.lock tools/set_up.bash "$source/ur/system/ros_packages.txt" pyproject.toml'
+    line = f"cat {files} | sha256sum"
     assert line in (ROOT / "tools/set_up.bash").read_text()
-    said = subprocess.run(["sh", "-c", line], cwd=ROOT, capture_output=True, text=True, check=True, timeout=60).stdout
+    said = subprocess.run(
+        ["sh", "-c", f"source=src; {line}"], cwd=ROOT, capture_output=True, text=True, check=True, timeout=60
+    ).stdout
     assert read_programs(ROOT).digest == said.split()[0]
