@@ -19,7 +19,7 @@ from ur.source.diagnostic import UserError, error
 from ur.source.render import shows_colour
 from ur.source.suggest import did_you_mean
 
-# What people come for, in the order in which they come for it. Each verb stands in one of them; a test looks.
+# Tasks, the most frequent first. Each verb is in one of them; a test checks that.
 SECTIONS = {
     "Drive": ("run", "list", "use"),
     "Launch": ("launch", "ps", "attach", "logs", "restart", "wait", "stop"),
@@ -32,21 +32,21 @@ SECTIONS = {
 }
 
 
-def show_help(words: list[str]) -> None:
+def show_help(argv: list[str]) -> None:
     """Print the page of `ur`, of one verb (`robot`, `robot setup`) or of a program (`run NAME`, `NAME`).
 
     Raises UserError when there is none.
     """
-    if not words:
+    if not argv:
         _print(_overview(), "ur")
         return
-    if words[0] not in VERBS or (words[0] == "run" and len(words) > 1 and not words[1].startswith("-")):
-        _show_program(words[1] if words[0] == "run" else words[0], known_verb=words[0] == "run")
+    if argv[0] not in VERBS or (argv[0] == "run" and len(argv) > 1 and not argv[1].startswith("-")):
+        _show_program(argv[1] if argv[0] == "run" else argv[0], known_verb=argv[0] == "run")
         return
-    verb, path = load_verb(words[0]), f"ur {words[0]}"
-    for word in words[1:]:
-        if isinstance(verb, click.Group) and word in verb.commands:
-            verb, path = verb.commands[word], f"{path} {word}"
+    verb, path = load_verb(argv[0]), f"ur {argv[0]}"
+    for name in argv[1:]:
+        if isinstance(verb, click.Group) and name in verb.commands:
+            verb, path = verb.commands[name], f"{path} {name}"
     about = PAGES[path.removeprefix("ur ")]
     if isinstance(verb, click.Group):
         group = _InOrder(name=verb.name, help=verb.help, options_metavar="", subcommand_metavar="VERB [ARGS]")

@@ -1,10 +1,11 @@
-"""Writing what is not ours: cells of tables without markup, and texts that have to arrive as they are."""
+"""Output of foreign texts: table cells without markup, exact bytes, and files."""
 
 from __future__ import annotations
 
 import sys
 from typing import TYPE_CHECKING
 
+from ur.source.diagnostic import UserError, error
 from ur.source.printable import printable
 
 if TYPE_CHECKING:
@@ -23,3 +24,17 @@ def write_exactly(text: str) -> None:
     sys.stdout.flush()
     sys.stdout.buffer.write(text.encode("utf-8", "surrogateescape"))
     sys.stdout.flush()
+
+
+def replace_file(path: str, text: str, doing: str = "written") -> None:
+    """Give a file another content; its permissions stay. Raises UserError; then it is as it was.
+
+    `doing` completes "cannot be ...".
+    """
+    from ur.source.replace import replace_file as replace
+
+    try:
+        replace(path, text)
+    except OSError as problem:
+        reason = (problem.strerror or str(problem)).lower()
+        raise UserError(error(f"{path}: cannot be {doing}: {reason}", rule="unwritable-file")) from None

@@ -33,10 +33,10 @@ def find_needs(parsed: LaunchFile) -> tuple[Need, ...]:
     """The needs that a comment directly in `<launch>` names, in order."""
     launch = parsed.launch
     texts = [comment.text for comment in launch.comments] if launch is not None else []
-    words = [
-        word for text in texts if text.startswith(NEEDS) for word in text.removeprefix(NEEDS).replace(",", " ").split()
+    names = [
+        name for text in texts if text.startswith(NEEDS) for name in text.removeprefix(NEEDS).replace(",", " ").split()
     ]
-    return tuple(tuple(word.split("|")) for word in words)
+    return tuple(tuple(name.split("|")) for name in names)
 
 
 def list_lacks(base: Base, needs: Sequence[Need]) -> tuple[Need, ...]:
@@ -57,8 +57,8 @@ def describe_need(need: Need) -> str:
 
 def describe_lack(base: Base, lacks: Sequence[Need]) -> str:
     """For people, as a clause: `magni has no lidar, no sonars`. `lacks` is not empty."""
-    words = ", ".join(f"no {name}" for need in lacks for name in need)
-    return f"{describe_base(base)} has {words}"
+    names = ", ".join(f"no {name}" for need in lacks for name in need)
+    return f"{describe_base(base)} has {names}"
 
 
 def describe_base(base: Base) -> str:

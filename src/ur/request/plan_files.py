@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import socket
 import sys
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -14,7 +14,8 @@ from ur.launchfile.plan.model import MachineSpec, Origin, Plan
 from ur.launchfile.world.protocol import World
 from ur.launchfile.world.system import SystemWorld
 from ur.request.arguments import Argument, values_of
-from ur.request.launch_request import LaunchRequest
+from ur.request.environment import apply_selection, current_selection
+from ur.request.launch_request import LaunchRequest, make_request
 from ur.request.worlds import check_worlds, resolve_worlds
 from ur.robot.selection import Selection
 from ur.source.diagnostic import Diagnostic, Severity
@@ -85,11 +86,7 @@ def load_request(request: LaunchRequest) -> Loaded:
     findings = plan.diagnostics
     if any(node.terminal for node in plan.nodes):
         findings = tuple(map(_harden, findings))
-    if findings:
-        from ur.source.render import render_human, shows_colour
-
-        sys.stderr.write(render_human(findings, colour=shows_colour(sys.stderr)))
-        sys.stderr.flush()
+    show_findings(findings)
     if bases and values.get("simulate") == "false" and not remote:
         from ur.request.driver_packages import check_drivers
 
@@ -98,6 +95,36 @@ def load_request(request: LaunchRequest) -> Loaded:
     if good:
         check_worlds(plan)
     return Loaded(request, plan if good else None, arguments, selection.robot if remote else "", findings)
+
+
+def load_tolerantly(argv: Sequence[str]) -> tuple[Plan, list[str], bool]:
+    """The plan behind `[PACKAGE] FILE [ARG:=VALUE]...`, the absolute paths of its files, and whether it has no error.
+
+    Arguments that are declared and not given come from the selection. Findings go to standard error. Raises UserError:
+    no such file, a name that is neither a file nor an argument.
+    """
+    from ur.source.progress_line import show_progress
+
+    selection = current_selection(os.environ)
+    apply_selection(selection)
+    world = make_world()
+    with show_progress(f"reading {' '.join(argv)}"):
+        request = make_request(argv, world, selection)
+        files = request.files
+        plan = load_plan(files.paths, texts(complete_arguments(request, local=True)), world, parsed=files.parsed)
+    show_findings(plan.diagnostics)
+    sound = not any(found.severity is Severity.ERROR for found in plan.diagnostics)
+    return plan, [world.absolute(path) for path in files.paths], sound
+
+
+def show_findings(findings: Iterable[Diagnostic]) -> None:
+    """Print findings for people on standard error."""
+    shown = list(findings)
+    if shown:
+        from ur.source.render import render_human, shows_colour
+
+        sys.stderr.write(render_human(shown, colour=shows_colour(sys.stderr)))
+        sys.stderr.flush()
 
 
 def make_world() -> SystemWorld:

@@ -98,9 +98,9 @@ def find_unlisted(name: str) -> Path | None:
     return path if path is not None and path.is_file() and os.access(path, os.X_OK) else None
 
 
-def choose_program(programs: Sequence[Program], word: str, problem: str = "") -> Program:
-    """Choose the program that a word names. Raises UserError with the nearest name."""
-    package, slash, last = word.rpartition("/")
+def choose_program(programs: Sequence[Program], name: str, problem: str = "") -> Program:
+    """Choose the program that a name names. Raises UserError with the nearest name."""
+    package, slash, last = name.rpartition("/")
     bare = last.removeprefix(PREFIX)
     found = [each for each in programs if each.name == bare and (not slash or each.package == package)]
     if len(found) == 1:
@@ -109,7 +109,7 @@ def choose_program(programs: Sequence[Program], word: str, problem: str = "") ->
         names = " and ".join(each.package for each in found)
         raise UserError(
             error(
-                f"program {word!r} is in {names}, expected PACKAGE/PROGRAM",
+                f"program {name!r} is in {names}, expected PACKAGE/PROGRAM",
                 rule="ambiguous-program",
                 help=" or ".join(f"ur run {each.package}/{each.name}" for each in found),
             )
@@ -117,9 +117,9 @@ def choose_program(programs: Sequence[Program], word: str, problem: str = "") ->
     if last.endswith((".launch", ".launch.xml", ".launch.py", ".launch.yaml", ".test")):
         raise UserError(
             error(
-                f"{word!r} is the name of a launch file, expected the name of a program",
+                f"{name!r} is the name of a launch file, expected the name of a program",
                 rule="unknown-program",
-                help=f"start a launch file: ur launch {shlex.quote(word)}; 'ur list' lists the programs",
+                help=f"start a launch file: ur launch {shlex.quote(name)}; 'ur list' lists the programs",
             )
         )
     near = did_you_mean(bare, {each.name for each in programs})
@@ -128,7 +128,7 @@ def choose_program(programs: Sequence[Program], word: str, problem: str = "") ->
         help_ = f"packages were not searched ({problem}); {help_}"
     raise UserError(
         error(
-            f"unknown program {word!r}, expected one of {_describe(programs) or '(none)'}",
+            f"unknown program {name!r}, expected one of {_describe(programs) or '(none)'}",
             rule="unknown-program",
             help=help_,
         )

@@ -18,9 +18,9 @@ from ur.launchfile.query.items import all_nodes, find_node_file, list_files, lis
 from ur.launchfile.world.system import SystemWorld
 from ur.request.environment import PACKAGE
 from ur.request.launch_request import LaunchRequest, make_request
-from ur.request.plan_files import complete_arguments, localisation_argument, texts
+from ur.request.plan_files import complete_arguments, localisation_argument, show_findings, texts
 from ur.robot.selection import Selection
-from ur.source.diagnostic import Diagnostic, Severity, UserError, error
+from ur.source.diagnostic import Severity, UserError, error
 from ur.source.suggest import did_you_mean
 
 _ANONYMOUS = re.compile(r"\$\(anon ([^)]*)\)")
@@ -107,7 +107,7 @@ def find_node(plan: Plan, name: str) -> NodeSpec:
 
 
 def format_command(node: NodeSpec, world: SystemWorld, shell: Mapping[str, str], master: str | None = None) -> str:
-    """What `roslaunch --args NODE` prints: variables in double quotes, then the words, joined with single spaces."""
+    """The line that `roslaunch --args NODE` prints: variables in double quotes, then argv, joined by single spaces."""
     from ur.run.process.command import find_program
 
     program = find_program(name_anonymous(node, SystemWorld(shell).make_anonymous), world, 1)
@@ -118,7 +118,7 @@ def format_command(node: NodeSpec, world: SystemWorld, shell: Mapping[str, str],
 def changed_variables(
     node: NodeSpec, shell: Mapping[str, str], more: Mapping[str, str] | None = None
 ) -> dict[str, str | None]:
-    """What a node's environment has that the shell's has not, in roslaunch's order; None for a variable that goes."""
+    """The variables of a node that differ from the shell's, in roslaunch's order; None for one that is removed."""
     environment: dict[str, str | None] = {**shell, **(more or {})}
     environment.pop(_NAMESPACE, None)
     if node.namespace.rstrip("/"):
@@ -145,16 +145,6 @@ def resolve_name(name: str, shell: Mapping[str, str]) -> str:
         return name
     namespace = "/" + shell.get(_NAMESPACE, "").strip("/")
     return join_names("/roslaunch", name[1:]) if name.startswith("~") else join_names(namespace, name)
-
-
-def show_findings(findings: Iterable[Diagnostic]) -> None:
-    """Print findings for people on standard error."""
-    shown = list(findings)
-    if shown:
-        from ur.source.render import render_human, shows_colour
-
-        sys.stderr.write(render_human(shown, colour=shows_colour(sys.stderr)))
-        sys.stderr.flush()
 
 
 def _load(request: LaunchRequest) -> Plan | None:

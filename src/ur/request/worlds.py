@@ -115,12 +115,12 @@ def _check_fiducials(path: str) -> None:
 
 
 def _check_map(node: NodeSpec) -> None:
-    words = _split(node.args)
-    if len(words) != 1 or Path(words[0]).is_relative_to(PACKAGE):
+    argv = _split(node.args)
+    if len(argv) != 1 or Path(argv[0]).is_relative_to(PACKAGE):
         return
-    path = Path(words[0])
+    path = Path(argv[0])
     if not path.is_file():
-        raise explain_missing_map(words[0])
+        raise explain_missing_map(argv[0])
     from ur.worlds.map_file import read_map
 
     read_map(path)

@@ -14,8 +14,8 @@ from pathlib import Path
 
 from tests.fuzz.target import Target
 
-from ur.cli.robots import master as cli_master
 from ur.graph.topics import graph_system
+from ur.request import master_nodes
 from ur.run.master.client import Master
 from ur.run.master.tcpros import NoTopic, listen_to
 from ur.run.master.xml_rpc import Refused, Unanswered
@@ -113,8 +113,8 @@ def _draw_graph(master: Master) -> None:
 
 
 def _list_nodes(master: Master) -> None:
-    cli_master.MASTER_PORT = master.port
-    cli_master.list_node_names("127.0.0.1", _PATIENCE)
+    master_nodes.MASTER_PORT = master.port
+    master_nodes.list_node_names("127.0.0.1", _PATIENCE)
 
 
 def _remove_dead_nodes(master: Master) -> None:

@@ -3,7 +3,7 @@
 For bash, `text` is quoted and takes the place of REPLACED, the end of LINE; zsh and fish quote by themselves. Names
 that hold control characters are not offered: no shell inserts them without surprises.
 
-It stands beside click: most answers need no more than the names of files, and a person is waiting.
+It does without click: most answers need only names of files, and a person is waiting.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ _RUN_COMMANDS = {
 
 
 def answer_completion(words: Sequence[str]) -> int:
-    """Print what fits a command line up to the cursor. Whatever goes wrong: nothing is offered."""
+    """Print the candidates for a command line up to the cursor; none when anything fails."""
     with suppress(Exception):
         from ur.launchfile.world.system import SystemWorld
 
@@ -49,7 +49,7 @@ def _row(candidate: Candidate, shell: str, line: str = "", replaced: str | None 
 
 
 def make_known(environment: Mapping[str, str]) -> Known:
-    """Where this computer's names come from."""
+    """The sources of names on this computer."""
     from ur.request.environment import PACKAGE
 
     def programs() -> Iterator[Candidate]:

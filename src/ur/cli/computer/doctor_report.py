@@ -1,4 +1,4 @@
-"""What `ur doctor` prints: findings with their commands, the way to a robot, tables; as text or as JSON."""
+"""The report of `ur doctor`: findings with their commands, the route to a robot, tables; as text or as JSON."""
 
 from __future__ import annotations
 

@@ -38,12 +38,12 @@ def command(name: str, paths: tuple[str, ...], kinds: tuple[str, ...], as_json: 
     from ur.request.environment import know_own_package
     from ur.source.progress_line import show_progress
 
-    words = list(paths) or ["."]
+    places = list(paths) or ["."]
     with show_progress("finding launch files") as progress:
         found = find_name(
             name,
-            words,
-            make_world(words, know_own_package(os.environ)),
+            places,
+            make_world(places, know_own_package(os.environ)),
             [kind for kind in KINDS if not kinds or kind in kinds],
             progress,
         )

@@ -43,10 +43,10 @@ def command(paths: tuple[str, ...], check: bool, diff: bool) -> int:
     from ur.request.environment import know_own_package
     from ur.source.progress_line import show_progress
 
-    words = list(paths) or ["."]
-    world = CachedWorld(make_world(words, know_own_package(os.environ)))
+    places = list(paths) or ["."]
+    world = CachedWorld(make_world(places, know_own_package(os.environ)))
     with show_progress("finding launch files") as progress:
-        targets = collect_targets(words, world)
+        targets = collect_targets(places, world)
         changed, broken = _format_files(targets, world, progress, check=check, diff=diff)
     if note := describe_left_out(targets.left_out):
         click.echo(note, err=True)
@@ -58,7 +58,7 @@ def _format_files(
     targets: Targets, world: CachedWorld, progress: Progress, *, check: bool, diff: bool
 ) -> tuple[int, int]:
     """Format the launch files, and return the numbers of those that change and of those with errors."""
-    from ur.cli.files.replace_file import replace_file
+    from ur.cli.output import replace_file
     from ur.format.run import format_file
     from ur.source.diagnostic import UserError
     from ur.source.progress import counted

@@ -34,7 +34,7 @@ _PICTURES = (".png", ".jpg", ".jpeg", ".gif", ".webp", ".pdf")
 
 
 @click.command("graph")
-@click.argument("words", nargs=-1, metavar="[PACKAGE] FILE [ARG:=VALUE]... | [NODE]...")
+@click.argument("argv", nargs=-1, metavar="[PACKAGE] FILE [ARG:=VALUE]... | [NODE]...")
 @click.option("--topics", is_flag=True, help="Draw nodes and topics, without starting them.")
 @click.option("--live", is_flag=True, help="Nodes and topics that the master knows now; NODE limits it to neighbours.")
 @click.option(
@@ -44,7 +44,7 @@ _PICTURES = (".png", ".jpg", ".jpeg", ".gif", ".webp", ".pdf")
     help="The format; by default that of --output's name, else text.",
 )
 @click.option("--output", "-o", type=click.Path(dir_okay=False), help="Write to a file.")
-def command(words: tuple[str, ...], topics: bool, live: bool, form: str | None, output: str | None) -> int:
+def command(argv: tuple[str, ...], topics: bool, live: bool, form: str | None, output: str | None) -> int:
     """Draw what a launch file includes and starts, or what runs.
 
     Without an option: the tree of included files and their nodes; files that are missing, and files that include
@@ -52,7 +52,7 @@ def command(words: tuple[str, ...], topics: bool, live: bool, form: str | None, 
 
     Exit code: 0; 1 when the launch file has errors (what can be drawn is drawn), 2 when there is nothing to draw.
     """
-    if not words and not live:
+    if not argv and not live:
         raise click.UsageError("expected a launch file, or --live, for instance: ur graph robot.launch")
     if form is None and Path(output or "").suffix.lower() in _PICTURES:
         from ur.source.diagnostic import UserError, error
@@ -66,18 +66,18 @@ def command(words: tuple[str, ...], topics: bool, live: bool, form: str | None, 
         Path(output or "").suffix, "text"
     )
     if live:
-        return _write(_show_live(words, form), output)
-    return _draw_file(words, topics, form, output)
+        return _write(_show_live(argv, form), output)
+    return _draw_file(argv, topics, form, output)
 
 
-def _draw_file(words: Sequence[str], topics: bool, form: str, output: str | None) -> int:
+def _draw_file(argv: Sequence[str], topics: bool, form: str, output: str | None) -> int:
     from ur.graph.includes import build_trees, merge_trees
     from ur.graph.topics import graph_plan
-    from ur.request.tolerant import load_tolerantly
+    from ur.request.plan_files import load_tolerantly
     from ur.source.progress_line import show_progress
 
-    plan, files, sound = load_tolerantly(words)
-    title = " ".join(words)
+    plan, files, sound = load_tolerantly(argv)
+    title = " ".join(argv)
     with show_progress(f"drawing {title}"):
         if topics:
             text = _render(graph_plan(plan), form, title)

@@ -91,8 +91,8 @@ def new_multi(
     target = show_done.target(package)
     name = ask(name, "NAME", "Name of the directory, without m_")
     summary = ask(summary, "--summary", "What it starts, in one line")
-    words = includes or tuple(ask(None, "--include", "What it includes, for example n_joy m_robot_base").split())
-    files = plan_multi(name, summary, "", find_parts(words, target))
+    names = includes or tuple(ask(None, "--include", "What it includes, for example n_joy m_robot_base").split())
+    files = plan_multi(name, summary, "", find_parts(names, target))
     if program:
         files += plan_program(name, summary, "", target.name, f"m_{name}.launch.xml")
     return show_done(target, files, f"ur launch {target.name} m_{name}.launch.xml")

@@ -1,4 +1,4 @@
-"""Where new files go, and what is said about them."""
+"""The folder of new files, and the report about them."""
 
 from __future__ import annotations
 
@@ -41,9 +41,9 @@ class _Done:
         return 0
 
     @staticmethod
-    def target(word: str | None) -> Target:
+    def target(place: str | None) -> Target:
         """The package of a name or folder, or the one around the current folder. Raises UserError."""
-        return find_target(word)
+        return find_target(place)
 
     @staticmethod
     def folder(name: str) -> Target:
@@ -57,15 +57,15 @@ class _Done:
 show_done = _Done()
 
 
-def find_target(word: str | None) -> Target:
+def find_target(place: str | None) -> Target:
     """The package of a name or folder, or the one around the current folder. Raises UserError."""
-    if word is not None and not Path(word).is_dir():
+    if place is not None and not Path(place).is_dir():
         from ur.launchfile.world.protocol import PackageNotFound
         from ur.launchfile.world.system import SystemWorld
         from ur.request.environment import know_own_package
 
         try:
-            return Target(word, Path(SystemWorld(know_own_package(os.environ)).find_package(word)))
+            return Target(place, Path(SystemWorld(know_own_package(os.environ)).find_package(place)))
         except PackageNotFound:
             message = f"no folder or package named '{word}'"
             raise UserError(error(message, rule="unknown-package", help="create one: ur new package")) from None

@@ -1,4 +1,4 @@
-"""What `ur new` asks of people and of the computer."""
+"""Facts that `ur new` gets from people and from this computer."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def node_request(
     name: str, package: str, kind: str, summary: str, target: Target, seconds: float | None, per_base: bool,
     arguments: Sequence[str],
 ) -> NodeRequest:  # fmt: skip
-    """What is known of a node; it is started to look at it unless `seconds` is None."""
+    """The facts about a node; it is started and observed unless `seconds` is None."""
     from ur.robot.base import list_bases
 
     observed = Observed()
@@ -99,7 +99,7 @@ def find_program(package: str, kind: str) -> str:
     raise UserError(error(f"no executable '{kind}' in package '{package}'", rule="missing-executable", help=help_))
 
 
-def find_parts(words: Sequence[str], target: Target) -> list[Part]:
+def find_parts(names: Sequence[str], target: Target) -> list[Part]:
     """The launch files to include: `n_joy`, `m_robot_base`, `PACKAGE/n_x`. Raises UserError, did you mean."""
     from ur.launchfile.query.arguments import read_arguments
     from ur.launchfile.world.protocol import PackageNotFound
@@ -109,8 +109,8 @@ def find_parts(words: Sequence[str], target: Target) -> list[Part]:
     apply_selection(current_selection(os.environ))
     world = SystemWorld({**os.environ, "ROS_PACKAGE_PATH": f"{target.folder}:{os.environ.get('ROS_PACKAGE_PATH', '')}"})
     parts = []
-    for word in words:
-        package, _, name = word.rpartition("/")
+    for given in names:
+        package, _, name = given.rpartition("/")
         owners = [package] if package else dict.fromkeys((target.name, "ubiquity_launches"))
         for owner in owners:
             try:
@@ -127,7 +127,7 @@ def find_parts(words: Sequence[str], target: Target) -> list[Part]:
         else:
             folders = {each.name for each in target.folder.glob("[nm]_*")} | _ours(world.find_package)
             near = did_you_mean(name, folders)
-            message = f"{word}: no launch directory of this name, expected n_x, m_x or PACKAGE/n_x"
+            message = f"{given}: no launch directory of this name, expected n_x, m_x or PACKAGE/n_x"
             raise UserError(error(message, rule="missing-file", help=f"did you mean {near}?" if near else None))
     return parts
 
@@ -151,7 +151,7 @@ def base_request(
 
 
 def urdf_files(target: Target, name: str, text: str, like: str) -> list[NewFile]:
-    """What a new base needs beside its base.yaml: a parameter file wherever base `like` has one, and its URDF.
+    """The files of a new base beside its base.yaml: a parameter file wherever base `like` has one, and its URDF.
 
     Raises UserError when the figures make no base, or `like` is not known in the package.
     """

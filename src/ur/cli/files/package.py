@@ -21,7 +21,7 @@ def command(path: str, write: bool) -> int:
     """
     from ur.check.computer import make_world
     from ur.cli.files.new_parts import find_target
-    from ur.cli.files.replace_file import replace_file
+    from ur.cli.output import replace_file
     from ur.package.cmake import choose_folders, put_block, write_block
     from ur.package.manifest import add_run_dependencies, read_optional, read_run_dependencies
     from ur.package.uses import find_used_packages

@@ -1,4 +1,4 @@
-"""What `ur robot rename`, `wifi` and `network` have in common: changes that the robot takes back unless confirmed."""
+"""Changes that a robot reverts unless they are confirmed: for `ur robot rename`, `wifi` and `network`."""
 
 from __future__ import annotations
 
@@ -76,14 +76,14 @@ def become_root(shell: SshShell, given: str) -> list[Secret]:
 
 
 def show_plan(change: GuardedChange, facts: Facts) -> None:
-    """What would be different, for --dry-run."""
+    """Print the changes that would be made, for --dry-run."""
     from ur.cli.computer.setup import show_changes
     from ur.robot.commit_confirm.guarded import list_changes
 
     click.echo(f"{change.title}:")
     show_changes(list_changes(change, facts))
-    for words in change.words:
-        click.echo(f"then: {words}")
+    for text in change.words:
+        click.echo(f"then: {text}")
 
 
 def begin(shell: SshShell, change: GuardedChange, facts: Facts, wait: int) -> str:

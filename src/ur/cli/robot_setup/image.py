@@ -155,7 +155,7 @@ Commit = Callable[[Sequence[Write]], None]
 
 @contextmanager
 def _opened(source: Path, target: Path | None) -> Iterator[tuple[Path, Commit, Device | None]]:
-    """What to look into, what writes there, and the device if it is one. Raises UserError."""
+    """The path to read, the function that writes to it, and the device if it is one. Raises UserError."""
     if is_device(source):
         if target:
             raise click.UsageError("--output is for images: a device is written itself")

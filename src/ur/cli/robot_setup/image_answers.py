@@ -1,4 +1,4 @@
-"""What `ur image prepare` has to be told: by options, a file, questions; and whether it can be so."""
+"""Values that `ur image prepare` needs, from options, a file or questions, and checks of them."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _ZONES = Path("/usr/share/zoneinfo")
 
 @dataclass(frozen=True, slots=True)
 class Given:
-    """What options say; None is not given."""
+    """The values of options; None where one is not given."""
 
     name: str | None
     base: str | None
@@ -75,7 +75,7 @@ def read_robots(path: Path, given: Given) -> list[tuple[Given, Path | None]]:
 
 
 def make_wish(given: Given) -> Wish:
-    """What the robot shall be, but for its passwords.
+    """The settings of the robot, without its passwords.
 
     Asks for name, base and country where they are not given and there is a terminal. Raises UserError.
     """

@@ -129,8 +129,8 @@ def change_network(
 def _find_device(shell: SshShell, networks: Networks, name: str | None) -> Device:
     """The device that is meant: by its name, or the one that carries this connection. Raises UserError."""
     if name is None:
-        words = shell.run('echo "$SSH_CONNECTION"').out.split()
-        found = networks.device_with(words[2]) if len(words) > 2 else None
+        fields = shell.run('echo "$SSH_CONNECTION"').out.split()
+        found = networks.device_with(fields[2]) if len(fields) > 2 else None
     else:
         found = next((each for each in networks.devices if each.name == name), None)
     if found is None:
@@ -162,7 +162,7 @@ def _show_devices(networks: Networks) -> None:
 
 
 def print_table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
-    """A table of plain words."""
+    """Print a table of plain texts."""
     from rich.console import Console
     from rich.table import Table
 

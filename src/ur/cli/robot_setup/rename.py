@@ -142,7 +142,7 @@ def _check_free(there: Shell, here: Shell, name: str, facts: Facts) -> None:
 
 
 def _is_there(later: Address, before: Address) -> bool:
-    """Whether a robot that we know has the new name: an earlier run ended after its success.
+    """Return whether a known robot has the new name: an earlier run ended after its success.
 
     Raises UserError where that is not decided yet.
     """
@@ -214,7 +214,7 @@ def _host_key(names: Sequence[str]) -> str | None:
     for name in names:
         done = run_process(["ssh-keygen", "-F", name], timeout=20, what="a known host key")
         for line in done.out.splitlines():
-            words = line.split()
-            if len(words) >= 3 and words[1] == "ssh-ed25519":
-                return " ".join(words[1:3])
+            fields = line.split()
+            if len(fields) >= 3 and fields[1] == "ssh-ed25519":
+                return " ".join(fields[1:3])
     return None

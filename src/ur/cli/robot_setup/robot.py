@@ -190,8 +190,8 @@ def select_robot(task: Task) -> bool:
 
 
 def wait_for_master(host: str) -> bool:
-    """Whether the ROS master of a robot answers here, which it may do only a while after the boot."""
-    from ur.cli.robots.master import list_node_names
+    """Return whether the ROS master of a robot answers, which may take a while after the boot."""
+    from ur.request.master_nodes import list_node_names
 
     end = time.monotonic() + MASTER_SECONDS
     while time.monotonic() < end:

@@ -149,7 +149,7 @@ def _find_known(networks: Networks, name: str) -> Profile:
 
 
 def _show(networks: Networks, device: Device) -> None:
-    """What the robot uses, and what it sees."""
+    """Print the network that the robot uses, and those that it sees."""
     profile = networks.profile(device.profile)
     using = f"uses {profile.ssid or profile.name}" if profile else f"uses no network ({device.state})"
     say(f"{device.name} {using}{''.join(f', {address}' for address in device.addresses if ':' not in address)}")

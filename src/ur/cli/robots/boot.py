@@ -45,7 +45,7 @@ def install(robot: str | None, name: str | None, password_from: int | None, argv
     launch file has to be on the robot: `ur sync` brings it. It is told what the robot knows of itself: base, variant,
     that nothing is simulated. All run as the robot's user, with the environment of that user's login shell.
     """
-    from ur.cli.robots.boot_command import bring_library, make_line, parse_request
+    from ur.request.boot_command import bring_library, make_line, parse_request
 
     address = robot_address(robot)
     known_as = address.host.removesuffix(".local")
@@ -54,7 +54,7 @@ def install(robot: str | None, name: str | None, password_from: int | None, argv
     if request and not is_unit_name(called):
         raise _bad_name(called, "give --name")
     with connect_robot(address) as shell:
-        copied = bring_library(request, shell, address.user) if request else 0
+        copied = bring_library(request, shell, address.user, lambda change: show_changes([change])) if request else 0
         line = make_line(request, shell, known_as) if request else ""
 
         def make(facts: Facts) -> list[Wanted]:

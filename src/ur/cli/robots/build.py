@@ -74,10 +74,10 @@ def _prepare(builder: Builder, names: Sequence[str], jobs: int | None) -> str:
     return build_command(builder, names, count)
 
 
-def run_attached(words: Sequence[str]) -> int:
-    """Run a program that ends when its standard input does; Ctrl-C ends it so, and shows its last words. Exit code."""
+def run_attached(argv: Sequence[str]) -> int:
+    """Run a program that ends with its standard input; return its exit code. Ctrl-C ends it, and shows its output."""
     sys.stdout.flush()
-    process = subprocess.Popen(words, stdin=subprocess.PIPE, start_new_session=True)
+    process = subprocess.Popen(argv, stdin=subprocess.PIPE, start_new_session=True)
     try:
         return process.wait()
     except KeyboardInterrupt:

@@ -64,7 +64,7 @@ def command(robot: str | None, at: Path | None, over: bool, folder: str) -> int:
 
 
 def read_mounts() -> list[Mount]:
-    """What sshfs has mounted here."""
+    """The folders that sshfs has mounted on this computer."""
     return parse_mounts(Path("/proc/self/mounts").read_text(encoding="utf-8"))
 
 

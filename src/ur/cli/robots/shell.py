@@ -19,23 +19,23 @@ from ur.source.diagnostic import UserError, error
 
 @click.command("shell", context_settings={"ignore_unknown_options": True, "allow_interspersed_args": False})
 @click.argument("robot", required=False)
-@click.argument("words", nargs=-1, type=click.UNPROCESSED, metavar="[COMMAND ...]")
-def command(robot: str | None, words: tuple[str, ...]) -> int:
+@click.argument("argv", nargs=-1, type=click.UNPROCESSED, metavar="[COMMAND ...]")
+def command(robot: str | None, argv: tuple[str, ...]) -> int:
     """Open a shell on a robot, or run one command there.
 
     ROBOT is a name, HOST or USER@HOST; without it, the selected robot. Its host key must be known: `ur robot setup` has
     seen to that. The exit code is that of the command. A COMMAND of one word is a line for the shell there ('ls | wc');
     several words arrive as they are.
     """
-    return run_ssh(robot_address(robot), [] if words else ["-t"], words)
+    return run_ssh(robot_address(robot), [] if argv else ["-t"], argv)
 
 
-def run_ssh(address: Address, options: Sequence[str], words: Sequence[str]) -> int:
+def run_ssh(address: Address, options: Sequence[str], argv: Sequence[str]) -> int:
     """Run ssh with this terminal and return its exit code. Raises UserError when there was no connection.
 
     One word is a line for the shell there, several words arrive as they are.
     """
-    script = [words[0] if len(words) == 1 else quote(*words)] if words else []
+    script = [argv[0] if len(argv) == 1 else quote(*argv)] if argv else []
     sys.stdout.flush()
     with tempfile.TemporaryDirectory(prefix="ur-") as folder:
         log = Path(folder) / "log"

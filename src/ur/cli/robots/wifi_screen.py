@@ -1,4 +1,4 @@
-"""What `ur wifi` shows: plots that move, lines, and a table at the end."""
+"""The output of `ur wifi`: moving plots, lines, and a table at the end."""
 
 from __future__ import annotations
 
@@ -31,8 +31,8 @@ def describe_sample(sample: Sample, names: Names) -> str:
     """A second in one line."""
     latency = "no answer" if sample.latency is None else f"{sample.latency * 1000:.1f} ms"
     links = [f"{name} {_link(link)}" for name, link in zip(names, (sample.here, sample.there), strict=True) if link]
-    words = [f"latency {latency}", f"loss {sample.loss:.0%}", *links]
-    return f"{_clock(sample.time)}  " + "  ".join(words)
+    parts = [f"latency {latency}", f"loss {sample.loss:.0%}", *links]
+    return f"{_clock(sample.time)}  " + "  ".join(parts)
 
 
 def draw_screen(ticks: Iterable[Sample], samples: Sequence[Sample], names: Names, meter: Meter) -> None:
@@ -85,13 +85,13 @@ def render_screen(samples: Sequence[Sample], names: Names, note: str, width: int
 
 
 def meter_note(meter: Meter, names: Names) -> str:
-    """Which signals cannot be shown, and why; '' when all can."""
+    """A note about signals that cannot be shown, with the reason; '' when all can."""
     radios = list(zip(names, (meter.here, meter.there), strict=True))
     without = [name for name, radio in radios if radio.wireless is False]
     silent = [name for name, radio in radios if radio.wireless is None]
-    words = [f"no wireless interface at {' and '.join(without)}"] if without else []
-    words += [f"no login to {name} by key, so nothing is known of its signal" for name in silent]
-    return "; ".join(words) + (": latency and loss only" if len(without) == len(radios) else "")
+    parts = [f"no wireless interface at {' and '.join(without)}"] if without else []
+    parts += [f"no login to {name} by key, so nothing is known of its signal" for name in silent]
+    return "; ".join(parts) + (": latency and loss only" if len(without) == len(radios) else "")
 
 
 def print_summary(samples: Sequence[Sample], names: Names, meter: Meter, log: Path | None) -> None:

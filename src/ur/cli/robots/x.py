@@ -21,8 +21,8 @@ STILL_OPEN = 124  # timeout(1)
 @click.command("x", context_settings={"ignore_unknown_options": True, "allow_interspersed_args": False})
 @click.option("--check", is_flag=True, help="Only open a window, close it, and print whether that works.")
 @click.argument("robot")
-@click.argument("words", nargs=-1, type=click.UNPROCESSED, metavar="[PROGRAM ...]")
-def command(robot: str, words: tuple[str, ...], check: bool) -> int:
+@click.argument("argv", nargs=-1, type=click.UNPROCESSED, metavar="[PROGRAM ...]")
+def command(robot: str, argv: tuple[str, ...], check: bool) -> int:
     """Run a program on a robot with its windows here.
 
     For instance: ur x bob xterm. The exit code is that of the program. One word is a line for the shell there, several
@@ -42,7 +42,7 @@ def command(robot: str, words: tuple[str, ...], check: bool) -> int:
     # Trusted forwarding: OpenGL, and with it RViz, needs extensions that untrusted clients are refused.
     options = ["-Y", "-o", "ExitOnForwardFailure=yes"]
     if not check:
-        return run_ssh(address, options, words)
+        return run_ssh(address, options, argv)
     script = quote("timeout", str(OPEN_SECONDS), WINDOW)
     command = ["ssh", *options, *STRICT, "-o", "BatchMode=yes", "--", str(address), script]
     with show_progress(f"waiting for a window of {address.host}"):

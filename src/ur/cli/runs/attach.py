@@ -99,7 +99,7 @@ def show_json(event: RunEvent) -> None:
 
 
 def make_printer(*, colour: bool) -> Callable[[RunEvent], None]:
-    """What prints events as `ur launch` prints them: node output on standard output, the rest on standard error."""
+    """Make a printer of events as `ur launch` prints them: output of nodes on standard output, the rest on error."""
     nodes: list[NodeChanged] = []
     live = False
 
@@ -126,20 +126,20 @@ def make_printer(*, colour: bool) -> Callable[[RunEvent], None]:
 
 
 def describe_node(node: NodeChanged) -> str:
-    """Where a node stands, in a few words."""
+    """Describe the state of a node briefly."""
     if node.pid is not None:
-        words = f"{node.state}, process {node.pid}"
+        text = f"{node.state}, process {node.pid}"
     elif node.state == "waiting" and node.restart_in is not None:
-        words = f"starts again in {node.restart_in:.0f} s"
+        text = f"starts again in {node.restart_in:.0f} s"
     elif node.held:
-        words = "stopped by hand"
+        text = "stopped by hand"
     elif node.signal is not None or node.exit_code is not None:
-        words = describe_status(ExitStatus(node.exit_code, node.signal))
-        words = f"{node.state}, {words}"
+        text = describe_status(ExitStatus(node.exit_code, node.signal))
+        text = f"{node.state}, {text}"
     else:
-        words = node.state
-    words += f", restarted {node.restarts} times" if node.restarts else ""
-    return f"{words}: {node.reason}" if node.reason else words
+        text = node.state
+    text += f", restarted {node.restarts} times" if node.restarts else ""
+    return f"{text}: {node.reason}" if node.reason else text
 
 
 def _say(text: str) -> None:

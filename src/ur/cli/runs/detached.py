@@ -1,4 +1,4 @@
-"""What verbs about runs share: finding one, following it, and starting one that is detached."""
+"""Functions that verbs about runs share: finding one, following it, and starting one that is detached."""
 
 from __future__ import annotations
 
@@ -23,18 +23,18 @@ def list_own_runs() -> list[RunEntry]:
     return list_runs(os.environ, os.getuid(), read_computer())
 
 
-def choose_run(word: str | None) -> RunEntry:
-    """The run that a word of the command line means; without one the only one that has not joined another.
+def choose_run(name: str | None) -> RunEntry:
+    """The run of a name, or of its beginning; without a name the only one that has not joined another.
 
     Raises UserError: there is none, or several; for one that has ended with how it ended.
     """
     runs = list_own_runs()
     try:
-        return find_run(runs if word is not None else leave_out_joined(runs), word)
+        return find_run(runs if name is not None else leave_out_joined(runs), name)
     except UserError as problem:
         if problem.diagnostics[0].rule not in ("no-run", "unknown-run"):
             raise
-        ended = find_ended(list_own_ended(), word)
+        ended = find_ended(list_own_ended(), name)
         if ended is None:
             raise
         what = "no run is active" if word is None else f"run {word!r} does not run"
@@ -92,15 +92,15 @@ def connect(entry: RunEntry) -> RunClient:
         raise UserError(error(f"run {entry.run} has ended just now", rule="unknown-run", help="ur ps")) from None
 
 
-def find_node_name(word: str, names: list[str]) -> str:
+def find_node_name(name: str, names: list[str]) -> str:
     """The full name of a node, given with or without leading slash. Raises UserError."""
-    full = word if word.startswith("/") or word in names else "/" + word
+    full = name if name.startswith("/") or name in names else "/" + name
     if full in names:
         return full
     near = did_you_mean(full, names)
     raise UserError(
         error(
-            f"node {word!r} is not in this run, expected one of {', '.join(names) or '(none)'}",
+            f"node {name!r} is not in this run, expected one of {', '.join(names) or '(none)'}",
             rule="unknown-node",
             help=f"did you mean {near}?" if near else None,
         )

@@ -15,20 +15,20 @@ from ur.source.diagnostic import UserError, error
 from ur.source.printable import printable
 
 
-def find_ended_run(word: str | None) -> EndedRun | None:
-    """The run that has ended and that a word means, where none that runs fits; without a word: where nothing runs."""
+def find_ended_run(name: str | None) -> EndedRun | None:
+    """The run of a name that has ended, where none that runs fits; without a name: where nothing runs."""
     runs = list_own_runs()
-    if word is None and runs:
+    if name is None and runs:
         return None
-    if word is not None and runs:
+    if name is not None and runs:
         try:
-            find_run(runs, word)
+            find_run(runs, name)
         except UserError as problem:
             if problem.diagnostics[0].rule != "unknown-run":
                 return None
         else:
             return None
-    return find_ended(list_own_ended(), word)
+    return find_ended(list_own_ended(), name)
 
 
 def show_ended(run: EndedRun, node: str | None, lines: int | None, *, only_path: bool) -> int:

@@ -68,11 +68,11 @@ def _stop_run(client: RunClient) -> None:
         events = client.receive()
         if events is None or any(isinstance(event, RunEnded) for event in events):
             break
-    while client.receive() is not None:  # its process ends after the last word
+    while client.receive() is not None:  # its process ends after its last event
         select.select([client], [], [], 1.0)
 
 
-def _stop_node(client: RunClient, word: str) -> int:
+def _stop_node(client: RunClient, given: str) -> int:
     name = ""
     names: list[str] = []
     while (events := client.receive()) is not None:
@@ -82,7 +82,7 @@ def _stop_node(client: RunClient, word: str) -> int:
                 if name and event.name == name and event.state == "ended":
                     return 0
             elif isinstance(event, Synchronised):
-                name = find_node_name(word, names)
+                name = find_node_name(given, names)
                 client.send(StopNode(name))
         select.select([client], [], [])
     return 0

@@ -1,4 +1,4 @@
-"""What a ROS master knows of its nodes, asked without ROS."""
+"""The nodes that a ROS master knows, asked for without ROS."""
 
 from __future__ import annotations
 

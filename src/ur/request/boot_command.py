@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from ur.cli.computer.setup import show_changes
 from ur.request.arguments import Argument, split_argv, values_of
 from ur.request.environment import PACKAGE, know_own_package
 from ur.robot.boot.launch_file import RobotLaunch, choose_arguments, find_launch, is_launch_name
 from ur.robot.boot.units import LIBRARIES, command_line, launch_line
 from ur.robot.deploy.repository import read_repository
 from ur.robot.robot_file import ROBOT_FILE
+from ur.robot.setup.change import Change
 from ur.robot.setup.engine import bring_about
 from ur.robot.setup.facts import Request
 from ur.robot.ssh.openssh import SshShell
@@ -34,7 +34,7 @@ class BootRequest:
 
 
 def parse_request(argv: Sequence[str]) -> BootRequest:
-    """Tell the three forms apart. Raises UserError: a program that starts no launch file."""
+    """Parse one of the three forms. Raises UserError: a program that starts no launch file."""
     first, rest = argv[0], tuple(argv[1:])
     if rest and is_launch_name(rest[0]):
         return BootRequest(rest[0].partition(".")[0].lower(), first, rest[0], rest[1:])
@@ -69,10 +69,10 @@ def make_line(request: BootRequest, shell: Shell, robot: str) -> str:
     return launch_line(request.package, request.file, arguments)
 
 
-def bring_library(request: BootRequest, shell: SshShell, user: str) -> int:
-    """Copy this project to the robot when a launch file of it is wanted; how many changes that took.
+def bring_library(request: BootRequest, shell: SshShell, user: str, report: Callable[[Change], None]) -> int:
+    """Copy this project to the robot when a launch file of it is wanted; return how many changes that took.
 
-    Raises UserError when it is not set up there: its nodes could not run.
+    `report` gets each change. Raises UserError when it is not set up there: its nodes could not run.
     """
     if request.package != PACKAGE.name:
         return 0
