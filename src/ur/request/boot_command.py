@@ -77,9 +77,7 @@ def bring_library(request: BootRequest, shell: SshShell, user: str, report: Call
     if request.package != PACKAGE.name:
         return 0
     wanted = read_repository()
-    _, count = bring_about(
-        shell, lambda _: [wanted], user, Request(user), root=False, report=lambda change: show_changes([change])
-    )
+    _, count = bring_about(shell, lambda _: [wanted], user, Request(user), root=False, report=report)
     if shell.run(f"for d in {' '.join(LIBRARIES)}; do [ -r $d/.venv/ready-run ] && exit; done; exit 1").code:
         raise _problem(
             f"{shell.address.host}: {request.package} is there and not set up, and its nodes need that",

@@ -54,7 +54,7 @@ def command(name: str, paths: tuple[str, ...], kinds: tuple[str, ...], as_json: 
     elif found:
         _show(found)
     else:
-        where = ", ".join(words)
+        where = ", ".join(places)
         click.echo(f"no {name!r} in {where}; use * as a wildcard: ur find '*{name}*'", err=True)
     return 0 if found else 1
 

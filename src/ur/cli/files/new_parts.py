@@ -67,9 +67,9 @@ def find_target(place: str | None) -> Target:
         try:
             return Target(place, Path(SystemWorld(know_own_package(os.environ)).find_package(place)))
         except PackageNotFound:
-            message = f"no folder or package named '{word}'"
+            message = f"no folder or package named '{place}'"
             raise UserError(error(message, rule="unknown-package", help="create one: ur new package")) from None
-    start = Path(word or ".").resolve()
+    start = Path(place or ".").resolve()
     for folder in (start, *start.parents):
         if (folder / "package.xml").is_file():
             named = re.search(r"<name>\s*([\w-]+)\s*</name>", (folder / "package.xml").read_text(encoding="utf-8"))

@@ -28,7 +28,7 @@ def command(robot: str, argv: tuple[str, ...], check: bool) -> int:
     For instance: ur x bob xterm. The exit code is that of the program. One word is a line for the shell there, several
     words arrive as they are.
     """
-    if not words and not check:
+    if not argv and not check:
         raise click.UsageError("missing argument 'PROGRAM'")
     if not os.environ.get("DISPLAY"):
         raise UserError(

@@ -37,7 +37,7 @@ def choose_run(name: str | None) -> RunEntry:
         ended = find_ended(list_own_ended(), name)
         if ended is None:
             raise
-        what = "no run is active" if word is None else f"run {word!r} does not run"
+        what = "no run is active" if name is None else f"run {name!r} does not run"
         raise UserError(
             error(
                 f"{what}; {describe_end(ended, time.time())}",
