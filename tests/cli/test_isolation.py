@@ -177,7 +177,7 @@ def test_scripts_for_other_computers_import_nothing_of_the_current_folder(
 
 def test_helper_processes_import_nothing_of_the_current_folder(trap: Trap) -> None:
     trap.run(PYTHON, "-I", build_attached.__file__, "true")
-    pip = "from ur.request.python_packages import need_all; from pathlib import Path; import sys"
+    pip = "from ur.request.requirements.python_packages import need_all; from pathlib import Path; import sys"
     lock = trap.folder.parent / "requirements/none.lock"
     lock.parent.mkdir()
     lock.touch()

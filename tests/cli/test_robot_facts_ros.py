@@ -11,7 +11,7 @@ import pytest
 import yaml
 from tests.ros_session import ROOT, RosSession
 
-from ur.request.robot_facts import read_facts
+from ur.request.bases.robot_facts import read_facts
 from ur.robot.boot.units import tell_base_script
 
 pytestmark = [pytest.mark.ros, pytest.mark.timeout(200)]

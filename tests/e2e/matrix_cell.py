@@ -20,8 +20,8 @@ from tests.e2e.matrix_table import Cell
 from tests.e2e.matrix_topics import Ears, find_fault, find_tree_faults, measure_rate
 from tests.office_fiducials import write_office_map
 
-from ur.request.needs import describe_base, describe_need
-from ur.request.robot_facts import read_facts
+from ur.request.bases.needs import describe_base, describe_need
+from ur.request.bases.robot_facts import read_facts
 from ur.run.master.client import parse_master_uri
 
 PATIENCE = 90.0  # s that a run gets to come up, and its topics to come at their rates

@@ -22,7 +22,7 @@ from ur.source.diagnostic import Diagnostic, Severity
 from ur.source.file import SourceFile, Span
 
 if TYPE_CHECKING:
-    from ur.request.base_argument import FileBase
+    from ur.request.bases.base_argument import FileBase
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,7 +75,10 @@ def load_request(request: LaunchRequest) -> Loaded:
     remote = not local and values.get("robot_machine") == selection.robot
     bases: tuple[FileBase, ...] = ()
     if "robot_base" in values and "robot_base" in files.declared:
-        from ur.request.base_argument import check_bases, find_bases  # reads YAML, which most launch files do without
+        from ur.request.bases.base_argument import (  # reads YAML, which most launch files do without
+            check_bases,
+            find_bases,
+        )
 
         bases = find_bases(files, values)
         check_bases(files, bases)
@@ -88,7 +91,7 @@ def load_request(request: LaunchRequest) -> Loaded:
         findings = tuple(map(_harden, findings))
     show_findings(findings)
     if bases and values.get("simulate") == "false" and not remote:
-        from ur.request.driver_packages import check_drivers
+        from ur.request.bases.driver_packages import check_drivers
 
         check_drivers(bases, plan.nodes, files.world)
     good = not any(each.severity is Severity.ERROR for each in findings)
@@ -167,8 +170,8 @@ def localisation_argument(
     """As choose_localisation, for a request; `bases` spare it from loading them. Raises UserError likewise."""
     if "localisation" not in request.files.declared:
         return []
-    from ur.request.base_argument import find_bases
-    from ur.request.localisation import choose_localisation  # reads YAML
+    from ur.request.bases.base_argument import find_bases
+    from ur.request.bases.localisation import choose_localisation  # reads YAML
 
     values = values_of(arguments)
     return choose_localisation(values, lambda: bases or find_bases(request.files, values))

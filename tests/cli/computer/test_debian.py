@@ -8,8 +8,8 @@ import pytest
 
 from ur.cli.main import main
 from ur.debian.root import DebianRoot
-from ur.request.debian_packages import install_debian
 from ur.request.environment import REPOSITORY, environment_changes
+from ur.request.requirements.debian_packages import install_debian
 from ur.robot.selection import parse_selection
 from ur.source.diagnostic import UserError
 
@@ -44,8 +44,10 @@ def test_missing_packages_are_refused_inside_with_the_command_that_installs_them
     (tmp_path / "dpkg-query").write_text("#!/bin/sh\n")
     (tmp_path / "dpkg-query").chmod(0o755)
     monkeypatch.setenv("PATH", f"{tmp_path}:/usr/bin:/bin")
-    monkeypatch.setattr("ur.request.debian_packages.find_root", lambda _: DebianRoot("/data", "13"))
-    monkeypatch.setattr("ur.request.debian_packages.install_command", lambda names: f"install {' '.join(names)}")
+    monkeypatch.setattr("ur.request.requirements.debian_packages.find_root", lambda _: DebianRoot("/data", "13"))
+    monkeypatch.setattr(
+        "ur.request.requirements.debian_packages.install_command", lambda names: f"ur debian install {' '.join(names)}"
+    )
     with pytest.raises(UserError) as caught:
         install_debian([["gdb"]], "a debugger")
     assert caught.value.diagnostics[0].help == "install gdb"

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from ur.cli.robots.shell import run_ssh
-from ur.request.connection import robot_address
+from ur.request.remote.connection import robot_address
 from ur.robot.ssh.openssh import Address
 from ur.source import UserError
 

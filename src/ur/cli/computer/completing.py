@@ -171,7 +171,7 @@ def list_values(name: str, given: Mapping[str, str], environment: Mapping[str, s
     if name == "world":
         return [Candidate(path.stem) for path in sorted((PACKAGE / "n_simulator" / "worlds").glob("*.yaml"))]
     if name == "localisation":
-        from ur.request.localisation import METHODS
+        from ur.request.bases.localisation import METHODS
 
         return [Candidate(each) for each in METHODS]
     if name == "machine" or name.endswith("_machine"):

@@ -52,7 +52,7 @@ def render_list(programs: Sequence[Program], base: Base | None, *, colour: bool)
 
 def _selected_base() -> Base | None:
     """The base of the selected robot; None where nobody knows it."""
-    from ur.request.robot_facts import know_base
+    from ur.request.bases.robot_facts import know_base
     from ur.robot.base import load_base
     from ur.robot.base.search import find_base_package
 
@@ -67,7 +67,7 @@ def _selected_base() -> Base | None:
 
 def _lack(program: Program, base: Base) -> str:
     from ur.launchfile.world.system import SystemWorld
-    from ur.request.needs import describe_lack, list_lacks, read_needs
+    from ur.request.bases.needs import describe_lack, list_lacks, read_needs
 
     path = find_launch_file(program)
     lacks = list_lacks(base, read_needs(str(path), SystemWorld(os.environ))) if path else ()

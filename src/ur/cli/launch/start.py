@@ -38,13 +38,13 @@ def run_launch(
     host = start_host()  # its start overlaps with the reading of the launch file
     stack = ExitStack()
     try:
-        from ur.request.joining import Joined, join
+        from ur.request.joining.join import Joined, join
+        from ur.request.joining.running import follow_world, lock_launch, refuse_second_master
         from ur.request.launch_request import make_request
         from ur.request.node_choice import load_chosen
         from ur.request.plan_files import make_world
-        from ur.request.preparation import prepare_world
+        from ur.request.requirements.preparation import prepare_world
         from ur.request.run_options import make_run_options
-        from ur.request.running import follow_world, lock_launch, refuse_second_master
         from ur.run.launch import run_plan
 
         lock = lock_launch(options, stack, reporter.report)
@@ -71,7 +71,7 @@ def run_launch(
 
                 stack.enter_context(hold_client(client, clients_folder(os.environ, os.getuid())))
         if loaded.robot and any(node.machine == loaded.robot for node in plan.nodes):
-            from ur.request.on_robot import start_there  # ssh, and what comes with it: only where it is needed
+            from ur.request.remote.on_robot import start_there  # ssh, and what comes with it: only where it is needed
 
             part = stack.enter_context(start_there(replace(loaded, plan=plan), client, reporter.report))
             plan, restart_share = part.here, part.again.start

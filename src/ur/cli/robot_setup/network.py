@@ -101,7 +101,7 @@ def change_network(
 
     `literal` is an address that the robot has after the change. Raises UserError.
     """
-    from ur.request.connection import connect_robot, robot_address
+    from ur.request.remote.connection import connect_robot, robot_address
     from ur.robot.commit_confirm.guarded import change_request
     from ur.robot.commit_confirm.network_facts import FACTS_SCRIPT, SCAN_SCRIPT, parse_networks
     from ur.robot.commit_confirm.perform import Ways

@@ -46,7 +46,7 @@ def rename(robot: str, name: str, wait: int, password_from: int | None, dry_run:
     does not happen, because a cable was pulled or this computer was switched off, the robot takes everything back by
     itself; so it does when it loses power in the middle. Its boot services are started anew.
     """
-    from ur.request.connection import connect_robot, robot_address
+    from ur.request.remote.connection import connect_robot, robot_address
     from ur.robot.ssh.openssh import Address
 
     check_name(name)

@@ -191,7 +191,7 @@ def select_robot(task: Task) -> bool:
 
 def wait_for_master(host: str) -> bool:
     """Return whether the ROS master of a robot answers, which may take a while after the boot."""
-    from ur.request.master_nodes import list_node_names
+    from ur.request.remote.master_nodes import list_node_names
 
     end = time.monotonic() + MASTER_SECONDS
     while time.monotonic() < end:

@@ -9,7 +9,7 @@ import click
 
 from ur.cli.computer.setup import show_changes
 from ur.cli.robot_setup.guarded import PASSWORD_FROM, become_root, read_lines
-from ur.request.connection import connect_robot, robot_address
+from ur.request.remote.connection import connect_robot, robot_address
 from ur.robot.boot.status import SCRIPT, describe_status, log_command, parse_status
 from ur.robot.boot.units import FOLDER, MASTER, PREFIX, Unit, is_unit_name, master_unit, program_unit
 from ur.robot.setup.engine import bring_about
@@ -45,7 +45,7 @@ def install(robot: str | None, name: str | None, password_from: int | None, argv
     launch file has to be on the robot: `ur sync` brings it. It is told what the robot knows of itself: base, variant,
     that nothing is simulated. All run as the robot's user, with the environment of that user's login shell.
     """
-    from ur.request.boot_command import bring_library, make_line, parse_request
+    from ur.request.remote.boot_command import bring_library, make_line, parse_request
 
     address = robot_address(robot)
     known_as = address.host.removesuffix(".local")

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import click
 
-from ur.request.connection import connect_robot, robot_address
+from ur.request.remote.connection import connect_robot, robot_address
 from ur.robot.deploy import build_attached
 from ur.robot.deploy.build import FACTS, Builder, build_command, check_builder, choose_jobs, parse_builder
 from ur.robot.ssh.shell import LocalShell, Shell, quote

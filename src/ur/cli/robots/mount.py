@@ -9,7 +9,7 @@ from pathlib import Path
 
 import click
 
-from ur.request.connection import connect_robot, robot_address
+from ur.request.remote.connection import connect_robot, robot_address
 from ur.robot.mount import REMOTE, Mount, default_target, mount_command, mounts_of, parse_mounts, unmount_command
 from ur.robot.ssh.openssh import Address
 from ur.robot.ssh.shell import quote, run_process

@@ -14,7 +14,7 @@ import click
 
 from ur.cli.output import plain_text
 from ur.cli.robots.robots_asked import SOON, Asked
-from ur.request.python_packages import need
+from ur.request.requirements.python_packages import need
 from ur.robot.discovery.announcements import Browser
 from ur.robot.discovery.listing import Answer, Row, list_robots
 from ur.robot.discovery.record import load_records, records_folder

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import click
 
-from ur.request.connection import robot_address
+from ur.request.remote.connection import robot_address
 from ur.robot.ssh.openssh import STRICT, Address, explain_failure
 from ur.robot.ssh.shell import quote
 from ur.source.diagnostic import UserError, error

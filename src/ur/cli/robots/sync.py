@@ -15,7 +15,7 @@ from pathlib import Path
 import click
 
 from ur.cli.robots.mount import read_mounts
-from ur.request.connection import connect_robot, robot_address
+from ur.request.remote.connection import connect_robot, robot_address
 from ur.robot.sync.compare import compare
 from ur.robot.sync.memory import load_memory, memory_path, store_memory
 from ur.robot.sync.model import SIDES, Side, SyncPlan

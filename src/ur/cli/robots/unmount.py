@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 
 from ur.cli.robots.mount import read_mounts
-from ur.request.connection import robot_address
+from ur.request.remote.connection import robot_address
 from ur.robot.mount import mounts_of, unmount_command
 from ur.robot.ssh.shell import run_process
 from ur.source.printable import printable

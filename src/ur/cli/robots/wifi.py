@@ -15,7 +15,7 @@ from typing import TextIO
 import click
 
 from ur.cli.robots.wifi_screen import describe_sample, draw_screen, print_summary
-from ur.request.connection import robot_address
+from ur.request.remote.connection import robot_address
 from ur.robot.discovery.seen import load_seen, seen_path
 from ur.robot.ssh.openssh import Address
 from ur.robot.wireless.meter import Meter

@@ -7,7 +7,7 @@ import os
 import click
 
 from ur.cli.robots.shell import run_ssh
-from ur.request.connection import robot_address
+from ur.request.remote.connection import robot_address
 from ur.robot.ssh.openssh import STRICT, explain_failure
 from ur.robot.ssh.shell import quote, run_process
 from ur.source.diagnostic import UserError, error

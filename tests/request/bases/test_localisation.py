@@ -6,13 +6,13 @@ import pytest
 
 from ur.launchfile.world.system import SystemWorld
 from ur.request.arguments import Argument, split_argv
-from ur.request.base_argument import find_bases
+from ur.request.bases.base_argument import find_bases
+from ur.request.bases.localisation import choose_localisation
 from ur.request.launch_request import LaunchFiles, make_request
-from ur.request.localisation import choose_localisation
 from ur.request.plan_files import localisation_argument
 from ur.source.diagnostic import UserError
 
-LIBRARY = Path(__file__).parents[2] / "ubiquity_launches"
+LIBRARY = Path(__file__).parents[3] / "ubiquity_launches"
 FILE = str(LIBRARY / "m_keyboard_navigate" / "launch" / "m_keyboard_navigate.launch.xml")
 
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from ur.request.python_packages import need_all
+from ur.request.requirements.python_packages import need_all
 from ur.source.diagnostic import UserError
 
 # Stands in for pip: makes the module whose name is in the requirements file, or fails as pip does.

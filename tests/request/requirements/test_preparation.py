@@ -9,10 +9,10 @@ from ur.launchfile.plan.load import load_plan
 from ur.launchfile.plan.model import Plan
 from ur.launchfile.world.protocol import PackageNotFound
 from ur.launchfile.world.system import SystemWorld
-from ur.request.preparation import prepare
+from ur.request.requirements.preparation import prepare
 from ur.source.diagnostic import UserError, error
 
-LIBRARY = Path(__file__).parents[2] / "ubiquity_launches"
+LIBRARY = Path(__file__).parents[3] / "ubiquity_launches"
 LAUNCH = LIBRARY / "m_move_base" / "launch" / "m_move_base.launch.xml"
 
 

@@ -9,8 +9,8 @@ from ur.cli.launch.options import check_options
 from ur.launchfile.plan.load import load_plan
 from ur.launchfile.plan.model import NodeSpec
 from ur.launchfile.world import MemoryWorld
-from ur.request import driving
-from ur.request.driving import ask_mode, choose_mode
+from ur.request.joining import driving
+from ur.request.joining.driving import ask_mode, choose_mode
 from ur.request.options import LaunchOptions
 from ur.run.remote.lease import Lease
 from ur.source import UserError

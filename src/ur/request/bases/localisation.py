@@ -10,7 +10,7 @@ from ur.source.diagnostic import UserError, error
 from ur.source.suggest import did_you_mean
 
 if TYPE_CHECKING:
-    from ur.request.base_argument import FileBase
+    from ur.request.bases.base_argument import FileBase
 
 ARGUMENT = "localisation"
 METHODS = ("amcl", "fiducials")

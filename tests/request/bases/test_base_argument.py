@@ -6,12 +6,12 @@ from pathlib import Path
 import pytest
 
 from ur.launchfile.world.system import SystemWorld
-from ur.request.base_argument import check_bases, find_bases
+from ur.request.bases.base_argument import check_bases, find_bases
 from ur.request.launch_request import LaunchFiles
 from ur.robot.base import Base, load_base
 from ur.source.diagnostic import UserError
 
-LIBRARY = Path(__file__).parents[2] / "ubiquity_launches"
+LIBRARY = Path(__file__).parents[3] / "ubiquity_launches"
 
 
 @pytest.fixture
@@ -71,7 +71,7 @@ def test_base_of_several_files_of_a_package_is_loaded_once(launch_file: Path, mo
         loaded.append(name)
         return load_base(package, name, variant)
 
-    monkeypatch.setattr("ur.request.base_argument.load_base", load)
+    monkeypatch.setattr("ur.request.bases.base_argument.load_base", load)
     files = LaunchFiles([str(launch_file), str(launch_file)], SystemWorld({}))
     first, second = find_bases(files, {"robot_base": "magni"})
     assert first.base is second.base

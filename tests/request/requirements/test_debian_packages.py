@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from ur.request.debian_packages import install_debian, list_missing
+from ur.request.requirements.debian_packages import install_debian, list_missing
 from ur.source.diagnostic import UserError
 
 # Stand in for the programs of a computer: packages are words in a file, and apt-get knows some after an update only.

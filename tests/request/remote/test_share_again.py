@@ -5,8 +5,8 @@ from collections.abc import Iterator
 
 import pytest
 
-from ur.request import share_again
-from ur.request.share_again import Health, ShareAgain, parse_health
+from ur.request.remote import share_again
+from ur.request.remote.share_again import Health, ShareAgain, parse_health
 from ur.source.diagnostic import UserError, error
 
 RESTARTED, RUNNING, STOPPING = Health(20.0, False), Health(9000.0, False), Health(9000.0, True)
@@ -42,7 +42,7 @@ def test_share_starts_again_once_the_robot_has_restarted() -> None:
 
 def test_share_whose_master_does_not_return_is_not_started_again(monkeypatch: pytest.MonkeyPatch) -> None:
     times = iter((0.0, 0.0, 10.0, 40.0))
-    monkeypatch.setattr("ur.request.share_again.time.monotonic", lambda: next(times))
+    monkeypatch.setattr("ur.request.remote.share_again.time.monotonic", lambda: next(times))
     begun: list[str] = []
     told = make([RUNNING, RUNNING, RUNNING], begun).start()
     assert told.splitlines() == [
@@ -65,7 +65,7 @@ def test_share_that_does_not_start_is_told_with_its_reason() -> None:
 
 def test_robot_that_never_comes_back_is_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
     times = iter(range(0, 1000, 50))
-    monkeypatch.setattr("ur.request.share_again.time.monotonic", lambda: float(next(times)))
+    monkeypatch.setattr("ur.request.remote.share_again.time.monotonic", lambda: float(next(times)))
     told = make([None] * 20, []).start()
     assert "were not started again: bob does not answer" in told
 

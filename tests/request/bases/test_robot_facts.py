@@ -6,7 +6,7 @@ import socket
 
 import pytest
 
-from ur.request.robot_facts import Facts, know_base, read_facts
+from ur.request.bases.robot_facts import Facts, know_base, read_facts
 from ur.robot.robot_file import RobotFile
 from ur.robot.selection import Selection
 

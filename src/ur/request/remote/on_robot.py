@@ -14,13 +14,13 @@ from pathlib import Path
 from types import FrameType
 
 from ur.launchfile.plan.model import Plan
-from ur.request.connection import robot_address
 from ur.request.environment import current_selection
 from ur.request.launch_request import LaunchRequest
 from ur.request.options import LaunchOptions, Report
 from ur.request.plan_files import Loaded, texts
-from ur.request.share_again import LinkReporter, ShareAgain, examine_robot
-from ur.request.share_messages import describe_end, describe_part, explain_problem
+from ur.request.remote.connection import robot_address
+from ur.request.remote.share_again import LinkReporter, ShareAgain, examine_robot
+from ur.request.remote.share_messages import describe_end, describe_part, explain_problem
 from ur.robot.discovery.record import load_records, records_folder
 from ur.robot.remote_run import ask_part
 from ur.robot.ssh.openssh import STRICT, Address, connect

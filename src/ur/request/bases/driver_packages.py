@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from ur.launchfile.plan.model import NodeSpec
 from ur.launchfile.world.protocol import PackageNotFound, World
-from ur.request.base_argument import FileBase
+from ur.request.bases.base_argument import FileBase
 from ur.robot.base import Base, Driver
 from ur.source.diagnostic import Diagnostic, UserError, error
 

@@ -234,8 +234,8 @@ def _check_arguments(loaded: Loaded, decision: Decision, uri: str) -> None:
 
 def _list_misfits(loaded: Loaded, decision: Decision, uri: str) -> list[tuple[str, str, str]]:
     from ur.launchfile.plan.load import load_plan
+    from ur.request.bases.robot_facts import read_facts
     from ur.request.plan_files import texts
-    from ur.request.robot_facts import read_facts
     from ur.run.join.decision import find_misfits
 
     assert loaded.plan is not None

@@ -9,7 +9,7 @@ import sys
 from collections.abc import Sequence
 
 from ur.debian.root import find_root, install_command
-from ur.request.python_packages import run_installer
+from ur.request.requirements.python_packages import run_installer
 from ur.source.diagnostic import UserError, error
 
 _APT = ("apt-get", "-q", "-o", "DPkg::Lock::Timeout=300")

@@ -23,9 +23,9 @@ from typing import Protocol
 
 from ur.launchfile.plan.model import NodeSpec, Plan
 from ur.launchfile.world.protocol import PackageNotFound, World
-from ur.request.debian_packages import install_debian
 from ur.request.environment import PACKAGE
-from ur.request.python_packages import need_all
+from ur.request.requirements.debian_packages import install_debian
+from ur.request.requirements.python_packages import need_all
 from ur.run.process.missing_package import is_packaged
 from ur.run.startup.node_selection import check_display, has_display, is_view
 from ur.source.diagnostic import UserError, error

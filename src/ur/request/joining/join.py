@@ -39,12 +39,12 @@ def join(loaded: Loaded, client: str, report: Report) -> Joined | None:
     simulated = selection is None or selection.simulated
     owners: tuple[RunEntry, ...] = ()
     if not options.replace and plan.nodes:
-        from ur.request.running import join_running
+        from ur.request.joining.running import join_running
 
         plan, owners = join_running(loaded, report)
     mode = options.mode
     if selection is not None and not simulated:
-        from ur.request.driving import choose_mode, computer_name, rename_taken
+        from ur.request.joining.driving import choose_mode, computer_name, rename_taken
 
         plan = rename_taken(plan, loaded.robot, report)
         chosen = choose_mode(options, selection.robot, plan.nodes, computer_name())

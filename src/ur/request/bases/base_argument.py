@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from ur.request.bases.needs import Need, describe_need, find_needs, find_variants, list_lacks
 from ur.request.launch_request import LaunchFiles
-from ur.request.needs import Need, describe_need, find_needs, find_variants, list_lacks
 from ur.robot.base import Base, list_bases, load_base
 from ur.robot.base.search import find_base_package
 from ur.source.diagnostic import UserError, error

@@ -6,12 +6,12 @@ import pytest
 
 from ur.launchfile.plan.load import load_plan
 from ur.launchfile.world.system import SystemWorld
-from ur.request.base_argument import find_bases
-from ur.request.driver_packages import check_drivers
+from ur.request.bases.base_argument import find_bases
+from ur.request.bases.driver_packages import check_drivers
 from ur.request.launch_request import LaunchFiles
 from ur.source.diagnostic import Diagnostic, UserError
 
-LIBRARY = Path(__file__).parents[2] / "ubiquity_launches"
+LIBRARY = Path(__file__).parents[3] / "ubiquity_launches"
 FILE = str(LIBRARY / "m_robot_base" / "launch" / "m_robot_base.launch.xml")
 
 

@@ -1,0 +1,1 @@
+"""Launches beside nodes that run, and robots that another client drives."""

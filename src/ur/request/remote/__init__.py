@@ -1,0 +1,1 @@
+"""Nodes and services on the selected robot, over ssh and its ROS master."""

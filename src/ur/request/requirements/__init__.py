@@ -1,0 +1,1 @@
+"""Packages and files that programs need, installed or checked before a start."""
