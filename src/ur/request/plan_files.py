@@ -48,8 +48,8 @@ class Loaded:
 def complete_arguments(request: LaunchRequest, *, local: bool) -> tuple[Argument, ...]:
     """The arguments of a request, with those that the selection adds, and absolute paths of worlds.
 
-    A selection gives what the files declare and nobody gave; without one the arguments are complete. `local`: this
-    computer is the robot. Raises UserError: a world that cannot be used on the robot.
+    A selection gives arguments that the files declare and that are not given; without one the arguments are complete.
+    `local`: this computer is the robot. Raises UserError: a world that cannot be used on the robot.
     """
     selection, declared = request.selection, request.files.declared
     if selection is None:
@@ -62,7 +62,7 @@ def complete_arguments(request: LaunchRequest, *, local: bool) -> tuple[Argument
 def load_request(request: LaunchRequest) -> Loaded:
     """Load the plan of a request; errors in it are then on standard error.
 
-    Arguments about the robot that the file declares and nobody gave come from the selection; not so for a robot's share
+    Arguments about the robot that are declared and not given come from the selection; not so for a robot's share
     of a run (`part`): its arguments are complete, and `part` is a machine that the file need not define: this computer.
     Raises UserError: a base that is not known or lacks what the file needs, a driver whose package is not installed.
     """

@@ -34,7 +34,7 @@ class Program:
 
 @dataclass(frozen=True, slots=True)
 class ProgramIndex:
-    """The programs of every package, the launch library's first; `problem` says why packages are left out."""
+    """The programs of every package, the launch library's first; `problem` is the reason why packages are left out."""
 
     programs: tuple[Program, ...] = field(default=())
     problem: str = ""

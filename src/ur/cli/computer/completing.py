@@ -160,7 +160,7 @@ def _variants(base: str) -> Iterable[Candidate]:
 
 
 def list_values(name: str, given: Mapping[str, str], environment: Mapping[str, str]) -> Iterable[Candidate]:
-    """The values that an argument of a launch file may have, as far as its name says; nothing for others."""
+    """The values that an argument of a launch file may have, from its name; nothing for other names."""
     from ur.request.environment import PACKAGE, current_selection
 
     if name == "robot_base":

@@ -200,7 +200,7 @@ def _look_again(here: LocalShell, there: SshShell, before: Sequence[Finding]) ->
 
 
 def _password(address: Address, descriptor: int | None) -> Secret | None:
-    """A way in where the key is refused: asked for, or read from a descriptor; None when there is neither."""
+    """The password for a robot that refuses the key: asked for, or read from a descriptor; None without either."""
     if descriptor is not None:
         with os.fdopen(descriptor, encoding="utf-8") as stream:
             text = stream.readline().rstrip("\n")

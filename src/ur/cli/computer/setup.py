@@ -61,7 +61,7 @@ def command(dry_run: bool, undo: bool, only_mine: bool, yes: bool) -> int:
 
 
 def show_changes(changes: Sequence[Change]) -> None:
-    """Print what would be different, one change after the other, in colour where there is a terminal."""
+    """Print changes one after the other, in colour on a terminal."""
     for change in changes:
         click.echo(f"{click.style(printable(change.title), bold=True)}:")
         for line in map(printable, change.difference.splitlines()):

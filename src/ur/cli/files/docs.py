@@ -166,7 +166,7 @@ def _settle_site(repository: Repository, folder: Path, check: bool, progress: Pr
 
 
 def _prepare(folder: Path) -> None:
-    # Only a folder of our own is filled: index.html of somebody else must survive.
+    # Only a folder that this verb has made is filled: other people's index.html must survive.
     from ur.docs.site.render import MANIFEST
     from ur.source.diagnostic import UserError, error
 

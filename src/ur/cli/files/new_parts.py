@@ -28,7 +28,7 @@ class Target:
 
 
 class _Done:
-    """Writes, and says what was written and what may come next."""
+    """Write files, and print their names and the next steps."""
 
     def __call__(self, target: Target, files: Sequence[NewFile], then: str) -> int:
         from ur.new.write import write_files
@@ -47,7 +47,7 @@ class _Done:
 
     @staticmethod
     def folder(name: str) -> Target:
-        """A package that is to be. Raises UserError when the folder is there."""
+        """The target of a new package. Raises UserError when the folder exists."""
         folder = Path.cwd() / name
         if folder.exists():
             raise UserError(error(f"{name} is there already, expected a new name", rule="file-exists"))

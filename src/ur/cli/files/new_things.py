@@ -182,7 +182,7 @@ def urdf_files(target: Target, name: str, text: str, like: str) -> list[NewFile]
 
 
 def know_person() -> tuple[str, str]:
-    """Name and address of whoever is there, as git knows them."""
+    """Name and address of the user, as git knows them."""
 
     def git(key: str) -> str:
         try:

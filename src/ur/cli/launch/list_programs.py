@@ -1,4 +1,4 @@
-"""`ur list`: the programs there are, and which of them the selected robot cannot run."""
+"""`ur list`: list the programs, and mark those that the selected robot cannot run."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def render_list(programs: Sequence[Program], base: Base | None, *, colour: bool)
 
 
 def _selected_base() -> Base | None:
-    """The base of the selected robot; None where nobody knows it."""
+    """The base of the selected robot; None where it is not known."""
     from ur.request.bases.robot_facts import know_base
     from ur.robot.base import load_base
     from ur.robot.base.search import find_base_package

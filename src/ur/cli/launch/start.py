@@ -144,7 +144,7 @@ def _make_console(viewer: Viewer | None) -> Console:
 
 @contextmanager
 def _viewer(plan: Plan, options: LaunchOptions, reporter: Reporter) -> Iterator[Viewer | None]:
-    """The interface, where there is a terminal that no node needs. Its log begins with what was reported so far."""
+    """Open the interface, on a terminal that no node needs. Its log begins with what was reported so far."""
     if options.plain or options.json or options.detach or any(node.terminal for node in plan.nodes):
         yield None
         return

@@ -1,4 +1,4 @@
-"""First contact of `ur robot setup`: the host key that the user confirms, and what the robot may do here."""
+"""First contact of `ur robot setup`: the host key that the user confirms, and the robot's rights on this computer."""
 
 from __future__ import annotations
 

@@ -38,7 +38,7 @@ PASSWORD_FROM = click.option(
 
 
 def read_lines(descriptor: int | None, option: str, count: int) -> list[str]:
-    """The first lines that a file descriptor gives, '' where there are less. Raises UserError."""
+    """The first lines of a file descriptor, '' where there are fewer. Raises UserError."""
     if descriptor is None:
         return [""] * count
     try:
@@ -49,9 +49,9 @@ def read_lines(descriptor: int | None, option: str, count: int) -> list[str]:
 
 
 def become_root(shell: SshShell, given: str) -> list[Secret]:
-    """Find a way to be root on the robot; what sudo may be told from now on.
+    """Become root on the robot; return the passwords that sudo may be given from now on.
 
-    Raises UserError: there is none, or another change is pending there.
+    Raises UserError: that is not possible, or another change is pending there.
     """
     from ur.robot.commit_confirm.perform import refuse_pending
     from ur.robot.ssh.secret import Secret

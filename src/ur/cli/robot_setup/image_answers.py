@@ -100,7 +100,7 @@ def make_wish(given: Given) -> Wish:
 
 
 def read_passwords(wish: Wish, descriptor: int | None) -> Passwords:
-    """From a descriptor, or asked without an echo where there is a terminal. Raises UserError."""
+    """Read passwords from a descriptor, or ask without an echo on a terminal. Raises UserError."""
     user = wifi = ""
     if descriptor is not None:
         try:
@@ -121,7 +121,7 @@ def read_passwords(wish: Wish, descriptor: int | None) -> Passwords:
 
 
 def add_passwords(wish: Wish, passwords: Passwords, present: str) -> Wish:
-    """The wish with what is written in place of passwords. Raises UserError for one that cannot be.
+    """The settings with hashes in place of passwords. Raises UserError for one that cannot be.
 
     `present` is the hash of an earlier seed: kept when it is of the same password, since each new one differs.
     """

@@ -133,7 +133,7 @@ def setup(
         met.append(confirm_host_key(task, fingerprint=wanted, yes=yes, new_host_key=new_host_key))
         return 0
 
-    # One after the other: there is one terminal to ask on. Whoever is refused does not stop the others.
+    # One after the other: there is one terminal for questions. A refused robot does not stop the others.
     refused = max(_guard(task, meet) for task in tasks)
     if not met:
         return refused

@@ -95,7 +95,7 @@ def _choose(networks: Networks, ssid: str, password: str, *, hidden: bool, band:
     known = find_profile(networks, ssid) is not None
     secured = seen.security not in ("", "OWE") if seen else True
     if not known:
-        choose_management(seen, with_password=True)  # nobody is asked for what cannot be used
+        choose_management(seen, with_password=True)  # no question about a value that cannot be used
     if not password and secured and sys.stdin.isatty():
         password = getpass.getpass(f"password of {ssid}{' (empty: the one that the robot knows)' if known else ''}: ")
     if known and not password:  # its profile knows how, also with a user name

@@ -1,4 +1,4 @@
-"""`ur build`: catkin, here or on a robot."""
+"""`ur build`: build the catkin workspace on this computer or on a robot."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`ur mount`: a folder of a robot, here."""
+"""`ur mount`: mount a folder of a robot."""
 
 from __future__ import annotations
 

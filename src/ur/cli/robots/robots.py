@@ -25,7 +25,7 @@ from ur.source.progress_line import show_progress
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
-REFRESH = 1.0  # s between looks at what changed, while watching
+REFRESH = 1.0  # s between checks for changes, with --watch
 SETTLE_SECONDS = 6.0  # the longest that robots which are starting are waited for, beyond the time to look
 Look = Callable[[], list[Row]]
 

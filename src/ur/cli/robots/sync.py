@@ -1,4 +1,4 @@
-"""`ur sync`: the workspaces here and on a robot, in step."""
+"""`ur sync`: synchronise the workspaces of this computer and a robot."""
 
 from __future__ import annotations
 
@@ -134,7 +134,7 @@ def _check_mounts(root: Path) -> None:
 
 @contextmanager
 def _alone(path: Path) -> Iterator[None]:
-    """No second sync with the same robot from here meanwhile. Raises UserError."""
+    """Lock out a second sync with the same robot from this computer. Raises UserError."""
     place = path.with_suffix(".lock")
     try:
         place.parent.mkdir(parents=True, exist_ok=True)

@@ -40,9 +40,9 @@ def command(selection: str | None, away: bool) -> int:
 
 
 def check_robot(chosen: Selection, *, away: bool) -> str:
-    """Raise UserError for a robot that nothing here knows, unless it may be `away`.
+    """Raise UserError for an unknown robot, unless it may be `away`.
 
-    Return the note about one that is not set up from this computer: it may be somebody else's.
+    Return the note about one that is not set up from this computer: it may belong to other people.
     """
     from ur.robot.discovery.known import look_up_robot
     from ur.source.progress_line import show_progress

@@ -1,4 +1,4 @@
-"""`ur x`: a program of a robot, with its windows here."""
+"""`ur x`: run a program on a robot with its windows on this computer."""
 
 from __future__ import annotations
 

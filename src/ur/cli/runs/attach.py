@@ -64,7 +64,7 @@ def command(run: str | None, as_json: bool, plain: bool, calm: bool) -> int:
 
 
 def end_with_reader(descriptor: int) -> None:
-    """End this process once nobody reads what it prints: the ssh connection that asked for it is gone, for instance.
+    """End this process once its output has no reader: the ssh connection that asked for it is gone, for instance.
 
     Without output it would not notice, and a robot would take its laptop for present (see `ur.run.remote.signs`).
     """

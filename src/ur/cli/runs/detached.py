@@ -108,7 +108,7 @@ def find_node_name(name: str, names: list[str]) -> str:
 
 
 def start_detached(run: Callable[[LetGo], int], wait: float | None) -> int:
-    """Start a run that is detached, say how to reach it, and with `wait` (s) wait until every node is up."""
+    """Start a run that is detached, print how to reach it, and with `wait` (s) wait until every node is up."""
 
     def tell(name: str) -> int:
         sys.stdout.write(f"{name}\n")

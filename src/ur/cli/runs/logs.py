@@ -72,7 +72,7 @@ def _describe_silence(node: str | None, entry: RunEntry, path: str) -> str:
 
 
 def _show(path: Path, client: RunClient, lines: int | None, silent: str, *, follow: bool) -> int:
-    """Print a log file from its beginning or its last lines; `silent` is said where it is empty."""
+    """Print a log file from its beginning or its last lines; `silent` is printed for an empty one."""
     try:
         with path.open("rb") as file:
             data = file.read()

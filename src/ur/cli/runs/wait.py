@@ -34,7 +34,7 @@ def command(run: str | None, timeout: float) -> int:
 
 
 def wait_ready(entry: RunEntry, timeout: float) -> int:
-    """Wait until every node is up, for so many s at most; say what is missing, and return the exit code."""
+    """Wait until every node is up, for so many s at most; print what is missing, and return the exit code."""
     end = time.monotonic() + timeout
     nodes: dict[str, NodeChanged] = {}
     missing: dict[str, tuple[str, ...]] = {}

@@ -48,7 +48,7 @@ def know_base(
 
 
 def read_facts(master_uri: str) -> Facts | None:
-    """`/ur/base_name` and `/ur/variant` from a parameter server. None: nobody answers there, or they are not set."""
+    """`/ur/base_name` and `/ur/variant` from a parameter server. None: no master answers, or they are not set."""
     from ur.run.master.client import Master, parse_master_uri
     from ur.run.master.xml_rpc import Refused, Unanswered
     from ur.source.diagnostic import UserError

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Joined:
-    """A plan whose nodes have names that nobody has, without those that run already in the runs `owners`.
+    """A plan whose nodes have free names, without those that run already in the runs `owners`.
 
     `environment` is what its nodes on this computer learn of this run as a client.
     """

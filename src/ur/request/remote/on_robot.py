@@ -1,4 +1,4 @@
-"""A program on two computers: the robot's nodes as a detached run there, the others here."""
+"""A program on two computers: the robot's nodes in a detached run on the robot, the others on this computer."""
 
 from __future__ import annotations
 
@@ -42,9 +42,9 @@ _WITH_US = ("setpriv", "--pdeathsig", "TERM", "--")  # it ends when this process
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """A program whose robot's nodes run there. `here` is the rest; `run` is the id of the robot's run, '' for none.
+    """A program whose robot's nodes run on the robot, and the others, `here`, on this computer.
 
-    `client` is the id of this run among those that use the robot's.
+    `run` is the id of the robot's run, '' for none; `client` is the id of this run among those that use the robot's.
     """
 
     here: Plan
@@ -89,7 +89,7 @@ class Part:
             run, lost = self.again.run, False
 
     def _show(self, run: str) -> int:
-        # The robot knows by this variable that somebody is still here: see ur.run.remote.signs.
+        # The robot knows by this variable that this client still runs: see ur.run.remote.signs.
         line = quote("bash", "-lc", f"UR_CLIENT={quote(self.client)} exec ur attach --plain {quote(run)}")
         sys.stdout.flush()
         process = subprocess.Popen(
@@ -109,9 +109,9 @@ class Part:
 def start_there(loaded: Loaded, client: str, report: Report) -> Iterator[Part]:
     """Start the robot's nodes on the robot, or find them running; leave them with the context.
 
-    They end there when no other computer uses them. A run that is detached here and has no node here goes on.
-    `client` is the id of this run. Raises UserError: no way to the robot, nothing there that could start nodes, no such
-    launch file there.
+    They end when no other computer uses them. A run that is detached and has no node on this computer continues.
+    `client` is the id of this run. Raises UserError: no route to the robot, no installation on it that
+    could start nodes, no such launch file on it.
     """
     plan, launch = loaded.plan, loaded.request
     assert plan is not None
@@ -235,7 +235,7 @@ def _ask(address: Address, request: Request, seconds: float) -> Answer:
 
 
 def _end(address: Address, request: Request, robot: str) -> None:
-    """Leave the robot's run; where that fails it keeps running and a line says so. `robot` is its present name."""
+    """Leave the robot's run; where that fails it keeps running, which is reported. `robot` is its present name."""
     if robot != request.machine:
         address = replace(address, host=f"{robot}.local")
     try:

@@ -1,4 +1,4 @@
-"""Start a robot's share of a run again after the robot's restart, or say why that cannot be."""
+"""Start a robot's share of a run again after the robot's restart, or report the reason for a failure."""
 
 from __future__ import annotations
 
@@ -112,7 +112,7 @@ def _has_master(host: str) -> bool:
 
 
 def parse_health(text: str) -> Health:
-    """Read what the script prints. A robot that says nothing sensible counts as running for ever."""
+    """Parse the output of the script. A robot with an unreadable answer counts as running for ever."""
     try:
         uptime, started, rate, *state = text.split()
         return Health(float(uptime) - float(started) / float(rate), state == ["stopping"])
@@ -121,7 +121,7 @@ def parse_health(text: str) -> Health:
 
 
 class LinkReporter:
-    """Prints what becomes of the link to a robot while a run is followed that has no nodes here."""
+    """Print changes of the link to a robot while a run is followed that has no nodes on this computer."""
 
     def __init__(self, robot: str, host: str, say: Callable[[str], None]) -> None:
         self._robot, self._say = robot, say

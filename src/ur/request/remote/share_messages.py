@@ -1,4 +1,4 @@
-"""Messages about a robot's share of a run: what runs there, what became of it, why it did not start."""
+"""Messages about a robot's share of a run: its nodes, its end, and reasons why it did not start."""
 
 from __future__ import annotations
 

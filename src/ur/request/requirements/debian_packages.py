@@ -31,7 +31,7 @@ def install_debian(alternatives: Sequence[Sequence[str]], title: str, *, ask: bo
     settings = f"apt's sources, or try it by hand: sudo {command}"
     try:
         run_installer(install, " ".join(missing), settings)
-    except UserError:  # the package lists may be old, or not there at all
+    except UserError:  # the package lists may be old, or missing
         sys.stderr.write("fetching new package lists ...\n")
         run_installer([*root, *_APT, "update"], "new package lists", settings)
         run_installer(install, " ".join(missing), settings)

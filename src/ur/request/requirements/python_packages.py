@@ -20,14 +20,14 @@ _PROBLEM = ("ERROR", "E: ")  # of pip, of apt-get
 
 
 def need(module: str, lock: str) -> None:
-    """Make sure that a module is there: install the lock file that holds it. Raises UserError when that fails."""
+    """Ensure that a module is installed: install the lock file that holds it. Raises UserError when that fails."""
     need_all([module], lock, f"what {lock} holds")
 
 
 def need_all(
     modules: Sequence[str], lock: str, title: str, *, folder: Path | None = None, pip: Sequence[str] = ()
 ) -> None:
-    """Make sure that modules are there: install the lock file that holds them. Raises UserError when that fails.
+    """Ensure that modules are installed: install the lock file that holds them. Raises UserError when that fails.
 
     `title` says what that is, for people. Two that want the same at once wait for one another. A terminal shows what
     goes on. `pip` is the command to install with, pip of the running Python unless given; `folder`, a clone of this
