@@ -9,7 +9,7 @@ from pathlib import Path
 import yaml
 from tests.fuzz.target import Target
 
-from ur.cli.robots import boot_command
+from ur.request.remote import boot_command
 from ur.robot.boot.launch_file import RobotLaunch
 from ur.robot.boot.units import tell_base_script
 from ur.robot.commit_confirm.rename import name_robot_file

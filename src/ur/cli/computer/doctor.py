@@ -13,10 +13,10 @@ from contextlib import ExitStack, nullcontext
 import click
 
 from ur.cli.computer.doctor_report import Report, print_json, print_report, print_seen
-from ur.cli.robots.master import list_nodes
 from ur.debian.root import describe_system, find_root
 from ur.request.environment import current_selection
 from ur.request.remote.connection import connect_robot, robot_address
+from ur.request.remote.master_nodes import list_nodes
 from ur.robot.discovery.record import Record, load_records, records_folder
 from ur.robot.discovery.seen import Seen, load_seen, note_seen, seen_path
 from ur.robot.doctor.inspect import look_alone, look_at_pair, read_name

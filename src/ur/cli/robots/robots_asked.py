@@ -9,7 +9,7 @@ from collections.abc import Callable, Collection, Iterable, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import replace
 
-from ur.cli.robots.master import list_node_names
+from ur.request.remote.master_nodes import list_node_names
 from ur.robot.discovery.announcements import Browser, Sighting
 from ur.robot.discovery.ask import ask_robot
 from ur.robot.discovery.listing import Answer, is_settled
