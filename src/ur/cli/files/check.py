@@ -70,7 +70,7 @@ def command(
     report = check()
     if fix:
         from ur.check.findings.fix import plan_repairs
-        from ur.cli.files.replace_file import replace_file
+        from ur.cli.output import replace_file
 
         repairs = plan_repairs(report.findings, load_rules())
         for repair in repairs:
