@@ -7,13 +7,12 @@ argument (`ur.launchfile.plan.names.read_assignments`) is a rule of launch files
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 ASSIGN = ":="
 
 
-@dataclass(frozen=True, slots=True)
-class Argument:
+class Argument(NamedTuple):
     """An argument of a launch file; its text is what was typed."""
 
     name: str

@@ -4,19 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 from ur.launchfile.address import resolve_addresses
 from ur.launchfile.syntax import LaunchFile
 from ur.launchfile.syntax.parse import parse_launch_file
 from ur.launchfile.world.protocol import World
 from ur.request.arguments import Argument, split_argv, values_of
-from ur.request.options import LaunchOptions
 from ur.robot.selection import Selection
 from ur.source.diagnostic import UserError, error
 from ur.source.suggest import did_you_mean
 
+if TYPE_CHECKING:
+    from ur.request.options import LaunchOptions
+
 STANDARD_INPUT = "-"
-_DEFAULTS = LaunchOptions()
 
 
 class LaunchFiles:
@@ -65,8 +67,17 @@ class LaunchRequest:
     files: LaunchFiles
     arguments: tuple[Argument, ...] = ()
     selection: Selection | None = None
-    options: LaunchOptions = _DEFAULTS
+    given_options: LaunchOptions | None = None
     names: tuple[str, ...] = ()
+
+    @property
+    def options(self) -> LaunchOptions:
+        """The options that were given, else the defaults."""
+        if self.given_options is None:
+            from ur.request.options import LaunchOptions  # questions need none, and its import takes 2 ms
+
+            return LaunchOptions()
+        return self.given_options
 
     @property
     def values(self) -> dict[str, str]:
@@ -84,7 +95,7 @@ class LaunchRequest:
 
 
 def make_request(
-    argv: Sequence[str], world: World, selection: Selection | None = None, options: LaunchOptions = _DEFAULTS
+    argv: Sequence[str], world: World, selection: Selection | None = None, options: LaunchOptions | None = None
 ) -> LaunchRequest:
     """Read `FILE` or `PACKAGE FILE`, and `[ARG:=VALUE]...`: the form of every verb that takes launch files.
 
