@@ -16,6 +16,7 @@ ROOT = Path(__file__).parents[2]
 def test_sudo_in_a_folder_of_a_user_is_refused_before_the_set_up(tmp_path: Path) -> None:
     clone = tmp_path / "clone"
     (clone / "tools").mkdir(parents=True)
+    (clone / "src/ur").mkdir(parents=True)
     shutil.copy(ROOT / "ur", clone / "ur")
     (clone / "tools/set_up.bash").write_text("mkdir .venv; echo set up; exit 3\n")
     environment = {"PATH": "/usr/bin:/bin", "SUDO_USER": "pat"}

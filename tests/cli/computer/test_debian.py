@@ -45,9 +45,8 @@ def test_missing_packages_are_refused_inside_with_the_command_that_installs_them
     (tmp_path / "dpkg-query").chmod(0o755)
     monkeypatch.setenv("PATH", f"{tmp_path}:/usr/bin:/bin")
     monkeypatch.setattr("ur.request.requirements.debian_packages.find_root", lambda _: DebianRoot("/data", "13"))
-    monkeypatch.setattr(
-        "ur.request.requirements.debian_packages.install_command", lambda names: f"ur debian install {' '.join(names)}"
-    )
+    command = "ur.request.requirements.debian_packages.install_command"
+    monkeypatch.setattr(command, lambda names: f"install {' '.join(names)}")
     with pytest.raises(UserError) as caught:
         install_debian([["gdb"]], "a debugger")
     assert caught.value.diagnostics[0].help == "install gdb"
