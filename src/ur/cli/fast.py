@@ -37,7 +37,7 @@ def answer_fast(words: Sequence[str]) -> int | None:
 
 
 def launch_fast(words: Sequence[str]) -> int | None:
-    """Do `ur launch [PACKAGE] FILE [ARG:=VALUE]...` where there is no option; else None, and nothing has happened."""
+    """Run `ur launch [PACKAGE] FILE [ARG:=VALUE]...`; return None, without effects, for other commands and options."""
     if len(words) < 2 or words[0] != "launch" or any(word.startswith("-") for word in words):
         return None
     try:

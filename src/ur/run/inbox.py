@@ -50,7 +50,7 @@ class Inbox:
             return
 
     def take(self) -> Iterator[Task]:
-        """What is to be done, oldest first."""
+        """Iterate over the pending requests, oldest first, and remove each."""
         while self._tasks:
             yield self._tasks.popleft()
 

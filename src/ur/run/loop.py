@@ -179,7 +179,7 @@ class _Loop:
         self._happen(StopRequested(signal.Signals(signum).name, code))
 
     def _hear(self, event: Event | Suspended) -> None:
-        """What the process host reports."""
+        """Handle an event of the process host."""
         match event:
             case Suspended():
                 each = self._state.find(event.name)

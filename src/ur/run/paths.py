@@ -69,7 +69,7 @@ def new_run_id() -> str:
 
 
 def is_local_address(address: str) -> bool:
-    """Whether a host name or address is this computer. False when the name is not known."""
+    """Test a host name or address for this computer; False for an unknown name."""
     if address in ("", "localhost", "127.0.0.1", "::1"):
         return True
     try:

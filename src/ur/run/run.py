@@ -22,7 +22,7 @@ Job = Callable[[], Event]
 
 @dataclass(frozen=True, slots=True)
 class WatchPlan:
-    """Who may watch the run, and how it appears to them. `call_started` is called once every node was started.
+    """Clients and outputs of a run's events. `call_started` is called once every node was started.
 
     `record_end` is called at the end: exit code, cause, last lines of the run itself, log files of its nodes.
     `viewer` is our end of a pair whose other end shows the run on our terminal: while it is open the console is silent.
@@ -40,7 +40,7 @@ class WatchPlan:
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """What to run. `folder` takes the log files, `home` is where nodes start.
+    """Programs to run and their settings. `folder` takes the log files, `home` is the nodes' working directory.
 
     `await_master`, `set_parameters` and `unregister` talk to the master and return the event that follows; they are
     called in a thread of their own, so that a slow network holds nothing up.

@@ -49,7 +49,7 @@ def _image_line(image: str) -> str:
 
 
 def _names(file: Path, image: str) -> bool:
-    """Whether a map's YAML file of ours or of upstream's names an image."""
+    """Test a map's YAML file, of ours or of upstream's, for the name of an image."""
     try:
         lines = file.read_text(encoding="utf-8", errors="replace").splitlines()
     except FileNotFoundError:

@@ -29,7 +29,7 @@ _APART = (0.6, 0.25)  # m, rad: farther from the best pose, another one is a dif
 
 @dataclass(frozen=True, slots=True)
 class Window:
-    """How far (m, rad) from the guess to look."""
+    """Search range (m, rad) around the initial guess."""
 
     shift: float
     turn: float
@@ -45,7 +45,7 @@ class Found:
 
 
 class Pyramid:
-    """How near walls are, in cells of 0.05 m; each further level holds the best of 2 x 2 windows of the one before."""
+    """Distances to walls in cells of 0.05 m; each further level holds the best of 2 x 2 windows of the one before."""
 
     def __init__(self, walls: Floats) -> None:
         """From points (n, 2) on walls, m; at least one."""

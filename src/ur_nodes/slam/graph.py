@@ -58,7 +58,7 @@ class PoseGraph:
         self.poses = [Pose2(float(x), float(y), float(yaw)) for x, y, yaw in found]
 
     def spread_from(self, number: int, limit: float) -> NDArray[np.float64]:
-        """How uncertain (m, one standard deviation) each pose is relative to one; inf beyond `limit`.
+        """Compute the uncertainty (m, one standard deviation) of each pose relative to one; inf beyond `limit`.
 
         The variances of shifts along the path of edges with the least of them are added up; those of turns, too, and
         felt at its end as those of a random walk: by a third of the square of its length.

@@ -42,7 +42,7 @@ class Group:
 
 @dataclass(frozen=True, slots=True)
 class Link:
-    """Where keyframe `after` is in the frame of `before`; not `sure`: it wants confirmation by another one."""
+    """The pose of keyframe `after` in the frame of `before`; not `sure`: it needs confirmation by another one."""
 
     before: int
     after: int
@@ -104,7 +104,7 @@ def verify_group(group: Group, number: int, poses: Sequence[Pose2], scans: Seque
 
 
 def agree(one: Link, other: Link, place: Pose2) -> bool:
-    """Whether two links move a place on the map to the same other place."""
+    """Test two links for the same correction of a pose on the map."""
     a, b = one.correction.compose(place), other.correction.compose(place)
     return math.hypot(a.x - b.x, a.y - b.y) < 0.25 and abs(wrap_angle(a.yaw - b.yaw)) < 0.05
 

@@ -17,7 +17,7 @@ _WRONG_ARGUMENTS = frozenset({"bad-argument", "bad-options", "refused-option"})
 
 
 def act_on(argv: Sequence[str], options: LaunchOptions) -> int:
-    """Do what is asked for and return the exit code. Raises UserError."""
+    """Answer the query or launch the file that `argv` names, and return the exit code. Raises UserError."""
     from ur.request.bases.robot_facts import know_robot
 
     shell = dict(os.environ)

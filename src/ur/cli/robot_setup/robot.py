@@ -212,7 +212,7 @@ def _preview(task: Task, viewer: Viewer) -> int:
 
 
 def _for_each(tasks: Sequence[Task], work: Callable[[Task], int]) -> int:
-    """Do all at once; a robot that fails does not stop the others. The worst exit code."""
+    """Run all tasks in parallel and return the highest exit code; a robot that fails does not stop the others."""
 
     def guarded(task: Task) -> int:
         return _guard(task, work)
@@ -232,7 +232,7 @@ def _for_each(tasks: Sequence[Task], work: Callable[[Task], int]) -> int:
 
 
 def _guard(task: Task, work: Callable[[Task], int]) -> int:
-    """Do it; print what the user can put right, exit code 2."""
+    """Run one task and return its exit code; print a UserError and return 2."""
     try:
         return work(task)
     except UserError as problem:

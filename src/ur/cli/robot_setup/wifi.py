@@ -77,7 +77,7 @@ def wifi(
 
 
 def _choose(networks: Networks, ssid: str, password: str, *, hidden: bool, band: str) -> Wifi:
-    """What to join, after asking for what is missing. Raises UserError: out of reach, or not a password."""
+    """Build the WiFi settings to join; ask for a missing password. Raises UserError: out of reach, bad password."""
     from ur.robot.commit_confirm.network import Wifi, check_password, choose_management, find_profile
     from ur.robot.ssh.secret import Secret
 

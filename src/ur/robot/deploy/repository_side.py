@@ -95,7 +95,7 @@ def _prepare(target: Path, content: bytes, mode: int) -> None:
 
 
 def main() -> None:
-    """Do what standard input asks for, and say what was kept."""
+    """Write the files of the request on standard input, and print each existing file that was kept."""
     request = json.load(sys.stdin)
     folder = Path(os.path.expanduser(request["folder"]))  # noqa: PTH111 - Path.expanduser raises where HOME is unset
     folder.mkdir(parents=True, exist_ok=True)

@@ -88,7 +88,7 @@ def look_at(shell: SshShell, root: Path, last: Memory | None) -> Look:
 def carry_out(
     plan: SyncPlan, pair: Pair, shell: SshShell, *, name: str, stamp: str, progress: bool, report: Callable[[str], None]
 ) -> Outcome:
-    """Do a plan's steps. `name` tells this viewer's arriving files from others'; `stamp` names the folder of kept ones.
+    """Carry out a plan's steps. `name` marks this viewer's arriving files; `stamp` names the folder of kept ones.
 
     Interrupted anywhere, every file is either as it was or as it shall be. Raises UserError: the connection broke.
     """

@@ -13,19 +13,19 @@ from ur.run.clients.protocol import BadLineError, RunCommand, RunEnded, RunEvent
 
 
 class RunControl(Protocol):
-    """A run as its viewers see it. `fileno` is readable when `receive` has something to tell."""
+    """A run from the view of a client. `fileno` is readable when `receive` has events."""
 
     def fileno(self) -> int:
         """For select, poll and event loops."""
 
     def receive(self) -> list[RunEvent] | None:
-        """What has happened since; never waits. None once the run has ended or is gone."""
+        """Return events since the last call, without blocking; None once the run has ended or its socket has closed."""
 
     def send(self, command: RunCommand) -> None:
-        """Ask for something. Nothing happens when the run is gone."""
+        """Send a command; no effect once the run has ended."""
 
     def close(self) -> None:
-        """Stop watching; the run goes on."""
+        """Disconnect; the run continues."""
 
 
 class RunGone(Exception):  # noqa: N818 - says what happened
@@ -46,7 +46,7 @@ class RunClient:
         return self._link.fileno()
 
     def receive(self) -> list[RunEvent] | None:
-        """What has happened since; never waits. None once the run has ended or is gone."""
+        """Return events since the last call, without blocking; None once the run has ended or its socket has closed."""
         if self._over:
             return None
         data = b""
@@ -68,7 +68,7 @@ class RunClient:
         return None if self._over and not events else events
 
     def send(self, command: RunCommand) -> None:
-        """Ask for something. Nothing happens when the run is gone."""
+        """Send a command; no effect once the run has ended."""
         try:
             self._link.setblocking(True)
             self._link.sendall(dump_line(command))
@@ -78,7 +78,7 @@ class RunClient:
             self._link.setblocking(False)
 
     def close(self) -> None:
-        """Stop watching; the run goes on."""
+        """Disconnect; the run continues."""
         self._link.close()
 
     def __enter__(self) -> RunClient:

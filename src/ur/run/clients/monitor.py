@@ -51,41 +51,41 @@ class Monitor:
 
     @property
     def wants_readiness(self) -> bool:
-        """Whether somebody wants to know which nodes are up."""
+        """True while a subscriber asks for the readiness of nodes."""
         return self._publisher is not None and self._publisher.wants_readiness
 
     @property
     def due(self) -> float | None:
-        """When `work` has something to do."""
+        """The time at which `work` is due next; None: only on events."""
         return None if self._publisher is None else self._publisher.due
 
     def serves(self, descriptor: int) -> bool:
-        """Whether a descriptor is one of a subscriber's, or the one at which new ones knock."""
+        """Test for a descriptor of a subscriber, or of the socket on which new subscribers connect."""
         return descriptor in self._polled
 
     def note_state(self, state: State, now: float) -> None:
-        """Tell what has changed."""
+        """Publish the changes of the run's state."""
         self._state = state
         if self._publisher is not None:
             self._publisher.note_state(state, now)
 
     def note_readiness(self, name: str, missing: tuple[str, ...]) -> None:
-        """Tell what a node lacks to be up."""
+        """Publish a node's unmet readiness conditions."""
         if self._publisher is not None:
             self._publisher.note_readiness(name, missing)
 
     def publish_output(self, name: str, source: OutputSource, text: str) -> None:
-        """Tell a line that a node printed."""
+        """Publish a line that a node printed."""
         if self._publisher is not None:
             self._publisher.publish_output(name, source, text)
 
     def publish_notice(self, severity: Severity, text: str) -> None:
-        """Tell what the run itself has to say."""
+        """Publish a message of the run itself."""
         if self._publisher is not None:
             self._publisher.publish_notice(severity, text)
 
     def publish_link(self, robot: str, seconds: float, *, lost: bool) -> None:
-        """Tell how the link to the robot is."""
+        """Publish the state of the link to the robot."""
         if self._publisher is not None:
             self._publisher.publish_link(robot, seconds, lost=lost)
 
@@ -120,7 +120,7 @@ class Monitor:
         self._polled = wanted
 
     def close(self, exit_code: int) -> None:
-        """Tell the end, and let everyone go."""
+        """Publish the end, and disconnect all subscribers."""
         if self._publisher is not None:
             self._publisher.end(exit_code)
         elif self._plan.listener is not None:
@@ -155,7 +155,7 @@ class Monitor:
 
 
 def translate_command(command: RunCommand) -> Event:
-    """What a command means to the supervisor."""
+    """Translate a client's command into an event of the supervisor."""
     from ur.run.clients.protocol import KillNode, RestartNode, StartNode, StopNode, StopRun
 
     match command:

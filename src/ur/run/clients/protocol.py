@@ -15,7 +15,7 @@ OutputSource = Literal["out", "err", "log"]
 
 
 class BadLineError(ValueError):
-    """A line that is no event or command of this protocol. The text says why."""
+    """A line that is no event or command of this protocol. The text is the reason."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,10 +37,10 @@ class RunStarted:
 
 @dataclass(frozen=True, slots=True)
 class NodeChanged:
-    """Where a node stands now.
+    """The current status of a node.
 
     `waiting`: not started yet, or due again in `restart_in` s. `ended`: not started again by itself; then `exit_code`
-    or `signal` say how it ended last (both None: it could not be started, or was never asked to), `reason` is for
+    or `signal` are those of its last end (both None: it could not be started, or was never asked to), `reason` is for
     people: why it could not be started, or why it is not started again. `held`: a person stopped it. `core`: the master
     and rosout, which take no commands. `log` is the file with what it prints, `program` its executable, `folder` where
     it is started.
@@ -64,9 +64,9 @@ class NodeChanged:
 
 @dataclass(frozen=True, slots=True)
 class NodeReadiness:
-    """Whether a node is up: it runs, is registered with the master, and what its `ready:` comment asks for is there.
+    """Readiness of a node: it runs, is registered with the master, and meets its `ready:` comment.
 
-    `missing` says, for people, what is not there yet and why. Only looked into while somebody watches or waits.
+    `missing` lists unmet conditions and their reasons, as text. Only checked while a client subscribes or waits.
     """
 
     name: str
@@ -86,7 +86,7 @@ class OutputLine:
 
 @dataclass(frozen=True, slots=True)
 class NodeStats:
-    """What a node's processes use, children included: `cpu` in cores (1.0 is one), `memory` (resident) in bytes."""
+    """Resource usage of a node, child processes included: `cpu` in cores (1.0 is one), `memory` (resident) in bytes."""
 
     name: str
     cpu: float
@@ -102,7 +102,7 @@ class StatsSampled:
 
 @dataclass(frozen=True, slots=True)
 class Notice:
-    """What the run itself has to say to people: crash reports, why it stops. May hold several lines."""
+    """A message of the run itself for people: a crash report, the reason why it stops. May hold several lines."""
 
     severity: Severity
     text: str
@@ -110,7 +110,7 @@ class Notice:
 
 @dataclass(frozen=True, slots=True)
 class LinkChanged:
-    """The link to the robot: `lost` for so long (s) by now, told twice a second; or restored after so long."""
+    """The link to the robot: `lost` for so long (s) by now, sent twice a second; or restored after so long."""
 
     robot: str
     lost: bool
@@ -119,12 +119,12 @@ class LinkChanged:
 
 @dataclass(frozen=True, slots=True)
 class Synchronised:
-    """The current state has been told; what follows happens from now on."""
+    """The end of the current state; later events are new."""
 
 
 @dataclass(frozen=True, slots=True)
 class RunStopping:
-    """The run ends; `cause` is for people, '' when there is nothing to say."""
+    """The run ends; `cause` is text for people, '' without one."""
 
     cause: str
 
@@ -237,7 +237,7 @@ def parse_command(line: bytes) -> RunCommand:
 
 
 def find_severity(text: str) -> Severity:
-    """How bad a line says it is, as rosconsole and rospy write it: `[ WARN] [1234.5]: text`, colours allowed."""
+    """Find the severity of a log line as rosconsole and rospy write it: `[ WARN] [1234.5]: text`, colours allowed."""
     while text.startswith("\x1b["):
         text = text.partition("m")[2]
     return _SEVERITIES.get(text[1:9].partition("]")[0].strip(), "") if text.startswith("[") else ""

@@ -41,7 +41,7 @@ _NODE_STATES: dict[Status, NodeState] = {
 
 @dataclass(frozen=True, slots=True)
 class NodeFacts:
-    """What does not change about a node: its log file, its executable, and where it is started."""
+    """Constant facts about a node: its log file, its executable, and its working directory."""
 
     log: str
     program: str
@@ -60,7 +60,7 @@ class Publisher:
         state: State,
         now: float,
     ) -> None:
-        """`facts` are by the names of units; `read_back(anew)` tells new lines of logs, or begins to."""
+        """`facts` are by the names of units; `read_back(anew)` publishes new lines of logs, or begins to."""
         self._started = started
         self._facts = facts
         self._read_back = read_back
@@ -76,16 +76,16 @@ class Publisher:
 
     @property
     def wants_readiness(self) -> bool:
-        """Whether somebody wants to know which nodes are up."""
+        """True while a subscriber asks for the readiness of nodes."""
         return self._wanted.readiness
 
     @property
     def due(self) -> float | None:
-        """When `work` has something to do."""
+        """The time at which `work` is due next; None: only on events."""
         return min((time for time in (self._next_sample, self._next_tail) if time is not None), default=None)
 
     def note_state(self, state: State, now: float) -> None:
-        """Tell what has changed."""
+        """Publish the changes of the run's state."""
         before, self._state, self._now = self._state, state, now
         for old, new in zip(before.units, state.units, strict=True):
             if old is not new:
@@ -94,35 +94,35 @@ class Publisher:
             self.subscribers.publish(RunStopping(state.cause or ""))
 
     def note_readiness(self, name: str, missing: tuple[str, ...]) -> None:
-        """Tell whether a node is up (nothing missing), where that is new."""
+        """Publish a node's readiness (ready: nothing missing) where it has changed."""
         if self._readiness.get(name) == missing:
             return
         self._readiness[name] = missing
         self.subscribers.publish(NodeReadiness(name, not missing, missing))
 
     def publish_output(self, name: str, source: OutputSource, text: str) -> None:
-        """Tell a line that a node printed."""
+        """Publish a line that a node printed."""
         if self._wanted.output:
             self.subscribers.publish(OutputLine(name, source, find_severity(text), text))
 
     def publish_notice(self, severity: Severity, text: str) -> None:
-        """Tell what the run has to say."""
+        """Publish a message of the run itself."""
         self.subscribers.publish(Notice(severity, text))
 
     def publish_link(self, robot: str, seconds: float, *, lost: bool) -> None:
-        """Tell how the link to the robot is."""
+        """Publish the state of the link to the robot."""
         news = LinkChanged(robot, lost, round(seconds, 1))
         self._link = news if lost else None
         self.subscribers.publish(news)
 
     def attend(self, descriptor: int, now: float) -> list[RunCommand]:
-        """Somebody came, went, asked or can be written to; returns what was asked for."""
+        """Handle an event on a descriptor: connect, disconnect, command, or ready for writing. Returns commands."""
         asked = self.subscribers.attend(descriptor)
         self.update_subscriptions(now)
         return asked
 
     def update_subscriptions(self, now: float) -> None:
-        """Begin and end what is only done while somebody wants it."""
+        """Begin and end the work that is only done for subscribers."""
         before, self._wanted = self._wanted, self.subscribers.wanted()
         if self._wanted.output != before.output:
             self._next_tail = now if self._wanted.output else None
@@ -142,7 +142,7 @@ class Publisher:
             self._next_sample = now + SAMPLE_PERIOD
 
     def end(self, exit_code: int, limit: float = 1.0) -> None:
-        """Tell the end and let everyone go."""
+        """Publish the end and disconnect all subscribers."""
         if self._wanted.output:
             self._read_back(False)
         self.subscribers.publish(RunEnded(exit_code))

@@ -26,10 +26,10 @@ MOST_BACKLOG = 20_000  # events; who does not read for so long is let go
 
 
 class Subscribers:
-    """Everyone who watches. `descriptors` are to be polled; `attend` does what is due on one of them."""
+    """All subscribers. `descriptors` are to be polled; `attend` handles an event on one of them."""
 
     def __init__(self, listener: socket.socket | None, describe_state: Callable[[], Iterable[RunEvent]]) -> None:
-        """Take a listening socket, and what tells a new subscriber how things stand."""
+        """Take a listening socket, and a source of the events that describe the current state to a new subscriber."""
         self._listener = listener
         self._describe_state = describe_state
         self._subscribers: dict[int, _Subscriber] = {}
@@ -45,7 +45,7 @@ class Subscribers:
         return self._add(_Subscriber(descriptor, None, watch))
 
     def descriptors(self) -> dict[int, int]:
-        """What to poll for, by descriptor."""
+        """Poll event masks by descriptor."""
         found = {} if self._listener is None else {self._listener.fileno(): select.POLLIN}
         for descriptor, subscriber in self._subscribers.items():
             wanted = (select.POLLIN if subscriber.link is not None else 0) | (
@@ -56,11 +56,11 @@ class Subscribers:
         return found
 
     def holds(self, descriptor: int) -> bool:
-        """Whether this one is still there."""
+        """Test for a descriptor of a connected subscriber."""
         return descriptor in self._subscribers
 
     def wanted(self) -> Watch:
-        """What at least one of them wants to hear."""
+        """The union of all subscribers' subscriptions."""
         watches = [subscriber.watch for subscriber in self._subscribers.values()]
         return Watch(
             output=any(watch.output for watch in watches),
@@ -69,7 +69,7 @@ class Subscribers:
         )
 
     def publish(self, event: RunEvent) -> None:
-        """Tell everyone who wants to know."""
+        """Send an event to the subscribers that asked for its kind."""
         if not self._subscribers:
             return
         line = b""

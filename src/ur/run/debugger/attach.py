@@ -1,4 +1,4 @@
-"""Ways to debug a node that runs, or ran, from outside its run. Pure."""
+"""Methods to debug a node that runs, or ran, from outside its run. Pure."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from ur.run.debugger.choice import PACKAGES, Surroundings, Target, choose_place,
 
 @dataclass(frozen=True, slots=True)
 class Looked:
-    """What is known of a node. `program` is its executable, `process` what its process runs ('' when there is none).
+    """Facts about a node. `program` is its executable, `process` the one that its process runs ('' when there is none).
 
-    `core` are the words after gdb (or before, for coredumpctl) that open its core file, else `no_core` says why not.
+    `core` are the arguments after gdb (or before, for coredumpctl) to open its core file; else `no_core` is the reason.
     """
 
     target: Target
@@ -24,7 +24,7 @@ class Looked:
 
     @property
     def python(self) -> bool:
-        """Whether it is, or would be, run by Python."""
+        """True for a node that Python runs, or would run."""
         if self.process:
             return self.process.rpartition("/")[2].startswith("python")
         return self.target.kind in ("python", "module")
@@ -32,7 +32,7 @@ class Looked:
 
 @dataclass(frozen=True, slots=True)
 class Way:
-    """One way to look into a node: the key and the words that offer it, and the command that does it.
+    """One method to debug a node: its key, its label, and its command.
 
     `here`: the command needs this terminal meanwhile. `prefix`: the node is started again with this in front.
     """
@@ -46,14 +46,14 @@ class Way:
 
 @dataclass(frozen=True, slots=True)
 class Ways:
-    """The ways, best first, and what people should know before they choose."""
+    """Methods to debug a node, best first, and a note for the person who chooses."""
 
     ways: tuple[Way, ...]
     note: str = ""
 
 
 def plan_looking(looked: Looked, around: Surroundings, address: str) -> Ways | str:
-    """How a node can be looked into; a text says why it cannot, and what would help.
+    """List the methods to debug a node, best first; return an explanation as text where there is none.
 
     `address` is where a new Unix socket may be made, for a node that is started again.
     """

@@ -19,9 +19,9 @@ _TRACE = ("-q", "-batch", "-ex", "run", "-ex", "thread apply all backtrace", "--
 
 @dataclass(frozen=True, slots=True)
 class Surroundings:
-    """What is there. `tools` are the names of PACKAGES that are installed; `python` runs our own programs.
+    """Debugging tools and terminals on this computer. `tools` are names of PACKAGES; `python` runs our own programs.
 
-    `may_attach`: the system lets this user look into processes that are not its own children (or it is root).
+    `may_attach`: the system lets this user trace processes that are not its own children (or it is root).
     """
 
     terminal: bool = False
@@ -35,7 +35,7 @@ class Surroundings:
 
 @dataclass(frozen=True, slots=True)
 class Target:
-    """A node to look into. `module`: a shell script of this project that runs one of its Python modules.
+    """A node to debug. `module`: a shell script of this project that runs one of its Python modules.
 
     `interpreter` runs a `python` one.
     """
@@ -47,7 +47,7 @@ class Target:
 
 @dataclass(frozen=True, slots=True)
 class Debugging:
-    """What goes in front of a node's command, where the debugger appears, and what people should know."""
+    """The prefix of a node's command, the terminal of its debugger, and notes for people."""
 
     prefix: tuple[str, ...]
     place: Place
@@ -55,7 +55,7 @@ class Debugging:
 
 
 def find_kind(head: bytes) -> tuple[Kind, str]:
-    """What a program is, from its first bytes (4 kB are enough), and what interprets it when that is Python."""
+    """Determine a program's kind from its first bytes (4 kB are enough), and its interpreter where that is Python."""
     if head.startswith(b"\x7fELF"):
         return "binary", ""
     first = head.partition(b"\n")[0].decode("utf-8", "replace")
@@ -75,7 +75,7 @@ def choose_tool(kind: Kind) -> Tool:
 
 
 def plan_debugging(target: Target, tool: Tool, around: Surroundings, port: int) -> Debugging:
-    """How to start a node under a debugger. `port` is a free one. Raises UserError: what would help."""
+    """Plan the start of a node under a debugger. `port` is a free one. Raises UserError: impossible, with a remedy."""
     _check_kind(target, tool)
     _check_installed(target.name, tool, around)
     if tool == "debugpy":
@@ -101,7 +101,7 @@ def plan_debugging(target: Target, tool: Tool, around: Surroundings, port: int) 
 
 
 def choose_place(around: Surroundings) -> Place:
-    """Where a debugger appears: a pane, a window, this terminal, else it only writes to the log."""
+    """Choose the terminal of a debugger: a pane, a window, this terminal; else its output only goes to the log."""
     if around.tmux:
         return "pane"
     if around.display and "xterm" in around.tools:
@@ -110,12 +110,12 @@ def choose_place(around: Surroundings) -> Place:
 
 
 def gdb_words(target: Target) -> tuple[str, ...]:
-    """What goes in front of a program that runs in gdb."""
+    """Build the arguments before a program that runs in gdb."""
     return ("gdb", *_RUN, *((target.interpreter,) if target.kind == "python" else ()))
 
 
 def python_words(target: Target, words: tuple[str, ...]) -> tuple[str, ...]:
-    """What goes in front of a Python program for these options of its interpreter."""
+    """Build the arguments before a Python program for these options of its interpreter."""
     if target.kind == "module":
         return ("env", f"UR_NODE_PYTHON_OPTIONS={' '.join(words)}")
     return (target.interpreter, *words)

@@ -1,6 +1,6 @@
 """Core dumps of crashed programs: their path, or the reason why there is none, core(5).
 
-Pure: `ur.run.debugger.environment` looks things up.
+Pure: `ur.run.debugger.environment` reads the system.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ _NOTE, _FILES, _PRPSINFO = 4, 0x46494C45, 3  # elf.h: PT_NOTE, NT_FILE, NT_PRPSI
 
 @dataclass(frozen=True, slots=True)
 class CoreRules:
-    """What the system does with core files: `pattern` and `uses_pid` are those of /proc/sys/kernel.
+    """The system's settings for core files: `pattern` and `uses_pid` are those of /proc/sys/kernel.
 
     `limit` is the soft limit for the size of core files of the run, in bytes; None: there is none.
     """
@@ -32,7 +32,7 @@ class CoreRules:
 
 @dataclass(frozen=True, slots=True)
 class CoreNames:
-    """Who keeps core files, and for `file` glob patterns of the paths that one program's may have."""
+    """The keeper of core files, and for `file` glob patterns of the paths that one program's may have."""
 
     keeper: Keeper
     patterns: tuple[str, ...] = ()
@@ -40,7 +40,7 @@ class CoreNames:
 
 
 def plan_search(rules: CoreRules, program: str, folder: str) -> CoreNames:
-    """Where to look for core files of a program that was started in a folder."""
+    """Determine the keeper and the possible paths of core files of a program that was started in a folder."""
     pattern = rules.pattern.strip()
     if pattern.startswith("|"):
         handler = pattern[1:].split()[0] if pattern[1:].split() else ""
@@ -57,7 +57,7 @@ def plan_search(rules: CoreRules, program: str, folder: str) -> CoreNames:
 
 
 def explain_no_core(rules: CoreRules, names: CoreNames, folder: str) -> str:
-    """Why a crash left no core file, and what to do, for people."""
+    """Explain to people why a crash left no core file, and how to get one."""
     if rules.limit == 0:
         return "no core file: their size is limited to 0 here; 'ulimit -c unlimited' before ur launch changes that"
     if names.keeper == "unknown":
@@ -69,7 +69,7 @@ def explain_no_core(rules: CoreRules, names: CoreNames, folder: str) -> str:
 
 
 def belongs_to(core: bytes, program: str) -> bool:
-    """Whether the beginning of an ELF core file (its notes: 1 MB is plenty) is of a program, given by its real path."""
+    """Test the beginning of an ELF core file (its notes: 1 MB is plenty) for a program, given by its real path."""
     for kind, body in _iterate_notes(core):
         if kind == _FILES and program.encode() in body.split(b"\0"):
             return True

@@ -23,7 +23,7 @@ _PTRACE_SCOPE = "/proc/sys/kernel/yama/ptrace_scope"  # 0: any process of the sa
 
 
 def look_around(environment: Mapping[str, str], *, terminal: bool, python: str = "") -> Surroundings:
-    """What is there. `python` is the interpreter whose modules count, '' for that of this project."""
+    """Find debugging tools and terminals. `python` is the interpreter whose modules count; '': this project's."""
     path = environment.get("PATH")
     tools = {name for name in ("gdb", "xterm") if shutil.which(name, path=path)}
     tools |= _find_modules(python or sys.executable, ("pudb", "debugpy"))
@@ -39,7 +39,7 @@ def look_around(environment: Mapping[str, str], *, terminal: bool, python: str =
 
 
 def look_at_program(name: str, path: str) -> Target:
-    """What kind of program a node is."""
+    """Read the kind of a node's program."""
     try:
         with Path(path).open("rb") as file:
             kind, interpreter = find_kind(file.read(4096))
@@ -49,7 +49,7 @@ def look_at_program(name: str, path: str) -> Target:
 
 
 def look_at_node(name: str, program: str, folder: str, pid: int | None, run_pid: int) -> Looked:
-    """What is known of a node: whether its process runs, what that runs, and where a crash left its core file.
+    """Collect facts about a node: its process, if any, the executable of that, and the core file of a crash.
 
     `folder` is where it is started, `run_pid` the supervisor, whose limits nodes have. Raises PermissionError when the
     process is somebody else's.
@@ -67,7 +67,7 @@ def look_at_node(name: str, program: str, folder: str, pid: int | None, run_pid:
 
 
 def read_core_rules(pid: int) -> CoreRules:
-    """What the system does with core files of a process and its children."""
+    """Read the system's settings for core files of a process and its children."""
     limit: int | None = None
     for line in _read(f"/proc/{pid}/limits").splitlines():
         if line.startswith("Max core file size"):

@@ -3,7 +3,7 @@
     debug_pane.py NAME PROGRAM [ARG ...]                  opens a tmux pane for it
     debug_pane.py --wait ADDRESS NAME                     gives this terminal to the program that joins
     debug_pane.py --join ADDRESS NAME PROGRAM [ARG ...]   is that program; ADDRESS is a Unix socket
-    debug_pane.py --attach PID DEBUGGER [ARG ...]         runs a debugger for as long as the process may be looked into
+    debug_pane.py --attach PID DEBUGGER [ARG ...]         runs a debugger while the process may be traced
 
 A pane's own processes belong to the tmux server. Here the pane, the window or the terminal holds only a relay; the
 program has a pseudo terminal of its own, whose other end the relay is given. Uses the standard library only: it is
@@ -113,9 +113,9 @@ def wait_for(address: str, name: str) -> int:
 
 
 def attach(pid: int, words: list[str]) -> int:
-    """Run a debugger on a process that belongs to somebody else, and end it when the process is killed.
+    """Run a debugger on a process of another parent, and end it when the process is killed.
 
-    A process that is killed while a debugger holds it stays until the debugger looks: its run would wait for it.
+    A process that is killed while a debugger holds it stays until the debugger handles it: its run would wait for it.
     """
     for signum in (signal.SIGINT, signal.SIGQUIT):
         signal.signal(signum, lambda *_: None)  # meant for the debugger, which is in our process group

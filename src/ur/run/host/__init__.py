@@ -4,15 +4,15 @@
 
 The supervisor starts it first and sends it what to start and what to signal; it reports what happened. It is the parent
 of all processes, and a *subreaper*: what a node leaves behind (a double fork, a daemon in a session of its own)
-becomes its child, so that nothing can hide. Supervisor and guard are subreapers too. Any two of the three may be killed
-with SIGKILL, even at once:
+becomes its child, so that no process escapes. Supervisor and guard are subreapers too. Any two of the three may be
+killed with SIGKILL, even at once:
 
 - the supervisor dies: its socket closes, the host ends everything within a second and exits;
 - the host dies: nodes get SIGKILL as parent-death signal, and their orphans become children of the guard, which kills
   them;
 - the guard dies: the host goes on, and the supervisor inherits orphans in its place.
 
-Where a cgroup may be made (`ur.run.host.cgroup`), host and nodes live in one of their own, which the guard kills as a
+Where a cgroup may be made (`ur.run.host.cgroup`), host and nodes run in one of their own, which the guard kills as a
 whole: no process leaves it, not even one that runs as another user.
 
 Each is in a process group of its own and has a command line of its own, so that neither `kill -9 -GROUP` nor

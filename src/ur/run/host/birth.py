@@ -20,7 +20,7 @@ NEVER_BORN = 127  # the exit code of a process that could not become its program
 
 
 class Nursery:
-    """Makes processes. Why one never became its program it says itself, through a pipe."""
+    """Creates processes. One that fails before exec reports the reason itself, through a pipe."""
 
     def __init__(self) -> None:
         self._prctl = ctypes.CDLL(None, use_errno=True).prctl

@@ -52,7 +52,7 @@ def list_descendants(root: int) -> list[int]:
 
 
 def signal_descendants(signum: int) -> int:
-    """Signal every process below this one; stopped ones go on, to hear it. Returns how many there are."""
+    """Signal every process below this one; stopped ones are continued to receive it. Returns their number."""
     descendants = list_descendants(os.getpid())
     for pid in descendants:
         try:

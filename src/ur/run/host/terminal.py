@@ -1,4 +1,4 @@
-"""A terminal's foreground group and modes."""
+"""Read and set a terminal's foreground group and modes."""
 
 from __future__ import annotations
 

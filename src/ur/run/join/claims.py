@@ -1,6 +1,6 @@
 """Claims of a run: the nodes that it starts, how each is defined, and the runs whose nodes it uses.
 
-They lie in the run's control folder from its registration on, before any of the nodes is started.
+They are stored in the run's control folder when it is registered, before any of the nodes is started.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ def define_nodes(nodes: Iterable[NodeSpec], params: Iterable[ParamSpec]) -> dict
 
 
 def is_base(item: NodeSpec | ParamSpec) -> bool:
-    """Return whether a node or parameter belongs to the robot base: it stands in `m_robot_base` or below."""
+    """Return whether a node or parameter belongs to the robot base: it is defined in `m_robot_base` or below."""
     return any(span.file.path.endswith(BASE_FILE) for span in (item.origin.span, *item.origin.includes))
 
 

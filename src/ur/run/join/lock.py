@@ -1,4 +1,4 @@
-"""A lock per master: from looking at what runs there to the registration of a run, one launch at a time."""
+"""A lock per master: one launch at a time lists the nodes that run there and registers its run."""
 
 from __future__ import annotations
 

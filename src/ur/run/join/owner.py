@@ -1,4 +1,4 @@
-"""Runs that own nodes which other runs use: wait for their start, follow them to their end, name who has joined."""
+"""Runs that own nodes which other runs use: wait for their start, monitor them to their end, list joined runs."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def follow_owners(owners: Iterable[RunEntry], tell: Callable[[Event], None], ove
 
 
 def describe_joined(runs: Iterable[str]) -> str:
-    """Say which runs end together with the one that they have joined; '' without any."""
+    """Describe the runs that end together with the one that they have joined; '' without any."""
     names = list(runs)
     if not names:
         return ""

@@ -21,7 +21,7 @@ SystemState = tuple[NodesByName, NodesByName, NodesByName]
 
 @dataclass(frozen=True, slots=True)
 class Master:
-    """Where a master is, or will be. Every call raises Unanswered when nobody is there, Refused when it says no."""
+    """A client of the master at an address. Calls raise Unanswered without an answer, Refused on a failure status."""
 
     uri: str
     host: str
@@ -100,9 +100,9 @@ class Master:
 
 
 def parse_master_uri(uri: str) -> Master:
-    """The master behind ROS_MASTER_URI. Raises UserError for what is no `http://HOST:PORT`.
+    """Parse ROS_MASTER_URI. Raises UserError for anything but `http://HOST:PORT`.
 
-    An IPv6 address as HOST stands in brackets (RFC 3986), and `host` of the result is without them.
+    An IPv6 address as HOST is in brackets (RFC 3986), and `host` of the result is without them.
     """
     scheme, found, rest = uri.partition("://")
     host, _, port = rest.rstrip("/").rpartition(":")
@@ -121,7 +121,7 @@ def parse_master_uri(uri: str) -> Master:
 
 
 def format_master_uri(host: str, port: int) -> str:
-    """The value of ROS_MASTER_URI for a master: an IPv6 address stands in brackets."""
+    """Format ROS_MASTER_URI for a master, with an IPv6 address in brackets."""
     return f"http://[{host}]:{port}" if ":" in host else f"http://{host}:{port}"
 
 

@@ -24,7 +24,7 @@ LONGEST_QUESTION, SHORTEST_QUESTION = 0.5, 0.2  # s for an answer
 
 @dataclass(frozen=True, slots=True)
 class Word:
-    """An answer of the robot: its master's process and run id. `pid` None: the robot says that no master runs."""
+    """An answer of the robot: its master's process and run id. `pid` None: no master runs on the robot."""
 
     pid: int | None
     run_id: str = ""
@@ -79,7 +79,7 @@ def choose_limit(state: LinkState, now: float) -> float:
 
 
 def watch_link(master: Master, report: Callable[[Event], None], over: Flag) -> None:
-    """Ask a robot and its master until `over`, and tell what happens to them."""
+    """Poll a robot and its master until `over`, and report changes."""
     addresses = Addresses()
     state = LinkState(time.monotonic())
     heard = True

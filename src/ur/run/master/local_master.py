@@ -68,7 +68,7 @@ def find_core(master: Master, world: World, options: Options) -> tuple[Program, 
 
 
 def core_parameters(world: World, environment: Mapping[str, str]) -> dict[str, ParamValue]:
-    """What roscore sets on its master."""
+    """Parameters that roscore sets on its master."""
     # What roscore.xml sets by running `rosversion`, line breaks included.
     version = ""
     try:

@@ -25,7 +25,7 @@ def watch_any(master: Master, report: Callable[[Event], None], over: threading.E
 
 
 def watch_master(master: Master, report: Callable[[Event], None], over: threading.Event) -> None:
-    """Look after a master until `over`. Tells when it is lost, answers again, or another one answers in its place.
+    """Monitor a master until `over`. Reports that it is lost, answers again, or was replaced by another one.
 
     A master is known by its process: one that was started again has another, and has forgotten every node.
     """

@@ -1,6 +1,6 @@
 """Listen to a topic without a ROS library (http://wiki.ros.org/ROS/TCPROS), only to see that messages arrive.
 
-Nothing is registered with the master: the publisher is asked directly, so nobody sees a subscriber come and go.
+Nothing is registered with the master: the publisher is asked directly, so the graph shows no additional subscriber.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ class NoTopic(Exception):  # noqa: N818 - says what happened
 
 
 class Listener:
-    """A connection to one publisher of one topic. `keep` says how many bytes of each message are of interest."""
+    """A connection to one publisher of one topic. `keep` is the number of bytes of each message that are kept."""
 
     def __init__(self, link: socket.socket, keep: int) -> None:
         self._link = link

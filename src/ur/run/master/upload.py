@@ -17,7 +17,7 @@ from ur.source.diagnostic import UserError, error
 def upload_parameters(
     plan: Plan, master: Master, extra: Mapping[str, ParamValue], commands: CommandParameters
 ) -> Event:
-    """Set the parameters of a plan, `extra` ones before them, and say how that went."""
+    """Set the parameters of a plan, `extra` ones before them, and return the event that follows."""
     try:
         _set_parameters(plan, master, extra, commands)
     except UserError as problem:
@@ -53,7 +53,7 @@ def _dump_parameters(master: Master, name: str, file: str) -> None:
 
 
 def remove_registrations(master: Master, names: list[str]) -> Event:
-    """Take nodes that did not say goodbye off the master."""
+    """Unregister nodes from the master that did not do so themselves."""
     with suppress(Unanswered, Refused):  # a master that is gone has nothing registered
         master.remove_dead_nodes(names)
     return Unregistered()

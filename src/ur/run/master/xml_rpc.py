@@ -21,7 +21,7 @@ MAX_DEPTH = 100
 
 
 class Unanswered(Exception):  # noqa: N818 - says what happened
-    """Nobody answers at this address, or the answer makes no sense. The text says what happened."""
+    """No answer, or an invalid one, from this address. The text describes the failure."""
 
 
 class WrongServer(Unanswered):

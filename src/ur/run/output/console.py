@@ -19,7 +19,7 @@ class Sink:
     """An open file that is written to without ever waiting for it."""
 
     def __init__(self, descriptor: int, describe_lost: Callable[[int], bytes] | None = None) -> None:
-        """Take an open file, and what makes a line that says how many lines got lost."""
+        """Take an open file, and a function that formats the number of lost lines."""
         self.descriptor = descriptor
         self._describe_lost = describe_lost or _describe_lost
         self._lost: dict[str, int] = {}
@@ -29,7 +29,7 @@ class Sink:
 
     @property
     def waiting(self) -> bool:
-        """Whether there is something to write."""
+        """True while output is pending."""
         if self._lost and not self._lines:
             self._lines.append(("", self._describe_lost(sum(self._lost.values()))))
             self._lost.clear()
@@ -37,7 +37,7 @@ class Sink:
 
     @property
     def backlog(self) -> int:
-        """How many lines wait."""
+        """Number of pending lines."""
         return len(self._lines)
 
     def put(self, line: bytes, *, important: bool, source: str = "") -> None:
@@ -97,7 +97,7 @@ class Console:
 
     @property
     def is_terminal(self) -> bool:
-        """Whether node output goes to a terminal."""
+        """True where node output goes to a terminal."""
         return self._colours[self._out]
 
     def calm(self) -> None:

@@ -11,7 +11,7 @@ from ur.run.supervisor.model import ExitStatus
 
 
 def describe_status(status: ExitStatus) -> str:
-    """How a process ended: `exit code 3`, `signal SIGSEGV (segmentation fault)`."""
+    """Describe the end of a process: `exit code 3`, `signal SIGSEGV (segmentation fault)`."""
     if status.signal is not None:
         try:
             known = signal.Signals(status.signal)
@@ -23,7 +23,7 @@ def describe_status(status: ExitStatus) -> str:
 
 
 def describe_death(death: ReportDeath, lines: Sequence[str] | None, log: str | None) -> list[str]:
-    """What reports the end of a unit: what happened, its last lines (None: they were on the screen), its log file."""
+    """Describe the end of a unit: its status, its last lines (None: they were on the screen), its log file."""
     follow = ""
     if death.restart_in is not None:
         follow = f", starts again in {death.restart_in:.3g} s" if death.restart_in > 0 else ", starts again"

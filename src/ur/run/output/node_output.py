@@ -33,7 +33,7 @@ class LineSplitter:
 
 
 class Allowance:
-    """How many lines of one node are shown: MOST_SHOWN in each period, because nobody reads more."""
+    """Rate limit on the shown lines of one node: MOST_SHOWN in each period, because nobody reads more."""
 
     def __init__(self, most: int = MOST_SHOWN, period: float = PERIOD) -> None:
         self._most = most
@@ -54,7 +54,7 @@ class Allowance:
         return granted, lost
 
     def settle(self) -> int:
-        """How many lines were lost and not told yet; they are now."""
+        """Return the number of lost lines since the last report, and reset it."""
         lost, self._lost = self._lost, 0
         return lost
 

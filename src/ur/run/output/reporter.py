@@ -31,7 +31,7 @@ KEPT_LINES = 30
 
 
 class Reporter:
-    """Turns what the supervisor wants told into lines."""
+    """Formats reports of the supervisor as lines."""
 
     def __init__(self, run: Run, console: Console, outputs: Outputs, monitor: Monitor) -> None:
         self._folder = run.folder
@@ -46,13 +46,13 @@ class Reporter:
         self.last_lines: deque[str] = deque(maxlen=KEPT_LINES)
 
     def inform(self, text: str) -> None:
-        """What is good to know."""
+        """Report information."""
         self.last_lines.append(text)
         self._console.inform(text)
         self._monitor.publish_notice("info", text)
 
     def warn(self, text: str) -> None:
-        """What matters; a text that begins with `error: ` is one."""
+        """Report a warning, or an error where the text begins with `error: `."""
         for line in text.split("\n"):
             self.last_lines.append(line)
             self._console.warn(line)
@@ -60,7 +60,7 @@ class Reporter:
         self._monitor.publish_notice(severity, text.removeprefix("error: "))
 
     def report(self, action: Action) -> None:
-        """What the supervisor wants told; every other action is none of ours."""
+        """Report an action of the supervisor that is a report; ignore every other action."""
         match action:
             case ReportDeath():
                 self._report_death(action)

@@ -124,7 +124,7 @@ class Outputs:
         return f"{self._folder}/{program.log_name}-stdout.log"
 
     def find_last_lines(self, name: str) -> tuple[str, ...]:
-        """What a node printed last."""
+        """Return the last lines that a node printed."""
         output = self._outputs.get(name)
         return () if output is None else tuple(output.recent or read_last_lines(output.path))
 
@@ -135,7 +135,7 @@ class Outputs:
             output.splitter = LineSplitter()
 
     def read_back(self) -> None:
-        """Tell the new lines of log files that nodes write without passing us."""
+        """Show new lines of log files that nodes write directly."""
         for name, output in self._outputs.items():
             if output.direct:
                 self._read_back(name, output)

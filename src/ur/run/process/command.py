@@ -132,7 +132,7 @@ def find_executable(node: NodeSpec, world: World) -> str:
 
 
 def choose_folder(cwd: str | None, first_word: str) -> str | None:
-    """The working directory that `cwd=` asks for; None stands for ROS_HOME, the default."""
+    """The working directory that `cwd=` asks for; None means ROS_HOME, the default."""
     if cwd == "node":
         return str(Path(first_word).parent)
     if cwd == "cwd":

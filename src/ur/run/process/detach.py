@@ -42,7 +42,7 @@ def run_detached(run: Callable[[LetGo], int], report: Callable[[str], int]) -> i
 
 
 def open_run_log(entry: RunEntry) -> int:
-    """The file that takes what a detached run says itself. Raises UserError."""
+    """Open the log file of a detached run's own messages. Raises UserError."""
     path = f"{entry.log_folder}/{entry.run}.log"
     try:
         return os.open(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND | os.O_CLOEXEC, 0o644)

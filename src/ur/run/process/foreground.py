@@ -21,7 +21,7 @@ class Front:
         self._host = host
 
     def lend(self) -> str:
-        """Make way for the unit, which is about to start; returns the place where it has to."""
+        """Release the terminal for the unit, which is about to start; returns the process group kind to start it in."""
         self._console.hold()
         if self._terminal is None or not self._terminal.in_foreground():
             return GROUP

@@ -40,7 +40,7 @@ class ProcessHost:
         return self._link.fileno()
 
     def begin(self, environment: Mapping[str, str], *, keep_terminal: bool) -> None:
-        """Say, before anything is started, what processes start from, and whether one of them needs the terminal."""
+        """Send, before any start, the environment of processes, and whether one of them needs the terminal."""
         self._send(("begin", dict(environment), keep_terminal))
 
     def start_process(
@@ -68,7 +68,7 @@ class ProcessHost:
         self._send(("sweep", int(signum)))
 
     def receive(self) -> Event | Suspended:
-        """What happened next; blocks until something does. Raises HostLost."""
+        """Return the next event of the host; blocks until there is one. Raises HostLost."""
         try:
             (kind, *rest), _ = receive(self._link)
         except (EOFError, OSError):

@@ -29,7 +29,7 @@ def is_packaged(name: str, os_release: Path = OS_RELEASE) -> bool:
 
 
 def describe_install(package: str, os_release: Path = OS_RELEASE) -> str:
-    """What to do, as a command where Debian's names are known and this computer's release has them."""
+    """Describe the installation: a command where Debian's names are known and this computer's release has them."""
     names = _NAMES.get(package)
     if names is not None and not is_packaged(names, os_release):
         return "this release does not package it; the terminal shows the map"

@@ -12,7 +12,7 @@ _PAGE = os.sysconf("SC_PAGE_SIZE")
 
 @dataclass(frozen=True, slots=True)
 class Usage:
-    """What a process and those below it have used: `cpu` in s since they started, `memory` (resident) in bytes."""
+    """Usage of a process and its descendants: `cpu` in s since they started, `memory` (resident) in bytes."""
 
     cpu: float
     memory: int

@@ -19,7 +19,7 @@ class Terminal:
         self._lent = False
 
     def in_foreground(self) -> bool:
-        """Whether our process group may read from it."""
+        """True while our process group may read from the terminal."""
         try:
             return os.tcgetpgrp(self.descriptor) == os.getpgrp()
         except OSError:

@@ -23,7 +23,7 @@ _MAX_LINE = 500
 class EndedRun:
     """A run that has ended. `ended` is in s since the epoch, `exit_code` None for one that was killed.
 
-    `cause` is for people, '' when there is nothing to say. `lines` are the last that the run itself has printed; `logs`
+    `cause` is text for people, '' without one. `lines` are the last that the run itself has printed; `logs`
     are the log files of its nodes by name.
     """
 

@@ -82,7 +82,7 @@ def list_joined_runs(entry: RunEntry) -> Sequence[str]:
 
 
 def plan_watch(here: Registered, nodes: tuple[NodeSpec, ...], options: Options) -> WatchPlan:
-    """Who may watch a run that was registered."""
+    """Plan the monitoring of a registered run: its socket, viewer, event file and end record."""
     entry, listener = here
     call = options.call_started
 

@@ -46,7 +46,7 @@ class RunEntry:
 
 
 def runs_folders(environment: Mapping[str, str], uid: int) -> list[str]:
-    """Where runs of a user are registered, best first. Not the session's runtime folder first: that goes at logout."""
+    """Registry folders of a user's runs, best first. The session's runtime folder is not first: logout deletes it."""
     found = [f"{user_folder('XDG_STATE_HOME', environment)}/ur/runs"]
     runtime = environment.get("XDG_RUNTIME_DIR", "")
     found.append(f"{runtime}/ur/runs" if runtime.startswith("/") else f"{SHARED}/ur-{uid}/runs")
@@ -146,7 +146,7 @@ def find_run(runs: Iterable[RunEntry], word: str | None) -> RunEntry:
 
 
 def read_birth(pid: int) -> int | None:
-    """When a process started, in clock ticks since boot (field 22 of /proc/PID/stat, proc(5)); None: there is none."""
+    """Read a process's start time in clock ticks since boot (field 22 of /proc/PID/stat, proc(5)); None: no process."""
     try:
         with open(f"/proc/{pid}/stat", "rb") as file:  # noqa: PTH123 - pathlib is not worth its import here
             words = file.read().rpartition(b")")[2].split()

@@ -1,1 +1,1 @@
-"""Runs that two computers share: a robot's share of a program, its clients, and who drives the robot."""
+"""Runs that two computers share: a robot's share of a program, its clients, and the lease of the robot."""

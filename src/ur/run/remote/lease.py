@@ -66,7 +66,7 @@ def parse_lease(text: object) -> Lease:
 
 
 def describe_lease(lease: Lease, robot: str, now: float) -> str:
-    """Say who drives a robot: 'laptop drives bob since 14:02 (keyboard_drive)'. `now` is in s since the epoch."""
+    """Format a lease for people: 'laptop drives bob since 14:02 (keyboard_drive)'. `now` is in s since the epoch."""
     when = time.strftime("%H:%M" if abs(now - lease.since) < _DAY / 2 else "%d %b %H:%M", time.localtime(lease.since))
     since = f" since {when}" if lease.since else ""
     program = f" ({lease.program})" if lease.program else ""

@@ -1,4 +1,4 @@
-"""Clients on this computer: each holds a locked file while its process lives, however that ends."""
+"""Clients on this computer: each holds a locked file until its process ends, for whatever reason."""
 
 from __future__ import annotations
 

@@ -20,7 +20,7 @@ START_SECONDS = 60.0  # in which the nodes of a new client register
 
 
 class Sign(Enum):
-    """PRESENT: it answers. GONE: its computer answers and says that it has ended. SILENT: nothing is known."""
+    """PRESENT: it answers. GONE: its computer answers that it has ended. SILENT: unknown."""
 
     PRESENT = "present"
     GONE = "gone"
@@ -51,7 +51,7 @@ def read_signs(clients: Iterable[Client], master: Master, now: float) -> dict[st
 
 
 def judge_client(client: Client, nodes: Mapping[str, Sign | None], now: float) -> Sign:
-    """Judge a client by its nodes; None says that the master does not know a node.
+    """Judge a client by its nodes; None: the master does not know a node.
 
     While its nodes may still start, a dead node that the master knows may be of an earlier run.
     """

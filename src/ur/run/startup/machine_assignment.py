@@ -19,7 +19,7 @@ class Away:
 def split_plan(plan: Plan, is_here: Callable[[str], bool]) -> tuple[Plan, tuple[Away, ...]]:
     """The plan with the nodes of this computer alone, and what belongs to each other one, in the plan's order.
 
-    `is_here` says whether an address is this computer's. Machines with one address, port and user are one computer.
+    `is_here` tests an address for this computer. Machines with one address, port and user are one computer.
     Parameters stay with the plan: they go to the one master. A node whose machine is not defined stays too.
     """
     machines = {machine.name: machine for machine in plan.machines}

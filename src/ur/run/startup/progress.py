@@ -33,7 +33,7 @@ class Progress:
             self._timings.mark(step)
 
     def follow(self, state: State) -> None:
-        """Look which nodes of this state are up, as long as somebody wants to know."""
+        """Check the readiness of the nodes of this state while a client asks for it."""
         self._state = state
         wanted = (self._monitor.wants_readiness or self._timings is not None) and state.phase is Phase.RUNNING
         if self._probe is None and wanted and self._master is not None:

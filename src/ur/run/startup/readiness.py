@@ -26,14 +26,14 @@ Report = Callable[[str, int, tuple[str, ...]], None]
 
 @dataclass(frozen=True, slots=True)
 class Graph:
-    """Who publishes, subscribes and serves, by name, as the master knows it."""
+    """The master's nodes by topic and service: publishers, subscribers, and servers."""
 
     publishers: Mapping[str, Sequence[str]]
     subscribers: Mapping[str, Sequence[str]]
     services: Mapping[str, Sequence[str]]
 
     def knows(self, node: str) -> bool:
-        """Whether a node is registered."""
+        """Test for a registered node."""
         return any(
             node in nodes for kind in (self.publishers, self.subscribers, self.services) for nodes in kind.values()
         )
@@ -41,7 +41,7 @@ class Graph:
 
 @dataclass(slots=True)
 class Heard:
-    """What came on a topic: when (any clock, s), and frames where it is one of tf."""
+    """Messages received on a topic: their times (any clock, s), and frames where it is one of tf."""
 
     times: deque[float] = field(default_factory=lambda: deque(maxlen=1000))
     frames: set[str] = field(default_factory=set)
@@ -50,7 +50,7 @@ class Heard:
 def find_missing(
     node: str, conditions: Sequence[ReadyCondition], graph: Graph, heard: Mapping[str, Heard], now: float
 ) -> tuple[str, ...]:
-    """What a running node lacks to be up, for people; nothing when it is."""
+    """List a running node's unmet readiness conditions, as text for people; empty when it is ready."""
     if not any(condition.kind == "process" for condition in conditions) and not graph.knows(node):
         return ("it runs, but is not registered with the master",)
     found = (_find_lack(condition, graph, heard, now) for condition in conditions)
@@ -98,7 +98,7 @@ def _find_topic_lack(name: str, rate: float | None, graph: Graph, heard: Mapping
 
 
 class ReadinessProbe:
-    """Looks, in a thread of its own, until every node is up; `report(name, pid, missing)` tells what is new."""
+    """Checks, in a thread of its own, until every node is ready; calls `report(name, pid, missing)` on changes."""
 
     def __init__(self, master: Master, conditions: Mapping[str, Sequence[ReadyCondition]], report: Report) -> None:
         self._master = master

@@ -11,13 +11,13 @@ from ur.run.record.registry import read_birth
 
 
 def read_clock() -> float:
-    """Seconds since boot: the clock in which process starts are told."""
+    """Seconds since boot: the clock of process start times."""
     return time.clock_gettime(time.CLOCK_BOOTTIME)
 
 
 @dataclass(slots=True)
 class Timings:
-    """When each step of a start ended, in the order in which they happened, and when nodes started and were up."""
+    """End times of the steps of a start, in their order, and times at which nodes started and were ready."""
 
     born: float
     steps: list[tuple[str, float]] = field(default_factory=list)

@@ -46,7 +46,7 @@ class Unregister:
 
 @dataclass(frozen=True, slots=True)
 class ReportDeath:
-    """Tell people that a unit ended. `restart_in` is set when it comes again, `ends_run` when nothing goes on.
+    """Report that a unit ended. `restart_in` is set when it is restarted, `ends_run` when the run ends.
 
     `deaths` is set when it will not be started any more because it died so often in a row. `evicted_by` is set when
     another node registered under its name: who started that.
@@ -63,7 +63,7 @@ class ReportDeath:
 
 @dataclass(frozen=True, slots=True)
 class ReportRequest:
-    """Tell people that a unit was stopped because someone wanted it, or (`refused`) why that is not done."""
+    """Report that a unit was stopped on request, or (`refused`) why the request is not carried out."""
 
     name: str
     refused: str = ""
@@ -71,12 +71,12 @@ class ReportRequest:
 
 @dataclass(frozen=True, slots=True)
 class ReportRevival:
-    """Tell people that nodes start again because another master is there."""
+    """Report that nodes are restarted because another master answers."""
 
 
 @dataclass(frozen=True, slots=True)
 class ReportMaster:
-    """Tell people that the master does not answer any more, or answers again."""
+    """Report that the master does not answer any more, or answers again."""
 
     lost: bool
 
@@ -88,7 +88,7 @@ class StartShare:
 
 @dataclass(frozen=True, slots=True)
 class ReportLink:
-    """Tell people that nothing has come from the robot for so long (s), or (`lost` false) that it answers again."""
+    """Report that nothing has come from the robot for so long (s), or (`lost` false) that it answers again."""
 
     lost: bool
     seconds: float
@@ -96,7 +96,7 @@ class ReportLink:
 
 @dataclass(frozen=True, slots=True)
 class ReportPressure:
-    """Tell people that units do not stop and get the next signal."""
+    """Report that units do not stop and get the next signal."""
 
     names: tuple[str, ...]
     signum: int
@@ -104,7 +104,7 @@ class ReportPressure:
 
 @dataclass(frozen=True, slots=True)
 class ReportStop:
-    """Tell people why the run ends now. `failed` when it could not even begin."""
+    """Report why the run ends now. `failed` when it could not even begin."""
 
     cause: str
     failed: bool = False

@@ -16,7 +16,7 @@ _ORDER = list(Phase)
 
 
 def is_before(state: State, phase: Phase) -> bool:
-    """Whether the run has not come to a phase yet."""
+    """True while the run has not reached a phase."""
     return _ORDER.index(state.phase) < _ORDER.index(phase)
 
 
@@ -37,5 +37,5 @@ def start_units(state: State, chosen: Iterable[UnitState], now: float) -> Step:
 
 
 def signal_patience(limits: Limits, pressure: int) -> float:
-    """How long to wait, in s, after the signal that follows so many others."""
+    """Time to wait, in s, after the signal that follows `pressure` others."""
     return (limits.interrupt, limits.terminate, 1.0)[pressure]

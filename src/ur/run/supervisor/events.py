@@ -117,14 +117,14 @@ class MasterReplaced:
 
 @dataclass(frozen=True, slots=True)
 class MasterGone:
-    """The robot answers, and says for so long (s) that no master runs on it."""
+    """The robot answers, and has reported no master for so long (s)."""
 
     seconds: float
 
 
 @dataclass(frozen=True, slots=True)
 class LinkLost:
-    """Nothing has come from the robot for so long (s). Told again and again while it lasts."""
+    """Nothing has come from the robot for so long (s). Repeated while it lasts."""
 
     seconds: float
 
@@ -143,7 +143,7 @@ class ShareStarted:
 
 @dataclass(frozen=True, slots=True)
 class ShareFailed:
-    """The robot's nodes are gone and could not be started again. `reason` is for people and says how to go on."""
+    """The robot's nodes are gone and could not be started again. `reason` is text for people, with a remedy."""
 
     reason: str
 

@@ -24,14 +24,14 @@ class Unit:
 
 @dataclass(frozen=True, slots=True)
 class ExitStatus:
-    """How a process ended: `code` when it exited by itself, else `signal`; neither when it could not be started."""
+    """The end of a process: `code` when it exited by itself, else `signal`; neither when it could not be started."""
 
     code: int | None = None
     signal: int | None = None
 
     @property
     def clean(self) -> bool:
-        """Whether it exited with 0."""
+        """True for an exit with code 0."""
         return self.code == 0
 
     @property
@@ -43,7 +43,7 @@ class ExitStatus:
 
 
 class Status(Enum):
-    """Where a unit stands."""
+    """The status of a unit."""
 
     WAITING = "waiting"  # not started yet, or due to start again
     STARTING = "starting"  # asked for
@@ -52,14 +52,14 @@ class Status(Enum):
 
 
 class Request(Enum):
-    """What a person wants of a unit that is being stopped."""
+    """A person's request for a unit that is being stopped."""
 
     STOP = "stop"
     RESTART = "restart"
 
 
 class Phase(Enum):
-    """Where the run stands. Phases only go forward."""
+    """The phase of a run. Phases only go forward."""
 
     MASTER = "master"  # waiting for the master to answer
     PARAMETERS = "parameters"
@@ -73,7 +73,7 @@ class Phase(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """How long each step may take, in s. The defaults stop everything within 5 s."""
+    """Time limits of the steps, in s. The defaults stop everything within 5 s."""
 
     interrupt: float = 3.0  # from SIGINT to SIGTERM
     terminate: float = 1.0  # from SIGTERM to SIGKILL
@@ -90,9 +90,9 @@ class Limits:
 
 @dataclass(frozen=True, slots=True)
 class UnitState:
-    """A unit and where it stands. `due` is when to start it again; times are those handed to `step`.
+    """A unit and its state. `due` is when to start it again; times are those handed to `step`.
 
-    `request` is set while a person's request is carried out; `pressure` and `deadline` then say how far (as in State).
+    `request` is set while a person's request is carried out; `pressure` and `deadline` are its progress.
     `held`: a person stopped it. `reason` is why it could not be started, or is not started again.
     """
 
@@ -113,13 +113,13 @@ class UnitState:
 
     @property
     def alive(self) -> bool:
-        """Whether there is, or is about to be, a process."""
+        """True while the unit has a process, or is about to have one."""
         return self.status in (Status.STARTING, Status.RUNNING)
 
 
 @dataclass(frozen=True, slots=True)
 class State:
-    """The whole run. `cause` says why it ends; `pressure` counts the signals sent so far: 1 INT, 2 TERM, 3 KILL."""
+    """The whole run. `cause` is why it ends; `pressure` counts the signals sent so far: 1 INT, 2 TERM, 3 KILL."""
 
     units: tuple[UnitState, ...]
     own_master: bool

@@ -11,7 +11,7 @@ from ur.run.supervisor.model import Phase, State, Status
 
 
 def begin_end(state: State, cause: str, exit_code: int, now: float, *, failed: bool = False) -> Step:
-    """End the run. `cause` is for people, '' when there is nothing to say; `failed` when it could not even begin."""
+    """End the run. `cause` is text for people, '' without one; `failed` when it could not even begin."""
     state = replace(state, phase=Phase.STOPPING_NODES, exit_code=exit_code, cause=cause, pressure=0, deadline=None)
     for each in state.units:
         if each.status is Status.WAITING:

@@ -47,13 +47,13 @@ def begin_state(
 
 
 def step(state: State, event: Event, now: float) -> tuple[State, tuple[Action, ...]]:
-    """What follows from an event. `now` is any clock that never goes back, in s."""
+    """Compute the next state and the actions for an event. `now` is any clock that never goes back, in s."""
     following, actions = _handle(state, event, now)
     return following, tuple(actions)
 
 
 def next_deadline(state: State) -> float | None:
-    """When `Tick` is due at the latest; None when only events matter."""
+    """Latest time at which `Tick` is due; None when only events matter."""
     times = []
     if state.phase is Phase.RUNNING and not state.reviving:
         times = [each.due for each in state.units if each.due is not None]

@@ -84,7 +84,7 @@ class PlainTerminal(Terminal):
     plain = True
 
     def request_answer(self) -> None:
-        """Do nothing: it would not answer."""
+        """Send no request: a plain terminal would not answer."""
 
     def show(self, lines: Sequence[str], *, again: bool = False) -> None:  # noqa: ARG002 - what is above stays there
         """Add the lines that were not shown the last time."""
