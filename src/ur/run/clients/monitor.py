@@ -33,7 +33,7 @@ class Monitor:
             poll.register(plan.listener, select.POLLIN)
 
     def open(self, run: Run, state: State, outputs: Outputs, now: float) -> None:
-        """Let those watch who are there from the beginning."""
+        """Add the clients that are connected from the beginning."""
         self._run, self._state, self._outputs = run, state, outputs
         if self._plan.events is None and self._plan.viewer is None:
             return

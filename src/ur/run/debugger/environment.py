@@ -52,7 +52,7 @@ def look_at_node(name: str, program: str, folder: str, pid: int | None, run_pid:
     """Collect facts about a node: its process, if any, the executable of that, and the core file of a crash.
 
     `folder` is where it is started, `run_pid` the supervisor, whose limits nodes have. Raises PermissionError when the
-    process is somebody else's.
+    process belongs to another user.
     """
     target = look_at_program(name, program)
     if pid is not None:

@@ -17,7 +17,7 @@ MISSES = 2  # in a row, before it counts as lost: a busy computer may answer lat
 
 
 def watch_any(master: Master, report: Callable[[Event], None], over: threading.Event) -> None:
-    """Look after a master of this computer, or after one of a robot and the link to it, until `over`."""
+    """Monitor a master of this computer, or one of a robot and the link to it, until `over`."""
     if is_local_address(master.host):
         watch_master(master, report, over)
     else:

@@ -54,7 +54,7 @@ def runs_folders(environment: Mapping[str, str], uid: int) -> list[str]:
 
 
 def register_run(entry: RunEntry, environment: Mapping[str, str], uid: int) -> tuple[RunEntry, socket.socket] | None:
-    """Make the folder of a run and listen on its socket. None when no folder can be written: then nobody can watch."""
+    """Make the folder of a run and listen on its socket. None when no folder can be written: no client can connect."""
     import json
 
     for root in runs_folders(environment, uid):

@@ -56,7 +56,7 @@ class Progress:
         self._time(name, up=False)
 
     def close(self) -> None:
-        """Look no longer."""
+        """Stop checking."""
         if self._probe is not None:
             self._probe.close()
             self._probe = None

@@ -119,7 +119,7 @@ class ReadinessProbe:
         self._changed.set()
 
     def close(self) -> None:
-        """Look no longer; the thread ends by itself."""
+        """Stop checking; the thread ends by itself."""
         self._over = True
         self._changed.set()
 
