@@ -29,6 +29,18 @@ def resolve_addresses(names: Sequence[str], world: World) -> list[str]:
     raise UserError(_explain(names, world))
 
 
+def find_launch_file(package: str, name: str, world: World) -> str:
+    """The path of a package's launch file. Raises UserError that lists the launch files there are, and the nearest."""
+    found = _find_in_package(package, name, world)
+    if found:
+        return found
+    names = _list_launch_files(world.find_package(package), world)
+    near = did_you_mean(name, names)
+    expected = f"expected one of {_shorten(names)}" if names else "which has no launch file"
+    help_ = f"did you mean {near}?" if near else None if names else "write one: ur new multi"
+    raise UserError(error(f"no file '{name}' in package '{package}', {expected}", rule="missing-file", help=help_))
+
+
 def join_addresses(words: Sequence[str], world: World) -> list[str]:
     """Words that name files, folders and packages, with each `PACKAGE FILE` replaced by the file's path.
 

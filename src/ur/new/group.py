@@ -45,7 +45,7 @@ Visualization Manager:
     Current: {{Class: rviz/TopDownOrtho, Name: Current View, Scale: 60, Target Frame: {frame}, X: 0, Y: 0}}
 Window Geometry: {{Height: 800, Width: 1100, X: 60, Y: 60}}
 """
-_DISPLAYS = {"sensor_msgs/LaserScan": "LaserScan", "sensor_msgs/Range": "Range", "nav_msgs/OccupancyGrid": "Map",
+DISPLAYS = {"sensor_msgs/LaserScan": "LaserScan", "sensor_msgs/Range": "Range", "nav_msgs/OccupancyGrid": "Map",
              "nav_msgs/Path": "Path", "sensor_msgs/Image": "Image", "nav_msgs/Odometry": "Odometry",
              "visualization_msgs/MarkerArray": "MarkerArray", "sensor_msgs/PointCloud2": "PointCloud2"}  # fmt: skip
 
@@ -91,7 +91,7 @@ def plan_rviz(
     `topics` are names and message types; those of types that RViz has no display for are left out.
     """
     folder = f"rviz_{name}"
-    shown = [(topic, _DISPLAYS[kind]) for topic, kind in topics if kind in _DISPLAYS]
+    shown = [(topic, DISPLAYS[kind]) for topic, kind in topics if kind in DISPLAYS]
     displays = "".join(
         f"    - {{Class: rviz/{kind}, Name: {topic.strip('/')}, Enabled: true, Value: true, "
         f"{_topic_key(kind)}: {topic}}}\n"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import click
@@ -97,13 +98,74 @@ def test_base_is_there_at_once(capsys: pytest.CaptureFixture[str]) -> None:
         (["node", "x", "--from-package", "ubiquity_launch", "--type", "joy"], "--summary is required"),
         (["rviz", "Bad-Name", "--summary", "s"], "expected lower-case letters, digits and _"),
         (["program", "x"], "--summary is required"),
+        (["base", "x", "--summary", "s", "--mass", "-1"], "invalid --mass '-1', expected a number from 0.01 to 100000"),
+        (["base", "x", "--summary", "s", "--mass", "nan"], "invalid --mass 'nan'"),
+        (["base", "x", "--summary", "s", "--velocity", "inf"], "invalid --velocity 'inf'"),
+        (
+            ["base", "x", "--summary", "s", "--wheel-radius", "0"],
+            "invalid --wheel-radius '0', expected a number from 0.005",
+        ),
+        (["base", "x", "--summary", "s", "--like", "nothing"], "package 'my_robot' has no bases yet"),
+        (["program", "x", "--summary", "s", "--launch", "nothing.launch"], "which has no launch file"),
+        (["rviz", "x", "--summary", "s", "--topic", "scan"], "--topic scan:sensor_msgs/LaserScan"),
+        (["rviz", "x", "--summary", "s", "--topic", ":nav_msgs/Path"], "expected NAME:TYPE"),
+        (
+            ["rviz", "x", "--summary", "s", "--topic", "scan:sensor_msgs/LaserScans"],
+            "did you mean scan:sensor_msgs/LaserScan?",
+        ),
         (["rviz", "x", "--summary", "s", "--package", "nowhere"], "no folder or package named 'nowhere'"),
     ],
 )
-@pytest.mark.usefixtures("package")
-def test_wrong_words_are_explained(words: list[str], told: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_wrong_words_are_explained_and_nothing_is_written(
+    words: list[str], told: str, package: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    before = sorted(package.rglob("*"))
     assert main(["new", *words]) == 2
     assert told in capsys.readouterr().err
+    assert sorted(package.rglob("*")) == before
+
+
+def test_program_for_a_missing_launch_file_lists_the_files_and_the_nearest(
+    package: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["new", "multi", "drive", "--summary", "Drive.", "--include", "n_joy", "--no-program"]) == 0
+    assert main(["new", "program", "x", "--summary", "s", "--launch", "m_driv.launch.xml"]) == 2
+    told = capsys.readouterr().err
+    assert "no file 'm_driv.launch.xml' in package 'my_robot', expected one of m_drive.launch.xml" in told
+    assert "help: did you mean m_drive.launch.xml?" in told
+    assert not (package / "bin" / "ur_x").exists()
+    assert main(["new", "program", "x", "--summary", "s", "--launch", "m_drive.launch.xml"]) == 0
+    assert "m_drive.launch.xml" in (package / "bin" / "ur_x").read_text()
+
+
+def test_base_like_a_missing_one_lists_the_bases_and_the_nearest(
+    package: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["new", "base", "rover", "--summary", "s"]) == 0
+    assert main(["new", "base", "x", "--summary", "s", "--like", "rovr"]) == 2
+    told = capsys.readouterr().err
+    assert "unknown base 'rovr' for --like, expected one of rover" in told
+    assert "help: did you mean rover?" in told
+    assert not (package / "bases" / "x").exists()
+
+
+def test_second_base_of_a_package_needs_no_base_called_stage(package: Path) -> None:
+    assert main(["new", "base", "one", "--summary", "s"]) == 0
+    assert main(["new", "base", "two", "--summary", "s"]) == 0
+    assert (package / "bases" / "two" / "base.yaml").is_file()
+
+
+@pytest.mark.parametrize("end", [1, 2], ids=["least", "most"])
+@pytest.mark.usefixtures("package")
+def test_figures_at_the_ends_of_their_ranges_make_a_base(end: int, capsys: pytest.CaptureFixture[str]) -> None:
+    options = ("length", "width", "height", "mass", "wheel-radius", "wheel-separation", "velocity", "angular-velocity")
+    figures: list[str] = []
+    for option in options:
+        assert main(["new", "base", "x", "--summary", "s", f"--{option}", "-1"]) == 2
+        told = re.search(r"expected a number from (\S+) to (\S+)", capsys.readouterr().err)
+        assert told is not None
+        figures += [f"--{option}", told[end]]
+    assert main(["new", "base", "x", "--summary", "s", *figures, "--lidar", "--raspicam"]) == 0
 
 
 def test_nothing_is_written_twice(package: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -5,7 +5,17 @@ from __future__ import annotations
 import click
 
 from ur.cli.files.new_parts import SUMMARY, in_package, show_done
-from ur.cli.files.new_things import ask, base_request, find_parts, know_person, node_request, urdf_files
+from ur.cli.files.new_things import (
+    ask,
+    base_request,
+    check_launch_file,
+    check_like,
+    find_parts,
+    know_person,
+    node_request,
+    read_topics,
+    urdf_files,
+)
 from ur.cli.files.new_world import new_world
 
 _NAME = r"[a-z][a-z0-9_]*"
@@ -112,9 +122,9 @@ def new_rviz(
     from ur.new.group import plan_program, plan_rviz
 
     target = show_done.target(package)
+    shown = read_topics(topics)
     name = ask(name, "NAME", "Name of the view, without rviz_")
     summary = ask(summary, "--summary", "What it shows, in one line")
-    shown = [(topic, kind) for topic, _, kind in (each.partition(":") for each in topics)]
     files = plan_rviz(name, summary, target.name, frame, shown)
     if program:
         files += plan_program(f"rviz_{name}", summary, "", target.name, f"rviz_{name}.launch.xml")
@@ -134,6 +144,7 @@ def new_program(name: str | None, summary: str | None, package: str | None, laun
     name = ask(name, "NAME", "Name of the program, without ur_")
     summary = ask(summary, "--summary", "What it is for, in one line")
     launch = ask(launch, "--launch", "Launch file that it starts", f"m_{name}.launch.xml")
+    check_launch_file(target, launch)
     return show_done(target, plan_program(name, summary, "", target.name, launch), f"ur run {name}")
 
 
@@ -151,9 +162,9 @@ def new_program(name: str | None, summary: str | None, package: str | None, laun
 @click.option("--angular-velocity", type=float, help="The highest, in rad/s.")
 @click.option("--lidar", is_flag=True, help="It has a lidar.")
 @click.option("--raspicam", is_flag=True, help="It has a Raspberry Pi camera.")
-@click.option("--like", default="stage", show_default=True, help="The base whose parameter files are copied.")
+@click.option("--like", metavar="BASE", help="Copy the parameter files of this base; without it of stage, if there.")
 def new_base(
-    name: str | None, summary: str | None, package: str | None, lidar: bool, raspicam: bool, like: str,
+    name: str | None, summary: str | None, package: str | None, lidar: bool, raspicam: bool, like: str | None,
     **figures: float | None,
 ) -> int:  # fmt: skip
     """Write a base: bases/NAME/base.yaml, its URDF, and a parameter file wherever others have one."""
@@ -161,6 +172,7 @@ def new_base(
     from ur.new.package import write_base
 
     target = show_done.target(package)
+    like = check_like(target, like)
     name = ask(name, "NAME", "Name of the base")
     summary = ask(summary, "--summary", "What it is, in one line")
     request = base_request(name, summary, figures, lidar=lidar, raspicam=raspicam)

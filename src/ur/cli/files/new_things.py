@@ -10,6 +10,7 @@ import sys
 import tempfile
 from collections.abc import Mapping, Sequence, Sized
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
@@ -18,16 +19,21 @@ from ur.new.model import BaseRequest, NewFile, NodeRequest, Observed, Part
 from ur.source.diagnostic import UserError, error
 from ur.source.suggest import did_you_mean
 
-_FIGURES: dict[str, tuple[str, float]] = {
-    "length": ("Length in m", 0.4),
-    "width": ("Width in m", 0.35),
-    "height": ("Height in m", 0.25),
-    "mass": ("Mass in kg", 6.0),
-    "wheel_radius": ("Radius of a driven wheel in m", 0.06),
-    "wheel_separation": ("Separation of the driven wheels in m", 0.3),
-    "velocity": ("Highest speed in m/s", 0.5),
-    "angular_velocity": ("Highest turning speed in rad/s", 1.5),
+if TYPE_CHECKING:
+    from ur.launchfile.world.protocol import World
+
+# The question, an ordinary value, and the least that a base file may have.
+_FIGURES: dict[str, tuple[str, float, float]] = {
+    "length": ("Length in m", 0.4, 0.01),
+    "width": ("Width in m", 0.35, 0.01),
+    "height": ("Height in m", 0.25, 0.01),
+    "mass": ("Mass in kg", 6.0, 0.01),
+    "wheel_radius": ("Radius of a driven wheel in m", 0.06, 0.005),
+    "wheel_separation": ("Separation of the driven wheels in m", 0.3, 0.02),
+    "velocity": ("Highest speed in m/s", 0.5, 0.01),
+    "angular_velocity": ("Highest turning speed in rad/s", 1.5, 0.01),
 }
+_MOST = 100000.0  # more is a mistake, and is written in a form that YAML reads as text
 
 
 def ask(value: str | None, option: str, question: str, default: str | None = None) -> str:
@@ -103,11 +109,10 @@ def find_parts(names: Sequence[str], target: Target) -> list[Part]:
     """The launch files to include: `n_joy`, `m_robot_base`, `PACKAGE/n_x`. Raises UserError, did you mean."""
     from ur.launchfile.query.arguments import read_arguments
     from ur.launchfile.world.protocol import PackageNotFound
-    from ur.launchfile.world.system import SystemWorld
     from ur.request.environment import apply_selection, current_selection
 
     apply_selection(current_selection(os.environ))
-    world = SystemWorld({**os.environ, "ROS_PACKAGE_PATH": f"{target.folder}:{os.environ.get('ROS_PACKAGE_PATH', '')}"})
+    world = _world_of(target)
     parts = []
     for given in names:
         package, _, name = given.rpartition("/")
@@ -140,22 +145,77 @@ def _ours(find: object) -> set[str]:
 def base_request(
     name: str, summary: str, figures: Mapping[str, float | None], *, lidar: bool, raspicam: bool
 ) -> BaseRequest:
-    """The figures of a base: those given, else those a person answers, else ordinary ones."""
+    """The figures of a base: those given, else those a person answers, else ordinary ones. Raises UserError."""
+    for key, given in figures.items():
+        _check_figure(key, given)
     answers = {}
-    for key, (question, ordinary) in _FIGURES.items():
+    for key, (question, ordinary, _) in _FIGURES.items():
         given = figures.get(key)
         if given is None and sys.stdin.isatty():
-            given = click.prompt(question, default=ordinary, type=float)
+            given = _check_figure(key, click.prompt(question, default=ordinary, type=float))
         answers[key] = ordinary if given is None else given
     return BaseRequest(name, summary, lidar=lidar, raspicam=raspicam, **answers)
 
 
-def urdf_files(target: Target, name: str, text: str, like: str) -> list[NewFile]:
-    """The files of a new base beside its base.yaml: a parameter file wherever base `like` has one, and its URDF.
+def _check_figure(key: str, given: float | None) -> float | None:
+    question, _, least = _FIGURES[key]
+    if given is None or least <= given <= _MOST:  # not so for NaN
+        return given
+    option = f"--{key.replace('_', '-')}"
+    message = f"invalid {option} '{given:g}', expected a number from {least:g} to {_MOST:.0f}"
+    raise UserError(error(message, rule="bad-value", help=f"give {option}: {question}"))
 
-    Raises UserError when the figures make no base, or `like` is not known in the package.
-    """
-    from ur.robot.base import list_bases, read_base
+
+def check_like(target: Target, like: str | None) -> str | None:
+    """The base whose parameter files are copied: without a choice `stage`, if the package has it. Raises UserError."""
+    from ur.robot.base import list_bases
+
+    known = list_bases(target.folder)
+    if like is None:
+        return "stage" if "stage" in known else None
+    if like in known:
+        return like
+    near = did_you_mean(like, known)
+    help_ = f"did you mean {near}?" if near else None if known else "leave --like out"
+    expected = f"expected one of {', '.join(known)}" if known else f"package '{target.name}' has no bases yet"
+    raise UserError(error(f"unknown base '{like}' for --like, {expected}", rule="unknown-base", help=help_))
+
+
+def check_launch_file(target: Target, launch: str) -> None:
+    """Refuse a launch file that the package does not have. Raises UserError, did you mean."""
+    from ur.launchfile.address import find_launch_file
+
+    find_launch_file(target.name, launch, _world_of(target))
+
+
+def read_topics(topics: Sequence[str]) -> list[tuple[str, str]]:
+    """Names and message types from `NAME:TYPE`. Raises UserError for a type that no display of RViz shows."""
+    from ur.new.group import DISPLAYS
+
+    read = []
+    for each in topics:
+        name, _, kind = each.partition(":")
+        if not name or not kind:
+            help_ = f"for example --topic {name or 'scan'}:sensor_msgs/LaserScan"
+            raise UserError(error(f"invalid --topic '{each}', expected NAME:TYPE", rule="bad-value", help=help_))
+        if kind not in DISPLAYS:
+            near = did_you_mean(kind, DISPLAYS)
+            message = f"unknown type '{kind}' for --topic {name}, expected one of {', '.join(sorted(DISPLAYS))}"
+            raise UserError(error(message, rule="bad-value", help=f"did you mean {name}:{near}?" if near else None))
+        read.append((name, kind))
+    return read
+
+
+def _world_of(target: Target) -> World:
+    """The packages of this computer, and before them the one that gets new files."""
+    from ur.launchfile.world.system import SystemWorld
+
+    return SystemWorld({**os.environ, "ROS_PACKAGE_PATH": f"{target.folder}:{os.environ.get('ROS_PACKAGE_PATH', '')}"})
+
+
+def urdf_files(target: Target, name: str, text: str, like: str | None) -> list[NewFile]:
+    """The files of a new base beside its base.yaml: a parameter file wherever base `like` has one, and its URDF."""
+    from ur.robot.base import read_base
     from ur.robot.base.body_mesh import make_body, write_stl
     from ur.robot.base.urdf import write_urdf
 
@@ -163,15 +223,10 @@ def urdf_files(target: Target, name: str, text: str, like: str) -> list[NewFile]
         path = Path(folder) / "base.yaml"
         path.write_text(text, encoding="utf-8")
         base = read_base(path, name)
-    known = list_bases(target.folder)
-    if known and like not in known:
-        near = did_you_mean(like, known)
-        message = f"--like {like}: unknown base {like!r}, expected one of {', '.join(known)}"
-        raise UserError(error(message, rule="unknown-base", help=f"did you mean {near}?" if near else None))
     files = [
         NewFile(str(each.relative_to(target.folder).with_name(f"{name}.yaml")), each.read_text(encoding="utf-8"))
         for each in sorted(target.folder.glob(f"*/params/{like}.yaml"))
-        if each.parts[-3] != "n_stage_ros"
+        if like is not None and each.parts[-3] != "n_stage_ros"
     ]
     if (target.folder / "n_robot_state_publisher").is_dir():
         mesh = f"n_robot_state_publisher/meshes/{name}.stl"
