@@ -126,7 +126,7 @@ def example(*, detached: bool = False) -> list[RunEvent]:
         line("/map_server", "serving"),
         line("/camera", '  File "camera_node", line 5, in <module>'),
         line("/camera", "ModuleNotFoundError: No module named 'picamera'"),
-        Notice("error", "error: /camera died: exit code 1\n  log: /logs/camera-3-stdout.log\n  try: install it"),
+        Notice("error", "/camera died: exit code 1\n  log: /logs/camera-3-stdout.log\n  try: install it"),
     ]
 
 

@@ -75,7 +75,7 @@ def test_message_without_end_has_a_bound() -> None:
 
 def test_notice_of_several_lines_is_one_entry() -> None:
     made = Journal()
-    made.add([Notice("error", "error: /a died\n  log: x")], 1.0)
+    made.add([Notice("error", "/a died\n  log: x")], 1.0)
     assert lines(made) == [["/a died", "  log: x"]]
 
 

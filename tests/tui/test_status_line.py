@@ -48,10 +48,10 @@ def test_only_what_matters_stays() -> None:
         line("/a", "[ INFO] [1.0]: fine"),
         line("/a", "[ WARN] [1.0]: low\x1b[2J"),
         Notice("info", "started"),
-        Notice("error", "error: died\n  log: x"),
+        Notice("error", "died\n  log: x"),
     ]
     _, shown = show_events(RunState(RUN), happened, 80)
-    assert [bare(text) for text in shown.lines] == ["[/a] [ WARN] [1.0]: low?[2J", "error: died", "  log: x"]
+    assert [bare(text) for text in shown.lines] == ["[/a] [ WARN] [1.0]: low?[2J", "died", "  log: x"]
 
 
 def test_run_is_watched_to_its_end() -> None:

@@ -127,7 +127,7 @@ class _Loop:
     def fail(self, text: str) -> None:
         """Report an end that is nobody's request."""
         self._cause = text
-        self._reporter.warn(f"error: {text}")
+        self._reporter.fail(text)
 
     def close(self) -> None:
         """Give back what was taken: signals, the terminal, open files."""

@@ -125,8 +125,6 @@ class Journal:
 
     def _add_notice(self, event: Notice, now: float) -> None:
         lines = [clean(line) for line in event.text.split("\n")][:MOST_LINES]
-        if lines[0].startswith("error: "):
-            lines[0] = lines[0][7:]
         self._append(now, "", event.severity or "info", lines)
 
     def _append(self, now: float, name: str, severity: Severity, lines: list[str]) -> Entry:

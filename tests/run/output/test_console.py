@@ -50,7 +50,7 @@ def test_terminal_gets_colours_unless_it_or_the_user_has_none(
     try:
         console = Console(theirs, theirs)
         console.inform("note")
-        console.warn("error: died")
+        console.fail("died")
         console.show("/a", "one")
         text = read_all(console, ours)
         assert text.count("\n") == 3
@@ -60,11 +60,29 @@ def test_terminal_gets_colours_unless_it_or_the_user_has_none(
         os.close(theirs)
 
 
+def test_only_an_error_is_red(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("NO_COLOR", raising=False)
+    monkeypatch.setenv("TERM", "xterm")
+    ours, theirs = os.openpty()
+    os.set_blocking(ours, False)
+    try:
+        console = Console(theirs, theirs)
+        console.warn("error: as a node wrote it")
+        console.fail("died")
+        warned, failed = read_all(console, ours).splitlines()
+        assert warned == "error: as a node wrote it"
+        assert failed.startswith("\x1b[")
+        assert "error: died" in failed
+    finally:
+        os.close(ours)
+        os.close(theirs)
+
+
 def test_held_console_keeps_what_matters(pipe: tuple[int, int]) -> None:
     console = Console(pipe[1], pipe[1])
     console.hold()
     console.inform("started")
-    console.warn("error: died")
+    console.fail("died")
     assert read_all(console, pipe[0]) == ""
     console.release()
     assert read_all(console, pipe[0]) == "error: died\n"
@@ -75,7 +93,7 @@ def test_reader_that_does_not_read_holds_nothing_up(pipe: tuple[int, int]) -> No
     for number in range(3 * MOST_WAITING):
         console.show("/a", f"line {number} {'x' * 60}")
         console.flush()
-    console.warn("error: important")
+    console.fail("important")
     text = read_all(console, pipe[0])
     assert "lines are not shown here; the log files have them\n" in text
     assert text.endswith("error: important\n")

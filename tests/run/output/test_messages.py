@@ -36,7 +36,7 @@ def test_news_of_a_lost_link_become_lines_ever_more_rarely() -> None:
 def test_death_shows_last_lines_and_log() -> None:
     death = ReportDeath("/a", ExitStatus(code=1), restart_in=2.5)
     assert describe_death(death, ["x"], "/log/a") == [
-        "error: /a died: exit code 1, starts again in 2.5 s",
+        "/a died: exit code 1, starts again in 2.5 s",
         "  | x",
         "  log: /log/a",
     ]
@@ -45,7 +45,7 @@ def test_death_shows_last_lines_and_log() -> None:
 def test_death_without_a_word_says_so() -> None:
     death = ReportDeath("/a", ExitStatus(signal=9), ends_run=True)
     assert describe_death(death, [], "/log/a") == [
-        "error: /a died: signal SIGKILL (killed), which ends the run",
+        "/a died: signal SIGKILL (killed), which ends the run",
         "  log: /log/a (it printed nothing)",
         "  try: somebody killed it; when it was the kernel, for want of memory: journalctl -k | grep -i oom",
     ]
@@ -54,7 +54,7 @@ def test_death_without_a_word_says_so() -> None:
 def test_crash_and_storm_say_what_to_try() -> None:
     assert "gdb" in describe_death(ReportDeath("/a", ExitStatus(signal=11)), [], "/log/a")[-1]
     told = describe_death(ReportDeath("/a", ExitStatus(code=2), deaths=3), ["bad speed"], "/log/a")
-    assert told[0] == "error: /a died: exit code 2, 3 times in a row soon after its start: it is not started again"
+    assert told[0] == "/a died: exit code 2, 3 times in a row soon after its start: it is not started again"
     assert told[-1] == "  try: exit code 2 is about what it was given: correct that, then 'ur restart /a'"
 
 

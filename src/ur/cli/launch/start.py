@@ -136,8 +136,13 @@ def _make_console(viewer: Viewer | None) -> Console:
     class Noting(Console):
         def warn(self, text: str) -> None:
             if not self.silent:
-                note("error" if text.startswith("error") else "warning", text)
+                note("warning", text)
             super().warn(text)
+
+        def fail(self, text: str) -> None:
+            if not self.silent:
+                note("error", text)
+            super().fail(text)
 
     return Noting()
 

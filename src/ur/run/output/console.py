@@ -119,8 +119,11 @@ class Console:
 
     def warn(self, text: str) -> None:
         """A message that matters."""
-        style = RED if text.startswith("error") else ""
-        self._put(self._err, self._paint(printable_lines(text), style), important=True)
+        self._put(self._err, f"{printable_lines(text)}\n", important=True)
+
+    def fail(self, text: str) -> None:
+        """An error, without the `error: ` that is printed before it."""
+        self._put(self._err, self._paint(printable_lines(f"error: {text}"), RED), important=True)
 
     def hold(self) -> None:
         """Keep everything until `release`."""

@@ -32,14 +32,14 @@ def describe_death(death: ReportDeath, lines: Sequence[str] | None, log: str | N
     elif death.ends_run:
         follow = ", which ends the run"
     if death.evicted_by:
-        return [f"error: {death.name} was ended by {death.evicted_by}, which started another node of this name{follow}"]
+        return [f"{death.name} was ended by {death.evicted_by}, which started another node of this name{follow}"]
     if death.status.clean:
         return [f"{death.name} has finished{follow}"]
     if death.reason is not None:
         advice = advise(Crash(death.name, death.status, (), death.reason))
-        told = [f"error: {death.name} could not be started: {death.reason}{follow}"]
+        told = [f"{death.name} could not be started: {death.reason}{follow}"]
         return [*told, f"  try: {advice}"] if advice else told
-    told = [f"error: {death.name} died: {describe_status(death.status)}{follow}"]
+    told = [f"{death.name} died: {describe_status(death.status)}{follow}"]
     told += [f"  | {line}" for line in lines or ()]
     if log is not None:
         told.append(f"  log: {log}" if lines or lines is None else f"  log: {log} (it printed nothing)")

@@ -20,8 +20,9 @@ from ur.run.supervisor.actions import (
 )
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from ur.run.clients.monitor import Monitor
-    from ur.run.clients.protocol import Severity
     from ur.run.output.console import Console
     from ur.run.output.router import Outputs
     from ur.run.process.command import Program
@@ -52,12 +53,22 @@ class Reporter:
         self._monitor.publish_notice("info", text)
 
     def warn(self, text: str) -> None:
-        """Report a warning, or an error where the text begins with `error: `."""
-        for line in text.split("\n"):
+        """Report a warning."""
+        self._warn_lines(text.split("\n"))
+        self._monitor.publish_notice("warning", text)
+
+    def fail(self, text: str) -> None:
+        """Report an error, given without `error: `; the lines after the first explain it."""
+        first, *rest = text.split("\n")
+        self.last_lines.append(f"error: {first}")
+        self._console.fail(first)
+        self._warn_lines(rest)
+        self._monitor.publish_notice("error", text)
+
+    def _warn_lines(self, lines: Sequence[str]) -> None:
+        for line in lines:
             self.last_lines.append(line)
             self._console.warn(line)
-        severity: Severity = "error" if text.startswith("error: ") else "warning"
-        self._monitor.publish_notice(severity, text.removeprefix("error: "))
 
     def report(self, action: Action) -> None:
         """Report an action of the supervisor that is a report; ignore every other action."""
@@ -70,7 +81,7 @@ class Reporter:
                 self.warn(f"{name}: {refused}") if refused else self.inform(f"{name} is stopped, as asked")
             case ReportMaster(lost=True):
                 what = "does not answer any more; nodes go on, new connections wait for it"
-                self.warn(f"error: the master at {self._master} {what}")
+                self.fail(f"the master at {self._master} {what}")
             case ReportMaster():
                 self.warn(f"the master at {self._master} answers again")
             case ReportLink(lost, seconds):
@@ -82,7 +93,7 @@ class Reporter:
             case ReportRevival():
                 self.warn("another master answers: parameters are set again, and every node is restarted")
             case ReportStop(cause, failed):
-                self.warn(f"error: {cause}") if failed else self.inform(f"stopping: {cause}")
+                self.fail(cause) if failed else self.inform(f"stopping: {cause}")
 
     def _report_death(self, death: ReportDeath) -> None:
         if death.status.clean and not death.evicted_by:
@@ -94,7 +105,7 @@ class Reporter:
         else:
             last = self._outputs.find_last_lines(death.name)
             lines = describe_death(death, last, self._outputs.find_path(program))
-        self.warn("\n".join(lines))
+        self.fail("\n".join(lines))
 
     def _find_own_log(self, program: Program) -> str | None:
         path = f"{self._folder}/{program.log_name}.log"
