@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from xml.sax.saxutils import escape as escape_text
 
 from ur.new.model import BaseRequest, NewFile
@@ -92,7 +93,7 @@ def write_base(request: BaseRequest) -> str:
     """The text of a base.yaml: a rectangle on two driven wheels and two casters."""
     front, side = request.length / 2.0, request.width / 2.0
     text = _BASE.format(
-        summary=" ".join(request.summary.split()),
+        summary=json.dumps(" ".join(request.summary.split()), ensure_ascii=False),  # YAML reads it as JSON does
         front=f"{front:g}",
         side=f"{side:g}",
         height=request.height,

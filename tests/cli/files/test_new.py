@@ -13,6 +13,7 @@ from ur.cli.files.new_things import describe_observed
 from ur.cli.main import load_verb, main
 from ur.new.model import Observed, Topic
 from ur.request.environment import PACKAGE as LIBRARY
+from ur.robot.base import read_base
 
 PACKAGE = ["new", "package", "my_robot", "--summary", "Mine.", "--maintainer", "A & B", "--email", "a@b.invalid"]
 
@@ -181,3 +182,9 @@ def test_the_launch_library_is_a_package_that_is_found_by_its_name(monkeypatch: 
     monkeypatch.delenv("ROS_PACKAGE_PATH", raising=False)
     target = find_target("ubiquity_launches")
     assert (target.name, target.folder) == ("ubiquity_launches", LIBRARY)
+
+
+@pytest.mark.parametrize("summary", ["Two: wheels.", "A # sign.", "- 'It' said \"hm\" {", "Größe \\ 1", "12"])
+def test_summary_of_a_base_may_hold_any_character(summary: str, package: Path) -> None:
+    assert main(["new", "base", "x", "--summary", summary]) == 0
+    assert read_base(package / "bases" / "x" / "base.yaml", "x").summary == summary
