@@ -12,7 +12,7 @@ from pathlib import Path
 
 from bench.stop_network_parts.computer import Computer, Waits
 from bench.stop_network_parts.lane import COMMANDERS, GOALS, Lane
-from bench.stop_network_parts.verdict import Moving, Verdict, judge, simulate_base
+from bench.stop_network_parts.verdict import Moving, Verdict, is_at_rest, judge, simulate_base
 from tests.hosts.bench import boot, wait_until
 
 from ur.robot.base import Base, load_base
@@ -25,10 +25,10 @@ BUSY = (
     0.06  # s that a mux and the recorder may wait for a processor, of the half second before the longest motion ended
 )
 _WINDOW = 0.5  # s
-_BEFORE = 2.0  # s: a robot may have been on its way to its goal when the trial began
-_REST = 1.0  # s: until all have let go and the bases are at rest
+_BEFORE = 4.0  # s: a robot may be on its way to its goal when a trial begins; longer than the limit of that lane
+_REST = 1.0  # s: how long nothing may have driven a base before a trial begins, longer than a base brakes
 _NAVIGATING_BASE = "stage"  # has a lidar
-_PATIENCE = 60.0  # s: for all lanes to drive
+_PATIENCE = 60.0  # s: for all lanes to drive, and to be at rest
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,6 +52,11 @@ class Trial:
     def disturbed(self) -> bool:
         """Return whether the computer was too busy for the longest motion to mean anything."""
         return self.waited > BUSY
+
+    @property
+    def counts(self) -> bool:
+        """Return whether its longest motion counts: there is a record of what was sent, and the computer was free."""
+        return self.verdict.recorded and not self.disturbed
 
 
 class Network:
@@ -137,8 +142,10 @@ class Network:
     ) -> list[Trial]:
         """One trial of all lanes: drive, let the cause happen, look on until nothing can arrive any more, and judge.
 
-        Only the lanes of some commanders are judged, if those are given.
+        Only the lanes of some commanders are judged, if those are given. Raises RuntimeError when the lanes are not at
+        rest before, or do not drive.
         """
+        self._wait_at_rest()
         began = time.monotonic()
         self.laptop.order("drive", pattern=pattern)
         self._wait_driving(began)
@@ -151,7 +158,6 @@ class Network:
         trials = [self._judge(cause, pattern, lane, (began, since, end)) for lane in self._select(commanders)]
         with suppress(RuntimeError):
             self.laptop.order("drive", pattern="")
-            time.sleep(_REST)
         return trials
 
     def _judge(self, cause: str, pattern: str, lane: Lane, times: tuple[float, float, float]) -> Trial:
@@ -160,7 +166,7 @@ class Network:
             commands = [(beat.monotonic, 1.0, 0.0) for beat in self.laptop.read_beats(lane, began - _BEFORE)]
             motion = [Moving(each.at, each.moves, 0) for each in self.robot.read_truth(lane, began)]
         else:
-            commands = self._commands(lane, began)
+            commands = self._commands(lane, began - _REST)
             motion = simulate_base(self.base, self.robot.read_outputs(lane, began), end)
         verdict = judge(lane, commands, motion, since)
         waited = self._waited(lane, verdict.at)
@@ -189,6 +195,21 @@ class Network:
 
         fresh = [sent[1:] for sent in others if has_lease(sent.monotonic)]
         return [each for each in own if not has_lease(each[0])] + fresh
+
+    def _wait_at_rest(self) -> None:
+        """Wait until no base is driven any more: what moved before the records would seem to move on its own."""
+        moving: list[str] = []
+        plain = [lane for lane in self.lanes if lane.commander != GOALS]
+
+        def rest() -> bool:
+            since = time.monotonic() - _REST
+            moving[:] = [lane.name for lane in plain if not is_at_rest(self.robot.read_outputs(lane, since), since)]
+            return not moving
+
+        try:
+            wait_until(rest, "all lanes are at rest", _PATIENCE)
+        except AssertionError:
+            raise RuntimeError(f"is not at rest: {', '.join(moving)}") from None
 
     def _wait_driving(self, began: float) -> None:
         waiting = {lane.name for lane in self.lanes}

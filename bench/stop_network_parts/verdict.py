@@ -3,7 +3,8 @@
 A command is fresh from the moment a living commander publishes it. Motion at a time `t` is due to the newest command
 that asked for motion along the same axis in the same direction and was published at `t` or before; its age is the time
 since. No motion may be older than the lane's limit. Motion that begins, from rest, when its command is older than that
-is a *ghost*: nobody has asked for it.
+is a *ghost*: nobody has asked for it. The base has to be at rest where the records begin: of motion that had begun
+before, the command is missing. Motion without any recorded command is not judged: the record is what failed.
 """
 
 from __future__ import annotations
@@ -35,12 +36,17 @@ class Ghost:
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
-    """The longest motion after the last fresh command (s), when that was, all ghosts, and how long the base moved."""
+    """The longest motion after the last fresh command (s), when that was, all ghosts, and how long the base moved.
+
+    `recorded` is False when the base moved and no command along the axis of the lane is in the record. Such a verdict
+    has neither a longest motion nor ghosts, and means nothing.
+    """
 
     longest: float
     at: float
     ghosts: tuple[Ghost, ...]
     moved: float
+    recorded: bool = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,7 +91,7 @@ def judge(
         along, _ = lane.pick(forward, turn)
         if along:
             asked[1 if along > 0 else -1].append(at)
-    longest, longest_at, moved = 0.0, 0.0, 0.0
+    longest, longest_at, moved, moved_at_all = 0.0, 0.0, 0.0, False
     ghosts: list[Ghost] = []
     began: tuple[int, float, float] | None = None  # sign, when, age then
     last = -math.inf
@@ -98,6 +104,7 @@ def judge(
         last = moving.at
         if not sign:
             continue
+        moved_at_all = True
         age = _age(asked.get(sign, []), moving.at)
         began = began or (sign, moving.at, age)
         if moving.at < since:
@@ -107,7 +114,14 @@ def judge(
             longest, longest_at = age, moving.at
     if began:
         _end_motion(lane, began, last, since, ghosts)
+    if moved_at_all and not any(asked.values()):
+        return Verdict(0.0, 0.0, (), moved, recorded=False)
     return Verdict(longest, longest_at, tuple(ghosts), moved)
+
+
+def is_at_rest(outputs: Iterable[tuple[float, float, float]], since: float) -> bool:
+    """Return whether no velocity but zero arrived at the motors from `since` on."""
+    return not any(forward or turn for at, forward, turn in outputs if at >= since)
 
 
 def _end_motion(lane: Lane, began: tuple[int, float, float], last: float, since: float, ghosts: list[Ghost]) -> None:

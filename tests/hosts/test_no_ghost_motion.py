@@ -34,6 +34,7 @@ def stays_safe(network: Network, pattern: str, happen: Happen) -> None:
     """Assert that no lane moves without a fresh command, nor for too long after the last."""
     for _ in range(_ATTEMPTS):
         trials = network.run("test", pattern, happen)
+        assert not [trial.lane.name for trial in trials if not trial.verdict.recorded], "no record of what was sent"
         ghosts = {trial.lane.name: trial.verdict.ghosts for trial in trials if trial.verdict.ghosts}
         assert not ghosts
         if not any(trial.disturbed for trial in trials):

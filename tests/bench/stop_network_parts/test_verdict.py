@@ -1,12 +1,13 @@
-"""Verdicts on motion: what is due to a fresh command, what is too late, and what nobody asked for."""
+"""Verdicts on motion: due to a fresh command, too late, a ghost, or without a record of commands."""
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import pytest
 from bench.stop_network_parts.lane import ALTERNATING, Lane
-from bench.stop_network_parts.verdict import Moving, Verdict, judge, simulate_base
+from bench.stop_network_parts.verdict import Moving, Verdict, is_at_rest, judge, simulate_base
 
 from ur.robot.base import Base, load_base
 
@@ -58,6 +59,42 @@ def test_motion_that_begins_without_a_command_is_a_ghost() -> None:
 @pytest.mark.parametrize(("forward", "turn"), [(-1, 0), (0, 1)])
 def test_motion_that_fits_no_command_is_a_ghost(forward: int, turn: int) -> None:
     assert len(verdict(drive(1.0, 3.0), moving(1.5, 2.0, forward, turn)).ghosts) == 1
+
+
+@pytest.mark.parametrize("commands", [[], drive(1.0, 3.0, 0.0), drive(1.0, 3.0, 0.0, 1.0)])
+def test_motion_without_a_recorded_command_is_not_judged(commands: list[tuple[float, float, float]]) -> None:
+    found = verdict(commands, moving(1.1, 3.0))
+    assert not found.recorded
+    assert (found.longest, found.ghosts) == (0.0, ())
+
+
+def test_missing_record_is_noticed_when_the_base_moved_only_before_the_cause() -> None:
+    assert not judge(LINEAR, [], moving(1.1, 3.0), 8.0).recorded
+
+
+@pytest.mark.parametrize("commands", [[], drive(1.0, 3.0)])
+def test_rest_needs_no_record(commands: list[tuple[float, float, float]]) -> None:
+    assert verdict(commands, moving(1.1, 3.0, 0)).recorded
+
+
+def test_motion_that_fits_no_command_is_judged_when_there_is_a_record() -> None:
+    found = verdict(drive(1.0, 3.0), moving(1.1, 3.0, -1))
+    assert found.recorded
+    assert [ghost.age for ghost in found.ghosts] == [math.inf]
+
+
+def test_motion_that_lasts_into_a_trial_is_due_to_its_command_when_the_record_begins_earlier() -> None:
+    commands, motion = drive(1.0, 6.0), moving(4.0, 6.0)
+    assert verdict([each for each in commands if each[0] >= 3.0], motion).ghosts == ()
+    assert verdict([each for each in commands if each[0] > 4.0], motion).ghosts  # hence a trial begins at rest
+
+
+@pytest.mark.parametrize(("forward", "turn"), [(0.5, 0.0), (0.0, -0.1)])
+def test_base_is_at_rest_once_only_zeros_have_arrived(forward: float, turn: float) -> None:
+    outputs = [(1.0, forward, turn), (1.5, 0.0, 0.0), (2.0, 0.0, 0.0)]
+    assert not is_at_rest(outputs, 1.0)
+    assert is_at_rest(outputs, 1.1)
+    assert is_at_rest([], 1.0)
 
 
 def test_turns_are_what_counts_in_an_angular_lane() -> None:
