@@ -192,8 +192,13 @@ FAULTS = (
 def test_healthy_pair_has_no_findings(pair: Bench) -> None:
     done = examine(pair)
     assert (done.code, done.out) == (0, "all is well\n"), done
-    alone = pair["laptop"].run(f"{UR} doctor", user="pat").check()
-    assert alone.out == "no robot is named or selected: this computer alone (laptop)\nall is well\n"
+    pair["laptop"].run(f"{UR} use sim:stage", user="pat").check()  # the set-up has selected the robot
+    try:
+        alone = pair["laptop"].run(f"{UR} doctor", user="pat").check()
+    finally:
+        pair["laptop"].run(f"{UR} use bob", user="pat").check()
+    said = "no robot is named or selected: this computer alone (laptop)\nROS: the packages of this computer\n"
+    assert alone.out == f"{said}all is well\n"
 
 
 @pytest.mark.parametrize("fault", FAULTS, ids=lambda fault: fault.title.replace(" ", "-"))
@@ -265,7 +270,7 @@ def test_second_computer_with_the_name_is_named_and_renamed(pair: Bench, table: 
     finding = name(pair, "duplicate-name")
     assert "10.77.0.90" in finding["message"]
     # It was just flashed: what it asks on a terminal is given here.
-    typed = carry_out(pair, finding, added=" --base magni --passwords-from 0", stdin=f"ros\n{PASSWORD}\n")
+    typed = carry_out(pair, finding, added=" --base magni --yes --passwords-from 0", stdin=f"ros\n{PASSWORD}\n")
     wait_until_well(pair)
     table.append(("duplicate name", "duplicate-name", typed))
 
