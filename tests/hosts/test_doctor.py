@@ -270,7 +270,12 @@ def test_second_computer_with_the_name_is_named_and_renamed(pair: Bench, table: 
     finding = name(pair, "duplicate-name")
     assert "10.77.0.90" in finding["message"]
     # It was just flashed: what it asks on a terminal is given here.
-    typed = carry_out(pair, finding, added=" --base magni --yes --passwords-from 0", stdin=f"ros\n{PASSWORD}\n")
+    typed = carry_out(
+        pair,
+        finding,
+        added=" --base magni --no-programs --yes --robot-login --passwords-from 0",
+        stdin=f"ros\n{PASSWORD}\n",
+    )
     wait_until_well(pair)
     table.append(("duplicate name", "duplicate-name", typed))
 
