@@ -12,7 +12,7 @@ SRC = Path(__file__).parents[1] / "src"
 # A module may import from the layers named here and from its own.
 MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "ur.source": (),
-    "ur.debian": (),
+    "ur.debian": ("ur.source",),
     "ur.launchfile.syntax": ("ur.source",),
     "ur.launchfile.world": ("ur.source",),
     "ur.launchfile.plan": ("ur.source", "ur.launchfile.syntax", "ur.launchfile.world"),

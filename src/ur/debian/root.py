@@ -9,6 +9,8 @@ import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from ur.source.user_folders import user_folder
+
 MARK = "/etc/ubiquity_debian"  # exists in the root only
 _VERSION = "/etc/debian_version"
 
@@ -35,11 +37,7 @@ def find_root(environment: Mapping[str, str], *, mark: str = MARK) -> DebianRoot
 
 def data_folder(environment: Mapping[str, str]) -> str:
     """Return the folder of the Debian root of a user, whether there is one or not."""
-    data = environment.get("XDG_DATA_HOME", "")
-    if not data.startswith("/"):
-        home = environment.get("HOME") or os.path.expanduser("~")  # noqa: PTH111 - likewise
-        data = f"{home}/.local/share"
-    return f"{data}/ubiquity_launches/debian-13"
+    return f"{user_folder('XDG_DATA_HOME', environment)}/ubiquity_launches/debian-13"
 
 
 def install_command(packages: str | Sequence[str], *, mark: str = MARK) -> str:
