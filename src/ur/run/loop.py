@@ -16,7 +16,7 @@ from ur.run.output.console import Console
 from ur.run.output.reporter import Reporter
 from ur.run.output.router import Outputs
 from ur.run.process.command import Program
-from ur.run.process.foreground import Front
+from ur.run.process.foreground import Foreground
 from ur.run.process.host_client import HostLost, ProcessHost, Suspended
 from ur.run.process.terminal import Terminal
 from ur.run.run import Job, Run
@@ -89,10 +89,10 @@ class _Loop:
         self._master_watch: threading.Event | None = None
         owner = run.terminal_program
         self._poll = select.poll()
-        self._inbox = Inbox(self._hear_signal)
+        self._inbox = Inbox(self._handle_signal)
         for source in (self._inbox, host):
             self._poll.register(source, select.POLLIN)
-        self._front = Front(None if owner is None else owner.unit.name, terminal, console, host)
+        self._foreground = Foreground(None if owner is None else owner.unit.name, terminal, console, host)
         self._monitor = Monitor(run.watch, self._poll, console, terminal)
         self._outputs = Outputs(
             self._poll,
@@ -110,7 +110,7 @@ class _Loop:
             from ur.run.join.owner import follow_owners  # only for a run that has joined another one
 
             follow_owners(self._run.owners, self._post_event, self._over)
-        self._happen(Begin())
+        self._handle_event(Begin())
         while self._exit_code is None:
             self._console.flush()
             self._monitor.flush()
@@ -120,7 +120,7 @@ class _Loop:
             now = time.monotonic()
             deadline = next_deadline(self._state)
             if deadline is not None and now >= deadline:
-                self._happen(Tick())
+                self._handle_event(Tick())
             self._monitor.work(now)
         return self._exit_code
 
@@ -134,7 +134,7 @@ class _Loop:
         owner = self._run.terminal_program
         each = None if owner is None else self._state.find(owner.unit.name)
         if each is not None and each.pid is not None:
-            self._front.take_back(reset=True)
+            self._foreground.take_back(reset=True)
         self._console.release()
         self._console.finish(1.0)
         self._over.set()
@@ -163,27 +163,27 @@ class _Loop:
         if descriptor == self._inbox.fileno():
             self._inbox.clear()
         elif descriptor == self._host.fileno():
-            self._hear(self._host.receive())
+            self._handle_host_event(self._host.receive())
         elif self._monitor.serves(descriptor):
             for event in self._monitor.attend(descriptor, time.monotonic()):
                 if isinstance(event, RestartWanted):
                     self._prefixes[event.name] = event.prefix
-                self._happen(event)
+                self._handle_event(event)
             self._progress.follow(self._state)
         else:
             self._outputs.read(descriptor)
 
-    def _hear_signal(self, signum: int) -> None:
+    def _handle_signal(self, signum: int) -> None:
         # roslaunch exits with 0 after Ctrl-C; a program that owns the terminal has not done what it was asked to.
         code = 0 if self._run.terminal_program is None else 128 + signum
-        self._happen(StopRequested(signal.Signals(signum).name, code))
+        self._handle_event(StopRequested(signal.Signals(signum).name, code))
 
-    def _hear(self, event: Event | Suspended) -> None:
+    def _handle_host_event(self, event: Event | Suspended) -> None:
         """Handle an event of the process host."""
         match event:
             case Suspended():
                 each = self._state.find(event.name)
-                self._front.suspend(event.name, None if each is None else each.pid)
+                self._foreground.suspend(event.name, None if each is None else each.pid)
                 return
             case Started(name, pid):
                 unit = self._programs[name].unit
@@ -193,13 +193,13 @@ class _Loop:
                 self._outputs.drain(name)
                 if self._programs[name].unit.terminal:
                     killed = isinstance(event, Exited) and event.status.signal is not None
-                    self._front.take_back(reset=killed)
+                    self._foreground.take_back(reset=killed)
                 if isinstance(event, Exited) and self._may_be_evicted(event):
                     self._examine_exit(event)
                     return
             case NothingLeft():
                 self._outputs.drain_all()
-        self._happen(event)
+        self._handle_event(event)
 
     def _may_be_evicted(self, event: Exited) -> bool:
         each = self._state.find(event.name)
@@ -217,10 +217,10 @@ class _Loop:
 
             return examine_exit(event, master)
 
-        self._do_aside(examine)
+        self._run_in_thread(examine)
 
     def _post_event(self, event: Event) -> None:
-        self._inbox.post(lambda: self._happen(event))
+        self._inbox.post(lambda: self._handle_event(event))
 
     def _notify_joined(self) -> None:
         if self._run.list_joined is None:
@@ -238,7 +238,7 @@ class _Loop:
         code = 1 if self._exit_code is None else self._exit_code
         record(code, self._cause or self._state.cause or "", tuple(self._reporter.last_lines), logs)
 
-    def _happen(self, event: Event) -> None:
+    def _handle_event(self, event: Event) -> None:
         now = time.monotonic()
         was_going = is_before(self._state, Phase.STOPPING_NODES)
         self._state, actions = step(self._state, event, now)
@@ -247,7 +247,7 @@ class _Loop:
             self._notify_joined()
         self._note_progress(event)
         for action in actions:
-            self._act(action)
+            self._execute(action)
         running = self._state.phase is Phase.RUNNING
         if running and self._master_watch is None:
             self._master_watch = self._watch_master()
@@ -275,7 +275,7 @@ class _Loop:
             threading.Thread(target=watch_any, args=words, daemon=True).start()
         return over
 
-    def _act(self, action: Action) -> None:
+    def _execute(self, action: Action) -> None:
         match action:
             case Start(name):
                 self._start(self._programs[name])
@@ -284,24 +284,24 @@ class _Loop:
             case Sweep(signum):
                 self._host.sweep(signum)
             case AwaitMaster():
-                self._do_aside(self._run.await_master)
+                self._run_in_thread(self._run.await_master)
             case SetParameters():
-                self._do_aside(self._run.set_parameters)
+                self._run_in_thread(self._run.set_parameters)
             case StartShare():
                 restart = self._run.restart_share
                 assert restart is not None
-                self._do_aside(restart)
+                self._run_in_thread(restart)
             case Unregister():
-                self._do_aside(self._run.unregister)
+                self._run_in_thread(self._run.unregister)
             case Finish(exit_code):
                 self._exit_code = exit_code
             case _:
                 self._reporter.report(action)
 
-    def _do_aside(self, job: Job) -> None:
+    def _run_in_thread(self, job: Job) -> None:
         def work() -> None:
             event = job()
-            self._inbox.post(lambda: self._happen(event))
+            self._inbox.post(lambda: self._handle_event(event))
 
         threading.Thread(target=work, daemon=True).start()
 
@@ -314,7 +314,7 @@ class _Loop:
         cwd = program.cwd or self._run.home
         changes = dict(program.changes)
         if unit.terminal:
-            self._host.start_process(unit.name, argv, cwd, changes, (0, 1, 2), self._front.lend())
+            self._host.start_process(unit.name, argv, cwd, changes, (0, 1, 2), self._foreground.lend())
             return
         stdio, given = self._outputs.wire(program)
         alone = unit.core or self._run.terminal_program is not None

@@ -10,7 +10,7 @@ killed with SIGKILL, even at once:
 - the supervisor dies: its socket closes, the host ends everything within a second and exits;
 - the host dies: nodes get SIGKILL as parent-death signal, and their orphans become children of the guard, which kills
   them;
-- the guard dies: the host goes on, and the supervisor inherits orphans in its place.
+- the guard dies: the host goes on, and the supervisor inherits orphans instead.
 
 Where a cgroup may be made (`ur.run.host.cgroup`), host and nodes run in one of their own, which the guard kills as a
 whole: no process leaves it, not even one that runs as another user.

@@ -1,4 +1,4 @@
-"""The start of the guard, the process above the host: it forks the host, then turns into `guard.sh`."""
+"""Start of the guard, the parent process of the host: it forks the host, then executes `guard.sh`."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import os
 import signal
 
 from ur.run.host.cgroup import make_cgroup
-from ur.run.host.family import IGNORED, inherit_orphans
+from ur.run.host.descendants import IGNORED, inherit_orphans
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ def run_guarded(descriptor: int) -> NoReturn:
     reader, writer = os.pipe2(os.O_CLOEXEC)
     host = os.fork()
     if host == 0:
-        _host(descriptor, writer)
+        _run_host(descriptor, writer)
     if cgroup is not None:
         cgroup.take(host)  # while it gets ready: this may take as long
     for signum in IGNORED:
@@ -33,7 +33,7 @@ def run_guarded(descriptor: int) -> NoReturn:
     os.execv("/bin/sh", ["ur-guard", SCRIPT, "" if cgroup is None else cgroup.path])  # noqa: S606 - see above
 
 
-def _host(descriptor: int, writer: int) -> NoReturn:
+def _run_host(descriptor: int, writer: int) -> NoReturn:
     from ur.run.host.server import serve  # the guard needs none of it
 
     try:

@@ -1,7 +1,7 @@
 """Messages between the supervisor and the process host over a socket pair.
 
 Messages are tuples. To the host: first `("begin", environment, keep_terminal)`, then `("start", name, argv, cwd,
-changes, place)` with the three open files of standard input, output and error, `("signal", name, signum)`,
+changes, session_mode)` with the three open files of standard input, output and error, `("signal", name, signum)`,
 `("sweep", signum)`. From it: `("started", name, pid)`, `("failed", name, errno, what)`, `("exited", name, code,
 signum)`, `("stopped", name)`, `("empty",)`.
 """

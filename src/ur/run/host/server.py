@@ -1,4 +1,4 @@
-"""The process host itself: carries out requests of the supervisor and reports events."""
+"""Server of the process host: carries out requests of the supervisor and reports events."""
 
 from __future__ import annotations
 
@@ -10,8 +10,7 @@ import socket
 import termios
 import time
 
-from ur.run.host.birth import NEVER_BORN, Nursery
-from ur.run.host.family import (
+from ur.run.host.descendants import (
     IGNORED,
     inherit_orphans,
     kill_descendants,
@@ -20,6 +19,7 @@ from ur.run.host.family import (
     signal_descendants,
     signal_group,
 )
+from ur.run.host.fork import NOT_EXECUTED, ProcessCreator
 from ur.run.host.protocol import FOREGROUND, receive, send
 from ur.run.host.terminal import restore_terminal
 
@@ -27,8 +27,8 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any
 
-POLITE = 0.7  # s that processes get to end after the supervisor died
-KILLED = 3.0  # s that they get to die of SIGKILL after that
+INTERRUPT_SECONDS = 0.7  # s that processes get to end by themselves after the supervisor died
+KILL_SECONDS = 3.0  # s that they get to die of SIGKILL after that
 
 
 def serve(descriptor: int) -> None:
@@ -54,7 +54,7 @@ class _Host:
 
     def __init__(self, link: socket.socket) -> None:
         self._link = link
-        self._nursery = Nursery()
+        self._creator = ProcessCreator()
         self._names: dict[int, str] = {}  # by process id
         self._pids: dict[str, int] = {}
         self._environment: dict[str, str] = {}
@@ -65,7 +65,7 @@ class _Host:
         signal.signal(signal.SIGCHLD, lambda *_: None)
 
     def serve(self) -> None:
-        """Until the link closes (EOFError)."""
+        """Handle requests and ended processes until the link closes (EOFError)."""
         poll = select.poll()
         for descriptor in (self._link.fileno(), self._wake):
             poll.register(descriptor, select.POLLIN)
@@ -75,23 +75,23 @@ class _Host:
                     _drain(self._wake)
                     self._reap()
                 else:
-                    self._obey(*receive(self._link))
+                    self._handle_request(*receive(self._link))
 
     def end_all(self) -> None:
-        """The supervisor is gone: end everything, politely first, and leave the terminal usable."""
-        limit = time.monotonic() + POLITE
+        """End everything after the supervisor is gone: SIGINT first, then SIGKILL. Restores the terminal."""
+        limit = time.monotonic() + INTERRUPT_SECONDS
         if reap_one(0.0):
             signal_descendants(signal.SIGINT)
         while time.monotonic() < limit and reap_one(0.02):
             pass
-        kill_descendants(KILLED)
+        kill_descendants(KILL_SECONDS)
         if self._terminal is not None:
             restore_terminal(*self._terminal[1:], reset=True)
 
-    def _obey(self, message: tuple[Any, ...], descriptors: list[int]) -> None:
+    def _handle_request(self, message: tuple[Any, ...], descriptors: list[int]) -> None:
         match message:
-            case ("start", name, argv, cwd, changes, place):
-                self._start(name, argv, cwd, changes, place, descriptors)
+            case ("start", name, argv, cwd, changes, session_mode):
+                self._start(name, argv, cwd, changes, session_mode, descriptors)
             case ("signal", name, signum):
                 pid = self._pids.get(name)
                 if pid is not None:
@@ -110,15 +110,15 @@ class _Host:
             os.close(descriptor)
 
     def _start(
-        self, name: str, argv: list[str], cwd: str, changes: dict[str, str | None], place: str, stdio: list[int]
+        self, name: str, argv: list[str], cwd: str, changes: dict[str, str | None], session_mode: str, stdio: list[int]
     ) -> None:
-        laid = {**self._environment, **changes}
-        environment = {key: value for key, value in laid.items() if value is not None}
-        if place == FOREGROUND and self._terminal is None:
+        merged = {**self._environment, **changes}
+        environment = {key: value for key, value in merged.items() if value is not None}
+        if session_mode == FOREGROUND and self._terminal is None:
             kept = fcntl.fcntl(stdio[0], fcntl.F_DUPFD_CLOEXEC, 10)
             self._terminal = (name, kept, termios.tcgetattr(kept))
         try:
-            pid = self._nursery.bear(name, argv, cwd, environment, place, stdio)
+            pid = self._creator.create(name, argv, cwd, environment, session_mode, stdio)
         except OSError as problem:
             self._send("failed", name, problem.errno, "")
             return
@@ -138,13 +138,13 @@ class _Host:
             if pid == 0:
                 break
             if not os.WIFSTOPPED(status):
-                self._bury(pid, status)
+                self._report_exit(pid, status)
             elif pid in self._names:
                 self._send("stopped", self._names[pid])
         if self._sweeping == signal.SIGKILL:
-            signal_descendants(self._sweeping)  # what the last victims left behind
+            signal_descendants(self._sweeping)  # the children of those that have just been killed
 
-    def _bury(self, pid: int, status: int) -> None:
+    def _report_exit(self, pid: int, status: int) -> None:
         name = self._names.pop(pid, None)
         if name is None:
             return  # an orphan
@@ -156,7 +156,7 @@ class _Host:
             self._send("exited", name, None, os.WTERMSIG(status))
             return
         code = os.WEXITSTATUS(status)
-        failure = self._nursery.find_failure(name) if code == NEVER_BORN else None
+        failure = self._creator.find_failure(name) if code == NOT_EXECUTED else None
         if failure is not None:
             self._send("failed", name, *failure)
         else:

@@ -26,7 +26,7 @@ def run_detached(run: Callable[[LetGo], int], report: Callable[[str], int]) -> i
     if pid == 0:
         os.close(reader)
         os.setsid()
-        return run(lambda entry: _let_go(entry, writer))
+        return run(lambda entry: _detach(entry, writer))
     os.close(writer)
     handlers = {
         signum: signal.signal(signum, lambda number, _: os.kill(pid, number))
@@ -51,7 +51,7 @@ def open_run_log(entry: RunEntry) -> int:
         raise UserError(error(f"{path}: cannot be written: {reason}", rule="bad-log-folder")) from None
 
 
-def _let_go(entry: RunEntry, writer: int) -> None:
+def _detach(entry: RunEntry, writer: int) -> None:
     null = os.open(os.devnull, os.O_RDONLY)
     try:
         log = open_run_log(entry)

@@ -10,7 +10,7 @@ from ur.run.process.host_client import ProcessHost
 from ur.run.process.terminal import Terminal
 
 
-class Front:
+class Foreground:
     """Lends keyboard and screen to the one unit (if any) that needs them, and keeps the console quiet meanwhile."""
 
     def __init__(self, name: str | None, terminal: Terminal | None, console: Console, host: ProcessHost) -> None:

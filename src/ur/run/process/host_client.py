@@ -8,7 +8,7 @@ import sys
 from collections.abc import Mapping
 
 from ur.run.host import __file__ as host_file
-from ur.run.host.family import inherit_orphans, kill_descendants
+from ur.run.host.descendants import inherit_orphans, kill_descendants
 from ur.run.host.protocol import SESSION, receive, send
 from ur.run.supervisor.events import Event, Exited, NothingLeft, Started, StartFailed
 from ur.run.supervisor.model import ExitStatus
@@ -50,14 +50,14 @@ class ProcessHost:
         cwd: str,
         changes: Mapping[str, str | None],
         stdio: tuple[int, int, int],
-        place: str = SESSION,
+        session_mode: str = SESSION,
     ) -> None:
-        """Start a program; `place` is SESSION, GROUP or FOREGROUND of `ur.run.host.protocol`.
+        """Start a program; `session_mode` is SESSION, GROUP or FOREGROUND of `ur.run.host.protocol`.
 
         `changes` are laid over the environment, None removes a variable. `stdio` are open files; they may be closed
         after this call. Answers with Started, or StartFailed.
         """
-        self._send(("start", name, argv, cwd, dict(changes), place), stdio)
+        self._send(("start", name, argv, cwd, dict(changes), session_mode), stdio)
 
     def signal_process(self, name: str, signum: int) -> None:
         """Signal the process group of a unit, if it still runs."""

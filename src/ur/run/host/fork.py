@@ -1,4 +1,4 @@
-"""The steps of a new process between fork and exec."""
+"""Creation of a process: the steps between fork and exec."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import marshal
 import os
 import signal
 
-from ur.run.host.family import IGNORED, PR_SET_PDEATHSIG
+from ur.run.host.descendants import IGNORED, PR_SET_PDEATHSIG
 from ur.run.host.protocol import FOREGROUND, SESSION
 from ur.run.host.terminal import take_foreground
 
@@ -16,32 +16,32 @@ if TYPE_CHECKING:
     from typing import NoReturn
 
 RECORD = 4096  # bytes that a pipe takes in one piece, pipe(7)
-NEVER_BORN = 127  # the exit code of a process that could not become its program, as a shell's
+NOT_EXECUTED = 127  # the exit code of a process that could not become its program, as a shell's
 
 
-class Nursery:
-    """Creates processes. One that fails before exec reports the reason itself, through a pipe."""
+class ProcessCreator:
+    """Fork and exec, where a process that fails before exec reports the reason itself, through a pipe."""
 
     def __init__(self) -> None:
         self._prctl = ctypes.CDLL(None, use_errno=True).prctl
         self._reader, self._writer = os.pipe2(os.O_CLOEXEC | os.O_NONBLOCK)
         self._failed: dict[str, tuple[int, str]] = {}
 
-    def bear(
-        self, name: str, argv: list[str], cwd: str, environment: dict[str, str], place: str, stdio: list[int]
+    def create(
+        self, name: str, argv: list[str], cwd: str, environment: dict[str, str], session_mode: str, stdio: list[int]
     ) -> int:
         """Fork a process that becomes a program; returns its id. OSError when there can be no more processes.
 
-        `place` is SESSION, GROUP or FOREGROUND; `stdio` are three open files.
+        `session_mode` is SESSION, GROUP or FOREGROUND; `stdio` are three open files.
         """
         parent = os.getpid()
         pid = os.fork()
         if pid == 0:
-            self._become(name, argv, cwd, environment, place, stdio, parent)
+            self._execute(name, argv, cwd, environment, session_mode, stdio, parent)
         return pid
 
     def find_failure(self, name: str) -> tuple[int, str] | None:
-        """The errno, and what it is about, of a process that never became its program; None when it did."""
+        """The errno, and the path that it is about, of a process that never became its program; None when it did."""
         try:
             while record := os.read(self._reader, RECORD):
                 failed, number, what = marshal.loads(record)  # noqa: S302 - written by ourselves
@@ -50,27 +50,27 @@ class Nursery:
             pass
         return self._failed.pop(name, None)
 
-    def _become(
+    def _execute(
         self,
         name: str,
         argv: list[str],
         cwd: str,
         environment: dict[str, str],
-        place: str,
+        session_mode: str,
         stdio: list[int],
         parent: int,
     ) -> NoReturn:
         problem = argv[0]
         try:
-            if place == SESSION:
+            if session_mode == SESSION:
                 os.setsid()
             else:
                 os.setpgid(0, 0)
-            if place == FOREGROUND:
+            if session_mode == FOREGROUND:
                 take_foreground(stdio[0], os.getpid())
             self._prctl(PR_SET_PDEATHSIG, int(signal.SIGKILL), 0, 0, 0)
             if os.getppid() != parent:
-                os._exit(NEVER_BORN)
+                os._exit(NOT_EXECUTED)
             for number, descriptor in enumerate(stdio[:3]):
                 os.dup2(descriptor, number)
             signal.set_wakeup_fd(-1)
@@ -80,8 +80,8 @@ class Nursery:
             problem = cwd
             os.chdir(cwd)
             problem = argv[0]
-            os.execvpe(argv[0], argv, environment)  # noqa: S606 - what a process host is for
+            os.execvpe(argv[0], argv, environment)  # noqa: S606 - the purpose of a process host
         except OSError as failure:
             os.write(self._writer, marshal.dumps((name, failure.errno or 0, problem)).ljust(RECORD))
         finally:
-            os._exit(NEVER_BORN)
+            os._exit(NOT_EXECUTED)
