@@ -50,11 +50,11 @@ def test_folder_gives_every_kind_of_file() -> None:
     assert [package.name for package in targets.whole] == ["alpha", "beta"]
 
 
-def test_package_is_found_by_name_and_knows_its_house() -> None:
+def test_package_is_found_by_name_and_follows_conventions() -> None:
     targets = collect_targets(["alpha"], WORLD)
     package = targets.package_of("/s/a/launch/one.launch")
     assert package is not None
-    assert (package.name, package.house, package.depends) == ("alpha", True, frozenset({"beta"}))
+    assert (package.name, package.follows_conventions, package.depends) == ("alpha", True, frozenset({"beta"}))
     assert [(base.name, base.variants) for base in package.bases] == [("magni", ("lidar",))]
 
 

@@ -194,7 +194,7 @@ def test_program_of_a_package_without_any_is_a_warning() -> None:
     assert rules_of(report) == ["package-not-installed"]
 
 
-def test_house_rules_are_silent_outside_of_the_house() -> None:
+def test_rules_about_conventions_are_silent_in_packages_without_them() -> None:
     report = check("""
 <launch>
   <arg name="rate" default="1"/>

@@ -23,7 +23,7 @@ MAX_DEPTH = 30
 _SKIPPED = frozenset({"node_modules", "__pycache__"})
 _LAUNCH_SUFFIXES = (".launch", ".launch.xml", ".test")
 _YAML_SUFFIXES = (".yaml", ".yml")
-_HOUSE_FOLDER = re.compile(r"(n|m|rviz)_\w+\Z")
+_LAUNCH_DIRECTORY = re.compile(r"(n|m|rviz)_\w+\Z")
 _NAME = re.compile(r"<name>\s*([^<\s]+)\s*</name>")
 _DEPENDS = re.compile(r"<(?:\w*_)?depend\b[^>]*>\s*([^<\s]+)\s*</")
 
@@ -221,16 +221,16 @@ def _add_package(folder: str, world: World, packages: dict[str, Package]) -> Non
     packages[folder] = Package(
         name=name.group(1) if name else folder.rpartition("/")[2],
         folder=folder,
-        house=_is_house(folder, world),
+        follows_conventions=_follows_conventions(folder, world),
         bases=tuple(_read_bases(folder, world)),
         depends=frozenset(_DEPENDS.findall(manifest)),
     )
 
 
-def _is_house(folder: str, world: World) -> bool:
+def _follows_conventions(folder: str, world: World) -> bool:
     # At least one directory n_x, m_x or rviz_x that holds a launch file in its folder `launch`.
     for name in world.list_folder(folder):
-        if _HOUSE_FOLDER.match(name):
+        if _LAUNCH_DIRECTORY.match(name):
             files = world.list_folder(f"{folder}/{name}/launch")
             if any(file.endswith((".launch", ".launch.xml")) for file in files):
                 return True

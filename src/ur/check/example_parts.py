@@ -26,7 +26,7 @@ def make_speed_launch(declared: str = _SPEED, value: str = "$(arg speed)") -> st
 
 
 def make_talk_launch(*lines: str, says: str | None = None, tag: str = "<launch>") -> str:
-    """A launch file of the house layout: Summary, Overview, these lines, a talker with the arguments `says`."""
+    """A launch file that follows the conventions; `says` are arguments of its node `talker`."""
     talker = TALKER if says is None else TALKER.replace("/>", f' args="{says}"/>')
     return make_launch(SUMMARY, OVERVIEW, *lines, talker, tag=tag)
 
@@ -47,6 +47,6 @@ def group_example(tag: str) -> Example:
     return launch_example(make_launch(tag, f"  {TALKER}", "</group>"))
 
 
-def house_example(text: str, file: str = "n_talker.launch") -> Example:
-    """A launch file of the directory `n_talker` in a package that follows the house layout."""
+def directory_example(text: str, file: str = "n_talker.launch") -> Example:
+    """A launch file of the directory `n_talker` in a package that follows the conventions."""
     return launch_example(text, name=f"n_talker/launch/{file}")

@@ -26,7 +26,7 @@ class Group(Enum):
     VALUES = "values"
     MACHINES = "machines"
     YAML = "yaml"
-    HOUSE = "house"
+    CONVENTIONS = "conventions"
     COMMENTS = "comments"
 
 
@@ -72,11 +72,11 @@ class BaseNames:
 
 @dataclass(frozen=True, slots=True)
 class Package:
-    """The package that checked files belong to. `house`: it follows the house layout, so its conventions apply."""
+    """The package that checked files belong to. `follows_conventions`: see docs/how-to/check.md."""
 
     name: str
     folder: str
-    house: bool
+    follows_conventions: bool
     bases: tuple[BaseNames, ...]
     depends: frozenset[str]
 
@@ -146,7 +146,7 @@ class ParamView:
 class Rule:
     """One thing that can be wrong. A rule without a hook is one that reading and resolving launch files reports.
 
-    `id` never changes its meaning. `house` rules apply only to packages that follow the house layout.
+    `id` never changes its meaning. Those of `Group.CONVENTIONS` apply only to packages that follow them.
     """
 
     id: str
@@ -156,7 +156,6 @@ class Rule:
     explanation: str
     bad: tuple[Example, ...]
     good: tuple[Example, ...]
-    house: bool = False
     element: Callable[[Element, LaunchView], Iterable[Found]] | None = None
     launch_file: Callable[[LaunchView], Iterable[Found]] | None = None
     yaml_file: Callable[[YamlView], Iterable[Found]] | None = None

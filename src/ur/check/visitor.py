@@ -5,7 +5,18 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 
-from ur.check.model import Found, LaunchView, NodeView, Package, PackageView, ParamView, ProgramView, Rule, YamlView
+from ur.check.model import (
+    Found,
+    Group,
+    LaunchView,
+    NodeView,
+    Package,
+    PackageView,
+    ParamView,
+    ProgramView,
+    Rule,
+    YamlView,
+)
 from ur.check.survey import walk_possible
 from ur.launchfile.plan.model import Origin, Plan
 from ur.launchfile.plan.problems import OBSOLETE
@@ -19,7 +30,7 @@ _Hook = tuple[Rule, Callable[..., Iterable[Found]]]
 
 
 class Visitor:
-    """Rules sorted by what they look at. `house` rules are asked only about packages that follow the house layout."""
+    """Rules sorted by what they look at. Those about conventions are asked only about packages that follow them."""
 
     def __init__(self, rules: Iterable[Rule]) -> None:
         every = list(rules)
@@ -71,7 +82,7 @@ class Visitor:
 
 def _ask(hooks: list[_Hook], package: Package | None, *what: object) -> Iterable[Diagnostic]:
     for rule, hook in hooks:
-        if rule.house and (package is None or not package.house):
+        if rule.group is Group.CONVENTIONS and (package is None or not package.follows_conventions):
             continue
         for found in hook(*what):
             yield Diagnostic(rule.severity, found.message, rule.id, found.span, found.notes, found.help, found.subject)

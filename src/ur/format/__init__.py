@@ -1,3 +1,3 @@
-"""Launch files in house order and layout, meaning what they meant before."""
+"""Order and layout of launch files, without a change of their meaning."""
 
 from __future__ import annotations

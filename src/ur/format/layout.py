@@ -82,7 +82,7 @@ def _opening(tag: Tag, indent: str) -> Iterator[str]:
 
 
 def sort_attributes(tag: str, attributes: Sequence[tuple[str, str]]) -> list[tuple[str, str]]:
-    """Attributes in the order of the house."""
+    """Attributes in conventional order."""
     first = _FIRST.get(tag, ())
 
     def rank(attribute: tuple[str, str]) -> tuple[int, str]:

@@ -28,7 +28,7 @@ class _Unit:
 
 
 def sort_pieces(launch: Tag) -> Tag:
-    """`<launch>` in the order of the house, as far as the arguments that depend on others allow.
+    """`<launch>` in conventional order, as far as the arguments that depend on others allow.
 
     An argument that is computed from an optional one counts as optional, so nothing moves before what it needs. Titles
     such as `<!-- Required arguments -->` are written anew when the file has one of them.

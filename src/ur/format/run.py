@@ -17,7 +17,7 @@ from ur.source.diagnostic import UserError, error
 
 @dataclass(frozen=True, slots=True)
 class Formatted:
-    """A launch file laid out. `kept`: what is left as it was, though the house does it otherwise, and why."""
+    """A launch file laid out. `kept`: what is left as it was, although it is not conventional, and why."""
 
     path: str
     before: str
@@ -31,7 +31,7 @@ class Formatted:
 
 
 def format_file(path: str, data: bytes, world: World, package: Package | None = None) -> Formatted:
-    """A launch file in the layout and the order of the house, as far as that changes no plan.
+    """A launch file in conventional layout and order, as far as that changes no plan.
 
     `path` is absolute. Raises UserError with what is wrong for a file that cannot be parsed, or is not UTF-8. Lines end
     as on Linux afterwards.
@@ -50,8 +50,8 @@ def format_file(path: str, data: bytes, world: World, package: Package | None = 
         if text is ordered and text != plain and not _may_move(tree):
             continue
         if text == before or same_plans(path, data, _checked(tree, text).encode(), package, world):
-            why = f"{kept} stays: the house's would change what the file means" if kept and text != ordered else None
-            return Formatted(path, before, text, why)
+            why = f"{kept} stays: the usual one would change the meaning of the file"
+            return Formatted(path, before, text, why if kept and text != ordered else None)
     raise AssertionError("the text itself is the last that is tried")
 
 

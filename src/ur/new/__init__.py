@@ -1,3 +1,3 @@
-"""New launch directories, programs, bases and packages in house style."""
+"""New launch directories, programs, bases and packages that follow the conventions of `ur check`."""
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The text of a launch file in house style."""
+"""The text of a launch file that follows the conventions of `ur check`."""
 
 from __future__ import annotations
 

@@ -22,7 +22,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def test_format_changes_what_is_not_in_house_layout(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_format_rewrites_a_file_in_another_layout(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (folder / "a.launch").chmod(0o640)
     assert main(["format"]) == 0
     told = capsys.readouterr()

@@ -1,4 +1,4 @@
-"""The layout that house rules speak of."""
+"""Directories and documentation comments of launch files, as the rules about conventions expect them."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _HEADING = re.compile(r"\s*([A-Za-z_]\w*)\s*:(?!/)\s*(.*)\Z", re.DOTALL)
 KNOWN_HEADINGS = frozenset({"summary", "overview", "ready", "terminal", "ur"})
 
 
-def house_folder(view: LaunchView) -> str | None:
+def launch_directory(view: LaunchView) -> str | None:
     """The directory (`n_x`, `m_x`, `rviz_x`) that a launch file belongs to; None for files elsewhere."""
     place = _match(view)
     return place.group(1) if place else None
@@ -24,7 +24,7 @@ def file_name(view: LaunchView) -> str:
 
 
 def _match(view: LaunchView) -> re.Match[str] | None:
-    if view.package is None or not view.package.house:
+    if view.package is None or not view.package.follows_conventions:
         return None
     return _PLACE.match(view.path.removeprefix(view.package.folder + "/"))
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ur.check.examples import check_example, strip_marks
-from ur.check.model import Example, Rule
+from ur.check.model import Example, Group, Rule
 from ur.check.render.text import shorten_paths
 from ur.source.render import render_human
 
@@ -11,8 +11,8 @@ from ur.source.render import render_human
 def render_rule_page(rule: Rule) -> str:
     """A rule as a page in Markdown, made from its own examples."""
     kinds = [f"group `{rule.group.value}`", rule.severity.value]
-    if rule.house:
-        kinds.append("only for packages that follow the house layout")
+    if rule.group is Group.CONVENTIONS:
+        kinds.append("only for packages that follow the conventions")
     if rule.fix is not None:
         kinds.append("repaired by `--fix`, where that is safe")
     parts = [f"# {rule.id}\n", f"{rule.summary}\n", f"*{', '.join(kinds)}*\n", f"{rule.explanation.strip()}\n"]
@@ -61,7 +61,7 @@ def render_index_page(rules: dict[str, Rule]) -> str:
         "|---|---|---|---|",
     ]
     for rule in rules.values():
-        marks = rule.severity.value + (", house" if rule.house else "") + (", `--fix`" if rule.fix else "")
+        marks = rule.severity.value + (", `--fix`" if rule.fix else "")
         lines.append(
             f"| [{rule.id}]({rule.id}.md) | {rule.group.value} | {marks} | {rule.summary.replace('<', '&lt;')} |"
         )

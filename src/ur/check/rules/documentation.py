@@ -9,12 +9,12 @@ from ur.check.example_parts import (
     OVERVIEW,
     SUMMARY,
     TALKER,
-    house_example,
+    directory_example,
     make_launch,
     make_talk_launch,
 )
 from ur.check.model import Found, Group, LaunchView, Rule
-from ur.check.queries.layout import KNOWN_HEADINGS, comments_after, find_heading, heading_of, house_folder
+from ur.check.queries.layout import KNOWN_HEADINGS, comments_after, find_heading, heading_of, launch_directory
 from ur.launchfile.syntax import Comment, Element
 from ur.source.diagnostic import Severity
 from ur.source.file import Span
@@ -23,7 +23,7 @@ from ur.source.suggest import did_you_mean
 
 def _find_missing_overview(view: LaunchView) -> Iterable[Found]:
     launch = view.tree.launch
-    if launch is not None and house_folder(view) is not None and not find_heading(view, "Overview"):
+    if launch is not None and launch_directory(view) is not None and not find_heading(view, "Overview"):
         yield Found(
             launch.span,
             "a launch file without an Overview, expected a few sentences, in Markdown, on how the file is used",
@@ -33,7 +33,7 @@ def _find_missing_overview(view: LaunchView) -> Iterable[Found]:
 
 def _find_missing_summary(view: LaunchView) -> Iterable[Found]:
     launch = view.tree.launch
-    if launch is not None and house_folder(view) is not None and not find_heading(view, "Summary"):
+    if launch is not None and launch_directory(view) is not None and not find_heading(view, "Summary"):
         yield Found(
             launch.span,
             "a launch file without a Summary, expected one line that says what the file does",
@@ -43,7 +43,7 @@ def _find_missing_summary(view: LaunchView) -> Iterable[Found]:
 
 def _find_undocumented(view: LaunchView) -> Iterable[Found]:
     launch = view.tree.launch
-    if launch is None or house_folder(view) is None:
+    if launch is None or launch_directory(view) is None:
         return
     tags: dict[str, list[Element]] = {}
     for element in launch.elements:
@@ -70,7 +70,7 @@ def _headings(launch: Element, element: Element) -> list[tuple[str, str]]:
 
 def _find_unknown_documentation(view: LaunchView) -> Iterable[Found]:
     launch = view.tree.launch
-    if launch is None or house_folder(view) is None:
+    if launch is None or launch_directory(view) is None:
         return
     after_arg = False
     for child in launch.children:
@@ -98,41 +98,39 @@ def _name_span(comment: Comment, name: str) -> Span:
 RULES = (
     Rule(
         id="missing-overview",
-        group=Group.HOUSE,
+        group=Group.CONVENTIONS,
         severity=Severity.WARNING,
         summary="A launch file has no Overview.",
         explanation="""
 `<!--Overview: ...-->` is a few sentences, in Markdown, on how the file is used. The generated pages begin with it.
 """,
-        bad=(house_example(make_launch(SUMMARY, TALKER, tag=MARKED_LAUNCH)),),
-        good=(house_example(make_talk_launch()),),
-        house=True,
+        bad=(directory_example(make_launch(SUMMARY, TALKER, tag=MARKED_LAUNCH)),),
+        good=(directory_example(make_talk_launch()),),
         launch_file=_find_missing_overview,
     ),
     Rule(
         id="missing-summary",
-        group=Group.HOUSE,
+        group=Group.CONVENTIONS,
         severity=Severity.WARNING,
         summary="A launch file has no Summary.",
         explanation="""
 `<!--Summary: ...-->` is one line that says what the file does. Lists of launch files show it.
 """,
-        bad=(house_example(make_launch(OVERVIEW, TALKER, tag=MARKED_LAUNCH)),),
-        good=(house_example(make_talk_launch()),),
-        house=True,
+        bad=(directory_example(make_launch(OVERVIEW, TALKER, tag=MARKED_LAUNCH)),),
+        good=(directory_example(make_talk_launch()),),
         launch_file=_find_missing_summary,
     ),
     Rule(
         id="undocumented-argument",
-        group=Group.HOUSE,
+        group=Group.CONVENTIONS,
         severity=Severity.WARNING,
         summary="An argument is not documented.",
         explanation="""
 After each `<arg>` follows `<!--name: ...-->`: what it means, in which unit, what it may be. `doc=` counts, too.
 """,
-        bad=(house_example(make_talk_launch('<arg name="«word»"/>', says="$(arg word)")),),
+        bad=(directory_example(make_talk_launch('<arg name="«word»"/>', says="$(arg word)")),),
         good=(
-            house_example(
+            directory_example(
                 make_talk_launch(
                     '<arg name="word"/>',
                     "<!--word: What is said.-->",
@@ -141,12 +139,11 @@ After each `<arg>` follows `<!--name: ...-->`: what it means, in which unit, wha
                 )
             ),
         ),
-        house=True,
         launch_file=_find_undocumented,
     ),
     Rule(
         id="unknown-documentation",
-        group=Group.HOUSE,
+        group=Group.CONVENTIONS,
         severity=Severity.WARNING,
         summary="A comment documents an argument that does not exist.",
         explanation="""
@@ -154,7 +151,7 @@ A comment `<!--name: ...-->` is about the argument `name`. Where there is none, 
 the comment is misspelt.
 """,
         bad=(
-            house_example(
+            directory_example(
                 make_talk_launch(
                     '<arg name="word"/>',
                     "<!--word: What is said.-->",
@@ -164,7 +161,7 @@ the comment is misspelt.
             ),
         ),
         good=(
-            house_example(
+            directory_example(
                 make_talk_launch(
                     '<arg name="word"/>',
                     "<!--word: What is said.-->",
@@ -173,7 +170,6 @@ the comment is misspelt.
                 )
             ),
         ),
-        house=True,
         launch_file=_find_unknown_documentation,
     ),
 )

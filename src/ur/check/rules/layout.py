@@ -4,9 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from ur.check.example_parts import MARKED_LAUNCH, PROGRAM_HEAD, SUMMARY, house_example, make_launch, make_talk_launch
+from ur.check.example_parts import (
+    MARKED_LAUNCH,
+    PROGRAM_HEAD,
+    SUMMARY,
+    directory_example,
+    make_launch,
+    make_talk_launch,
+)
 from ur.check.model import Example, Found, Group, LaunchView, PackageView, Rule
-from ur.check.queries.layout import file_name, heading_of, house_folder
+from ur.check.queries.layout import file_name, heading_of, launch_directory
 from ur.check.survey import find_uses
 from ur.launchfile.syntax import Comment, Element
 from ur.source.diagnostic import Note, Severity
@@ -26,7 +33,7 @@ _REQUIRED, _CONVENIENCE, _OPTIONAL, _REST = 2, 3, 4, 5
 
 def _find_disorder(view: LaunchView) -> Iterable[Found]:
     launch = view.tree.launch
-    if launch is None or house_folder(view) is None:
+    if launch is None or launch_directory(view) is None:
         return
     optional: set[str] = set()  # and what is computed from optional arguments
     latest, latest_span = 0, launch.span
@@ -75,7 +82,7 @@ _SUFFIXES = (".launch.xml", ".launch")
 
 
 def _find_other_name(view: LaunchView) -> Iterable[Found]:
-    folder, name = house_folder(view), file_name(view)
+    folder, name = launch_directory(view), file_name(view)
     if folder is None or view.tree.launch is None or not name.endswith(_SUFFIXES):
         return
     suffix = next(suffix for suffix in _SUFFIXES if name.endswith(suffix))
@@ -90,7 +97,7 @@ def _find_other_name(view: LaunchView) -> Iterable[Found]:
 def _find_wrong_suffix(view: PackageView) -> Iterable[Found]:
     for launch_view in view.launch_files:
         launch, name = launch_view.tree.launch, file_name(launch_view)
-        if launch is None or house_folder(launch_view) is None or name.endswith(".launch.xml"):
+        if launch is None or launch_directory(launch_view) is None or name.endswith(".launch.xml"):
             continue
         if not name.endswith(".launch"):
             yield Found(
@@ -117,7 +124,7 @@ def _suffix_example(suffix: str, part: str) -> Example:
 def _find_unused_file(view: PackageView) -> Iterable[Found]:
     for launch_view in view.launch_files:
         launch, name = launch_view.tree.launch, file_name(launch_view)
-        if launch is None or house_folder(launch_view) is None or not name.endswith(".launch.xml"):
+        if launch is None or launch_directory(launch_view) is None or not name.endswith(".launch.xml"):
             continue
         started = any(name in program.source.text for program in view.programs)
         if launch_view.path not in view.included and not started:
@@ -135,7 +142,7 @@ _PROGRAM = PROGRAM_HEAD + 'exec roslaunch my_robot n_talker.launch.xml "$@"\n'
 RULES = (
     Rule(
         id="file-order",
-        group=Group.HOUSE,
+        group=Group.CONVENTIONS,
         severity=Severity.WARNING,
         summary="A launch file does not read in the usual order.",
         explanation="""
@@ -144,7 +151,7 @@ opens a file finds first what has to be given. A convenience argument that is co
 it.
 """,
         bad=(
-            house_example(
+            directory_example(
                 make_talk_launch(
                     '<arg name="rate" default="1"/>',
                     "<!--rate: How often, in Hz.-->",
@@ -155,7 +162,7 @@ it.
             ),
         ),
         good=(
-            house_example(
+            directory_example(
                 make_talk_launch(
                     '<arg name="word"/>',
                     "<!--word: What is said.-->",
@@ -167,25 +174,23 @@ it.
                 )
             ),
         ),
-        house=True,
         launch_file=_find_disorder,
     ),
     Rule(
         id="launch-file-name",
-        group=Group.HOUSE,
+        group=Group.CONVENTIONS,
         severity=Severity.WARNING,
         summary="A launch file is not named as its directory.",
         explanation="""
 A directory `n_x`, `m_x` or `rviz_x` holds one launch file of this name, so that each of the two tells the other.
 """,
-        bad=(house_example(make_talk_launch(tag=MARKED_LAUNCH), "talker.launch"),),
-        good=(house_example(make_talk_launch()),),
-        house=True,
+        bad=(directory_example(make_talk_launch(tag=MARKED_LAUNCH), "talker.launch"),),
+        good=(directory_example(make_talk_launch()),),
         launch_file=_find_other_name,
     ),
     Rule(
         id="launch-suffix",
-        group=Group.HOUSE,
+        group=Group.CONVENTIONS,
         severity=Severity.WARNING,
         summary="A launch file's ending does not say what it is for.",
         explanation="""
@@ -193,12 +198,11 @@ A directory `n_x`, `m_x` or `rviz_x` holds one launch file of this name, so that
 """,
         bad=(_suffix_example("launch", make_talk_launch(tag=MARKED_LAUNCH)),),
         good=(_suffix_example("launch.xml", make_talk_launch()),),
-        house=True,
         whole_package=_find_wrong_suffix,
     ),
     Rule(
         id="unused-launch-file",
-        group=Group.HOUSE,
+        group=Group.CONVENTIONS,
         severity=Severity.WARNING,
         summary="Nothing uses a launch file.",
         explanation="""
@@ -207,7 +211,6 @@ by anybody, and soon does not work. Only looked at when the whole package is che
 """,
         bad=(Example({_INCLUDED_PATH: make_talk_launch(tag=MARKED_LAUNCH)}),),
         good=(Example({_INCLUDED_PATH: make_talk_launch(), "bin/ur_talk": _PROGRAM}),),
-        house=True,
         whole_package=_find_unused_file,
     ),
 )

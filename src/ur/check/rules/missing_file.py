@@ -23,7 +23,7 @@ def _find_in_arguments(view: NodeView) -> Iterable[Found]:
     named: list[str] = []
     if view.node.type == "rviz":
         named = _after(words, _CONFIGURATION)
-    elif view.node.type == "map_server" and view.package is not None and view.package.house:
+    elif view.node.type == "map_server" and view.package is not None and view.package.follows_conventions:
         named = [word for word in words[:1] if word.endswith(".yaml")]
     elif view.node.type in ("spawn_model", "spawn_entity"):
         named = _after(words, ("-file",))

@@ -88,7 +88,7 @@ def _command_example(command: str) -> Example:
 RULES = (
     Rule(
         id="program-documentation",
-        group=Group.HOUSE,
+        group=Group.CONVENTIONS,
         severity=Severity.WARNING,
         summary="A program does not say what it does.",
         explanation="""
@@ -101,7 +101,6 @@ lines with `##` that follow.
             ),
         ),
         good=(_program_example(_DOCUMENTED_PROGRAM),),
-        house=True,
         program=_find_undocumented,
     ),
     Rule(

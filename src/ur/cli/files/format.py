@@ -1,4 +1,4 @@
-"""`ur format`: launch files in house order and layout, meaning what they meant."""
+"""`ur format`: order and layout of launch files, without a change of their meaning."""
 
 from __future__ import annotations
 

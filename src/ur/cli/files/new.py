@@ -1,4 +1,4 @@
-"""`ur new`: launch directories, programs, bases and packages in house style."""
+"""`ur new`: launch directories, programs, bases and packages that follow the conventions of `ur check`."""
 
 from __future__ import annotations
 
