@@ -81,14 +81,15 @@ STILL = Velocity()
 
 @dataclass(frozen=True, slots=True)
 class Command:
-    """A command of the source with this index, `age` seconds old on arrival. Values that are not finite mean a stop.
+    """A command of the source with this index, given at the time `at`. Values that are not finite mean a stop.
 
-    A command that is older than the newest of its source is ignored.
+    `at` is a time of the mux's clock, not an age: whatever delays the mux between admission and `step` makes the
+    command older. None means the time of the step. A command that is older than the newest of its source is ignored.
     """
 
     source: int
     velocity: Velocity
-    age: float = 0.0
+    at: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -182,7 +183,8 @@ def _take(state: MuxState, event: Event | None, now: float) -> MuxState:
     if isinstance(event, Command):
         timeout = state.settings.sources[event.source].timeout
         heard = list(state.heard)
-        heard[event.source] = _hear(heard[event.source], event.velocity, timeout, now - max(0.0, event.age))
+        at = now if event.at is None else min(now, event.at)
+        heard[event.source] = _hear(heard[event.source], event.velocity, timeout, at)
         return replace(state, heard=tuple(heard))
     if isinstance(event, LockSaid):
         locks = list(state.locks)

@@ -270,3 +270,10 @@ def check_change(before: Velocity, after: Velocity, seconds: float) -> None:
         assert abs(new) <= axis.speed
         assert abs(new) - abs(old) <= axis.speed_up * seconds + 1e-9
         assert abs(new - old) <= axis.slow_down * seconds + 1e-9
+
+
+def test_command_that_is_delayed_between_admission_and_mux_does_not_move_the_base() -> None:
+    run = Run(start_mux(SETTINGS), now=1.0)
+    run.tell(Command(KEYBOARD, AHEAD, at=0.6))
+    run.until(3.0)
+    assert all(velocity.still for _, velocity, _ in run.sent)

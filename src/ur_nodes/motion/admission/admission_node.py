@@ -93,31 +93,33 @@ class AdmissionRunner:
         velocity = self._velocity_of(message.twist, index)
         stamp, client = message.header.stamp, message.header.frame_id
         with self._lock:
+            now = read_steady_time()
             self._admission, verdict = admit_stamped(
                 self._admission,
                 index,
                 (stamp.secs, stamp.nsecs),
                 client,
-                read_steady_time(),
+                now,
                 time.time(),
                 motion=not velocity.still,
             )
-            self._pass(index, velocity, verdict, stamped=True)
+            self._pass(index, velocity, now, verdict, stamped=True)
             self._publish_lease()
 
     @quiet_at_end
     def _on_plain(self, message: Twist, index: int) -> None:
         velocity = self._velocity_of(message, index)
         with self._lock:
+            now = read_steady_time()
             self._admission, verdict = admit_plain(
-                self._admission, index, _caller(message), read_steady_time(), motion=not velocity.still
+                self._admission, index, _caller(message), now, motion=not velocity.still
             )
-            self._pass(index, velocity, verdict, stamped=False)
+            self._pass(index, velocity, now, verdict, stamped=False)
 
-    def _pass(self, index: int, velocity: Velocity, verdict: float | Refusal, *, stamped: bool) -> None:
-        """Let the mux have a command that is admitted, and count one that is not."""
+    def _pass(self, index: int, velocity: Velocity, now: float, verdict: float | Refusal, *, stamped: bool) -> None:
+        """Let the mux have a command that is admitted at `now`, and count one that is not."""
         if isinstance(verdict, float):
-            self._handle(Command(index, velocity, verdict if self._steady else 0.0))
+            self._handle(Command(index, velocity, now - verdict if self._steady else None))
         elif not velocity.still:
             self._reports.count(self._settings.sources[index], verdict, stamped=stamped)
 

@@ -64,13 +64,13 @@ class Robot:
     def stamped(self, stamp: Stamp, client: str = "a", source: int = KEYBOARD) -> float | Refusal:
         self.admission, verdict = admit_stamped(self.admission, source, stamp, client, self.now, self.now, motion=True)
         if isinstance(verdict, float):
-            self.step(Command(source, AHEAD, verdict))
+            self.step(Command(source, AHEAD, self.now - verdict))
         return verdict
 
     def plain(self, publisher: str = "/p", source: int = KEYBOARD) -> float | Refusal:
         self.admission, verdict = admit_plain(self.admission, source, publisher, self.now, motion=True)
         if isinstance(verdict, float):
-            self.step(Command(source, AHEAD, verdict))
+            self.step(Command(source, AHEAD, self.now - verdict))
         return verdict
 
     def request(self, client: str, action: Action, stamp: Stamp | None = None) -> bool:
