@@ -32,6 +32,7 @@ from tools.build import build  # noqa: E402 - found by the line above
 _VERSION = re.compile(r'^(version = "|  <version>)([^"<]*)', re.MULTILINE)
 _PLACES = ("pyproject.toml", "ubiquity_launches/package.xml")  # a test compares them
 _UNRELEASED = "## Unreleased"
+_NEVER_RELEASED = re.compile(r"^## \d+\.\d+\.\d+, not yet released\n", re.MULTILINE)
 _TRY = """\
 import subprocess, sys
 from ur.cli.main import VERBS
@@ -69,16 +70,31 @@ def check_version(version: str, present: str, tags: list[str]) -> None:
 
 
 def close_changelog(text: str, version: str, date: str) -> tuple[str, str]:
-    """The changelog with the unreleased changes under a version and date, and an empty section; and those changes."""
+    """Close the changelog's unreleased section: the text with its changes under a version and date, and those changes.
+
+    A section `## VERSION, not yet released` was never released: its changes come first in this release.
+    """
+    text, never_released = _take_never_released(text)
     if re.search(rf"^## {re.escape(version)}\b", text, re.MULTILINE):
         raise ReleaseError(f"CHANGELOG.md has a section {version}, expected its changes under '## Unreleased'")
     before, heading, rest = text.partition(f"{_UNRELEASED}\n")
     changes, separator, older = rest.partition("\n## ")
     if not heading or not re.search(r"^- ", changes, re.MULTILINE):
         raise ReleaseError("CHANGELOG.md has no changes under '## Unreleased', expected what this release changes")
-    changes = changes.strip("\n")
+    changes = f"{never_released}\n\n{changes.strip()}".strip("\n")
     closed = f"{before}{_UNRELEASED}\n\n## {version} - {date}\n\n{changes}\n{separator}{older}"
     return closed, changes
+
+
+def _take_never_released(text: str) -> tuple[str, str]:
+    """Remove the section of a version that was never released; the text without it, and its changes."""
+    heading = _NEVER_RELEASED.search(text)
+    if heading is None:
+        return text, ""
+    following = re.compile(r"^## ", re.MULTILINE).search(text, heading.end())
+    end = following.start() if following else len(text)
+    before, section = text[: heading.start()].rstrip("\n"), text[heading.end() : end]
+    return f"{before}\n" + (f"\n{text[end:]}" if following else ""), section.strip("\n")
 
 
 def prepare(root: Path, clone: Path, version: str) -> str:

@@ -53,6 +53,16 @@ def test_changes_move_below_their_version() -> None:
         close_changelog(CHANGELOG, "0.1.0", "2026-02-04")
 
 
+def test_changes_of_a_version_that_was_never_released_belong_to_the_release() -> None:
+    never = CHANGELOG.replace("## 0.1.0 - 2026-01-01", "## 0.1.0, not yet released")
+    text, changes = close_changelog(never, "0.1.0", "2026-02-03")
+    assert changes == "- Zero.\n\n### Added\n\n- One."
+    assert text == "# Changelog\n\n## Unreleased\n\n## 0.1.0 - 2026-02-03\n\n- Zero.\n\n### Added\n\n- One.\n"
+    between = never + "\n## 0.0.1 - 2025-01-01\n\n- Older.\n"
+    text, _ = close_changelog(between, "0.2.0", "2026-02-03")
+    assert text.endswith("- Zero.\n\n### Added\n\n- One.\n\n## 0.0.1 - 2025-01-01\n\n- Older.\n")
+
+
 def test_clone_with_changes_is_refused(clone: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (clone / "README.md").write_text("changed")
     assert main(["9.9.9", "--without-tests"], clone) == 2
