@@ -131,7 +131,9 @@ install_packages() {
   apt_get "package lists" update ||
     die "the package lists could not be fetched" "check the network and the sources in /etc/apt, then run this again"
   for entry in "${missing[@]}"; do names+=("$(choose_name "$entry")"); done
-  apt_get "${#names[@]} Debian packages and what they need" install -y --no-install-recommends "${names[@]}" ||
+  # The files that were fetched are deleted when they are installed: 130 MB.
+  apt_get "${#names[@]} Debian packages and what they need" -o APT::Keep-Downloaded-Packages=false \
+    install -y --no-install-recommends "${names[@]}" ||
     die "Debian packages could not be installed" \
       "see above; the package lists of $release_name have all of them, so check the sources in /etc/apt (on Ubuntu the component 'universe' must be enabled: sudo add-apt-repository universe); then run this again"
 }
@@ -214,14 +216,19 @@ END
 }
 
 install_python() {
-  local locks=(-r "$root/requirements/run.lock") name
+  local locks=(-r "$root/requirements/run.lock") name kept=()
   if [[ $profile == test ]]; then # 260 MB, 20 s
     for name in dev vision robot; do locks+=(-r "$root/requirements/$name.lock"); done
   fi
+  # What was fetched before an interruption is kept until the end; a user of pip has a cache of his own.
+  [[ -d ${XDG_CACHE_HOME:-$HOME/.cache}/pip ]] || kept=(--cache-dir "$PWD/.cache/pip")
   # PYTHONPATH of a shell that sourced another ROS would make pip think that its packages are ours.
-  run_step "Python packages" env -u PYTHONPATH .venv/bin/python -m pip install --progress-bar off \
-    --disable-pip-version-check --require-hashes --only-binary :all: "${locks[@]}" ||
+  run_step "Python packages" env -u PYTHONPATH .venv/bin/python -m pip install --progress-bar off --no-compile \
+    --disable-pip-version-check --require-hashes --only-binary :all: "${kept[@]}" "${locks[@]}" ||
     die "the Python packages could not be installed" "check the network and pip's settings (pip config list), then run this again"
+  rm -rf .cache/pip
+  # On all processors, where pip would use one. Without it, Python compiles each file when it is used first.
+  run_step "compiling the Python packages" .venv/bin/python -I -m compileall -q -j 0 .venv/lib/python3.*/site-packages
   if [[ -n $wheel ]]; then
     run_step "this project" copy_wheel || die "the project could not be copied into $state/.venv" "look at $log, then run this again"
     return
