@@ -13,6 +13,7 @@ import pty
 import re
 import select
 import signal
+import socket
 import statistics
 import subprocess
 import sys
@@ -273,6 +274,39 @@ def trial_display() -> str:
         window.terminate()
         window.wait()
     return "xlogo, installed by ur debian install, has a window"
+
+
+def trial_rviz() -> str:
+    """RViz, as programs start it, shows its window."""
+    if not os.environ.get("DISPLAY"):
+        return "left out: no DISPLAY"
+    began = time.monotonic()
+    installed = run(UR, "debian", "install", "rviz", "x11-utils")
+    assert installed.returncode == 0, installed
+    took = time.monotonic() - began
+    with socket.socket() as free:
+        free.bind(("localhost", 0))
+        master = f"http://localhost:{free.getsockname()[1]}"
+    with tempfile.TemporaryFile("w+") as said:
+        program = subprocess.Popen(
+            [UR, "run", "rviz_robot"],
+            env={**os.environ, "ROS_MASTER_URI": master},
+            stdin=subprocess.DEVNULL,
+            stdout=said,
+            stderr=said,
+        )
+        try:
+            wait_for(lambda: re.search(r'"[^"]*RViz[^"]*"', inside("xwininfo -root -tree").stdout), "a window of RViz")
+            program.send_signal(signal.SIGINT)
+            code = program.wait(PATIENCE)
+        finally:
+            program.kill()
+            program.wait()
+            said.seek(0)
+            text = said.read()
+    assert code == 0, (code, text[-2000:])
+    assert not processes("__name:=rviz_robot")
+    return f"a window of RViz (installed in {took:.0f} s)"
 
 
 def trial_interruptions() -> str:
