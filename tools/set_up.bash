@@ -30,7 +30,8 @@ packages=(python3 python3-venv ca-certificates "${packages[@]}")
 # Images of systems are made and read back with the tools of others.
 [[ $profile == test ]] && packages+=(mtools dosfstools fdisk e2fsprogs openssl)
 # The site of ur docs is tried in Chromium. Ubuntu has it as a snap only, which tests cannot drive: they are left out.
-[[ $profile == test ]] && grep -qx 'ID=debian' /etc/os-release && packages+=("chromium-headless-shell|chromium" fonts-dejavu-core)
+site_packages=("chromium-headless-shell|chromium" fonts-dejavu-core)
+[[ $profile == test ]] && grep -qx 'ID=debian' /etc/os-release && packages+=("${site_packages[@]}")
 
 say() { printf '%s\n' "$*" >&2; }
 
@@ -161,6 +162,7 @@ bring_debian() {
   log="$PWD/.cache/debian_root.log"
   : >"$log"
   [[ -n "${DISPLAY-}${WAYLAND_DISPLAY-}" ]] && wanted+=(rviz)
+  [[ $profile == test ]] && wanted+=("${site_packages[@]%%|*}")
   mapfile -t packages < <(debian_lacks_tools)
   install_packages
   if ! debian_allowed; then
