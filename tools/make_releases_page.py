@@ -15,6 +15,7 @@ ROOT = Path(__file__).parents[1]
 PAGE = ROOT / "docs" / "reference" / "releases.md"
 README = ROOT / "README.md"
 BEGIN, END = "<!-- releases: made by tools/make_releases_page.py -->", "<!-- releases: end -->"
+_STAND_IN = "a Debian 12 without packages of ROS, under the name of Ubuntu 24.04"  # tests/fresh/run --only brought
 _HEAD = """\
 # Releases
 
@@ -30,11 +31,12 @@ A derivative counts as the release that it is made from: Linux Mint 22 as Ubuntu
 Derivatives are expected to work, but were not tried.
 
 """
-_FOOT = """
+_FOOT = f"""
 The column "lists" has the date of the look-up in the release's package lists, made with `tools/check_releases.py`.
 "Measured" means that they were looked up on another computer, on a day that was not recorded.
 "Tried" means that the first drive was run on the release, on x86-64, with `tests/fresh/run`.
 The others, and arm64, are expected to work.
+The Debian 13 root was tried on {_STAND_IN}.
 """
 _ROS = {"native": "its own packages", "brought": "a Debian 13 root", "refused": "none: refused"}
 
@@ -60,9 +62,11 @@ def make_sentences(rows: Sequence[Release] | None = None) -> str:
     expected = [row.name for row in rows if not row.tried and row.ros == "native"]
     sentences.append(f"It is expected to work on {_join([*expected, 'arm64'])}, which were not tried.")
     brought = [row for row in rows if row.ros == "brought"]
-    for words, wanted in (("", True), ("; this is expected to work, but was not tried there", False)):
-        if names := [row.name for row in brought if row.tried is wanted]:
-            sentences.append(f"Where ROS 1 is not packaged ({_join(names)}), it makes a Debian 13 root for it{words}.")
+    for tried in (True, False):
+        if names := [row.name for row in brought if row.tried is tried]:
+            sentences.append(f"Where ROS 1 is not packaged ({_join(names)}), it makes a Debian 13 root for it.")
+            if not tried:
+                sentences.append(f"That is expected to work there; it was tried on {_STAND_IN}.")
     sentences.append("[All releases](docs/reference/releases.md), and what each packages.")
     return "\n".join(sentences)
 
