@@ -12,6 +12,8 @@ if [[ -d $root/src/ur ]]; then
   [[ ${1-} == debian && -z $help ]] && exec bash "$root/tools/debian_root.bash" "${@:2}"
   stamp="$root/.venv/ready-run"
   [[ -e $stamp ]] && read -r where <"$stamp"
+  # The environment knows where its Debian root is, whatever HOME is now.
+  [[ -r $root/.venv/debian ]] && read -r data <"$root/.venv/debian" && debian="$data/enter.bash"
   if [[ $where != "$root" || $root/requirements/run.lock -nt $stamp || $root/tools/set_up.bash -nt $stamp ||
     $root/src/ur/system/ros_packages.txt -nt $stamp || $root/pyproject.toml -nt $stamp ||
     ( -e $root/.venv/debian && ! -e $debian ) ]]; then

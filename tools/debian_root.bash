@@ -8,6 +8,7 @@
 # The root holds a copy of this file, which `.venv/bin/python` and the programs in `bin` use: it needs nothing of this project.
 debian_suite=trixie
 debian_data="${XDG_DATA_HOME:-$HOME/.local/share}/ubiquity_launches/debian-13"
+[[ ${BASH_SOURCE[0]} == */debian-13/enter.bash ]] && debian_data="${BASH_SOURCE[0]%/*}" # the copy there: whatever HOME is now
 debian_root="$debian_data/root"
 debian_mark=/etc/ubiquity_debian # exists in the root only
 # What a person at a terminal expects, beside what set_up.bash asks for.

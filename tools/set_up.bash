@@ -204,7 +204,7 @@ enter_by_python() {
 # Python of this environment, which is one of a Debian root: see tools/debian_root.bash.
 program="\${BASH_SOURCE[0]%/*}/$version"
 [[ -e /etc/ubiquity_debian ]] && exec "\$program" "\$@"
-data="\${XDG_DATA_HOME:-\$HOME/.local/share}/ubiquity_launches/debian-13"
+read -r data <"\${BASH_SOURCE[0]%/*}/../debian"
 if [[ ! -r \$data/enter.bash ]]; then
   echo "error: the Debian root '\$data' does not exist" >&2
   echo "  help: make it again: $again" >&2

@@ -89,6 +89,19 @@ def trial_identity() -> str:
     return there.stdout.replace("\n", " ")
 
 
+def trial_home() -> str:
+    """With another HOME, the same Debian root is used, and nothing is set up again."""
+    with tempfile.TemporaryDirectory() as folder:
+        for command in ([UR, "--version"], [UR, "list"], [str(DATA / "bin/rosversion"), "-d"]):
+            done = run(*command, HOME=folder)
+            assert done.returncode == 0, done
+            assert "setting up" not in done.stderr, done
+        within = inside(f"HOME={folder} {UR} --version")
+        assert (within.returncode, within.stderr) == (0, ""), within
+        assert not (Path(folder) / ".local").exists()
+    return within.stdout.strip()
+
+
 def trial_exit_codes() -> str:
     codes = [inside(line).returncode for line in ("exit 7", "kill -9 $$", "kill -TERM $$", "true")]
     assert codes == [7, -9, -15, 0], codes

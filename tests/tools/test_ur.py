@@ -33,3 +33,23 @@ def test_sudo_in_a_folder_of_a_user_is_refused_before_the_set_up(tmp_path: Path)
     assert not (clone / ".venv").exists()
     os.chown(clone, 0, 0)
     assert run().stdout == "set up\n"  # root's own folder
+
+
+def test_debian_root_is_found_with_another_home_and_made_again_when_it_is_gone(tmp_path: Path) -> None:
+    clone, data = tmp_path / "clone", tmp_path / "home/debian-13"
+    for folder in (clone / "src/ur/system", clone / "tools", clone / "requirements", clone / ".venv/bin", data):
+        folder.mkdir(parents=True)
+    shutil.copy(ROOT / "ur", clone / "ur")
+    for name in ("tools/set_up.bash", "src/ur/system/ros_packages.txt", "requirements/run.lock", "pyproject.toml"):
+        (clone / name).write_text("echo set up; exit 3\n")
+    (clone / ".venv/bin/python").write_text("#!/bin/sh\necho it runs\n")
+    (clone / ".venv/bin/python").chmod(0o755)
+    (clone / ".venv/debian").write_text(f"{data}\n")
+    (clone / ".venv/ready-run").write_text(f"{clone}\n")
+    (data / "enter.bash").touch()
+    command = [clone / "ur", "list"]
+    environment = {"PATH": "/usr/bin:/bin", "HOME": str(tmp_path / "another")}
+    assert subprocess.check_output(command, env=environment, text=True) == "it runs\n"
+    (data / "enter.bash").unlink()
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout) == (3, "set up\n")
