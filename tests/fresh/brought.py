@@ -308,16 +308,22 @@ def trial_rviz() -> str:
             stdout=said,
             stderr=said,
         )
+
+        def has_window() -> bool:
+            assert program.poll() is None, f"it has ended with code {program.returncode}"
+            return " - RViz" in inside("xwininfo -root -tree").stdout
+
         try:
-            wait_for(lambda: re.search(r'"[^"]*RViz[^"]*"', inside("xwininfo -root -tree").stdout), "a window of RViz")
+            wait_for(has_window, "a window of RViz")
             program.send_signal(signal.SIGINT)
-            code = program.wait(PATIENCE)
+            assert program.wait(PATIENCE) == 0
+        except (AssertionError, subprocess.SubprocessError):
+            said.seek(0)
+            sys.stdout.write(said.read()[-2000:])
+            raise
         finally:
             program.kill()
             program.wait()
-            said.seek(0)
-            text = said.read()
-    assert code == 0, (code, text[-2000:])
     assert not processes("__name:=rviz_robot")
     return f"a window of RViz (installed in {took:.0f} s)"
 
