@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 Holder = tuple[str, str]  # state, client id
 FREE: Holder = ("free", "")
-RECENT = 8.0  # s: so long after its start a client may still try to acquire the lease
 
 
 @dataclass(slots=True)
@@ -16,15 +16,18 @@ class Client:
     name: str
     identity: str
     conduct: str
-    started: float
     halted: bool = False
 
 
 @dataclass(slots=True)
 class Model:
-    """The clients that live, by name, those who ask in order, and who holds the lease (or lost it)."""
+    """The clients that live, by name, those who ask in order, and who holds the lease (or lost it).
+
+    `names` are the names of all clients that ever were, by id.
+    """
 
     holder: Holder = FREE
+    names: Mapping[str, str] = field(default_factory=dict)
     clients: dict[str, Client] = field(default_factory=dict)
     asking: list[str] = field(default_factory=list)
 
@@ -36,8 +39,7 @@ class Model:
         """A client starts, with a conduct; all that may be held then."""
         self.clients[client.name] = client
         own: Holder = ("held", client.identity)
-        held = self.holder[0] == "held"
-        if client.conduct == "take" or (client.conduct in ("drive", "ask") and not held):
+        if client.conduct == "take" or (client.conduct in ("drive", "ask") and self._is_available(client.name)):
             return {own}
         if client.conduct == "ask":
             self.asking.append(client.name)
@@ -50,7 +52,7 @@ class Model:
 
     def ask(self, name: str) -> set[Holder]:
         """A client asks for the lease."""
-        if self.holder[0] != "held":
+        if self._is_available(name):
             return {("held", self.clients[name].identity)}
         if not self.owns(name) and name not in self.asking:
             self.asking.append(name)
@@ -67,7 +69,7 @@ class Model:
         del self.clients[name]
         return self._give() if owned else {self.holder}
 
-    def fall_silent(self, name: str, now: float, *, dies: bool) -> set[Holder]:
+    def fall_silent(self, name: str, *, dies: bool) -> set[Holder]:
         """A client is killed or halted; what is held once that has been noticed."""
         owned = self.owns(name)
         self._forget(name)
@@ -75,24 +77,21 @@ class Model:
             del self.clients[name]
         else:
             self.clients[name].halted = True
-        if not owned:
-            return {self.holder}
-        return {("lost", self.holder[1]), *self._list_keen(now)}
+        return {("lost", self.holder[1])} if owned else {self.holder}
 
-    def resume(self, name: str, now: float) -> set[Holder]:
-        """A halted client goes on; it has the lease again unless another acquired it."""
+    def resume(self, name: str) -> set[Holder]:
+        """A halted client goes on; it has the lease again unless another took it."""
         client = self.clients[name]
         client.halted = False
         if self.holder == FREE and client.conduct != "watch":  # its key is held
             return {("held", client.identity)}
         if self.owns(name):
             return {("held", self.holder[1])}
-        return {self.holder, *self._list_keen(now)} if self.holder[0] == "lost" else {self.holder}
+        return {self.holder}
 
-    def _list_keen(self, now: float) -> set[Holder]:
-        """The clients that acquire what they find lost, each as a holder."""
-        keen = [each for each in self._active() if each.conduct == "drive" and now - each.started < RECENT]
-        return {("held", each.identity) for each in keen}
+    def _is_available(self, name: str) -> bool:
+        """Return whether a client may acquire the lease: it is free, or an earlier client of its name has lost it."""
+        return self.holder[0] == "free" or (self.holder[0] == "lost" and self.names.get(self.holder[1]) == name)
 
     def _give(self) -> set[Holder]:
         if self.asking:

@@ -16,7 +16,6 @@ pytestmark = pytest.mark.long
 SEEDS = range(50)
 LENGTH = 9
 _PATIENCE = 12.0  # s: for a step to take effect
-_SETTLED = 1.0  # s: until a client that wants the lease has found it lost
 _CONDUCTS = ("drive", "drive", "take", "ask", "watch")
 
 
@@ -46,7 +45,7 @@ class Sequence:
         self._chance = chance
         wait_until(lambda: world.lease()["state"] != "held", "earlier clients are lost", _PATIENCE)
         lease = world.lease()
-        self._model = Model((lease["state"], lease["client"]))
+        self._model = Model((lease["state"], lease["client"]), world.names)
         self.history: list[str] = []
 
     def step(self) -> None:
@@ -66,18 +65,18 @@ class Sequence:
         self._check_screens()
 
     def _do(self, what: str, name: str, conduct: str) -> set[Holder]:
-        world, model, now = self._world, self._model, time.monotonic()
+        world, model = self._world, self._model
         if what == "start":
-            return model.start(Client(name, world.start(name, conduct), conduct, now))
+            return model.start(Client(name, world.start(name, conduct), conduct))
         if what in ("take", "ask", "grant", "end"):
             world.press(name, {"take": "d", "ask": "a", "grant": "y", "end": "\x03"}[what])
             holders: set[Holder] = getattr(model, what)(name)
             return holders
         if what == "resume":
             world.signal(name, signal.SIGCONT)
-            return model.resume(name, now)
+            return model.resume(name)
         world.signal(name, signal.SIGKILL if what == "kill" else signal.SIGSTOP)
-        return model.fall_silent(name, now, dies=what == "kill")
+        return model.fall_silent(name, dies=what == "kill")
 
     def _expect(self, holders: set[Holder]) -> None:
         asked = [self._model.clients[name].identity for name in self._model.asking]
@@ -93,8 +92,6 @@ class Sequence:
         except AssertionError:
             named = [(state, self._world.names.get(client, client)) for state, client in holders]
             raise AssertionError(f"{self.history}: {self._world.lease()}, expected {named}, asking {asked}") from None
-        if len(holders) > 1:  # another may acquire what was just lost
-            time.sleep(_SETTLED)
         lease = self._world.lease()
         self._model.holder = (lease["state"], lease["client"])
 

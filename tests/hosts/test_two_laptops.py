@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import signal
 import subprocess
 from collections.abc import Iterator
@@ -126,12 +127,23 @@ def started_on_terminal(machine: Machine, words: str, tmp_path: Path) -> Iterato
         process.communicate(timeout=60)
 
 
+def press(program: subprocess.Popen[bytes], keys: bytes) -> None:
+    """Press keys."""
+    assert program.stdin is not None
+    program.stdin.write(keys)
+    program.stdin.flush()
+
+
 def stop(program: subprocess.Popen[bytes]) -> None:
     """Press Ctrl-C."""
-    assert program.stdin is not None
-    program.stdin.write(b"\x03")
-    program.stdin.flush()
+    press(program, b"\x03")
     program.wait(90)
+
+
+def read_screen(folder: Path, name: str) -> str:
+    """Everything that the terminal of a laptop was sent, without control sequences."""
+    text = (folder / f"screen-{name}").read_bytes().decode("utf-8", "replace")
+    return re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", text)
 
 
 @pytest.mark.parametrize("first", ["laptop", "laptop2"])
@@ -273,7 +285,27 @@ def test_person_at_a_terminal_is_asked(trio: Bench) -> None:
     assert runs_there(trio) == []
 
 
-@pytest.mark.parametrize("change", [{"state": "free"}, {"state": "lost"}, {"name": "x" * 100}])
+def test_robot_whose_driver_is_out_of_reach_is_taken_over_on_purpose_only(trio: Bench, tmp_path: Path) -> None:
+    laptop2 = trio["laptop2"]
+    plant_lease(trio, state="lost", until=1_790_000_060)
+    done = laptop2.run(f"{UR} launch chat drive.launch", user="pat", timeout=120)
+    assert done.code == 1
+    assert "error: laptop drove bob until" in done.err
+    assert "(keyboard_drive) and is out of reach" in done.err
+    assert "help: add --watch or --take-over" in done.err
+    assert runs_there(trio) == []
+    line = f'script -qec "{UR} launch --plain chat drive.launch" /dev/null'
+    done = laptop2.run(line, user="pat", stdin="q\n", timeout=120)
+    assert "and is out of reach" in done.out
+    assert "[w]atch, [t]ake over, [q]uit?" in done.out
+    # The laptop itself begins again at once: its program was killed, for instance.
+    with started(trio, "launch chat drive.launch", tmp_path, "laptop") as program:
+        program.wait_said("client: ")
+        assert "keys: UR_LEASE=drive" in program.said
+        end(program)
+
+
+@pytest.mark.parametrize("change", [{"state": "free"}, {"name": "x" * 100}])
 def test_robot_that_nobody_drives_is_driven_at_once(trio: Bench, tmp_path: Path, change: dict[str, object]) -> None:
     plant_lease(trio, **change)
     with started(trio, "launch chat drive.launch", tmp_path, "laptop2") as program:
@@ -297,4 +329,29 @@ def test_driver_of_a_real_program_is_named_to_the_second_laptop(trio: Bench, tmp
             assert runs_there(trio) == [run]
             assert read_lease(robot)["name"] == "laptop2"
             stop(taker)
+    assert runs_there(trio) == []
+
+
+def test_laptop_that_is_cut_off_is_still_the_driver_for_the_second(trio: Bench, tmp_path: Path) -> None:
+    robot, words = trio["robot"], "run keyboard_drive simulate:=true"
+    with started_on_terminal(trio["laptop"], words, tmp_path) as driver:
+        wait_until(lambda: read_lease(robot).get("name") == "laptop", "laptop drives", 90)
+        trio["laptop"].cut()
+        wait_until(lambda: read_lease(robot).get("state") == "lost", "laptop is lost", 60)
+        done = trio["laptop2"].run(f"{UR} {words}", user="pat", timeout=120)
+        assert done.code == 1
+        assert "error: laptop drove bob until" in done.err
+        with started_on_terminal(trio["laptop2"], f"{words} --watch", tmp_path) as watcher:
+            wait_until(lambda: "is out of reach; d: take over" in read_screen(tmp_path, "laptop2"), "it is told", 90)
+            trio["laptop"].restore()
+            wait_until(lambda: read_lease(robot)["state"] == "held", "laptop drives again", 60)
+            assert read_lease(robot)["name"] == "laptop"
+            trio["laptop"].cut()
+            wait_until(lambda: read_lease(robot)["state"] == "lost", "laptop is lost again", 60)
+            press(watcher, b"d")
+            wait_until(lambda: read_lease(robot).get("name") == "laptop2", "laptop2 drives", 60)
+            trio["laptop"].restore()
+            wait_until(lambda: "laptop2 took over at" in read_screen(tmp_path, "laptop"), "the first is told", 60)
+            stop(watcher)
+        stop(driver)
     assert runs_there(trio) == []

@@ -81,6 +81,9 @@ def refuse_goal(claim: Claim | None, lease: Lease | None, challenges: Challenges
         return ""
     if lease is not None and lease.state == "held" and lease.client != claim.client:
         return f"{name_of_driver(lease)} drives since {clock_time(lease.since)}"
+    if lease is not None and lease.state == "lost" and lease.client != claim.client:
+        until = f" until {clock_time(lease.until)}" if lease.until else ""
+        return f"{name_of_driver(lease)} drove{until} and is out of reach, take over first"
     age = age_of_answer(challenges, claim.answer, now)
     if age is not None and age <= LATEST:
         return ""

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import time
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -70,6 +71,25 @@ def test_robot_that_is_driven_is_refused_where_nobody_can_be_asked() -> None:
     assert found.message.startswith("laptop2 drives bob since ")
     assert "(keyboard_drive)" in found.message
     assert all(option in str(found.help) for option in ("--watch", "--ask", "--take-over"))
+
+
+def test_robot_whose_driver_is_out_of_reach_is_taken_over_on_purpose_only(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ROS_MASTER_URI", "http://bob.local:11311")
+    monkeypatch.setattr(driving, "read_lease", lambda _: replace(HELD, state="lost", until=time.time()))
+    answers, asked = iter(["a", "t"]), []
+
+    def ask(question: str) -> str:
+        asked.append(question)
+        return next(answers)
+
+    assert choose_mode(LaunchOptions(), "bob", KEYS, "laptop", ask) == "take"
+    first, second = asked
+    assert "laptop2 drove bob until " in first
+    assert "is out of reach\n  [w]atch, [t]ake over, [q]uit? " in first
+    assert second == "  expected w, t or q: "
+    with pytest.raises(UserError, match="out of reach") as caught:
+        choose_mode(LaunchOptions(detach=True), "bob", KEYS, "laptop")
+    assert caught.value.diagnostics[0].help == "add --watch or --take-over"
 
 
 @pytest.mark.usefixtures("held")

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ur.run.remote.lease import Lease, describe_lease, is_held_by_other, parse_lease
+from ur.run.remote.lease import Lease, belongs_to_other, describe_lease, parse_lease
 
 HELD = {
     "state": "held",
@@ -20,11 +20,15 @@ HELD = {
     "asking": [],
     "taken_from": None,
     "taken_at": None,
+    "computer": "c1",
+    "until": None,
 }
 
 
 def test_lease_is_read_as_the_multiplexer_writes_it() -> None:
-    assert parse_lease(json.dumps(HELD)) == Lease("held", "a1", "laptop", "keyboard_drive", 1_700_000_000.0)
+    assert parse_lease(json.dumps(HELD)) == Lease("held", "a1", "laptop", "keyboard_drive", 1_700_000_000.0, "c1")
+    lost = {**HELD, "state": "lost", "until": 1_700_000_060.5}
+    assert parse_lease(json.dumps(lost)).until == 1_700_000_060.5
     assert parse_lease('{"state": "free", "client": null, "name": null, "since": null}') == Lease()
 
 
@@ -40,6 +44,8 @@ def test_lease_is_read_as_the_multiplexer_writes_it() -> None:
         {"since": True},
         {"since": float("nan")},
         {"since": -1},
+        {"until": "now"},
+        {"computer": "a\nb"},
         {"client": {"a": 1}},
     ],
 )
@@ -71,15 +77,28 @@ def test_driver_is_described_with_the_local_time() -> None:
     )
 
 
+def test_driver_that_is_lost_is_described_with_the_time_of_its_last_word() -> None:
+    now = time.time()
+    when = time.strftime("%H:%M", time.localtime(now - 60))
+    lost = Lease("lost", "a1", "laptop", "keyboard_drive", now - 600, until=now - 60)
+    assert describe_lease(lost, "bob", now) == f"laptop drove bob until {when} (keyboard_drive) and is out of reach"
+    assert describe_lease(Lease("lost", "a1"), "bob", now) == "another computer drove bob and is out of reach"
+
+
 @pytest.mark.parametrize(
     ("lease", "other"),
     [
         (Lease(), False),
-        (Lease("lost", "a1", "laptop2"), False),
+        (Lease("lost", "a1", "laptop2"), True),
         (Lease("held", "a1", "laptop2"), True),
         (Lease("held", "killed", "laptop"), False),
+        (Lease("lost", "killed", "laptop"), False),
         (Lease("held", "own", "laptop"), True),
+        (Lease("lost", "killed", "laptop", computer="c1"), False),
+        (Lease("lost", "killed", "former-name", computer="c1"), False),
+        (Lease("lost", "a1", "laptop", computer="c2"), True),
+        (Lease("held", "a1", "laptop", computer="c2"), True),
     ],
 )
-def test_robot_is_driven_by_others_while_one_of_them_holds_the_lease(lease: Lease, other: bool) -> None:
-    assert is_held_by_other(lease, "laptop", ["own"]) is other
+def test_lease_belongs_to_others_unless_it_is_free_or_of_a_client_here_that_ended(lease: Lease, other: bool) -> None:
+    assert belongs_to_other(lease, "laptop", "c1", ["own"]) is other

@@ -185,7 +185,10 @@ def test_late_goal_is_refused_with_its_age() -> None:
 def test_goal_of_a_client_that_does_not_drive_is_refused_while_another_does() -> None:
     heard = challenges((1.0, 10.0))
     assert refuse_goal(MINE, OTHER, heard, 10.1) == f"laptop2 drives since {clock_time(60.0)}"
-    for lease in (None, FREE, HELD, LOST, replace(OTHER, state="lost")):
+    lost = replace(OTHER, state="lost", until=120.0)
+    expected = f"laptop2 drove until {clock_time(120.0)} and is out of reach, take over first"
+    assert refuse_goal(MINE, lost, heard, 10.1) == expected
+    for lease in (None, FREE, HELD, LOST):
         assert refuse_goal(MINE, lease, heard, 10.1) == ""
     assert refuse_goal(None, OTHER, heard, 99.0) == ""
 

@@ -12,13 +12,15 @@ from ur.launchfile.plan.model import NodeSpec, Plan
 from ur.request.options import LaunchOptions, Report
 from ur.run.master.client import parse_master_uri
 from ur.run.paths import is_local_address
-from ur.run.remote.lease import Lease, Mode, describe_lease, is_held_by_other, read_lease
+from ur.run.record.computer import describe_user, read_computer
+from ur.run.remote.lease import Lease, Mode, belongs_to_other, describe_lease, read_lease
 from ur.run.remote.names import choose_names, describe_names, find_taken, rename_nodes
 from ur.run.remote.own_clients import clients_folder, list_clients
 from ur.run.startup.node_selection import may_drive
 from ur.source.diagnostic import UserError, error
 
 _ANSWERS: Mapping[str, Mode | None] = {"w": "watch", "a": "ask", "t": "take", "q": None}
+_LOST_ANSWERS: Mapping[str, Mode | None] = {"w": "watch", "t": "take", "q": None}
 
 
 def computer_name() -> str:
@@ -44,38 +46,45 @@ def choose_mode(
 ) -> Mode | None:
     """Choose the conduct on a robot; None: the person at the terminal does not want to begin.
 
+    A robot whose driver is out of reach is still that driver's: its run goes on there. It is taken over on purpose.
     Raises UserError: another client drives, no option chooses what to do, and there is no terminal to ask at.
     """
     if options.mode != "drive" or not may_drive(nodes):
         return options.mode
     lease = read_lease(os.environ["ROS_MASTER_URI"])
-    if not is_held_by_other(lease, name, list_clients(clients_folder(os.environ, os.getuid()))):
+    computer = describe_user(read_computer(), os.getuid())
+    if not belongs_to_other(lease, name, computer, list_clients(clients_folder(os.environ, os.getuid()))):
         return "drive"
     if ask is None and (options.detach or options.json or not (sys.stdin.isatty() and sys.stderr.isatty())):
         raise refuse(lease, robot)
-    return ask_mode(describe_lease(lease, robot, time.time()), ask or _ask)
+    return ask_mode(describe_lease(lease, robot, time.time()), ask or _ask, lost=lease.state == "lost")
 
 
-def ask_mode(description: str, ask: Callable[[str], str]) -> Mode | None:
-    """Ask until the answer is one of those offered; the end of the input means to quit."""
-    question = f"{description}\n  [w]atch, [a]sk to drive, [t]ake over, [q]uit? "
+def ask_mode(description: str, ask: Callable[[str], str], *, lost: bool = False) -> Mode | None:
+    """Ask until the answer is one of those offered; the end of the input means to quit.
+
+    Where the driver is `lost` nobody would answer a client that asks to drive.
+    """
+    answers = _LOST_ANSWERS if lost else _ANSWERS
+    question = f"{description}\n  [w]atch, {'' if lost else '[a]sk to drive, '}[t]ake over, [q]uit? "
     while True:
         try:
             answer = ask(question).strip().lower()
         except EOFError:
             return None
-        if answer[:1] in _ANSWERS:
-            return _ANSWERS[answer[:1]]
-        question = "  expected w, a, t or q: "
+        if answer[:1] in answers:
+            return answers[answer[:1]]
+        *first, last = answers
+        question = f"  expected {', '.join(first)} or {last}: "
 
 
 def refuse(lease: Lease, robot: str) -> UserError:
-    """Make the error that another client drives the robot."""
+    """Make the error that another client drives the robot, or drove it and is out of reach."""
     return UserError(
         error(
             f"{describe_lease(lease, robot, time.time())}, expected a robot that nobody drives",
             rule="robot-is-driven",
-            help="add --watch, --ask or --take-over",
+            help="add --watch or --take-over" if lease.state == "lost" else "add --watch, --ask or --take-over",
         )
     )
 

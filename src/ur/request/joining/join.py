@@ -57,6 +57,7 @@ def join(loaded: Loaded, client: str, report: Report) -> Joined | None:
 
 def describe_client(client: str, mode: Mode, plan: Plan, *, simulated: bool, unattended: bool) -> Mapping[str, str]:
     """The variables that `ur_nodes.motion.lease.view` reads; none where nothing can be driven."""
+    from ur.run.record.computer import describe_user, read_computer
     from ur.run.record.registry import make_run_name
     from ur.run.startup.node_selection import may_drive
 
@@ -66,6 +67,7 @@ def describe_client(client: str, mode: Mode, plan: Plan, *, simulated: bool, una
     return {
         "UR_CLIENT": client,
         "UR_CLIENT_NAME": os.uname().nodename.partition(".")[0],
+        "UR_COMPUTER": describe_user(read_computer(), os.getuid()),
         "UR_PROGRAM": title.removeprefix("m_"),
         "UR_LEASE": mode,
         "UR_ATTENDED": "0" if unattended else "1",

@@ -25,7 +25,8 @@ _DAY = 86400.0
 class Lease:
     """The client that drives a robot: its id, its computer's name, its program, and since when (s since the epoch).
 
-    "lost": nothing was heard of the client for a while; anybody may drive.
+    "lost": nothing was received from the client for a while; `until`: when it was received last, 0 if unknown. It still
+    has the lease, which others have to take. `computer` identifies its computer and user, empty if it sends nothing.
     """
 
     state: LeaseState = "free"
@@ -33,6 +34,8 @@ class Lease:
     name: str = ""
     program: str = ""
     since: float = 0.0
+    computer: str = ""
+    until: float = 0.0
 
 
 def read_lease(master_uri: str) -> Lease:
@@ -58,24 +61,43 @@ def parse_lease(text: object) -> Lease:
     state = fields.get("state")
     if state not in ("free", "held", "lost"):
         raise ValueError("state")
-    since = fields.get("since") or 0.0
-    if isinstance(since, bool) or not isinstance(since, (int, float)) or not 0.0 <= since < 1e11:
-        raise ValueError("since")
-    client, name, program = (check_printable(fields.get(key) or "") for key in ("client", "name", "program"))
-    return Lease(state, client, name, program, float(since))
+    since, until = (_read_time(fields, key) for key in ("since", "until"))
+    client, name, program, computer = (
+        check_printable(fields.get(key) or "") for key in ("client", "name", "program", "computer")
+    )
+    return Lease(state, client, name, program, since, computer, until)
 
 
 def describe_lease(lease: Lease, robot: str, now: float) -> str:
     """Format a lease for people: 'laptop drives bob since 14:02 (keyboard_drive)'. `now` is in s since the epoch."""
-    when = time.strftime("%H:%M" if abs(now - lease.since) < _DAY / 2 else "%d %b %H:%M", time.localtime(lease.since))
-    since = f" since {when}" if lease.since else ""
     program = f" ({lease.program})" if lease.program else ""
-    return f"{lease.name or 'another computer'} drives {robot}{since}{program}"
+    name = lease.name or "another computer"
+    if lease.state == "lost":
+        until = f" until {_format_time(lease.until, now)}" if lease.until else ""
+        return f"{name} drove {robot}{until}{program} and is out of reach"
+    since = f" since {_format_time(lease.since, now)}" if lease.since else ""
+    return f"{name} drives {robot}{since}{program}"
 
 
-def is_held_by_other(lease: Lease, name: str, own: Iterable[str]) -> bool:
-    """Return whether another client drives. `name` is this computer's; `own` are the ids of the clients that run on it.
+def belongs_to_other(lease: Lease, name: str, computer: str, own: Iterable[str]) -> bool:
+    """Return whether another client has the lease, also one that is lost.
 
-    An own client that was killed is no longer there, though its lease lasts a little longer.
+    `name` and `computer` are this computer's; `own` are the ids of the clients that run on it. An own client that was
+    killed is no longer there, though its lease lasts longer.
     """
-    return lease.state == "held" and (lease.name != name or lease.client in set(own))
+    if lease.state == "free":
+        return False
+    here = lease.computer == computer if lease.computer and computer else lease.name == name
+    return not here or lease.client in set(own)
+
+
+def _format_time(at: float, now: float) -> str:
+    return time.strftime("%H:%M" if abs(now - at) < _DAY / 2 else "%d %b %H:%M", time.localtime(at))
+
+
+def _read_time(fields: dict[str, object], key: str) -> float:
+    """Seconds since 1970, 0 where there are none. Raises ValueError."""
+    value = fields.get(key) or 0.0
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0.0 <= value < 1e11:
+        raise ValueError(key)
+    return float(value)

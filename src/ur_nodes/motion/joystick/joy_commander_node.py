@@ -62,7 +62,9 @@ class LeasedJoyCommander:
                 self._sent = what
         elif held:
             program = f" ({view.program})" if view.program else ""
-            other = f"{view.holder}{program} drives" if view.state in ("held", "lost") else "no mux has sent a lease"
+            other = f"{view.holder}{program} drives" if view.state == "held" else "no mux has sent a lease"
+            if view.state == "lost":
+                other = f"{view.holder}{program} drove and is out of reach"
             rospy.logwarn_throttle(5.0, f"the joystick does not drive: {other}; UR_LEASE=take lets it take over")
         if self._held and not held and self._borrowed:
             self._borrowed = False

@@ -24,8 +24,8 @@ _LAST_WORDS = 0.1  # s: for a release to leave before the connections close
 class LeaseClient:
     """Takes part in the lease of a mux, in a thread of its own. No call but `release` blocks.
 
-    At the start it behaves as UR_LEASE demands: `drive` acquires the lease if nobody holds it, `take` takes it, `ask`
-    asks for it, `watch` does nothing. What comes of a request is in later views.
+    At the start it behaves as UR_LEASE demands: `drive` acquires the lease if it is free, `take` takes it, `ask` asks
+    for it, `watch` does nothing. What comes of a request is in later views.
     """
 
     def __init__(
@@ -63,10 +63,11 @@ class LeaseClient:
     def view(self) -> LeaseView:
         """Return this client's view of the lease."""
         with self._lock:
-            return view_lease(self._lease, self.client, self._taken, self.link.link_age())
+            pending = not self._released and not (self._begun and self._intent is None)
+            return view_lease(self._lease, self.client, self._taken, self.link.link_age(), pending=pending)
 
     def acquire(self) -> None:
-        """Acquire the lease unless it is held."""
+        """Acquire the lease if it is free, or was lost by a client of the same user on the same computer."""
         self._want("acquire")
 
     def take(self) -> None:
@@ -135,7 +136,8 @@ class LeaseClient:
         if answer is None:
             return False
         who = self.identity
-        request = Request(who.client, who.name, who.program, action, who.attended, (answer.secs, answer.nsecs))
+        stamp = (answer.secs, answer.nsecs)
+        request = Request(who.client, who.name, who.program, action, who.attended, stamp, who.computer)
         try:
             self._publisher.publish(String(write_request(request)))
         except rospy.ROSException:

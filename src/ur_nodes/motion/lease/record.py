@@ -4,9 +4,10 @@ A *client* is a run of a program, with an id of its own; all nodes of a run are 
 lease. It keeps it by renewing it or by driving; a holder whose messages have been missing for `timeout` is *lost*,
 stays named, and holds the lease again with its next message, unless another client has acquired it meanwhile.
 
-- `acquire` succeeds when the lease is free or lost, or is the client's own.
+- `acquire` succeeds when the lease is free, or is the client's own, or was lost by a client of the same user and
+  computer. A lease that another computer has lost is left to it: its run still exists.
 - `take` always succeeds.
-- `ask` puts the client on the list of those who ask; where nobody holds the lease it acquires it. Who asks has to renew
+- `ask` puts the client on the list of those who ask; where `acquire` would succeed it does that. Who asks has to renew
   that too.
 - `grant` by the holder gives the lease to the first who asks.
 - `release` by the client that has the lease gives it to the first who asks, or frees it. By one who asks it withdraws
@@ -38,23 +39,33 @@ class Drove:
 
 @dataclass(frozen=True, slots=True)
 class LeaseRecord:
-    """The state of the lease. `heard`: the time of the last message of the holder, and of each client that asks."""
+    """The state of the lease. `heard`: the time of the last message of the holder; `asked`: of each client that asks.
+
+    `forget_at`: when a holder that has been lost since the record began is forgotten.
+    """
 
     lease: Lease = FREE
     timeout: float = 3.0
     heard: float = -math.inf
     asked: tuple[float, ...] = ()  # as lease.asking
     known: dict[str, Request] = field(default_factory=dict)  # the last request of each client, newest last
+    forget_at: float = math.inf
 
 
 LeaseEvent = Request | Drove
 
 
-def start_lease(before: Lease | None = None, timeout: float = 3.0) -> LeaseRecord:
-    """A record in which nobody drives; or, after a mux that died, one whose holder is lost until its next message."""
+def start_lease(
+    before: Lease | None = None, timeout: float = 3.0, *, unix: float | None = None, forget_at: float = math.inf
+) -> LeaseRecord:
+    """A record in which nobody drives; or, after a mux that died, one whose holder is lost until its next message.
+
+    `unix` is the present time, for people; a holder that is not received until `forget_at` is forgotten.
+    """
     if before is None or before.state == "free":
         return LeaseRecord(timeout=timeout)
-    return LeaseRecord(replace(before, state="lost", asking=()), timeout)
+    until = before.until if before.state == "lost" else unix
+    return LeaseRecord(replace(before, state="lost", asking=(), until=until), timeout, forget_at=forget_at)
 
 
 def step_lease(record: LeaseRecord, event: LeaseEvent | None, now: float, unix: float) -> LeaseRecord:
@@ -62,7 +73,7 @@ def step_lease(record: LeaseRecord, event: LeaseEvent | None, now: float, unix: 
 
     `now` is in seconds of a steady clock, `unix` in seconds since 1970. Requests must have been checked for freshness.
     """
-    record = _expire(record, now)
+    record = _expire(record, now, unix)
     if isinstance(event, Drove):
         return _drive(record, event, now, unix)
     return record if event is None else _request(_remember(record, event), event, now, unix)
@@ -77,7 +88,7 @@ def _request(record: LeaseRecord, request: Request, now: float, unix: float) -> 
     lease, own = record.lease, record.lease.client == request.client
     if own and request.action in ("renew", "acquire", "ask", "take"):
         return _hear(record, request, now)
-    if request.action == "take" or (request.action in ("acquire", "ask") and lease.state != "held"):
+    if request.action == "take" or (request.action in ("acquire", "ask") and _is_available(lease, request)):
         return _give(record, request, now, unix, taken=True)
     if request.action == "release":
         return _release(record, now, unix) if own else _withdraw(record, request.client)
@@ -92,7 +103,7 @@ def _drive(record: LeaseRecord, event: Drove, now: float, unix: float) -> LeaseR
     if not event.client:
         return record
     if record.lease.client == event.client:
-        return replace(record, lease=replace(record.lease, state="held"), heard=now)
+        return replace(record, lease=replace(record.lease, state="held", until=None), heard=now, forget_at=math.inf)
     if record.lease.state == "free" and event.motion:
         known = record.known.get(event.client) or Request(event.client, event.client[:8], "", "acquire")
         return _give(record, known, now, unix, taken=False)
@@ -100,8 +111,16 @@ def _drive(record: LeaseRecord, event: Drove, now: float, unix: float) -> LeaseR
 
 
 def _hear(record: LeaseRecord, request: Request, now: float) -> LeaseRecord:
-    lease = replace(record.lease, state="held", attended=request.attended, name=request.name, program=request.program)
-    return replace(record, lease=lease, heard=now)
+    lease = replace(
+        record.lease,
+        state="held",
+        attended=request.attended,
+        name=request.name,
+        program=request.program,
+        computer=request.computer,
+        until=None,
+    )
+    return replace(record, lease=lease, heard=now, forget_at=math.inf)
 
 
 def _give(record: LeaseRecord, request: Request, now: float, unix: float, *, taken: bool) -> LeaseRecord:
@@ -117,8 +136,18 @@ def _give(record: LeaseRecord, request: Request, now: float, unix: float, *, tak
         record.lease.asking,
         Person(before.client, before.name) if taken and before.client else None,
         unix if taken and before.client else None,
+        request.computer,
     )
-    return replace(record, lease=lease, heard=now)
+    return replace(record, lease=lease, heard=now, forget_at=math.inf)
+
+
+def _is_available(lease: Lease, request: Request) -> bool:
+    """Return whether a client may acquire the lease without taking it from somebody who may come back."""
+    if lease.state != "lost":
+        return lease.state == "free"
+    if lease.computer and request.computer:
+        return lease.computer == request.computer
+    return lease.name == request.name
 
 
 def _give_to_first(record: LeaseRecord, now: float, unix: float) -> LeaseRecord:
@@ -131,7 +160,7 @@ def _give_to_first(record: LeaseRecord, now: float, unix: float) -> LeaseRecord:
 def _release(record: LeaseRecord, now: float, unix: float) -> LeaseRecord:
     if record.lease.asking:
         return _give_to_first(record, now, unix)
-    return replace(record, lease=FREE, heard=-math.inf)
+    return replace(record, lease=FREE, heard=-math.inf, forget_at=math.inf)
 
 
 def _ask(record: LeaseRecord, request: Request, now: float) -> LeaseRecord:
@@ -151,14 +180,17 @@ def _withdraw(record: LeaseRecord, client: str) -> LeaseRecord:
     return _with_asking(record, pairs)
 
 
-def _expire(record: LeaseRecord, now: float) -> LeaseRecord:
+def _expire(record: LeaseRecord, now: float, unix: float) -> LeaseRecord:
     pairs = [
         pair for pair in zip(record.lease.asking, record.asked, strict=True) if 0.0 <= now - pair[1] <= record.timeout
     ]
     if len(pairs) != len(record.asked):
         record = _with_asking(record, pairs)
     if record.lease.state == "held" and not 0.0 <= now - record.heard <= record.timeout:
-        return replace(record, lease=replace(record.lease, state="lost"))
+        until = max(0.0, unix - max(0.0, now - record.heard))
+        return replace(record, lease=replace(record.lease, state="lost", until=until))
+    if record.lease.state == "lost" and now >= record.forget_at:
+        return _release(record, now, unix)
     return record
 
 

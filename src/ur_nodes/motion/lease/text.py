@@ -32,8 +32,10 @@ class Person:
 class Lease:
     """The lease: nobody drives (`free`), a client (`held`), or one whose renewals have stopped arriving (`lost`).
 
-    `since` and `taken_at` are seconds since 1970 by the robot's clock, for people to read. `attended` says that a
-    person watches; `asking` who would like to drive; `taken_from` who drove before the client took over.
+    `since`, `taken_at` and `until` are seconds since 1970 by the robot's clock, for people to read; `until` is the time
+    of the last message of a client that is lost, if known. `attended` says that a person watches; `asking` who would
+    like to drive; `taken_from` who drove before the client took over. `computer` identifies a user of a computer, where
+    names may be alike; it is empty for a client that sends none.
     """
 
     state: LeaseState = "free"
@@ -45,6 +47,8 @@ class Lease:
     asking: tuple[Person, ...] = ()
     taken_from: Person | None = None
     taken_at: float | None = None
+    computer: str = ""
+    until: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,6 +61,7 @@ class Request:
     action: Action
     attended: bool = True
     answers: Stamp = NO_STAMP
+    computer: str = ""
 
 
 FREE = Lease()
@@ -77,6 +82,7 @@ def write_request(request: Request) -> str:
             "action": request.action,
             "attended": request.attended,
             "answers": list(request.answers),
+            "computer": request.computer,
         }
     )
 
@@ -98,7 +104,13 @@ def read_request(text: str) -> Request | str:
         return "that answers no challenge"
     name, program = clean_name(value.get("name")), clean_name(value.get("program"))
     return Request(
-        str(client), name or str(client)[:8], program, cast("Action", action), attended, (answers[0], answers[1])
+        str(client),
+        name or str(client)[:8],
+        program,
+        cast("Action", action),
+        attended,
+        (answers[0], answers[1]),
+        clean_computer(value.get("computer")),
     )
 
 
@@ -115,6 +127,8 @@ def write_lease(lease: Lease) -> str:
             "asking": [_write_person(each) for each in lease.asking],
             "taken_from": _write_person(lease.taken_from) if lease.taken_from else None,
             "taken_at": lease.taken_at,
+            "computer": lease.computer,
+            "until": lease.until,
         }
     )
 
@@ -144,7 +158,14 @@ def read_lease(text: object) -> Lease | None:
         tuple(each for each in people if each is not None),
         before,
         _read_time(value.get("taken_at")),
+        clean_computer(value.get("computer")),
+        _read_time(value.get("until")),
     )
+
+
+def clean_computer(value: object) -> str:
+    """The identity of a user of a computer, which has the form of a client's id; empty for what is none."""
+    return str(value) if is_client(value) else ""
 
 
 def clean_name(value: object) -> str:

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal, cast, get_args
 
-from ur_nodes.motion.lease.text import Action, Lease, clean_name, is_client
+from ur_nodes.motion.lease.text import Action, Lease, clean_computer, clean_name, is_client
 
 Conduct = Literal["drive", "take", "ask", "watch"]
 _LOST_LINK = 1.0  # s: after that silence the robot is out of reach
@@ -17,13 +17,17 @@ _LOST_LINK = 1.0  # s: after that silence the robot is out of reach
 
 @dataclass(frozen=True, slots=True)
 class Identity:
-    """The identity of a client, and its conduct at its start: `drive` acquires the lease if nobody holds it."""
+    """The identity of a client, and its conduct at its start: `drive` acquires the lease if it is free.
+
+    `computer` identifies the user of the computer; empty if unknown.
+    """
 
     client: str
     name: str
     program: str
     conduct: Conduct = "drive"
     attended: bool = True
+    computer: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,10 +35,11 @@ class LeaseView:
     """The lease as a client sees it now.
 
     `state` is `unknown` until a mux publishes it. `holder` names the computer that drives, `program` its program,
-    `since` is in seconds since 1970. `mine`: this client drives, even while it is `lost`. `asking` names who would like
-    to drive, `asks`: this client does. After a take-over `taken_by` and `taken_at` are the client that took over and
-    the time, until this client drives again. `link_age` is the time since the last challenge (s), infinite before the
-    first.
+    `since` is in seconds since 1970, as is `until`, when a holder that is `lost` was received last. `mine`: this client
+    drives, even while it is `lost`. `asking` names who would like to drive, `asks`: this client does. After a take-over
+    `taken_by` and `taken_at` are the client that took over and the time, until this client drives again. `link_age` is
+    the time since the last challenge (s), infinite before the first. `pending`: a request of this client has not taken
+    effect yet and is not given up.
     """
 
     state: Literal["unknown", "free", "held", "lost"] = "unknown"
@@ -48,11 +53,18 @@ class LeaseView:
     taken_by: str = ""
     taken_at: float | None = None
     link_age: float = float("inf")
+    until: float | None = None
+    pending: bool = False
 
     @property
     def other(self) -> bool:
         """Return whether another client holds the lease."""
         return self.state == "held" and not self.mine
+
+    @property
+    def lost_by_other(self) -> bool:
+        """Return whether another client has the lease and the robot does not receive it."""
+        return self.state == "lost" and not self.mine
 
     @property
     def out_of_reach(self) -> bool:
@@ -61,9 +73,9 @@ class LeaseView:
 
 
 def identify(environment: Mapping[str, str], program: str) -> Identity:
-    """The identity that the environment gives (UR_CLIENT, UR_CLIENT_NAME, UR_LEASE, UR_ATTENDED), or one of its own.
+    """The identity that the environment gives, or one of its own.
 
-    `program` is used where UR_PROGRAM is not set.
+    Variables: UR_CLIENT, UR_CLIENT_NAME, UR_COMPUTER, UR_LEASE, UR_ATTENDED, and UR_PROGRAM, else `program`.
     """
     client, conduct = environment.get("UR_CLIENT", ""), environment.get("UR_LEASE", "drive")
     return Identity(
@@ -72,6 +84,7 @@ def identify(environment: Mapping[str, str], program: str) -> Identity:
         clean_name(environment.get("UR_PROGRAM")) or program,
         cast("Conduct", conduct) if conduct in get_args(Conduct) else "drive",
         environment.get("UR_ATTENDED", "1") != "0",
+        clean_computer(environment.get("UR_COMPUTER")),
     )
 
 
@@ -92,10 +105,12 @@ def is_settled(action: Action, lease: Lease, client: str) -> bool:
     return not own and (action == "grant" or not asks)
 
 
-def view_lease(lease: Lease | None, client: str, taken: Lease | None, link_age: float) -> LeaseView:
+def view_lease(
+    lease: Lease | None, client: str, taken: Lease | None, link_age: float, *, pending: bool = False
+) -> LeaseView:
     """The view of `client`; `taken` is the lease as it was when another took it over from this client."""
     if lease is None:
-        return LeaseView(link_age=link_age)
+        return LeaseView(link_age=link_age, pending=pending)
     if taken is not None and taken.client != lease.client:
         taken = None  # another client drives by now
     return LeaseView(
@@ -110,6 +125,8 @@ def view_lease(lease: Lease | None, client: str, taken: Lease | None, link_age: 
         taken.name if taken else "",
         taken.taken_at if taken else None,
         link_age,
+        lease.until,
+        pending,
     )
 
 

@@ -22,7 +22,14 @@ from ur_nodes.teleop.keyboard.commander_node import (
 )
 from ur_nodes.teleop.keyboard.drive import STILL, DriveSettings, mux_request_of, start_drive, step_drive
 from ur_nodes.teleop.keyboard.drive_screen import describe_drive, draw_drive_screen
-from ur_nodes.teleop.mux.driver_text import clock_time, driver_request_of, line_of, may_command, name_holder
+from ur_nodes.teleop.mux.driver_text import (
+    clock_time,
+    describe_lost,
+    driver_request_of,
+    line_of,
+    may_command,
+    name_holder,
+)
 from ur_nodes.teleop.mux.emergency import Emergency
 from ur_nodes.teleop.mux.link_node import MuxLink
 from ur_nodes.teleop.terminal.foreground_node import run_in_foreground
@@ -81,6 +88,8 @@ def _refuse(commander: LeasedCommander | PlainCommander) -> str:
         return "no challenge from the mux, expected a robot that runs one (_lease:=false needs no mux)"
     if view.state == "free":
         return "UR_LEASE is watch, expected drive or take"
+    if view.lost_by_other:
+        return f"{describe_lost(view, 'the robot')}; expected a robot that nobody drives (UR_LEASE=take takes over)"
     since = f"{name_holder(view)} drives the robot since {clock_time(view.since)}"
     return f"{since}; expected a robot that nobody drives (UR_LEASE=take takes over)"
 

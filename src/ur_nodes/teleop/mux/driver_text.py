@@ -14,6 +14,7 @@ DriverRequest = Literal["take", "ask", "grant"]
 
 DRIVER_KEYS: dict[str, DriverRequest] = {"d": "take", "a": "ask", "y": "grant"}
 _HINT = "d: take over, a: ask"
+_LOST_HINT = "d: take over"
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,8 +49,17 @@ def describe_silence(who: str, seconds: float) -> str:
     return f"no word from {who} for {seconds:.1f} s" if math.isfinite(seconds) else f"no word from {who} yet"
 
 
-def describe_driver(view: LeaseView, conduct: Conduct = "drive", robot: str = "the robot", hint: str = _HINT) -> str:
-    """The line for a screen; empty while this client drives or may. `hint` names the keys that change it."""
+def describe_driver(
+    view: LeaseView,
+    conduct: Conduct = "drive",
+    robot: str = "the robot",
+    hint: str = _HINT,
+    lost_hint: str = _LOST_HINT,
+) -> str:
+    """The line for a screen; empty while this client drives or may.
+
+    `hint` names the keys that change it, `lost_hint` those while the client that drove is out of reach.
+    """
     if view.out_of_reach:
         return describe_silence(robot, view.link_age)
     if view.mine:
@@ -60,10 +70,16 @@ def describe_driver(view: LeaseView, conduct: Conduct = "drive", robot: str = "t
     if view.other:
         return _with_hint(f"{name_holder(view)} drives {robot} since {clock_time(view.since)}", view, hint)
     if view.state == "lost":
-        return f"{name_holder(view)} drove {robot} and is out of reach; d: take over"
+        return f"{describe_lost(view, robot)}; {lost_hint}"
     if view.state == "free" and conduct == "watch":
         return f"nobody drives {robot}; d: drive"
     return ""
+
+
+def describe_lost(view: LeaseView, robot: str = "") -> str:
+    """Describe the client that drove and is not received any more."""
+    until = f" until {clock_time(view.until)}" if view.until else ""
+    return f"{name_holder(view)} drove{f' {robot}' if robot else ''}{until} and is out of reach"
 
 
 def name_holder(view: LeaseView) -> str:

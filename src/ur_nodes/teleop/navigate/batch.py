@@ -230,12 +230,17 @@ def _drive(
 
 
 def _wait_for_result(navigator: Navigator, limits: Limits, around: BatchContext) -> str:
-    """Wait while the robot is silent. Returns why the goal cannot be sent, or nothing."""
+    """Wait while the robot is silent or decides about a lost lease. Returns why the goal cannot be sent, or nothing."""
     deadline = around.clock() + limits.start
-    while (snapshot := navigator.snapshot()).silence is not None and around.clock() < deadline:
+    while _is_undecided(snapshot := navigator.snapshot()) and around.clock() < deadline:
         if around.sleep(0.05):
             raise InterruptedBatchError
     return reason_not_to_drive(snapshot)
+
+
+def _is_undecided(snapshot: Snapshot) -> bool:
+    lease = snapshot.lease
+    return snapshot.silence is not None or (lease.lost_by_other and lease.pending)
 
 
 def _run_urgent(command: Command, navigator: Navigator, around: BatchContext) -> None:

@@ -8,7 +8,7 @@ from rich.console import RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from ur_nodes.teleop.mux.driver_text import clock_time, describe_silence, name_holder
+from ur_nodes.teleop.mux.driver_text import clock_time, describe_lost, describe_silence, name_holder
 from ur_nodes.teleop.mux.emergency import describe_emergency
 from ur_nodes.teleop.navigate.commands import MAP_USAGE, USAGE
 from ur_nodes.teleop.navigator.model import ROBOT, GoalState, Snapshot, distance_left, format_number
@@ -79,9 +79,13 @@ def driver_line(snapshot: Snapshot, columns: int) -> str:
     view = snapshot.lease
     if view.mine:
         return f"{view.asking[0]} asks to drive; 'give' hands over" if view.asking else ""
-    text, hint = _describe_driver(snapshot), "drive: take over, ask: ask for it"
-    if text and view.state in ("held", "lost") and columns >= _WIDE:
-        text += "; asked to hand over" if view.asks else f"; {hint}"
+    text = _describe_driver(snapshot)
+    if not text or columns < _WIDE:
+        return text
+    if view.lost_by_other:
+        return f"{text}; drive: take over"
+    if view.state == "held":
+        return f"{text}; asked to hand over" if view.asks else f"{text}; drive: take over, ask: ask for it"
     return text
 
 
@@ -92,6 +96,8 @@ def reason_not_to_drive(snapshot: Snapshot) -> str:
         return silence_line(snapshot)
     if view.other:
         return f"{_describe_driver(snapshot)}; 'drive' takes over, 'ask' asks for it"
+    if view.lost_by_other:
+        return f"{_describe_driver(snapshot)}; 'drive' takes over"
     if snapshot.conduct == "watch" and not view.mine and view.state != "unknown":
         return "this program only monitors; 'drive' drives from this computer"
     return ""
@@ -129,8 +135,8 @@ def _describe_driver(snapshot: Snapshot) -> str:
     taken = f"{view.taken_by} took over at {clock_time(view.taken_at or view.since)}" if view.taken_by else ""
     if view.other:
         return taken or f"{name_holder(view)} drives since {clock_time(view.since)}"
-    if view.state == "lost" and not view.mine:
-        return f"{name_holder(view)} drove and is out of reach"
+    if view.lost_by_other:
+        return describe_lost(view)
     if view.state == "free" and taken:
         return f"{taken} and has left"
     free = view.state == "free" and snapshot.conduct == "watch"

@@ -109,14 +109,26 @@ def test_one_client_drives_until_another_takes_over_and_each_is_told(session: Se
     session.ask("leave", client="a")
 
 
-def test_client_that_vanishes_is_lost_and_can_be_replaced(session: Session) -> None:
+def test_client_that_vanishes_is_lost_and_is_replaced_on_purpose_only(session: Session) -> None:
     session.join("a")
     session.becomes("a", mine=True)
     session.ask("vanish", client="a")
     session.join("b", "watch")
     session.becomes("b", state="lost", holder="a-host")
-    session.request("b", "acquire")
-    session.becomes("b", mine=True, state="held")
+    refused = session.keys("i", UR_CLIENT_NAME="laptop2")
+    assert refused.returncode == 1
+    assert "a-host (test) drove the robot until" in refused.stderr
+    assert "out of reach" in refused.stderr
+    with session.keyboard("laptop2") as keys:
+        keys.wait_for("a-host (test) drove the robot until")
+        keys.type("i")
+        keys.wait_for("not driving")
+        keys.type("d")
+        keys.type("i")
+        keys.wait_for("▲ driving")
+        keys.type("\x03")
+        assert keys.process.wait(60) == 0
+    session.becomes("b", state="free")
     session.ask("leave", client="b")
 
 

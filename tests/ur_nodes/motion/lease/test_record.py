@@ -22,8 +22,11 @@ class Desk:
     record: LeaseRecord = field(default_factory=start_lease)
     now: float = 0.0
 
-    def request(self, client: str, action: Action, *, attended: bool = True) -> Lease:
-        return self.tell(Request(client, f"{client}-host", "keyboard_drive", action, attended))
+    def request(
+        self, client: str, action: Action, *, attended: bool = True, name: str = "", computer: str = ""
+    ) -> Lease:
+        name = name or f"{client}-host"
+        return self.tell(Request(client, name, "keyboard_drive", action, attended, computer=computer))
 
     def tell(self, event: LeaseEvent | None) -> Lease:
         self.record = step_lease(self.record, event, self.now, UNIX + self.now)
@@ -58,10 +61,10 @@ def test_holder_that_is_not_heard_is_lost_and_holds_again_when_it_is(desk: Desk)
     since = desk.request("a", "acquire").since
     assert desk.wait(2.9).state == "held"
     lease = desk.wait(0.2)
-    assert (lease.state, lease.client) == ("lost", "a")
+    assert (lease.state, lease.client, lease.until) == ("lost", "a", UNIX)
     desk.wait(1000.0)
     lease = desk.request("a", "renew")
-    assert (lease.state, lease.client, lease.since) == ("held", "a", since)
+    assert (lease.state, lease.client, lease.since, lease.until) == ("held", "a", since, None)
 
 
 def test_renewals_and_commands_keep_the_lease(desk: Desk) -> None:
@@ -72,12 +75,43 @@ def test_renewals_and_commands_keep_the_lease(desk: Desk) -> None:
         assert lease.state == "held"
 
 
-def test_lost_lease_can_be_acquired_by_another_who_has_taken_it_then(desk: Desk) -> None:
+@pytest.mark.parametrize("action", ["acquire", "ask"])
+def test_lost_lease_is_left_to_its_holder_until_another_takes_it_on_purpose(desk: Desk, action: Action) -> None:
     desk.request("a", "acquire")
     desk.wait(4.0)
-    lease = desk.request("b", "acquire")
-    assert (lease.client, lease.taken_from) == ("b", Person("a", "a-host"))
+    lease = desk.request("b", action)
+    assert (lease.state, lease.client) == ("lost", "a")
+    assert not may_drive(desk.record, "b")
+    lease = desk.request("b", "take")
+    assert (lease.state, lease.client, lease.taken_from) == ("held", "b", Person("a", "a-host"))
     assert desk.request("a", "renew").client == "b"
+
+
+@pytest.mark.parametrize(
+    ("name", "computer", "acquired"),
+    [
+        ("laptop", "c1", True),
+        ("renamed", "c1", True),
+        ("laptop", "c2", False),  # another computer of the same name
+        ("laptop", "", True),  # a client that sends no computer is known by its name
+        ("desktop", "", False),
+    ],
+)
+def test_computer_that_has_lost_the_lease_acquires_it_with_another_client(
+    desk: Desk, name: str, computer: str, acquired: bool
+) -> None:
+    desk.request("a", "acquire", name="laptop", computer="c1")
+    assert desk.request("b", "acquire", name=name, computer=computer).client == "a", "it may still run"
+    desk.wait(4.0)
+    assert (desk.request("b", "acquire", name=name, computer=computer).client == "b") is acquired
+
+
+def test_who_asks_a_lost_holder_is_granted_the_lease_once_it_is_back(desk: Desk) -> None:
+    desk.request("a", "acquire")
+    desk.wait(4.0)
+    assert [each.client for each in desk.request("b", "ask").asking] == ["b"]
+    desk.request("a", "renew")
+    assert desk.request("a", "grant").client == "b"
 
 
 def test_lost_holder_is_not_replaced_by_a_command_of_another(desk: Desk) -> None:
@@ -124,8 +158,6 @@ def test_who_asks_and_is_not_heard_asks_no_more(desk: Desk) -> None:
 
 def test_asking_where_nobody_drives_acquires(desk: Desk) -> None:
     assert desk.request("a", "ask").client == "a"
-    desk.wait(4.0)
-    assert desk.request("b", "ask").client == "b"
 
 
 def test_only_so_many_may_ask(desk: Desk) -> None:
@@ -154,6 +186,18 @@ def test_holder_of_a_mux_that_died_is_lost_until_it_is_heard(desk: Desk) -> None
     desk.record = start_lease(before)
     assert desk.wait(0.0).state == "lost"
     assert desk.request("a", "renew") == before
+
+
+def test_holder_before_the_master_was_started_anew_is_forgotten_unless_it_returns(desk: Desk) -> None:
+    before = desk.request("a", "acquire")
+    desk.record = start_lease(before, unix=UNIX, forget_at=60.0)
+    assert desk.request("b", "ask").until == UNIX
+    assert desk.wait(2.0).client == "a"
+    desk.request("a", "renew")
+    assert desk.wait(100.0).client == "a", "it was received again: its run goes on"
+    desk.record = start_lease(before, unix=UNIX, forget_at=desk.now + 60.0)
+    assert desk.wait(59.0).client == "a"
+    assert desk.wait(2.0).state == "free"
 
 
 clients = st.sampled_from(["a", "b", "c"])
@@ -186,6 +230,10 @@ def test_invariants_hold_in_any_history(history: list[tuple[float, LeaseEvent | 
         if before.state == "held" and after.client != before.client:
             assert isinstance(event, Request)
             assert event.action == "take" or event.client == before.client
+        if before.state == "lost" and after.client not in ("", before.client):
+            assert isinstance(event, Request)
+            assert event.action == "take" or event.client == before.client
+        assert (after.until is not None) == (after.state == "lost")
         if before.client and after.client not in ("", before.client):
             gone = isinstance(event, Request) and event.client == before.client
             assert (after.taken_from is None) == gone

@@ -13,17 +13,28 @@ OTHER = Lease("held", "you", "desktop", "", 1.8e9, True, (Person("me", "laptop")
 
 def test_identity_comes_from_the_environment() -> None:
     found = identify(
-        {"UR_CLIENT": "a1", "UR_CLIENT_NAME": "laptop", "UR_LEASE": "take", "UR_ATTENDED": "0"}, "keyboard_drive"
+        {
+            "UR_CLIENT": "a1",
+            "UR_CLIENT_NAME": "laptop",
+            "UR_COMPUTER": "c1",
+            "UR_LEASE": "take",
+            "UR_ATTENDED": "0",
+        },
+        "keyboard_drive",
     )
+    assert found.computer == "c1"
     assert (found.client, found.name, found.program) == ("a1", "laptop", "keyboard_drive")
     assert (found.conduct, found.attended) == ("take", False)
 
 
-@pytest.mark.parametrize("environment", [{}, {"UR_CLIENT": "not an id", "UR_CLIENT_NAME": "\n", "UR_LEASE": "steal"}])
+@pytest.mark.parametrize(
+    "environment", [{}, {"UR_CLIENT": "not an id", "UR_CLIENT_NAME": "\n", "UR_COMPUTER": "a b", "UR_LEASE": "x"}]
+)
 def test_identity_of_its_own_where_the_environment_gives_none(environment: dict[str, str]) -> None:
     first, second = identify(environment, "p"), identify(environment, "p")
     assert first.client != second.client
     assert first.name
+    assert first.computer == ""
     assert (first.conduct, first.attended) == ("drive", True)
 
 
@@ -63,6 +74,13 @@ def test_view_says_who_took_over() -> None:
     taken = Lease("held", "you", "desktop", "", 1.8e9, taken_from=Person("me", "laptop"), taken_at=1.8e9)
     view = view_lease(taken, "me", taken, 0.02)
     assert (view.taken_by, view.taken_at) == ("desktop", 1.8e9)
+
+
+def test_lost_lease_of_another_is_told_from_ones_own() -> None:
+    lost = Lease("lost", "you", "desktop", until=1.8e9)
+    view = view_lease(lost, "me", None, 0.02, pending=True)
+    assert (view.lost_by_other, view.other, view.until, view.pending) == (True, False, 1.8e9, True)
+    assert not view_lease(lost, "you", None, 0.02).lost_by_other
 
 
 def test_view_forgets_who_took_over_once_somebody_else_drives() -> None:

@@ -48,6 +48,10 @@ def test_only_a_press_without_ctrl_requests_something() -> None:
             f"laptop2 took over at {clock_time(SINCE + 60)}; d: take over, a: ask",
         ),
         (LeaseView("lost", "laptop", link_age=0.0), "laptop drove the robot and is out of reach; d: take over"),
+        (
+            LeaseView("lost", "laptop", "keyboard_drive", SINCE, link_age=0.0, until=SINCE + 60),
+            f"laptop (keyboard_drive) drove the robot until {clock_time(SINCE + 60)} and is out of reach; d: take over",
+        ),
     ],
 )
 def test_line_says_who_drives_and_what_can_be_done(view: LeaseView, text: str) -> None:

@@ -156,6 +156,10 @@ async def test_driver_sees_who_asks_and_the_line_goes_when_nobody_does(screen: S
     ("lease", "text"),
     [
         (replace(OTHER, asks=True), "asked to hand over"),
+        (
+            replace(OTHER, state="lost", until=60.0),
+            f"laptop2 (keyboard_drive) drove until {clock_time(60.0)} and is out of reach; drive: take over",
+        ),
         (replace(OTHER, state="lost"), "laptop2 (keyboard_drive) drove and is out of reach; drive: take over"),
         (LeaseView("free", taken_by="laptop2", taken_at=1.0), f"laptop2 took over at {clock_time(1.0)} and has left"),
         (LeaseView(), ""),
