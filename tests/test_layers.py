@@ -99,7 +99,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "ur_nodes.pictures": ("ur.source", "ur_nodes.rosio"),
     "ur_nodes.motion.ramp": ("ur.robot.base",),
     "ur_nodes.motion.challenge": ("ur_nodes.rosio",),
-    "ur_nodes.motion.lease": ("ur_nodes.rosio", "ur_nodes.motion.challenge"),
+    "ur_nodes.motion.lease": ("ur.source", "ur_nodes.rosio", "ur_nodes.motion.challenge"),
     "ur_nodes.motion.admission": (
         "ur_nodes.rosio",
         "ur_nodes.motion.challenge",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import math
+import os
 import secrets
 import threading
 import time
@@ -25,7 +26,8 @@ from ur_nodes.motion.admission.probation import LockRelease, hear_lock, rate_nee
 from ur_nodes.motion.admission.reports import Reports
 from ur_nodes.motion.challenge.freshness import Challenges
 from ur_nodes.motion.clock import read_steady_time
-from ur_nodes.motion.lease.record import start_lease
+from ur_nodes.motion.lease.record import LeaseRecord, start_lease
+from ur_nodes.motion.lease.store import make_store
 from ur_nodes.motion.lease.text import FREE, Lease, read_lease, read_request, write_lease
 from ur_nodes.motion.mux import Command, Event, LockSaid, MuxSettings, Velocity
 from ur_nodes.rosio.ending import quiet_at_end
@@ -34,6 +36,8 @@ LEASE_PARAMETER = "/ur/lease"
 _QUEUE = 100  # plain commands: a cluster has to be seen as one
 _MOST_PUBLISHERS = 256  # of locks, that are remembered
 _SECOND = 1_000_000_000
+_MEMORY = 60.0  # s: for the driver before the master was started anew to return
+_LAST_SAVE = 2.0  # s
 
 
 class AdmissionRunner:
@@ -58,10 +62,10 @@ class AdmissionRunner:
         self._handle = handle
         self._steady = steady
         self._lock = threading.Lock()
-        before = read_lease(rospy.get_param(LEASE_PARAMETER, None))
+        self._store = make_store(os.environ, rospy.get_name(), str(rospy.get_param("/run_id", "")))
         self._admission = Admission(
             Challenges(secrets.randbelow(2**30 * _SECOND) + 1),
-            start_lease(before, lease_timeout),
+            self._start_lease(lease_timeout),
             tuple(source.timeout for source in settings.sources),
             freshness,
         )
@@ -70,14 +74,24 @@ class AdmissionRunner:
         self._period = 1.0 / rate
         self._ended = threading.Event()
         self._changed = threading.Condition(self._lock)
-        self._published: Lease | None = None
+        self._decided: Lease | None = None
+        self._announced: Lease | None = None
         self._challenge = rospy.Publisher("~challenge", Time, queue_size=1, tcp_nodelay=True)
         self._lease = rospy.Publisher("~lease", String, queue_size=1, latch=True, tcp_nodelay=True)
-        self._threads = [threading.Thread(target=each, daemon=True) for each in (self._run, self._mirror)]
+        loops = (self._run, self._announce, self._mirror)
+        self._threads = [threading.Thread(target=each, name=each.__name__, daemon=True) for each in loops]
         rospy.on_shutdown(self._end)
         for thread in self._threads:
             thread.start()
         self._subscribe()
+
+    def _start_lease(self, timeout: float) -> LeaseRecord:
+        """The lease of the mux that was killed before; that of an earlier master for a moment only."""
+        stored, same_run = self._store.load()
+        if same_run:
+            before = stored or read_lease(rospy.get_param(LEASE_PARAMETER, None))
+            return start_lease(before, timeout, unix=time.time())
+        return start_lease(stored, timeout, unix=time.time(), forget_at=read_steady_time() + _MEMORY)
 
     def _subscribe(self) -> None:
         for index, source in enumerate(self._settings.sources):
@@ -104,7 +118,7 @@ class AdmissionRunner:
                 motion=not velocity.still,
             )
             self._pass(index, velocity, now, verdict, stamped=True)
-            self._publish_lease()
+            self._note_lease()
 
     @quiet_at_end
     def _on_plain(self, message: Twist, index: int) -> None:
@@ -165,16 +179,36 @@ class AdmissionRunner:
             return
         with self._lock:
             self._admission, counted = admit_request(self._admission, request, read_steady_time(), time.time())
-            self._publish_lease()
+            self._note_lease()
         if not counted and request.action != "renew":
             rospy.logwarn_throttle(5.0, f"ignored the request '{request.action}' of {request.name}: it arrived late")
 
-    def _publish_lease(self) -> None:
-        lease = self._admission.lease.lease
-        if lease != self._published:
-            self._published = lease
-            self._lease.publish(write_lease(lease))
+    def _note_lease(self) -> None:
+        """Have the lease announced if it has changed. It is in force already."""
+        if self._admission.lease.lease != self._decided:
+            self._decided = self._admission.lease.lease
             self._changed.notify_all()
+
+    @quiet_at_end
+    def _announce(self) -> None:
+        """Publish each change once it is on the disk: what a client has seen outlives this process.
+
+        Commands do not wait for the disk.
+        """
+        while not self._ended.is_set():
+            with self._changed:
+                self._changed.wait_for(lambda: self._decided != self._announced or self._ended.is_set())
+                lease = self._decided
+            if lease is None or self._ended.is_set():
+                return
+            try:
+                self._store.save(lease)
+            except OSError as problem:
+                rospy.logwarn_throttle(60.0, f"{self._store.path}: the lease is not saved: {problem.strerror}")
+            self._lease.publish(write_lease(lease))
+            with self._changed:
+                self._announced = lease
+                self._changed.notify_all()
 
     @quiet_at_end
     def _run(self) -> None:
@@ -186,7 +220,7 @@ class AdmissionRunner:
                 due = max(due + self._period, now)
                 self._admission, stamp, slow = challenge(self._admission, now, time.time())
                 self._challenge.publish(Time(rospy.Time(*stamp)))
-                self._publish_lease()
+                self._note_lease()
                 lines = self._reports.lines(now, self._admission.lease.lease)
             for line in lines:
                 rospy.logwarn(line)
@@ -202,9 +236,9 @@ class AdmissionRunner:
         written: Lease | None = None
         while not self._ended.is_set():
             with self._changed:
-                while self._published == written and not self._ended.is_set():
+                while self._announced == written and not self._ended.is_set():
                     self._changed.wait()
-                lease = self._published
+                lease = self._announced
             if lease is not None and not self._ended.is_set():
                 with contextlib.suppress(Exception):  # the master may be gone; the topic has the lease
                     rospy.set_param(LEASE_PARAMETER, write_lease(lease))
@@ -215,6 +249,9 @@ class AdmissionRunner:
         self._ended.set()
         with self._changed:
             self._changed.notify_all()
+        self._threads[1].join(_LAST_SAVE)
+        with contextlib.suppress(OSError):
+            self._store.clear()
         with contextlib.suppress(Exception):
             rospy.set_param(LEASE_PARAMETER, write_lease(FREE))
 

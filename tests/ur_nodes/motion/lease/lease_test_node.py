@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import os
+import signal
 import time
 from typing import Any
 
@@ -122,6 +124,23 @@ class Clients:
 
     def parameter(self) -> str:
         return str(rospy.get_param("/ur/lease"))
+
+    def take_and_kill(self, client: str, pid: int) -> str:
+        """The client takes over, and the mux is killed as soon as that is announced; what was announced."""
+        announced: list[str] = []
+
+        def on_lease(message: String) -> None:
+            if json.loads(message.data)["client"] == client and not announced:
+                os.kill(pid, signal.SIGKILL)
+                announced.append(message.data)
+
+        subscriber = rospy.Subscriber("cmd_vel_mux/lease", String, on_lease, queue_size=1, tcp_nodelay=True)
+        wait_until(lambda: subscriber.get_num_connections() > 0, 60.0, "the mux")
+        self.clients[client].take()
+        wait_until(lambda: bool(announced), 60.0, "the lease")
+        subscriber.unregister()
+        rospy.set_param("/ur/lease", "")  # the mirror may have been late
+        return announced[0]
 
     def mirrored(self, client: str) -> None:
         """Once the parameter server names the client, too: a mux that is started reads the lease there."""

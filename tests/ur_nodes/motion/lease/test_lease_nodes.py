@@ -219,6 +219,23 @@ def test_lease_outlives_a_mux_that_is_killed(session: Session) -> None:
     session.ask("leave", client="a")
 
 
+def test_change_of_the_lease_that_was_announced_outlives_a_mux_that_is_killed_at_once(session: Session) -> None:
+    for client in ("a", "b"):
+        session.join(client, "watch")
+    for client, other in (("a", "b"), ("b", "a"), ("a", "b")):
+        announced = json.loads(session.ask("take_and_kill", client=client, pid=session.mux.pid))
+        session.mux.communicate(timeout=60)
+        session.running.remove(session.mux)
+        session.ask("vanish", client=client)
+        session.mux = session.start_mux()
+        session.ask("ready")
+        session.becomes(other, state="lost", holder=f"{client}-host")
+        session.ask("mirrored", client=client)
+        lease = json.loads(session.ask("parameter"))
+        assert lease["taken_from"] == announced["taken_from"]
+        assert lease["until"] >= announced["since"]
+
+
 def test_sources_of_the_library_are_read() -> None:
     assert [each["topic"] for each in yaml.safe_load(SOURCES.read_text())["topics"]] == [
         "joy_vel",

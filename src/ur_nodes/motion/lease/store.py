@@ -1,0 +1,59 @@
+"""The lease on the disk of the robot, so that a mux that is killed loses no change that it has announced."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+from ur.source.replace import PRIVATE, replace_file, sync_folder
+from ur_nodes.motion.lease.text import Lease, read_lease, write_lease
+
+_LONGEST = 16384  # bytes
+
+
+@dataclass(frozen=True, slots=True)
+class LeaseStore:
+    """The file of the lease of one mux. `run` is the id of the master's run."""
+
+    path: Path
+    run: str = ""
+
+    def load(self) -> tuple[Lease | None, bool]:
+        """Return the lease and whether it is of this run of the master; None where there is none or it is damaged."""
+        try:
+            with self.path.open("rb") as file:
+                value = json.loads(file.read(_LONGEST))
+        except (OSError, ValueError, RecursionError):
+            return None, True
+        if not isinstance(value, dict):
+            return None, True
+        return read_lease(value.get("lease")), value.get("run") == self.run
+
+    def save(self, lease: Lease) -> None:
+        """Bring the lease to the disk. Raises OSError; then no older lease is there, as far as that is possible."""
+        try:
+            text = json.dumps({"run": self.run, "lease": write_lease(lease)})
+            replace_file(self.path, text, mode=PRIVATE, parents=True)
+        except OSError:
+            with suppress(OSError):
+                self.clear()
+            raise
+
+    def clear(self) -> None:
+        """Remove the file. Raises OSError."""
+        with suppress(FileNotFoundError):
+            self.path.unlink()
+            sync_folder(str(self.path.parent))
+
+
+def make_store(environment: Mapping[str, str], mux: str, run: str) -> LeaseStore:
+    """The store of a mux, a node of this name, at the master of the environment: a file in ROS's folder."""
+    home = environment.get("ROS_HOME") or str(Path(environment.get("HOME") or os.sep) / ".ros")
+    key = f"{environment.get('ROS_MASTER_URI', '')}\0{mux}"
+    name = f"{mux.strip('/').replace('/', '.')[:64]}-{hashlib.sha256(key.encode()).hexdigest()[:12]}.json"
+    return LeaseStore(Path(home, "ur_lease", name), run)
