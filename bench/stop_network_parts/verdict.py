@@ -27,11 +27,15 @@ _WHEELS = 0.025  # s: the time constant with which wheels obey their controller
 
 @dataclass(frozen=True, slots=True)
 class Ghost:
-    """Motion that nobody asked for: monotonic seconds, how long, and the age of the newest command that fits it (s)."""
+    """Motion that nobody asked for: monotonic seconds, how long, and the age of the newest command that fits it (s).
+
+    `direction` is that of the base: ahead, back, left or right.
+    """
 
     began: float
     seconds: float
     age: float
+    direction: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,9 +129,11 @@ def is_at_rest(outputs: Iterable[tuple[float, float, float]], since: float) -> b
 
 
 def _end_motion(lane: Lane, began: tuple[int, float, float], last: float, since: float, ghosts: list[Ghost]) -> None:
-    _, at, age = began
+    sign, at, age = began
     if age > lane.limit and last >= since:
-        ghosts.append(Ghost(at, last - at + _PERIOD, age))
+        forward = (lane.axis == "linear") is (abs(sign) == 1)  # 2: across the lane
+        directions = ("ahead", "back") if forward else ("left", "right")
+        ghosts.append(Ghost(at, last - at + _PERIOD, age, directions[sign < 0]))
 
 
 def _age(asked: Sequence[float], now: float) -> float:

@@ -70,9 +70,11 @@ class Nursery:
         self._count = 0
         self._lock = threading.Lock()
         ours, theirs = socket.socketpair()
+        maker = os.getpid()
         self._pid = os.fork()
         if self._pid == 0:
             ours.close()
+            _die_with_parent(maker)
             with contextlib.suppress(KeyboardInterrupt):
                 _serve(theirs, modules, folder)
             os._exit(0)
@@ -121,7 +123,7 @@ class Nursery:
 
 
 def _serve(orders: socket.socket, modules: Sequence[str], folder: Path) -> None:
-    _die_with_parent()
+    server = os.getpid()
     signal.signal(signal.SIGCHLD, signal.SIG_IGN)  # nobody waits for the children
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     log = os.open(folder / "nodes.log", os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o644)
@@ -136,6 +138,7 @@ def _serve(orders: socket.socket, modules: Sequence[str], folder: Path) -> None:
         pid = os.fork()
         if pid == 0:
             orders.close()
+            _die_with_parent(server)
             _live(order)
         lines.write(f"{pid}\n")
         lines.flush()
@@ -145,7 +148,6 @@ def _live(order: dict[str, Any]) -> None:
     """Be the node; never returns."""
     code = 1
     try:
-        _die_with_parent()
         signal.signal(signal.SIGCHLD, signal.SIG_DFL)
         if order["terminal"]:
             terminal = os.open(order["terminal"], os.O_RDWR | os.O_NOCTTY)
@@ -191,5 +193,8 @@ def _note_velocities(path: str) -> None:
     rospy.Publisher.publish = note_and_publish
 
 
-def _die_with_parent() -> None:
+def _die_with_parent(parent: int) -> None:
+    """Have the kernel kill this process when its parent ends; end at once if that has happened already."""
     ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
+    if os.getppid() != parent:  # it ended between the fork and now, and there is no signal for that
+        os._exit(1)

@@ -51,14 +51,22 @@ def test_motion_that_begins_without_a_command_is_a_ghost() -> None:
     found = verdict(drive(1.0, 3.0), [*moving(1.1, 3.1), *moving(13.0, 13.4)])
     assert found.longest < LINEAR.limit
     (ghost,) = found.ghosts
-    assert ghost.began == 13.0
+    assert (ghost.began, ghost.direction) == (13.0, "ahead")
     assert ghost.seconds == pytest.approx(0.4, abs=0.02)
     assert ghost.age == pytest.approx(10.02, abs=0.03)
 
 
-@pytest.mark.parametrize(("forward", "turn"), [(-1, 0), (0, 1)])
-def test_motion_that_fits_no_command_is_a_ghost(forward: int, turn: int) -> None:
-    assert len(verdict(drive(1.0, 3.0), moving(1.5, 2.0, forward, turn)).ghosts) == 1
+@pytest.mark.parametrize(("forward", "turn", "direction"), [(-1, 0, "back"), (0, 1, "left"), (0, -1, "right")])
+def test_motion_that_fits_no_command_is_a_ghost(forward: int, turn: int, direction: str) -> None:
+    (ghost,) = verdict(drive(1.0, 3.0), moving(1.5, 2.0, forward, turn)).ghosts
+    assert ghost.direction == direction
+
+
+def test_ghost_of_an_angular_lane_has_the_direction_of_the_base() -> None:
+    commands = drive(1.0, 3.0, 0.0, 1.0)
+    (back,) = verdict(commands, moving(1.5, 2.0, -1, 0), ANGULAR).ghosts
+    (right,) = verdict(commands, moving(1.5, 2.0, 0, -1), ANGULAR).ghosts
+    assert (back.direction, right.direction) == ("back", "right")
 
 
 @pytest.mark.parametrize("commands", [[], drive(1.0, 3.0, 0.0), drive(1.0, 3.0, 0.0, 1.0)])
