@@ -24,6 +24,8 @@ if [[ -d $root/src/ur ]]; then
     fi
     bash "$root/tools/set_up.bash" run || exit
   fi
+  # Python would answer Ctrl-C with a traceback until our first line runs, which lets a signal that waits take effect.
+  [[ -e $root/.venv/block-signal ]] && exec /usr/bin/env --block-signal=INT "$root/.venv/bin/python" -I -m ur "$@"
   exec "$root/.venv/bin/python" -I -m ur "$@" # -I: nothing of the current folder is imported
 fi
 
@@ -47,4 +49,5 @@ if [[ ! -x $environment/bin/python ]]; then
   echo "  help: install it with pipx or uv: pipx install ubiquity-launches" >&2
   exit 2
 fi
+[[ -e $environment/block-signal ]] && exec /usr/bin/env --block-signal=INT "$environment/bin/python" -I -m ur "$@"
 exec "$environment/bin/python" -I -m ur "$@"

@@ -281,6 +281,8 @@ install_packages
 offer_rviz
 make_environment
 install_python
+rm -f .venv/block-signal
+/usr/bin/env --block-signal=INT true 2>/dev/null && : >.venv/block-signal # coreutils 8.31 and later; see `ur`
 printf '%s\n%s\n' "${wheel:-$root}" "$made_from" >.venv/ready-run
 [[ $profile == test ]] && printf '%s\n' "$root" >.venv/ready-test
 say "set up in $((SECONDS - begin)) s"

@@ -43,6 +43,8 @@ NODES = {
     "talker": "#!/usr/bin/python3\nimport rospy, std_msgs.msg\nrospy.init_node('talker')\n"
     "rospy.Publisher('chat', std_msgs.msg.String, queue_size=1)\nprint('up', flush=True)\nrospy.spin()\n",
 }
+# As the script `ur` starts it: a signal that comes before its first line waits for that.
+BLOCKED = ("/usr/bin/env", "--block-signal=INT")
 MANIFEST = (
     '<package format="2"><name>little_nodes</name><version>0.0.1</version><description>For tests.</description>'
     '<maintainer email="nobody@example.invalid">Nobody</maintainer><license>BSD</license></package>'
@@ -139,7 +141,7 @@ class World:
 
     def ur(self, *words: str, stdin: int = subprocess.DEVNULL, terminal: bool = False) -> Launched:
         """Start `ur`; with `terminal` on a pseudo terminal of its own, as the leader of its session."""
-        return self.start([sys.executable, "-m", "ur", *words], stdin=stdin, terminal=terminal)
+        return self.start([*BLOCKED, sys.executable, "-m", "ur", *words], stdin=stdin, terminal=terminal)
 
     def start(self, command: list[str], *, stdin: int = subprocess.DEVNULL, terminal: bool = False) -> Launched:
         """Start a command likewise."""
