@@ -31,7 +31,7 @@ def untouched() -> Iterator[Bench]:
 
 def prepare(laptop: Machine) -> None:
     laptop.write("/etc/sudoers.d/pat", SUDO, mode=0o440)
-    laptop.run(f"{UR} setup --yes", user="pat", timeout=300).check()
+    laptop.run(f"{UR} setup --yes", user="pat", timeout=900).check()  # it installs packages
 
 
 # The bench's network is one to trust; tests of the first contact itself give fingerprints, or none.
@@ -47,7 +47,7 @@ def command(host: str, name: str, *options: str, trusting: bool = True) -> str:
 def set_up(
     laptop: Machine, host: str = "robot.local", name: str = "bob", current: str = "ros", new: str = PASSWORD
 ) -> Done:
-    return laptop.run(command(host, name), user="pat", stdin=f"{current}\n{new}\n", timeout=400)
+    return laptop.run(command(host, name), user="pat", stdin=f"{current}\n{new}\n", timeout=900)
 
 
 def fingerprint(machine: Machine) -> str:
@@ -68,7 +68,7 @@ def set_up_two(
     )
     laptop.write("/home/pat/robots.yaml", f"robots:\n{robots}")
     line = f"{UR} robot setup --from robots.yaml --no-programs --passwords-from 0 {' '.join(TRUSTING)} {option}"
-    return laptop.run(line, user="pat", stdin=f"{current}\n{new}\n", timeout=400).check()
+    return laptop.run(line, user="pat", stdin=f"{current}\n{new}\n", timeout=900).check()
 
 
 def test_fresh_robot_becomes_ready_and_a_second_run_changes_nothing(pair: Bench) -> None:
