@@ -70,7 +70,7 @@ def describe_driver(
     if view.other:
         return _with_hint(f"{name_holder(view)} drives {robot} since {clock_time(view.since)}", view, hint)
     if view.state == "lost":
-        return f"{describe_lost(view, robot)}; {lost_hint}"
+        return f"{describe_lost(view)}; {lost_hint}"  # without the robot it fits 80 columns
     if view.state == "free" and conduct == "watch":
         return f"nobody drives {robot}; d: drive"
     return ""

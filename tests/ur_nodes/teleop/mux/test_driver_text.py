@@ -47,10 +47,10 @@ def test_only_a_press_without_ctrl_requests_something() -> None:
             LeaseView("held", "laptop2", taken_by="laptop2", taken_at=SINCE + 60, link_age=0.0),
             f"laptop2 took over at {clock_time(SINCE + 60)}; d: take over, a: ask",
         ),
-        (LeaseView("lost", "laptop", link_age=0.0), "laptop drove the robot and is out of reach; d: take over"),
+        (LeaseView("lost", "laptop", link_age=0.0), "laptop drove and is out of reach; d: take over"),
         (
             LeaseView("lost", "laptop", "keyboard_drive", SINCE, link_age=0.0, until=SINCE + 60),
-            f"laptop (keyboard_drive) drove the robot until {clock_time(SINCE + 60)} and is out of reach; d: take over",
+            f"laptop (keyboard_drive) drove until {clock_time(SINCE + 60)} and is out of reach; d: take over",
         ),
     ],
 )
