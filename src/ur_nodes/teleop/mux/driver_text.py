@@ -14,7 +14,6 @@ DriverRequest = Literal["take", "ask", "grant"]
 
 DRIVER_KEYS: dict[str, DriverRequest] = {"d": "take", "a": "ask", "y": "grant"}
 _HINT = "d: take over, a: ask"
-_LOST_HINT = "d: take over"
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,17 +48,8 @@ def describe_silence(who: str, seconds: float) -> str:
     return f"no word from {who} for {seconds:.1f} s" if math.isfinite(seconds) else f"no word from {who} yet"
 
 
-def describe_driver(
-    view: LeaseView,
-    conduct: Conduct = "drive",
-    robot: str = "the robot",
-    hint: str = _HINT,
-    lost_hint: str = _LOST_HINT,
-) -> str:
-    """The line for a screen; empty while this client drives or may.
-
-    `hint` names the keys that change it, `lost_hint` those while the client that drove is out of reach.
-    """
+def describe_driver(view: LeaseView, conduct: Conduct = "drive", robot: str = "the robot", hint: str = _HINT) -> str:
+    """The line for a screen; empty while this client drives or may. `hint` names the keys that change it."""
     if view.out_of_reach:
         return describe_silence(robot, view.link_age)
     if view.mine:
@@ -70,7 +60,7 @@ def describe_driver(
     if view.other:
         return _with_hint(f"{name_holder(view)} drives {robot} since {clock_time(view.since)}", view, hint)
     if view.state == "lost":
-        return f"{describe_lost(view)}; {lost_hint}"  # without the robot it fits 80 columns
+        return f"{describe_lost(view)}; d: take over"  # without the robot it fits 80 columns
     if view.state == "free" and conduct == "watch":
         return f"nobody drives {robot}; d: drive"
     return ""
