@@ -3,13 +3,76 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from functools import lru_cache
+
+CUTOFF = 0.6  # likeness from which a name is worth saying: difflib's ratio, 0 to 1
+_MAX_LISTS = 32
+_MAX_ANSWERS = 10_000
 
 
 def did_you_mean(word: str, candidates: Iterable[str]) -> str | None:
-    """The candidate nearest to a misspelt word, or None when none is near enough to be worth saying."""
-    from difflib import get_close_matches  # only needed once something is wrong
+    """The candidate nearest to a misspelt word, or None when none is near enough to be worth saying.
 
-    names = sorted(candidates)
-    by_lower = {name.lower(): name for name in names}
-    near = get_close_matches(word.lower(), by_lower, n=1, cutoff=0.6)
-    return by_lower[near[0]] if near else None
+    Of names that differ in case only, the last counts. A list that is asked about again, best as one frozenset, costs
+    next to nothing then.
+    """
+    return _index_of(frozenset(candidates)).nearest(word)
+
+
+@lru_cache(maxsize=_MAX_LISTS)
+def _index_of(candidates: frozenset[str]) -> _Index:
+    return _Index(candidates)
+
+
+class _Index:
+    """Names with the letters that each holds, as bits: which names cannot be near is seen without comparing them.
+
+    Finds what difflib.get_close_matches(word, names, n=1) finds, whose bounds cost more than its comparisons.
+    """
+
+    def __init__(self, names: Iterable[str]) -> None:
+        self._bits: dict[tuple[str, int], int] = {}  # the n-th occurrence of a letter
+        self._by_lower = {name.lower(): name for name in sorted(names)}
+        self._letters = [(lower, len(lower), self._letters_of(lower)) for lower in self._by_lower]
+        self._answers: dict[str, str | None] = {}
+
+    def nearest(self, word: str) -> str | None:
+        """See did_you_mean."""
+        word = word.lower()
+        if word not in self._answers:
+            if len(self._answers) >= _MAX_ANSWERS:
+                self._answers.clear()
+            self._answers[word] = self._find(word)
+        return self._answers[word]
+
+    def _letters_of(self, word: str) -> int:
+        bits = 0
+        counts: dict[str, int] = {}
+        for letter in word:
+            counts[letter] = count = counts.get(letter, 0) + 1
+            bits |= 1 << self._bits.setdefault((letter, count), len(self._bits))
+        return bits
+
+    def _find(self, word: str) -> str | None:
+        size, letters = len(word), self._letters_of(word)
+        # The letters in common, whatever their order, are the most that the ratio can count.
+        bounds = [
+            (2.0 * (letters & own).bit_count() / (size + length) if size + length else 1.0, name)
+            for name, length, own in self._letters
+        ]
+        possible = sorted((pair for pair in bounds if pair[0] >= CUTOFF), reverse=True)
+        if not possible:
+            return None
+        from difflib import SequenceMatcher  # only needed once something is wrong
+
+        matcher = SequenceMatcher()
+        matcher.set_seq2(word)
+        best: tuple[float, str] | None = None
+        for bound, name in possible:
+            if best is not None and bound < best[0]:
+                break
+            matcher.set_seq1(name)
+            likeness = matcher.ratio()
+            if likeness >= CUTOFF and (best is None or (likeness, name) > best):
+                best = (likeness, name)
+        return self._by_lower[best[1]] if best else None

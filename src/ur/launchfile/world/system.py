@@ -39,6 +39,7 @@ class SystemWorld:
         self._standard_input = standard_input
         self._was_read: bytes | None = None
         self._packages: dict[str, str] | None = None
+        self._names: frozenset[str] | None = None
         self._workspaces: Workspaces | None = None
 
     def find_package(self, name: str) -> str:
@@ -52,9 +53,11 @@ class SystemWorld:
 
     def package_names(self) -> Iterable[str]:
         """See World."""
-        if self._packages is None:
-            self._packages = find_packages(package_paths(self.environment))
-        return self._packages.keys()
+        if self._names is None:
+            if self._packages is None:
+                self._packages = find_packages(package_paths(self.environment))
+            self._names = frozenset(self._packages)
+        return self._names
 
     def find_in_package(self, package: str, path: str) -> str | None:
         """See World: roslaunch looks for an executable first, then for an installed file."""
