@@ -19,7 +19,7 @@ from ur.launchfile.plan.load import load_plan
 from ur.launchfile.plan.model import Plan, TraceStep
 from ur.launchfile.plan.problems import NOT_GIVEN, NOT_PYTHON
 from ur.launchfile.plan.values.budget import Budget
-from ur.launchfile.syntax import Element
+from ur.launchfile.syntax import Element, LaunchFile
 from ur.source.diagnostic import Diagnostic, Severity
 
 _ROUNDS = 5
@@ -52,10 +52,14 @@ class Case:
 
 @dataclass(frozen=True, slots=True)
 class Resolved:
-    """A plan and the case it is for; its diagnostics hold only what is sure."""
+    """A plan and the case it is for; its diagnostics hold only what is sure.
+
+    `by_defaults`: the default of an environment variable that is not set here took part.
+    """
 
     case: Case
     plan: Plan
+    by_defaults: bool = False
 
 
 Loader = Callable[[str, Sequence[str], CachedWorld], Plan]
@@ -80,23 +84,36 @@ def resolve_cases(
     trace: list[TraceStep] | None = None,
     load: Loader | None = None,
     passed: frozenset[str] | None = None,
+    trees: dict[str, LaunchFile] | None = None,
 ) -> Iterator[Resolved]:
-    """The plans of a launch file, one or two per case. See load_plan for `trace`; another `load` may make the plans.
+    """The plans of a launch file, one or two per case. Another `load` may make the plans.
+
+    See load_plan for `trace` and `trees`.
 
     With `passed`, the names of arguments, nothing is taken from the defaults of those, nor from the defaults of
     environment variables that are not set here: they are unknown, as they are where another file includes this one.
     """
-    load = load or partial(_load, trace=trace, budget=Budget())
-    unknown = [
-        name for name, elements in view.declared.items() if all(_is_unknown(each, passed or ()) for each in elements)
-    ]
+    trees = {} if trees is None else trees
+    load = load or partial(_load, trace=trace, trees=trees, budget=Budget())
+    unknown = list_unknown(view, passed or ())
     for case in list_cases(view, given):
-        for plan in _resolve(view.path, case, unknown, world, load, no_defaults=passed is not None):
-            yield Resolved(case, plan)
+        yield from _resolve(view.path, case, unknown, world, load, no_defaults=passed is not None)
 
 
-def _load(path: str, words: Sequence[str], world: CachedWorld, trace: list[TraceStep] | None, budget: Budget) -> Plan:
-    return load_plan([path], words, world, trace, budget=budget)
+def list_unknown(view: LaunchView, passed: Collection[str] = ()) -> list[str]:
+    """The arguments of a launch file that whoever uses it gives: those without a value, and those that are `passed`."""
+    return [name for name, elements in view.declared.items() if all(_is_unknown(each, passed) for each in elements)]
+
+
+def _load(
+    path: str,
+    words: Sequence[str],
+    world: CachedWorld,
+    trace: list[TraceStep] | None,
+    trees: dict[str, LaunchFile],
+    budget: Budget,
+) -> Plan:
+    return load_plan([path], words, world, trace, trees, budget=budget)
 
 
 def _base_cases(view: LaunchView, given: set[str]) -> list[tuple[tuple[str, str], ...]]:
@@ -134,7 +151,7 @@ def _is_unknown(element: Element, passed: Collection[str]) -> bool:
 
 def _resolve(
     path: str, case: Case, unknown: list[str], world: CachedWorld, load_file: Loader, *, no_defaults: bool
-) -> Iterator[Plan]:
+) -> Iterator[Resolved]:
     unknowns = Unknowns()
     environment = Environment(world.environment, unknowns, no_defaults=no_defaults)
     open_world = world.seen_from(path.rpartition("/")[0], environment)
@@ -154,13 +171,13 @@ def _resolve(
         plan = load()
     first = _only_sure(plan, case, unknowns, open_world)
     if not set(unknowns.tried.values()) & set(_OPPOSITES):
-        yield first
+        yield Resolved(case, first, unknowns.defaults_used)
         return
     unknowns.tried = {name: _OPPOSITES.get(value, value) for name, value in unknowns.tried.items()}
     second = _only_sure(load(), case, unknowns, open_world)
     # Options that are all on, or all off, may exclude one another: what speaks of two tags has to be in both plans.
-    yield _without_pairs(first, second)
-    yield _without_pairs(second, first)
+    yield Resolved(case, _without_pairs(first, second), unknowns.defaults_used)
+    yield Resolved(case, _without_pairs(second, first), unknowns.defaults_used)
 
 
 def _without_pairs(plan: Plan, other: Plan) -> Plan:

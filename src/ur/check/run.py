@@ -7,7 +7,7 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
 
-from ur.check.cases import Resolved, list_cases, resolve_cases
+from ur.check.cases import Resolved, list_cases, list_unknown, resolve_cases
 from ur.check.catalogue import load_rules
 from ur.check.collect import Targets, collect_targets, list_launch_files
 from ur.check.findings.installed import judge_package
@@ -18,7 +18,7 @@ from ur.check.model import LaunchView, Package, PackageView, ProgramView, Rule, 
 from ur.check.survey import survey_launch_file, walk_elements
 from ur.check.visitor import Visitor, stamp_severity
 from ur.check.worlds import CachedWorld
-from ur.launchfile.syntax import Element
+from ur.launchfile.syntax import Element, LaunchFile
 from ur.launchfile.world import World
 from ur.source.diagnostic import Diagnostic, Note, Severity, error
 from ur.source.file import SourceFile, Span
@@ -76,6 +76,7 @@ class _Check:
         self.visitor = Visitor(rule for rule in rules.values() if rule.id in self.chosen)
         self.views: dict[str, LaunchView] = {}
         self.suppressions: dict[str, tuple[Suppression, ...]] = {}
+        self.trees: dict[str, LaunchFile] = {}  # by absolute path: a file is parsed once, whoever includes it
         self.elements: dict[str, dict[int, Element]] = {}
         self.inclusions = Inclusions()
 
@@ -116,6 +117,7 @@ class _Check:
                 yield Hit(_unreadable(path, problem))
                 continue
             self.views[path] = view
+            self.trees[path] = view.tree
             self.suppressions[path] = read_xml_suppressions(view.tree)
 
     def read_neighbours(self) -> Iterator[LaunchView]:
@@ -147,20 +149,23 @@ class _Check:
     def check_plans(self, view: LaunchView) -> Iterator[Hit]:
         given = tuple((name, value) for name, value in self.arguments.items() if name in view.declared)
         plain = frozenset(case.label for case in list_cases(view, given) if case.flipped is None)
-        found_in = [
-            (found, resolved.case.label)
-            for resolved in resolve_cases(view, self.world, given)
-            for found in self.findings_of(resolved, view)
-        ]
+        found_in: list[tuple[Diagnostic, str]] = []
+        by_defaults = False
+        for resolved in resolve_cases(view, self.world, given, trees=self.trees):
+            by_defaults = by_defaults or resolved.by_defaults
+            found_in.extend((found, resolved.case.label) for found in self.findings_of(resolved, view))
         if not found_in:
             return
         # A file that others include is judged there, with what they pass: here only what no argument changes.
         passed = self.inclusions.passed.get(view.path, frozenset())
-        everywhere = {
-            _place_of(found)
-            for resolved in resolve_cases(view, self.world, given, passed=passed)
-            for found in self.findings_of(resolved, view)
-        }
+        if by_defaults or list_unknown(view) != list_unknown(view, passed):
+            everywhere = {
+                _place_of(found)
+                for resolved in resolve_cases(view, self.world, given, passed=passed, trees=self.trees)
+                for found in self.findings_of(resolved, view)
+            }
+        else:  # the same plans again
+            everywhere = {_place_of(found) for found, _ in found_in}
         for found, label in found_in:
             included = found.rule == "unknown-machine" and view.path in self.inclusions.tags
             if _place_of(found) in everywhere and not included:

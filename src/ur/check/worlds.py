@@ -19,6 +19,7 @@ class Unknowns:
     def __init__(self) -> None:
         self._names: list[str] = []
         self.tried: dict[str, str] = {}
+        self.defaults_used = False  # of environment variables that are not set
 
     def value_of(self, name: str) -> str:
         """The value to try for an unknown, otherwise its marker."""
@@ -57,8 +58,10 @@ class Environment(dict[str, str]):
 
     def get(self, name: str, default: str | None = None) -> str | None:  # type: ignore[override]  # names are texts
         """See dict."""
-        if self._no_defaults and name not in self and not name.startswith("ROS_"):
-            return self[name]
+        if name not in self and not name.startswith("ROS_"):
+            if self._no_defaults:
+                return self[name]
+            self._unknowns.defaults_used = True
         return super().get(name, default)
 
     def __missing__(self, name: str) -> str:
