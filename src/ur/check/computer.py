@@ -9,7 +9,7 @@ from pathlib import Path
 from ur.launchfile.world import SystemWorld
 
 _MAX_DEPTH = 6
-_MAX_BESIDE = 500
+_MAX_BESIDE = 20_000
 
 
 def make_world(paths: Sequence[str], environment: Mapping[str, str]) -> SystemWorld:
