@@ -19,7 +19,7 @@ def test_suggestion_is_the_one_of_difflib(word: str, candidates: list[str]) -> N
 
 def test_long_names_are_compared_as_difflib_compares_them() -> None:
     word, names = "ab" * 150, ["ab" * 149, "ba" * 150, "a" * 300]
-    assert did_you_mean(word, names) == (get_close_matches(word, names, n=1) or [None])[0]
+    assert did_you_mean(word, names) == next(iter(get_close_matches(word, names, n=1)), None)
 
 
 def test_nothing_is_suggested_where_nothing_is_near() -> None:

@@ -36,6 +36,9 @@ def find_inclusions(views: Iterable[LaunchView]) -> Inclusions:
 
 
 def _pairs(views: list[LaunchView]) -> Iterator[tuple[LaunchView, Element, LaunchView]]:
+    by_name: dict[str, list[LaunchView]] = {}
+    for view in views:
+        by_name.setdefault(view.path.rpartition("/")[2], []).append(view)
     for view in views:
         for element, _ in walk_elements(view.tree.launch):
             file = element.attributes.get("file", "") if element.name == "include" else ""
@@ -43,7 +46,8 @@ def _pairs(views: list[LaunchView]) -> Iterator[tuple[LaunchView, Element, Launc
             if not any(parts):
                 continue  # a path that is only an argument may mean every file, and tells nothing
             pattern = re.compile(".*".join(map(re.escape, parts)) + r"\Z")
-            for other in views:
+            _, slash, name = parts[-1].rpartition("/")
+            for other in by_name.get(name, []) if slash else views:
                 if other is not view and other.path.endswith(parts[-1]) and pattern.search(other.path):
                     yield view, element, other
 

@@ -158,17 +158,17 @@ class _Check:
             return
         # A file that others include is judged there, with what they pass: here only what no argument changes.
         passed = self.inclusions.passed.get(view.path, frozenset())
+        missing = {_place_of(found) for found, _ in found_in}
         if by_defaults or list_unknown(view) != list_unknown(view, passed):
-            everywhere = {
-                _place_of(found)
-                for resolved in resolve_cases(view, self.world, given, passed=passed, trees=self.trees)
-                for found in self.findings_of(resolved, view)
-            }
-        else:  # the same plans again
-            everywhere = {_place_of(found) for found, _ in found_in}
+            for resolved in resolve_cases(view, self.world, given, passed=passed, trees=self.trees):
+                missing.difference_update(_place_of(found) for found in self.findings_of(resolved, view))
+                if not missing:
+                    break
+        else:  # they would be the same plans again
+            missing.clear()
         for found, label in found_in:
             included = found.rule == "unknown-machine" and view.path in self.inclusions.tags
-            if _place_of(found) in everywhere and not included:
+            if _place_of(found) not in missing and not included:
                 yield Hit(found, view.path, label, plain)
 
     def findings_of(self, resolved: Resolved, view: LaunchView) -> Iterator[Diagnostic]:
