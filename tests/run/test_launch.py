@@ -172,7 +172,7 @@ def test_missing_executables_are_found_before_anything_starts(world: Any) -> Non
     )
     assert run.wait() == 1
     assert "/a: package 'little_nodes' has no executable 'slepper'" in run.text
-    assert "/b: package 'litle_nodes' is not on this computer" in run.text
+    assert "/b: package 'litle_nodes' is not installed" in run.text
     assert "did you mean 'little_nodes'?" in run.text
     assert "started" not in run.text
 

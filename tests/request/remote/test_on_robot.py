@@ -60,11 +60,11 @@ def test_what_runs_on_the_robot_is_told_in_a_line(answer: Answer, lines: list[st
         (Problem("no package x", "install it"), "bob: no package x", "install it"),
         (Problem("chat is neither a package", rule="unknown-package"), "bob: chat is neither", "ur sync bob"),
         (
-            Problem("/talk: package 'x' is not on this computer", "apt install x", "unknown-package", "a.launch:3:5"),
-            "bob: a.launch:3:5: /talk: package 'x' is not on bob",
+            Problem("/talk: package 'x' is not installed", "apt install x", "unknown-package", "a.launch:3:5"),
+            "bob: a.launch:3:5: /talk: package 'x' is not installed",
             "apt install x",
         ),
-        (Problem("run x has not ended", "ur shell {robot} ur stop x"), "bob: run x", "ur shell bob ur stop x"),
+        (Problem("run x has not ended", "ur shell bob ur stop x"), "bob: run x", "ur shell bob ur stop x"),
         (Problem("Segmentation fault"), "bob: Segmentation fault", "ur doctor bob"),
     ],
 )

@@ -29,7 +29,7 @@ def _missing(base: Base, nodes: Sequence[NodeSpec], world: World) -> Iterator[Di
             whole = f"{base.name}, variant {base.variant}" if base.variant else base.name
             what = f"drives a real {whole}" if driver.part == "base" else f"reads the {driver.part} of a real {whole}"
             yield error(
-                f"package {driver.package!r} is not on this computer: its {driver.executable} {what}",
+                f"package {driver.package!r} is not installed: its {driver.executable} {what}",
                 used[0].origin.span,
                 rule="no-driver",
                 help=f"{driver.install}; or simulate the base: simulate:=true",

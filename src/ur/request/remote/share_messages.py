@@ -36,12 +36,11 @@ def describe_end(robot: str, answer: Answer) -> list[str]:
 
 def explain_problem(robot: str, problem: Problem) -> UserError:
     """Explain a problem of the robot's, as an error of ours."""
-    help_ = problem.help.replace("{robot}", robot) or f"ur doctor {robot}"
+    help_ = problem.help or f"ur doctor {robot}"
     if problem.rule in _MISSING and not problem.place:
         help_ = f"is it in the workspace of this computer? then: ur sync {robot}"
-    message = problem.message.replace("this computer", robot)
     place = f"{problem.place}: " if problem.place else ""
-    return UserError(error(f"{robot}: {place}{message}", rule=problem.rule or "robot-part", help=help_))
+    return UserError(error(f"{robot}: {place}{problem.message}", rule=problem.rule or "robot-part", help=help_))
 
 
 def _explain_found(clients: Sequence[str]) -> str:

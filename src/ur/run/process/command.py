@@ -99,7 +99,7 @@ def find_executable(node: NodeSpec, world: World) -> str:
         near = did_you_mean(node.package, world.package_names())
         raise UserError(
             error(
-                f"{node.full_name}: package {node.package!r} is not on this computer",
+                f"{node.full_name}: package {node.package!r} is not installed",
                 node.origin.span,
                 rule="unknown-package",
                 help=f"did you mean {near!r}?" if near else describe_install(node.package),

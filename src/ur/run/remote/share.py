@@ -29,7 +29,7 @@ from ur.run.remote.clients import (
     remove_dead,
     write_clients,
 )
-from ur.run.remote.local_runs import BusyError, find_holders, find_share, is_stopping, lock_shares, wait_exit
+from ur.run.remote.local_runs import BusyError, Holder, find_holders, find_share, is_stopping, lock_shares, wait_exit
 from ur.run.remote.names import choose_names
 from ur.run.remote.protocol import MAX_BYTES, Answer, Client, Problem, Request, dump, parse_request
 from ur.run.remote.signs import Sign, read_signs
@@ -57,7 +57,7 @@ def begin(request: Request) -> Answer:
             # Its nodes and its master are registered under a name that nobody can look up any more.
             renamed_from = entry.host
             if not _stop(entry):
-                return Answer(problem=_not_ended(entry.run))
+                return Answer(problem=_not_ended(entry.run, request.machine))
             runs = [each for each in runs if each.run != entry.run]
             entry = None
         return _begin(request, entry, runs, computer, renamed_from)
@@ -73,7 +73,7 @@ def _begin(
     holders = find_holders(others, request.nodes, _own_port())
     for holder in holders:
         if holder.entry.host != computer.host:
-            return Answer(problem=_renamed(holder.entry, holder.nodes, computer))
+            return Answer(problem=_renamed(holder, computer, request.machine))
     relied = [holder.entry for holder in holders if is_shared(holder.entry.folder)]
     held = {name for holder in holders for name in holder.nodes}
     if entry is not None:
@@ -110,7 +110,7 @@ def end(request: Request) -> Answer:
             elif _stop(entry):
                 ended.append(entry.run)
             else:
-                problem = _not_ended(entry.run)
+                problem = _not_ended(entry.run, request.machine)
     return Answer(ended=tuple(ended), kept=tuple(kept), clients=tuple(sorted(names)), problem=problem)
 
 
@@ -210,18 +210,16 @@ def _in_order(request: Request, names: Iterable[str]) -> tuple[str, ...]:
     return tuple(name for name in request.nodes if name in found)
 
 
-def _not_ended(run: str) -> Problem:
-    return Problem(
-        f"run {run} has not ended within {END_SECONDS:g} s", f"ur shell {{robot}} ur stop {run}", "not-ended"
-    )
+def _not_ended(run: str, robot: str) -> Problem:
+    return Problem(f"run {run} has not ended within {END_SECONDS:g} s", f"ur shell {robot} ur stop {run}", "not-ended")
 
 
-def _renamed(entry: RunEntry, nodes: Iterable[str], computer: Computer) -> Problem:
-    names = ", ".join(nodes)
+def _renamed(holder: Holder, computer: Computer, robot: str) -> Problem:
+    entry, names = holder.entry, ", ".join(holder.nodes)
     return Problem(
-        f"run {entry.run} started {names} when this computer was called {entry.host.split('.')[0]}, "
+        f"run {entry.run} started {names} when {robot} was called {entry.host.split('.')[0]}, "
         f"expected nodes that are registered as {computer.host.split('.')[0]}",
-        f"ur shell {{robot}} ur stop {entry.run}; then start it again",
+        f"ur shell {robot} ur stop {entry.run}; then start it again",
         "old-name",
     )
 
