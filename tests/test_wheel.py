@@ -17,7 +17,7 @@ import pytest
 from tests.ros_session import RosSession
 from tools.build import build
 
-from ur.cli.main import VERBS
+from ur.cli.verbs import VERBS
 from ur.robot.deploy.repository import read_programs, read_repository
 
 ROOT = Path(__file__).parents[1]

@@ -11,7 +11,7 @@ import click
 
 from ur.cli.help import SECTIONS
 from ur.cli.help_pages import LAUNCH_GROUPS, PAGES
-from ur.cli.main import VERBS, load_verb
+from ur.cli.verbs import VERBS, load_verb
 
 PAGE = Path(__file__).parents[1] / "docs" / "reference" / "verbs.md"
 HEAD = """# All verbs of `ur`

@@ -35,7 +35,7 @@ _UNRELEASED = "## Unreleased"
 _NEVER_RELEASED = re.compile(r"^## \d+\.\d+\.\d+, not yet released\n", re.MULTILINE)
 _TRY = """\
 import subprocess, sys
-from ur.cli.main import VERBS
+from ur.cli.verbs import VERBS
 for verb in VERBS:
     subprocess.run([sys.argv[1], verb, "--help"], stdout=subprocess.DEVNULL, check=True)
 print(len(VERBS))

@@ -11,7 +11,8 @@ import click
 import pytest
 
 from ur.cli.help_pages import LAUNCH_GROUPS, PAGES
-from ur.cli.main import VERBS, load_verb, main
+from ur.cli.main import main
+from ur.cli.verbs import VERBS, load_verb
 from ur.request.environment import PACKAGE
 from ur.request.programs import list_programs
 

@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 from tests.ros_session import RosSession
 
-from ur.cli.main import VERBS
+from ur.cli.verbs import VERBS
 from ur.robot import remote_run
 from ur.robot.boot.launch_file import find_launch
 from ur.robot.boot.units import launch_line, master_unit

@@ -8,9 +8,10 @@ from pathlib import Path
 import click
 import pytest
 
-from ur.cli import main as cli
+from ur.cli import verbs
 from ur.cli.help import SECTIONS
-from ur.cli.main import VERBS, load_verb, main
+from ur.cli.main import main
+from ur.cli.verbs import VERBS, load_verb
 
 
 @pytest.fixture(autouse=True)
@@ -48,7 +49,7 @@ def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         ),
         (
             ["launch", "--timeout", "0", "f"],
-            "ur launch: invalid value '0.0' for --timeout, expected a number above 0, up to 1000000\n",
+            "ur launch: invalid value '0' for --timeout, expected a number above 0, up to 1000000\n",
             "'ur launch --help'",
         ),
         (
@@ -153,7 +154,7 @@ def test_defect_becomes_one_line_and_a_file(
     def broken() -> None:
         raise RuntimeError("oops")
 
-    monkeypatch.setattr(cli, "load_verb", lambda _: broken)
+    monkeypatch.setattr(verbs, "load_verb", lambda _: broken)
     assert main(["use"]) == 2
     told = capsys.readouterr().err
     assert "error: internal error in 'ur use': RuntimeError: oops" in told
@@ -191,7 +192,7 @@ def test_missing_permission_is_no_internal_error(
     def refused() -> None:
         raise PermissionError(13, "Permission denied", "/a folder/x\x1b")
 
-    monkeypatch.setattr(cli, "load_verb", lambda _: refused)
+    monkeypatch.setattr(verbs, "load_verb", lambda _: refused)
     assert main(["use"]) == 2
     assert capsys.readouterr().err == (
         "error: '/a folder/x\\x1b' cannot be used: permission denied\n"
@@ -204,7 +205,7 @@ def test_interrupt_is_quiet(monkeypatch: pytest.MonkeyPatch, capsys: pytest.Capt
     def interrupted() -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(cli, "load_verb", lambda _: interrupted)
+    monkeypatch.setattr(verbs, "load_verb", lambda _: interrupted)
     assert main(["use"]) == 130
     captured = capsys.readouterr()
     assert (captured.out, captured.err) == ("", "")

@@ -6,7 +6,7 @@ import re
 
 from tests.cli.wrong_inputs import GOLDEN, describe_messages, list_commands, list_lines
 
-from ur.cli.main import VERBS
+from ur.cli.verbs import VERBS
 
 HINT = "read the difference against the rules of writing, then run: .venv/bin/python tools/list_messages.py --update"
 

@@ -15,7 +15,8 @@ from unittest.mock import patch
 
 import click
 
-from ur.cli.main import VERBS, load_verb, main
+from ur.cli.main import main
+from ur.cli.verbs import VERBS, load_verb
 
 GOLDEN = Path(__file__).with_name("messages.txt")
 LIBRARY = Path(__file__).parents[2] / "ubiquity_launches"

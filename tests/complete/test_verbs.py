@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from ur.cli.main import VERBS
+from ur.cli.verbs import VERBS
 from ur.complete.line import split_line
 from ur.complete.model import Candidate, Known, Option
 from ur.complete.verbs import KINDS, complete_line

@@ -10,7 +10,7 @@ from pathlib import Path
 import click
 import pytest
 
-from ur.cli.main import VERBS, load_verb
+from ur.cli.verbs import VERBS, load_verb
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"

@@ -15,7 +15,7 @@ def test_committed_page_is_made_of_the_help() -> None:
 
 
 def test_every_verb_has_a_heading_that_its_link_leads_to() -> None:
-    from ur.cli.main import VERBS
+    from ur.cli.verbs import VERBS
 
     lines = TOOL["make_page"]().splitlines()
     for name in VERBS:

@@ -7,74 +7,17 @@ import os
 import shlex
 import sys
 from collections.abc import Sequence
-from importlib import import_module
 
 import click
 
+from ur.cli.usage import describe_usage_error
+from ur.cli.verbs import VERBS, VerbGroup
 from ur.source.diagnostic import UserError
 from ur.source.printable import OutputLost, guard_output, printable
 from ur.source.render import render_human, shows_colour
-from ur.source.suggest import did_you_mean
 
 HELP = "Finds, selects and drives small ROS robots, simulated or real, and starts launch files."
 EPILOG = "First drive: ur run keyboard_navigate"
-
-# The summary stands here so that `ur --help` imports no verb; a test compares it with the verb's own.
-VERBS = {
-    "run": ("ur.cli.launch.run", "Run a program on the selected robot."),
-    "list": ("ur.cli.launch.list_programs", "List the programs that `ur run` knows."),
-    "launch": ("ur.cli.launch.launch", "Start a launch file, in place of roslaunch."),
-    "ps": ("ur.cli.runs.ps", "List the runs on this computer."),
-    "attach": ("ur.cli.runs.attach", "Show what a run prints, from any terminal."),
-    "logs": ("ur.cli.runs.logs", "Print what a node has printed so far."),
-    "restart": ("ur.cli.runs.restart", "Stop a node and start it again."),
-    "wait": ("ur.cli.runs.wait", "Return when every node of a run is up."),
-    "stop": ("ur.cli.runs.stop", "End a run, or one of its nodes."),
-    "check": ("ur.cli.files.check", "Check launch files, YAML files and programs."),
-    "new": ("ur.cli.files.new", "Write a new node, group, view, program, base, package or world."),
-    "package": ("ur.cli.files.package", "Check package.xml and CMakeLists.txt of launch files."),
-    "format": ("ur.cli.files.format", "Put launch files into a standard order and layout."),
-    "find": ("ur.cli.files.find", "Find where a name in launch files is defined and used."),
-    "docs": ("ur.cli.files.docs", "Write documents of launch files: one page, or a web site."),
-    "graph": ("ur.cli.files.graph", "Draw what a launch file includes and starts, or what runs."),
-    "explain": ("ur.cli.files.explain", "Explain where a name in a launch file got its value."),
-    "use": ("ur.cli.robots.use", "Select a robot, or show which one is selected."),
-    "setup": ("ur.cli.computer.setup", "Set this computer up: shells, keys, workspace, names."),
-    "robots": ("ur.cli.robots.robots", "List the robots on the network, and those known but away."),
-    "shell": ("ur.cli.robots.shell", "Open a shell on a robot, or run one command there."),
-    "x": ("ur.cli.robots.x", "Run a program on a robot with its windows here."),
-    "sync": ("ur.cli.robots.sync", "Synchronise the workspaces of this computer and a robot."),
-    "build": ("ur.cli.robots.build", "Build the catkin workspace here or on a robot."),
-    "mount": ("ur.cli.robots.mount", "Mount a folder of a robot here."),
-    "unmount": ("ur.cli.robots.unmount", "Unmount the folders of a robot."),
-    "doctor": ("ur.cli.computer.doctor", "Find what is wrong between this computer and a robot."),
-    "wifi": ("ur.cli.robots.wifi", "Measure the connection to a robot: signal of both, latency, loss."),
-    "robot": ("ur.cli.robot_setup.robot", "Set robots up and change them, over the network."),
-    "image": ("ur.cli.robot_setup.image", "Prepare images for the first boot of robots."),
-    "boot": ("ur.cli.robots.boot", "Choose what a robot starts when it boots."),
-    "completion": ("ur.cli.computer.completion", "Print the lines that let a shell complete `ur` with Tab."),
-    "debian": ("ur.cli.computer.debian", "Inspect, change or remove the Debian root that ROS runs in."),
-    "env": ("ur.cli.computer.env", "Print the lines that let a shell follow the selection."),
-}
-
-
-class VerbGroup(click.Group):
-    """The verbs, each imported when it is used."""
-
-    def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002 - click's signature
-        """The names, most important first."""
-        return list(VERBS)
-
-    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:  # noqa: ARG002 - click's signature
-        """Import a verb."""
-        return load_verb(cmd_name) if cmd_name in VERBS else None
-
-
-def load_verb(name: str) -> click.Command:
-    """The command behind a verb's name: `command` of its module."""
-    verb = import_module(VERBS[name][0]).command
-    assert isinstance(verb, click.Command)
-    return verb
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -92,7 +35,8 @@ def _run(words: list[str]) -> int:
         sys.stdout.flush()
         return code
     except click.UsageError as problem:
-        return _explain(problem, words)
+        _say(describe_usage_error(problem, words))
+        return 2
     except click.ClickException as problem:
         _say(f"error: {problem.format_message()}")
         return 2
@@ -144,88 +88,6 @@ def _version_option() -> click.Option:
     return click.Option(
         ["--version"], is_flag=True, expose_value=False, is_eager=True, callback=show, help="Print the version."
     )
-
-
-def _explain(problem: click.UsageError, words: Sequence[str]) -> int:
-    """One line for a wrong command line, one more that helps."""
-    verb = problem.ctx.command.name if problem.ctx is not None and problem.ctx.parent is not None else None
-    where = problem.ctx.command_path if verb and problem.ctx else "ur"
-    if problem.ctx is None and words[0] in VERBS:  # click does not say where an option lacks its value
-        where = _name_command(words)
-    message = problem.format_message().rstrip(".")
-    help_line = f"'{where} --help' lists the options"
-    if isinstance(problem, click.BadParameter) and (wanted := _describe_values(problem.param)):
-        assert problem.param is not None
-        given = problem.message.partition(" is not ")[0].strip("'")
-        named = isinstance(problem.param, click.Option)
-        target = f" for {max(problem.param.opts, key=len)}" if named else ""
-        message = f"{where}: invalid value {given!r}{target}, expected {wanted}"
-    elif isinstance(problem, click.BadOptionUsage) and not isinstance(problem, click.NoSuchOption):
-        message = f"{where}: option '{problem.option_name}' requires a value"
-    elif isinstance(problem, click.NoSuchOption):
-        message = f"{where}: unknown option '{problem.option_name}'"
-        names = [name for param in problem.ctx.command.params for name in param.opts] if problem.ctx else []
-        near = did_you_mean(problem.option_name, names)
-        help_line = f"did you mean {near!r}?" if near else help_line
-    elif verb is None and message.startswith("No such command"):
-        word = message.split("'")[1]
-        message = f"unknown command {word!r}"
-        help_line = _suggest_command(word) or "'ur --help' lists the commands"
-    elif problem.ctx is not None and message.startswith("No such command"):
-        word = message.split("'")[1]
-        near = did_you_mean(word, getattr(problem.ctx.command, "commands", ()))
-        message = f"unknown command {f'{where} {word}'!r}"
-        help_line = f"did you mean '{where} {near}'?" if near else f"'{where} --help' lists the commands"
-    else:
-        message = f"{where}: {message[:1].lower()}{message[1:]}"
-        if where == "ur run" and isinstance(problem, click.MissingParameter):
-            help_line = "'ur list' lists the programs"
-    _say(f"error: {message}\n  help: {help_line}")
-    return 2
-
-
-def _suggest_command(word: str) -> str | None:
-    # A launch file or a program alone: the verb was left out.
-    if word.endswith((".launch", ".launch.xml")):
-        return f"start a launch file: ur launch {word}"
-    from ur.request.environment import PACKAGE, know_own_package
-    from ur.request.programs import index_programs
-
-    programs = {program.name for program in index_programs(PACKAGE, know_own_package(os.environ)).programs}
-    near = did_you_mean(word, VERBS) if word not in programs else None
-    if near:
-        return f"did you mean 'ur {near}'?"
-    near = did_you_mean(word, programs)
-    return f"did you mean 'ur run {near}'?" if near else None
-
-
-def _name_command(words: Sequence[str]) -> str:
-    """The command that a command line calls: 'ur robot setup'."""
-    command = load_verb(words[0])
-    inner = getattr(command, "commands", {})
-    name = next((word for word in words[1:] if word in inner), "")
-    return f"ur {words[0]} {name}".rstrip()
-
-
-def _describe_values(param: click.Parameter | None) -> str:
-    """The values that an option takes: 'a whole number from 1 to 65535', 'bash, fish or zsh'; '' for any text."""
-    kind = param.type if param is not None else None
-    if isinstance(kind, click.Choice):
-        *some, last = map(str, kind.choices)
-        return f"{', '.join(some)} or {last}" if some else last
-    if not isinstance(kind, click.types.IntParamType | click.types.FloatParamType):
-        return ""
-    text = "a whole number" if isinstance(kind, click.types.IntParamType) else "a number"
-    least, most = (
-        None if bound is None else f"{bound:f}".rstrip("0").rstrip(".") if bound % 1 else f"{bound:.0f}"
-        for bound in (getattr(kind, "min", None), getattr(kind, "max", None))
-    )
-    is_open = getattr(kind, "min_open", False)
-    if least is None:
-        return text if most is None else f"{text} up to {most}"
-    if most is None:
-        return f"{text} above {least}" if is_open else f"{text} from {least} up"
-    return f"{text} above {least}, up to {most}" if is_open else f"{text} from {least} to {most}"
 
 
 def open_closed_streams() -> None:

@@ -10,7 +10,8 @@ import pytest
 
 from ur.cli.files.new_parts import find_target
 from ur.cli.files.new_things import describe_observed
-from ur.cli.main import load_verb, main
+from ur.cli.main import main
+from ur.cli.verbs import load_verb
 from ur.new.model import Observed, Topic
 from ur.request.environment import PACKAGE as LIBRARY
 from ur.robot.base import read_base

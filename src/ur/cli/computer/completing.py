@@ -98,7 +98,7 @@ def _follow_selection(environment: dict[str, str]) -> dict[str, str]:
 
 
 def _verbs() -> Iterator[Candidate]:
-    from ur.cli.main import VERBS
+    from ur.cli.verbs import VERBS
 
     yield from (Candidate(name, summary) for name, (_, summary) in VERBS.items())
 
@@ -106,7 +106,7 @@ def _verbs() -> Iterator[Candidate]:
 def _options(verb: str) -> tuple[Option, ...]:
     import click
 
-    from ur.cli.main import VERBS, load_verb
+    from ur.cli.verbs import VERBS, load_verb
 
     if verb not in VERBS:
         return ()

@@ -1,0 +1,123 @@
+"""Messages about command lines that cannot be used, made of the attributes of click's exceptions."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+
+import click
+
+from ur.cli.verbs import VERBS, load_verb
+from ur.source.suggest import did_you_mean
+
+
+def describe_usage_error(problem: click.UsageError, argv: Sequence[str]) -> str:
+    """One line that says what is wrong with a command line, and one that helps. `argv` follows `ur`."""
+    context = problem.ctx
+    where = context.command_path if context is not None and context.parent is not None else "ur"
+    if context is None and argv[0] in VERBS:  # click does not say where an option lacks its value
+        where = _name_command(argv)
+    help_line = f"'{where} --help' lists the options"
+    if isinstance(problem, click.NoSuchOption):
+        message = f"{where}: unknown option '{problem.option_name}'"
+        names = [name for param in context.command.params for name in param.opts] if context else []
+        near = did_you_mean(problem.option_name, names)
+        help_line = f"did you mean {near!r}?" if near else help_line
+    elif isinstance(problem, click.BadOptionUsage):
+        message = f"{where}: option '{problem.option_name}' requires a value"
+    elif isinstance(problem, click.exceptions.NoSuchCommand):
+        return _describe_unknown_command(problem, where)
+    elif (
+        isinstance(problem, click.BadParameter)
+        and not isinstance(problem, click.MissingParameter)
+        and (wanted := _describe_values(problem.param))
+    ):
+        message = f"{where}: {_describe_value(problem, argv)}, expected {wanted}"
+    else:
+        message = problem.format_message().rstrip(".")
+        message = f"{where}: {message[:1].lower()}{message[1:]}"
+        if where == "ur run" and isinstance(problem, click.MissingParameter):
+            help_line = "'ur list' lists the programs"
+    return f"error: {message}\n  help: {help_line}"
+
+
+def _describe_unknown_command(problem: click.exceptions.NoSuchCommand, where: str) -> str:
+    name = problem.command_name
+    if where == "ur":
+        help_line = _suggest_command(name) or "'ur --help' lists the commands"
+        return f"error: unknown command {name!r}\n  help: {help_line}"
+    near = did_you_mean(name, getattr(problem.ctx.command, "commands", ()) if problem.ctx else ())
+    help_line = f"did you mean '{where} {near}'?" if near else f"'{where} --help' lists the commands"
+    return f"error: unknown command {f'{where} {name}'!r}\n  help: {help_line}"
+
+
+def _describe_value(problem: click.BadParameter, argv: Sequence[str]) -> str:
+    """The value that a parameter refuses, as it was typed: 'invalid value '0' for --port'."""
+    param, context = problem.param, problem.ctx
+    assert param is not None
+    target = f" for {max(param.opts, key=len)}" if isinstance(param, click.Option) else ""
+    typed = _find_refused(param, context, argv) if context is not None else None
+    return f"invalid value{'' if typed is None else f' {typed!r}'}{target}"
+
+
+def _find_refused(param: click.Parameter, context: click.Context, argv: Sequence[str]) -> str | None:
+    # click's exception does not hold the value, so the command's own parser reads the arguments once more.
+    rest = list(argv)
+    for name in context.command_path.split()[1:]:
+        rest = rest[rest.index(name) + 1 :]
+    options, _, _ = context.command.make_parser(context).parse_args(rest)
+    given = options.get(param.name or "")
+    values = given if isinstance(given, (list, tuple)) else [] if given is None else [given]
+    return next((str(value) for value in values if not _accepts(param, value, context)), None)
+
+
+def _accepts(param: click.Parameter, value: object, context: click.Context) -> bool:
+    try:
+        param.type.convert(value, param, context)
+    except click.BadParameter:
+        return False
+    return True
+
+
+def _suggest_command(word: str) -> str | None:
+    # A launch file or a program alone: the verb was left out.
+    if word.endswith((".launch", ".launch.xml")):
+        return f"start a launch file: ur launch {word}"
+    from ur.request.environment import PACKAGE, know_own_package
+    from ur.request.programs import index_programs
+
+    programs = {program.name for program in index_programs(PACKAGE, know_own_package(os.environ)).programs}
+    near = did_you_mean(word, VERBS) if word not in programs else None
+    if near:
+        return f"did you mean 'ur {near}'?"
+    near = did_you_mean(word, programs)
+    return f"did you mean 'ur run {near}'?" if near else None
+
+
+def _name_command(words: Sequence[str]) -> str:
+    """The command that a command line calls: 'ur robot setup'."""
+    command = load_verb(words[0])
+    inner = getattr(command, "commands", {})
+    name = next((word for word in words[1:] if word in inner), "")
+    return f"ur {words[0]} {name}".rstrip()
+
+
+def _describe_values(param: click.Parameter | None) -> str:
+    """The values that an option takes: 'a whole number from 1 to 65535', 'bash, fish or zsh'; '' for any text."""
+    kind = param.type if param is not None else None
+    if isinstance(kind, click.Choice):
+        *some, last = map(str, kind.choices)
+        return f"{', '.join(some)} or {last}" if some else last
+    if not isinstance(kind, click.types.IntParamType | click.types.FloatParamType):
+        return ""
+    text = "a whole number" if isinstance(kind, click.types.IntParamType) else "a number"
+    least, most = (
+        None if bound is None else f"{bound:f}".rstrip("0").rstrip(".") if bound % 1 else f"{bound:.0f}"
+        for bound in (getattr(kind, "min", None), getattr(kind, "max", None))
+    )
+    is_open = getattr(kind, "min_open", False)
+    if least is None:
+        return text if most is None else f"{text} up to {most}"
+    if most is None:
+        return f"{text} above {least}" if is_open else f"{text} from {least} up"
+    return f"{text} above {least}, up to {most}" if is_open else f"{text} from {least} to {most}"
