@@ -26,7 +26,7 @@ from ur.run.clients.protocol import (
     StatsSampled,
     find_severity,
 )
-from ur.run.debugger.attach import Ways
+from ur.run.debugger.attach import DebugMethods
 from ur.tui.app import WatchApp
 from ur.tui.run_state import NodeRow
 
@@ -85,7 +85,7 @@ class StillServices:
         """Nothing."""
         return ""
 
-    def debug(self, _row: NodeRow, _run: RunStarted) -> Ways | str:
+    def debug(self, _row: NodeRow, _run: RunStarted) -> DebugMethods | str:
         """Nothing."""
         return ""
 

@@ -25,7 +25,7 @@ from ur.robot.setup.environment import viewer_environment
 from ur.robot.setup.wanted import WantedFile
 from ur.robot.ssh.shell import LocalShell
 from ur.run.debugger import pane as debug_pane
-from ur.run.debugger.environment import look_around
+from ur.run.debugger.environment import find_debug_tools
 from ur.source import UserError
 
 ROOT = Path(__file__).parents[2]
@@ -171,7 +171,7 @@ def test_scripts_for_other_computers_import_nothing_of_the_current_folder(
     monkeypatch.chdir(trap.folder)
     with pytest.raises(UserError):
         find_launch(LocalShell(), "no_such_package", "no.launch", "bob")
-    look_around({}, terminal=False, python="/usr/bin/python3")
+    find_debug_tools({}, terminal=False, python="/usr/bin/python3")
     assert trap.imported() == []
 
 

@@ -27,7 +27,7 @@ from ur.run.clients.protocol import (
     find_severity,
     parse_command,
 )
-from ur.run.debugger.attach import Way, Ways
+from ur.run.debugger.attach import DebugMethod, DebugMethods
 from ur.tui.app import WatchApp
 from ur.tui.run_state import NodeRow
 
@@ -69,12 +69,15 @@ class FakeRun:
         self.control.close()
 
 
+GDB = DebugMethods((DebugMethod("g", "gdb", ("gdb", "-p", "12"), here=True),))
+
+
 @dataclass
 class FakeServices:
     """Remembers what it was asked to run."""
 
     pager: list[str] | None = field(default_factory=lambda: ["less"])
-    debugger: Ways | str = field(default_factory=lambda: Ways((Way("g", "gdb", ("gdb", "-p", "12"), here=True),)))
+    debugger: DebugMethods | str = GDB
     problem: str = ""
     here: list[list[str]] = field(default_factory=list)
     beside: list[list[str]] = field(default_factory=list)
@@ -93,7 +96,7 @@ class FakeServices:
         self.beside.append(list(words))
         return self.problem
 
-    def debug(self, row: NodeRow, run: RunStarted) -> Ways | str:
+    def debug(self, row: NodeRow, run: RunStarted) -> DebugMethods | str:
         assert row.name
         assert run.pid
         return self.debugger

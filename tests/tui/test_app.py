@@ -4,7 +4,7 @@ import pytest
 from tests.tui.fake import FakeServices, example, read_screen, until, watching
 
 from ur.run.clients.protocol import KillNode, RestartNode, RunCommand, StartNode, StopNode, StopRun
-from ur.run.debugger.attach import Way, Ways
+from ur.run.debugger.attach import DebugMethod, DebugMethods
 from ur.tui.dialogs import Question
 
 
@@ -86,7 +86,7 @@ async def test_key_steers_the_chosen_node(key: str, command: RunCommand) -> None
 
 
 async def test_debug_opens_a_window_where_there_is_one() -> None:
-    services = FakeServices(debugger=Ways((Way("g", "gdb", ("xterm", "-e", "gdb"), here=False),)))
+    services = FakeServices(debugger=DebugMethods((DebugMethod("g", "gdb", ("xterm", "-e", "gdb"), here=False),)))
     async with watching(services=services) as (_, pilot, _run):
         await pilot.press("d")
         assert services.beside == [["xterm", "-e", "gdb"]]
@@ -100,13 +100,13 @@ async def test_debug_says_why_it_cannot() -> None:
         assert "help" in read_screen(app)[-1]
 
 
-AGAIN = Way(
+AGAIN = DebugMethod(
     "p", "start it again in pudb", ("python3", "pane", "--wait", "/a"), here=True, prefix=("python3", "-m", "pudb")
 )
 
 
 async def test_debug_that_needs_a_restart_asks_first() -> None:
-    services = FakeServices(debugger=Ways((AGAIN,), "what it knows now is lost"))
+    services = FakeServices(debugger=DebugMethods((AGAIN,), "what it knows now is lost"))
     async with watching(services=services) as (app, pilot, run):
         await pilot.press("d")
         assert isinstance(app.screen, Question)
@@ -120,8 +120,8 @@ async def test_debug_that_needs_a_restart_asks_first() -> None:
 
 
 async def test_debug_of_a_crash_offers_the_core_file_too() -> None:
-    core = Way("c", "look at its core file", ("xterm", "-e", "gdb"), here=False)
-    services = FakeServices(debugger=Ways((core, AGAIN)))
+    core = DebugMethod("c", "look at its core file", ("xterm", "-e", "gdb"), here=False)
+    services = FakeServices(debugger=DebugMethods((core, AGAIN)))
     async with watching(services=services) as (_, pilot, run):
         await pilot.press("d", "c")
         await until(pilot, lambda: services.beside == [list(core.command)])

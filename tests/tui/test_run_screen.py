@@ -8,15 +8,15 @@ import pytest
 from tests.tui.fake import RUN, FakeServices, line, log_of, read_screen, until, watching
 
 from ur.run.clients.protocol import Notice, RunEnded, RunEvent, RunStopping
-from ur.run.debugger.attach import Way, Ways
+from ur.run.debugger.attach import DebugMethod, DebugMethods
 from ur.tui.journal import MOST_ENTRIES
 
 SNAPSHOTS = Path(__file__).parent / "snapshots"
 SIZES = [(120, 40), (80, 24), (60, 15), (40, 10)]
-DEBUG = Ways(
+DEBUG = DebugMethods(
     (
-        Way("c", "look at its core file: where it crashed", ("gdb",), here=True),
-        Way("g", "start it again in gdb", ("gdb",), here=True, prefix=("gdb",)),
+        DebugMethod("c", "look at its core file: where it crashed", ("gdb",), here=True),
+        DebugMethod("g", "start it again in gdb", ("gdb",), here=True, prefix=("gdb",)),
     ),
     "no core file: their size is limited to 0 here; 'ulimit -c unlimited' before ur launch changes that",
 )

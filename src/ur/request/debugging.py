@@ -11,7 +11,7 @@ from ur.launchfile.plan.model import NodeSpec, Plan
 from ur.launchfile.world import World
 from ur.request.questions import find_node
 from ur.run.debugger.choice import TOOLS, Debugging, Tool, choose_tool, plan_debugging
-from ur.run.debugger.environment import find_core, find_free_port, look_around, look_at_program, read_core_rules
+from ur.run.debugger.environment import find_core_dump, find_debug_tools, find_free_port, read_core_rules, read_target
 from ur.run.paths import ros_home
 from ur.run.process.command import choose_folder, find_executable
 from ur.source.diagnostic import UserError, error
@@ -31,8 +31,8 @@ def debug_nodes(plan: Plan, requests: Sequence[str], world: World, *, terminal: 
         name, _, tool_name = request.partition("=")
         node = find_node(plan, name)
         path = find_executable(node, world)
-        target = look_at_program(node.full_name, path)
-        around = look_around(
+        target = read_target(node.full_name, path)
+        tools = find_debug_tools(
             world.environment,
             terminal=terminal and not any(each.terminal for each in (*plan.nodes, *changed.values())),
             python=target.interpreter if target.kind == "python" else "",
@@ -40,9 +40,9 @@ def debug_nodes(plan: Plan, requests: Sequence[str], world: World, *, terminal: 
         tool = _parse_tool(request, tool_name) if tool_name else choose_tool(target.kind)
         if tool == "debugpy":
             port = find_free_port(port)
-        found = plan_debugging(target, tool, around, port)
+        found = plan_debugging(target, tool, tools, port)
         changed[node.full_name] = _put_in_front(node, found)
-        lines += found.say if found.place == "log" else found.say[1:]  # in a pane or a window it is visible
+        lines += found.notes if found.terminal == "log" else found.notes[1:]  # in a pane or a window it is visible
         lines += _describe_core(node.full_name, path, node.cwd, world) if tool == "gdb" else ()
         port += 1
     return replace(plan, nodes=tuple(changed.get(node.full_name, node) for node in plan.nodes)), tuple(lines)
@@ -50,7 +50,7 @@ def debug_nodes(plan: Plan, requests: Sequence[str], world: World, *, terminal: 
 
 def _describe_core(name: str, path: str, cwd: str | None, world: World) -> tuple[str, ...]:
     folder = choose_folder(cwd, path) or ros_home(world.environment)
-    command, _ = find_core(os.path.realpath(path), folder, read_core_rules(os.getpid()))
+    command, _ = find_core_dump(os.path.realpath(path), folder, read_core_rules(os.getpid()))
     return (f"{name} left a core file when it crashed before; {shlex.join(command)} looks at it",) if command else ()
 
 
@@ -63,14 +63,14 @@ def has_terminal() -> bool:
 
 
 def _put_in_front(node: NodeSpec, found: Debugging) -> NodeSpec:
-    here = found.place == "here"
+    here = found.terminal == "here"
     return replace(
         node,
         launch_prefix=shlex.join(found.prefix),
         respawn=False,
         terminal=here,
         required=node.required or here,
-        output="screen" if found.place == "log" else node.output,
+        output="screen" if found.terminal == "log" else node.output,
     )
 
 

@@ -8,7 +8,7 @@ from typing import ClassVar
 from textual.binding import BindingType
 
 from ur.run.clients.protocol import KillNode, RestartNode, RunCommand, StartNode, StopNode, StopRun
-from ur.run.debugger.attach import Way
+from ur.run.debugger.attach import DebugMethod
 from ur.tui.dialogs import Choice, Question
 from ur.tui.keys import make_bindings
 from ur.tui.log_actions import LogActions
@@ -56,22 +56,22 @@ class WatchApp(LogActions):
         if isinstance(found, str):
             self.show_notice(found)
             return
-        if len(found.ways) == 1 and not found.ways[0].prefix:
-            self._look_into(row.name, found.ways[0])
+        if len(found.methods) == 1 and not found.methods[0].prefix:
+            self._start_debugger(row.name, found.methods[0])
             return
-        ways = {way.key: way for way in found.ways}
+        methods = {method.key: method for method in found.methods}
 
         def answer(key: str | None) -> None:
-            if key in ways:
-                self.call_after_refresh(self._look_into, row.name, ways[key])
+            if key in methods:
+                self.call_after_refresh(self._start_debugger, row.name, methods[key])
 
-        choices = tuple(Choice(way.key, way.text) for way in found.ways)
+        choices = tuple(Choice(method.key, method.text) for method in found.methods)
         self.push_screen(Question(f"Debug {row.name}?", choices, self.palette, note=found.note), answer)
 
-    def _look_into(self, name: str, way: Way) -> None:
-        if way.prefix:
-            self._send(RestartNode(name, way.prefix), f"restart {name} in a debugger")
-        self.report(self.services.run_here(way.command) if way.here else self.services.run_beside(way.command))
+    def _start_debugger(self, name: str, method: DebugMethod) -> None:
+        if method.prefix:
+            self._send(RestartNode(name, method.prefix), f"restart {name} in a debugger")
+        self.report(self.services.run_here(method.command) if method.here else self.services.run_beside(method.command))
 
     def action_stop_all(self) -> None:
         """End the run, once that is confirmed."""

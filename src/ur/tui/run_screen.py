@@ -15,7 +15,7 @@ from textual.widgets import Input, Static
 
 from ur.run.clients.client import RunControl
 from ur.run.clients.protocol import Notice, OutputLine, RunEvent, RunStarted, RunStopping, Watch
-from ur.run.debugger.attach import Ways
+from ur.run.debugger.attach import DebugMethods
 from ur.screen.app import FullScreenApp
 from ur.source.printable import printable
 from ur.tui.journal import Journal
@@ -58,7 +58,7 @@ class Services(Protocol):
     def run_here(self, words: Sequence[str]) -> str:
         """Run a command on our terminal, which is free meanwhile. Returns what went wrong, '' when nothing did."""
 
-    def debug(self, row: NodeRow, run: RunStarted) -> Ways | str:
+    def debug(self, row: NodeRow, run: RunStarted) -> DebugMethods | str:
         """Return the debuggers for a node, or the reason why there is none."""
 
     def run_beside(self, words: Sequence[str]) -> str:

@@ -14,8 +14,8 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
 
 from ur.run.clients.protocol import RunStarted
-from ur.run.debugger.attach import Ways, plan_looking
-from ur.run.debugger.environment import look_around, look_at_node
+from ur.run.debugger.attach import DebugMethods, list_debug_methods
+from ur.run.debugger.environment import find_debug_tools, read_node_facts
 from ur.tui.run_state import NodeRow
 
 
@@ -64,14 +64,14 @@ class SystemServices:
             return "tmux could not open a pane: is there room?"
         return ""
 
-    def debug(self, row: NodeRow, run: RunStarted) -> Ways | str:
+    def debug(self, row: NodeRow, run: RunStarted) -> DebugMethods | str:
         """Return the debuggers for a node, or the reason why there is none."""
         changed = row.changed
         try:
-            looked = look_at_node(row.name, changed.program, changed.folder, changed.pid, run.pid)
+            facts = read_node_facts(row.name, changed.program, changed.folder, changed.pid, run.pid)
         except PermissionError:
-            return f"{row.name} runs as somebody else, and may not be looked into"
-        python = looked.target.interpreter if looked.target.kind == "python" else ""
-        around = look_around(self._environment, terminal=os.isatty(0), python=python)
+            return f"{row.name} runs as somebody else, and cannot be debugged"
+        python = facts.target.interpreter if facts.target.kind == "python" else ""
+        tools = find_debug_tools(self._environment, terminal=os.isatty(0), python=python)
         address = f"{tempfile.gettempdir()}/ur-debug-{secrets.token_hex(8)}/join"  # made by whoever waits there
-        return plan_looking(looked, around, address)
+        return list_debug_methods(facts, tools, address)

@@ -5,8 +5,8 @@ from dataclasses import replace
 import pytest
 
 from ur.run.debugger.choice import (
+    DebugTools,
     Kind,
-    Surroundings,
     Target,
     Tool,
     choose_tool,
@@ -16,7 +16,7 @@ from ur.run.debugger.choice import (
 from ur.source.diagnostic import UserError
 
 ALL = frozenset({"gdb", "pudb", "debugpy", "xterm"})
-HERE = Surroundings(terminal=True, tools=ALL, python="/p", pane_program="/pane.py")
+HERE = DebugTools(terminal=True, installed=ALL, python="/p", pane_program="/pane.py")
 TMUX = replace(HERE, tmux=True)
 DISPLAY = replace(HERE, display=True)
 NOTHING = replace(HERE, terminal=False)
@@ -44,12 +44,12 @@ def test_tool_without_a_wish(kind: Kind, tool: Tool) -> None:
     assert choose_tool(kind) == tool
 
 
-@pytest.mark.parametrize(("tool", "target", "around", "place", "begins"), [
+@pytest.mark.parametrize(("tool", "target", "tools", "terminal", "begins"), [
     ("pudb", PYTHON, HERE, "here", ("/usr/bin/python3", "-m", "pudb")),
     ("pudb", PYTHON, TMUX, "pane", ("/p", "-I", "/pane.py", "/a", "/usr/bin/python3", "-m", "pudb")),
     ("pudb", PYTHON, DISPLAY, "window", ("xterm", "-T", "/a", "-e", "/usr/bin/python3", "-m", "pudb")),
     ("pudb", PYTHON, replace(DISPLAY, tmux=True), "pane", ("/p", "-I", "/pane.py")),
-    ("pudb", PYTHON, replace(DISPLAY, tools=ALL - {"xterm"}), "here", ("/usr/bin/python3",)),
+    ("pudb", PYTHON, replace(DISPLAY, installed=ALL - {"xterm"}), "here", ("/usr/bin/python3",)),
     ("pudb", Target("/a", "module"), HERE, "here", ("env", "UR_NODE_PYTHON_OPTIONS=-m pudb")),
     ("gdb", BINARY, HERE, "here", ("gdb", "-q")),
     ("gdb", BINARY, TMUX, "pane", ("/p", "-I", "/pane.py", "/a", "gdb")),
@@ -57,29 +57,29 @@ def test_tool_without_a_wish(kind: Kind, tool: Tool) -> None:
     ("debugpy", PYTHON, NOTHING, "log", ("/usr/bin/python3", "-m", "debugpy", "--listen", "localhost:5679")),
 ])  # fmt: skip
 def test_place_and_prefix(
-    tool: Tool, target: Target, around: Surroundings, place: str, begins: tuple[str, ...]
+    tool: Tool, target: Target, tools: DebugTools, terminal: str, begins: tuple[str, ...]
 ) -> None:
-    plan = plan_debugging(target, tool, around, 5679)
-    assert plan.place == place
+    plan = plan_debugging(target, tool, tools, 5679)
+    assert plan.terminal == terminal
     assert plan.prefix[: len(begins)] == begins
-    assert place != "log" or plan.say
+    assert terminal != "log" or plan.notes
 
 
 def test_python_in_gdb_runs_its_interpreter() -> None:
     assert plan_debugging(PYTHON, "gdb", HERE, 1).prefix[-2:] == ("--args", "/usr/bin/python3")
 
 
-@pytest.mark.parametrize(("tool", "target", "around", "told"), [
+@pytest.mark.parametrize(("tool", "target", "tools", "told"), [
     ("pudb", PYTHON, NOTHING, "=debugpy"),
     ("pudb", BINARY, HERE, "=gdb"),
     ("gdb", Target("/a", "script"), HERE, "bash -x"),
     ("gdb", Target("/a", "module"), HERE, "=pudb"),
-    ("pudb", PYTHON, replace(HERE, tools=frozenset()), "python3-pudb"),
-    ("gdb", BINARY, replace(HERE, tools=frozenset()), "apt-get install gdb"),
-    ("debugpy", PYTHON, replace(HERE, tools=frozenset()), "python3-debugpy"),
+    ("pudb", PYTHON, replace(HERE, installed=frozenset()), "python3-pudb"),
+    ("gdb", BINARY, replace(HERE, installed=frozenset()), "apt-get install gdb"),
+    ("debugpy", PYTHON, replace(HERE, installed=frozenset()), "python3-debugpy"),
 ])  # fmt: skip
-def test_what_cannot_be_debugged_says_what_to_do(tool: Tool, target: Target, around: Surroundings, told: str) -> None:
+def test_what_cannot_be_debugged_says_what_to_do(tool: Tool, target: Target, tools: DebugTools, told: str) -> None:
     with pytest.raises(UserError) as caught:
-        plan_debugging(target, tool, around, 1)
+        plan_debugging(target, tool, tools, 1)
     assert told in (caught.value.diagnostics[0].help or "")
     assert f"--debug /a={tool}" in str(caught.value)

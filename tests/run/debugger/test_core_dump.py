@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from ur.run.debugger.core_dump import APPORT, CoreNames, CoreRules, belongs_to, explain_no_core, plan_search
-from ur.run.debugger.environment import find_core, look_at_node, read_core_rules
+from ur.run.debugger.environment import find_core_dump, read_core_rules, read_node_facts
 
 
 @pytest.mark.parametrize(("pattern", "uses_pid", "expected"), [
@@ -82,21 +82,21 @@ def crash(tmp_path: Path) -> tuple[Path, Path]:
 def test_core_file_of_a_crash_is_found_and_others_are_not(crash: tuple[Path, Path]) -> None:
     program, folder = crash
     rules = CoreRules(read_core_rules(os.getpid()).pattern, bool(list(folder.glob("core.*"))), None)
-    command, why = find_core(str(program), str(folder), rules)
+    command, why = find_core_dump(str(program), str(folder), rules)
     assert command[:3] == ("gdb", "-q", str(program))
     assert Path(command[3]).parent == folder
     assert not why
-    assert find_core("/bin/bash", str(folder), rules) == ((), f"no core file of it in {folder}")
+    assert find_core_dump("/bin/bash", str(folder), rules) == ((), f"no core file of it in {folder}")
 
 
-def test_node_that_crashed_is_looked_up_with_its_core_file(crash: tuple[Path, Path]) -> None:
+def test_facts_of_a_crashed_node_name_its_core_file(crash: tuple[Path, Path]) -> None:
     program, folder = crash
-    looked = look_at_node("/a", str(program), str(folder), None, os.getpid())
-    assert looked.core[2] == str(program)
+    facts = read_node_facts("/a", str(program), str(folder), None, os.getpid())
+    assert facts.core_dump[2] == str(program)
 
 
-def test_node_that_runs_is_looked_up_with_what_its_process_runs() -> None:
-    looked = look_at_node("/a", "/no/such/script", "/", os.getpid(), os.getpid())
-    assert looked.process == str(Path("/proc/self/exe").readlink())
-    assert looked.python
-    assert look_at_node("/a", "/bin/sh", "/", 2**22 + 1, os.getpid()).pid is None
+def test_facts_of_a_running_node_name_the_executable_of_its_process() -> None:
+    facts = read_node_facts("/a", "/no/such/script", "/", os.getpid(), os.getpid())
+    assert facts.process == str(Path("/proc/self/exe").readlink())
+    assert facts.python
+    assert read_node_facts("/a", "/bin/sh", "/", 2**22 + 1, os.getpid()).pid is None

@@ -5,22 +5,22 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ur.debian.root import install_command
-from ur.run.debugger.choice import PACKAGES, Surroundings, Target, choose_place, gdb_words, python_words
+from ur.run.debugger.choice import PACKAGES, DebugTools, Target, choose_terminal, gdb_prefix, python_prefix
 
 
 @dataclass(frozen=True, slots=True)
-class Looked:
+class NodeFacts:
     """Facts about a node. `program` is its executable, `process` the one that its process runs ('' when there is none).
 
-    `core` are the arguments after gdb (or before, for coredumpctl) to open its core file; else `no_core` is the reason.
+    `core_dump` is the command that opens its core file in gdb; where it is empty, `no_core_dump` is the reason.
     """
 
     target: Target
     program: str
     pid: int | None = None
     process: str = ""
-    core: tuple[str, ...] = ()
-    no_core: str = ""
+    core_dump: tuple[str, ...] = ()
+    no_core_dump: str = ""
 
     @property
     def python(self) -> bool:
@@ -31,7 +31,7 @@ class Looked:
 
 
 @dataclass(frozen=True, slots=True)
-class Way:
+class DebugMethod:
     """One method to debug a node: its key, its label, and its command.
 
     `here`: the command needs this terminal meanwhile. `prefix`: the node is started again with this in front.
@@ -45,57 +45,61 @@ class Way:
 
 
 @dataclass(frozen=True, slots=True)
-class Ways:
+class DebugMethods:
     """Methods to debug a node, best first, and a note for the person who chooses."""
 
-    ways: tuple[Way, ...]
+    methods: tuple[DebugMethod, ...]
     note: str = ""
 
 
-def plan_looking(looked: Looked, around: Surroundings, address: str) -> Ways | str:
+def list_debug_methods(facts: NodeFacts, tools: DebugTools, address: str) -> DebugMethods | str:
     """List the methods to debug a node, best first; return an explanation as text where there is none.
 
     `address` is where a new Unix socket may be made, for a node that is started again.
     """
-    name = looked.target.name
-    running = looked.pid is not None
-    if looked.process and not looked.python and _is_shell(looked.process):
+    name = facts.target.name
+    running = facts.pid is not None
+    if facts.process and not facts.python and _is_shell(facts.process):
         return f"{name} is a shell script: ur launch --prefix '{name}=bash -x' ... shows what it does"
-    if not looked.process and looked.target.kind == "script":
+    if not facts.process and facts.target.kind == "script":
         return f"{name} is a script that does not run now: start it, then debug it"
-    if choose_place(around) == "log":
+    if choose_terminal(tools) == "log":
         return f"there is no terminal here to debug {name} in"
-    tool = "pudb" if looked.python else "gdb"
-    if tool not in around.tools:
+    tool = "pudb" if facts.python else "gdb"
+    if tool not in tools.installed:
         return f"{tool}, which debugs {name}, is not installed: {install_command(PACKAGES[tool])}"
-    if looked.python:
+    if facts.python:
         again = "start it again in pudb" if running else "start it in pudb"
-        way = _start_again(looked, "p", again, python_words(looked.target, ("-m", "pudb")), around, address)
-        return Ways((way,), "what it knows now is lost" if running else "")
+        method = _start_again(facts, "p", again, python_prefix(facts.target, ("-m", "pudb")), tools, address)
+        return DebugMethods((method,), "what it knows now is lost" if running else "")
     if running:
-        root = () if around.may_attach else ("sudo",)
-        pane = (around.python, "-I", around.pane_program)
-        words = (*pane, "--attach", str(looked.pid), *root, "gdb", "-q", "-p", str(looked.pid))
-        return Ways((_open("g", "gdb", words, name, around),))
-    ways = [_open("c", "look at its core file: where it crashed", looked.core, name, around)] if looked.core else []
-    ways.append(_start_again(looked, "g", "start it again in gdb", gdb_words(looked.target), around, address))
-    return Ways(tuple(ways), looked.no_core)
+        root = () if tools.may_attach else ("sudo",)
+        pane = (tools.python, "-I", tools.pane_program)
+        words = (*pane, "--attach", str(facts.pid), *root, "gdb", "-q", "-p", str(facts.pid))
+        return DebugMethods((_open("g", "gdb", words, name, tools),))
+    methods = []
+    if facts.core_dump:
+        methods.append(_open("c", "look at its core file: where it crashed", facts.core_dump, name, tools))
+    methods.append(_start_again(facts, "g", "start it again in gdb", gdb_prefix(facts.target), tools, address))
+    return DebugMethods(tuple(methods), facts.no_core_dump)
 
 
-def _start_again(looked: Looked, key: str, text: str, tool: tuple[str, ...], around: Surroundings, address: str) -> Way:
-    name = looked.target.name
-    pane = (around.python, "-I", around.pane_program)
-    way = _open(key, text, (*pane, "--wait", address, name), name, around)
-    return Way(key, text, way.command, way.here, (*pane, "--join", address, name, *tool))
+def _start_again(
+    facts: NodeFacts, key: str, text: str, tool: tuple[str, ...], tools: DebugTools, address: str
+) -> DebugMethod:
+    name = facts.target.name
+    pane = (tools.python, "-I", tools.pane_program)
+    method = _open(key, text, (*pane, "--wait", address, name), name, tools)
+    return DebugMethod(key, text, method.command, method.here, (*pane, "--join", address, name, *tool))
 
 
-def _open(key: str, text: str, words: tuple[str, ...], name: str, around: Surroundings) -> Way:
-    place = choose_place(around)
-    if place == "pane":
-        return Way(key, text, ("tmux", "split-window", "-h", *words), here=False)
-    if place == "window":
-        return Way(key, text, ("xterm", "-T", name, "-e", *words), here=False)
-    return Way(key, text, words, here=True)
+def _open(key: str, text: str, words: tuple[str, ...], name: str, tools: DebugTools) -> DebugMethod:
+    terminal = choose_terminal(tools)
+    if terminal == "pane":
+        return DebugMethod(key, text, ("tmux", "split-window", "-h", *words), here=False)
+    if terminal == "window":
+        return DebugMethod(key, text, ("xterm", "-T", name, "-e", *words), here=False)
+    return DebugMethod(key, text, words, here=True)
 
 
 def _is_shell(path: str) -> bool:

@@ -10,7 +10,7 @@ from ur.source.diagnostic import UserError, error
 
 Tool = Literal["pudb", "gdb", "debugpy"]
 Kind = Literal["python", "module", "binary", "script"]
-Place = Literal["here", "pane", "window", "log"]
+DebugTerminal = Literal["here", "pane", "window", "log"]
 TOOLS: tuple[Tool, ...] = ("pudb", "gdb", "debugpy")
 PACKAGES = {"gdb": "gdb", "pudb": "python3-pudb", "debugpy": "python3-debugpy", "xterm": "xterm"}
 _RUN = ("-q", "-ex", "set breakpoint pending on", "-ex", "run", "--args")
@@ -18,16 +18,17 @@ _TRACE = ("-q", "-batch", "-ex", "run", "-ex", "thread apply all backtrace", "--
 
 
 @dataclass(frozen=True, slots=True)
-class Surroundings:
-    """Debugging tools and terminals on this computer. `tools` are names of PACKAGES; `python` runs our own programs.
+class DebugTools:
+    """Debugging tools and terminals on this computer. `installed` are names of PACKAGES.
 
+    `python` runs our own programs.
     `may_attach`: the system lets this user trace processes that are not its own children (or it is root).
     """
 
     terminal: bool = False
     tmux: bool = False
     display: bool = False
-    tools: frozenset[str] = frozenset()
+    installed: frozenset[str] = frozenset()
     may_attach: bool = True
     python: str = "python3"
     pane_program: str = "debug_pane.py"
@@ -50,8 +51,8 @@ class Debugging:
     """The prefix of a node's command, the terminal of its debugger, and notes for people."""
 
     prefix: tuple[str, ...]
-    place: Place
-    say: tuple[str, ...] = ()
+    terminal: DebugTerminal
+    notes: tuple[str, ...] = ()
 
 
 def find_kind(head: bytes) -> tuple[Kind, str]:
@@ -74,22 +75,22 @@ def choose_tool(kind: Kind) -> Tool:
     return "gdb" if kind == "binary" else "pudb"
 
 
-def plan_debugging(target: Target, tool: Tool, around: Surroundings, port: int) -> Debugging:
+def plan_debugging(target: Target, tool: Tool, tools: DebugTools, port: int) -> Debugging:
     """Plan the start of a node under a debugger. `port` is a free one. Raises UserError: impossible, with a remedy."""
     _check_kind(target, tool)
-    _check_installed(target.name, tool, around)
+    _check_installed(target.name, tool, tools)
     if tool == "debugpy":
         words = ("-m", "debugpy", "--listen", f"localhost:{port}", "--wait-for-client")
-        say = (
+        notes = (
             f"{target.name} waits for a debugger on localhost:{port}",
             f'  VS Code, launch.json: {{"type": "debugpy", "request": "attach", "connect": {{"port": {port}}}}}',
             f"  from another computer, first: ssh -L {port}:localhost:{port} HOST",
         )
-        return Debugging(python_words(target, words), "log", say)
-    place = choose_place(around)
+        return Debugging(python_prefix(target, words), "log", notes)
+    terminal = choose_terminal(tools)
     if tool == "gdb":
-        return _plan_gdb(target, around, place)
-    if place == "log":
+        return _plan_gdb(target, tools, terminal)
+    if terminal == "log":
         raise UserError(
             error(
                 f"--debug {target.name}=pudb: pudb needs a terminal, and there is no terminal, tmux or display here",
@@ -97,51 +98,51 @@ def plan_debugging(target: Target, tool: Tool, around: Surroundings, port: int) 
                 help=f"--debug {target.name}=debugpy waits for a debugger elsewhere",
             )
         )
-    return _put(target.name, python_words(target, ("-m", "pudb")), place, around)
+    return _run_in_terminal(target.name, python_prefix(target, ("-m", "pudb")), terminal, tools)
 
 
-def choose_place(around: Surroundings) -> Place:
+def choose_terminal(tools: DebugTools) -> DebugTerminal:
     """Choose the terminal of a debugger: a pane, a window, this terminal; else its output only goes to the log."""
-    if around.tmux:
+    if tools.tmux:
         return "pane"
-    if around.display and "xterm" in around.tools:
+    if tools.display and "xterm" in tools.installed:
         return "window"
-    return "here" if around.terminal else "log"
+    return "here" if tools.terminal else "log"
 
 
-def gdb_words(target: Target) -> tuple[str, ...]:
+def gdb_prefix(target: Target) -> tuple[str, ...]:
     """Build the arguments before a program that runs in gdb."""
     return ("gdb", *_RUN, *((target.interpreter,) if target.kind == "python" else ()))
 
 
-def python_words(target: Target, words: tuple[str, ...]) -> tuple[str, ...]:
+def python_prefix(target: Target, words: tuple[str, ...]) -> tuple[str, ...]:
     """Build the arguments before a Python program for these options of its interpreter."""
     if target.kind == "module":
         return ("env", f"UR_NODE_PYTHON_OPTIONS={' '.join(words)}")
     return (target.interpreter, *words)
 
 
-def _plan_gdb(target: Target, around: Surroundings, place: Place) -> Debugging:
-    if place == "log":
-        say = (f"{target.name} runs in gdb; where it crashes, the log will have a backtrace of every thread",)
+def _plan_gdb(target: Target, tools: DebugTools, terminal: DebugTerminal) -> Debugging:
+    if terminal == "log":
+        notes = (f"{target.name} runs in gdb; where it crashes, the log will have a backtrace of every thread",)
         program = (target.interpreter,) if target.kind == "python" else ()
-        return Debugging(("gdb", *_TRACE, *program), place, say)
-    return _put(target.name, gdb_words(target), place, around)
+        return Debugging(("gdb", *_TRACE, *program), terminal, notes)
+    return _run_in_terminal(target.name, gdb_prefix(target), terminal, tools)
 
 
-def _put(name: str, words: tuple[str, ...], place: Place, around: Surroundings) -> Debugging:
-    if place == "pane":
+def _run_in_terminal(name: str, words: tuple[str, ...], terminal: DebugTerminal, tools: DebugTools) -> Debugging:
+    if terminal == "pane":
         return Debugging(
-            (around.python, "-I", around.pane_program, name, *words),
-            place,
+            (tools.python, "-I", tools.pane_program, name, *words),
+            terminal,
             (f"{name} is debugged in a pane beside this one",),
         )
-    if place == "window":
-        return Debugging(("xterm", "-T", name, "-e", *words), place, (f"{name} is debugged in a window of its own",))
-    say = [f"{name} is debugged in this terminal; the run ends with it"]
-    if around.display:
-        say.append("with package xterm installed it would have a window of its own: sudo apt-get install xterm")
-    return Debugging(words, place, tuple(say))
+    if terminal == "window":
+        return Debugging(("xterm", "-T", name, "-e", *words), terminal, (f"{name} is debugged in a window of its own",))
+    notes = [f"{name} is debugged in this terminal; the run ends with it"]
+    if tools.display:
+        notes.append("with package xterm installed it would have a window of its own: sudo apt-get install xterm")
+    return Debugging(words, terminal, tuple(notes))
 
 
 def _check_kind(target: Target, tool: Tool) -> None:
@@ -161,8 +162,8 @@ def _check_kind(target: Target, tool: Tool) -> None:
     )
 
 
-def _check_installed(name: str, tool: Tool, around: Surroundings) -> None:
-    if tool in around.tools:
+def _check_installed(name: str, tool: Tool, tools: DebugTools) -> None:
+    if tool in tools.installed:
         return
     raise UserError(
         error(

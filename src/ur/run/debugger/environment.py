@@ -13,8 +13,8 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from ur.run.debugger import pane as debug_pane
-from ur.run.debugger.attach import Looked
-from ur.run.debugger.choice import Surroundings, Target, find_kind
+from ur.run.debugger.attach import NodeFacts
+from ur.run.debugger.choice import DebugTools, Target, find_kind
 from ur.run.debugger.core_dump import CoreRules, belongs_to, explain_no_core, plan_search
 
 _USES_PID = "/proc/sys/kernel/core_uses_pid"
@@ -22,23 +22,23 @@ _HEAD = 1 << 20  # bytes of a core file: its notes come first
 _PTRACE_SCOPE = "/proc/sys/kernel/yama/ptrace_scope"  # 0: any process of the same user, ptrace(2)
 
 
-def look_around(environment: Mapping[str, str], *, terminal: bool, python: str = "") -> Surroundings:
+def find_debug_tools(environment: Mapping[str, str], *, terminal: bool, python: str = "") -> DebugTools:
     """Find debugging tools and terminals. `python` is the interpreter whose modules count; '': this project's."""
     path = environment.get("PATH")
     tools = {name for name in ("gdb", "xterm") if shutil.which(name, path=path)}
     tools |= _find_modules(python or sys.executable, ("pudb", "debugpy"))
-    return Surroundings(
+    return DebugTools(
         terminal=terminal,
         tmux=bool(environment.get("TMUX")) and shutil.which("tmux", path=path) is not None,
         display=bool(environment.get("DISPLAY")),
-        tools=frozenset(tools),
+        installed=frozenset(tools),
         may_attach=os.geteuid() == 0 or _read(_PTRACE_SCOPE).strip() in ("", "0"),
         python=sys.executable,
         pane_program=debug_pane.__file__,
     )
 
 
-def look_at_program(name: str, path: str) -> Target:
+def read_target(name: str, path: str) -> Target:
     """Read the kind of a node's program."""
     try:
         with Path(path).open("rb") as file:
@@ -48,22 +48,22 @@ def look_at_program(name: str, path: str) -> Target:
     return Target(name, kind, interpreter or "python3")
 
 
-def look_at_node(name: str, program: str, folder: str, pid: int | None, run_pid: int) -> Looked:
+def read_node_facts(name: str, program: str, folder: str, pid: int | None, run_pid: int) -> NodeFacts:
     """Collect facts about a node: its process, if any, the executable of that, and the core file of a crash.
 
     `folder` is where it is started, `run_pid` the supervisor, whose limits nodes have. Raises PermissionError when the
     process belongs to another user.
     """
-    target = look_at_program(name, program)
+    target = read_target(name, program)
     if pid is not None:
         try:
-            return Looked(target, program, pid, os.readlink(f"/proc/{pid}/exe"))  # noqa: PTH115 - a magic link
+            return NodeFacts(target, program, pid, os.readlink(f"/proc/{pid}/exe"))  # noqa: PTH115 - a magic link
         except FileNotFoundError:
             pass  # it has just ended
     if target.kind != "binary":
-        return Looked(target, program)
-    core, why = find_core(os.path.realpath(program), folder, read_core_rules(run_pid))
-    return Looked(target, program, None, "", core, why)
+        return NodeFacts(target, program)
+    core, why = find_core_dump(os.path.realpath(program), folder, read_core_rules(run_pid))
+    return NodeFacts(target, program, None, "", core, why)
 
 
 def read_core_rules(pid: int) -> CoreRules:
@@ -76,7 +76,7 @@ def read_core_rules(pid: int) -> CoreRules:
     return CoreRules(_read("/proc/sys/kernel/core_pattern"), _read(_USES_PID).strip() == "1", limit)
 
 
-def find_core(program: str, folder: str, rules: CoreRules) -> tuple[tuple[str, ...], str]:
+def find_core_dump(program: str, folder: str, rules: CoreRules) -> tuple[tuple[str, ...], str]:
     """The command that opens the newest core file of a program (its real path) in gdb; () and why there is none."""
     names = plan_search(rules, program, folder)
     if names.keeper == "coredumpctl":
