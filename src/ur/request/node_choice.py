@@ -44,10 +44,10 @@ def apply_options(plan: Plan, options: LaunchOptions, report: Report) -> Plan:
     if options.verbose:
         report("info", "\n".join(_list_contents(plan)))
     if options.part is not None:
-        from ur.run.startup.machine_assignment import take_part
+        from ur.run.startup.machine_assignment import keep_nodes
 
         mine = {node.full_name for node in plan.nodes if node.machine == options.part} - set(options.runs_already)
-        plan = take_part(plan, mine)
+        plan = keep_nodes(plan, mine)
         plan = replace(plan, commands=tuple(each for each in plan.commands if each.command != "dump"))
     return plan
 

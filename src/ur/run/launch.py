@@ -9,7 +9,7 @@ from ur.launchfile.plan.model import NodeSpec, ParamValue, Plan
 from ur.launchfile.world import World
 from ur.run.loop import run_loop
 from ur.run.master.client import Master
-from ur.run.master.local_master import await_master, core_parameters, find_core
+from ur.run.master.local_master import await_master, find_master_programs, roscore_parameters
 from ur.run.master.parameters import check_sendable, start_commands
 from ur.run.master.search import find_master, read_run_id
 from ur.run.master.upload import remove_registrations, upload_parameters
@@ -19,7 +19,7 @@ from ur.run.paths import make_home, make_run_folder, new_run_id
 from ur.run.process.command import Program, find_programs, number_logs
 from ur.run.process.host_client import HostLost, ProcessHost
 from ur.run.process.terminal import find_terminal, ignore_background_write
-from ur.run.record.presence import claim, list_joined_runs, plan_watch, register
+from ur.run.record.presence import claim, list_joined_runs, plan_clients, register
 from ur.run.record.registry import unregister_run
 from ur.run.run import Run
 from ur.run.startup.node_selection import find_remote, find_terminals, force_options, leave_out_viewers
@@ -42,14 +42,14 @@ def run_plan(plan: Plan, world: World, host: ProcessHost, console: Console, opti
     own_master = run_id is None
     if options.timings is not None:
         options.timings.mark("master asked")
-    core = find_core(master, world, options) if own_master else ()
+    master_programs = find_master_programs(master, world, options) if own_master else ()
     programs = number_logs(programs, 2 if own_master else 1)  # as roslaunch, whose rosout is the first
     environment["ROS_MASTER_URI"] = master.uri
     folder = make_run_folder(environment, run_id or new_run_id())
     home = make_home(environment)
     extra: dict[str, ParamValue] = {} if run_id else {"/run_id": Path(folder).name}
     if own_master:
-        extra |= core_parameters(world, environment)
+        extra |= roscore_parameters(world, environment)
         extra |= {"/ur/base_name": options.base, "/ur/variant": options.variant} if options.base else {}
     commands = start_commands(plan.params, environment)
     if not programs and not own_master:
@@ -74,7 +74,7 @@ def run_plan(plan: Plan, world: World, host: ProcessHost, console: Console, opti
         ignore_background_write()
         _announce(console, master, own_master=own_master, folder=folder, nodes=len(programs))
         run = Run(
-            programs=(*core, *programs),
+            programs=(*master_programs, *programs),
             folder=folder,
             home=home,
             own_master=own_master,
@@ -85,7 +85,7 @@ def run_plan(plan: Plan, world: World, host: ProcessHost, console: Console, opti
             restart_share=_report_share(options),
             master=master,
             timings=options.timings,
-            watch=plan_watch((entry, listener), nodes, options),
+            clients=plan_clients((entry, listener), nodes, options),
             owners=options.owners,
             list_joined=lambda: list_joined_runs(entry),
         )

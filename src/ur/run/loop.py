@@ -85,7 +85,7 @@ class _Loop:
         self._exit_code: int | None = None
         self._cause = ""
         self._over = threading.Event()
-        self._call_started = run.watch.call_started
+        self._call_started = run.clients.call_started
         self._master_watch: threading.Event | None = None
         owner = run.terminal_program
         self._poll = select.poll()
@@ -93,13 +93,13 @@ class _Loop:
         for source in (self._inbox, host):
             self._poll.register(source, select.POLLIN)
         self._foreground = Foreground(None if owner is None else owner.unit.name, terminal, console, host)
-        self._monitor = Monitor(run.watch, self._poll, console, terminal)
+        self._monitor = Monitor(run.clients, self._poll, console, terminal)
         self._outputs = Outputs(
             self._poll,
             run.folder,
             console,
             self._monitor.publish_output,
-            unattended=run.watch.unattended or owner is not None,
+            unattended=run.clients.unattended or owner is not None,
         )
         self._reporter = Reporter(run, console, self._outputs, self._monitor)
         self._progress = Progress(run, self._inbox, self._monitor, self._reporter.inform)
@@ -231,7 +231,7 @@ class _Loop:
             self._reporter.warn(text)
 
     def _record_end(self) -> None:
-        record = self._run.watch.record_end
+        record = self._run.clients.record_end
         if record is None:
             return
         logs = {each.unit.name: self._outputs.find_path(each) for each in self._run.programs if not each.unit.terminal}

@@ -31,7 +31,7 @@ class Options:
     master_words: tuple[str, ...] = ()  # more options for rosmaster
     base: str = ""
     variant: str = ""
-    viewer: socket.socket | None = None  # see ur.run.run.WatchPlan
+    viewer: socket.socket | None = None  # see ur.run.run.RunClients
     events: int | None = None
     timings: Timings | None = None
     restart_share: Callable[[], str] | None = None  # has the robot start its nodes again; '' or why it cannot

@@ -21,7 +21,7 @@ Job = Callable[[], Event]
 
 
 @dataclass(frozen=True, slots=True)
-class WatchPlan:
+class RunClients:
     """Clients and outputs of a run's events. `call_started` is called once every node was started.
 
     `record_end` is called at the end: exit code, cause, last lines of the run itself, log files of its nodes.
@@ -57,7 +57,7 @@ class Run:
     restart_share: Callable[[], Event] | None = None  # StartShare; None: no robot has a share
     master: Master | None = None  # asked which nodes are up, while somebody wants to know
     timings: Timings | None = None  # told once every node is up
-    watch: WatchPlan = field(default_factory=WatchPlan)
+    clients: RunClients = field(default_factory=RunClients)
     owners: tuple[RunEntry, ...] = ()  # runs that this one has joined: it ends with the first of them
     list_joined: Callable[[], Sequence[str]] | None = None  # the ids of the runs that have joined this one
 

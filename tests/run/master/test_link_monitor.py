@@ -2,17 +2,17 @@ from __future__ import annotations
 
 import pytest
 
-from ur.run.master.link_monitor import BUSY, LinkState, Word, choose_limit, is_another, step_link
+from ur.run.master.link_monitor import BUSY, LinkState, MasterState, choose_limit, is_another, step_link
 from ur.run.supervisor.events import Event, LinkLost, LinkRestored, MasterGone, MasterReplaced, MasterReturned
 
-MASTER = Word(100, "a")
+MASTER = MasterState(100, "a")
 
 
-def follow(*words: tuple[float, Word | None]) -> list[Event]:
+def follow(*words: tuple[float, MasterState | None]) -> list[Event]:
     """All events of these answers, each at a time."""
     state, events = LinkState(0.0), list[Event]()
-    for now, word in words:
-        state, more = step_link(state, word, now)
+    for now, answer in words:
+        state, more = step_link(state, answer, now)
         events += more
     return events
 
@@ -35,19 +35,19 @@ def test_slow_master_is_no_lost_link() -> None:
 
 
 def test_other_process_or_run_id_is_another_master() -> None:
-    assert follow((1.0, MASTER), (1.3, Word(200, "b"))) == [MasterReplaced()]
-    assert is_another(MASTER, Word(100, "b"))  # a computer that has restarted may give the same process id
-    assert not is_another(Word(100), MASTER)  # its run id is set a little later
+    assert follow((1.0, MASTER), (1.3, MasterState(200, "b"))) == [MasterReplaced()]
+    assert is_another(MASTER, MasterState(100, "b"))  # a computer that has restarted may give the same process id
+    assert not is_another(MasterState(100), MASTER)  # its run id is set a little later
     assert not is_another(MASTER, MASTER)
 
 
 def test_robot_that_has_restarted_has_another_master_after_the_link_is_restored() -> None:
-    events = follow((1.0, MASTER), (2.0, None), (40.0, Word(100, "b")))
+    events = follow((1.0, MASTER), (2.0, None), (40.0, MasterState(100, "b")))
     assert events == [LinkLost(1.0), LinkRestored(39.0), MasterReplaced()]
 
 
 def test_robot_without_a_master_is_told_after_a_while() -> None:
-    gone = Word(None)
+    gone = MasterState(None)
     events = follow((1.0, MASTER), (1.5, gone), (3.0, gone), (4.5, gone), (5.0, gone), (5.5, MASTER))
     assert events == [MasterGone(3.0), MasterGone(3.5), MasterReturned()]
 

@@ -7,7 +7,7 @@ import pytest
 from ur.launchfile.plan.load import load_plan
 from ur.launchfile.plan.model import MachineSpec, Origin
 from ur.launchfile.world.system import SystemWorld
-from ur.run.startup.machine_assignment import split_plan, take_part
+from ur.run.startup.machine_assignment import keep_nodes, split_plan
 from ur.source.file import SourceFile, Span
 
 BODY = """<launch>
@@ -80,7 +80,7 @@ def test_part_leaves_private_parameters_and_namespaces_of_the_others_alone(
     path = tmp_path / "it.launch"
     path.write_text(SHARED)
     plan = load_plan([str(path)], [], SystemWorld({}))
-    part = take_part(plan, names)
+    part = keep_nodes(plan, names)
     assert {node.full_name for node in part.nodes} == names
     assert sorted(each.name for each in part.params) == params
     assert sorted(space.rstrip("/") for space in part.clear_params) == cleared

@@ -10,7 +10,7 @@ import pytest
 
 from ur.launchfile.plan.model import ReadyCondition
 from ur.run.master.tcpros import Listener, NoTopic, read_frames
-from ur.run.startup.readiness import Graph, Heard, find_missing, measure_rate
+from ur.run.startup.readiness import Graph, Received, find_missing, measure_rate
 
 GRAPH = Graph(
     {"/chat": ["/talker"], "/act/status": ["/server"], "/lonely/status": ["/server"]},
@@ -20,13 +20,13 @@ GRAPH = Graph(
 
 
 def missing(
-    *conditions: ReadyCondition, node: str = "/talker", heard: dict[str, Heard] | None = None
+    *conditions: ReadyCondition, node: str = "/talker", received: dict[str, Received] | None = None
 ) -> tuple[str, ...]:
-    return find_missing(node, conditions, GRAPH, heard or {}, now=10.0)
+    return find_missing(node, conditions, GRAPH, received or {}, now=10.0)
 
 
-def times(rate: float, count: int, end: float = 10.0) -> Heard:
-    return Heard(deque(end - number / rate for number in reversed(range(count))))
+def times(rate: float, count: int, end: float = 10.0) -> Received:
+    return Received(deque(end - number / rate for number in reversed(range(count))))
 
 
 def test_registered_node_without_conditions_is_up() -> None:
@@ -36,7 +36,7 @@ def test_registered_node_without_conditions_is_up() -> None:
 
 
 @pytest.mark.parametrize(
-    ("condition", "lack"),
+    ("condition", "unmet"),
     [
         (ReadyCondition("topic", "/chat"), ""),
         (ReadyCondition("topic", "/none"), "topic /none is not published"),
@@ -48,31 +48,33 @@ def test_registered_node_without_conditions_is_up() -> None:
         (ReadyCondition("topic", "/chat", 5.0), "topic /chat is published by /talker, but no message has come"),
     ],
 )
-def test_conditions_name_what_is_not_there(condition: ReadyCondition, lack: str) -> None:
-    assert missing(condition) == ((lack,) if lack else ())
+def test_conditions_name_what_is_not_there(condition: ReadyCondition, unmet: str) -> None:
+    assert missing(condition) == ((unmet,) if unmet else ())
 
 
 def test_rate_is_reached_or_told() -> None:
     condition = ReadyCondition("topic", "/chat", 10.0)
-    assert missing(condition, heard={"/chat": times(10.0, 20)}) == ()
-    assert missing(condition, heard={"/chat": times(4.0, 20)}) == (
+    assert missing(condition, received={"/chat": times(10.0, 20)}) == ()
+    assert missing(condition, received={"/chat": times(4.0, 20)}) == (
         "topic /chat comes too slowly: 4.0 Hz, expected 10 Hz",
     )
-    assert missing(condition, heard={"/chat": times(10.0, 2)}) == (
+    assert missing(condition, received={"/chat": times(10.0, 2)}) == (
         "topic /chat comes too slowly: 2 messages so far, expected 10 Hz",
     )
 
 
 def test_rate_of_a_topic_that_no_longer_comes_is_unknown() -> None:
-    heard = times(10.0, 20)
-    assert measure_rate(tuple(heard.times), 10.0, 10.1) == pytest.approx(10.0)
-    assert measure_rate(tuple(heard.times), 10.0, 20.0) is None
+    received = times(10.0, 20)
+    assert measure_rate(tuple(received.times), 10.0, 10.1) == pytest.approx(10.0)
+    assert measure_rate(tuple(received.times), 10.0, 20.0) is None
 
 
 def test_frames_come_from_both_tf_topics() -> None:
-    heard = {"/tf": Heard(frames={"odom"}), "/tf_static": Heard(frames={"laser"})}
-    assert missing(ReadyCondition("frame", "odom"), ReadyCondition("frame", "laser"), heard=heard) == ()
-    assert missing(ReadyCondition("frame", "map"), heard=heard) == ("tf frame map is not there, only: laser, odom",)
+    received = {"/tf": Received(frames={"odom"}), "/tf_static": Received(frames={"laser"})}
+    assert missing(ReadyCondition("frame", "odom"), ReadyCondition("frame", "laser"), received=received) == ()
+    assert missing(ReadyCondition("frame", "map"), received=received) == (
+        "tf frame map is not there, only: laser, odom",
+    )
 
 
 def test_frames_are_read_from_messages_and_broken_ones_are_harmless() -> None:

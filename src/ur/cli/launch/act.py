@@ -61,7 +61,7 @@ def _start(argv: Sequence[str], selection: Selection, options: LaunchOptions, re
     from ur.cli.runs.detached import start_detached
 
     return start_detached(
-        lambda let_go: run_launch(argv, selection, options, reporter, let_go),
+        lambda detach: run_launch(argv, selection, options, reporter, detach),
         wait=options.timeout_ready if options.wait else None,
     )
 

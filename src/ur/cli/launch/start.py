@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from ur.launchfile.plan.model import Plan
     from ur.run.clients.protocol import Severity as EventSeverity
     from ur.run.output.console import Console
-    from ur.run.process.detach import LetGo
+    from ur.run.process.detach import Detach
     from ur.run.record.registry import RunEntry
     from ur.tui.start import Viewer
 
@@ -30,7 +30,7 @@ def describe_finding(finding: Diagnostic) -> tuple[EventSeverity, str]:
 
 
 def run_launch(
-    argv: Sequence[str], selection: Selection, options: LaunchOptions, reporter: Reporter, let_go: LetGo | None
+    argv: Sequence[str], selection: Selection, options: LaunchOptions, reporter: Reporter, detach: Detach | None
 ) -> int:
     """Start what a command line asks for, and return the exit code once it has ended. Raises UserError."""
     from ur.run.process.host_client import start_host  # now, not before: help and completion need none of it
@@ -89,7 +89,7 @@ def run_launch(
             console = _make_console(viewer)
             try:
                 run_options = replace(
-                    make_run_options(request, _call_started(console, let_go)),
+                    make_run_options(request, _call_started(console, detach)),
                     environment=joined.environment,
                     restart_share=restart_share,
                     owners=joined.owners,
@@ -104,15 +104,15 @@ def run_launch(
         stack.close()
 
 
-def _call_started(console: Console, let_go: LetGo | None) -> Callable[[RunEntry], None] | None:
+def _call_started(console: Console, detach: Detach | None) -> Callable[[RunEntry], None] | None:
     """The call that lets the terminal of a detached run go; None for a run that keeps it."""
-    if let_go is None:
+    if detach is None:
         return None
 
     def leave(entry: RunEntry) -> None:
         console.finish(1.0)
         console.calm()
-        let_go(entry)
+        detach(entry)
 
     return leave
 

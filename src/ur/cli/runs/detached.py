@@ -9,7 +9,7 @@ from collections.abc import Callable
 
 from ur.run.clients.client import RunClient, RunGone, connect_run
 from ur.run.join.claims import read_claims
-from ur.run.process.detach import LetGo, run_detached
+from ur.run.process.detach import Detach, run_detached
 from ur.run.record.computer import read_computer
 from ur.run.record.ended import EndedRun, find_ended, list_ended
 from ur.run.record.registry import RunEntry, find_run, list_runs
@@ -107,7 +107,7 @@ def find_node_name(name: str, names: list[str]) -> str:
     )
 
 
-def start_detached(run: Callable[[LetGo], int], wait: float | None) -> int:
+def start_detached(run: Callable[[Detach], int], wait: float | None) -> int:
     """Start a run that is detached, print how to reach it, and with `wait` (s) wait until every node is up."""
 
     def tell(name: str) -> int:

@@ -31,7 +31,7 @@ from ur.run.remote.own_clients import clients_folder, list_clients
 from ur.run.remote.protocol import Answer, Client, Request, dump, parse_answer
 from ur.run.remote.share import END_SECONDS
 from ur.run.remote.start import START_SECONDS
-from ur.run.startup.machine_assignment import take_part
+from ur.run.startup.machine_assignment import keep_nodes
 from ur.source.diagnostic import UserError, error, error_about
 
 AGAIN_SECONDS = 0.5
@@ -118,7 +118,7 @@ def start_there(loaded: Loaded, client: str, report: Report) -> Iterator[Part]:
     was_known = loaded.robot in _list_known()
     theirs = [node.full_name for node in plan.nodes if node.machine == loaded.robot]
     address = robot_address(loaded.robot)
-    here = take_part(plan, {node.full_name for node in plan.nodes} - set(theirs))
+    here = keep_nodes(plan, {node.full_name for node in plan.nodes} - set(theirs))
     here = replace(here, commands=tuple(each for each in plan.commands if each.command == "dump"))
     ours = bool(here.nodes) or not launch.options.detach
     names = tuple(node.full_name for node in here.nodes if not _is_anonymous(node.full_name))

@@ -14,13 +14,13 @@ if TYPE_CHECKING:
     from ur.run.output.console import Console
     from ur.run.output.router import Outputs
     from ur.run.process.terminal import Terminal
-    from ur.run.run import Run, WatchPlan
+    from ur.run.run import Run, RunClients
 
 
 class Monitor:
     """Subscribers over the run's socket, the interface on our own terminal, and an open file that takes every event."""
 
-    def __init__(self, plan: WatchPlan, poll: select.poll, console: Console, terminal: Terminal | None) -> None:
+    def __init__(self, plan: RunClients, poll: select.poll, console: Console, terminal: Terminal | None) -> None:
         self._plan = plan
         self._poll = poll
         self._console = console

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from ur.launchfile.plan.model import Plan
 from ur.run.join.claims import Definition, define_nodes, is_base
-from ur.run.startup.machine_assignment import take_part
+from ur.run.startup.machine_assignment import keep_nodes
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,7 +99,7 @@ def leave_out(plan: Plan, decision: Decision) -> Plan:
     joined = {each.name for each in decision.joined}
     if not joined:
         return plan
-    plan = take_part(plan, {node.full_name for node in plan.nodes} - joined)
+    plan = keep_nodes(plan, {node.full_name for node in plan.nodes} - joined)
     private = tuple(node.full_name + "/" for node in plan.nodes)
     return replace(
         plan,

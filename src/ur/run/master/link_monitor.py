@@ -17,56 +17,56 @@ from ur.run.master.xml_rpc import Refused, Unanswered
 from ur.run.supervisor.events import Event, LinkLost, LinkRestored, MasterGone, MasterReplaced, MasterReturned
 
 PERIOD = 0.3  # s between two questions
-LOST_AFTER = 1.0  # s without a word from the robot, after which the link is lost
+LOST_AFTER = 1.0  # s without an answer from the robot, after which the link is lost
 GONE_AFTER = 3.0  # s in which the robot says that no master runs, after which the master is gone
 LONGEST_QUESTION, SHORTEST_QUESTION = 0.5, 0.2  # s for an answer
 
 
 @dataclass(frozen=True, slots=True)
-class Word:
+class MasterState:
     """An answer of the robot: its master's process and run id. `pid` None: no master runs on the robot."""
 
     pid: int | None
     run_id: str = ""
 
 
-BUSY = Word(-1)  # the robot takes connections, and its master is slow
+BUSY = MasterState(-1)  # the robot takes connections, and its master is slow
 
 
 @dataclass(frozen=True, slots=True)
 class LinkState:
-    """`last` is when the robot gave a word; `master` is who answered last; `refused` since when no master runs."""
+    """`last` is when the robot gave an answer; `master` is who answered last; `refused` since when no master runs."""
 
     last: float
     lost: bool = False
-    master: Word | None = None
+    master: MasterState | None = None
     refused: float | None = None
 
 
-def step_link(state: LinkState, word: Word | None, now: float) -> tuple[LinkState, tuple[Event, ...]]:
+def step_link(state: LinkState, answer: MasterState | None, now: float) -> tuple[LinkState, tuple[Event, ...]]:
     """Return the state and the events that follow from an answer, or from none (None)."""
-    if word is None:
+    if answer is None:
         silent = now - state.last
         if silent < LOST_AFTER:
             return state, ()
         return replace(state, lost=True, refused=None), (LinkLost(silent),)
     events: list[Event] = [LinkRestored(now - state.last)] if state.lost else []
     state = replace(state, last=now, lost=False)
-    if word is BUSY:
+    if answer is BUSY:
         return state, tuple(events)
-    if word.pid is None:
+    if answer.pid is None:
         since = now if state.refused is None else state.refused
         if now - since >= GONE_AFTER:
             events.append(MasterGone(now - since))
         return replace(state, refused=since), tuple(events)
-    if state.master is not None and is_another(state.master, word):
+    if state.master is not None and is_another(state.master, answer):
         events.append(MasterReplaced())
     elif state.refused is not None and now - state.refused >= GONE_AFTER:
         events.append(MasterReturned())
-    return replace(state, master=word, refused=None), tuple(events)
+    return replace(state, master=answer, refused=None), tuple(events)
 
 
-def is_another(before: Word, now: Word) -> bool:
+def is_another(before: MasterState, now: MasterState) -> bool:
     """Return whether another master answers: one with another process, or another run id, as after a restart."""
     return before.pid != now.pid or bool(before.run_id and now.run_id and before.run_id != now.run_id)
 
@@ -84,29 +84,29 @@ def watch_link(master: Master, report: Callable[[Event], None], over: Flag) -> N
     state = LinkState(time.monotonic())
     heard = True
     while not over.wait(PERIOD if heard else 0.0):
-        word, now = _ask(master, addresses, choose_limit(state, time.monotonic()), over)
-        heard = word is not None
-        state, events = step_link(state, word, now)
+        answer, now = _ask(master, addresses, choose_limit(state, time.monotonic()), over)
+        heard = answer is not None
+        state, events = step_link(state, answer, now)
         for event in events:
             report(event)
 
 
-def _ask(master: Master, addresses: Addresses, limit: float, over: Flag) -> tuple[Word | None, float]:
+def _ask(master: Master, addresses: Addresses, limit: float, over: Flag) -> tuple[MasterState | None, float]:
     """Return the robot's answer within a limit (s), and the time when it was reachable or given up."""
     end = time.monotonic() + limit
     try:
         asked = replace(master, host=addresses.find(master.host), timeout=LONGEST_QUESTION)
         socket.create_connection((asked.host, asked.port), limit).close()
     except (ConnectionRefusedError, ConnectionResetError):
-        return Word(None), time.monotonic()
+        return MasterState(None), time.monotonic()
     except OSError:
         over.wait(max(0.0, end - time.monotonic()))  # an unreachable network says so at once
         return None, time.monotonic()
     alive = time.monotonic()
     try:
         pid, run_id = asked.call_many([("getPid", ()), ("getParam", ("/run_id",))])
-        return Word(int(pid), run_id if isinstance(run_id, str) else ""), alive
+        return MasterState(int(pid), run_id if isinstance(run_id, str) else ""), alive
     except Unanswered:
         return BUSY, alive
     except (Refused, ValueError, TypeError):
-        return Word(None), alive  # something answers, and is no master
+        return MasterState(None), alive  # something answers, and is no master

@@ -20,7 +20,7 @@ MASTER = "master"
 ROSOUT = "/rosout"
 
 
-def find_core(master: Master, world: World, options: Options) -> tuple[Program, ...]:
+def find_master_programs(master: Master, world: World, options: Options) -> tuple[Program, ...]:
     """The master and rosout. Raises UserError when they are not installed, or cannot listen at that address."""
     if ":" in master.host and world.environment.get("ROS_IPV6") != "on":
         raise UserError(
@@ -67,7 +67,7 @@ def find_core(master: Master, world: World, options: Options) -> tuple[Program, 
     )
 
 
-def core_parameters(world: World, environment: Mapping[str, str]) -> dict[str, ParamValue]:
+def roscore_parameters(world: World, environment: Mapping[str, str]) -> dict[str, ParamValue]:
     """Parameters that roscore sets on its master."""
     # What roscore.xml sets by running `rosversion`, line breaks included.
     version = ""

@@ -10,10 +10,10 @@ from collections.abc import Callable
 from ur.run.record.registry import RunEntry
 from ur.source.diagnostic import UserError, error
 
-LetGo = Callable[[RunEntry], None]
+Detach = Callable[[RunEntry], None]
 
 
-def run_detached(run: Callable[[LetGo], int], report: Callable[[str], int]) -> int:
+def run_detached(run: Callable[[Detach], int], report: Callable[[str], int]) -> int:
     """Run in a process of its own that outlives this one once it calls what it is given; until then it speaks here.
 
     Returns twice, as fork does: in the new process what `run` returned, in this one what `report` makes of the id,

@@ -15,7 +15,7 @@ from ur.run.options import Options
 from ur.run.output.console import Console
 from ur.run.record.computer import read_computer
 from ur.run.record.registry import RunEntry, make_run_name, read_birth, register_run, runs_folders
-from ur.run.run import WatchPlan
+from ur.run.run import RunClients
 from ur.source.diagnostic import UserError, error
 
 if TYPE_CHECKING:
@@ -81,7 +81,7 @@ def list_joined_runs(entry: RunEntry) -> Sequence[str]:
     return list_joined(entry.run, os.environ, os.getuid())
 
 
-def plan_watch(here: Registered, nodes: tuple[NodeSpec, ...], options: Options) -> WatchPlan:
+def plan_clients(here: Registered, nodes: tuple[NodeSpec, ...], options: Options) -> RunClients:
     """Plan the monitoring of a registered run: its socket, viewer, event file and end record."""
     entry, listener = here
     call = options.call_started
@@ -106,7 +106,7 @@ def plan_watch(here: Registered, nodes: tuple[NodeSpec, ...], options: Options) 
         ended = EndedRun(entry, time.time(), exit_code, cause, tuple(lines), logs)
         write_ended(ended, os.environ, os.getuid())
 
-    return WatchPlan(
+    return RunClients(
         describe=describe,
         record_end=record if entry.folder else None,
         listener=listener,

@@ -33,14 +33,14 @@ class Holder:
     nodes: tuple[str, ...]
 
 
-def mark_words(request: Request) -> list[str]:
+def share_arguments(request: Request) -> list[str]:
     """The end of a command line by which the share's run is known."""
     return [_MARK, request.machine, *request.options, "--", *request.words]
 
 
 def is_marked(command: Sequence[str], request: Request, earlier: str = "") -> bool:
     """Return whether a command line is that of the run of a request. `earlier`: a former name of the robot."""
-    mark = mark_words(request)
+    mark = share_arguments(request)
     end = list(command[-len(mark) :])
     if end == mark:
         return True

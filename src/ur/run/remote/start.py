@@ -11,7 +11,7 @@ import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
-from ur.run.remote.local_runs import mark_words
+from ur.run.remote.local_runs import share_arguments
 from ur.run.remote.protocol import Problem, Request
 
 START_SECONDS = 60.0
@@ -27,7 +27,7 @@ def start_share(request: Request, running: Sequence[str]) -> tuple[str, Problem 
         # Files: a pipe would be kept open by what lives on.
         report = Path(folder, "problems.json")
         process = subprocess.Popen(
-            [*scope(), sys.executable, "-I", "-m", "ur", *launch_words(request, running, str(report))],
+            [*scope(), sys.executable, "-I", "-m", "ur", *launch_arguments(request, running, str(report))],
             stdin=subprocess.DEVNULL,
             stdout=out,
             stderr=err,
@@ -46,10 +46,10 @@ def start_share(request: Request, running: Sequence[str]) -> tuple[str, Problem 
         return out.read().strip(), None
 
 
-def launch_words(request: Request, running: Sequence[str], report: str) -> list[str]:
+def launch_arguments(request: Request, running: Sequence[str], report: str) -> list[str]:
     """The arguments of `ur` that start the share, without nodes that run already."""
     left_out = [word for name in running for word in ("--runs-already", name)]
-    return ["launch", "--plain", "--detach", "--report", report, *left_out, *mark_words(request)]
+    return ["launch", "--plain", "--detach", "--report", report, *left_out, *share_arguments(request)]
 
 
 def read_report(report: Path) -> Problem | None:

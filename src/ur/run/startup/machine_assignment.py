@@ -37,7 +37,7 @@ def split_plan(plan: Plan, is_here: Callable[[str], bool]) -> tuple[Plan, tuple[
     return replace(plan, nodes=tuple(here)), tuple(away.values())
 
 
-def take_part(plan: Plan, names: Collection[str]) -> Plan:
+def keep_nodes(plan: Plan, names: Collection[str]) -> Plan:
     """The plan with these nodes alone (full names), for a computer whose nodes share a master with the others'.
 
     It neither sets private parameters of the others' nodes nor clears a namespace that holds one of them.

@@ -40,7 +40,7 @@ class Graph:
 
 
 @dataclass(slots=True)
-class Heard:
+class Received:
     """Messages received on a topic: their times (any clock, s), and frames where it is one of tf."""
 
     times: deque[float] = field(default_factory=lambda: deque(maxlen=1000))
@@ -48,13 +48,13 @@ class Heard:
 
 
 def find_missing(
-    node: str, conditions: Sequence[ReadyCondition], graph: Graph, heard: Mapping[str, Heard], now: float
+    node: str, conditions: Sequence[ReadyCondition], graph: Graph, received: Mapping[str, Received], now: float
 ) -> tuple[str, ...]:
     """List a running node's unmet readiness conditions, as text for people; empty when it is ready."""
     if not any(condition.kind == "process" for condition in conditions) and not graph.knows(node):
         return ("it runs, but is not registered with the master",)
-    found = (_find_lack(condition, graph, heard, now) for condition in conditions)
-    return tuple(lack for lack in found if lack)
+    found = (_describe_unmet(condition, graph, received, now) for condition in conditions)
+    return tuple(unmet for unmet in found if unmet)
 
 
 def measure_rate(times: Sequence[float], rate: float, now: float) -> float | None:
@@ -65,29 +65,29 @@ def measure_rate(times: Sequence[float], rate: float, now: float) -> float | Non
     return count / max(times[-1] - times[-1 - count], 1e-6)
 
 
-def _find_lack(condition: ReadyCondition, graph: Graph, heard: Mapping[str, Heard], now: float) -> str:
+def _describe_unmet(condition: ReadyCondition, graph: Graph, received: Mapping[str, Received], now: float) -> str:
     name = condition.name
     match condition.kind:
         case "topic":
-            return _find_topic_lack(name, condition.rate, graph, heard, now)
+            return _describe_topic(name, condition.rate, graph, received, now)
         case "service":
             return "" if name in graph.services else f"service {name} is not offered"
         case "action":
             served = f"{name}/goal" in graph.subscribers and f"{name}/status" in graph.publishers
             return "" if served else f"action {name} has no server"
         case "frame":
-            frames = set().union(*(heard[topic].frames for topic in TF_TOPICS if topic in heard))
+            frames = set().union(*(received[topic].frames for topic in TF_TOPICS if topic in received))
             there = ", ".join(sorted(frames)) or "none at all"
             return "" if name in frames else f"tf frame {name} is not there, only: {there}"
     return ""
 
 
-def _find_topic_lack(name: str, rate: float | None, graph: Graph, heard: Mapping[str, Heard], now: float) -> str:
+def _describe_topic(name: str, rate: float | None, graph: Graph, received: Mapping[str, Received], now: float) -> str:
     if name not in graph.publishers:
         return f"topic {name} is not published"
     if rate is None:
         return ""
-    times = heard[name].times if name in heard else ()
+    times = received[name].times if name in received else ()
     if not times:
         return f"topic {name} is published by {', '.join(graph.publishers[name])}, but no message has come"
     measured = measure_rate(tuple(times), rate, now)
@@ -105,12 +105,12 @@ class ReadinessProbe:
         self._conditions = conditions
         self._notify = report
         self._running: dict[str, int] = {}
-        self._told: dict[tuple[str, int], tuple[str, ...]] = {}
+        self._reported: dict[tuple[str, int], tuple[str, ...]] = {}
         self._changed = threading.Event()
         self._over = False
         self._listeners: dict[tuple[str, str], Listener] = {}
-        self._heard: dict[str, Heard] = {}
-        self._thread = threading.Thread(target=self._look_on, daemon=True)
+        self._received: dict[str, Received] = {}
+        self._thread = threading.Thread(target=self._check_nodes, daemon=True)
         self._thread.start()
 
     def follow(self, running: Mapping[str, int]) -> None:
@@ -123,9 +123,9 @@ class ReadinessProbe:
         self._over = True
         self._changed.set()
 
-    def _look_on(self) -> None:
+    def _check_nodes(self) -> None:
         while not self._over:
-            open_ = {name: pid for name, pid in self._running.items() if self._told.get((name, pid)) != ()}
+            open_ = {name: pid for name, pid in self._running.items() if self._reported.get((name, pid)) != ()}
             self._changed.clear()
             if open_:
                 self._look(open_)
@@ -147,12 +147,12 @@ class ReadinessProbe:
         self._connect({topic for name in open_ for topic in self._topics(name)}, graph)
         for name, pid in open_.items():
             self._report(
-                name, pid, find_missing(name, self._conditions.get(name, ()), graph, self._heard, time.monotonic())
+                name, pid, find_missing(name, self._conditions.get(name, ()), graph, self._received, time.monotonic())
             )
 
     def _report(self, name: str, pid: int, missing: tuple[str, ...]) -> None:
-        if self._told.get((name, pid)) != missing:
-            self._told[name, pid] = missing
+        if self._reported.get((name, pid)) != missing:
+            self._reported[name, pid] = missing
             self._notify(name, pid, missing)
 
     def _topics(self, name: str) -> set[str]:
@@ -174,7 +174,7 @@ class ReadinessProbe:
                     keep = 1 << 20 if topic in TF_TOPICS else 0
                     listener = listen_to(uri, topic, keep=keep, timeout=TIMEOUT, caller=CALLER)
                     self._listeners[topic, node] = listener
-                    self._heard.setdefault(topic, Heard())
+                    self._received.setdefault(topic, Received())
 
     def _listen(self, period: float) -> None:
         end = time.monotonic() + period
@@ -182,18 +182,18 @@ class ReadinessProbe:
             keys = {listener.fileno(): key for key, listener in self._listeners.items()}
             for descriptor in select.select(list(keys), [], [], left)[0]:
                 key = keys[descriptor]
-                heard = self._heard[key[0]]
+                received = self._received[key[0]]
                 try:
                     messages = self._listeners[key].receive()
                 except NoTopic:
                     self._listeners.pop(key).close()
                     continue
-                heard.times.extend([time.monotonic()] * len(messages))
+                received.times.extend([time.monotonic()] * len(messages))
                 if key[0] in TF_TOPICS:
-                    heard.frames.update(*(read_frames(message) for message in messages))
+                    received.frames.update(*(read_frames(message) for message in messages))
 
     def _forget_listeners(self) -> None:
         for listener in self._listeners.values():
             listener.close()
         self._listeners.clear()
-        self._heard.clear()
+        self._received.clear()

@@ -10,7 +10,7 @@ from ur.run.supervisor.events import RestartWanted, StartWanted, StopWanted
 from ur.run.supervisor.model import Phase, Request, State, Status, UnitState
 
 
-def take_wish(state: State, wanted: StartWanted | StopWanted | RestartWanted, now: float) -> Step:
+def apply_request(state: State, wanted: StartWanted | StopWanted | RestartWanted, now: float) -> Step:
     """Begin to carry a request out. While the run ends nobody can want anything any more."""
     if not is_before(state, Phase.STOPPING_NODES):
         return state, []

@@ -34,7 +34,7 @@ from ur.run.supervisor.events import (
 from ur.run.supervisor.lifecycle import note_ended, note_started
 from ur.run.supervisor.master_reactions import follow_master
 from ur.run.supervisor.model import ExitStatus, Limits, Phase, State, Unit, UnitState
-from ur.run.supervisor.requests import press_overdue, restart_all, take_wish
+from ur.run.supervisor.requests import apply_request, press_overdue, restart_all
 from ur.run.supervisor.shutdown import begin_end, finish_end, press_all, remove_registrations
 
 
@@ -85,7 +85,7 @@ def _handle(state: State, event: Event, now: float) -> Step:
                 return begin_end(state, cause, exit_code, now)
             return press_all(state, now)
         case StartWanted() | StopWanted() | RestartWanted():
-            return take_wish(state, event, now)
+            return apply_request(state, event, now)
         case Tick():
             return _tick(state, now)
     return _proceed(state, event, now)
