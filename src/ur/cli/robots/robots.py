@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ur.cli.output import plain_text
-from ur.cli.robots.robots_asked import SOON, Asked
+from ur.request.remote.robot_poller import STARTING_PERIOD, RobotPoller
 from ur.request.requirements.python_packages import need
 from ur.robot.discovery.announcements import Browser
 from ur.robot.discovery.listing import Answer, Row, list_robots
@@ -53,7 +53,7 @@ def command(watch: bool, seconds: float, as_json: bool) -> int:
         return [name for name in names if name in memory and memory[name].address == address]
 
     known = {*names, *memory}
-    with Browser(changed.set, known) as browser, Asked(browser, seconds, changed.set, former, known) as asked:
+    with Browser(changed.set, known) as browser, RobotPoller(browser, seconds, changed.set, former, known) as asked:
 
         def look() -> list[Row]:
             asked.ask(browser.sightings)
@@ -106,7 +106,7 @@ def _listen(look: Look, changed: threading.Event, seconds: float, settled: Calla
     last = end + SETTLE_SECONDS
     rows = look()
     while (now := time.monotonic()) < end or (now < last and not settled()):
-        changed.wait(end - now if now < end else SOON)
+        changed.wait(end - now if now < end else STARTING_PERIOD)
         changed.clear()
         rows = look()
     return rows

@@ -1,4 +1,4 @@
-"""Questions to robots, to all at once and again and again, while they are listed."""
+"""Repeated questions to robots, to all at once: whether they answer, their nodes, services and clocks."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from ur.robot.discovery.listing import Answer, is_settled
 from ur.robot.discovery.record import DEFAULT_USER
 
 SSH_PORT = 22
-AGAIN = 5.0  # s after an answer until a robot is asked once more
-SOON = 0.3  # s, likewise, of a robot that is starting
+PERIOD = 5.0  # s after an answer until a robot is asked once more
+STARTING_PERIOD = 0.3  # s, likewise, of a robot that is starting
 SSH_SECONDS = 5.0  # a login on a small computer that has just booted takes seconds
 AT_ONCE = 16
 
 
-class Asked:
+class RobotPoller:
     """Asks robots in the background while it is open; use as a context manager. `changed` is called from other threads.
 
     `answers` holds the latest of each, by its host name. No question takes longer than `seconds`, but for those over
@@ -45,7 +45,7 @@ class Asked:
         self._over = threading.Event()
         self._lock = threading.Lock()
 
-    def __enter__(self) -> Asked:
+    def __enter__(self) -> RobotPoller:
         self._pools = {is_known: ThreadPoolExecutor(AT_ONCE) for is_known in (True, False)}
         return self
 
@@ -99,7 +99,7 @@ class Asked:
             known_as=answer.known_as,
         )
         settled = is_settled(self.answers[one.host])
-        self._next[one.host] = time.monotonic() + (AGAIN if settled else SOON)
+        self._next[one.host] = time.monotonic() + (PERIOD if settled else STARTING_PERIOD)
 
     def _twin(self, one: Sighting) -> None:
         if one.host == one.name:  # else it is the twin itself
