@@ -49,30 +49,17 @@ def read_lines(descriptor: int | None, option: str, count: int) -> list[str]:
 
 
 def become_root(shell: SshShell, given: str) -> list[Secret]:
-    """Become root on the robot; return the passwords that sudo may be given from now on.
+    """Become root on the robot with the given password, or one that is typed; return the passwords for sudo.
 
     Raises UserError: that is not possible, or another change is pending there.
     """
-    from ur.robot.commit_confirm.perform import refuse_pending
+    from ur.robot.commit_confirm.begin import become_root as become
     from ur.robot.ssh.secret import Secret
 
-    candidates = [Secret(given)] if given else []
-    if shell.find_sudo(candidates):
-        refuse_pending(shell)
-        return candidates
-    if not given and sys.stdin.isatty():
-        candidates = [Secret(getpass.getpass(f"password of {shell.place}: "))]
-        if shell.find_sudo(candidates):
-            refuse_pending(shell)
-            return candidates
-    said = "sudo refuses this password" if candidates else "sudo wants a password"
-    raise UserError(
-        error(
-            f"{shell.place}: {said}, expected that of {shell.address.user}, who may use sudo",
-            rule="no-root",
-            help="run this in a terminal, or give --password-from FD (with wifi: --passwords-from FD)",
-        )
-    )
+    def ask() -> Secret:
+        return Secret(getpass.getpass(f"password of {shell.place}: "))
+
+    return become(shell, Secret(given) if given else None, ask if sys.stdin.isatty() else None)
 
 
 def show_plan(change: GuardedChange, facts: Facts) -> None:
@@ -88,21 +75,10 @@ def show_plan(change: GuardedChange, facts: Facts) -> None:
 
 def begin(shell: SshShell, change: GuardedChange, facts: Facts, wait: int) -> str:
     """Hand the change to the robot; the identity of the attempt. Raises UserError when it did not begin."""
-    from ur.robot.commit_confirm.guarded import Order
-    from ur.robot.commit_confirm.perform import hand_over, is_doubtful, new_identity
+    from ur.robot.commit_confirm.begin import begin_change
 
-    order = Order(new_identity(), f"{getpass.getuser()}@{socket.gethostname()}", wait, change)
-    try:
-        hand_over(shell, order, facts)
-        say(f"{change.title}: the robot begins, and goes back by itself unless it is confirmed within {wait} s")
-    except KeyboardInterrupt:
-        say(f"{change.title}: stopped; if the robot was told already, it goes back by itself within {wait} s")
-        raise
-    except UserError as problem:
-        if not is_doubtful(problem):
-            raise
-        say(f"{change.title}: the connection broke while the robot was told; looking for it")
-    return order.identity
+    requester = f"{getpass.getuser()}@{socket.gethostname()}"
+    return begin_change(shell, change, facts, requester, wait, say)
 
 
 def finish(
