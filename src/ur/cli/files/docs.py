@@ -61,8 +61,9 @@ def _write_documents(
 ) -> int:
     from ur.docs.repository.collect import collect_repository
     from ur.launchfile.world import SystemWorld
+    from ur.request.environment import know_own_package
 
-    repository = collect_repository(path, SystemWorld(_environment()), progress)
+    repository = collect_repository(path, SystemWorld(know_own_package(os.environ)), progress)
     _report(repository)
     if doc_attributes:
         return _settle(_doc_attributes(repository), check)
@@ -75,13 +76,6 @@ def _write_documents(
     # A link that the repository brings along may lead anywhere.
     page = _page(repository, str(target.absolute().parent), progress)
     return _settle({target: page}, check, follow=output is not None)
-
-
-def _environment() -> dict[str, str]:
-    from ur.request.environment import PACKAGE
-
-    paths = [path for path in (os.environ.get("ROS_PACKAGE_PATH"), str(PACKAGE)) if path]
-    return {**os.environ, "ROS_PACKAGE_PATH": os.pathsep.join(paths)}
 
 
 def _report(repository: Repository) -> None:
