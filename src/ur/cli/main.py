@@ -24,7 +24,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run `ur` with its arguments (default: of this process) and return the exit code. Raises nothing."""
     words = list(sys.argv[1:] if arguments is None else arguments)
     open_closed_streams()
-    os.umask(os.umask(0o077) | 0o002)  # as in ur.__main__
     with guard_output():
         return _run(words)
 
