@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from importlib import import_module
 
 import click
@@ -43,6 +44,14 @@ VERBS = {
     "debian": ("ur.cli.computer.debian", "Inspect, change or remove the Debian root that ROS runs in."),
     "env": ("ur.cli.computer.env", "Print the lines that let a shell follow the selection."),
 }
+
+
+@dataclass(frozen=True, slots=True)
+class HelpPage:
+    """Descriptions of a verb's positional arguments, in order, and examples with their meaning."""
+
+    arguments: tuple[str, ...]
+    examples: tuple[tuple[str, str], ...]
 
 
 class VerbGroup(click.Group):
