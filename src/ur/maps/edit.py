@@ -1,0 +1,175 @@
+"""Changes of a map by hand: erase, draw walls, forbid areas, turn. Values in, values out."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ur.maps.record import Edit, MapRecord
+from ur.maps.scan_file import StoredGraph
+from ur.worlds.cells import CellFrame
+from ur.worlds.map_file import FREE, OCCUPIED, UNKNOWN
+
+Values = NDArray[np.int8]
+Origin = tuple[float, float, float]
+
+_FINEST = math.radians(0.1)  # of a proposal
+
+
+class _Frame(CellFrame):
+    __slots__ = ("_shape", "origin", "resolution")
+
+    def __init__(self, shape: tuple[int, int], resolution: float, origin: Origin) -> None:
+        self._shape = shape
+        self.resolution = resolution
+        self.origin = origin
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        return self._shape
+
+
+def apply_edits(values: Values, resolution: float, origin: Origin, edits: Sequence[Edit]) -> Values:
+    """Apply edits to the cells (height, width) of a map, row 0 at the bottom; what lies outside is ignored.
+
+    Erased cells that were walls become floor. Cells on a wall, and those of a keep-out polygon, become walls.
+    """
+    if not edits:
+        return values
+    height, width = values.shape
+    frame = _Frame((height, width), resolution, origin)
+    result: Values = values.copy()
+    for edit in edits:
+        points = np.array(edit.points, np.float64)
+        inside = _line(frame, points) if edit.kind == "wall" else _polygon(frame, points)
+        if edit.kind == "erase":
+            inside &= result > FREE
+            result[inside] = FREE
+        else:
+            result[inside] = OCCUPIED
+    return result
+
+
+def move_record(record: MapRecord, motion: Origin) -> MapRecord:
+    """Move the edits of a record by a pose (m, m, rad): points p become motion * p."""
+    edits = (replace(each, points=tuple(move_point(p, motion) for p in each.points)) for each in record.edits)
+    return replace(record, edits=tuple(edits))
+
+
+def move_graph(graph: StoredGraph, motion: Origin) -> StoredGraph:
+    """Move the keyframes of a pose graph; what is known of their relative poses stays."""
+    c, s = math.cos(motion[2]), math.sin(motion[2])
+    poses: NDArray[np.float64] = graph.poses.copy()
+    poses[:, :2] = poses[:, :2] @ np.array(((c, s), (-s, c))) + motion[:2]
+    poses[:, 2] = np.remainder(poses[:, 2] + motion[2] + math.pi, 2.0 * math.pi) - math.pi
+    return replace(graph, poses=poses)
+
+
+def move_point(point: tuple[float, float], motion: Origin) -> tuple[float, float]:
+    """Turn a point about (0, 0), then shift it."""
+    c, s = math.cos(motion[2]), math.sin(motion[2])
+    return motion[0] + c * point[0] - s * point[1], motion[1] + s * point[0] + c * point[1]
+
+
+def turn_values(values: Values, resolution: float, origin: Origin, motion: Origin) -> tuple[Values, Origin]:
+    """Draw a map anew whose points are moved by `motion`; returns the cells and the origin, whose yaw is 0.
+
+    For maps without scans: walls are kept, one cell thicker at most. Raises ValueError where the result is too large.
+    """
+    height, width = values.shape
+    frame = _Frame((height, width), resolution, origin)
+    left, bottom, right, top = frame.bounds
+    corners = [move_point(corner, motion) for corner in ((left, bottom), (right, bottom), (left, top), (right, top))]
+    low, high = np.min(corners, axis=0), np.max(corners, axis=0)
+    columns, rows = np.ceil((high - low) / resolution).astype(int) + 1
+    if columns * rows > 50_000_000:
+        raise ValueError("the turned map is too large")
+    back = _inverse(motion)
+    ys, xs = np.mgrid[0:rows, 0:columns]
+    target = np.stack((low[0] + (xs + 0.5) * resolution, low[1] + (ys + 0.5) * resolution), axis=-1)
+    c, s = math.cos(back[2]), math.sin(back[2])
+    source = target @ np.array(((c, s), (-s, c))) + back[:2]
+    result = _take(frame, values, source)
+    walls = np.argwhere(values == OCCUPIED)
+    if len(walls):  # a wall of one cell may fall between the centres of the new ones
+        points = frame.points_of_cells(walls)
+        c, s = math.cos(motion[2]), math.sin(motion[2])
+        moved = points @ np.array(((c, s), (-s, c))) + motion[:2]
+        places = np.floor((moved - low) / resolution).astype(int)
+        result[places[:, 1], places[:, 0]] = OCCUPIED
+    return result, (float(low[0]), float(low[1]), 0.0)
+
+
+def propose_turn(values: Values, resolution: float, origin: Origin) -> float:
+    """Find the turn (rad, at most an eighth of a circle either way) that brings most walls along the axes.
+
+    The better one is that with the sharper profiles: sums of walls along rows and columns. 0 for a map without walls.
+    """
+    height, width = values.shape
+    frame = _Frame((height, width), resolution, origin)
+    cells = np.argwhere(values == OCCUPIED)
+    if len(cells) < 10:
+        return 0.0
+    points = frame.points_of_cells(cells[:: max(1, len(cells) // 20_000)])
+    points = points - points.mean(axis=0)
+
+    def sharpness(turn: float) -> float:
+        c, s = math.cos(turn), math.sin(turn)
+        total = 0.0
+        for along in (c * points[:, 0] - s * points[:, 1], s * points[:, 0] + c * points[:, 1]):
+            places = np.floor((along - along.min()) / resolution).astype(int)
+            total += float(np.square(np.bincount(places).astype(float)).sum())
+        return total
+
+    best, step = 0.0, math.radians(1.0)
+    candidates = np.arange(-45, 45) * step
+    while True:
+        scores = [sharpness(float(each)) for each in candidates]
+        best = float(candidates[int(np.argmax(scores))])
+        if step <= _FINEST:
+            return math.remainder(best, math.pi / 2.0)
+        step /= 5.0
+        candidates = best + np.arange(-6, 7) * step
+
+
+def _inverse(motion: Origin) -> Origin:
+    c, s = math.cos(motion[2]), math.sin(motion[2])
+    return -c * motion[0] - s * motion[1], s * motion[0] - c * motion[1], -motion[2]
+
+
+def _take(frame: _Frame, values: Values, points: NDArray[np.float64]) -> Values:
+    from ur.worlds.cells import look_up
+
+    return np.array(look_up(frame, values, points, UNKNOWN))
+
+
+def _line(frame: _Frame, points: NDArray[np.float64]) -> NDArray[np.bool_]:
+    marked = np.zeros(frame.shape, np.bool_)
+    for start, end in pairwise(points):
+        count = min(1_000_000, math.ceil(float(np.hypot(*(end - start))) / (0.4 * frame.resolution)) + 1)
+        cells = frame.cells_of_points(start + np.linspace(0.0, 1.0, count)[:, None] * (end - start))
+        cells = cells[frame.contains(cells)]
+        marked[cells[:, 0], cells[:, 1]] = True
+    return marked
+
+
+def _polygon(frame: _Frame, points: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """The cells whose centres lie in a polygon, by the even-odd rule."""
+    corners = frame.fractions_of_points(points) - 0.5  # row, column of centres
+    marked = np.zeros(frame.shape, np.bool_)
+    low = np.clip(np.floor(corners.min(axis=0)).astype(int), 0, frame.shape)
+    high = np.clip(np.ceil(corners.max(axis=0)).astype(int) + 1, 0, frame.shape)
+    rows, columns = np.arange(low[0], high[0])[:, None], np.arange(low[1], high[1])[None, :]
+    inside = np.zeros((high[0] - low[0], high[1] - low[1]), np.bool_)
+    for (row, column), (next_row, next_column) in zip(corners, np.roll(corners, -1, axis=0), strict=True):
+        if row == next_row:
+            continue
+        crosses = (row > rows) != (next_row > rows)
+        inside ^= crosses & (columns < (next_column - column) * (rows - row) / (next_row - row) + column)
+    marked[low[0] : high[0], low[1] : high[1]] = inside
+    return marked

@@ -1,0 +1,124 @@
+"""Maps from elsewhere, checked before they become maps of the store, and maps packed for another computer."""
+
+from __future__ import annotations
+
+import io
+import re
+import tarfile
+from pathlib import Path
+
+from ur.maps.picture_file import shades, write_picture
+from ur.maps.record import LARGEST, RECORD, read_record
+from ur.maps.scan_file import read_graph, read_scans
+from ur.maps.store import PICTURE, MapStore
+from ur.source.diagnostic import UserError, error
+from ur.source.replace import replace_file
+from ur.worlds.map_file import MapImage, read_map
+
+MOST_PACKED = 60_000_000  # bytes
+_MOST_UNPACKED = 400_000_000
+_MOST_FILES = 1100
+_FILE = re.compile(r"map\.json|map\.yaml|map(_2)?\.pgm|(graph|scans)_[0-9]{1,6}\.npz")
+
+
+def pack_map(folder: Path) -> bytes:
+    """Pack the files of a map, which must not change meanwhile. Raises OSError, or UserError: it is too large."""
+    buffer = io.BytesIO()
+    with tarfile.open(fileobj=buffer, mode="w:gz") as archive:
+        for path in sorted(folder.iterdir()):
+            if _FILE.fullmatch(path.name):
+                archive.add(path, path.name, recursive=False)
+    if buffer.tell() > MOST_PACKED:
+        message = f"map {folder.name!r} is larger than {MOST_PACKED // 1_000_000} MB, expected a smaller one"
+        raise UserError(error(message, rule="bad-map", help="export its picture: ur maps export"))
+    return buffer.getvalue()
+
+
+def unpack_map(data: bytes, folder: Path, place: str) -> None:
+    """Unpack a map into an empty folder and check every file of it. `place` is where it comes from.
+
+    Raises UserError: it holds other files than those of a map, or one that cannot be used.
+    """
+    try:
+        with tarfile.open(fileobj=io.BytesIO(data), mode="r:gz") as archive:
+            _extract(archive, folder)
+    except UserError:
+        raise
+    except Exception as problem:  # damaged archives raise whatever zlib and tarfile think of
+        raise _not_a_map(place, str(problem)[:80]) from None
+    check_map(folder, place)
+
+
+def check_map(folder: Path, place: str) -> None:
+    """Read every file of a map. Raises UserError."""
+    file = folder / PICTURE
+    if not file.is_file():
+        raise _not_a_map(place, f"{PICTURE} is missing")
+    image = read_map(file).file.image
+    if image.parent != folder or not _FILE.fullmatch(image.name):
+        raise _not_a_map(place, f"its picture is {image.name!r}, expected map.pgm")
+    record = read_record(folder)
+    if record.graph:
+        count = len(read_graph(folder / record.graph).poses)
+        if sum(len(read_scans(folder / name)) for name in record.scans) < count:
+            raise _not_a_map(place, "it has fewer scans than keyframes")
+
+
+def import_picture(store: MapStore, source: Path, name: str) -> MapImage:
+    """Make a map of the store from a map_server YAML file, or from the folder of a map.
+
+    Raises UserError: the file cannot be used, or the name is taken.
+    """
+    if source.is_dir():
+        with store.arriving(name) as folder:
+            for path in sorted(source.iterdir()):
+                if _FILE.fullmatch(path.name) and path.is_file() and path.stat().st_size <= _MOST_UNPACKED:
+                    replace_file(folder / path.name, path.read_bytes())
+            check_map(folder, f"'{source}'")
+        return read_map(store.picture(name))
+    image = read_map(source)
+    with store.arriving(name) as folder:
+        write_picture(folder / "map", image.values, image.resolution, image.origin)
+    return image
+
+
+def export_picture(store: MapStore, name: str, target: Path) -> list[Path]:
+    """Write the picture of a map as `target`.yaml and `target`.png (or .pgm, as the ending of `target` says).
+
+    Returns the files. Raises UserError: no such map, or it is damaged; OSError.
+    """
+    from PIL import Image
+
+    from ur.maps.picture_file import describe_picture
+
+    image = read_map(store.picture(store.resolve(name)))
+    stem = target.with_suffix("") if target.suffix in (".yaml", ".png", ".pgm") else target
+    if target.suffix == ".pgm":
+        file = write_picture(stem, image.values, image.resolution, image.origin)
+        return [file, stem.with_name(f"{stem.name}.pgm")]
+    buffer = io.BytesIO()
+    Image.fromarray(shades(image.values)).save(buffer, "PNG")
+    picture, file = stem.with_name(f"{stem.name}.png"), stem.with_name(f"{stem.name}.yaml")
+    replace_file(picture, buffer.getvalue(), parents=True)
+    replace_file(file, describe_picture(picture.name, image.resolution, image.origin))
+    return [file, picture]
+
+
+def _extract(archive: tarfile.TarFile, folder: Path) -> None:
+    total = 0
+    for count, member in enumerate(archive):
+        name = member.name.removeprefix("./")
+        if member.isdir() and name in ("", "."):
+            continue
+        total += member.size
+        if not member.isreg() or not _FILE.fullmatch(name):
+            raise ValueError(f"it holds {member.name[:60]!r}")
+        if count > _MOST_FILES or total > _MOST_UNPACKED or (name == RECORD and member.size > LARGEST):
+            raise ValueError("it is too large")
+        file = archive.extractfile(member)
+        assert file is not None
+        replace_file(folder / name, file.read(), lasting=False)
+
+
+def _not_a_map(place: str, what: str) -> UserError:
+    return UserError(error(f"{place} is not a map that can be used: {what}", rule="bad-map", help="copy it again"))

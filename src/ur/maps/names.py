@@ -1,0 +1,45 @@
+"""Names of stored maps: words that mean the same to a shell, a launch file and a file system."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection
+
+from ur.source.diagnostic import UserError, error
+from ur.source.printable import printable
+
+LATEST = "latest"
+"""Stands for the last map that was made with the robot of this computer."""
+
+LONGEST = 64
+_NAME = re.compile(rf"[A-Za-z][A-Za-z0-9_.-]{{0,{LONGEST - 1}}}")
+# roslaunch reads these as a number or a truth value, wherever a text may be one.
+_RESERVED = frozenset({LATEST, "true", "false", "inf", "infinity", "nan", "none"})
+
+
+def is_map_name(name: str) -> bool:
+    """Return whether a map may have this name."""
+    return bool(_NAME.fullmatch(name)) and name.lower() not in _RESERVED and not name.endswith(".")
+
+
+def check_map_name(name: str) -> str:
+    """Return a name that a map may have. Raises UserError for any other text."""
+    if is_map_name(name):
+        return name
+    if name.lower() in _RESERVED:
+        message = f"map name {printable(name)!r} is reserved, expected another one"
+    else:
+        message = (
+            f"map name {printable(name[: 2 * LONGEST])!r}, expected a letter, then letters, digits, '-', '_' and '.', "
+            f"at most {LONGEST} in all"
+        )
+    raise UserError(error(message, rule="bad-name", help="for example flat or second-floor"))
+
+
+def fresh_name(day: str, taken: Collection[str]) -> str:
+    """Return a name that no map has yet: `map-DAY`, then `map-DAY-2` and so on."""
+    name, number = f"map-{day}", 1
+    while name in taken:
+        number += 1
+        name = f"map-{day}-{number}"
+    return name

@@ -1,0 +1,145 @@
+"""The record of a stored map, `map.json`: which files belong to it, and what people want to know of it."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any, Literal, get_args
+
+from ur.source.diagnostic import UserError, error
+
+RECORD = "map.json"
+LARGEST = 4_000_000  # bytes of a record
+MOST_EDITS = 10_000
+MOST_POINTS = 1000  # of an edit
+MOST_FILES = 1000
+
+EditKind = Literal["erase", "wall", "keep-out"]
+_KINDS: tuple[EditKind, ...] = get_args(EditKind)
+_FILE = re.compile(r"(graph|scans)_[0-9]{1,6}\.npz")
+
+
+@dataclass(frozen=True, slots=True)
+class Edit:
+    """A change made by hand: `erase` a polygon, draw a `wall` along a line, or fill a `keep-out` polygon.
+
+    `points` are x, y in m in the frame of the map.
+    """
+
+    kind: EditKind
+    points: tuple[tuple[float, float], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class MapRecord:
+    """`robot` is the robot that made the map; `made` and `changed` are seconds since 1970.
+
+    `graph` and `scans` name files beside the record, '' and () where a map has no scans; `keyframes` is their number.
+    `edits` are applied in order to the picture that is drawn from the scans.
+    """
+
+    robot: str = ""
+    made: float = 0.0
+    changed: float = 0.0
+    keyframes: int = 0
+    resolution: float = 0.05
+    threshold: float = 0.25
+    graph: str = ""
+    scans: tuple[str, ...] = ()
+    edits: tuple[Edit, ...] = ()
+
+
+def render_record(record: MapRecord) -> str:
+    """The text of a record."""
+    return json.dumps({"version": 1, **asdict(record)}, indent=1) + "\n"
+
+
+def read_record(folder: Path) -> MapRecord:
+    """Read the record in the folder of a map; an empty one where there is none. Raises UserError: not a record."""
+    path = folder / RECORD
+    try:
+        with path.open("rb") as file:
+            data = file.read(LARGEST + 1)
+    except FileNotFoundError:
+        return MapRecord()
+    except OSError as problem:
+        raise _bad(path, (problem.strerror or str(problem)).lower()) from None
+    if len(data) > LARGEST:
+        raise _bad(path, f"more than {LARGEST:,} bytes, expected the record of a map")
+    return parse_record(data, path)
+
+
+def parse_record(data: bytes, path: Path) -> MapRecord:
+    """Parse the text of a record, which may come from anywhere. Raises UserError, which names `path`."""
+    try:
+        found = json.loads(data)
+    except (ValueError, RecursionError) as problem:
+        raise _bad(path, f"not the record of a map: {str(problem)[:80]}") from None
+    if not isinstance(found, dict) or found.get("version") != 1:
+        raise _bad(path, "not the record of a map, expected a mapping with version 1")
+    try:
+        return _record(found)
+    except (KeyError, TypeError, ValueError) as problem:
+        raise _bad(path, f"not the record of a map: {str(problem)[:80]}") from None
+
+
+def _record(found: Mapping[str, Any]) -> MapRecord:
+    graph = _text(found.get("graph", ""))
+    scans = tuple(_text(each) for each in _items(found.get("scans", []), MOST_FILES))
+    if not all(_FILE.fullmatch(name) for name in (*scans, *([graph] if graph else []))):
+        raise ValueError("a name of a file, expected graph_N.npz or scans_N.npz")
+    return MapRecord(
+        robot=_text(found.get("robot", ""))[:200],
+        made=_number(found.get("made", 0.0), 1e11),
+        changed=_number(found.get("changed", 0.0), 1e11),
+        keyframes=int(_number(found.get("keyframes", 0), 1e6, 0.0)),
+        resolution=_number(found.get("resolution", 0.05), 1.0, 0.005),
+        threshold=_number(found.get("threshold", 0.25), 1.0, 0.0),
+        graph=graph,
+        scans=scans,
+        edits=tuple(_edit(each) for each in _items(found.get("edits", []), MOST_EDITS)),
+    )
+
+
+def _edit(found: Any) -> Edit:
+    if not isinstance(found, dict):
+        raise TypeError("an edit, expected a mapping")
+    kind = next((each for each in _KINDS if each == found.get("kind")), None)
+    if kind is None:
+        raise ValueError(f"an edit, expected one of {', '.join(_KINDS)}")
+    points = []
+    for each in _items(found.get("points", []), MOST_POINTS):
+        x, y = (_number(value, 1e6) for value in _items(each, 2))
+        points.append((x, y))
+    if len(points) < (2 if kind == "wall" else 3):
+        raise ValueError(f"{len(points)} points of an edit, expected more")
+    return Edit(kind, tuple(points))
+
+
+def _items(found: Any, most: int) -> list[Any]:
+    if not isinstance(found, list) or len(found) > most:
+        raise ValueError(f"expected a list with at most {most:,} items")
+    return found
+
+
+def _text(found: Any) -> str:
+    if not isinstance(found, str):
+        raise TypeError("expected a text")
+    return found
+
+
+def _number(found: Any, largest: float, least: float | None = None) -> float:
+    least = -largest if least is None else least
+    if isinstance(found, bool) or not isinstance(found, (int, float)) or not math.isfinite(found):
+        raise TypeError("expected a number")
+    if not least <= found <= largest:
+        raise ValueError(f"{found:g}, expected {least:g} to {largest:g}")
+    return float(found)
+
+
+def _bad(path: Path, what: str) -> UserError:
+    return UserError(error(f"'{path}': {what}", rule="bad-map", help="copy the map again, or delete it"))

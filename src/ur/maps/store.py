@@ -1,0 +1,165 @@
+"""The folder of stored maps in the user's data folder: list, find, rename and delete them."""
+
+from __future__ import annotations
+
+import fcntl
+import os
+import shutil
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+from ur.maps.names import LATEST, check_map_name, is_map_name
+from ur.maps.record import RECORD as _RECORD
+from ur.maps.record import MapRecord, read_record, render_record
+from ur.source.diagnostic import UserError, error
+from ur.source.replace import make_folder, replace_file, sync_folder
+from ur.source.suggest import did_you_mean
+from ur.source.user_folders import user_folder
+
+PICTURE = "map.yaml"
+"""The file of a stored map in the format of map_server."""
+
+_LOCK = ".lock"
+_DELETED = ".deleted-"
+_NEW = ".new-"
+
+
+@dataclass(frozen=True, slots=True)
+class MapStore:
+    """The stored maps of a user. A map is a folder of its name below `folder` that holds `map.yaml`."""
+
+    folder: Path
+
+    def names(self) -> list[str]:
+        """The names of all maps, sorted; none where there is no folder."""
+        try:
+            found = [each.name for each in self.folder.iterdir() if is_map_name(each.name)]
+        except OSError:
+            return []
+        return sorted(name for name in found if (self.folder / name / PICTURE).is_file())
+
+    def path(self, name: str) -> Path:
+        """Return the folder that a map of this name has. Raises UserError: a map cannot have it."""
+        return self.folder / check_map_name(name)
+
+    def picture(self, name: str) -> Path:
+        """Return the map_server file of a map; the map itself may not exist. Raises UserError as `path`."""
+        return self.path(name) / PICTURE
+
+    def resolve(self, name: str) -> str:
+        """Return the name of an existing map; `latest` stands for another one. Raises UserError: there is none."""
+        if name == LATEST:
+            found = self.latest()
+            if found is None:
+                message = "no map was made with this robot yet, expected one"
+                raise UserError(error(message, rule="unknown-map", help="make one: ur run make_map"))
+            return found
+        if not self.picture(name).is_file():
+            names = self.names()
+            near = did_you_mean(name, names)
+            expected = f"one of {', '.join(names)}" if 0 < len(names) <= 10 else "one that 'ur maps' lists"
+            message = f"unknown map {name!r}, expected {expected}"
+            help_ = (
+                f"did you mean {near!r}?" if near else "'ur run make_map' makes a map, 'ur maps import' takes one in"
+            )
+            raise UserError(error(message, rule="unknown-map", help=help_))
+        return name
+
+    def record(self, name: str) -> MapRecord:
+        """Read the record of a map. Raises UserError."""
+        return read_record(self.path(name))
+
+    def write_record(self, name: str, record: MapRecord) -> None:
+        """Replace the record of a map. Raises OSError."""
+        replace_file(self.path(name) / _RECORD, render_record(record))
+
+    def latest(self) -> str | None:
+        """Return the last map that was made with the robot of this computer; None where there is none any more."""
+        try:
+            name = (self.folder / LATEST).readlink().name
+        except OSError:
+            return None
+        return name if is_map_name(name) and (self.folder / name / PICTURE).is_file() else None
+
+    def set_latest(self, name: str) -> None:
+        """Have `latest` stand for a map. Raises OSError."""
+        beside = self.folder / f"{_NEW}{os.urandom(4).hex()}"
+        beside.symlink_to(check_map_name(name))
+        beside.replace(self.folder / LATEST)
+
+    def rename(self, before: str, after: str) -> None:
+        """Give a map another name. Raises UserError: no such map, the name is taken, or the map is in use."""
+        self.resolve(before)
+        with self.claim(before):
+            if self.path(after).exists():
+                raise UserError(
+                    error(f"map {after!r} exists, expected a name without a map", rule="map-exists", help="ur maps")
+                )
+            was_latest = self.latest() == before
+            self.path(before).rename(self.path(after))
+            if was_latest:
+                self.set_latest(after)
+            sync_folder(str(self.folder))
+
+    def delete(self, name: str) -> None:
+        """Delete a map: it is gone whole, or not at all. Raises UserError: no such map, or the map is in use."""
+        self.resolve(name)
+        with self.claim(name):
+            was_latest = self.latest() == name
+            self.path(name).rename(self.folder / f"{_DELETED}{os.urandom(4).hex()}")
+            if was_latest:
+                (self.folder / LATEST).unlink()
+            sync_folder(str(self.folder))
+        self.tidy()
+
+    def tidy(self) -> None:
+        """Remove what an interrupted deletion or import has left."""
+        for pattern in (f"{_DELETED}*", f"{_NEW}*"):
+            for each in self.folder.glob(pattern):
+                shutil.rmtree(each, ignore_errors=True)
+                with suppress(OSError):
+                    each.unlink()
+
+    @contextmanager
+    def arriving(self, name: str) -> Iterator[Path]:
+        """Yield an empty folder that becomes the map `name` when the block ends without an exception.
+
+        Raises UserError: the name cannot be used, or another map has it.
+        """
+        target = self.path(name)
+        if target.exists() and (target / PICTURE).exists():
+            help_ = f"choose another name, or delete it: ur maps delete {name}"
+            raise UserError(error(f"map {name!r} exists, expected a new name", rule="map-exists", help=help_))
+        make_folder(str(self.folder))
+        beside = self.folder / f"{_NEW}{os.urandom(4).hex()}"
+        beside.mkdir()
+        try:
+            yield beside
+            shutil.rmtree(target, ignore_errors=True)
+            beside.rename(target)
+        except BaseException:
+            shutil.rmtree(beside, ignore_errors=True)
+            raise
+        sync_folder(str(self.folder))
+
+    @contextmanager
+    def claim(self, name: str) -> Iterator[None]:
+        """Keep others from changing a map. Raises UserError: somebody changes it now, for example `make_map`."""
+        folder = self.path(name)
+        make_folder(str(folder))
+        with (folder / _LOCK).open("a") as lock:
+            try:
+                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                message = f"map {name!r} is in use, expected one that no program changes"
+                raise UserError(
+                    error(message, rule="map-in-use", help="end make_map, or wait for the other command")
+                ) from None
+            yield
+
+
+def own_store(environment: Mapping[str, str]) -> MapStore:
+    """Return the maps of the user whose environment this is."""
+    return MapStore(Path(user_folder("XDG_DATA_HOME", environment), "ubiquity_launches", "maps"))

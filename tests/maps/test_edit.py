@@ -1,0 +1,71 @@
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from ur.maps.edit import apply_edits, move_graph, move_point, move_record, propose_turn, turn_values
+from ur.maps.record import Edit, MapRecord
+from ur.maps.scan_file import StoredGraph
+
+SQUARE = ((1.0, 1.0), (2.0, 1.0), (2.0, 2.0), (1.0, 2.0))
+
+
+def test_erased_walls_become_floor_and_unknown_stays() -> None:
+    values = np.full((30, 30), 100, np.int8)
+    values[15, 15] = -1
+    edited = apply_edits(values, 0.1, (0.0, 0.0, 0.0), [Edit("erase", SQUARE)])
+    assert (edited == 0).sum() == 99
+    assert edited[15, 15] == -1
+    assert (values == 0).sum() == 0
+
+
+def test_later_edits_count() -> None:
+    values = np.zeros((30, 30), np.int8)
+    wall = Edit("wall", ((0.05, 0.05), (2.95, 2.95)))
+    assert (apply_edits(values, 0.1, (0.0, 0.0, 0.0), [wall]) == 100).sum() == 30
+    edited = apply_edits(values, 0.1, (0.0, 0.0, 0.0), [Edit("keep-out", SQUARE), wall, Edit("erase", SQUARE)])
+    assert (edited == 100).sum() == 20
+
+
+def test_edits_outside_of_the_map_change_nothing() -> None:
+    values = np.zeros((5, 5), np.int8)
+    far = [Edit("wall", ((50.0, 50.0), (60.0, 50.0))), Edit("keep-out", SQUARE)]
+    assert not apply_edits(values, 0.1, (-9.0, -9.0, 0.0), far).any()
+
+
+def test_turn_that_is_proposed_brings_walls_along_the_axes() -> None:
+    values = np.full((200, 200), -1, np.int8)
+    turn = math.radians(7.3)
+    corners = [
+        move_point(p, (5.0, 5.0, turn)) for p in ((-3.0, -2.0), (3.0, -2.0), (3.0, 2.0), (-3.0, 2.0), (-3.0, -2.0))
+    ]
+    tilted = apply_edits(values, 0.05, (0.0, 0.0, 0.0), [Edit("wall", tuple(corners))])
+    assert math.degrees(propose_turn(tilted, 0.05, (0.0, 0.0, 0.0))) == pytest.approx(-7.3, abs=0.3)
+    assert propose_turn(values, 0.05, (0.0, 0.0, 0.0)) == 0.0
+
+
+def test_turned_map_keeps_its_walls() -> None:
+    values = np.zeros((40, 60), np.int8)
+    values[:, 30] = 100
+    turned, origin = turn_values(values, 0.05, (-1.5, -1.0, 0.0), (0.0, 0.0, math.pi / 6))
+    rows, columns = np.nonzero(turned == 100)
+    points = np.stack((origin[0] + (columns + 0.5) * 0.05, origin[1] + (rows + 0.5) * 0.05), axis=-1)
+    aside = points @ (math.cos(math.pi / 6), math.sin(math.pi / 6))
+    assert np.abs(aside - 0.025).max() < 0.05
+    assert (turned == 0).sum() == pytest.approx((values == 0).sum(), rel=0.05)
+
+
+def test_graph_and_edits_move_together() -> None:
+    motion = (1.0, 0.0, math.pi / 2)
+    graph = StoredGraph(
+        np.array(((2.0, 0.0, 3.0),)),
+        np.zeros((0, 2), np.int32),
+        np.zeros((0, 3)),
+        np.zeros((0, 3, 3)),
+        np.zeros(0, bool),
+    )
+    assert move_graph(graph, motion).poses[0] == pytest.approx((1.0, 2.0, 3.0 + math.pi / 2 - 2 * math.pi))
+    record = move_record(MapRecord(edits=(Edit("wall", ((2.0, 0.0), (0.0, 0.0))),)), motion)
+    assert np.array(record.edits[0].points) == pytest.approx(np.array(((1.0, 2.0), (1.0, 0.0))))
