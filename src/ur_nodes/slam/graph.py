@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import gtsam
 import numpy as np
@@ -11,6 +12,7 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
 from ur_nodes.geometry.pose import Pose2
+from ur_nodes.slam.edge import Edge
 from ur_nodes.slam.surface import Floats
 
 _TURN = 16.0  # m^2: how much the variance of a turn counts when paths are compared
@@ -24,6 +26,7 @@ class PoseGraph:
     def __init__(self) -> None:
         self._graph = gtsam.NonlinearFactorGraph()
         self._values = gtsam.Values()
+        self._edges: list[Edge] = []
         self._ends: list[tuple[int, int]] = []
         self._costs: list[tuple[float, float, float]] = []  # variances of shift and turn, and the length, of each edge
         self.poses: list[Pose2] = []
@@ -44,9 +47,15 @@ class PoseGraph:
         if robust:
             model = gtsam.noiseModel.Robust.Create(gtsam.noiseModel.mEstimator.Cauchy.Create(_KERNEL), model)
         self._graph.add(gtsam.BetweenFactorPose2(before, after, gtsam.Pose2(*relative), model))
+        self._edges.append(Edge(before, after, relative, covariance, robust))
         self._ends.append((before, after))
         length = math.hypot(relative.x, relative.y)
         self._costs.append((float(covariance[0, 0] + covariance[1, 1]), float(covariance[2, 2]), length))
+
+    @property
+    def edges(self) -> Sequence[Edge]:
+        """All edges, in the order in which they were added."""
+        return self._edges
 
     def optimise(self) -> None:
         """Bring all poses to where they fit the edges best."""

@@ -9,6 +9,7 @@ import rospy
 from nav_msgs.msg import MapMetaData, OccupancyGrid
 from nav_msgs.srv import GetMap, GetMapRequest, GetMapResponse
 
+from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.rosio.grid_message import grid_message
 from ur_nodes.slam.gmapping_settings import GmappingSettings
@@ -30,8 +31,7 @@ class MapOutput:
         self._drawn = OccupancyMap(settings.delta, settings.occ_thresh, settings.max_usable or float("inf"))
         if settings.edges:
             self._drawn.include(settings.edges[:2], settings.edges[2:])
-        self._message: OccupancyGrid | None = None
-        self._lock = threading.Lock()  # guards _drawn and _message
+        self._lock = threading.Lock()  # guards _drawn
         self._map = rospy.Publisher("map", OccupancyGrid, queue_size=1, latch=True)
         self._metadata = rospy.Publisher("map_metadata", MapMetaData, queue_size=1, latch=True)
         rospy.Service("dynamic_map", GetMap, self._answer)
@@ -44,14 +44,18 @@ class MapOutput:
             self._map.publish(message)
             self._metadata.publish(message.info)
 
+    def draw(self, poses: Sequence[Pose2], scans: Sequence[Scan]) -> Grid:
+        """Return the map of keyframes, at least one."""
+        with self._lock:
+            self._drawn.update(poses, scans)
+            return self._drawn.grid()
+
     def _draw(self) -> OccupancyGrid | None:
         poses, scans = self._keyframes()
         if not poses:
             return None
         self._drawn.update(poses, scans)
-        grid, now = self._drawn.grid(), rospy.Time.now()
-        self._message = grid_message(grid, self._settings.map_frame, now)
-        return self._message
+        return grid_message(self._drawn.grid(), self._settings.map_frame, rospy.Time.now())
 
     def _answer(self, _request: GetMapRequest) -> GetMapResponse:
         with self._lock:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 from collections import deque
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from ur_nodes.geometry.pose import Pose2, wrap_angle
 from ur_nodes.slam.correlative import Pyramid, Window, search
+from ur_nodes.slam.edge import Edge
 from ur_nodes.slam.graph import PoseGraph
 from ur_nodes.slam.local_map import LocalMap
 from ur_nodes.slam.loops import Group, Link, agree, find_groups, turned, verify_group
@@ -80,6 +82,11 @@ class Mapper:
     def keyframes(self) -> list[Pose2]:
         """The poses of all keyframes; those of `scans`."""
         return self._graph.poses
+
+    @property
+    def edges(self) -> Sequence[Edge]:
+        """The edges of the pose graph."""
+        return self._graph.edges
 
     def path(self) -> list[Pose2]:
         """The pose at every scan so far, as is known now."""

@@ -15,6 +15,7 @@ from geometry_msgs.msg import TransformStamped
 from sensor_msgs.msg import LaserScan
 from std_msgs.msg import Float64
 
+from ur.source.diagnostic import UserError, error
 from ur_nodes.geometry.laser import Mount, directions_of_beams, mount_of_pose
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.rosio.frames import Frames
@@ -25,6 +26,7 @@ from ur_nodes.slam.gmapping_settings import read_settings
 from ur_nodes.slam.map_output_node import MapOutput
 from ur_nodes.slam.mapper import Estimate, Mapper
 from ur_nodes.slam.scan import Scan, make_scan
+from ur_nodes.slam.storage.map_storage_node import MapState, MapStorage, StorageSettings, read_storage_settings
 
 LONGEST_QUEUE = 30  # scans that wait for their transform
 SILENCE = 15.0  # s without an update before the log says so, and again after as long
@@ -34,7 +36,9 @@ class SlamGmappingNode:
     """Translates messages for a Mapper. A thread takes scans, another one draws the map; callbacks only hand over."""
 
     def __init__(self) -> None:
-        self._settings = settings = read_settings(Parameters())
+        parameters = Parameters()
+        self._settings = settings = read_settings(parameters)
+        storage = read_storage_settings(parameters)
         self._mapper = Mapper(settings.mapper)
         self._work = threading.Lock()  # guards the mapper and the correction
         self._correction: Pose2 | None = None  # of the odometry's frame in the map, or of the robot without odometry
@@ -48,6 +52,8 @@ class SlamGmappingNode:
         self._broadcaster = tf2_ros.TransformBroadcaster()
         self._entropy = rospy.Publisher("~entropy", Float64, queue_size=1, latch=True)
         self._output = MapOutput(settings, self._keyframes)
+        if storage:
+            self._store(storage)
         self._frames = Frames(self._wake, ignored=frozenset((self._child,)))
         rospy.Subscriber("scan", LaserScan, self._take_scan, queue_size=2, tcp_nodelay=True)
         for name, run in (("scans", self._run), ("map", self._draw), ("transform", self._broadcast)):
@@ -173,6 +179,18 @@ class SlamGmappingNode:
     def _keyframes(self) -> tuple[Sequence[Pose2], Sequence[Scan]]:
         with self._work:
             return list(self._mapper.keyframes), list(self._mapper.scans)
+
+    def _state(self) -> MapState:
+        with self._work:
+            return MapState(list(self._mapper.keyframes), list(self._mapper.edges), list(self._mapper.scans))
+
+    def _store(self, settings: StorageSettings) -> None:
+        storage = MapStorage(settings, self._state, self._output.draw)
+        if storage.continues:
+            message = f"map {storage.name!r} exists, expected a new name"
+            raise UserError(error(message, rule="map-exists", help="choose another one with map:=NAME"))
+        storage.start()
+        rospy.loginfo("saving the map as '%s', every %g s and at the end", storage.name, settings.every)
 
     def _draw(self) -> None:
         while _sleep(self._settings.map_update_interval):

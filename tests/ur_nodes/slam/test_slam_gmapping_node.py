@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import signal
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -8,7 +9,9 @@ import numpy as np
 import pytest
 from tests.ros_session import RosSession
 
+from ur.maps.store import own_store
 from ur_nodes.geometry.grid import load_map
+from ur_nodes.slam.storage.convert import load_poses
 
 PACKAGE = Path(__file__).parents[3] / "ubiquity_launches"
 SLAM = PACKAGE / "n_slam_gmapping" / "bin" / "slam_gmapping"
@@ -52,6 +55,27 @@ def test_map_is_made_without_odometry(tmp_path: Path) -> None:
         assert ros.ask("drive", linear=0.2, angular=0.3, seconds=3.0) < 0.03
     finally:
         ros.close()
+
+
+@pytest.mark.ros
+@pytest.mark.long
+def test_map_of_a_node_that_is_killed_is_whole(ros: RosSession, tmp_path: Path) -> None:
+    ros.env["XDG_DATA_HOME"] = str(tmp_path / "data")
+    store = own_store(ros.env)
+    arguments = ("_base_frame:=base_footprint", "_store:=true", "_map_name:=flat", "_save_every:=0.5", "_latest:=true")
+    slam = ros.start(str(SLAM), "__name:=slam_gmapping", *arguments)
+    ros.ask("drive", linear=0.2, angular=0.0, seconds=4.0)
+    slam.send_signal(signal.SIGKILL)
+    slam.wait(timeout=60)
+    assert store.latest() == "flat"
+    poses, edges, scans = load_poses(store.path("flat"), store.record("flat"))
+    assert len(poses) == len(scans) == len(edges) + 1
+    assert load_map(store.picture("flat")).width > 50
+    second = ros.start(str(SLAM), "__name:=second", "_store:=true", "_map_name:=flat")
+    with store.claim("flat"):
+        _, errors = second.communicate(timeout=60)
+    assert second.returncode == 2
+    assert "map 'flat' is in use" in errors
 
 
 @pytest.mark.ros

@@ -45,7 +45,7 @@ KNOWN_NODES: dict[str, Interface] = {
         "clear_map save_map",
     ),
     "gmapping": _node("map map_metadata ~entropy tf", "scan tf", "dynamic_map"),
-    "slam_gmapping": _node("map map_metadata ~entropy tf", "scan tf", "dynamic_map"),
+    "slam_gmapping": _node("map map_metadata ~entropy tf", "scan tf", "dynamic_map ~save"),
     "image_view": _node("", "image"),
     "joint_state_publisher": _node("joint_states"),
     "joy": _node("joy", "joy/set_feedback"),

@@ -1,0 +1,85 @@
+"""Writes a map while it is made: the picture, the pose graph and the scans, whole at every moment."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from ur.maps.edit import apply_edits
+from ur.maps.picture_file import write_picture
+from ur.maps.record import RECORD, MapRecord, render_record
+from ur.maps.scan_file import CHUNK, encode_graph, encode_scans
+from ur.source.replace import replace_file
+from ur_nodes.geometry.grid import Grid
+from ur_nodes.geometry.pose import Pose2
+from ur_nodes.slam.edge import Edge
+from ur_nodes.slam.scan import Scan
+from ur_nodes.slam.storage.convert import store_graph, store_scan
+
+_PICTURE = "map"
+
+
+class MapWriter:
+    """Writes one map again and again into its folder, and each time only what is new.
+
+    The record is replaced last: until then it names the files of the last time, none of which is touched. Full chunks
+    of scans never change; the last one and the graph get a new name each time.
+    """
+
+    def __init__(self, folder: Path, record: MapRecord) -> None:
+        self._folder = folder
+        self._record = record
+        names = (record.graph, *record.scans)
+        self._number = max((int(name.split("_")[1].split(".")[0]) for name in names if name), default=0)
+        self._full = list(record.scans[: record.keyframes // CHUNK])
+        for each in folder.glob("*.npz"):  # of a run that was killed
+            if each.name not in names:
+                each.unlink(missing_ok=True)
+
+    @property
+    def record(self) -> MapRecord:
+        """The record as it was written last."""
+        return self._record
+
+    def write(self, grid: Grid, poses: Sequence[Pose2], edges: Sequence[Edge], scans: Sequence[Scan]) -> None:
+        """Write the map as it is now.
+
+        Raises OSError; then the folder holds the map of the last time.
+        """
+        old = {self._record.graph, *self._record.scans}
+        names = list(self._full)
+        for first in range(len(names) * CHUNK, len(scans), CHUNK):
+            part = scans[first : first + CHUNK]
+            name = self._new_name("scans")
+            self._put(name, encode_scans([store_scan(each) for each in part]))
+            names.append(name)
+            if len(part) == CHUNK:
+                self._full.append(name)
+        graph = self._new_name("graph")
+        self._put(graph, encode_graph(store_graph(poses, edges)))
+        now = time.time()
+        record = replace(
+            self._record,
+            made=self._record.made or now,
+            changed=now,
+            keyframes=len(scans),
+            resolution=grid.resolution,
+            graph=graph,
+            scans=tuple(names),
+        )
+        origin = (grid.origin.x, grid.origin.y, grid.origin.yaw)
+        values = apply_edits(grid.values, grid.resolution, origin, record.edits)
+        write_picture(self._folder / _PICTURE, values, grid.resolution, origin)
+        replace_file(self._folder / RECORD, render_record(record))
+        self._record = record
+        for name in old - {graph, *names} - {""}:
+            (self._folder / name).unlink(missing_ok=True)
+
+    def _new_name(self, kind: str) -> str:
+        self._number += 1
+        return f"{kind}_{self._number}.npz"
+
+    def _put(self, name: str, content: bytes) -> None:
+        replace_file(self._folder / name, content, parents=True)

@@ -1,0 +1,105 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from tests.ur_nodes.slam.rooms import ROOM, scan_at
+
+from ur.maps import picture_file
+from ur.maps.record import Edit, MapRecord, read_record
+from ur.maps.scan_file import CHUNK
+from ur.source.diagnostic import UserError
+from ur.source.replace import replace_file
+from ur.worlds.map_file import read_map
+from ur_nodes.geometry.grid import Grid
+from ur_nodes.geometry.pose import Pose2
+from ur_nodes.slam.edge import Edge
+from ur_nodes.slam.scan import Scan
+from ur_nodes.slam.storage import writer as module
+from ur_nodes.slam.storage.convert import load_poses
+from ur_nodes.slam.storage.writer import MapWriter
+
+GRID = Grid(np.zeros((4, 4), np.int8), 0.05, Pose2(-1.0, 0.0, 0.0))
+
+
+def keyframes(count: int) -> tuple[list[Pose2], list[Edge], list[Scan]]:
+    poses = [Pose2(0.01 * n, 0.0, 0.1) for n in range(count)]
+    edges = [Edge(n, n + 1, Pose2(0.01, 0.0, 0.0), np.eye(3) * 0.01, robust=n % 2 == 0) for n in range(count - 1)]
+    return poses, edges, [scan_at(ROOM, Pose2(0.0, 0.0, 0.0))] * count
+
+
+def test_written_map_is_read_back(tmp_path: Path) -> None:
+    poses, edges, scans = keyframes(3)
+    MapWriter(tmp_path, MapRecord(robot="stage")).write(GRID, poses, edges, scans)
+    record = read_record(tmp_path)
+    assert (record.robot, record.keyframes) == ("stage", 3)
+    found_poses, found_edges, found_scans = load_poses(tmp_path, record)
+    assert found_poses == poses
+    assert [edge[:2] for edge in found_edges] == [(0, 1), (1, 2)]
+    assert found_scans[1].hits == pytest.approx(scans[1].hits, abs=0.0011)
+    assert len(found_scans[1].surface) == len(scans[1].surface)
+
+
+def test_full_files_of_scans_are_written_once(tmp_path: Path) -> None:
+    poses, edges, scans = keyframes(CHUNK + 2)
+    first = MapWriter(tmp_path, MapRecord())
+    first.write(GRID, poses[: CHUNK + 1], edges[:CHUNK], scans[: CHUNK + 1])
+    full = first.record.scans[0]
+    written = (tmp_path / full).stat().st_mtime_ns
+    second = MapWriter(tmp_path, read_record(tmp_path))
+    second.write(GRID, poses, edges, scans)
+    assert second.record.scans[0] == full
+    assert (tmp_path / full).stat().st_mtime_ns == written
+    assert len(load_poses(tmp_path, read_record(tmp_path))[2]) == CHUNK + 2
+    assert len(list(tmp_path.glob("*.npz"))) == 3
+
+
+def test_power_that_fails_at_any_point_leaves_a_whole_map(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    poses, edges, scans = keyframes(4)
+    MapWriter(tmp_path, MapRecord()).write(GRID, poses[:2], edges[:1], scans[:2])
+    points = 0
+
+    def fail_at(last: int) -> None:
+        calls = 0
+
+        def replace_or_fail(path: Path, content: str | bytes, **options: bool) -> None:
+            nonlocal calls
+            calls += 1
+            if calls > last:
+                raise OSError("the power failed")
+            replace_file(path, content, **options)
+
+        for each in (module, picture_file):
+            monkeypatch.setattr(each, "replace_file", replace_or_fail)
+
+    while True:
+        fail_at(points)
+        try:
+            MapWriter(tmp_path, read_record(tmp_path)).write(GRID, poses, edges, scans)
+        except OSError:
+            points += 1
+            assert len(load_poses(tmp_path, read_record(tmp_path))[0]) == 2
+            assert read_map(tmp_path / "map.yaml").width == 4
+        else:
+            break
+    assert points == 5
+    assert len(load_poses(tmp_path, read_record(tmp_path))[0]) == 4
+    assert len(list(tmp_path.iterdir())) == 5
+
+
+def test_edits_are_drawn_into_each_picture(tmp_path: Path) -> None:
+    poses, edges, scans = keyframes(2)
+    record = MapRecord(edits=(Edit("wall", ((-1.0, 0.025), (1.0, 0.025))),))
+    MapWriter(tmp_path, record).write(GRID, poses, edges, scans)
+    assert read_map(tmp_path / "map.yaml").values[0].tolist() == [100] * 4
+
+
+def test_map_without_scans_cannot_be_continued(tmp_path: Path) -> None:
+    with pytest.raises(UserError, match="has a picture only"):
+        load_poses(tmp_path, MapRecord())
+    MapWriter(tmp_path, MapRecord()).write(GRID, *keyframes(2))
+    record = read_record(tmp_path)
+    (tmp_path / record.scans[0]).unlink()
+    with pytest.raises(UserError, match=r"scans_1\.npz' cannot be read: no such file"):
+        load_poses(tmp_path, record)
