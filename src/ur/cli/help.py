@@ -22,7 +22,7 @@ from ur.source.suggest import did_you_mean
 
 # Tasks, the most frequent first. Each verb is in one of them; a test checks that.
 SECTIONS = {
-    "Drive": ("run", "list", "use"),
+    "Drive": ("run", "list", "maps", "use"),
     "Launch": ("launch", "ps", "attach", "logs", "restart", "wait", "stop"),
     "Write": ("check", "new", "package", "format", "find", "docs", "graph", "explain"),
     "This computer": ("setup", "completion", "env", "debian"),

@@ -10,6 +10,7 @@ from ur.cli.verbs import HelpPage
 _RUN = "A run, as 'ur ps' lists it, or the beginning of its name; optional where there is only one."
 _FILE = "A launch file: its path, or a package and the name of a file in it; then its arguments NAME:=VALUE."
 _PATHS = "Files, folders or packages; the current folder unless given."
+_MAP = "The name of a map, as 'ur maps' lists it."
 _NEW = "The name, in lower-case letters, digits and _; asked for unless given."
 
 PAGES: Mapping[str, HelpPage] = {
@@ -29,6 +30,56 @@ PAGES: Mapping[str, HelpPage] = {
         (
             ("ur list", "List the programs of every package."),
             ("ur help keyboard_drive", "Describe one of them."),
+        ),
+    ),
+    "maps": HelpPage(
+        (),
+        (
+            ("ur maps", "List the maps of this computer, with pictures."),
+            ("ur maps show flat", "Draw one of them."),
+            ("ur run keyboard_navigate map:=flat", "Navigate on it."),
+        ),
+    ),
+    "maps show": HelpPage(
+        (_MAP,),
+        (
+            ("ur maps show flat", "Draw a map."),
+            ("ur maps show latest", "Draw the last map that the robot of this computer has made."),
+        ),
+    ),
+    "maps rename": HelpPage(
+        (_MAP, "A name that no map has."),
+        (
+            ("ur maps rename map-2026-05-01 flat", "Name a map."),
+            ("ur maps rename flat old-flat", "Make room for another one."),
+        ),
+    ),
+    "maps delete": HelpPage(
+        (_MAP,),
+        (
+            ("ur maps delete flat", "Delete a map after a question."),
+            ("ur maps delete flat attic --yes", "Delete two without one."),
+        ),
+    ),
+    "maps export": HelpPage(
+        (_MAP, "The path of the files; their ending is .yaml, .png or .pgm, or left out."),
+        (
+            ("ur maps export flat ~/flat.yaml", "Write flat.yaml and flat.png."),
+            ("ur maps export flat ~/flat.pgm", "Write flat.yaml and flat.pgm."),
+        ),
+    ),
+    "maps import": HelpPage(
+        ("A YAML file of map_server, or the folder of a map.", "Its name here; that of the file unless given."),
+        (
+            ("ur maps import ~/catkin_ws/src/maps/office.yaml", "Take in a map under the name office."),
+            ("ur maps import map.yaml flat", "Choose its name."),
+        ),
+    ),
+    "maps copy": HelpPage(
+        (_MAP,),
+        (
+            ("ur maps copy flat --from bob", "Copy a map that bob has made to this computer."),
+            ("ur maps copy flat --to alice", "Let another robot navigate on it."),
         ),
     ),
     "launch": HelpPage(

@@ -26,6 +26,7 @@ VERBS = {
     "docs": ("ur.cli.files.docs", "Write documents of launch files: one page, or a web site."),
     "graph": ("ur.cli.files.graph", "Draw what a launch file includes and starts, or what runs."),
     "explain": ("ur.cli.files.explain", "Explain where a name in a launch file got its value."),
+    "maps": ("ur.cli.maps.maps", "List, show, edit and exchange the maps that robots have made."),
     "use": ("ur.cli.robots.use", "Select a robot, or show which one is selected."),
     "setup": ("ur.cli.computer.setup", "Set this computer up: shells, keys, workspace, names."),
     "robots": ("ur.cli.robots.robots", "List the robots on the network, and those known but away."),

@@ -35,6 +35,7 @@ KINDS: dict[str, tuple[str, ...]] = {
     "image": ("image command", "files"),
     "launch": ("launch",),
     "logs": ("node",),
+    "maps": ("maps command", "map", "..."),
     "mount": ("robot",),
     "new": ("new command",),
     "package": ("files",),
@@ -57,6 +58,8 @@ KINDS: dict[str, tuple[str, ...]] = {
 # The kind of an option's value; without a verb: of every verb.
 _OPTIONS = {
     ("", "--robot"): "robot",
+    ("maps", "--to"): "robot",
+    ("maps", "--from"): "robot",
     ("check", "--select"): "rule",
     ("check", "--ignore"): "rule",
     ("check", "--explain"): "rule",

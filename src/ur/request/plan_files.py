@@ -16,6 +16,7 @@ from ur.launchfile.world.system import SystemWorld
 from ur.request.arguments import Argument, values_of
 from ur.request.environment import apply_selection, current_selection
 from ur.request.launch_request import LaunchRequest, make_request
+from ur.request.maps import resolve_map
 from ur.request.worlds import check_worlds, resolve_worlds
 from ur.robot.selection import Selection
 from ur.source.diagnostic import Diagnostic, Severity
@@ -55,7 +56,8 @@ def complete_arguments(request: LaunchRequest, *, local: bool) -> tuple[Argument
     if selection is None:
         return request.arguments
     remote = not local and "robot_machine" in declared and "robot_machine" not in request.values
-    given = resolve_worlds(request.arguments, request.files.paths, declared, selection.robot if remote else "")
+    named = resolve_map(request.arguments, declared, real=not selection.simulated, remote=remote)
+    given = resolve_worlds(named, request.files.paths, declared, selection.robot if remote else "")
     return (*given, *selected_arguments(selection, declared, values_of(given), local=local))
 
 

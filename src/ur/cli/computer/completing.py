@@ -23,6 +23,7 @@ _RUN_COMMANDS = {
     "boot command": "ur.cli.robots.boot",
     "debian command": "ur.cli.computer.debian",
     "new command": "ur.cli.files.new",
+    "maps command": "ur.cli.maps.maps",
     "image command": "ur.cli.robot_setup.image",
 }
 
@@ -79,6 +80,7 @@ def make_known(environment: Mapping[str, str]) -> Known:
             "run": lambda: _runs(environment),
             "node": lambda: _nodes(environment),
             "rule": _rules,
+            "map": lambda: _maps(environment),
             "shell": lambda: [Candidate(each) for each in ("bash", "zsh", "fish")],
             **{kind: _commands(module) for kind, module in _RUN_COMMANDS.items()},
         },
@@ -170,6 +172,8 @@ def list_values(name: str, given: Mapping[str, str], environment: Mapping[str, s
             return _variants(given.get("robot_base") or current_selection(environment).base)
     if name == "world":
         return [Candidate(path.stem) for path in sorted((PACKAGE / "n_simulator" / "worlds").glob("*.yaml"))]
+    if name == "map":
+        return [*_maps(environment), Candidate("latest", "the last one of this robot")]
     if name == "localisation":
         from ur.request.bases.localisation import METHODS
 
@@ -177,6 +181,12 @@ def list_values(name: str, given: Mapping[str, str], environment: Mapping[str, s
     if name == "machine" or name.endswith("_machine"):
         return [Candidate("localhost", "this computer"), *_robots(environment)]
     return ()
+
+
+def _maps(environment: Mapping[str, str]) -> Iterator[Candidate]:
+    from ur.maps.store import own_store
+
+    yield from (Candidate(name, "a stored map") for name in own_store(environment).names())
 
 
 def _rules() -> Iterator[Candidate]:

@@ -1,0 +1,191 @@
+"""`ur maps`: the maps that robots have made, listed, shown, renamed, deleted and exchanged."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import TypeVar
+
+import click
+
+from ur.cli.maps.copying import fetch_map, list_remote, send_map
+from ur.cli.maps.describing import describe_map, list_maps
+from ur.maps.store import MapStore, own_store
+from ur.source.diagnostic import UserError, error
+from ur.source.render import shows_colour
+
+Result = TypeVar("Result")
+_NAME = click.argument("name")
+
+
+@click.group("maps", invoke_without_command=True)
+@click.option("--json", "as_json", is_flag=True, help="As JSON, for a script.")
+@click.option("--robot", help="The maps on a robot, by name only.")
+@click.pass_context
+def command(context: click.Context, as_json: bool, robot: str | None) -> None:
+    """List, show, edit and exchange the maps that robots have made.
+
+    They are in ~/.local/share/ubiquity_launches/maps of the computer where the mapping ran.
+    """
+    if context.invoked_subcommand is not None:
+        return
+    if robot:
+        click.echo("".join(f"{name}\n" for name in list_remote(robot)), nl=False)
+        return
+    store = _store()
+    if as_json:
+        rows = [{"name": name, **_facts(store, name)} for name in store.names()]
+        click.echo(json.dumps(rows, indent=1))
+        return
+    names = store.names()
+    if not names:
+        click.echo("no maps yet; make one: ur run make_map")
+    elif sys.stdout.isatty():
+        click.echo("\n".join(list_maps(store, shutil.get_terminal_size().columns, colour=shows_colour(sys.stdout))))
+    else:
+        click.echo("\n".join(f"{name}: {describe_map(store, name)}" for name in names))
+
+
+@command.command("show")
+@_NAME
+def show(name: str) -> int:
+    """Draw a map in the terminal, with its facts."""
+    from ur.maps.drawing import draw_lines
+    from ur.worlds.map_file import read_map
+
+    store = _store()
+    name = store.resolve(name)
+    size = shutil.get_terminal_size()
+    image = read_map(store.picture(name))
+    lines = draw_lines(image.values, size.columns - 1, max(size.lines - 4, 10), colour=shows_colour(sys.stdout))
+    left, bottom, right, top = image.bounds
+    extent = f"x from {left:.1f} to {right:.1f} m, y from {bottom:.1f} to {top:.1f} m"
+    click.echo("\n".join([*lines, f"{name}: {describe_map(store, name)}", extent]))
+    return 0
+
+
+@command.command("rename")
+@_NAME
+@click.argument("new_name")
+def rename(name: str, new_name: str) -> int:
+    """Give a map another name; its waypoints keep it company."""
+    store = _store()
+    _guard(lambda: store.rename(name, new_name))
+    before, after = (_waypoints(each) for each in (name, new_name))
+    if before.is_file() and not after.exists():
+        before.rename(after)
+    click.echo(f"{name} is now {new_name}")
+    return 0
+
+
+@command.command("delete")
+@click.argument("names", nargs=-1, required=True, metavar="NAME ...")
+@click.option("--yes", is_flag=True, help="Do not ask.")
+def delete(names: tuple[str, ...], yes: bool) -> int:
+    """Delete maps for good, with their scans; asks before."""
+    store = _store()
+    for name in names:
+        store.resolve(name)
+        store.path(name)
+    if not yes:
+        if not sys.stdin.isatty():
+            message = "there is no terminal to ask on, so nothing was deleted"
+            raise UserError(error(message, rule="not-confirmed", help="--yes deletes without asking"))
+        for name in names:
+            click.echo(f"{name}: {describe_map(store, name)}")
+        if not click.confirm(f"delete {' and '.join(names)}?", default=False):
+            click.echo("nothing was deleted")
+            return 1
+    for name in names:
+        _guard(lambda name=name: store.delete(name))  # type: ignore[misc]
+        click.echo(f"{name}: deleted")
+    return 0
+
+
+@command.command("export")
+@_NAME
+@click.argument("file", type=click.Path(path_type=Path))
+def export(name: str, file: Path) -> int:
+    """Write the picture of a map for other programs, as map_server reads it: FILE.yaml and FILE.png, or FILE.pgm.
+
+    Files of these names are replaced.
+    """
+    from ur.maps.exchange import export_picture
+
+    written = _guard(lambda: export_picture(_store(), name, file))
+    click.echo("\n".join(f"wrote {path}" for path in written))
+    return 0
+
+
+@command.command("import")
+@click.argument("file", type=click.Path(path_type=Path))
+@click.argument("name", required=False)
+def import_(file: Path, name: str | None) -> int:
+    """Take in a map: a YAML file of map_server, or the folder of a map of another user.
+
+    A map without scans can be navigated on and edited, but not continued.
+    """
+    from ur.maps.exchange import import_picture
+    from ur.maps.names import check_map_name
+
+    store = _store()
+    name = check_map_name(name or (file.name if file.is_dir() else file.stem))
+    _guard(lambda: import_picture(store, file.expanduser(), name))
+    click.echo(f"{name}: {describe_map(store, name)}")
+    return 0
+
+
+@command.command("copy")
+@_NAME
+@click.option("--to", "target", metavar="ROBOT", help="Copy the map from here to this robot.")
+@click.option("--from", "source", metavar="ROBOT", help="Copy the map from this robot to here.")
+@click.option("--as", "new_name", metavar="NAME", help="Its name there. [default: the same]")
+def copy(name: str, target: str | None, source: str | None, new_name: str | None) -> int:
+    """Copy a map to or from a robot; a map that is there is not replaced."""
+    if (target is None) == (source is None):
+        raise click.UsageError("expected one of --to ROBOT and --from ROBOT")
+    if target is not None:
+        place = send_map(_store(), name, target, new_name or name)
+    else:
+        assert source is not None
+        place = fetch_map(_store(), name, source, new_name or name)
+    click.echo(f"{new_name or name}: copied {'to' if target else 'from'} {place}")
+    return 0
+
+
+def _store() -> MapStore:
+    return own_store(os.environ)
+
+
+def _facts(store: MapStore, name: str) -> dict[str, object]:
+    record = store.record(name)
+    return {
+        "robot": record.robot,
+        "made": record.made,
+        "changed": record.changed,
+        "keyframes": record.keyframes,
+        "file": str(store.picture(name)),
+        "latest": store.latest() == name,
+    }
+
+
+def _waypoints(name: str) -> Path:
+    from ur.source.user_folders import user_folder
+
+    return Path(user_folder("XDG_DATA_HOME", os.environ), "ubiquity_launches", "waypoints", f"{name}.yaml")
+
+
+def _guard(action: Callable[[], Result]) -> Result:
+    """Run an action on files. Raises UserError where they cannot be used."""
+    try:
+        return action()
+    except OSError as problem:
+        reason = (problem.strerror or str(problem)).lower()
+        message = f"'{problem.filename or _store().folder}' cannot be used: {reason}"
+        raise UserError(
+            error(message, rule="unusable-file", help="is the disk full, or the folder read-only?")
+        ) from None

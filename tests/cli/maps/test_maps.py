@@ -1,0 +1,61 @@
+from __future__ import annotations
+
+import io
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ur.cli.main import main
+from ur.maps.picture_file import write_picture
+
+VALUES = np.zeros((20, 40), np.int8)
+VALUES[0] = 100
+
+
+@pytest.fixture(autouse=True)
+def plan(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
+    return write_picture(tmp_path / "plan", VALUES, 0.1, (0.0, 0.0, 0.0))
+
+
+def test_map_is_imported_listed_renamed_exported_and_deleted(
+    plan: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["maps", "import", str(plan), "flat"]) == 0
+    waypoints = tmp_path / "data/ubiquity_launches/waypoints"
+    waypoints.mkdir(parents=True)
+    (waypoints / "flat.yaml").write_text("door: [1, 2, 90]\n", encoding="utf-8")
+    assert main(["maps", "rename", "flat", "home"]) == 0
+    assert (waypoints / "home.yaml").exists()
+    assert main(["maps", "export", "home", str(tmp_path / "out")]) == 0
+    assert (tmp_path / "out.png").is_file()
+    capsys.readouterr()
+    assert main(["maps"]) == 0
+    assert capsys.readouterr().out == "home: 4.0 x 2.0 m, picture only\n"
+    assert main(["maps", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)[0]["name"] == "home"
+    assert main(["maps", "show", "home"]) == 0
+    assert "###" in capsys.readouterr().out
+    assert main(["maps", "delete", "home", "--yes"]) == 0
+    assert main(["maps"]) == 0
+    assert capsys.readouterr().out == "home: deleted\nno maps yet; make one: ur run make_map\n"
+
+
+def test_nothing_is_deleted_without_an_answer(
+    plan: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sys, "stdin", io.StringIO("y\n"))
+    assert main(["maps", "import", str(plan), "flat"]) == 0
+    assert main(["maps", "delete", "flat"]) == 2
+    assert "--yes deletes without asking" in capsys.readouterr().err
+    assert main(["maps", "show", "flat"]) == 0
+
+
+def test_damaged_map_is_listed_as_such(plan: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["maps", "import", str(plan), "flat"]) == 0
+    next(plan.parent.glob("data/ubiquity_launches/maps/flat/*.pgm")).write_bytes(b"")
+    assert main(["maps"]) == 0
+    assert "flat: damaged: " in capsys.readouterr().out
