@@ -58,6 +58,15 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "ur_nodes.mapping": ("ur.source", "ur.maps", "ur_nodes.geometry", "ur_nodes.rosio"),
     "ur_nodes.localisation": ("ur.source", "ur_nodes.geometry", "ur_nodes.rosio"),
     "ur_nodes.slam": ("ur.source", "ur.maps", "ur_nodes.geometry", "ur_nodes.rosio"),
+    "ur_nodes.exploration": (
+        "ur.source",
+        "ur.worlds",
+        "ur_nodes.costmap",
+        "ur_nodes.geometry",
+        "ur_nodes.motion.lease",
+        "ur_nodes.rosio",
+        "ur_nodes.teleop.terminal",
+    ),
     "ur_nodes.costmap": ("ur.source", "ur.robot.base", "ur.worlds", "ur_nodes.geometry", "ur_nodes.rosio"),
     "ur_nodes.navigation": (
         "ur.source",

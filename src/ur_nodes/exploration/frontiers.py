@@ -1,0 +1,89 @@
+"""Frontiers: the edges between known free floor and unknown space, joined to groups, each with what may lie behind."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import binary_dilation, binary_opening, distance_transform_edt, find_objects, label
+
+from ur_nodes.exploration.floor import Floor
+
+_SPECKLE = 3  # cells: unknown places narrower than this are gaps between two beams, not rooms
+_DEPTH = 2.0  # m: unknown space so far behind a frontier is its gain
+_LONGEST = 3.0  # m: longer frontiers are cut into pieces
+_CROSS = np.array([[0, 1, 0], [1, 1, 1], [0, 1, 0]], bool)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Frontier:
+    """Cells (n, 2) of free floor beside unknown space, as rows and columns. `size` in m, `gain` in m2.
+
+    `place` is the cell's centre that is nearest to the middle, m.
+    """
+
+    cells: NDArray[np.intp]
+    place: tuple[float, float]
+    size: float
+    gain: float
+
+
+def frontier_cells(floor: Floor) -> NDArray[np.bool_]:
+    """Free cells that touch unknown space wider than a gap between beams."""
+    wide = binary_opening(floor.unknown, np.ones((_SPECKLE, _SPECKLE), bool))
+    # Beyond the edge of the grid nothing is known either, but a mapper grows its grid before it marks cells there.
+    edge: NDArray[np.bool_] = floor.free & binary_dilation(wide, _CROSS)
+    return edge
+
+
+def find_frontiers(floor: Floor, smallest: float) -> tuple[Frontier, ...]:
+    """The frontiers of at least `smallest` m, the longest first."""
+    edge = frontier_cells(floor)
+    groups, _ = label(edge, np.ones((3, 3), bool))
+    found: list[Frontier] = []
+    for number, box in enumerate(find_objects(groups), start=1):
+        cells = np.argwhere(groups[box] == number) + np.array([part.start for part in box])
+        if len(cells) * floor.resolution < smallest:
+            continue
+        found.extend(_frontier(floor, piece) for piece in _cut(cells, floor.resolution))
+    return tuple(sorted(found, key=lambda each: (-each.size, each.place)))
+
+
+def unknown_behind(floor: Floor, frontiers: tuple[Frontier, ...]) -> float:
+    """The unknown space near the frontiers, m2, each cell once: an estimate of the floor that is left."""
+    if not frontiers:
+        return 0.0
+    near = np.ones(floor.shape, bool)
+    for each in frontiers:
+        near[each.cells[:, 0], each.cells[:, 1]] = False
+    close = distance_transform_edt(near) * floor.resolution <= _DEPTH
+    return float((close & floor.unknown).sum()) * floor.resolution**2
+
+
+def _cut(cells: NDArray[np.intp], resolution: float) -> list[NDArray[np.intp]]:
+    """Pieces of a long frontier, by halves across its longer side."""
+    spans = np.ptp(cells, axis=0)
+    axis = int(np.argmax(spans))
+    if (spans[axis] + 1) * resolution <= _LONGEST:
+        return [cells]
+    half = cells[:, axis] <= (cells[:, axis].min() + cells[:, axis].max()) // 2
+    return [*_cut(cells[half], resolution), *_cut(cells[~half], resolution)]
+
+
+def _frontier(floor: Floor, cells: NDArray[np.intp]) -> Frontier:
+    middle = cells[int(np.argmin(np.hypot(*(cells - cells.mean(axis=0)).T)))]
+    reach = math.ceil(_DEPTH / floor.resolution)
+    low = np.maximum(cells.min(axis=0) - reach, 0)
+    high = np.minimum(cells.max(axis=0) + reach + 1, floor.shape)
+    box = (slice(low[0], high[0]), slice(low[1], high[1]))
+    seeds = np.ones((high - low).tolist(), bool)
+    seeds[tuple((cells - low).T)] = False
+    close = distance_transform_edt(seeds) * floor.resolution <= _DEPTH
+    # Connected through unknown space: what lies behind a wall is no gain.
+    groups, _ = label((floor.unknown[box] & close) | ~seeds)
+    mine = np.unique(groups[tuple((cells - low).T)])
+    gain = float((np.isin(groups, mine) & floor.unknown[box]).sum()) * floor.resolution**2
+    x, y = floor.points_of_cells(middle)
+    return Frontier(cells, (float(x), float(y)), len(cells) * floor.resolution, gain)

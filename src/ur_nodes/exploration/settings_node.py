@@ -1,0 +1,59 @@
+"""The parameters of `explore`, under upstream's names where there is one, read once and checked."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from ur_nodes.costmap.footprint_parameters_node import read_footprint
+from ur_nodes.exploration.choice import Weights
+from ur_nodes.exploration.explorer import ExplorerSettings
+from ur_nodes.rosio.parameters import Parameters
+
+
+@dataclass(frozen=True, slots=True)
+class ExploreSettings:
+    """`period`: s between two decisions. `quiet`: s without another driver before it goes on.
+
+    `map_name` is that of `map_saver`, None where nobody saves the map. `navigation` is the node with the action, and
+    `costmap` the topic of its global costmap.
+    """
+
+    explorer: ExplorerSettings
+    period: float
+    quiet: float
+    base_frame: str
+    map_frame: str
+    navigation: str
+    costmap: str
+    mux: str
+    map_name: Path | None
+
+
+def read_settings() -> ExploreSettings:
+    """Read them all. Raises UserError, which names the parameter."""
+    own = Parameters()
+    navigation = own.text("navigation", "move_base")
+    footprint = read_footprint(Parameters(f"{navigation}/").below("global_costmap"), 0.05)
+    name = own.text("map_name", "")
+    return ExploreSettings(
+        explorer=ExplorerSettings(
+            radius=footprint.inscribed,
+            room=footprint.circumscribed,
+            smallest_frontier=own.number("min_frontier_size", 0.3, minimum=0.05, maximum=10.0),
+            progress_timeout=own.number("progress_timeout", 30.0, minimum=1.0, maximum=3600.0),
+            patience=own.number("patience", 15.0, minimum=0.0, maximum=3600.0),
+            weights=Weights(
+                distance=own.number("potential_scale", 1.0, minimum=0.0, maximum=1e3),
+                gain=own.number("gain_scale", 0.1, minimum=0.0, maximum=1e3),
+            ),
+        ),
+        period=1.0 / own.number("planner_frequency", 1.0, minimum=0.05, maximum=10.0),
+        quiet=own.number("resume_after", 5.0, minimum=0.0, maximum=3600.0),
+        base_frame=own.text("robot_base_frame", "base_footprint"),
+        map_frame=own.text("global_frame", "map"),
+        navigation=navigation,
+        costmap=own.text("costmap_topic", f"{navigation}/global_costmap/costmap"),
+        mux=own.text("mux", "cmd_vel_mux"),
+        map_name=Path(name).expanduser() if name else None,
+    )

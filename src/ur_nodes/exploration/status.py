@@ -1,0 +1,99 @@
+"""The state of an exploration as a value, as JSON for the topic, and as sentences for people."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Literal
+
+State = Literal["starting", "exploring", "paused", "complete", "incomplete", "stopped"]
+
+ENDED: tuple[State, ...] = ("complete", "incomplete", "stopped")
+_LONGEST = 65536  # characters of a status; what comes from a network is checked
+_SHOWN = 4  # unreachable frontiers in a line
+
+
+@dataclass(frozen=True, slots=True)
+class Status:
+    """The state of an exploration. Areas in m2, `way` in m, `seconds` since the begin.
+
+    `reachable` frontiers are left, and about `unknown` of floor; each of `unreachable` is a clause that says why.
+    `reason` says why it is paused or has ended; `saved` is the map's file once it is saved.
+    """
+
+    state: State = "starting"
+    reachable: int = 0
+    unknown: float = 0.0
+    known: float = 0.0
+    way: float = 0.0
+    seconds: float = 0.0
+    unreachable: tuple[str, ...] = ()
+    reason: str = ""
+    saved: str = ""
+
+    @property
+    def ended(self) -> bool:
+        """Return whether the exploration is over."""
+        return self.state in ENDED
+
+    def with_file(self, file: Path | None) -> Status:
+        """The same with the file of the map."""
+        return replace(self, saved=str(file) if file else "")
+
+
+def write_status(status: Status) -> str:
+    """The status as JSON, one object."""
+    return json.dumps(asdict(status))
+
+
+def read_status(text: str) -> Status | None:
+    """The status in a message; None when it is not one."""
+    try:
+        fields = json.loads(text[:_LONGEST])
+        status = Status(**{**fields, "unreachable": tuple(fields["unreachable"])})
+    except (ValueError, TypeError, KeyError, RecursionError):
+        return None
+    texts = (status.state, status.reason, status.saved, *status.unreachable)
+    numbers = (status.reachable, status.unknown, status.known, status.way, status.seconds)
+    good = all(isinstance(each, str) for each in texts) and all(isinstance(each, (int, float)) for each in numbers)
+    return status if good and status.state in (*ENDED, "starting", "exploring", "paused") else None
+
+
+def describe_status(status: Status) -> str:
+    """One line about a status."""
+    if status.state == "starting":
+        return f"waiting: {status.reason}" if status.reason else "waiting for the map"
+    done = f"{status.known:.0f} m2 known, {status.way:.0f} m driven in {_clock(status.seconds)}"
+    if status.state == "paused":
+        return f"paused: {status.reason}; {done}"
+    if status.state == "exploring":
+        left = f"{_count(status.reachable, 'frontier')} left, about {status.unknown:.0f} m2 unknown"
+        return f"{done}; {left}{_blocked(status)}"
+    return f"{describe_end(status)}; {done}"
+
+
+def describe_end(status: Status) -> str:
+    """The clause about why an exploration has ended."""
+    if status.state == "complete":
+        return f"the map is complete: 0 frontiers reachable{_blocked(status)}"
+    head = "stopped" if status.state == "stopped" else "the map is not complete"
+    left = f"; {_count(status.reachable, 'frontier')} left, about {status.unknown:.0f} m2 unknown"
+    return f"{head}: {status.reason}{left}{_blocked(status)}"
+
+
+def _blocked(status: Status) -> str:
+    if not status.unreachable:
+        return ""
+    more = len(status.unreachable) - _SHOWN
+    shown = ", ".join(status.unreachable[:_SHOWN]) + (f", and {more} more" if more > 0 else "")
+    return f"; {len(status.unreachable)} unreachable: {shown}"
+
+
+def _count(number: int, noun: str) -> str:
+    return f"{number} {noun}{'' if number == 1 else 's'}"
+
+
+def _clock(seconds: float) -> str:
+    minutes, rest = divmod(round(seconds), 60)
+    return f"{minutes}:{rest:02} min"

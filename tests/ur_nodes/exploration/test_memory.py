@@ -1,0 +1,41 @@
+from __future__ import annotations
+
+from dataclasses import replace
+
+from tests.ur_nodes.exploration.drawn import ROOM, draw, place
+
+from ur_nodes.exploration.floor import read_floor
+from ur_nodes.exploration.frontiers import find_frontiers
+from ur_nodes.exploration.memory import Memory
+from ur_nodes.exploration.reasons import Reason
+
+FAILED = Reason("failed", (4.9, 2.0), "at (4.90, 2.00): no path")
+
+
+def test_frontier_that_failed_is_given_up_until_the_map_changes_there() -> None:
+    grid = draw(ROOM)
+    floor = read_floor(grid, place(3, 4), 0.2)
+    (frontier,) = find_frontiers(floor, 0.3)
+    memory = Memory().fail(frontier.place, FAILED, floor)
+    assert memory.refresh(floor).refused(frontier) == FAILED
+    values = grid.values.copy()
+    values[:, :24] = 0  # elsewhere
+    assert memory.refresh(read_floor(replace(grid, values=values), place(3, 4), 0.2)).refused(frontier) == FAILED
+    row, column = floor.cell(*frontier.place)
+    values[row : row + 20, column : column + 20] = 0
+    assert memory.refresh(read_floor(replace(grid, values=values), place(3, 4), 0.2)).refused(frontier) is None
+
+
+def test_retry_allows_so_many_failures() -> None:
+    memory = Memory().fail((4.9, 2.0), FAILED, None)
+    again = memory.retry(2)
+    assert again.find((4.9, 2.0)).reason is None
+    twice = again.fail((4.9, 2.1), FAILED, None)
+    assert twice.find((4.9, 2.0)).failures == 2
+    assert twice.retry(2) == twice
+
+
+def test_looks_are_counted_for_a_frontier_and_not_for_its_neighbours() -> None:
+    memory = Memory().look((1.0, 1.0)).look((1.1, 1.0))
+    assert memory.find((1.0, 1.1)).looks == 2
+    assert memory.find((3.0, 1.0)).looks == 0
