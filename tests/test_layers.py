@@ -60,6 +60,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "ur_nodes.slam": ("ur.source", "ur.maps", "ur_nodes.geometry", "ur_nodes.rosio"),
     "ur_nodes.exploration": (
         "ur.source",
+        "ur.maps",
         "ur.worlds",
         "ur_nodes.costmap",
         "ur_nodes.geometry",

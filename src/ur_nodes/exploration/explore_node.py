@@ -12,13 +12,14 @@ from nav_msgs.msg import OccupancyGrid
 from numpy.typing import NDArray
 from rospy.numpy_msg import numpy_msg
 from std_msgs.msg import String
+from std_srvs.srv import Trigger
 from visualization_msgs.msg import MarkerArray
 
+from ur.maps.names import is_map_name
 from ur.source.diagnostic import UserError
 from ur_nodes.exploration.explorer import Explorer, Inputs, Outputs
 from ur_nodes.exploration.markers_node import marker_array
 from ur_nodes.exploration.navigation_node import Navigation
-from ur_nodes.exploration.saved import saved_map
 from ur_nodes.exploration.settings_node import read_settings
 from ur_nodes.exploration.status import Status, describe_status, write_status
 from ur_nodes.geometry.grid import Grid
@@ -30,7 +31,8 @@ from ur_nodes.rosio.shell import run_node
 _LETHAL = 100  # of a published costmap
 _POLL = 0.1  # s between two looks at what has happened
 _SHOWN_EVERY = 10.0  # s between two lines in the log
-_SAVE_WAIT = 20.0  # s of this computer for the last map to be saved
+_SAVE_AGAIN = 5.0  # s of this computer until a map that is not stored is saved again
+_MOST_SAVES = 4  # at the end
 
 
 class ExploreNode:
@@ -44,7 +46,8 @@ class ExploreNode:
         self._version = 0
         self._obstacles: NDArray[np.floating] | None = None
         self._told = ("", -_SHOWN_EVERY)
-        self._begun = time.time()
+        self._saved = ""
+        self._save_at = 0.0
         self._status = rospy.Publisher("~status", String, queue_size=1, latch=True)
         self._markers = rospy.Publisher("~frontiers", MarkerArray, queue_size=1, latch=True)
         self._navigation = Navigation(self._settings)
@@ -87,25 +90,34 @@ class ExploreNode:
         if floor is not None and self._markers.get_num_connections():
             self._markers.publish(marker_array(self._settings.map_frame, floor, out.frontiers, out.blocked))
         if not out.status.ended:
-            self._publish(self._with_file(out.status, self._begun), now)
+            if not self._saved and time.monotonic() >= self._save_at:
+                self._save_at = time.monotonic() + _SAVE_AGAIN
+                self._saved = self._save()
+            self._publish(out.status.with_map(self._saved), now)
             return True
-        self._publish(self._with_last_file(out.status), now)
+        self._publish(out.status.with_map(self._save_last()), now)
         return False
 
-    def _with_file(self, status: Status, since: float) -> Status:
-        name = self._settings.map_name
-        return status.with_file(saved_map(name, since)) if name is not None else status
+    def _save_last(self) -> str:
+        """Save the map as it is at the end; return its name, '' where it cannot be saved."""
+        for _ in range(_MOST_SAVES if self._settings.save_service else 0):
+            if name := self._save():
+                return name
+            time.sleep(_SAVE_AGAIN)
+        return ""
 
-    def _with_last_file(self, status: Status) -> Status:
-        """Wait until the map as it is at the end is saved."""
-        if self._settings.map_name is None:
-            return status
-        deadline, version, since = time.monotonic() + _SAVE_WAIT, self._version, time.time()
-        while time.monotonic() < deadline and not rospy.is_shutdown():
-            time.sleep(_POLL)
-            if self._version > version and (done := self._with_file(status, since)).saved:
-                return done
-        return self._with_file(status, self._begun)
+    def _save(self) -> str:
+        """Save the map once; return its name, '' where it is not saved."""
+        service = self._settings.save_service
+        if not service:
+            return ""
+        try:
+            rospy.wait_for_service(service, timeout=_SAVE_AGAIN)
+            answer = rospy.ServiceProxy(service, Trigger)()
+        except (rospy.ROSException, rospy.ServiceException) as problem:
+            rospy.logwarn_throttle(_SHOWN_EVERY, f"{service}: the map is not saved: {problem}")
+            return ""
+        return answer.message if answer.success and is_map_name(answer.message) else ""
 
     def _missing(self, grid: Grid | None, robot: Pose2 | None) -> str:
         if grid is None:

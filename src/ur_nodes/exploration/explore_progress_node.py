@@ -54,10 +54,10 @@ def _finish(status: Status) -> int:
     else:
         _write(describe_status(status))
     if status.saved:
-        _write(f"the map is {status.saved}; navigate on it with")
-        _write(f"    ur run keyboard_navigate map_file:={status.saved}")
+        _write(f"the map is stored as '{status.saved}'; navigate on it with")
+        _write(f"    ur run keyboard_navigate map:={status.saved}")
     else:
-        sys.stderr.write(f"error: {_NAME}: no map is saved, expected one of this exploration\n")
+        sys.stderr.write(f"error: {_NAME}: no map is stored, expected one of this exploration\n")
     return exit_code(status)
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
 
 from ur_nodes.costmap.footprint_parameters_node import read_footprint
 from ur_nodes.exploration.choice import Weights
@@ -15,8 +14,8 @@ from ur_nodes.rosio.parameters import Parameters
 class ExploreSettings:
     """`period`: s between two decisions. `quiet`: s without another driver before it goes on.
 
-    `map_name` is that of `map_saver`, None where nobody saves the map. `navigation` is the node with the action, and
-    `costmap` the topic of its global costmap.
+    `save_service` saves the map and answers its name; '' where nobody saves it. `navigation` is the node with the
+    action, and `costmap` the topic of its global costmap.
     """
 
     explorer: ExplorerSettings
@@ -27,7 +26,7 @@ class ExploreSettings:
     navigation: str
     costmap: str
     mux: str
-    map_name: Path | None
+    save_service: str
 
 
 def read_settings() -> ExploreSettings:
@@ -35,7 +34,6 @@ def read_settings() -> ExploreSettings:
     own = Parameters()
     navigation = own.text("navigation", "move_base")
     footprint = read_footprint(Parameters(f"{navigation}/").below("global_costmap"), 0.05)
-    name = own.text("map_name", "")
     return ExploreSettings(
         explorer=ExplorerSettings(
             radius=footprint.inscribed,
@@ -55,5 +53,5 @@ def read_settings() -> ExploreSettings:
         navigation=navigation,
         costmap=own.text("costmap_topic", f"{navigation}/global_costmap/costmap"),
         mux=own.text("mux", "cmd_vel_mux"),
-        map_name=Path(name).expanduser() if name else None,
+        save_service=own.text("save_service", ""),
     )

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from dataclasses import asdict, dataclass, replace
-from pathlib import Path
 from typing import Literal
 
 State = Literal["starting", "exploring", "paused", "complete", "incomplete", "stopped"]
@@ -19,7 +18,7 @@ class Status:
     """The state of an exploration. Areas in m2, `way` in m, `seconds` since the begin.
 
     `reachable` frontiers are left, and about `unknown` of floor; each of `unreachable` is a clause that says why.
-    `reason` says why it is paused or has ended; `saved` is the map's file once it is saved.
+    `reason` says why it is paused or has ended; `saved` is the name of the map once it is stored.
     """
 
     state: State = "starting"
@@ -37,9 +36,9 @@ class Status:
         """Return whether the exploration is over."""
         return self.state in ENDED
 
-    def with_file(self, file: Path | None) -> Status:
-        """The same with the file of the map."""
-        return replace(self, saved=str(file) if file else "")
+    def with_map(self, name: str) -> Status:
+        """The same with the name of the stored map; '' where it is not stored."""
+        return replace(self, saved=name)
 
 
 def write_status(status: Status) -> str:

@@ -39,6 +39,8 @@ KNOWN_NODES: dict[str, Interface] = {
     "aruco_detect": _node(
         "fiducial_vertices fiducial_transforms fiducial_images tf", "camera/compressed camera_info ignore_fiducials"
     ),
+    "explore": _node("~frontiers ~status", "map tf move_base/global_costmap/costmap", uses="move_base"),
+    "explore_progress": _node("", "status"),
     "fiducial_slam": _node(
         "fiducials fiducial_map fiducial_pose tf",
         "fiducial_vertices camera_info tf initialpose",
