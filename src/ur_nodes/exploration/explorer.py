@@ -154,7 +154,7 @@ class Explorer:
             return
         place = pursuit.viewpoint.frontier.place
         if end.reached:
-            self._memory = self._memory.look(place)
+            self._memory = self._memory.look(place, self._view.floor if self._view else None)
             return
         reason = Reason("failed", place, f"at {at(place)}: {end.text or 'navigation gave up'}")
         self._memory = self._memory.fail(place, reason, self._view.floor if self._view else None)
@@ -297,8 +297,13 @@ class Explorer:
 def _viewpoint_after(floor: Floor, frontier: Frontier, looks: int, room: float) -> Viewpoint | None:
     """A place to see the frontier from, after so many that showed nothing new."""
     for reach in DISTANCES[looks:]:
-        for clearance in (room + floor.resolution, 0.0):
-            found = find_viewpoint(floor, frontier, reach, clearance, facing=looks > 0)
+        for whole, clearance in (
+            (False, room + floor.resolution),
+            (False, 0.0),
+            (True, room + floor.resolution),
+            (True, 0.0),
+        ):
+            found = find_viewpoint(floor, frontier, reach, clearance, whole=whole, facing=looks > 0)
             if found is not None:
                 return found
     return None

@@ -21,10 +21,11 @@ _CROSS = np.array([[0, 1, 0], [1, 1, 1], [0, 1, 0]], bool)
 class Frontier:
     """Cells (n, 2) of free floor beside unknown space, as rows and columns. `size` in m, `gain` in m2.
 
-    `place` is the cell's centre that is nearest to the middle, m.
+    `middle` (2) is the cell nearest to the middle, and `place` its centre, m.
     """
 
     cells: NDArray[np.intp]
+    middle: NDArray[np.intp]
     place: tuple[float, float]
     size: float
     gain: float
@@ -32,9 +33,9 @@ class Frontier:
 
 def frontier_cells(floor: Floor) -> NDArray[np.bool_]:
     """Free cells that touch unknown space wider than a gap between beams."""
-    wide = binary_opening(floor.unknown, np.ones((_SPECKLE, _SPECKLE), bool))
-    # Beyond the edge of the grid nothing is known either, but a mapper grows its grid before it marks cells there.
-    edge: NDArray[np.bool_] = floor.free & binary_dilation(wide, _CROSS)
+    beyond = np.pad(floor.unknown, _SPECKLE, constant_values=True)  # nothing is known outside of the grid
+    wide = binary_dilation(binary_opening(beyond, np.ones((_SPECKLE, _SPECKLE), bool)), _CROSS)
+    edge: NDArray[np.bool_] = floor.free & wide[_SPECKLE:-_SPECKLE, _SPECKLE:-_SPECKLE]
     return edge
 
 
@@ -86,4 +87,4 @@ def _frontier(floor: Floor, cells: NDArray[np.intp]) -> Frontier:
     mine = np.unique(groups[tuple((cells - low).T)])
     gain = float((np.isin(groups, mine) & floor.unknown[box]).sum()) * floor.resolution**2
     x, y = floor.points_of_cells(middle)
-    return Frontier(cells, (float(x), float(y)), len(cells) * floor.resolution, gain)
+    return Frontier(cells, middle, (float(x), float(y)), len(cells) * floor.resolution, gain)

@@ -20,7 +20,7 @@ _CHANGED = 0.15  # m2
 class Attempt:
     """A frontier that was driven to. `looks`: how often its place was reached; `failures`: how often not.
 
-    `reason` is None unless it is given up; `known` is the known space near it then, m2.
+    `reason` is None unless it is given up; `known` is the known space near it at the last of these, m2.
     """
 
     place: tuple[float, float]
@@ -46,10 +46,11 @@ class Memory:
         old = self.find(attempt.place)
         return Memory((*(each for each in self.attempts if each is not old), attempt))
 
-    def look(self, place: tuple[float, float]) -> Memory:
+    def look(self, place: tuple[float, float], floor: Floor | None) -> Memory:
         """The robot was where the frontier should be in sight."""
         old = self.find(place)
-        return self.note(replace(old, looks=old.looks + 1))
+        known = known_space(floor, old.place) if floor else 0.0
+        return self.note(replace(old, looks=old.looks + 1, known=known))
 
     def fail(self, place: tuple[float, float], reason: Reason, floor: Floor | None) -> Memory:
         """The robot did not get there."""
@@ -58,7 +59,7 @@ class Memory:
         return self.note(replace(old, failures=old.failures + 1, reason=reason, known=known))
 
     def refresh(self, floor: Floor) -> Memory:
-        """Allow another attempt where the map has changed."""
+        """Begin anew where the map has changed: a frontier that moves on as it is looked at is not a stubborn one."""
         return Memory(tuple(_refreshed(each, floor) for each in self.attempts))
 
     def retry(self, most: int) -> Memory:
@@ -86,6 +87,6 @@ def known_space(floor: Floor, place: tuple[float, float]) -> float:
 
 
 def _refreshed(attempt: Attempt, floor: Floor) -> Attempt:
-    if attempt.reason is None or abs(known_space(floor, attempt.place) - attempt.known) < _CHANGED:
+    if abs(known_space(floor, attempt.place) - attempt.known) < _CHANGED:
         return attempt
     return Attempt(attempt.place)

@@ -13,7 +13,7 @@ from ur_nodes.exploration.floor import Cell, Floor
 from ur_nodes.exploration.frontiers import Frontier
 from ur_nodes.geometry.pose import Pose2
 
-DISTANCES = (1.0, 0.5, 2.5)
+DISTANCES = (1.0, 0.5, 0.25, 2.5)
 """Distances (m) from a frontier that are tried, one after the other, until it is seen."""
 
 _ARRIVAL = 0.4  # m
@@ -31,14 +31,14 @@ class Viewpoint:
 
 
 def find_viewpoint(
-    floor: Floor, frontier: Frontier, reach: float, clearance: float = 0.0, *, facing: bool = False
+    floor: Floor, frontier: Frontier, reach: float, clearance: float = 0.0, *, whole: bool = True, facing: bool = False
 ) -> Viewpoint | None:
-    """The place nearest to drive to, at most `reach` m from a cell of the frontier and in sight of it; None: none is.
+    """The place nearest to drive to, at most `reach` m from the frontier and in sight of it; None: none is.
 
-    Its `clearance` is at least so many m. It looks where the robot comes from, on, so that nothing has to turn there;
-    with `facing` at the frontier.
+    That is from and of any of its cells, or with `whole` false its middle one. Its `clearance` is at least
+    so many m. The robot faces the way that it arrives, so that it need not turn there; with `facing` the frontier.
     """
-    cells = frontier.cells
+    cells = frontier.cells if whole else frontier.middle[None]
     margin = math.ceil(reach / floor.resolution) + 1
     low = np.maximum(cells.min(axis=0) - margin, 0)
     high = np.minimum(cells.max(axis=0) + margin + 1, floor.shape)

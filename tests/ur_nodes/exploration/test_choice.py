@@ -15,7 +15,7 @@ HALL = "####################\n#..................#\n#..................#\n######
 def viewpoint(floor: Floor, column: float, gain: float = 1.0) -> Viewpoint:
     pose = place(column, 1.5, HALL)
     cell = floor.cell(pose.x, pose.y)
-    frontier = Frontier(np.array([cell]), (pose.x, pose.y), 0.4, gain)
+    frontier = Frontier(np.array([cell]), np.array(cell), (pose.x, pose.y), 0.4, gain)
     return Viewpoint(Pose2(*pose), cell, float(floor.distance[cell]), frontier)
 
 

@@ -37,12 +37,17 @@ def test_gaps_between_beams_are_no_frontiers() -> None:
     assert found == ()
 
 
+def test_floor_at_the_edge_of_the_grid_is_a_frontier() -> None:
+    _, found = frontiers_of(draw("####\n....\n....\n####"))
+    assert sorted(round(each.place[0], 1) for each in found) == [0.0, 1.6]
+
+
 def test_short_frontiers_are_left_out() -> None:
     assert frontiers_of(draw(ROOM), smallest=5.0)[1] == ()
 
 
 def test_long_frontier_is_cut_into_pieces() -> None:
-    text = "\n".join(["?" * 12, "." * 12, "." * 12, "#" * 12])
+    text = "\n".join(["?" * 14, "#" + "." * 12 + "#", "#" + "." * 12 + "#", "#" * 14])
     _, found = frontiers_of(draw(text))
     assert len(found) == 2
     assert sum(each.size for each in found) == pytest.approx(12 * 0.4)

@@ -36,6 +36,18 @@ def test_retry_allows_so_many_failures() -> None:
 
 
 def test_looks_are_counted_for_a_frontier_and_not_for_its_neighbours() -> None:
-    memory = Memory().look((1.0, 1.0)).look((1.1, 1.0))
+    memory = Memory().look((1.0, 1.0), None).look((1.1, 1.0), None)
     assert memory.find((1.0, 1.1)).looks == 2
     assert memory.find((3.0, 1.0)).looks == 0
+
+
+def test_looks_begin_anew_when_the_frontier_moves_on() -> None:
+    grid = draw(ROOM)
+    floor = read_floor(grid, place(3, 4), 0.2)
+    (frontier,) = find_frontiers(floor, 0.3)
+    memory = Memory().look(frontier.place, floor)
+    assert memory.refresh(floor).find(frontier.place).looks == 1
+    values = grid.values.copy()
+    row, column = floor.cell(*frontier.place)
+    values[row : row + 20, column : column + 20] = 0
+    assert memory.refresh(read_floor(replace(grid, values=values), place(3, 4), 0.2)).find(frontier.place).looks == 0

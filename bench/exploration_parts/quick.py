@@ -1,0 +1,97 @@
+"""An exploration without nodes: a lidar without noise, and a robot that follows the shortest way."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass
+
+import numpy as np
+from bench.exploration_parts.truth import Truth
+from skimage.graph import MCP_Geometric
+
+from ur_nodes.exploration.explorer import Explorer, ExplorerSettings, GoalEnd, Inputs
+from ur_nodes.exploration.floor import nearest_cell
+from ur_nodes.exploration.status import Status
+from ur_nodes.geometry.grid import Grid
+from ur_nodes.geometry.pose import Pose2
+from ur_nodes.slam.occupancy import OccupancyMap
+from ur_nodes.slam.scan import make_scan
+
+_STEP = 0.25  # m between two scans
+_SPEED = 0.5  # m/s
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Quick:
+    """The result: the last status, the map, the way in m, the share of the reachable floor that is known.
+
+    `seconds` of CPU time for the longest decision; `touched`: how often the robot was where it does not fit.
+    """
+
+    status: Status
+    grid: Grid
+    way: float
+    share: float
+    track: tuple[Pose2, ...]
+    seconds: float
+    touched: int
+
+
+def explore_quickly(truth: Truth, settings: ExplorerSettings, most: int = 2000) -> Quick:
+    """Explore until the end, or for so many steps."""
+    explorer, drawn = Explorer(settings), OccupancyMap()
+    angles = np.arange(360) * (2.0 * math.pi / 360)
+    directions = np.column_stack((np.cos(angles), np.sin(angles)))
+    robot, way, now = Pose2(0.0, 0.0, 0.0), 0.0, 0.0
+    poses, scans = [], []
+    goal: Pose2 | None = None
+    ended: GoalEnd | None = None
+    status, longest, touched = Status(), 0.0, 0
+    for version in range(most):
+        ranges = truth.ranges(robot.x, robot.y, robot.yaw)
+        poses.append(robot)
+        scans.append(make_scan(ranges, directions, (0.1, 12.0), np.eye(2), np.zeros(2)))
+        drawn.update(poses, scans)
+        began = time.process_time()
+        out = explorer.step(Inputs(now, drawn.grid(), version, robot, ended=ended))
+        longest = max(longest, time.process_time() - began)
+        status, ended = out.status, None
+        if status.ended:
+            break
+        if out.cancel:
+            goal = None
+        goal = out.goal or goal
+        if goal is None:
+            now += 1.0
+            continue
+        moved = _drive(truth, robot, goal)
+        now += 1.0 if moved is None else _STEP / _SPEED
+        if moved is None:
+            near = math.dist(robot[:2], goal[:2]) < 0.3
+            ended, goal = GoalEnd(near, "" if near else "no path"), None
+        else:
+            way += math.dist(robot[:2], moved[:2])
+            robot = moved
+            touched += int(not truth.fits[tuple(truth.grid.cells_of_points(np.array(robot[:2])))])
+    grid = drawn.grid()
+    rows = np.argwhere(truth.floor)
+    known = grid.values_at(truth.grid.points_of_cells(rows)) >= 0
+    return Quick(status, grid, way, float(known.mean()), tuple(poses), longest, touched)
+
+
+def _drive(truth: Truth, robot: Pose2, goal: Pose2) -> Pose2 | None:
+    """A step along the shortest way; None at its end."""
+    start = nearest_cell(truth.grid, truth.fits, robot[:2], 0.5)
+    end = nearest_cell(truth.grid, truth.fits, goal[:2], 0.25)
+    if start is None or end is None or start == end:
+        return None
+    search = MCP_Geometric(np.where(truth.fits, 1.0, -1.0))
+    search.find_costs([start], [end])
+    try:
+        path = search.traceback(end)
+    except ValueError:
+        return None
+    cell = path[min(len(path) - 1, max(1, round(_STEP / truth.grid.resolution)))]
+    x, y = truth.grid.points_of_cells(np.array(cell)).tolist()
+    return Pose2(x, y, robot.yaw)
