@@ -33,6 +33,7 @@ def test_bad_example_gives_exactly_its_finding_at_the_marked_place(rule: Rule, e
     assert span is not None
     assert (span.file.path, span.start, span.end) == marked_place(example), shown
     assert report.findings[0].severity is rule.severity
+    assert report.findings[0].subject
 
 
 @pytest.mark.parametrize(("rule", "example"), GOOD, ids=name_of)

@@ -239,22 +239,22 @@ class _Check:
         for each in (each for group in self.suppressions.values() for each in group):
             if each.problem:
                 message = f"this comment hides nothing: {each.problem}"
-                yield self.comment_finding("bad-suppression", message, each, "write ur: ignore RULE: REASON")
+                yield self.comment_finding("bad-suppression", message, each, "write ur: ignore RULE: REASON", "")
             for rule in each.rules:
                 if rule not in self.rules:
                     near = did_you_mean(rule, self.rules)
                     help_ = f"did you mean {near}?" if near else "docs/reference/rules/index.md lists the rules"
-                    yield self.comment_finding("bad-suppression", f"there is no rule '{rule}'", each, help_)
+                    yield self.comment_finding("bad-suppression", f"there is no rule '{rule}'", each, help_, rule)
         if self.chosen >= frozenset(self.rules):
             for each, rule in suppressions.unused():
                 if rule in self.rules:
                     message = f"nothing is found that this comment could hide for '{rule}'"
                     yield self.comment_finding(
-                        "unused-suppression", message, each, "remove it, or `ur check --fix` does"
+                        "unused-suppression", message, each, "remove it, or `ur check --fix` does", rule
                     )
 
-    def comment_finding(self, rule: str, message: str, each: Suppression, help_: str | None) -> Diagnostic:
-        return Diagnostic(self.rules[rule].severity, message, rule, each.span, (), help_)
+    def comment_finding(self, rule: str, message: str, each: Suppression, help_: str, subject: str) -> Diagnostic:
+        return Diagnostic(self.rules[rule].severity, message, rule, each.span, (), help_, subject)
 
 
 def _place_of(found: Diagnostic) -> tuple[str, str, int]:

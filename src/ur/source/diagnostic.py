@@ -31,8 +31,9 @@ class Diagnostic:
 
     `rule` is a kebab-case id that never changes its meaning. `span` is None when the finding is not in a text,
     for instance when it is about the command line. The fields after `help` are for programs, so that messages can be
-    reworded freely: `subject` is the name that the finding is about: a package, an argument, a file; `kind` tells apart
-    findings of one rule; `expected` are values that would be accepted; `reason` is the message without its subject.
+    reworded freely: `subject` is the name that the finding is about: a package, an argument, a file; unless given, the
+    text at its place, a tag without its angle bracket. `kind` tells apart findings of one rule; `expected` are values
+    that would be accepted; `reason` is the message without its subject.
     """
 
     severity: Severity
@@ -45,6 +46,11 @@ class Diagnostic:
     kind: str = ""
     expected: tuple[str, ...] = ()
     reason: str = ""
+
+    def __post_init__(self) -> None:
+        if not self.subject and self.span is not None:
+            text = self.span.text
+            object.__setattr__(self, "subject", text[1:] if text.startswith("<") and text[1:2].isalpha() else text)
 
 
 class UserError(Exception):

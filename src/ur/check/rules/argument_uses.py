@@ -34,6 +34,7 @@ def _find_undeclared_argument(element: Element, view: LaunchView) -> Iterable[Fo
                     element.piece_span(attribute, start, end),
                     f"argument '{name}' is not declared, expected <arg name=\"{name}\">",
                     help_,
+                    subject=name,
                 )
 
 

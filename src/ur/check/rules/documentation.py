@@ -28,6 +28,7 @@ def _find_missing_overview(view: LaunchView) -> Iterable[Found]:
             launch.span,
             "a launch file without an Overview, expected a few sentences, in Markdown, on how the file is used",
             "write <!--Overview: ...--> after <launch>",
+            subject="Overview",
         )
 
 
@@ -38,6 +39,7 @@ def _find_missing_summary(view: LaunchView) -> Iterable[Found]:
             launch.span,
             "a launch file without a Summary, expected one line that says what the file does",
             "write <!--Summary: ...--> after <launch>",
+            subject="Summary",
         )
 
 

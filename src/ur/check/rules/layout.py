@@ -91,6 +91,7 @@ def _find_other_name(view: LaunchView) -> Iterable[Found]:
             view.tree.launch.span,
             f"the file is named {name}, expected {folder}{suffix} in {folder}/launch",
             f"rename it, or move it into a directory {name.removesuffix(suffix)}",
+            subject=name,
         )
 
 
@@ -101,7 +102,10 @@ def _find_wrong_suffix(view: PackageView) -> Iterable[Found]:
             continue
         if not name.endswith(".launch"):
             yield Found(
-                launch.span, f"{name} holds a <launch>, expected the ending .launch or .launch.xml", "rename it"
+                launch.span,
+                f"{name} holds a <launch>, expected the ending .launch or .launch.xml",
+                "rename it",
+                subject=name,
             )
         elif launch_view.path in view.included:
             place = view.included[launch_view.path][0]
@@ -110,6 +114,7 @@ def _find_wrong_suffix(view: PackageView) -> Iterable[Found]:
                 f"{name} is included by another file, expected the ending .launch.xml",
                 f"rename it to {name}.xml: .launch is for files that people start",
                 (Note("it is included here", place),),
+                name,
             )
 
 
@@ -132,6 +137,7 @@ def _find_unused_file(view: PackageView) -> Iterable[Found]:
                 launch.span,
                 f"nothing uses {name}, expected a launch file that includes it or a program that starts it",
                 f"include it, write bin/ur_..., or rename it to {name.removesuffix('.xml')}: people start those",
+                subject=name,
             )
 
 

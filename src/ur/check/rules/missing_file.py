@@ -62,6 +62,7 @@ def _missing(paths: Iterable[str], element: Element, attribute: str, world: Worl
             element.value_span(attribute),
             f"{path}: no such file or directory, expected a file",
             f"did you mean {folder}/{near}?" if near else "check the path, or create the file",
+            subject=path,
         )
 
 

@@ -25,7 +25,7 @@ def _find_missing_executable(view: NodeView) -> Iterable[Found]:
         names = ", ".join(sorted(set(verdict.near))[:10]) or "no programs"
         help_ = f"did you mean {near}?" if near else f"{package} has: {names}"
     message = f"package {package} has no executable '{name}', expected one for node {view.node.full_name}"
-    yield Found(view.element.value_span("type"), message, help_)
+    yield Found(view.element.value_span("type"), message, help_, subject=name)
 
 
 _CMAKE = """

@@ -24,6 +24,7 @@ def _find_undocumented(view: ProgramView) -> Iterable[Found]:
             Span(view.source, 0, len(first_line)),
             f"a program without {' and '.join(missing)}, expected comments that say what it does",
             "write " + " and ".join(f"##{name}: ..." for name in missing) + " after the first line",
+            subject=missing[0],
         )
 
 

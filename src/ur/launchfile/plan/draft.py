@@ -80,12 +80,13 @@ class Draft:
         rule: str,
         help: str | None = None,
         notes: tuple[Note, ...] = (),
+        subject: str = "",
         *,
         kind: str = "",
     ) -> None:
         """Report something that roslaunch accepts, though it cannot be what was meant."""
         chain = scope.chain if scope else ()
-        self.add_diagnostic(Diagnostic(Severity.WARNING, message, rule, span, notes, help, kind=kind), chain)
+        self.add_diagnostic(Diagnostic(Severity.WARNING, message, rule, span, notes, help, subject, kind), chain)
 
     def refuse(self, refused: Refused, scope: Scope | None) -> None:
         """Report what made a tag impossible to resolve."""
@@ -138,6 +139,7 @@ class Draft:
                     scope,
                     "param-conflict",
                     notes=(Note(f"{parent} is set here", self.params[parent].origin.span),),
+                    subject=param.name,
                 )
         known[param.name] = param
         if self.trace is not None:

@@ -66,6 +66,7 @@ def _explain(node: NodeSpec, world: World) -> Diagnostic:
         f"package {node.package} has no executable '{node.type}', expected one for node {node.full_name}",
         element.value_span("type"),
         rule="missing-executable",
+        subject=node.type,
         notes=steps,
         help=help_,
     )

@@ -106,6 +106,7 @@ def check_passed(scope: Scope) -> None:
                 child.span,
                 "arg-without-value",
                 f"write value=\"$(arg {name})\" to hand on your own '{name}'",
+                subject=name,
             )
 
 

@@ -61,6 +61,7 @@ def missing_attribute(element: Element, name: str) -> Refused:
         element.span,
         "missing-attribute",
         f"did you mean {name} where it says {near}?" if near else f'add {name}="..."',
+        subject=name,
     )
 
 

@@ -207,6 +207,7 @@ def _too_deep(path: str, element: Element, draft: Draft, scope: Scope) -> Refuse
             "include-cycle",
             "break the circle, or end it with an 'if' that becomes false",
             (Note("it comes from here", steps[0]),),
+            path,
         )
     return refuse(
         f"{path} is included {MAX_DEPTH} levels deep, expected less", element.value_span("file"), "include-too-deep"

@@ -149,6 +149,7 @@ def _read_ready(element: Element, name: str, namespace: str, draft: Draft, scope
                 scope,
                 "bad-ready",
                 "correct it: what is not understood is not waited for",
+                subject=wrong[0],
             )
     return conditions
 

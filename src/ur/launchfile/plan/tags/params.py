@@ -257,6 +257,7 @@ class _Unroller:
                     self.origin((*path, key)).span,
                     "bad-yaml-key",
                     f"put it in quotes: '{key}'",
+                    subject=str(key),
                 )
             self.add(join_names(name, key), inner, (*path, key))
 
