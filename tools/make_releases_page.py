@@ -62,10 +62,10 @@ def make_sentences(rows: Sequence[Release] | None = None) -> str:
     expected = [row.name for row in rows if not row.tried and row.ros == "native"]
     sentences.append(f"It is expected to work on {_join([*expected, 'arm64'])}, which were not tried.")
     brought = [row for row in rows if row.ros == "brought"]
-    for tried in (True, False):
-        if names := [row.name for row in brought if row.tried is tried]:
+    for wanted in (True, False):
+        if names := [row.name for row in brought if row.tried is wanted]:
             sentences.append(f"Where ROS 1 is not packaged ({_join(names)}), it makes a Debian 13 root for it.")
-            if not tried:
+            if not wanted:
                 sentences.append(f"That is expected to work there; it was tried on {_STAND_IN}.")
     sentences.append("[All releases](docs/reference/releases.md), and what each packages.")
     return "\n".join(sentences)

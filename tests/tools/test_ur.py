@@ -47,7 +47,7 @@ def test_debian_root_is_found_with_another_home_and_made_again_when_it_is_gone(t
     (clone / ".venv/debian").write_text(f"{data}\n")
     (clone / ".venv/ready-run").write_text(f"{clone}\n")
     (data / "enter.bash").touch()
-    command = [clone / "ur", "list"]
+    command = [str(clone / "ur"), "list"]
     environment = {"PATH": "/usr/bin:/bin", "HOME": str(tmp_path / "another")}
     assert subprocess.check_output(command, env=environment, text=True) == "it runs\n"
     (data / "enter.bash").unlink()
