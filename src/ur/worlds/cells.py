@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Value = TypeVar("Value", bound=np.generic)
+_STRIP = 1 << 17  # cells
 
 
 class CellFrame:
@@ -86,3 +87,16 @@ def look_up(frame: CellFrame, values: NDArray[Value], points: NDArray[np.floatin
         return below
     found = values[np.where(inside, rows, 0), np.where(inside, columns, 0)]
     return np.where(inside, found, values.dtype.type(outside))
+
+
+def translate_cells(cells: NDArray[Any], table: NDArray[Value]) -> NDArray[Value]:
+    """Replace each byte of an array (n, ...) by its entry of a table of 256; negative bytes count from its end.
+
+    By strips: an index of numpy takes eight bytes a cell.
+    """
+    result = np.empty(cells.shape, table.dtype)
+    codes = cells.view(np.uint8)
+    rows = max(1, _STRIP // max(1, math.prod(cells.shape[1:])))
+    for start in range(0, len(codes), rows):
+        np.take(table, codes[start : start + rows], out=result[start : start + rows], mode="clip")
+    return result

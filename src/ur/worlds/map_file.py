@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ur.source.picture_file import MAP_FORMATS, open_picture
 from ur.source.section import Section, read_section
-from ur.worlds.cells import CellFrame
+from ur.worlds.cells import CellFrame, translate_cells
 
 UNKNOWN = -1
 FREE = 0
@@ -131,22 +131,32 @@ def occupancy_of_pixels(pixels: NDArray[np.uint8], file: MapFile) -> NDArray[np.
     wholly transparent (the documentation says "any transparency, anywhere"); raw gives the average itself, as a
     signed byte.
     """
+    if pixels.shape[2] == 1:  # as every map of ours: each shade is worked out once
+        shades = _occupancy_of_averages(np.arange(256.0)[None], None, file)[0]
+        return translate_cells(pixels[::-1, :, 0], shades)
     has_alpha = pixels.shape[2] == 4
     colours = pixels[..., :3] if has_alpha and file.mode != "trinary" else pixels
-    average = colours.mean(axis=2, dtype=np.float64)
+    clear = pixels[..., 3] == 0 if has_alpha else None
+    return np.ascontiguousarray(_occupancy_of_averages(colours.mean(axis=2, dtype=np.float64), clear, file)[::-1])
+
+
+def _occupancy_of_averages(
+    average: NDArray[np.float64], clear: NDArray[np.bool_] | None, file: MapFile
+) -> NDArray[np.int8]:
+    """Return cell values (height, width) of average brightnesses 0 to 255; `clear`: the wholly transparent pixels."""
     if file.negate:
         average = 255.0 - average
     if file.mode == "raw":
-        return np.ascontiguousarray(average[::-1].astype(np.uint8)).view(np.int8)
+        return average.astype(np.uint8).view(np.int8)
     dark = (255.0 - average) / 255.0
     between = np.full(dark.shape, UNKNOWN, dtype=np.int8)
     if file.mode == "scale" and file.occupied_thresh > file.free_thresh:
         share = (dark - file.free_thresh) / (file.occupied_thresh - file.free_thresh)
         between = (1.0 + 98.0 * np.clip(share, 0.0, 1.0)).astype(np.int8)
-        if has_alpha:
-            between[pixels[..., 3] == 0] = UNKNOWN
+        if clear is not None:
+            between[clear] = UNKNOWN
     values = np.where(dark > file.occupied_thresh, OCCUPIED, np.where(dark < file.free_thresh, FREE, between))
-    return np.ascontiguousarray(values[::-1], dtype=np.int8)
+    return values.astype(np.int8)
 
 
 def _read_pixels(path: Path, section: Section) -> NDArray[np.uint8]:

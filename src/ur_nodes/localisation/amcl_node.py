@@ -10,7 +10,7 @@ import numpy as np
 import rospy
 from geometry_msgs.msg import PoseWithCovarianceStamped
 from nav_msgs.msg import OccupancyGrid
-from nav_msgs.srv import GetMap, SetMap, SetMapRequest, SetMapResponse
+from nav_msgs.srv import SetMap, SetMapRequest, SetMapResponse
 from sensor_msgs.msg import LaserScan
 from std_srvs.srv import Empty, EmptyRequest, EmptyResponse
 
@@ -24,7 +24,7 @@ from ur_nodes.localisation.likelihood import make_field
 from ur_nodes.localisation.localiser import Localiser
 from ur_nodes.rosio.frames import Frames
 from ur_nodes.rosio.geometry import pose_of_message
-from ur_nodes.rosio.grid_message import grid_of_message
+from ur_nodes.rosio.grid_message import GridMessage, GridService, grid_of_message
 from ur_nodes.rosio.parameters import Parameters
 from ur_nodes.rosio.shell import run_node
 
@@ -53,7 +53,7 @@ class AmclNode:
         rospy.Service("request_nomotion_update", Empty, self._answer_update)
         rospy.Service("set_map", SetMap, self._answer_set_map)
         if settings.use_map_topic:
-            self._map = rospy.Subscriber("map", OccupancyGrid, self._take_map, queue_size=1)
+            self._map = rospy.Subscriber("map", GridMessage, self._take_map, queue_size=1)
         self._thread = threading.Thread(target=self._run, name="localise", daemon=True)
         self._thread.start()
 
@@ -227,7 +227,7 @@ class AmclNode:
 def _call_static_map() -> OccupancyGrid | None:
     try:
         rospy.wait_for_service("static_map", timeout=5.0)
-        return rospy.ServiceProxy("static_map", GetMap)().map
+        return rospy.ServiceProxy("static_map", GridService)().map
     except rospy.ROSInterruptException:
         return None
     except (rospy.ROSException, rospy.ServiceException) as problem:

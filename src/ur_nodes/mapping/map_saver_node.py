@@ -13,7 +13,7 @@ from nav_msgs.msg import OccupancyGrid
 from ur.source.diagnostic import UserError
 from ur.source.render import render_human
 from ur_nodes.mapping.save import save_map
-from ur_nodes.rosio.grid_message import grid_of_message
+from ur_nodes.rosio.grid_message import GridMessage, grid_of_message
 from ur_nodes.rosio.parameters import Parameters
 from ur_nodes.rosio.shell import run_node
 
@@ -33,7 +33,7 @@ class MapSaver:
         self._limits = (occupied, free)
         self._saving = threading.Lock()
         self.failed = True
-        self._subscriber = rospy.Subscriber("map", OccupancyGrid, self._take, queue_size=1)
+        self._subscriber = rospy.Subscriber("map", GridMessage, self._take, queue_size=1)
         threading.Thread(target=self._explain_silence, name="silence", daemon=True).start()
 
     def _take(self, message: OccupancyGrid) -> None:

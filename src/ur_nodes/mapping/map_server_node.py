@@ -6,12 +6,12 @@ import sys
 
 import rospy
 from nav_msgs.msg import MapMetaData, OccupancyGrid
-from nav_msgs.srv import GetMap, GetMapRequest, GetMapResponse
+from nav_msgs.srv import GetMapRequest
 
 from ur.source.diagnostic import UserError
 from ur.source.render import render_human
 from ur_nodes.geometry.grid import Grid, load_map
-from ur_nodes.rosio.grid_message import grid_message, metadata_message
+from ur_nodes.rosio.grid_message import GridResponse, GridService, grid_message, metadata_message
 from ur_nodes.rosio.parameters import Parameters
 from ur_nodes.rosio.shell import run_node
 
@@ -24,14 +24,14 @@ class MapServer:
     def __init__(self, grid: Grid) -> None:
         now = rospy.Time.now()
         self._message = grid_message(grid, Parameters().text("frame_id", "map"), now)
-        self._service = rospy.Service("static_map", GetMap, self._answer)
+        self._service = rospy.Service("static_map", GridService, self._answer)
         self._metadata = rospy.Publisher("map_metadata", MapMetaData, queue_size=1, latch=True)
         self._metadata.publish(metadata_message(grid, now))
         self._map = rospy.Publisher("map", OccupancyGrid, queue_size=1, latch=True)
         self._map.publish(self._message)
 
-    def _answer(self, _request: GetMapRequest) -> GetMapResponse:
-        return GetMapResponse(self._message)
+    def _answer(self, _request: GetMapRequest) -> GridResponse:
+        return GridResponse(self._message)
 
 
 def main() -> int:

@@ -6,12 +6,14 @@ import math
 import numpy as np
 import pytest
 import rospy
+from genpy import DeserializationError
 from nav_msgs.msg import OccupancyGrid
+from nav_msgs.srv import GetMapResponse
 
 from ur.source.diagnostic import UserError
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.rosio.grid_message import grid_message, grid_of_message
+from ur_nodes.rosio.grid_message import GridMessage, GridResponse, grid_message, grid_of_message
 
 
 def test_grid_survives_the_way_through_a_message() -> None:
@@ -39,3 +41,20 @@ def test_grid_of_message_refuses_data_of_another_size() -> None:
 def test_grid_of_message_refuses_a_resolution_of_zero() -> None:
     with pytest.raises(UserError, match="resolution 0"):
         grid_of_message(OccupancyGrid())
+
+
+def test_grid_messages_are_on_the_wire_what_upstreams_are() -> None:
+    grid = Grid(np.array([[0, 100, -1], [50, 1, 99]], dtype=np.int8), 0.05, Pose2(-1.5, 2.0, 0.5))
+    ours, theirs = io.BytesIO(), io.BytesIO()
+    GridResponse(grid_message(grid, "map", rospy.Time(3, 4))).serialize(ours)
+    GetMapResponse(OccupancyGrid().deserialize(ours.getvalue())).serialize(theirs)
+    assert ours.getvalue() == theirs.getvalue()
+    assert np.array_equal(grid_of_message(GridResponse().deserialize(ours.getvalue()).map).values, grid.values)
+
+
+def test_grid_message_refuses_bytes_that_end_too_early() -> None:
+    wire = io.BytesIO()
+    grid_message(Grid(np.zeros((2, 3), np.int8), 0.05, Pose2(0.0, 0.0, 0.0)), "map", rospy.Time(3, 4)).serialize(wire)
+    for length in (0, 10, 60, len(wire.getvalue()) - 1):
+        with pytest.raises(DeserializationError):
+            GridMessage().deserialize(wire.getvalue()[:length])
