@@ -6,15 +6,21 @@ Source: Thrun, Burgard, Fox, Probabilistic Robotics, section 6.4.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import distance_transform_edt
 
+from ur_nodes.geometry.distance import squared_distances
 from ur_nodes.geometry.grid import FREE, Grid
+from ur_nodes.geometry.sparse_array import sparse_zeros
 
 OCCUPIED_FROM = 65  # of 100: what counts as a wall in maps with values between
+WHOLE = 1_000_000  # cells of a map that is prepared whole
+_ROWS, _COLUMNS = 128, 512  # cells of a tile of a larger one; rows of a tile are half a page of memory
+_KEPT = 100  # tiles; with more, those that are not needed are forgotten
+_FARTHEST = 180  # cells
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,42 +33,103 @@ class BeamModel:
     max_distance: float
 
 
-@dataclass(frozen=True, slots=True, eq=False)
 class LikelihoodField:
-    """A map, prepared for localisation.
+    """A map, prepared for localisation: a small one whole, a large one in tiles where beams end.
 
-    `distances` float32 (height, width), m: from a cell's centre to the nearest wall's surface, negative inside walls,
-    at most `model.max_distance`; +max_distance everywhere on a map without walls. `log_hits` float32, same shape: the
-    logarithm of a beam's likelihood when it ends in that cell; both have a border of one cell that represents
-    everything outside. `free` intp (n, 2): the (row, column) of every free cell of `grid`.
+    `distances` float32 (height + 2, width + 2), m: from a cell's centre to the nearest wall's surface, negative inside
+    walls, at most `model.max_distance`, +max_distance everywhere on a map without walls. `log_hits` float32, same size:
+    the logarithm of a beam's likelihood when it ends in that cell. Both have a border of one cell that represents
+    everything outside, where ends are random. Both hold only where `cover` was called. Cells of at least 65 are walls.
     """
 
-    grid: Grid
-    model: BeamModel
-    distances: NDArray[np.float32]
-    log_hits: NDArray[np.float32]
-    free: NDArray[np.intp]
+    def __init__(self, grid: Grid, model: BeamModel) -> None:
+        self.grid = grid
+        self.model = model
+        height, width = grid.height + 2, grid.width + 2
+        self._reach = min(_FARTHEST, math.ceil(model.max_distance / grid.resolution) + 2)
+        self._tiles = np.zeros((-(-height // _ROWS), -(-width // _COLUMNS)), bool)
+        self._free = np.zeros(grid.height + 1, np.int64)  # the free cells before each row
+        for row, values in enumerate(grid.values):
+            self._free[row + 1] = self._free[row] + np.count_nonzero(values == FREE)
+        self.distances: NDArray[np.float32]
+        self.log_hits: NDArray[np.float32]
+        self._forget()
+        if grid.values.size <= WHOLE:
+            self._work_out(0, 0, height, width)
+            self._tiles[:] = True
+        self._complete = bool(self._tiles.all())
+
+    @property
+    def free_count(self) -> int:
+        """The number of free cells of the grid."""
+        return int(self._free[-1])
+
+    def free_cells(self, numbers: NDArray[np.integer]) -> NDArray[np.intp]:
+        """The (row, column) (n, 2) of free cells by their numbers (n), which count along rows."""
+        rows = np.searchsorted(self._free, numbers, side="right") - 1
+        columns = np.empty(len(rows), np.intp)
+        order = np.argsort(rows, kind="stable")
+        for part in np.split(order, np.flatnonzero(np.diff(rows[order])) + 1) if len(rows) else ():
+            row = int(rows[part[0]])
+            columns[part] = np.flatnonzero(self.grid.values[row] == FREE)[numbers[part] - self._free[row]]
+        return np.stack((rows, columns), axis=-1)
+
+    def cover(self, rows: NDArray[np.integer], columns: NDArray[np.integer]) -> None:
+        """Prepare the tables at cells given by their row and column (of the same shape), which lie inside."""
+        if self._complete or not rows.size:
+            return
+        first, last = (int(rows.min()) // _ROWS, int(columns.min()) // _COLUMNS), (int(rows.max()), int(columns.max()))
+        box = (slice(first[0], last[0] // _ROWS + 1), slice(first[1], last[1] // _COLUMNS + 1))
+        if self._tiles[box].all():
+            return
+        wanted = np.zeros_like(self._tiles)
+        wanted[rows // _ROWS, columns // _COLUMNS] = True
+        if np.count_nonzero(self._tiles | wanted) > _KEPT > 2 * np.count_nonzero(wanted):
+            self._forget()
+        for row, column in np.argwhere(wanted & ~self._tiles).tolist():
+            self._work_out(row * _ROWS, column * _COLUMNS, (row + 1) * _ROWS, (column + 1) * _COLUMNS)
+        self._tiles |= wanted
+
+    def _forget(self) -> None:
+        shape = (self.grid.height + 2, self.grid.width + 2)
+        self.distances, self.log_hits = sparse_zeros(shape, np.float32), sparse_zeros(shape, np.float32)
+        self._tiles[:] = False
+
+    def _work_out(self, top: int, left: int, bottom: int, right: int) -> None:
+        """Fill rows and columns of the tables, which count from the border."""
+        model, reach = self.model, self._reach
+        height, width = self.grid.shape
+        upper, before = max(0, top - 1 - reach), max(0, left - 1 - reach)
+        values = self.grid.values[upper : bottom - 1 + reach, before : right - 1 + reach]
+        exact = np.full((min(bottom, height + 2) - top, min(right, width + 2) - left), model.max_distance)
+        rows, columns = slice(max(top, 1), min(bottom, height + 1)), slice(max(left, 1), min(right, width + 1))
+        if rows.start < rows.stop and columns.start < columns.stop:
+            signed = signed_distances(values >= OCCUPIED_FROM, self.grid.resolution, reach)
+            inner = (
+                slice(rows.start - 1 - upper, rows.stop - 1 - upper),
+                slice(columns.start - 1 - before, columns.stop - 1 - before),
+            )
+            exact[rows.start - top : rows.stop - top, columns.start - left : columns.stop - left] = signed[inner]
+        distances = np.clip(exact, -model.max_distance, model.max_distance).astype(np.float32)
+        self.distances[top:bottom, left:right] = distances
+        self.log_hits[top:bottom, left:right] = log_likelihoods(np.maximum(distances, 0.0), model)
 
 
 def make_field(grid: Grid, model: BeamModel) -> LikelihoodField:
-    """The likelihood field of a grid; cells of at least 65 are walls. The ends of beams outside the grid are random."""
-    walls = grid.values >= OCCUPIED_FROM
-    exact = np.pad(signed_distances(walls, grid.resolution), 1, constant_values=model.max_distance)
-    distances: NDArray[np.float32] = np.clip(exact, -model.max_distance, model.max_distance).astype(np.float32)
-    log_hits = log_likelihoods(np.maximum(distances, 0.0), model).astype(np.float32)
-    return LikelihoodField(grid, model, distances, log_hits, np.argwhere(grid.values == FREE))
+    """The likelihood field of a grid."""
+    return LikelihoodField(grid, model)
 
 
-def signed_distances(walls: NDArray[np.bool_], resolution: float) -> NDArray[np.float64]:
+def signed_distances(walls: NDArray[np.bool_], resolution: float, reach: int = _FARTHEST) -> NDArray[np.float64]:
     """From each cell's centre (height, width) to the nearest wall surface in m, negative inside; inf without walls.
 
     Half a cell is taken off the distance between centres, so that the value is 0 on the edge between a wall cell and
-    its free neighbour and changes evenly across it.
+    its free neighbour and changes evenly across it. Exact up to `reach` cells (at most 180), beyond them larger.
     """
     if not walls.any():
         return np.full(walls.shape, math.inf)
-    outside = distance_transform_edt(~walls)
-    inside = distance_transform_edt(walls)
+    outside = np.sqrt(squared_distances(walls, reach).astype(np.float64))
+    inside = np.sqrt(squared_distances(~walls, reach).astype(np.float64))
     cells: NDArray[np.float64] = np.where(walls, 0.5 - inside, outside - 0.5)
     return cells * resolution
 
@@ -79,13 +146,13 @@ def score_poses(
     field: LikelihoodField,
     poses: NDArray[np.float64],
     points: NDArray[np.float64],
-    table: NDArray[np.float32] | None = None,
+    value: Callable[[NDArray[np.float32]], NDArray[np.float32]] | None = None,
 ) -> NDArray[np.float64]:
     """The mean log likelihood (n) per beam of poses (n, 3), when beams end at points (m, 2) in the robot's frame.
 
-    With `table`, shaped like `field.log_hits`, the mean of its entries instead.
+    With `value`, the mean of what it makes of the ends' distances to walls instead.
     """
-    entries = field.log_hits if table is None else table
+    entries = field.log_hits if value is None else field.distances
     grid = field.grid
     scale = 1.0 / grid.resolution
     yaws = (poses[:, 2] - grid.origin.yaw).astype(np.float32)
@@ -98,14 +165,17 @@ def score_poses(
     height, width = entries.shape
     np.clip(columns, 0, width - 1, out=columns)
     np.clip(rows, 0, height - 1, out=rows)
+    field.cover(rows, columns)
+    entries = field.log_hits if value is None else field.distances  # others, where tiles were forgotten
     rows *= width
     rows += columns
-    scores: NDArray[np.float64] = entries.ravel().take(rows).mean(axis=1, dtype=np.float64)
+    found = entries.ravel().take(rows)
+    scores: NDArray[np.float64] = (found if value is None else value(found)).mean(axis=1, dtype=np.float64)
     return scores
 
 
 def draw_free_poses(field: LikelihoodField, count: int, rng: np.random.Generator) -> NDArray[np.float64]:
     """Draw poses (count, 3) on free cells, with any heading. The map must have a free cell."""
-    cells = field.free[rng.integers(len(field.free), size=count)] + rng.random((count, 2)) - 0.5
+    cells = field.free_cells(rng.integers(field.free_count, size=count)) + rng.random((count, 2)) - 0.5
     yaws = rng.uniform(-math.pi, math.pi, count)
     return np.column_stack((field.grid.points_of_cells(cells), yaws))

@@ -91,7 +91,7 @@ class Localiser:
 
     def scatter(self) -> bool:
         """The robot may be anywhere: start again with particles on all free cells. False if the map has none."""
-        if not len(self._field.free):
+        if not self._field.free_count:
             return False
         self._restart(draw_free_poses(self._field, self._settings.size.maximum, self._rng))
         self._search = SEARCH_UPDATES
@@ -183,7 +183,7 @@ class Localiser:
         if settings.selective_resampling and effective_size(particles.weights) > 0.5 * len(particles):
             return particles
         share = 0.0
-        if len(self._field.free) and len(points) >= LEAST_BEAMS:
+        if self._field.free_count and len(points) >= LEAST_BEAMS:
             lost = 1.0 - self._fast / self._slow if self._slow else 0.0
             share = max(lost - LEAST_LOST, SEARCH_SHARE if self._search else 0.0)
         return resample(particles, settings.size, self._rng, share, lambda count: self._propose(points, count))

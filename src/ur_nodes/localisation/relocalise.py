@@ -29,8 +29,7 @@ def propose_poses(
     Drawn by likelihood, as if `beams` of the beams were independent. The map must have a free cell.
     """
     pool = draw_free_poses(field, POOL, rng)
-    closeness = np.maximum(-np.abs(field.distances), -np.float32(REACH))
-    scores = score_poses(field, pool, points, closeness)
+    scores = score_poses(field, pool, points, lambda distances: np.maximum(-np.abs(distances), -np.float32(REACH)))
     best = np.argpartition(scores, -CANDIDATES)[-CANDIDATES:]
     matched = match_many(field, match_many(field, pool[best], points, COARSE), points, FINE)
     matched = matched[field.grid.values_at(matched[:, :2]) == 0]

@@ -112,7 +112,7 @@ def _linearise(
     turned_x, turned_y = c * x - s * y, s * x + c * y
     ends = np.stack((turned_x + poses[:, 0, None], turned_y + poses[:, 1, None]), axis=-1)
     cells = grid.fractions_of_points(ends) + 0.5  # 0.5: the border, less half a cell to its centre
-    values, down, right = _interpolate(field.distances, cells)
+    values, down, right = _interpolate(field, cells)
     down, right = down / grid.resolution, right / grid.resolution
     if grid.origin.yaw:
         co, so = math.cos(grid.origin.yaw), math.sin(grid.origin.yaw)
@@ -121,16 +121,17 @@ def _linearise(
 
 
 def _interpolate(
-    table: NDArray[np.float32], cells: NDArray[np.float64]
+    field: LikelihoodField, cells: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """Values (...) between the entries of a table at cells (..., 2), and their slopes per row and per column."""
-    height, width = table.shape
+    """Distances (...) between those of cells' centres at cells (..., 2), and their slopes per row and per column."""
+    height, width = field.distances.shape
     row = np.clip(cells[..., 0], 0.0, height - 1.001)
     column = np.clip(cells[..., 1], 0.0, width - 1.001)
     top, left = row.astype(np.intp), column.astype(np.intp)
     fr, fc = row - top, column - left
+    field.cover(np.stack((top, top + 1)), np.stack((left, left + 1)))
     index = top * width + left
-    flat = table.ravel()
+    flat = field.distances.ravel()
     a, b = flat.take(index).astype(np.float64), flat.take(index + 1)
     d, e = flat.take(index + width), flat.take(index + width + 1)
     upper, lower = a + fc * (b - a), d + fc * (e - d)
