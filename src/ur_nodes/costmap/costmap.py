@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import distance_transform_edt
 
+from ur.worlds.cells import translate_cells
+from ur_nodes.geometry.distance import squared_distances, strips
 from ur_nodes.geometry.grid import CellFrame, Grid, look_up
 from ur_nodes.geometry.pose import Pose2
+
+Box = tuple[slice, slice]
+"""Rows and columns of a part of a grid, with both ends."""
 
 FREE = 0
 INSCRIBED = 253
@@ -54,11 +59,11 @@ def costs_of_grid(grid: Grid, *, lethal: int = 100, track_unknown: bool = True) 
 
     Values from `lethal` up are obstacles, -1 is unknown (free, unless unknown space is tracked), others are free.
     """
-    costs = np.where(grid.values >= lethal, np.uint8(LETHAL), np.uint8(FREE))
+    values = np.arange(256, dtype=np.uint8).view(np.int8)
+    table = np.where(values >= lethal, np.uint8(LETHAL), np.uint8(FREE)).astype(np.uint8)
     if track_unknown:
-        costs[grid.values < 0] = UNKNOWN
-    result: NDArray[np.uint8] = costs.astype(np.uint8)
-    return result
+        table[values < 0] = UNKNOWN
+    return translate_cells(grid.values, table)
 
 
 def inflation_costs(distances: NDArray[np.floating], inflation: Inflation) -> NDArray[np.uint8]:
@@ -80,38 +85,52 @@ def inflate(costs: NDArray[np.uint8], resolution: float, inflation: Inflation) -
 
     Unknown stays unknown unless the robot standing there would touch an obstacle; no cost is lowered.
     """
-    lethal = costs == LETHAL
-    if not lethal.any():
-        return np.array(costs)
-    distances = distance_transform_edt(~lethal) * resolution
-    slope = inflation_costs(distances, inflation)
-    unknown = costs == UNKNOWN
-    raised = np.maximum(slope, np.where(unknown, np.uint8(0), costs))
-    result: NDArray[np.uint8] = np.where(unknown & (slope < INSCRIBED), np.uint8(UNKNOWN), raised).astype(np.uint8)
+    reach = reach_of(inflation, resolution)
+    squares = np.arange((reach + 1) ** 2 + reach**2 + 1)
+    slopes = inflation_costs(np.sqrt(squares) * resolution, inflation)
+    result = np.empty_like(costs)
+    for strip, around, inner in strips(costs.shape, reach):
+        lethal = costs[around] == LETHAL
+        if not lethal.any():
+            result[strip] = costs[strip]
+            continue
+        slope = slopes.take(squared_distances(lethal, reach)[inner], mode="clip")
+        here = costs[strip]
+        unknown = here == UNKNOWN
+        raised = np.maximum(slope, np.where(unknown, np.uint8(0), here))
+        result[strip] = np.where(unknown & (slope < INSCRIBED), np.uint8(UNKNOWN), raised)
     return result
+
+
+def reach_of(inflation: Inflation, resolution: float) -> int:
+    """The distance in cells that an obstacle changes costs up to."""
+    return math.ceil(max(inflation.radius, inflation.inscribed) / resolution) + 1
 
 
 def inflate_window(
     master: NDArray[np.uint8],
-    costs: NDArray[np.uint8],
+    costs: Callable[[Box], NDArray[np.uint8]],
     resolution: float,
     inflation: Inflation,
-    box: tuple[slice, slice],
-) -> None:
-    """As inflate, but only for what changes when `costs` changed inside `box` (rows, columns): updates `master`."""
-    reach = math.ceil(max(inflation.radius, inflation.inscribed) / resolution) + 1
-    inner = _grown(box, reach, costs.shape)
-    outer = _grown(inner, reach, costs.shape)
-    part = inflate(costs[outer], resolution, inflation)
+    box: Box,
+) -> Box:
+    """As inflate, but only for what changes when the costs changed inside `box`: updates `master`.
+
+    `costs` gives the costs inside a box. Returns the box of the cells that may have changed.
+    """
+    reach = reach_of(inflation, resolution)
+    inner = grown(box, reach, master.shape)
+    outer = grown(inner, reach, master.shape)
+    part = inflate(costs(outer), resolution, inflation)
     rows = slice(inner[0].start - outer[0].start, inner[0].stop - outer[0].start)
     columns = slice(inner[1].start - outer[1].start, inner[1].stop - outer[1].start)
     master[inner] = part[rows, columns]
+    return inner
 
 
 def occupancy_of_costs(costs: NDArray[np.uint8]) -> NDArray[np.int8]:
     """Costs as a nav_msgs/OccupancyGrid shows them: 100 obstacle, 99 inscribed, 98 to 0 below, -1 unknown."""
-    occupancy: NDArray[np.int8] = _OCCUPANCY[costs]
-    return occupancy
+    return translate_cells(costs, _OCCUPANCY)
 
 
 def _occupancy_table() -> NDArray[np.int8]:
@@ -124,9 +143,20 @@ def _occupancy_table() -> NDArray[np.int8]:
 _OCCUPANCY = _occupancy_table()
 
 
-def _grown(box: tuple[slice, slice], by: int, shape: tuple[int, ...]) -> tuple[slice, slice]:
+def grown(box: Box, by: int, shape: tuple[int, ...]) -> Box:
+    """Return a box with `by` more cells on each side, as far as the grid goes."""
     rows, columns = box
     return (
         slice(max(0, rows.start - by), min(shape[0], rows.stop + by)),
         slice(max(0, columns.start - by), min(shape[1], columns.stop + by)),
+    )
+
+
+def joined(box: Box | None, other: Box) -> Box:
+    """Return the smallest box round two."""
+    if box is None:
+        return other
+    return (
+        slice(min(box[0].start, other[0].start), max(box[0].stop, other[0].stop)),
+        slice(min(box[1].start, other[1].start), max(box[1].stop, other[1].stop)),
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -65,50 +66,43 @@ def trace_beams(
     *,
     clear: bool = True,
     mark: bool = True,
-    ignore: NDArray[np.bool_] | None = None,
+    ignore: Callable[[NDArray[np.intp]], NDArray[np.bool_]] | None = None,
 ) -> tuple[slice, slice] | None:
     """Clear the cells that rays pass through, then mark those they end in. Changes `occupied` (height, width).
 
     `frame` places the cells; `sensor` is the sensor's pose in its frame. Rays are sampled every 0.7 cells and stop
-    half a cell before their end. Cells of `ignore` are not marked (they are known already).
+    half a cell before their end. Cells (n, 2) for which `ignore` is true (n) are not marked: they are known already.
     Returns the box (rows, columns) of the cells that changed, or None.
     """
     width = frame.width
     bearing = beams.angles + sensor.yaw
     directions = np.stack((np.cos(bearing), np.sin(bearing)), axis=-1)
-    touched: list[NDArray[np.intp]] = []
+    none = np.empty(0, np.intp)
+    cleared, marked = none, none
     flat = occupied.reshape(-1)
-    before = flat.copy()
     if clear and len(bearing):
         free = np.minimum(beams.ranges - frame.resolution / 2, reach.raytrace)
         steps = np.arange(0.0, max(float(free.max()), frame.resolution), 0.7 * frame.resolution)
         points = (sensor.x, sensor.y) + steps[:, None, None] * directions
         cells = frame.cells_of_points(points)
         good = (steps[:, None] < free) & frame.contains(cells)
-        index = (cells[..., 0] * width + cells[..., 1])[good]
-        index = index[flat[index]]
-        touched.append(index)
-        flat[index] = False
+        cleared = (cells[..., 0] * width + cells[..., 1])[good]
+        cleared = cleared[flat[cleared]]
     if mark:
         near = beams.hits & (beams.ranges <= reach.obstacle)
         points = (sensor.x, sensor.y) + beams.ranges[near, None] * directions[near]
         cells = frame.cells_of_points(points)
-        index = (cells[:, 0] * width + cells[:, 1])[frame.contains(cells)]
+        cells = cells[frame.contains(cells)]
         if ignore is not None:
-            index = index[~ignore.reshape(-1)[index]]
-        touched.append(index)
-        flat[index] = True
-    return _changed(flat, before, width, touched)
-
-
-def _changed(
-    flat: NDArray[np.bool_], before: NDArray[np.bool_], width: int, touched: list[NDArray[np.intp]]
-) -> tuple[slice, slice] | None:
-    index = np.concatenate(touched) if touched else np.empty(0, np.intp)
-    index = index[flat[index] != before[index]]
-    if not len(index):
+            cells = cells[~ignore(cells)]
+        marked = cells[:, 0] * width + cells[:, 1]
+    new = marked[~flat[marked]]
+    flat[cleared] = False
+    flat[marked] = True
+    changed = np.concatenate((cleared[~flat[cleared]], new))
+    if not len(changed):
         return None
-    rows, columns = index // width, index % width
+    rows, columns = changed // width, changed % width
     return slice(int(rows.min()), int(rows.max()) + 1), slice(int(columns.min()), int(columns.max()) + 1)
 
 

@@ -6,16 +6,26 @@ import math
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import binary_dilation
 
-from ur_nodes.costmap.costmap import LETHAL, Costmap, Inflation, costs_of_grid, inflate, inflate_window
+from ur_nodes.costmap.costmap import (
+    LETHAL,
+    UNKNOWN,
+    Box,
+    Costmap,
+    Inflation,
+    costs_of_grid,
+    inflate,
+    inflate_window,
+    joined,
+)
 from ur_nodes.costmap.layers import Beams, Ranges, trace_beams
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
+from ur_nodes.geometry.sparse_array import sparse_zeros
 
 
 class MapCostmap:
-    """Costs over a whole map, kept up to date where something changes.
+    """Costs over a whole map, kept up to date where something changes: two bytes a cell.
 
     `known` (m): what the scan sees this near to an obstacle of the map is that obstacle, seen from a pose that is
     not quite right, and is not marked.
@@ -24,14 +34,15 @@ class MapCostmap:
     def __init__(
         self, grid: Grid, reach: Ranges, inflation: Inflation, *, lethal: int, track_unknown: bool, known: float = 0.12
     ) -> None:
-        self._grid = grid
         self._reach = reach
         self._inflation = inflation
-        self._static = costs_of_grid(grid, lethal=lethal, track_unknown=track_unknown)
-        self._occupied: NDArray[np.bool_] = np.zeros(self._static.shape, bool)
-        self._known = _near(self._static == LETHAL, known / grid.resolution)
-        self._plain = Costmap(inflate(self._static, grid.resolution, inflation), grid.resolution, grid.origin)
+        costs = costs_of_grid(grid, lethal=lethal, track_unknown=track_unknown)
+        self._plain = Costmap(inflate(costs, grid.resolution, inflation), grid.resolution, grid.origin)
         self._costs = self._plain.costs.copy()
+        self._occupied: NDArray[np.bool_] = sparse_zeros(costs.shape, bool)
+        self._marked: Box | None = None  # holds all of _occupied
+        self._near = _disc(known / grid.resolution)
+        self._changed: Box | None = None
         self.changes = 0
 
     @property
@@ -42,46 +53,64 @@ class MapCostmap:
     @property
     def costmap(self) -> Costmap:
         """The present costs. Its array changes with the next update."""
-        return Costmap(self._costs, self._grid.resolution, self._grid.origin)
+        return Costmap(self._costs, self._plain.resolution, self._plain.origin)
 
-    @property
-    def frozen(self) -> Costmap:
-        """A copy of the present costs, for use while updates go on."""
-        return Costmap(self._costs.copy(), self._grid.resolution, self._grid.origin)
+    def take_changes(self) -> Box | None:
+        """Return the box of what has changed since the last call, None for nothing."""
+        box, self._changed = self._changed, None
+        return box
 
     def update(self, sensor: Pose2, beams: Beams) -> bool:
         """Clear and mark with a scan taken from `sensor` (in the map). Returns whether anything changed."""
-        frame = self.costmap
-        box = trace_beams(self._occupied, frame, sensor, beams, self._reach, ignore=self._known)
+        box = trace_beams(self._occupied, self._plain, sensor, beams, self._reach, ignore=self._is_known)
         if box is not None:
+            self._marked = joined(self._marked, box)
             self._refresh(box)
         return box is not None
 
     def clear(self, keep: Pose2 | None = None, distance: float = 0.0) -> None:
         """Forget what the scan has seen, everywhere or outside a square of half side `distance` round a place."""
+        box = self._marked
+        if box is None:
+            self.changes += 1
+            return
+        before = self._occupied[box].copy()
+        self._occupied[box] = False
         if keep is not None:
-            row, column = self.costmap.fractions_of_points(np.array((keep.x, keep.y)))
-            reach = distance / self._grid.resolution
-            kept = self._occupied.copy()
-            rows = slice(max(0, math.floor(row - reach)), max(0, math.ceil(row + reach)))
-            columns = slice(max(0, math.floor(column - reach)), max(0, math.ceil(column + reach)))
-            kept[rows, columns] = False
-            self._occupied &= ~kept
+            row, column = self._plain.fractions_of_points(np.array((keep.x, keep.y)))
+            reach = distance / self._plain.resolution
+            top, left = box[0].start, box[1].start
+            rows = slice(max(0, math.floor(row - reach) - top), max(0, math.ceil(row + reach) - top))
+            columns = slice(max(0, math.floor(column - reach) - left), max(0, math.ceil(column + reach) - left))
+            self._occupied[box][rows, columns] = before[rows, columns]
         else:
-            self._occupied[:] = False
-        self._refresh((slice(0, self._grid.height), slice(0, self._grid.width)))
+            self._marked = None
+        self._refresh(box)
 
-    def _refresh(self, box: tuple[slice, slice]) -> None:
-        merged = np.where(self._occupied, np.uint8(LETHAL), self._static).astype(np.uint8)
-        inflate_window(self._costs, merged, self._grid.resolution, self._inflation, box)
+    def _refresh(self, box: Box) -> None:
+        changed = inflate_window(self._costs, self._merged, self._plain.resolution, self._inflation, box)
+        self._changed = joined(self._changed, changed)
         self.changes += 1
 
+    def _merged(self, box: Box) -> NDArray[np.uint8]:
+        """The costs in a box before inflation. Slopes of the map count as free: they come back with its walls."""
+        plain = self._plain.costs[box]
+        result = np.where((plain == LETHAL) | (plain == UNKNOWN), plain, np.uint8(0))
+        result[self._occupied[box]] = LETHAL
+        return result
 
-def _near(lethal: NDArray[np.bool_], cells: float) -> NDArray[np.bool_]:
+    def _is_known(self, cells: NDArray[np.intp]) -> NDArray[np.bool_]:
+        """True (n) for cells (n, 2) that are an obstacle of the map or near one."""
+        height, width = self._plain.shape
+        near = cells[:, None] + self._near
+        rows, columns = np.clip(near[..., 0], 0, height - 1), np.clip(near[..., 1], 0, width - 1)
+        # Beyond the border the outermost cells stand for what is there: no nearer to the cell than they are.
+        known: NDArray[np.bool_] = (self._plain.costs[rows, columns] == LETHAL).any(axis=1)
+        return known
+
+
+def _disc(cells: float) -> NDArray[np.intp]:
+    """The offsets (n, 2) of all cells within a radius."""
     reach = math.floor(cells)
-    if reach < 1:
-        return lethal
-    offsets = np.arange(-reach, reach + 1)
-    disc = np.hypot(offsets[:, None], offsets) <= cells
-    near: NDArray[np.bool_] = binary_dilation(lethal, structure=disc)
-    return near
+    offsets = np.stack(np.meshgrid(*[np.arange(-reach, reach + 1)] * 2), axis=-1).reshape(-1, 2)
+    return offsets[np.hypot(*offsets.T) <= max(cells, 0.0)]

@@ -6,12 +6,11 @@ import math
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
-from skimage.graph import MCP_Geometric
 
 from ur_nodes.costmap.costmap import INSCRIBED, LETHAL, UNKNOWN, Costmap
 from ur_nodes.navigation.path_geometry import Points, resample
-from ur_nodes.navigation.path_smooth import Bending, pull_straight, smooth
+from ur_nodes.navigation.path_smooth import Bending, Weights, pull_straight, smooth
+from ur_nodes.navigation.way_search import find_way
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,19 +46,17 @@ def plan_path(
     No point of it has a cost of 253 or more, except where the start itself has. Deterministic.
     Raises NoPathError: a place outside the map, in an obstacle, too near to one, or not connected.
     """
-    weights = traversal_weights(costmap, settings)
+    weights = traversal_weights(settings)
     start_cell = _start_cell(costmap, weights, start, settings)
     goal_cell, target = _goal_cell(costmap, weights, goal, settings)
-    search = MCP_Geometric(np.where(np.isfinite(weights), weights, -1.0))
-    totals, _ = search.find_costs([start_cell], [goal_cell])
-    if not np.isfinite(totals[goal_cell]):
+    cells = find_way(costmap.costs, weights, start_cell, goal_cell)
+    if cells is None:
         raise NoPathError(
             f"no path: nothing wide enough for the robot leads from {_place(start)} to the goal {_place(goal)}"
         )
-    cells = np.array(search.traceback(goal_cell))
     points: Points = costmap.points_of_cells(cells)
     points[-1] = target
-    escape = np.array([start]) if weights[_cell(costmap, start)] == math.inf else np.empty((0, 2))
+    escape = np.array([start]) if weights[costmap.costs[_cell(costmap, start)]] == math.inf else np.empty((0, 2))
     if not len(escape):
         points[0] = start
     points = _without_doubles(points)
@@ -70,13 +67,12 @@ def plan_path(
     return resample(whole, settings.spacing)
 
 
-def traversal_weights(costmap: Costmap, settings: PlanSettings) -> NDArray[np.float64]:
-    """Return the cost of a metre in each cell (height, width), 1 for a cost of 0; inf where the robot must not go."""
-    costs = costmap.costs
-    weights = 1.0 + settings.factor * costs.astype(np.float64) / settings.neutral
-    weights[costs >= INSCRIBED] = math.inf
+def traversal_weights(settings: PlanSettings) -> Weights:
+    """Return the cost of a metre for each cost of a cell (256), 1 for a cost of 0; inf where the robot must not go."""
+    weights = 1.0 + settings.factor * np.arange(256.0) / settings.neutral
+    weights[INSCRIBED:] = math.inf
     if settings.allow_unknown:
-        weights[costs == UNKNOWN] = 1.0 + settings.factor * (INSCRIBED - 1) / settings.neutral
+        weights[UNKNOWN] = 1.0 + settings.factor * (INSCRIBED - 1) / settings.neutral
     return weights
 
 
@@ -87,12 +83,12 @@ def path_is_free(costmap: Costmap, points: Points) -> bool:
 
 
 def _start_cell(
-    costmap: Costmap, weights: NDArray[np.float64], start: tuple[float, float], settings: PlanSettings
+    costmap: Costmap, weights: Weights, start: tuple[float, float], settings: PlanSettings
 ) -> tuple[int, int]:
     cell = _cell(costmap, start)
     if not _inside(costmap, cell):
         raise NoPathError(f"the robot at {_place(start)} is outside the map")
-    if math.isfinite(weights[cell]):
+    if math.isfinite(weights[costmap.costs[cell]]):
         return cell
     near = _nearest_free(costmap, weights, start, settings.escape)
     if near is None:
@@ -102,12 +98,12 @@ def _start_cell(
 
 
 def _goal_cell(
-    costmap: Costmap, weights: NDArray[np.float64], goal: tuple[float, float], settings: PlanSettings
+    costmap: Costmap, weights: Weights, goal: tuple[float, float], settings: PlanSettings
 ) -> tuple[tuple[int, int], tuple[float, float]]:
     cell = _cell(costmap, goal)
     if not _inside(costmap, cell):
         raise NoPathError(f"the goal {_place(goal)} is outside the map")
-    if math.isfinite(weights[cell]):
+    if math.isfinite(weights[costmap.costs[cell]]):
         return _with_room(costmap, weights, cell, goal, settings)
     near = _nearest_free(costmap, weights, goal, settings.tolerance) if settings.tolerance > 0.0 else None
     if near is None:
@@ -118,7 +114,7 @@ def _goal_cell(
 
 def _with_room(
     costmap: Costmap,
-    weights: NDArray[np.float64],
+    weights: Weights,
     cell: tuple[int, int],
     goal: tuple[float, float],
     settings: PlanSettings,
@@ -141,7 +137,7 @@ def _with_room(
     best = int(np.argmax(rooms >= settings.room)) if (rooms >= settings.room).any() else int(np.argmax(rooms))
     x, y = places[best].tolist()
     target = _cell(costmap, (x, y))
-    if not _inside(costmap, target) or not math.isfinite(weights[target]):
+    if not _inside(costmap, target) or not math.isfinite(weights[costmap.costs[target]]):
         return cell, goal
     return target, (x, y)
 
@@ -154,13 +150,13 @@ def _obstacle(costmap: Costmap, cell: tuple[int, int]) -> str:
 
 
 def _nearest_free(
-    costmap: Costmap, weights: NDArray[np.float64], place: tuple[float, float], reach: float
+    costmap: Costmap, weights: Weights, place: tuple[float, float], reach: float
 ) -> tuple[int, int] | None:
     row, column = _cell(costmap, place)
     steps = math.ceil(reach / costmap.resolution)
     rows = slice(max(0, row - steps), row + steps + 1)
     columns = slice(max(0, column - steps), column + steps + 1)
-    free = np.argwhere(np.isfinite(weights[rows, columns])) + np.array((rows.start, columns.start))
+    free = np.argwhere(np.isfinite(weights[costmap.costs[rows, columns]])) + np.array((rows.start, columns.start))
     if not len(free):
         return None
     distances = np.hypot(*(costmap.points_of_cells(free) - place).T)

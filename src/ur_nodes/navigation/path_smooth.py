@@ -12,6 +12,13 @@ from scipy.ndimage import gaussian_filter
 from ur_nodes.costmap.costmap import Costmap
 from ur_nodes.navigation.path_geometry import Points, arc_lengths, resample
 
+Weights = NDArray[np.float64]
+"""The cost of a metre (256) for each cost of a cell, inf where the robot must not go."""
+
+_SMALL = 300_000  # cells of a map that is worked out whole
+_TILE = 64  # cells a side
+_AROUND = 5  # cells round a tile that its values depend on
+
 
 @dataclass(frozen=True, slots=True)
 class Bending:
@@ -22,11 +29,10 @@ class Bending:
     rounds: int = 60
 
 
-def pull_straight(points: Points, costmap: Costmap, weights: NDArray[np.float64], reach: float = 12.0) -> Points:
+def pull_straight(points: Points, costmap: Costmap, weights: Weights, reach: float = 12.0) -> Points:
     """Return the path (n, 2) without the detours of its grid.
 
-    Made of straight pieces of at most about `reach` m each that cost no more than what they replace. `weights`
-    (height, width) is the cost of a metre in each cell, inf where the path must not go.
+    Made of straight pieces of at most about `reach` m each that cost no more than what they replace.
     """
     along = arc_lengths(points)
     each = _weights_at(points, costmap, weights)
@@ -44,7 +50,7 @@ def pull_straight(points: Points, costmap: Costmap, weights: NDArray[np.float64]
     return points[kept]
 
 
-def smooth(points: Points, costmap: Costmap, weights: NDArray[np.float64], bending: Bending) -> Points:
+def smooth(points: Points, costmap: Costmap, weights: Weights, bending: Bending) -> Points:
     """Return a path like `points` (n, 2) that bends gently and trades length against cost as the weights do; ends stay.
 
     Each round moves every point towards the shortest weighted path (curvature against the gradient of log weight,
@@ -54,14 +60,14 @@ def smooth(points: Points, costmap: Costmap, weights: NDArray[np.float64], bendi
     path = resample(points, bending.spacing)
     if len(path) < 5:
         return path
-    slope = _log_gradient(weights, costmap.resolution)
+    slope = Slopes(costmap, weights, path)
     count = len(path)
     step = 1.5 * bending.spacing**2
     factor = _internal(count, bending, step)
     for number in range(bending.rounds):
         if number % 10 == 9:
             path = resample_to(path, count)
-        force = -_across(path, _sample(slope, costmap, path))
+        force = -_across(path, slope.at(path))
         target = path + step * force
         inner = target[1:-1].copy()
         _add_ends(inner, path, bending, step)
@@ -108,31 +114,66 @@ def _across(path: Points, vectors: Points) -> Points:
     return result
 
 
-def _log_gradient(weights: NDArray[np.float64], resolution: float) -> NDArray[np.float64]:
-    """The gradient (height, width, 2) as (d/dx, d/dy) per m, in the grid's axes, of the logarithm of the weights."""
-    finite = np.isfinite(weights)
-    top = float(weights[finite].max()) * 1.5 if finite.any() else 1.0
-    logs = gaussian_filter(np.log(np.where(finite, weights, top)), 1.0)
-    rows, columns = np.gradient(logs, resolution)
-    return np.stack((columns, rows), axis=-1)
+class Slopes:
+    """The gradient, per m, of the logarithm of the weights round a path; 0 farther than about 3 m from it.
+
+    A small map is worked out whole, a large one in tiles along the path.
+    """
+
+    def __init__(self, costmap: Costmap, weights: Weights, path: Points) -> None:
+        self._costmap = costmap
+        height, width = costmap.shape
+        small = costmap.costs.size <= _SMALL
+        self._tile = side = max(height, width) if small else _TILE
+        tiles = (-(-height // side), -(-width // side))
+        wanted = np.zeros(tiles, bool)
+        places = np.clip(costmap.cells_of_points(path) // side, 0, np.array(tiles) - 1)
+        for row in (-1, 0, 1):
+            for column in (-1, 0, 1):
+                near = np.clip(places + np.array((row, column)), 0, np.array(tiles) - 1)
+                wanted[near[:, 0], near[:, 1]] = True
+        self._number = np.full(tiles, -1, np.intp)
+        self._number[wanted] = np.arange(int(wanted.sum()))
+        finite = np.isfinite(weights)
+        present = np.bincount(costmap.costs.reshape(-1), minlength=256) > 0 if small else np.ones(256, bool)
+        top = float(weights[finite & present].max(initial=1.0)) * 1.5
+        logs = np.log(np.where(finite, weights, top))
+        parts = [self._work_out(logs, *tile) for tile in np.argwhere(wanted).tolist()]
+        most = [max(part.shape[axis] for part in parts) for axis in (0, 1)]
+        self._slopes = np.zeros((len(parts) + 1, *most, 2))  # the last one: where no tile is
+        for place, part in zip(self._slopes, parts, strict=False):
+            place[: part.shape[0], : part.shape[1]] = part
+
+    def at(self, points: Points) -> Points:
+        """The values (n, 2) at points (n, 2), between the cells' centres, in the costmap's frame."""
+        costmap, side = self._costmap, self._tile
+        height, width = costmap.shape
+        places = costmap.fractions_of_points(points) - 0.5
+        rows = np.clip(places[:, 0], 0, height - 1.001)
+        columns = np.clip(places[:, 1], 0, width - 1.001)
+        r, c = rows.astype(np.intp), columns.astype(np.intp)
+        u, v = (rows - r)[:, None], (columns - c)[:, None]
+        number = self._number[r // side, c // side]
+        r, c = r % side, c % side
+        slopes = self._slopes
+        low = slopes[number, r, c] * (1 - v) + slopes[number, r, c + 1] * v
+        high = slopes[number, r + 1, c] * (1 - v) + slopes[number, r + 1, c + 1] * v
+        x, y = (low * (1 - u) + high * u).T
+        cos, sin = np.cos(costmap.origin.yaw), np.sin(costmap.origin.yaw)
+        return np.stack((cos * x - sin * y, sin * x + cos * y), axis=-1)
+
+    def _work_out(self, logs: Weights, row: int, column: int) -> Points:
+        """The slopes (rows, columns, 2) as (d/dx, d/dy) in the grid's axes of one tile and one more row and column."""
+        top, left = row * self._tile, column * self._tile
+        upper, before = min(top, _AROUND), min(left, _AROUND)
+        beyond = self._tile + 1 + _AROUND
+        part = logs[self._costmap.costs[top - upper : top + beyond, left - before : left + beyond]]
+        rows, columns = np.gradient(gaussian_filter(part, 1.0), self._costmap.resolution)
+        inner = slice(upper, upper + self._tile + 1), slice(before, before + self._tile + 1)
+        return np.stack((columns[inner], rows[inner]), axis=-1)
 
 
-def _sample(slope: NDArray[np.float64], costmap: Costmap, points: Points) -> Points:
-    """Bilinear values of the slope (height, width, 2) at points, turned into the costmap's frame."""
-    height, width = slope.shape[:2]
-    places = costmap.fractions_of_points(points) - 0.5
-    rows = np.clip(places[:, 0], 0, height - 1.001)
-    columns = np.clip(places[:, 1], 0, width - 1.001)
-    r, c = rows.astype(np.intp), columns.astype(np.intp)
-    u, v = (rows - r)[:, None], (columns - c)[:, None]
-    low = slope[r, c] * (1 - v) + slope[r, c + 1] * v
-    high = slope[r + 1, c] * (1 - v) + slope[r + 1, c + 1] * v
-    x, y = (low * (1 - u) + high * u).T
-    cos, sin = np.cos(costmap.origin.yaw), np.sin(costmap.origin.yaw)
-    return np.stack((cos * x - sin * y, sin * x + cos * y), axis=-1)
-
-
-def _line_costs(starts: Points, ends: Points, costmap: Costmap, weights: NDArray[np.float64]) -> NDArray[np.float64]:
+def _line_costs(starts: Points, ends: Points, costmap: Costmap, weights: Weights) -> NDArray[np.float64]:
     """Return the costs of straight lines: length times mean weight, inf where one touches a forbidden cell."""
     lengths = np.hypot(*(ends - starts).T)
     count = max(2, int(np.ceil(lengths.max() / (0.5 * costmap.resolution))) + 1)
@@ -143,9 +184,10 @@ def _line_costs(starts: Points, ends: Points, costmap: Costmap, weights: NDArray
     return costs
 
 
-def _weights_at(points: NDArray[np.float64], costmap: Costmap, weights: NDArray[np.float64]) -> NDArray[np.float64]:
+def _weights_at(points: NDArray[np.float64], costmap: Costmap, weights: Weights) -> NDArray[np.float64]:
     """The weights (...) of the cells below points (..., 2), of the nearest cell where they are outside."""
     cells = costmap.cells_of_points(points)
-    height, width = weights.shape
-    below: NDArray[np.float64] = weights[np.clip(cells[..., 0], 0, height - 1), np.clip(cells[..., 1], 0, width - 1)]
+    height, width = costmap.shape
+    rows, columns = np.clip(cells[..., 0], 0, height - 1), np.clip(cells[..., 1], 0, width - 1)
+    below: NDArray[np.float64] = weights[costmap.costs[rows, columns]]
     return below

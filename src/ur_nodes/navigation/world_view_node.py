@@ -21,7 +21,7 @@ from ur_nodes.geometry.transform_tree import ExtrapolationError, TransformError
 from ur_nodes.navigation.local_plan import Motion
 from ur_nodes.navigation.move_base_parameters_node import MoveBaseSettings
 from ur_nodes.rosio.frames import Frames
-from ur_nodes.rosio.grid_message import grid_of_message
+from ur_nodes.rosio.grid_message import GridMessage, grid_of_message
 
 _WAITING = 100  # ranges that are not worked in yet
 _PATIENCE = 0.2  # s for which a range waits for the odometry of its time
@@ -53,7 +53,7 @@ class WorldView:
         self._scan: LaserScan | None = None
         self._used: float | None = None
         self._new_map: OccupancyGrid | None = None
-        rospy.Subscriber(settings.map_topic, OccupancyGrid, self._take_map, queue_size=1)
+        rospy.Subscriber(settings.map_topic, GridMessage, self._take_map, queue_size=1)
         self._ranges: deque[Range] = deque(maxlen=_WAITING)
         if settings.local.scan:
             rospy.Subscriber(settings.local.scan.topic, LaserScan, self._take_scan, queue_size=1, tcp_nodelay=True)
@@ -152,8 +152,8 @@ class WorldView:
         self.local.clear()
 
     def costmaps(self) -> tuple[Costmap, Costmap] | None:
-        """Copies of the costs of the whole map: with obstacles, and of the map alone."""
-        return (self.world.frozen, self.world.static) if self.world else None
+        """The costs of the whole map: with obstacles, which change with the next update, and of the map alone."""
+        return (self.world.costmap, self.world.static) if self.world else None
 
     def _use_map(self, message: OccupancyGrid) -> None:
         settings = self._settings

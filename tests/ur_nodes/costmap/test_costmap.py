@@ -69,7 +69,7 @@ def test_inflate_window_gives_what_inflating_everything_gives(
     master = inflate(costs, 0.05, INFLATION)
     for cell in changed:
         costs[cell] = 0 if costs[cell] == LETHAL else LETHAL
-    inflate_window(master, costs, 0.05, INFLATION, (slice(20, 30), slice(30, 40)))
+    inflate_window(master, lambda box: costs[box], 0.05, INFLATION, (slice(20, 30), slice(30, 40)))
     assert (master == inflate(costs, 0.05, INFLATION)).all()
 
 

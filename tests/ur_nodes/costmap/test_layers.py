@@ -63,7 +63,8 @@ def test_trace_beams_keeps_to_its_ranges() -> None:
 
 def test_trace_beams_does_not_mark_what_is_to_be_ignored() -> None:
     occupied, place = frame()
-    trace_beams(occupied, place, HERE, one_beam(0.0, 2.0), Ranges(2.5, 3.0), ignore=np.ones_like(occupied))
+    ranges = Ranges(2.5, 3.0)
+    trace_beams(occupied, place, HERE, one_beam(0.0, 2.0), ranges, ignore=lambda cells: np.ones(len(cells), bool))
     assert not occupied.any()
 
 
