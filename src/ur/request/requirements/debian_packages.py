@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import os
-import shutil
-import subprocess
 import sys
 from collections.abc import Sequence
 
@@ -21,6 +19,8 @@ def install_debian(alternatives: Sequence[Sequence[str]], title: str, *, ask: bo
     `title` says what that is, for people. With `ask` sudo may ask for a password on the terminal. A system without dpkg
     is left alone. Raises UserError: the packages could not be installed, or nobody may.
     """
+    import shutil  # only where a program needs packages
+
     if shutil.which("dpkg-query") is None or any(not list_missing(names) for names in alternatives):
         return
     missing = list_missing(alternatives[0])
@@ -39,6 +39,8 @@ def install_debian(alternatives: Sequence[Sequence[str]], title: str, *, ask: bo
 
 def list_missing(names: Sequence[str]) -> list[str]:
     """List those of the Debian packages that are not installed."""
+    import subprocess  # only where a program needs packages
+
     query = ["dpkg-query", "--show", "--showformat=${Package} ${db:Status-Status}\n", *names]
     done = subprocess.run(query, stdin=subprocess.DEVNULL, capture_output=True, text=True, check=False)
     installed = {line.removesuffix(" installed") for line in done.stdout.splitlines() if line.endswith(" installed")}
@@ -47,6 +49,9 @@ def list_missing(names: Sequence[str]) -> list[str]:
 
 def _become_root(missing: Sequence[str], command: str, *, ask: bool) -> list[str]:
     """The words in front of a command that root has to run."""
+    import shutil
+    import subprocess
+
     if find_root(os.environ) is not None:
         raise _refusal(missing, "this Debian root is changed from outside only", install_command(missing))
     environment = ["env", "DEBIAN_FRONTEND=noninteractive"]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import fcntl
 import importlib
-import subprocess
 import sys
 import time
 from collections.abc import Iterator, Sequence
@@ -58,6 +57,8 @@ def run_installer(command: Sequence[str], missing: str, settings: str) -> None:
 
     `missing` is what it installs; `settings`, where people find out why that failed.
     """
+    import subprocess  # only for an installation
+
     help_ = f"check the network and {settings}, then run this again"
     began = time.monotonic()
     try:

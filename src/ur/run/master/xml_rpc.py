@@ -179,7 +179,9 @@ def _post(address: tuple[str, int], body: bytes, timeout: float) -> bytes:
 
 def _connect(host: str, port: int, deadline: float) -> socket.socket:
     problem: OSError = OSError("no address")
-    for family, kind, protocol, _, address in socket.getaddrinfo(host, port, type=socket.SOCK_STREAM):
+    plain = host.isascii() and all(0 < len(label) < 64 for label in host.split("."))
+    name = host.encode() if plain else host  # IDNA, which takes 0.5 MB, is only for names that need it
+    for family, kind, protocol, _, address in socket.getaddrinfo(name, port, type=socket.SOCK_STREAM):
         link = socket.socket(family, kind, protocol)
         try:
             link.settimeout(_left(deadline))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import shutil
 import socket
 import stat
 from collections.abc import Iterable, Mapping
@@ -71,7 +70,7 @@ def register_run(entry: RunEntry, environment: Mapping[str, str], uid: int) -> t
                 file.write(text)
             os.rename(f"{folder}/{DESCRIPTION}.new", f"{folder}/{DESCRIPTION}")  # noqa: PTH104 - likewise
         except OSError:
-            shutil.rmtree(folder, ignore_errors=True)
+            _remove_folder(folder)
             continue
         return made, listener
     return None
@@ -80,7 +79,7 @@ def register_run(entry: RunEntry, environment: Mapping[str, str], uid: int) -> t
 def unregister_run(entry: RunEntry) -> None:
     """Remove the folder of a run."""
     if entry.folder:
-        shutil.rmtree(entry.folder, ignore_errors=True)
+        _remove_folder(entry.folder)
 
 
 def list_runs(environment: Mapping[str, str], uid: int, computer: Computer) -> list[RunEntry]:
@@ -197,7 +196,7 @@ def _is_private(root: str, uid: int) -> bool:
 def _remove_unfinished(folder: str) -> None:
     pid = folder.rpartition(".")[2]
     if pid.isdigit() and read_birth(int(pid)) is None:
-        shutil.rmtree(folder, ignore_errors=True)
+        _remove_folder(folder)
 
 
 def _read_entry(folder: str) -> RunEntry | None:
@@ -214,3 +213,9 @@ def _read_entry(folder: str) -> RunEntry | None:
         return None
     typed = all(type(getattr(entry, each.name)) in _TYPES[str(each.type)] for each in fields(entry))
     return entry if typed and 0 <= entry.started < _LATEST else None
+
+
+def _remove_folder(folder: str) -> None:
+    import shutil  # with every compression, which a run does not keep in memory
+
+    shutil.rmtree(folder, ignore_errors=True)
