@@ -26,7 +26,6 @@ ELSEWHERE = {
     "ur/cli/runs": "commands are tested as programs: tests/cli/ and tests/run/",
     "ur/docs/launch": "whole documents: tests/docs/ and tests/docs/site/",
     "ur/docs/repository": "whole documents: tests/docs/ and tests/docs/site/",
-    "ur/run/process": "processes of whole runs: tests/run/",
 }
 
 TEST_FILES = sorted(TESTS.rglob("test_*.py"))

@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-import os
 import select
 import signal
 import threading
 import time
 
 from ur.run.clients.monitor import Monitor
-from ur.run.host.protocol import GROUP, SESSION
 from ur.run.inbox import Inbox
 from ur.run.master.monitor import watch_any
 from ur.run.output.console import Console
 from ur.run.output.reporter import Reporter
 from ur.run.output.router import Outputs
-from ur.run.process.command import Program
 from ur.run.process.foreground import Foreground
 from ur.run.process.host_client import HostLost, ProcessHost, Suspended
+from ur.run.process.starts import Starts
 from ur.run.process.terminal import Terminal
 from ur.run.run import Job, Run
 from ur.run.startup.progress import Progress
@@ -81,7 +79,6 @@ class _Loop:
             limits=run.limits,
             shared=run.restart_share is not None,
         )
-        self._prefixes: dict[str, tuple[str, ...]] = {}  # for the next start only
         self._exit_code: int | None = None
         self._cause = ""
         self._over = threading.Event()
@@ -101,6 +98,7 @@ class _Loop:
             self._monitor.publish_output,
             unattended=run.clients.unattended or owner is not None,
         )
+        self._starts = Starts(run, host, self._outputs, self._foreground)
         self._reporter = Reporter(run, console, self._outputs, self._monitor)
         self._progress = Progress(run, self._inbox, self._monitor, self._reporter.inform)
 
@@ -121,6 +119,7 @@ class _Loop:
             deadline = next_deadline(self._state)
             if deadline is not None and now >= deadline:
                 self._handle_event(Tick())
+            self._outputs.work(now)
             self._monitor.work(now)
         return self._exit_code
 
@@ -151,7 +150,8 @@ class _Loop:
         unwritten = self._console.waiting()
         for descriptor in unwritten:
             self._poll.register(descriptor, select.POLLOUT)
-        times = [time for time in (next_deadline(self._state), self._monitor.due) if time is not None]
+        dues = (next_deadline(self._state), self._monitor.due, self._outputs.due)
+        times = [time for time in dues if time is not None]
         ready = self._poll.poll(max(0.0, min(times) - time.monotonic()) * 1000 + 1 if times else None)
         for descriptor in unwritten:
             self._poll.unregister(descriptor)
@@ -167,7 +167,7 @@ class _Loop:
         elif self._monitor.serves(descriptor):
             for event in self._monitor.attend(descriptor, time.monotonic()):
                 if isinstance(event, RestartWanted):
-                    self._prefixes[event.name] = event.prefix
+                    self._starts.prefixes[event.name] = event.prefix
                 self._handle_event(event)
             self._progress.follow(self._state)
         else:
@@ -246,8 +246,7 @@ class _Loop:
         if was_going and not is_before(self._state, Phase.STOPPING_NODES):
             self._notify_joined()
         self._note_progress(event)
-        for action in actions:
-            self._execute(action)
+        self._carry_out(actions)
         running = self._state.phase is Phase.RUNNING
         if running and self._master_watch is None:
             self._master_watch = self._watch_master()
@@ -275,10 +274,17 @@ class _Loop:
             threading.Thread(target=watch_any, args=words, daemon=True).start()
         return over
 
+    def _carry_out(self, actions: tuple[Action, ...]) -> None:
+        for action in actions:
+            if isinstance(action, Start):
+                self._starts.prepare(self._programs[action.name])
+            else:
+                self._starts.send()
+                self._execute(action)
+        self._starts.send()
+
     def _execute(self, action: Action) -> None:
         match action:
-            case Start(name):
-                self._start(self._programs[name])
             case Signal(name, signum):
                 self._host.signal_process(name, signum)
             case Sweep(signum):
@@ -304,20 +310,3 @@ class _Loop:
             self._inbox.post(lambda: self._handle_event(event))
 
         threading.Thread(target=work, daemon=True).start()
-
-    def _start(self, program: Program) -> None:
-        unit = program.unit
-        self._outputs.open(program)
-        prefix = self._prefixes.pop(unit.name, ())
-        words = program.with_prefix(prefix) if prefix else program.argv
-        argv = [*words, f"__log:={self._run.folder}/{program.log_name}.log"]
-        cwd = program.cwd or self._run.home
-        changes = dict(program.changes)
-        if unit.terminal:
-            self._host.start_process(unit.name, argv, cwd, changes, (0, 1, 2), self._foreground.lend())
-            return
-        stdio, given = self._outputs.wire(program)
-        alone = unit.core or self._run.terminal_program is not None
-        self._host.start_process(unit.name, argv, cwd, changes, stdio, SESSION if alone else GROUP)
-        for descriptor in given:
-            os.close(descriptor)

@@ -7,13 +7,16 @@ from pathlib import Path
 import pytest
 
 from ur.run.output.node_output import (
+    FLOOD_PIPE,
     KEPT_LINES,
     LONGEST_LINE,
+    MOST_READ,
     MOST_SHOWN,
     PERIOD,
     Allowance,
     LineSplitter,
     Stream,
+    enlarge_pipe,
     make_printable,
     read_last_lines,
 )
@@ -31,6 +34,15 @@ def test_endless_line_is_cut() -> None:
     lines = LineSplitter()
     assert lines.feed(b"x" * (2 * LONGEST_LINE + 1)) == [b"x" * LONGEST_LINE] * 2
     assert lines.feed(b"\n") == [b"x"]
+
+
+def test_skipped_lines_are_counted_and_the_last_ones_are_kept() -> None:
+    lines = LineSplitter()
+    assert lines.feed(b"begun, ") == []
+    assert lines.skip(b"".join(b"%d\r\n" % number for number in range(100)) + b"res", 2) == (100, [b"98", b"99"])
+    assert lines.skip(b"t\n", 2) == (1, [b"rest"])
+    assert lines.skip(b"x\n" * 3 + b"y" * (LONGEST_LINE + 1), 1) == (4, [b"x"])
+    assert lines.feed(b"") == [b"y"]
 
 
 @pytest.mark.parametrize(
@@ -104,6 +116,28 @@ def test_flooding_stream_is_logged_in_full_shown_in_part_and_remembered_to_its_e
     assert shown[MOST_SHOWN:] == ["... 1000 lines are not shown here; the log file has them", "last"]
     assert len((tmp_path / "log").read_bytes().splitlines()) == count + 1
     stream.close()
+    os.close(log)
+
+
+def test_pipe_of_a_flood_is_read_seldom_once_it_holds_enough(tmp_path: Path) -> None:
+    reader, writer = os.pipe()
+    log = os.open(tmp_path / "log", os.O_WRONLY | os.O_CREAT)
+    shown: list[str] = []
+    stream = Stream("/a", reader, log, lambda _, line: shown.append(line), lambda: 100.0)
+    recent: deque[str] = deque(maxlen=KEPT_LINES)
+    os.write(writer, b"x\n" * MOST_SHOWN)
+    assert stream.read(recent)
+    assert not stream.may_pause  # it may have ended with that
+    os.write(writer, b"y\n")
+    assert stream.read(recent)
+    assert stream.may_pause == (enlarge_pipe(reader) > MOST_READ)  # a user may have only so many large pipes
+    if stream.may_pause:
+        os.write(writer, b"z\n" * (FLOOD_PIPE // 3))
+        assert stream.read(recent)
+        assert not stream.may_pause  # it prints faster than that
+        assert recent[-1] == "z"
+    stream.close()
+    os.close(writer)
     os.close(log)
 
 

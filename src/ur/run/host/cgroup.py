@@ -11,8 +11,9 @@ from __future__ import annotations
 
 import os
 import select
-import signal
 import time
+
+from ur.run.host.signals import signal
 
 PREFIX = "ur-"
 

@@ -5,16 +5,13 @@ from __future__ import annotations
 import ctypes
 import os
 import select
-import signal
 import time
+
+from ur.run.host.signals import signal
 
 PR_SET_PDEATHSIG = 1  # linux/prctl.h
 PR_SET_NAME = 15
 PR_SET_CHILD_SUBREAPER = 36
-IGNORED = tuple(  # what guard and host do not want to hear, and a node has to hear again
-    getattr(signal, name)
-    for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT", "SIGTSTP", "SIGTTIN", "SIGTTOU", "SIGPIPE")
-)
 
 
 def inherit_orphans() -> None:

@@ -5,10 +5,10 @@ from __future__ import annotations
 import ctypes
 import marshal
 import os
-import signal
 
-from ur.run.host.descendants import IGNORED, PR_SET_PDEATHSIG
+from ur.run.host.descendants import PR_SET_PDEATHSIG
 from ur.run.host.protocol import FOREGROUND, SESSION
+from ur.run.host.signals import IGNORED, signal
 from ur.run.host.terminal import take_foreground
 
 TYPE_CHECKING = False
@@ -20,9 +20,15 @@ NOT_EXECUTED = 127  # the exit code of a process that could not become its progr
 
 
 class ProcessCreator:
-    """Fork and exec, where a process that fails before exec reports the reason itself, through a pipe."""
+    """Creates processes. One that fails before exec reports the reason itself, through a pipe.
+
+    New processes wait before exec until `release`: those that run already would take processor time from the creation
+    of the others, and the last of fifty would come late. Whatever ends this process ends their waiting.
+    """
 
     def __init__(self) -> None:
+        self._gate: tuple[int, int] | None = None  # a pipe; its end is the release
+        self.waiting = 0  # processes
         self._prctl = ctypes.CDLL(None, use_errno=True).prctl
         self._reader, self._writer = os.pipe2(os.O_CLOEXEC | os.O_NONBLOCK)
         self._failed: dict[str, tuple[int, str]] = {}
@@ -30,15 +36,26 @@ class ProcessCreator:
     def create(
         self, name: str, argv: list[str], cwd: str, environment: dict[str, str], session_mode: str, stdio: list[int]
     ) -> int:
-        """Fork a process that becomes a program; returns its id. OSError when there can be no more processes.
+        """Fork a process that becomes a program after `release`; returns its id.
 
-        `session_mode` is SESSION, GROUP or FOREGROUND; `stdio` are three open files.
+        `session_mode` is SESSION, GROUP or FOREGROUND; `stdio` are three open files. OSError when there can be no more
+        processes.
         """
         parent = os.getpid()
+        gate = self._gate = self._gate or os.pipe2(os.O_CLOEXEC)
         pid = os.fork()
         if pid == 0:
-            self._execute(name, argv, cwd, environment, session_mode, stdio, parent)
+            self._execute(name, argv, cwd, environment, session_mode, stdio, parent, gate)
+        self.waiting += 1
         return pid
+
+    def release(self) -> None:
+        """Let every new process become its program."""
+        if self._gate is not None:
+            for descriptor in self._gate:
+                os.close(descriptor)
+            self._gate = None
+            self.waiting = 0
 
     def find_failure(self, name: str) -> tuple[int, str] | None:
         """The errno, and the path that it is about, of a process that never became its program; None when it did."""
@@ -59,16 +76,18 @@ class ProcessCreator:
         session_mode: str,
         stdio: list[int],
         parent: int,
+        gate: tuple[int, int],
     ) -> NoReturn:
         problem = argv[0]
         try:
+            os.close(gate[1])
             if session_mode == SESSION:
                 os.setsid()
             else:
                 os.setpgid(0, 0)
             if session_mode == FOREGROUND:
                 take_foreground(stdio[0], os.getpid())
-            self._prctl(PR_SET_PDEATHSIG, int(signal.SIGKILL), 0, 0, 0)
+            self._prctl(PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
             if os.getppid() != parent:
                 os._exit(NOT_EXECUTED)
             for number, descriptor in enumerate(stdio[:3]):
@@ -80,7 +99,8 @@ class ProcessCreator:
             problem = cwd
             os.chdir(cwd)
             problem = argv[0]
-            os.execvpe(argv[0], argv, environment)  # noqa: S606 - the purpose of a process host
+            os.read(gate[0], 1)
+            os.execvpe(argv[0], argv, environment)  # noqa: S606 - what a process host is for
         except OSError as failure:
             os.write(self._writer, marshal.dumps((name, failure.errno or 0, problem)).ljust(RECORD))
         finally:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import os
-import signal
 
 from ur.run.host.cgroup import make_cgroup
-from ur.run.host.descendants import IGNORED, inherit_orphans
+from ur.run.host.descendants import inherit_orphans
+from ur.run.host.signals import IGNORED, signal
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

@@ -9,11 +9,16 @@ signum)`, `("stopped", name)`, `("empty",)`.
 from __future__ import annotations
 
 import marshal
-import socket
+from _socket import CMSG_SPACE, MSG_CMSG_CLOEXEC, SCM_RIGHTS, SOL_SOCKET
+from struct import calcsize, unpack
+from struct import pack as pack_struct
 
 TYPE_CHECKING = False  # what typing.TYPE_CHECKING is, without the 1.3 MB of typing
 if TYPE_CHECKING:
+    from _socket import socket as Socket  # noqa: N812 - a class, named as classes are
     from typing import Any
+
+_INT = calcsize("i")
 
 # Where a process is started, always as the leader of a process group: in a session of its own; in the host's; or there
 # as the group that owns the terminal on its standard input. Nodes share the host's where they can: Linux gives every
@@ -23,30 +28,40 @@ GROUP = "group"
 FOREGROUND = "foreground"
 
 
-def send(link: socket.socket, message: tuple[Any, ...], descriptors: tuple[int, ...] = ()) -> None:
-    """Send one message, with open files. Both ends run the same Python, so `marshal` is a safe language."""
+def pack(message: tuple[Any, ...]) -> bytes:
+    """One message as it is sent. Both ends run the same Python, so `marshal` is a safe language."""
     data = marshal.dumps(message)
-    head = len(data).to_bytes(4, "little")
+    return len(data).to_bytes(4, "little") + data
+
+
+def send(link: Socket, message: tuple[Any, ...], descriptors: tuple[int, ...] = ()) -> None:
+    """Send one message, with open files."""
+    data = pack(message)
     if descriptors:
-        socket.send_fds(link, [head], descriptors)
-        link.sendall(data)
-    else:
-        link.sendall(head + data)
+        data = data[
+            link.sendmsg([data], [(SOL_SOCKET, SCM_RIGHTS, pack_struct(f"{len(descriptors)}i", *descriptors))]) :
+        ]
+    link.sendall(data)
 
 
-def receive(link: socket.socket) -> tuple[tuple[Any, ...], list[int]]:
-    """Receive one message. EOFError when the other end is gone."""
-    head, descriptors, _, _ = socket.recv_fds(link, 4, 3, socket.MSG_CMSG_CLOEXEC)
+def receive(link: Socket) -> tuple[tuple[Any, ...], list[int]]:
+    """Receive one message with three open files at most. EOFError when the other end is gone."""
+    head, others, _, _ = link.recvmsg(4, CMSG_SPACE(3 * _INT), MSG_CMSG_CLOEXEC)
+    descriptors: list[int] = []
+    for level, kind, data in others:
+        if level == SOL_SOCKET and kind == SCM_RIGHTS:
+            count = len(data) // _INT
+            descriptors += unpack(f"{count}i", data[: count * _INT])
     while len(head) < 4:
         more = link.recv(4 - len(head)) if head else b""
         if not more:
             raise EOFError
         head += more
     size = int.from_bytes(head, "little")
-    data = bytearray()
-    while len(data) < size:
-        part = link.recv(size - len(data))
+    body = bytearray()
+    while len(body) < size:
+        part = link.recv(size - len(body))
         if not part:
             raise EOFError
-        data += part
-    return marshal.loads(data), list(descriptors)  # noqa: S302 - from our own other half
+        body += part
+    return marshal.loads(body), descriptors  # noqa: S302 - from our own other half

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import fcntl
+import gc
 import os
 import select
-import signal
-import socket
 import termios
 import time
+from _socket import MSG_DONTWAIT
+from _socket import socket as Socket  # noqa: N812 - a class, named as classes are
 
 from ur.run.host.descendants import (
-    IGNORED,
     inherit_orphans,
     kill_descendants,
     name_process,
@@ -20,14 +20,16 @@ from ur.run.host.descendants import (
     signal_group,
 )
 from ur.run.host.fork import NOT_EXECUTED, ProcessCreator
-from ur.run.host.protocol import FOREGROUND, receive, send
+from ur.run.host.protocol import FOREGROUND, pack, receive
+from ur.run.host.signals import IGNORED, signal
 from ur.run.host.terminal import restore_terminal
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any
 
-INTERRUPT_SECONDS = 0.7  # s that processes get to end by themselves after the supervisor died
+MOST_WAITING = 200  # processes that are created before any of them runs; each takes half a MB meanwhile
+INTERRUPT_SECONDS = 0.7  # s that processes get to end after the supervisor died
 KILL_SECONDS = 3.0  # s that they get to die of SIGKILL after that
 
 
@@ -40,7 +42,8 @@ def serve(descriptor: int) -> None:
     signal.pthread_sigmask(signal.SIG_BLOCK, IGNORED)
     for signum in IGNORED:
         signal.signal(signum, signal.SIG_IGN)
-    host = _Host(socket.socket(fileno=descriptor))
+    gc.freeze()  # what a new process does not touch is not copied for it
+    host = _Host(Socket(fileno=descriptor))
     try:
         host.serve()
     except (EOFError, ConnectionError):
@@ -52,8 +55,10 @@ def serve(descriptor: int) -> None:
 class _Host:
     """The processes that were started, by the name the supervisor gave them."""
 
-    def __init__(self, link: socket.socket) -> None:
+    def __init__(self, link: Socket) -> None:
         self._link = link
+        # The supervisor may be busy sending; if both waited for the other to receive, both would wait for ever.
+        self._unsent = bytearray()
         self._creator = ProcessCreator()
         self._names: dict[int, str] = {}  # by process id
         self._pids: dict[str, int] = {}
@@ -66,16 +71,23 @@ class _Host:
 
     def serve(self) -> None:
         """Handle requests and ended processes until the link closes (EOFError)."""
+        link = self._link.fileno()
         poll = select.poll()
-        for descriptor in (self._link.fileno(), self._wake):
-            poll.register(descriptor, select.POLLIN)
+        poll.register(self._wake, select.POLLIN)
         while True:
-            for descriptor, _ in poll.poll():
-                if descriptor == self._wake:
-                    _drain(self._wake)
-                    self._reap()
-                else:
-                    self._handle_request(*receive(self._link))
+            waiting = self._creator.waiting
+            poll.register(link, select.POLLIN | (select.POLLOUT if self._unsent and not waiting else 0))
+            ready = dict(poll.poll(0 if waiting else None))
+            readable = ready.get(link, 0) & ~select.POLLOUT
+            if waiting and (not readable or waiting >= MOST_WAITING):
+                self._creator.release()
+            if self._wake in ready:
+                _drain(self._wake)
+                self._reap()
+            if readable:
+                self._handle_request(*receive(self._link))
+            if not self._creator.waiting:
+                self._flush()
 
     def end_all(self) -> None:
         """End everything after the supervisor is gone: SIGINT first, then SIGKILL. Restores the terminal."""
@@ -89,6 +101,8 @@ class _Host:
             restore_terminal(*self._terminal[1:], reset=True)
 
     def _handle_request(self, message: tuple[Any, ...], descriptors: list[int]) -> None:
+        if message[0] != "start":
+            self._creator.release()
         match message:
             case ("start", name, argv, cwd, changes, session_mode):
                 self._start(name, argv, cwd, changes, session_mode, descriptors)
@@ -163,7 +177,15 @@ class _Host:
             self._send("exited", name, code, None)
 
     def _send(self, *message: object) -> None:
-        send(self._link, message)
+        self._unsent += pack(message)
+
+    def _flush(self) -> None:
+        """Send what the supervisor takes now."""
+        while self._unsent:
+            try:
+                del self._unsent[: self._link.send(self._unsent, MSG_DONTWAIT)]
+            except BlockingIOError:  # noqa: PERF203 - the end of the loop
+                return
 
 
 def _drain(descriptor: int) -> None:

@@ -10,6 +10,8 @@ from collections.abc import Callable
 LONGEST_LINE = 16 * 1024  # bytes; a longer one is cut into pieces
 KEPT_LINES = 12  # of each node, for crash reports
 MOST_READ = 64 * 1024  # bytes at once: what a pipe holds, pipe(7)
+FLOOD_PIPE = 1024 * 1024  # bytes that the pipe of a node that floods is made to hold, where that is allowed
+FLOOD_PAUSE = 0.1  # s between two reads of such a pipe
 MOST_SHOWN = 5000  # lines of one node that people see in each period
 PERIOD = 2.0  # s
 
@@ -30,6 +32,16 @@ class LineSplitter:
             lines.append(self._rest[:LONGEST_LINE])
             self._rest = self._rest[LONGEST_LINE:]
         return [line.rstrip(b"\r") for line in lines]
+
+    def skip(self, data: bytes, kept: int) -> tuple[int, list[bytes]]:
+        """The number of lines that are complete now, and the last `kept` of them: the others cost next to nothing."""
+        count = data.count(b"\n")
+        if count <= kept:
+            lines = self.feed(data)
+            return len(lines), lines[-kept:]
+        _, *lines, self._rest = data.rsplit(b"\n", kept + 1)
+        rest, self._rest = self._rest, b""
+        return count + len(self.feed(rest) if rest else ()), [line.rstrip(b"\r") for line in lines]
 
 
 class Allowance:
@@ -52,6 +64,10 @@ class Allowance:
         self._left -= granted
         self._lost += count - granted
         return granted, lost
+
+    def is_spent(self, now: float) -> bool:
+        """True while no line is granted."""
+        return not self._left and now < self._end
 
     def settle(self) -> int:
         """Return the number of lost lines since the last report, and reset it."""
@@ -80,20 +96,35 @@ class Stream:
         self._read_clock = read_clock
         self._lines = LineSplitter()
         self._allowance = Allowance()
+        self._most_read = MOST_READ
+        self._enlarged = False
+        self.may_pause = False  # the node floods, and its pipe holds what it prints in FLOOD_PAUSE
         os.set_blocking(descriptor, False)
 
     def read(self, recent: deque[str]) -> bool:
         """Take what is there; the last lines also go to `recent`. False at the end of the stream."""
         try:
-            data = os.read(self.descriptor, MOST_READ)
+            data = os.read(self.descriptor, self._most_read)
         except BlockingIOError:
             return True
         except OSError:  # EIO: the other end of a pseudo terminal is closed
             data = b""
         if data:
             write_log(self._log, data)
+        now = self._read_clock()
+        flooding = bool(data) and self._allowance.is_spent(now)
+        if flooding and not self._enlarged:
+            self._enlarged = True
+            self._most_read = max(MOST_READ, enlarge_pipe(self.descriptor))
+        # Half of what it holds must be free, so that the node does not wait for us.
+        self.may_pause = flooding and MOST_READ < self._most_read > 2 * len(data)
+        if flooding:
+            count, lines = self._lines.skip(data, KEPT_LINES)
+            self._allowance.take(count, now)
+            recent.extend(map(make_printable, lines))
+            return True
         lines = self._lines.feed(data)
-        granted, lost = self._allowance.take(len(lines), self._read_clock())
+        granted, lost = self._allowance.take(len(lines), now)
         self._describe_lost(lost)
         for line in lines[:granted]:
             text = make_printable(line)
@@ -112,6 +143,16 @@ class Stream:
     def close(self) -> None:
         """Give the descriptor back. The log belongs to the node and stays open."""
         os.close(self.descriptor)
+
+
+def enlarge_pipe(descriptor: int) -> int:
+    """Make a pipe hold FLOOD_PIPE bytes; returns what it holds now, 0 for what is no pipe, or where that is refused."""
+    import fcntl  # only for a node that floods
+
+    try:
+        return int(fcntl.fcntl(descriptor, 1031, FLOOD_PIPE))  # F_SETPIPE_SZ, which Python 3.10 knows by number only
+    except OSError:
+        return 0
 
 
 def write_log(descriptor: int, data: bytes) -> None:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import os
 import select
+import time
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from ur.run.output.console import Console
-from ur.run.output.node_output import KEPT_LINES, LineSplitter, Stream, make_printable, read_last_lines
+from ur.run.output.node_output import FLOOD_PAUSE, KEPT_LINES, LineSplitter, Stream, make_printable, read_last_lines
 from ur.run.process.command import Program
 
 if TYPE_CHECKING:
@@ -50,6 +51,8 @@ class Outputs:
         self._unattended = unattended
         self._outputs: dict[str, _Output] = {}
         self._streams: dict[int, Stream] = {}
+        self._paused: dict[int, float] = {}  # descriptors that are not polled until a time
+        self._null = -1  # standard input of every node
 
     def open(self, program: Program) -> None:
         """Make, or go on with, the log file of a node that is about to start."""
@@ -69,11 +72,13 @@ class Outputs:
         """The stdio of a node that was opened, and which of these to close once it is started."""
         name = program.unit.name
         output = self._outputs[name]
-        null = os.open(os.devnull, os.O_RDONLY | os.O_CLOEXEC)
+        if self._null < 0:
+            self._null = os.open(os.devnull, os.O_RDONLY | os.O_CLOEXEC)
+        null = self._null
         if program.unit.core or self._unattended:
             output.direct = True
-            return (null, output.log, output.log), [null]
-        given = [null]
+            return (null, output.log, output.log), []
+        given = []
         ends = []
         output.direct = not program.screen
         wishes: tuple[tuple[bool, bool, Callable[[str, str], None], OutputSource], ...] = (
@@ -104,7 +109,21 @@ class Outputs:
         if not more:
             self._close_stream(stream)
             output.streams.remove(stream)
+        elif stream.may_pause:
+            self._pause(descriptor)
         return more
+
+    @property
+    def due(self) -> float | None:
+        """The time at which `work` is due next; None: only on events."""
+        return min(self._paused.values(), default=None)
+
+    def work(self, now: float) -> None:
+        """Read the streams that were left alone until now."""
+        for descriptor in [each for each, due in self._paused.items() if due <= now]:
+            self._poll.register(descriptor, select.POLLIN)
+            del self._paused[descriptor]
+            self.read(descriptor)
 
     def drain(self, name: str) -> None:
         """Take what a node printed before it ended."""
@@ -144,6 +163,9 @@ class Outputs:
         """Give every descriptor back."""
         for output in self._outputs.values():
             self._close(output)
+        if self._null >= 0:
+            os.close(self._null)
+            self._null = -1
 
     def _tee(self, show: Callable[[str, str], None], source: OutputSource) -> Callable[[str, str], None]:
         def report(name: str, line: str) -> None:
@@ -173,8 +195,14 @@ class Outputs:
         for line in output.splitter.feed(data):
             self._report(name, "log", make_printable(line))
 
+    def _pause(self, descriptor: int) -> None:
+        if descriptor not in self._paused:
+            self._poll.unregister(descriptor)
+        self._paused[descriptor] = time.monotonic() + FLOOD_PAUSE
+
     def _close_stream(self, stream: Stream) -> None:
-        self._poll.unregister(stream.descriptor)
+        if self._paused.pop(stream.descriptor, None) is None:
+            self._poll.unregister(stream.descriptor)
         self._streams.pop(stream.descriptor, None)
         stream.close()
 

@@ -22,8 +22,8 @@ def is_before(state: State, phase: Phase) -> bool:
 
 def put_unit(state: State, changed: UnitState) -> State:
     """The state with one unit replaced."""
-    name = changed.unit.name
-    return replace(state, units=tuple(changed if each.unit.name == name else each for each in state.units))
+    place = state.places[changed.unit.name]
+    return replace(state, units=(*state.units[:place], changed, *state.units[place + 1 :]))
 
 
 def start_units(state: State, chosen: Iterable[UnitState], now: float) -> Step:

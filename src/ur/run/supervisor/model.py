@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import Enum
 
@@ -132,7 +133,9 @@ class State:
     reviving: bool = False  # parameters go up again, to a master that has lost them
     stale: bool = False  # they could not be set: the master went once more
     shared: bool = False  # a robot has a share of the run, which we start again after its restart
+    places: Mapping[str, int] = field(default_factory=dict, compare=False, repr=False)  # in `units`, by name
 
     def find(self, name: str) -> UnitState | None:
         """The state of a unit, by name."""
-        return next((each for each in self.units if each.unit.name == name), None)
+        place = self.places.get(name)
+        return None if place is None else self.units[place]

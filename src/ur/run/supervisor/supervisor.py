@@ -43,7 +43,10 @@ def begin_state(
 ) -> State:
     """The state before anything happened. Units start in this order, core units first and terminal units last."""
     ordered = sorted(units, key=lambda unit: (not unit.core, unit.terminal))
-    return State(tuple(UnitState(unit) for unit in ordered), own_master, limits or Limits(), shared=shared)
+    places = {unit.name: place for place, unit in enumerate(ordered)}
+    return State(
+        tuple(UnitState(unit) for unit in ordered), own_master, limits or Limits(), shared=shared, places=places
+    )
 
 
 def step(state: State, event: Event, now: float) -> tuple[State, tuple[Action, ...]]:

@@ -1,0 +1,14 @@
+"""Signals for guard and host: the module below `signal`, without enums, which would be 1 MB of these small programs."""
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    import signal
+else:
+    import _signal as signal
+
+__all__ = ["IGNORED", "signal"]
+
+IGNORED = tuple(  # what guard and host do not want to hear, and a node has to hear again
+    getattr(signal, name)
+    for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT", "SIGTSTP", "SIGTTIN", "SIGTTOU", "SIGPIPE")
+)

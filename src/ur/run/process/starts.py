@@ -1,0 +1,79 @@
+"""Starts of processes, sent to the host in bursts."""
+
+from __future__ import annotations
+
+import os
+import resource
+from typing import NamedTuple
+
+from ur.run.host.protocol import GROUP, SESSION
+from ur.run.output.router import Outputs
+from ur.run.process.command import Program
+from ur.run.process.foreground import Foreground
+from ur.run.process.host_client import ProcessHost
+from ur.run.run import Run
+
+MOST_STARTS = 100  # processes whose open files are held at once, until they are sent
+FILES_KEPT = 3  # of a process: its log, and one end each of standard output and error
+FILES_SENT = 2  # the other ends
+
+
+class _Start(NamedTuple):
+    program: Program
+    argv: list[str]
+    stdio: tuple[int, int, int]
+    given: list[int]
+    session_mode: str
+
+
+class Starts:
+    """Starts of the processes of a run.
+
+    Everything for a burst is made before any of it is sent: the first nodes take processor time from what comes later.
+    """
+
+    def __init__(self, run: Run, host: ProcessHost, outputs: Outputs, foreground: Foreground) -> None:
+        """Allow this process the open files that the programs of the run need."""
+        self._run = run
+        self._host = host
+        self._outputs = outputs
+        self._foreground = foreground
+        self._prepared: list[_Start] = []
+        self.prefixes: dict[str, tuple[str, ...]] = {}  # by name, for the next start only
+        allow_open_files(100 + FILES_KEPT * len(run.programs) + FILES_SENT * MOST_STARTS)
+
+    def prepare(self, program: Program) -> None:
+        """Open the files of a process, and send the burst when it is full."""
+        unit = program.unit
+        self._outputs.open(program)
+        prefix = self.prefixes.pop(unit.name, ())
+        words = program.with_prefix(prefix) if prefix else program.argv
+        argv = [*words, f"__log:={self._run.folder}/{program.log_name}.log"]
+        if unit.terminal:
+            self._prepared.append(_Start(program, argv, (0, 1, 2), [], self._foreground.lend()))
+        else:
+            alone = unit.core or self._run.terminal_program is not None
+            stdio, given = self._outputs.wire(program)
+            self._prepared.append(_Start(program, argv, stdio, given, SESSION if alone else GROUP))
+        if len(self._prepared) >= MOST_STARTS:
+            self.send()
+
+    def send(self) -> None:
+        """Send what is prepared to the host."""
+        for each in self._prepared:
+            program = each.program
+            cwd = program.cwd or self._run.home
+            self._host.start_process(
+                program.unit.name, each.argv, cwd, dict(program.changes), each.stdio, each.session_mode
+            )
+            for descriptor in each.given:
+                os.close(descriptor)
+        self._prepared.clear()
+
+
+def allow_open_files(count: int) -> None:
+    """Raise this process's own limit of open files where it is lower; nodes are not its children and keep theirs."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    if soft != resource.RLIM_INFINITY and soft < count:
+        most = count if hard == resource.RLIM_INFINITY else min(count, hard)
+        resource.setrlimit(resource.RLIMIT_NOFILE, (most, hard))
