@@ -200,6 +200,12 @@ boot install --name 'a b' demo talker.launch
 boot log nothing
 boot remove nothing
 boot remove
+maps show nothing
+maps import nothing.yaml
+maps copy flat
+maps rename nothing a/b
+maps edit nothing rotate
+maps export nothing out
 new node 1st --from-package demo --type talker --no-look
 new node talker --package src/demo --from-package dmeo --type talker --no-look
 new node talker --package src/demo --from-package demo --type tlker --no-look

@@ -35,9 +35,8 @@ PAGES: Mapping[str, HelpPage] = {
     "maps": HelpPage(
         (),
         (
-            ("ur maps", "List the maps of this computer, with pictures."),
-            ("ur maps show flat", "Draw one of them."),
-            ("ur run keyboard_navigate map:=flat", "Navigate on it."),
+            ("ur maps show flat", "Draw a map; 'ur maps' alone lists all."),
+            ("ur maps copy flat --from bob", "Copy a map that bob has made to this computer."),
         ),
     ),
     "maps show": HelpPage(
@@ -73,6 +72,19 @@ PAGES: Mapping[str, HelpPage] = {
         (
             ("ur maps import ~/catkin_ws/src/maps/office.yaml", "Take in a map under the name office."),
             ("ur maps import map.yaml flat", "Choose its name."),
+        ),
+    ),
+    "maps edit": HelpPage(
+        (
+            _MAP,
+            "The change: rotate, origin, erase, wall, keep-out or place.",
+            "Its numbers, in metres and degrees; before them the name of a place.",
+        ),
+        (
+            ("ur maps edit flat rotate", "Turn a map so that its walls lie along the axes."),
+            ("ur maps edit flat erase 1.5 2 2.5 3", "Erase what stands in a rectangle."),
+            ("ur maps edit flat wall 0 0 0 2.5", "Draw a wall."),
+            ("ur maps edit flat place door 1 2 90", "Name a place."),
         ),
     ),
     "maps copy": HelpPage(

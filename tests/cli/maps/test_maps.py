@@ -44,6 +44,28 @@ def test_map_is_imported_listed_renamed_exported_and_deleted(
     assert capsys.readouterr().out == "home: deleted\nno maps yet; make one: ur run make_map\n"
 
 
+def test_map_is_edited_by_commands(plan: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["maps", "import", str(plan), "flat"]) == 0
+    for words in (
+        ["wall", "1", "1", "1", "1.5"],
+        ["origin", "1", "-0.5"],
+        ["place", "door", "2", "1", "90"],
+        ["rotate", "-3.2"],
+    ):
+        assert main(["maps", "edit", "flat", *words]) == 0
+    assert capsys.readouterr().out.splitlines()[-4:] == [
+        "flat: wall: 6 cells changed",
+        "flat: (1, -0.5) is (0, 0) now",
+        "flat: door is at 2 1 90",
+        "flat: turned by -3.2 degrees",
+    ]
+    assert "door: [2.053, 0.887, 86.8]" in (tmp_path / "data/ubiquity_launches/waypoints/flat.yaml").read_text(
+        encoding="utf-8"
+    )
+    for words in (["explode"], ["rotate", "much"], ["rotate", "nan"], ["wall", "1"], ["place", "1", "2"]):
+        assert main(["maps", "edit", "flat", *words]) == 2
+
+
 def test_nothing_is_deleted_without_an_answer(
     plan: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -14,7 +14,9 @@ import click
 
 from ur.cli.maps.copying import fetch_map, list_remote, send_map
 from ur.cli.maps.describing import describe_map, list_maps
+from ur.cli.maps.edit import edit
 from ur.maps.store import MapStore, own_store
+from ur.maps.waypoint_path import waypoint_path
 from ur.source.diagnostic import UserError, error
 from ur.source.render import shows_colour
 
@@ -75,7 +77,7 @@ def rename(name: str, new_name: str) -> int:
     """Give a map another name; its waypoints keep it company."""
     store = _store()
     _guard(lambda: store.rename(name, new_name))
-    before, after = (_waypoints(each) for each in (name, new_name))
+    before, after = (waypoint_path(each, os.environ) for each in (name, new_name))
     if before.is_file() and not after.exists():
         before.rename(after)
     click.echo(f"{name} is now {new_name}")
@@ -173,12 +175,6 @@ def _facts(store: MapStore, name: str) -> dict[str, object]:
     }
 
 
-def _waypoints(name: str) -> Path:
-    from ur.source.user_folders import user_folder
-
-    return Path(user_folder("XDG_DATA_HOME", os.environ), "ubiquity_launches", "waypoints", f"{name}.yaml")
-
-
 def _guard(action: Callable[[], Result]) -> Result:
     """Run an action on files. Raises UserError where they cannot be used."""
     try:
@@ -189,3 +185,6 @@ def _guard(action: Callable[[], Result]) -> Result:
         raise UserError(
             error(message, rule="unusable-file", help="is the disk full, or the folder read-only?")
         ) from None
+
+
+command.add_command(edit)

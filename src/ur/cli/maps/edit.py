@@ -1,0 +1,105 @@
+"""`ur maps edit`: change a stored map by hand."""
+
+from __future__ import annotations
+
+import math
+import os
+import re
+from collections.abc import Callable, Sequence
+
+import click
+
+from ur.maps.change import add_edit, make_edit, move_map, propose, read_places, write_places
+from ur.maps.record import EditKind
+from ur.maps.store import MapStore, own_store
+from ur.maps.waypoint_path import waypoint_path
+from ur.source.diagnostic import UserError, error
+
+_PLACE = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,63}")
+_HELP = "ur maps edit NAME rotate|origin|erase|wall|keep-out|place NUMBERS"
+
+
+@click.command("edit", context_settings={"ignore_unknown_options": True})
+@click.argument("name")
+@click.argument("change")
+@click.argument("values", nargs=-1, metavar="[VALUE ...]")
+def edit(name: str, change: str, values: tuple[str, ...]) -> int:
+    """Change a map: turn it, erase what was a person, draw walls and areas to keep out of, name places.
+
+    Numbers are metres in the frame of the map, and degrees. `rotate` turns the map about (0, 0), without a number so
+    that its walls lie along the axes; `origin X Y` makes a point (0, 0). `erase` and `keep-out` take two corners of a
+    rectangle, or the corners of a polygon; `wall` takes the points of a line. `place PLACE X Y [ANGLE]` names a place
+    for keyboard_navigate. What make_map adds later is drawn below these changes.
+    """
+    store = own_store(os.environ)
+    name = store.resolve(name)
+    action = _CHANGES.get(change)
+    if action is None:
+        raise _bad(f"unknown change {change!r}, expected one of {', '.join(_CHANGES)}")
+    try:
+        click.echo(f"{name}: {action(store, name, values)}")
+    except OSError as problem:
+        reason = (problem.strerror or str(problem)).lower()
+        raise _bad(f"'{problem.filename or store.folder}' cannot be written: {reason}") from None
+    return 0
+
+
+def _rotate(store: MapStore, name: str, values: Sequence[str]) -> str:
+    numbers = _numbers(values, "rotate [DEGREES]", (0, 1))
+    turn = math.radians(numbers[0]) if numbers else propose(store, name)
+    if not turn:
+        return "its walls lie along the axes; nothing to do"
+    move_map(store, name, (0.0, 0.0, turn), waypoint_path(name, os.environ))
+    return f"turned by {math.degrees(turn):.1f} degrees"
+
+
+def _origin(store: MapStore, name: str, values: Sequence[str]) -> str:
+    x, y = _numbers(values, "origin X Y", (2,))
+    move_map(store, name, (-x, -y, 0.0), waypoint_path(name, os.environ))
+    return f"({x:g}, {y:g}) is (0, 0) now"
+
+
+def _draw(kind: EditKind) -> Callable[[MapStore, str, Sequence[str]], str]:
+    def draw(store: MapStore, name: str, values: Sequence[str]) -> str:
+        numbers = _numbers(values, f"{kind} X Y X Y ...", range(4, 2001, 2))
+        count = add_edit(store, name, make_edit(kind, list(zip(numbers[::2], numbers[1::2], strict=True))))
+        return f"{kind}: {count} cells changed"
+
+    return draw
+
+
+def _place(store: MapStore, name: str, values: Sequence[str]) -> str:
+    if not values or not _PLACE.fullmatch(values[0]):
+        raise _bad(f"{values[0] if values else 'no name'!r}, expected place PLACE X Y [ANGLE]")
+    numbers = _numbers(values[1:], "place PLACE X Y [ANGLE]", (2, 3))
+    path = waypoint_path(name, os.environ)
+    with store.claim(name):
+        x, y, degrees = (*numbers, 0.0)[:3]
+        write_places(path, name, {**read_places(path), values[0]: (x, y, degrees)})
+    return f"{values[0]} is at {x:g} {y:g} {degrees:g}"
+
+
+_CHANGES: dict[str, Callable[[MapStore, str, Sequence[str]], str]] = {
+    "rotate": _rotate,
+    "origin": _origin,
+    "erase": _draw("erase"),
+    "wall": _draw("wall"),
+    "keep-out": _draw("keep-out"),
+    "place": _place,
+}
+
+
+def _numbers(values: Sequence[str], form: str, counts: Sequence[int]) -> list[float]:
+    try:
+        numbers = [float(each) for each in values]
+    except ValueError as problem:
+        raise _bad(f"{str(problem).rpartition(': ')[2]} is not a number, expected {form}") from None
+    if len(numbers) not in counts:
+        raise _bad(f"{len(numbers)} numbers, expected {form}")
+    if not all(math.isfinite(each) for each in numbers):
+        raise _bad(f"a number is not finite, expected {form}")
+    return numbers
+
+
+def _bad(message: str) -> UserError:
+    return UserError(error(message, rule="bad-edit", help=_HELP))

@@ -1,0 +1,121 @@
+"""Changes of a stored map by hand, for every user interface: edits, turns, and the files that follow from them."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+from ur.maps.edit import Origin, apply_edits, move_graph, move_point, move_record, propose_turn, turn_values
+from ur.maps.picture_file import write_picture
+from ur.maps.record import MOST_EDITS, MOST_POINTS, Edit, EditKind
+from ur.maps.scan_file import encode_graph, read_graph
+from ur.maps.store import MapStore
+from ur.source.diagnostic import UserError, error
+from ur.source.replace import replace_file
+from ur.source.section import read_section
+from ur.worlds.map_file import MapImage, read_map
+
+Point = tuple[float, float]
+
+_FARTHEST = 10_000.0  # m
+
+
+def make_edit(kind: EditKind, points: list[Point]) -> Edit:
+    """Make an edit of points (m); two opposite corners stand for a rectangle. Raises UserError."""
+    if not all(math.isfinite(value) and abs(value) <= _FARTHEST for point in points for value in point):
+        raise _bad(f"a point of {kind} is farther away than {_FARTHEST:g} m, expected metres in the frame of the map")
+    if len(points) < 2 or len(points) > MOST_POINTS:
+        raise _bad(f"{len(points)} points for {kind}, expected 2 to {MOST_POINTS}: X Y X Y ...")
+    if kind != "wall" and len(points) == 2:
+        (left, low), (right, high) = points
+        points = [(left, low), (right, low), (right, high), (left, high)]
+    return Edit(kind, tuple(points))
+
+
+def add_edit(store: MapStore, name: str, edit: Edit) -> int:
+    """Change a map by an edit; returns the number of cells that differ. Raises UserError, or OSError."""
+    name = store.resolve(name)
+    with store.claim(name):
+        record, image = store.record(name), read_map(store.picture(name))
+        if len(record.edits) >= MOST_EDITS:
+            raise _bad(f"map {name!r} has {MOST_EDITS} edits, expected fewer")
+        values = apply_edits(image.values, image.resolution, image.origin, [edit])
+        # The record first: an edit that is made twice changes nothing more.
+        store.write_record(name, replace(record, edits=(*record.edits, edit)))
+        _write(store, name, replace(image, values=values), image.origin)
+        return int((values != image.values).sum())
+
+
+def propose(store: MapStore, name: str) -> float:
+    """Find the turn (rad) that brings the walls of a map along the axes. Raises UserError."""
+    image = read_map(store.picture(store.resolve(name)))
+    return propose_turn(image.values, image.resolution, image.origin)
+
+
+def move_map(store: MapStore, name: str, motion: Origin, waypoints: Path) -> None:
+    """Move a map in its frame: points p become motion * p. Its edits and waypoints move with it.
+
+    Raises UserError, or OSError.
+    """
+    name = store.resolve(name)
+    if not all(math.isfinite(value) and abs(value) <= _FARTHEST for value in motion):
+        raise _bad(f"the map would move by more than {_FARTHEST:g} m, expected metres and degrees")
+    with store.claim(name):
+        record, image = store.record(name), read_map(store.picture(name))
+        places = read_places(waypoints)
+        if motion[2]:
+            try:
+                values, origin = turn_values(image.values, image.resolution, image.origin, motion)
+            except ValueError as problem:
+                raise _bad(f"map {name!r}: {problem}") from None
+            image = replace(image, values=values)
+        else:
+            x, y, yaw = image.origin
+            origin = (x + motion[0], y + motion[1], yaw)
+        moved = move_record(record, motion)
+        if record.graph:
+            graph = move_graph(read_graph(store.path(name) / record.graph), motion)
+            moved = replace(moved, graph=_next_name(record.graph, record.scans))
+            replace_file(store.path(name) / moved.graph, encode_graph(graph))
+        store.write_record(name, moved)
+        _write(store, name, image, origin)
+        if places:
+            turned = {
+                each: (*move_point((x, y), motion), math.remainder(degrees + math.degrees(motion[2]), 360.0))
+                for each, (x, y, degrees) in places.items()
+            }
+            write_places(waypoints, name, turned)
+        if record.graph:
+            (store.path(name) / record.graph).unlink(missing_ok=True)
+
+
+def read_places(path: Path) -> dict[str, Origin]:
+    """Read the waypoints of a map: x, y in m, and degrees; none where there is no file. Raises UserError."""
+    if not path.exists():
+        return {}
+    section = read_section(path, "a waypoint file")
+    found: dict[str, Origin] = {}
+    for name in section.keys:
+        x, y, degrees = section.numbers(name, 3)
+        found[name] = (x, y, degrees)
+    return found
+
+
+def write_places(path: Path, map_name: str, places: dict[str, Origin]) -> None:
+    """Replace the waypoints of a map. Raises OSError."""
+    head = f"# Waypoints of the map {map_name}: name: [x, y, angle], in m, m and degrees, in the map frame.\n"
+    rows = (f"{name}: [{x:.3f}, {y:.3f}, {degrees:.1f}]\n" for name, (x, y, degrees) in sorted(places.items()))
+    replace_file(path, head + "".join(rows), parents=True)
+
+
+def _write(store: MapStore, name: str, image: MapImage, origin: Origin) -> None:
+    write_picture(store.path(name) / "map", image.values, image.resolution, origin)
+
+
+def _next_name(graph: str, scans: tuple[str, ...]) -> str:
+    return f"graph_{max(int(each.split('_')[1].split('.')[0]) for each in (graph, *scans)) + 1}.npz"
+
+
+def _bad(message: str) -> UserError:
+    return UserError(error(message, rule="bad-edit", help="ur maps edit --help"))
