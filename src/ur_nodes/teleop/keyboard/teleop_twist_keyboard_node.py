@@ -22,6 +22,7 @@ from ur_nodes.teleop.keyboard.commander_node import (
 )
 from ur_nodes.teleop.keyboard.drive import STILL, DriveSettings, mux_request_of, start_drive, step_drive
 from ur_nodes.teleop.keyboard.drive_screen import describe_drive, draw_drive_screen
+from ur_nodes.teleop.keyboard.map_saving_node import SAVE_KEY, MapSaving, call_save
 from ur_nodes.teleop.mux.driver_text import (
     clock_time,
     describe_lost,
@@ -33,7 +34,7 @@ from ur_nodes.teleop.mux.driver_text import (
 from ur_nodes.teleop.mux.emergency import Emergency
 from ur_nodes.teleop.mux.link_node import MuxLink
 from ur_nodes.teleop.terminal.foreground_node import run_in_foreground
-from ur_nodes.teleop.terminal.keys import Key, decode_keys
+from ur_nodes.teleop.terminal.keys import Key, KeyEvent, decode_keys
 from ur_nodes.teleop.terminal.raw import Terminal, own_terminal
 
 _NAME = "teleop_twist_keyboard"
@@ -54,13 +55,15 @@ def _run(ended: threading.Event) -> int:
     parameters = Parameters()
     settings, rate = _read_settings(parameters)
     mux_name = parameters.text("mux", "cmd_vel_mux")
+    service = parameters.text("save_service", "")
+    saving = MapSaving(lambda: call_save(service)) if service else None
     commander = make_commander(parameters, mux_name, _PROGRAM)
     try:
         if sys.stdin.isatty() and sys.stdout.isatty():
             mux = MuxLink(mux_name)
             plain, colours = is_plain(os.environ), allows_colour(os.environ)
             with own_terminal(sys.stdin.fileno(), sys.stdout.fileno(), plain=plain, colours=colours) as terminal:
-                drive_terminal(terminal, settings, rate, commander, mux, ended)
+                drive_terminal(terminal, settings, rate, commander, mux, ended, saving)
             return 0
         if not wait_for_listener(commander, ended, _LISTENER_WAIT) and not ended.is_set():
             sys.stderr.write(
@@ -101,10 +104,12 @@ def drive_terminal(
     commander: Commander,
     mux: Emergency,
     ended: threading.Event,
+    saving: MapSaving | None = None,
 ) -> None:
     """Drive by the keys of a terminal until it ends, Ctrl-C is pressed or `ended` is set.
 
-    While a key drives, a command is sent whenever a challenge has arrived, so that it is as young as can be.
+    While a key drives, a command is sent whenever a challenge has arrived, so that it is as young as can be. With
+    `saving`, one key saves the map; it stops the robot as every other key does.
     """
     state, rest, drawn_at = start_drive(settings), b"", -1.0
     asked_at, next_step = 0.0, time.monotonic()
@@ -117,14 +122,13 @@ def drive_terminal(
         events, rest = decode_keys(rest + data, final=not data)
         now = time.monotonic()
         for event in events:
-            if (mux_request := mux_request_of(event)) is not None:
-                mux.ask(mux_request)
-            if (request := driver_request_of(event)) is not None:
-                commander.request(request)
+            _pass_on(event, commander, mux, saving)
             was_moving = state.moving
             state, motion = step_drive(state, event, now)
             if motion is not None and state.moving != was_moving:
                 commander.publish(motion)  # starts and stops are not kept waiting
+        if saving and (news := saving.take_news()):
+            state = replace(state, note=news)
         due = woken or now >= next_step
         if due:
             state, motion = step_drive(state, None, now)
@@ -142,6 +146,16 @@ def drive_terminal(
             terminal.show(describe_drive(state, commander.link(), mux.view(), driver))
         else:
             terminal.show(draw_drive_screen(state, commander.link(), mux.view(), *terminal.size(), driver), again=again)
+
+
+def _pass_on(event: KeyEvent, commander: Commander, mux: Emergency, saving: MapSaving | None) -> None:
+    """Ask others for what a key means besides driving."""
+    if (mux_request := mux_request_of(event)) is not None:
+        mux.ask(mux_request)
+    if (request := driver_request_of(event)) is not None:
+        commander.request(request)
+    if saving and isinstance(event, Key) and event.name == SAVE_KEY and event.action == "press" and not event.ctrl:
+        saving.ask()
 
 
 def drive_pipe(source: int, settings: DriveSettings, rate: float, commander: Commander, ended: threading.Event) -> int:
