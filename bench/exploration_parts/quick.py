@@ -21,12 +21,16 @@ from ur_nodes.slam.scan import make_scan
 _STEP = 0.25  # m between two scans
 _SPEED = 0.5  # m/s
 
+ENOUGH = 0.98
+"""The share of the reachable floor that is to be found."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Quick:
     """The result: the last status, the map, the way in m, the share of the reachable floor that is known.
 
     `seconds` of CPU time for the longest decision; `touched`: how often the robot was where it does not fit.
+    `most` is the way (m) after which `ENOUGH` of the floor was known, inf: never.
     """
 
     status: Status
@@ -36,6 +40,7 @@ class Quick:
     track: tuple[Pose2, ...]
     seconds: float
     touched: int
+    most: float
 
 
 def explore_quickly(truth: Truth, settings: ExplorerSettings, most: int = 2000) -> Quick:
@@ -47,12 +52,15 @@ def explore_quickly(truth: Truth, settings: ExplorerSettings, most: int = 2000) 
     poses, scans = [], []
     goal: Pose2 | None = None
     ended: GoalEnd | None = None
-    status, longest, touched = Status(), 0.0, 0
+    status, longest, touched, most_at = Status(), 0.0, 0, math.inf
+    floor = truth.grid.points_of_cells(np.argwhere(truth.floor))
     for version in range(most):
         ranges = truth.ranges(robot.x, robot.y, robot.yaw)
         poses.append(robot)
         scans.append(make_scan(ranges, directions, (0.1, 12.0), np.eye(2), np.zeros(2)))
         drawn.update(poses, scans)
+        if most_at == math.inf and np.mean(drawn.grid().values_at(floor) >= 0) >= ENOUGH:
+            most_at = way
         began = time.process_time()
         out = explorer.step(Inputs(now, drawn.grid(), version, robot, ended=ended))
         longest = max(longest, time.process_time() - began)
@@ -75,9 +83,8 @@ def explore_quickly(truth: Truth, settings: ExplorerSettings, most: int = 2000) 
             robot = moved
             touched += int(not truth.fits[tuple(truth.grid.cells_of_points(np.array(robot[:2])))])
     grid = drawn.grid()
-    rows = np.argwhere(truth.floor)
-    known = grid.values_at(truth.grid.points_of_cells(rows)) >= 0
-    return Quick(status, grid, way, float(known.mean()), tuple(poses), longest, touched)
+    known = grid.values_at(floor) >= 0
+    return Quick(status, grid, way, float(known.mean()), tuple(poses), longest, touched, most_at)
 
 
 def _drive(truth: Truth, robot: Pose2, goal: Pose2) -> Pose2 | None:
