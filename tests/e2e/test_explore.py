@@ -1,0 +1,42 @@
+"""`ur run make_map explore:=true` from the start to a saved map, without a screen."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+from tests.e2e.test_programs import run_program
+
+from ur_nodes.geometry.grid import load_map
+
+pytestmark = [pytest.mark.ros, pytest.mark.long, pytest.mark.timeout(200)]
+
+
+def write_two_rooms(folder: Path) -> Path:
+    """Write a world of two rooms of 2 m, joined by a door of 0.9 m; the robot begins in the left one."""
+    pixels = np.full((44, 84), 254, np.uint8)
+    pixels[[0, 1, -2, -1]] = pixels[:, [0, 1, -2, -1]] = 0
+    pixels[:22, 41:43] = 0
+    pixels[40:, 41:43] = 0
+    Image.fromarray(pixels).save(folder / "rooms.png")
+    world = folder / "rooms.yaml"
+    world.write_text(
+        "image: rooms.png\nresolution: 0.05\norigin: [-1.0, -1.1, 0.0]\nnegate: 0\noccupied_thresh: 0.65\n"
+        "free_thresh: 0.25\n"
+    )
+    return world
+
+
+def test_robot_explores_two_rooms_and_the_program_ends_with_their_map(tmp_path: Path) -> None:
+    world, name = write_two_rooms(tmp_path), tmp_path / "map"
+    done = run_program(
+        tmp_path, "make_map", "explore:=true", f"world:={world}", f"map_name:={name}", "use_rviz:=false", keys=""
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "the map is complete: 0 frontiers reachable" in done.stdout
+    assert f"ur run keyboard_navigate map_file:={name}.yaml" in done.stdout
+    grid = load_map(f"{name}.yaml")
+    known = float((grid.values == 0).sum()) * grid.resolution**2
+    assert 7.0 < known < 8.5
