@@ -4,18 +4,22 @@ from __future__ import annotations
 
 import re
 import signal
+import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import asdict
 from typing import Any
 
-from bench.stop_network_parts.computer import Computer
+from bench.stop_network_parts.computer import Computer, Waits
 from bench.stop_network_parts.lane import Lane
+from bench.stop_network_parts.network import BUSY
 from tests.hosts.bench import boot, wait_until
 
 _SPACE = "shared"
 _LIMIT = 0.35  # s: the longest motion after the end of a lease, and how far two records may be apart
+_WINDOW = 1.0  # s before a motion, in which mux and recorder must have had a processor for it to mean anything
+_LOOK = 0.1  # s
 # Each drives in a way of its own, so that the robot's motion tells who drives it.
 _LANES = {
     "laptop": (Lane("keyboard", "linear", 0.3, _SPACE), "held"),
@@ -31,6 +35,9 @@ class LeaseWorld:
     def __init__(self, computers: dict[str, Computer]) -> None:
         self._computers = computers
         self.names: dict[str, str] = {}  # of all clients that ever were, by id
+        self._waits = Waits()
+        self._ended = threading.Event()
+        self._looker = threading.Thread(target=self._look, daemon=True)
 
     @property
     def _robot(self) -> Computer:
@@ -42,11 +49,25 @@ class LeaseWorld:
         self._robot.order("master")
         address = f"http://{self._robot.machine.address}:11311"
         self._robot.machine.wait_for("rosparam list", environment={"ROS_MASTER_URI": address})
-        self._robot.order("mux", lane=asdict(_LANES["laptop"][0]), base="magni")
-        self._robot.order("recorder", lanes=[asdict(_LANES["laptop"][0])])
+        pids = {"mux": self._robot.order("mux", lane=asdict(_LANES["laptop"][0]), base="magni")}
+        pids["recorder"] = self._robot.order("recorder", lanes=[asdict(_LANES["laptop"][0])])
+        self._waits.follow(self._robot.outer(pids))
+        self._looker.start()
         for name in ("laptop", "laptop2"):
             self._computers[name].start()
         wait_until(lambda: bool(self.lease()), "a lease")
+
+    def end(self) -> None:
+        """End everything but the computers."""
+        self._ended.set()
+        if self._looker.is_alive():
+            self._looker.join()
+        for computer in self._computers.values():
+            computer.stop()
+
+    def _look(self) -> None:
+        while not self._ended.wait(_LOOK):
+            self._waits.look()
 
     def start(self, name: str, conduct: str) -> str:
         """Start a client, with this UR_LEASE; its id."""
@@ -75,8 +96,11 @@ class LeaseWorld:
         notes = self._robot.read_leases(_LANES["laptop"][0], 0.0)
         return notes[-1].lease if notes else {}
 
-    def list_strangers(self, since: float) -> list[str]:
-        """Motion since a monotonic time that is not its own driver's: when, whose, and who held the lease."""
+    def list_strangers(self, since: float) -> list[tuple[str, bool]]:
+        """Motion since a monotonic time that is not its own driver's: when, whose, and who held the lease.
+
+        The second value says that mux and recorder had to wait for a processor then, so that it means nothing.
+        """
         notes = [(note.at, str(note.lease["client"])) for note in self._robot.read_leases(_LANES["laptop"][0], 0.0)]
         ends = [at for at, _ in notes[1:]] + [float("inf")]
         found = []
@@ -89,7 +113,8 @@ class LeaseWorld:
                     if begin - _LIMIT <= at <= end + _LIMIT
                 }
                 if moves and name not in holders:
-                    found.append(f"{at:.3f}: moved as {name} drives, lease of {sorted(holders)}")
+                    waited = sum(self._waits.between(each, at - _WINDOW, at) for each in ("mux", "recorder"))
+                    found.append((f"{at:.3f}: moved as {name} drives, lease of {sorted(holders)}", waited > BUSY))
         return found
 
     def _computer(self, name: str) -> Computer:
@@ -108,8 +133,7 @@ def start_lease_world() -> Iterator[LeaseWorld]:
             world.begin()
             yield world
         finally:
-            for computer in computers.values():
-                computer.stop()
+            world.end()
 
 
 def check_screen(lines: list[str], name: str, identity: str, lease: dict[str, Any], conduct: str) -> str:

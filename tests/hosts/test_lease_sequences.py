@@ -15,6 +15,7 @@ from tests.hosts.lease_world import NAMES, LeaseWorld, check_screen, start_lease
 pytestmark = pytest.mark.long
 SEEDS = range(50)
 LENGTH = 9
+_ATTEMPTS = 3
 _PATIENCE = 12.0  # s: for a step to take effect
 _CONDUCTS = ("drive", "drive", "take", "ask", "watch")
 
@@ -27,12 +28,23 @@ def world() -> Iterator[LeaseWorld]:
 
 @pytest.mark.parametrize("seed", SEEDS)
 def test_one_client_drives_and_every_screen_tells_the_truth(world: LeaseWorld, seed: int) -> None:
+    for _ in range(_ATTEMPTS):
+        strangers, history = live(world, seed)
+        if not all(disturbed for _, disturbed in strangers):
+            break
+        if not strangers:
+            return  # else once more: the computer was too busy for the records to mean anything
+    assert strangers == [], history
+
+
+def live(world: LeaseWorld, seed: int) -> tuple[list[tuple[str, bool]], list[str]]:
+    """Go through a sequence; what moved without the lease (see `list_strangers`), and the steps."""
     since = time.monotonic()
     sequence = Sequence(world, random.Random(seed))
     try:
         for _ in range(LENGTH):
             sequence.step()
-        assert world.list_strangers(since) == [], sequence.history
+        return world.list_strangers(since), sequence.history
     finally:
         sequence.close()
 
