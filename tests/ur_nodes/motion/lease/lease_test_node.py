@@ -142,9 +142,14 @@ class Clients:
         rospy.set_param("/ur/lease", "")  # the mirror may have been late
         return announced[0]
 
-    def mirrored(self, client: str) -> None:
-        """Once the parameter server names the client, too: a mux that is started reads the lease there."""
-        wait_until(lambda: f'"client": "{client}"' in str(rospy.get_param("/ur/lease", "")), 60.0, "the parameter")
+    def mirrored(self, client: str, state: str = "held") -> None:
+        """Once the parameter server has the lease of the client in this state, too."""
+
+        def same() -> bool:
+            lease = json.loads(rospy.get_param("/ur/lease", "") or "{}")
+            return (lease.get("client"), lease.get("state")) == (client, state)
+
+        wait_until(same, 60.0, "the parameter")
 
 
 if __name__ == "__main__":

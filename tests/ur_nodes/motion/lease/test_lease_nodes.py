@@ -230,7 +230,7 @@ def test_change_of_the_lease_that_was_announced_outlives_a_mux_that_is_killed_at
         session.mux = session.start_mux()
         session.ask("ready")
         session.becomes(other, state="lost", holder=f"{client}-host")
-        session.ask("mirrored", client=client)
+        session.ask("mirrored", client=client, state="lost")
         lease = json.loads(session.ask("parameter"))
         assert lease["taken_from"] == announced["taken_from"]
         assert lease["until"] >= announced["since"]
