@@ -14,7 +14,8 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     obstacle = find_obstacle()
     for item in here:
         item.add_marker(pytest.mark.hosts)
-        item.add_marker(pytest.mark.timeout(900))  # the first one may have to make the root file system
+        if item.get_closest_marker("timeout") is None:
+            item.add_marker(pytest.mark.timeout(900))  # the first one may have to make the root file system
         if obstacle:
             item.add_marker(pytest.mark.skip(reason=f"no computers to test with: {obstacle}"))
     if "hosts" not in (config.getoption("-m") or ""):  # the long ones run when they are asked for: tests/hosts/run

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import re
 import shutil
-from collections.abc import Iterator
+import sys
+from collections.abc import Collection, Iterator
 
 import pytest
 from tests.hosts.bench import UR, Bench, Machine, boot
@@ -40,10 +41,10 @@ def pair() -> Iterator[Bench]:
         yield bench
 
 
-def serve_packages(laptop: Machine) -> None:
-    """Serve the offered Debian packages and the locked wheels to the laptop itself."""
-    index = laptop.root / "srv/mirror/simple"
-    shutil.copytree(wheel_folder(), index)
+def serve_packages(laptop: Machine, pythons: Collection[tuple[int, int]] = (sys.version_info[:2],)) -> None:
+    """Serve the offered Debian packages, and the locked wheels for versions of Python, to the laptop itself."""
+    for python in pythons:
+        shutil.copytree(wheel_folder(python), laptop.root / "srv/mirror/simple", dirs_exist_ok=True)
     laptop.run("ln -s /srv/offered /srv/mirror/debian").check()
     laptop.run(f"ip address add {MIRROR}/32 dev lo && echo '{MIRROR} {HOST}' >>/etc/hosts").check()
     serve = f"python3 -m http.server 80 --bind {MIRROR} --directory /srv/mirror"

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from types import FrameType
+from types import FrameType, MappingProxyType
 
 from tests.hosts.bench.ledger import Ledger, find_process, remove_all, remove_stale, this_process
 from tests.hosts.bench.machine import Machine
@@ -75,16 +75,19 @@ def boot(
     *,
     with_repository: Sequence[str] = ("laptop",),
     programs: bool = False,
+    suites: Mapping[str, str] = MappingProxyType({}),
 ) -> Iterator[Bench]:
     """Boot computers with these host names and wait for their ssh servers; remove everything at the end.
 
     Those `with_repository` have this repository where it is here, to read only, and its environment. With `programs`
-    all of them have the Debian packages that robot programs need, which else the set-up installs. What an earlier
+    all of them have the Debian packages that robot programs need, which else the set-up installs. `suites` are the
+    codenames of releases of this computer's distribution, for those that are to have another one. What an earlier
     bench that was killed left behind is removed first. SIGTERM and SIGHUP end this one as Ctrl-C does (in the main
     thread).
     """
     remove_stale()
     root = make_root(cache_folder(), programs=programs)
+    roots = {name: make_root(cache_folder(), programs=programs, suite=suite) for name, suite in suites.items()}
     identity = secrets.token_hex(3)
     ledger = Ledger(identity, this_process(), str(FOLDERS / f"ur-hosts.{identity}"), bridge=f"urh{identity}")
     ledger.save()
@@ -92,7 +95,9 @@ def boot(
         try:
             _make_bridge(ledger.bridge)
             machines = {
-                name: _start(ledger, root, name, f"10.77.0.{10 + index}", repository=name in with_repository)
+                name: _start(
+                    ledger, roots.get(name, root), name, f"10.77.0.{10 + index}", repository=name in with_repository
+                )
                 for index, name in enumerate(names)
             }
             for machine in machines.values():

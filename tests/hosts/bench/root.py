@@ -1,4 +1,4 @@
-"""The root file system that all computers of the bench share: made once, kept in a cache, never written to again."""
+"""The root file systems that computers of the bench share: made once, kept in a cache, never written to again."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import fcntl
 import hashlib
 import os
 import platform
+import re
 import shutil
 import subprocess
 import tempfile
@@ -29,32 +30,33 @@ def find_obstacle() -> str | None:
     return None
 
 
-def find_root(cache: Path, *, programs: bool = False) -> Path | None:
+def find_root(cache: Path, *, programs: bool = False, suite: str = "") -> Path | None:
     """The cached root for today's recipe, or None when it has not been made."""
-    root = cache / _key(programs=programs)
+    root = cache / _key(programs=programs, suite=suite)
     return root if root.is_dir() else None
 
 
-def make_root(cache: Path, *, programs: bool = False) -> Path:
+def make_root(cache: Path, *, programs: bool = False, suite: str = "") -> Path:
     """The cached root for today's recipe, made now when it is not there (a minute or two, needs the package mirror).
 
-    With `programs` it also has what robot programs need. The two are kept side by side; of each only today's is.
+    With `programs` it also has what robot programs need. `suite` is the codename of a release of this computer's
+    distribution, else its own. All are kept side by side; of each only today's is.
     Safe against a second process and against being killed: the unfinished has another name and is removed next time.
     """
     cache.mkdir(parents=True, exist_ok=True)
     with (cache / "lock").open("w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
-        found = find_root(cache, programs=programs)
+        found = find_root(cache, programs=programs, suite=suite)
         if found:
             return found
         used = Path("/proc/self/mounts").read_text()
-        kept = {cache / _key(programs=True), cache / _key(programs=False)}
+        kept = (_digest(programs=True), _digest(programs=False))
         for old in cache.iterdir():
-            if old.is_dir() and old not in kept and f"lowerdir={old}," not in used:
+            if old.is_dir() and not old.name.endswith(kept) and f"lowerdir={old}," not in used:
                 shutil.rmtree(old)
         unfinished = Path(tempfile.mkdtemp(prefix="unfinished.", dir=cache))
-        _bootstrap(unfinished / "root", cache / "mmdebstrap.log", _packages(programs=programs))
-        target = cache / _key(programs=programs)
+        _bootstrap(unfinished / "root", cache / "mmdebstrap.log", _packages(programs=programs), suite or codename())
+        target = cache / _key(programs=programs, suite=suite)
         (unfinished / "root").rename(target)
         unfinished.rmdir()
         return target
@@ -71,7 +73,7 @@ def _packages(*, programs: bool) -> list[str]:
     return [line for line in lines if line and not line.startswith("#")]
 
 
-def _bootstrap(target: Path, log: Path, names: list[str]) -> None:
+def _bootstrap(target: Path, log: Path, names: list[str], suite: str) -> None:
     command = [
         "mmdebstrap",
         "--mode=root",
@@ -79,25 +81,31 @@ def _bootstrap(target: Path, log: Path, names: list[str]) -> None:
         f"--include={','.join(names)}",
         '--aptopt=APT::Install-Recommends "false"',
         f'--customize-hook={HERE}/customize.bash "$1" {HERE}/offered.txt',
-        _codename(),
+        suite,
         str(target),
         "-",
     ]
-    with _sources().open() as sources, log.open("w") as output:
-        done = subprocess.run(command, stdin=sources, stdout=output, stderr=subprocess.STDOUT, check=False)
+    sources = re.sub(rf"\b{codename()}\b", suite, _sources().read_text())
+    with log.open("w") as output:
+        done = subprocess.run(command, input=sources, text=True, stdout=output, stderr=subprocess.STDOUT, check=False)
     if done.returncode:
         tail = "\n".join(log.read_text().splitlines()[-15:])
         raise RuntimeError(f"mmdebstrap failed ({done.returncode}); the end of {log}:\n{tail}")
 
 
-def _key(*, programs: bool) -> str:
+def _key(*, programs: bool, suite: str) -> str:
+    return f"{suite or codename()}-{platform.machine()}-{_digest(programs=programs)}"
+
+
+def _digest(*, programs: bool) -> str:
     digest = hashlib.sha256()
     for name in (*RECIPE, PROGRAMS)[: len(RECIPE) + programs]:
         digest.update((HERE / name).read_bytes())
-    return f"{_codename()}-{platform.machine()}-{digest.hexdigest()[:12]}"
+    return digest.hexdigest()[:12]
 
 
-def _codename() -> str:
+def codename() -> str:
+    """Return the codename of this computer's release."""
     return platform.freedesktop_os_release().get("VERSION_CODENAME", "")
 
 
