@@ -26,6 +26,7 @@ class GridMessage(OccupancyGrid):  # type: ignore[misc]  # generated without typ
     """
 
     __slots__ = tuple(OccupancyGrid.__slots__)  # genpy reads the fields from it
+    data: Any
 
     def serialize(self, buff: Any) -> None:
         """Write the message to a binary file."""
