@@ -56,7 +56,7 @@ class MoveBase:
         self._clear: Behaviour | None = None
         self._path_blocked = False
         self._tick = 0
-        self._shown = (0, 0)
+        self._shown = 0
         self._worker = PlanWorker(self._settings.planner, self._take_answer)
         self._watch = GoalWatch(self._settings.mux, watch)
         self._output = VelocityOutput(self._watch.link, stamped=self._settings.stamped)
@@ -306,9 +306,11 @@ class MoveBase:
 
     def _show_world(self) -> None:
         world, pose = self._world.world, self._world.robot_in_map()
-        if world is not None and self._view.wants_costmap(local=False) and self._shown != (id(world), world.changes):
-            self._shown = (id(world), world.changes)
-            self._view.show_costmap(world.costmap, local=False)
+        if world is not None and self._view.wants_costmap(local=False):
+            with self._lock:
+                changed = world.take_changes()
+            self._view.show_world(world.costmap, changed, new=self._shown != id(world))
+            self._shown = id(world)
         if pose is not None:
             self._view.show_footprint(self._settings.footprint, pose, local=False)
 

@@ -9,13 +9,14 @@ from geometry_msgs.msg import Point32, PolygonStamped, PoseStamped
 from nav_msgs.msg import OccupancyGrid, Path
 from numpy.typing import NDArray
 
-from ur_nodes.costmap.costmap import Costmap, occupancy_of_costs
+from ur_nodes.costmap.costmap import Box, Costmap, occupancy_of_costs
 from ur_nodes.costmap.footprint import Footprint
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.navigation.path_geometry import headings
 from ur_nodes.rosio.geometry import pose_message
 from ur_nodes.rosio.grid_message import grid_message
+from ur_nodes.rosio.grid_update import GridUpdate, update_message
 
 
 class MoveBaseView:
@@ -24,10 +25,14 @@ class MoveBaseView:
     def __init__(self, world_frame: str, local_frame: str) -> None:
         self._world_frame = world_frame
         self._local_frame = local_frame
+        self._arrivals = _Arrivals()
         self._costmaps = {
-            False: _publisher("~global_costmap/costmap", OccupancyGrid, latch=True),
+            False: rospy.Publisher(
+                "~global_costmap/costmap", OccupancyGrid, queue_size=1, subscriber_listener=self._arrivals
+            ),
             True: _publisher("~local_costmap/costmap", OccupancyGrid),
         }
+        self._changes = _publisher("~global_costmap/costmap_updates", GridUpdate)
         self._footprints = {
             False: _publisher("~global_costmap/footprint", PolygonStamped),
             True: _publisher("~local_costmap/footprint", PolygonStamped),
@@ -64,6 +69,16 @@ class MoveBaseView:
         grid = Grid(occupancy_of_costs(costmap.costs), costmap.resolution, costmap.origin)
         self._costmaps[local].publish(grid_message(grid, frame, rospy.Time.now()))
 
+    def show_world(self, costmap: Costmap, changed: Box | None, *, new: bool) -> None:
+        """The global costmap: whole when it is `new` or somebody subscribed, as costmap_2d does; else the change."""
+        if new or self._arrivals.came:
+            self._arrivals.came = False
+            self.show_costmap(costmap, local=False)
+        elif changed is not None and self._changes.get_num_connections():
+            values = occupancy_of_costs(costmap.costs[changed])
+            corner = changed[0].start, changed[1].start
+            self._changes.publish(update_message(values, *corner, self._world_frame, rospy.Time.now()))
+
     def show_footprint(self, footprint: Footprint, pose: Pose2, *, local: bool) -> None:
         """Publish the robot's outline at its pose."""
         frame = self._local_frame if local else self._world_frame
@@ -73,6 +88,18 @@ class MoveBaseView:
         message.header.frame_id, message.header.stamp = frame, rospy.Time.now()
         message.polygon.points = [Point32(float(x), float(y), 0.0) for x, y in footprint.outline_at(pose)]
         self._footprints[local].publish(message)
+
+
+class _Arrivals(rospy.SubscribeListener):  # type: ignore[misc]  # rospy has no types
+    """Notes that a subscriber came."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.came = False
+
+    def peer_subscribe(self, *_: object) -> None:
+        """See rospy.SubscribeListener."""
+        self.came = True
 
 
 def path_message(points: NDArray[Any], frame: str) -> Path:
