@@ -57,7 +57,7 @@ def find_ends(grid: Grid, distance: float) -> tuple[Pose2, Pose2]:
     start = next(place for place in _places(rng, x, y, 3.0) if _has_room(grid, place))
     for place in _places(rng, start[0], start[1], 1.1 * distance):
         if math.dist(place, start) >= 0.9 * distance and _has_room(grid, place):
-            return Pose2(*start, 0.3), Pose2(*place, 0.0)
+            return Pose2(start[0], start[1], 0.3), Pose2(place[0], place[1], 0.0)
     raise AssertionError
 
 

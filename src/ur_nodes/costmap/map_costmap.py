@@ -113,4 +113,5 @@ def _disc(cells: float) -> NDArray[np.intp]:
     """The offsets (n, 2) of all cells within a radius."""
     reach = math.floor(cells)
     offsets = np.stack(np.meshgrid(*[np.arange(-reach, reach + 1)] * 2), axis=-1).reshape(-1, 2)
-    return offsets[np.hypot(*offsets.T) <= max(cells, 0.0)]
+    disc: NDArray[np.intp] = offsets[np.hypot(*offsets.T) <= max(cells, 0.0)]
+    return disc
