@@ -96,33 +96,24 @@ class Stream:
         self._read_clock = read_clock
         self._lines = LineSplitter()
         self._allowance = Allowance()
-        self._most_read = MOST_READ
-        self._enlarged = False
+        self._buffer = bytearray()  # of a node that floods
         self.may_pause = False  # the node floods, and its pipe holds what it prints in FLOOD_PAUSE
         os.set_blocking(descriptor, False)
 
     def read(self, recent: deque[str]) -> bool:
         """Take what is there; the last lines also go to `recent`. False at the end of the stream."""
+        now = self._read_clock()
+        self.may_pause = False
+        if self._allowance.is_spent(now):
+            return self._read_flood(recent, now)
         try:
-            data = os.read(self.descriptor, self._most_read)
+            data = os.read(self.descriptor, MOST_READ)
         except BlockingIOError:
             return True
         except OSError:  # EIO: the other end of a pseudo terminal is closed
             data = b""
         if data:
             write_log(self._log, data)
-        now = self._read_clock()
-        flooding = bool(data) and self._allowance.is_spent(now)
-        if flooding and not self._enlarged:
-            self._enlarged = True
-            self._most_read = max(MOST_READ, enlarge_pipe(self.descriptor))
-        # Half of what it holds must be free, so that the node does not wait for us.
-        self.may_pause = flooding and MOST_READ < self._most_read > 2 * len(data)
-        if flooding:
-            count, lines = self._lines.skip(data, KEPT_LINES)
-            self._allowance.take(count, now)
-            recent.extend(map(make_printable, lines))
-            return True
         lines = self._lines.feed(data)
         granted, lost = self._allowance.take(len(lines), now)
         self._describe_lost(lost)
@@ -135,6 +126,31 @@ class Stream:
         if not data:
             self._describe_lost(self._allowance.settle())
         return bool(data)
+
+    def _read_flood(self, recent: deque[str], now: float) -> bool:
+        """The same while no line is shown: lines are counted only, in memory that is used again and again."""
+        if not self._buffer:
+            self._buffer = bytearray(max(MOST_READ, enlarge_pipe(self.descriptor)))
+        try:
+            size = os.readv(self.descriptor, [self._buffer])
+        except BlockingIOError:
+            return True
+        except OSError:
+            size = 0
+        if not size:
+            rest = self._lines.feed(b"")
+            recent.extend(map(make_printable, rest))
+            self._describe_lost(self._allowance.settle() + len(rest))
+            return False
+        with memoryview(self._buffer) as view:
+            write_log(self._log, view[:size])
+        end = max(0, size - LONGEST_LINE)
+        count, lines = self._lines.skip(bytes(self._buffer[end:size]), KEPT_LINES)
+        self._allowance.take(count + self._buffer.count(b"\n", 0, end), now)
+        recent.extend(map(make_printable, lines))
+        # Half of what the pipe holds must be free, so that the node does not wait for us.
+        self.may_pause = MOST_READ < len(self._buffer) > 2 * size
+        return True
 
     def _describe_lost(self, count: int) -> None:
         if count:
@@ -155,7 +171,7 @@ def enlarge_pipe(descriptor: int) -> int:
         return 0
 
 
-def write_log(descriptor: int, data: bytes) -> None:
+def write_log(descriptor: int, data: bytes | memoryview) -> None:
     """Append to a log file. A full disk loses lines, not the run."""
     try:
         os.write(descriptor, data)
