@@ -15,6 +15,7 @@ REMEMBERED = 2.0
 
 _SUFFIX = re.compile(r"@([0-9A-Za-z_.:-]{1,64})@(\d{1,10})\.(\d{1,9})\Z", re.ASCII)
 _NANO = 1_000_000_000
+_AHEAD = 1.0  # s that a challenge may reach the client before the receiver
 _LONGEST_ID = 1024
 
 
@@ -45,18 +46,23 @@ def note_challenge(challenges: Challenges, value: int, now: float) -> Challenges
 
 
 def age_of_answer(challenges: Challenges, answer: int, now: float) -> float | None:
-    """Age (s) of what answers a challenge; None when that challenge is not among those remembered.
+    """Age (s) of what answers a challenge, at most; None when that challenge is not of the last `REMEMBERED` seconds.
 
-    Challenges that were delayed arrive together: what is older than the newest by their own values is
-    that old, whenever it arrived.
+    Challenges that were delayed arrive together: what is older than the newest by their own values is that old,
+    whenever it arrived. A challenge that the receiver has missed, or not received yet, counts from the arrival of the
+    one before it.
     """
     if not challenges.heard:
         return None
-    behind = (challenges.heard[-1][0] - answer) / _NANO
+    newest, newest_at = challenges.heard[-1]
+    behind = (newest - answer) / _NANO
     for value, at in challenges.heard:
         if value == answer and now - at <= REMEMBERED:
             return max(now - at, behind)
-    return None
+    if -behind > now - newest_at + _AHEAD:  # another mux's: the clock of this one has not come that far
+        return None
+    before = [at for value, at in challenges.heard if value < answer and now - at <= REMEMBERED]
+    return max(now - before[-1], behind) if before else None
 
 
 def lag_of_answer(challenges: Challenges, answer: int, now: float) -> float | None:

@@ -77,6 +77,17 @@ def test_challenges_that_arrive_together_after_a_cut_are_as_old_as_their_values_
     assert age_of_answer(challenges, 100 * SECOND, 9.0) == pytest.approx(4.0)
 
 
+def test_answer_to_a_challenge_that_the_receiver_missed_counts_from_the_one_before() -> None:
+    challenges = hear((5.0, 100.0), (5.03, 100.03), (5.09, 100.09))
+    assert age_of_answer(challenges, round(5.06 * SECOND), 100.1) == pytest.approx(0.07)
+
+
+def test_answer_to_a_challenge_that_reached_the_client_first_counts_from_the_one_before() -> None:
+    challenges = hear((5.0, 100.0), (5.03, 100.03))
+    assert age_of_answer(challenges, round(5.06 * SECOND), 100.05) == pytest.approx(0.02)
+    assert age_of_answer(challenges, round(9.0 * SECOND), 100.05) is None  # another mux's
+
+
 def test_lag_of_a_forgotten_answer_is_guessed_from_the_values() -> None:
     assert lag_of_answer(hear((103.0, 5.0)), 100 * SECOND, 5.2) == pytest.approx(3.2)
     assert lag_of_answer(hear((3.0, 5.0)), 100 * SECOND, 5.2) is None
