@@ -70,10 +70,16 @@ def find_listener(port: int) -> str | None:
     for folder in Path("/proc").iterdir():
         if sockets and folder.name.isdigit():
             with suppress(OSError):
-                if any(str(each.readlink()) in sockets for each in (folder / "fd").iterdir()):
+                if not sockets.isdisjoint(_open_files(folder / "fd")):
                     name = (folder / "comm").read_text(encoding="utf-8", errors="replace").strip()
                     return f"{printable(name)}, process {folder.name}"
     return None
+
+
+def _open_files(folder: Path) -> Iterator[str]:
+    for each in folder.iterdir():
+        with suppress(FileNotFoundError):  # closed meanwhile
+            yield str(each.readlink())
 
 
 def _listening(port: int) -> Iterator[str]:
