@@ -75,6 +75,7 @@ PICTURE = b"P5\n1 1\n255\n\0"
         pack({"map.yaml": YAML, "map.pgm": PICTURE}, link="/etc/passwd"),
         pack({"map.yaml": YAML, "map.pgm": PICTURE, "map.json": b'{"version": 1, "graph": "graph_1.npz"}'}),
     ],
+    ids=["empty", "text", "no files", "no picture", "path", "escape", "bad record", "link", "no graph"],
 )
 def test_archive_that_is_no_map_leaves_nothing(data: bytes, store: MapStore) -> None:
     with pytest.raises(UserError), store.arriving("copy") as folder:
