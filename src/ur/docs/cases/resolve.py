@@ -37,7 +37,7 @@ class Files:
 
 
 @dataclass(frozen=True, slots=True)
-class Way:
+class Resolution:
     """One plan of a case. `label`: the option that is changed, `use_rviz:=false`; empty for other guesses."""
 
     label: str
@@ -52,17 +52,17 @@ class Way:
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """A launch file in one case: with its defaults, and in other ways. `given` are the arguments of the case."""
+    """A launch file in one case: with its defaults, and with other values. `given` are the arguments of the case."""
 
     case: Case
     given: Assignment
-    plain: Way
-    others: tuple[Way, ...]
+    default: Resolution
+    others: tuple[Resolution, ...]
 
     @property
-    def ways(self) -> tuple[Way, ...]:
-        """All of them, the plain one first."""
-        return (self.plain, *self.others)
+    def resolutions(self) -> tuple[Resolution, ...]:
+        """All of them, the default first."""
+        return (self.default, *self.others)
 
 
 def resolve_outcomes(
@@ -72,8 +72,8 @@ def resolve_outcomes(
 
     What no case starts is looked for with other values of the arguments that its conditions speak of.
     """
-    plain: dict[Case, Way] = {}
-    others: dict[Case, list[Way]] = {}
+    default: dict[Case, Resolution] = {}
+    others: dict[Case, list[Resolution]] = {}
     arguments: dict[Case, tuple[tuple[str, str], ...]] = {}
     for resolved in resolve_cases(view, world, given, load=starter.load):
         plan = resolved.plan
@@ -81,17 +81,19 @@ def resolve_outcomes(
         values = dict(resolved.case.given)
         case = Case(values.get("robot_base", ""), values.get("robot_variant", ""))
         flipped = resolved.case.flipped
-        way = Way(f"{flipped}:={values[flipped]}" if flipped else "", plan)
-        if case in plain:
-            others[case].append(way)
+        resolution = Resolution(f"{flipped}:={values[flipped]}" if flipped else "", plan)
+        if case in default:
+            others[case].append(resolution)
         else:
-            plain[case], others[case], arguments[case] = way, [], resolved.case.given
-    outcomes = tuple(Outcome(case, arguments[case], way, tuple(others[case])) for case, way in plain.items())
+            default[case], others[case], arguments[case] = resolution, [], resolved.case.given
+    outcomes = tuple(
+        Outcome(case, arguments[case], resolution, tuple(others[case])) for case, resolution in default.items()
+    )
     extra = list(_find_switches(view, files, outcomes, world, starter))
     if not extra:
         return outcomes
     return tuple(
-        replace(outcome, others=(*outcome.others, *_take_ways(view, outcome, extra, world, starter)))
+        replace(outcome, others=(*outcome.others, *_apply_switches(view, outcome, extra, world, starter)))
         for outcome in outcomes
     )
 
@@ -99,7 +101,7 @@ def resolve_outcomes(
 def _find_switches(
     view: LaunchView, files: Files, outcomes: tuple[Outcome, ...], world: CachedWorld, starter: Starter
 ) -> Iterator[Assignment]:
-    there = find_taking_part(way.started for outcome in outcomes for way in outcome.ways)
+    there = find_taking_part(resolution.started for outcome in outcomes for resolution in outcome.resolutions)
     dormant = [(path, element) for path in list(there) for element in files.list_dormant(path, there[path])]
     for path, element in dormant[:MAX_DORMANT]:
         if element.start in there[path]:
@@ -117,12 +119,12 @@ def _find_switches(
                 break
 
 
-def _take_ways(
+def _apply_switches(
     view: LaunchView, outcome: Outcome, extra: list[Assignment], world: CachedWorld, starter: Starter
-) -> Iterator[Way]:
+) -> Iterator[Resolution]:
     for assignment in extra:
         label = " ".join(f"{name}:={value}" for name, value in assignment)
-        yield Way(label, _load_with(view, outcome, assignment, world, starter))
+        yield Resolution(label, _load_with(view, outcome, assignment, world, starter))
 
 
 def _load_with(
@@ -134,25 +136,25 @@ def _load_with(
     return plan
 
 
-def find_node(way: Way, start: int) -> NodeSpec | None:
+def find_node(resolution: Resolution, start: int) -> NodeSpec | None:
     """The node of the file itself whose tag starts here; None when it does not take part."""
-    plan = way.plan
+    plan = resolution.plan
     for node in plan.nodes:
         if node.origin.span.start == start:
             return node
     return next((test.node for test in plan.tests if test.node.origin.span.start == start), None)
 
 
-def find_include(way: Way, start: int) -> IncludeSpec | None:
+def find_include(resolution: Resolution, start: int) -> IncludeSpec | None:
     """Likewise the include."""
-    return next((include for include in way.plan.includes if include.origin.span.start == start), None)
+    return next((include for include in resolution.plan.includes if include.origin.span.start == start), None)
 
 
-def list_switches(takes_part: Iterator[tuple[Outcome, Way]]) -> str:
-    """The options that have to be changed for something that no plain way has; empty where a plain way has it."""
+def list_switches(takes_part: Iterator[tuple[Outcome, Resolution]]) -> str:
+    """The options that have to be changed for something that no default has; empty where a default has it."""
     labels: dict[str, None] = {}
-    for outcome, way in takes_part:
-        if way is outcome.plain:
+    for outcome, resolution in takes_part:
+        if resolution is outcome.default:
             return ""
-        labels[way.label] = None
+        labels[resolution.label] = None
     return " or ".join(label for label in labels if label)

@@ -1,4 +1,4 @@
-"""Arguments that enable nodes which no plain case starts: tried out, a few values at a time."""
+"""Arguments that enable nodes which no default starts: tried out, a few values at a time."""
 
 from __future__ import annotations
 

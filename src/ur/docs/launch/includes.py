@@ -22,7 +22,7 @@ def describe_include(
     show_path: Callable[[str], str],
 ) -> IncludeDoc:
     """An `<include>`. Where its file depends on what only the user knows, every file that fits is named."""
-    found = [(o, w, spec) for o in outcomes for w in o.ways if (spec := find_include(w, element.start))]
+    found = [(o, w, spec) for o in outcomes for w in o.resolutions if (spec := find_include(w, element.start))]
     targets: dict[tuple[str, str, str], dict[Case, None]] = {}
     for outcome, _, spec in found:
         if is_elsewhere(spec.file):
@@ -49,7 +49,7 @@ def describe_include(
         written=" ".join(written.split()),
         targets=tuple(docs),
         conditions=conditions,
-        only_with=list_switches((outcome, way) for outcome, way, _ in found),
+        only_with=list_switches((outcome, resolution) for outcome, resolution, _ in found),
         passes=tuple(_list_passed(element)),
         line=element.span.position.line,
     )

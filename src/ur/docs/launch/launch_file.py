@@ -41,8 +41,8 @@ class LaunchDescriber:
         self.includers: dict[str, dict[str, None]] = {}
         for path in repository.views:
             for outcome in self.resolve(path):
-                for way in outcome.ways:
-                    for include in way.plan.includes:
+                for resolution in outcome.resolutions:
+                    for include in resolution.plan.includes:
                         self.includers.setdefault(include.file, {})[path] = None
             for element in self.list_open_includes(path):
                 for target in match_paths(element.attributes.get("file", ""), repository.views[path]):
@@ -52,8 +52,8 @@ class LaunchDescriber:
         """The includes of a file that take part in no case, or whose file only the user knows."""
         known: dict[int, bool] = {}
         for outcome in self.resolve(path):
-            for way in outcome.ways:
-                for include in way.plan.includes:
+            for resolution in outcome.resolutions:
+                for include in resolution.plan.includes:
                     start = include.origin.span.start
                     known[start] = known.get(start, True) and not is_unknown(include.file)
         yield from (element for element in self.outline_of(path).includes if not known.get(element.start, False))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
 
-from ur.docs.cases.resolve import Outcome, Way, find_node, list_switches
+from ur.docs.cases.resolve import Outcome, Resolution, find_node, list_switches
 from ur.docs.model import Case, NodeDoc, ParamDoc, ParamFileDoc, TopicDoc, Value
 from ur.docs.vary import vary
 from ur.docs.words import Words
@@ -43,8 +43,8 @@ class NodeDescriber:
         self.loaded: list[tuple[Outcome, ParamSpec]] = []  # from YAML files
         for outcome in outcomes:
             seen: set[str] = set()
-            for way in outcome.ways:
-                for param in way.plan.params:
+            for resolution in outcome.resolutions:
+                for param in resolution.plan.params:
                     if param.name in seen:
                         continue
                     seen.add(param.name)
@@ -55,7 +55,7 @@ class NodeDescriber:
 
     def describe(self, element: Element, conditions: tuple[str, ...]) -> NodeDoc:
         """A `<node>` or `<test>`."""
-        found = [(o, w, node) for o in self.outcomes for w in o.ways if (node := find_node(w, element.start))]
+        found = [(o, w, node) for o in self.outcomes for w in o.resolutions if (node := find_node(w, element.start))]
         first = _first_per_case(found)
         specs = [(outcome, node) for outcome, _, node in first]
         names = {node.full_name for _, node in specs}
@@ -66,8 +66,8 @@ class NodeDescriber:
             type=self.vary_or_written(specs, "type", element.attributes.get("type", "")),
             machine=_written_machine(element),
             conditions=conditions,
-            only_with=list_switches((outcome, way) for outcome, way, _ in found),
-            cases=tuple(outcome.case for outcome, way, _ in first if way is outcome.plain),
+            only_with=list_switches((outcome, resolution) for outcome, resolution, _ in found),
+            cases=tuple(outcome.case for outcome, resolution, _ in first if resolution is outcome.default),
             traits=tuple(_list_traits(element, [node for _, node in specs])),
             params=tuple(self.describe_params(element, names)),
             param_files=tuple(self.describe_param_files(element, names)),
@@ -160,8 +160,10 @@ class NodeDescriber:
         return TopicDoc(_USES[use.use], name, use.evidence, rate)
 
 
-def _first_per_case(found: Iterable[tuple[Outcome, Way, NodeSpec]]) -> list[tuple[Outcome, Way, NodeSpec]]:
-    first: dict[Case, tuple[Outcome, Way, NodeSpec]] = {}
+def _first_per_case(
+    found: Iterable[tuple[Outcome, Resolution, NodeSpec]],
+) -> list[tuple[Outcome, Resolution, NodeSpec]]:
+    first: dict[Case, tuple[Outcome, Resolution, NodeSpec]] = {}
     for each in found:
         first.setdefault(each[0].case, each)
     return list(first.values())

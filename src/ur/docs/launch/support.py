@@ -52,7 +52,7 @@ def _list_lacks(
 
 
 def _list_errors(outcome: Outcome, words: Words) -> Iterator[str]:
-    for found in outcome.plain.plan.diagnostics:
+    for found in outcome.default.plan.diagnostics:
         if found.severity is Severity.ERROR and found.rule not in _NOT_HERE and not is_unknown(found.message):
             yield describe_finding(found, words)
 

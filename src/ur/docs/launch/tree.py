@@ -17,7 +17,7 @@ from ur.launchfile.plan.one_file import HERE
 from ur.launchfile.syntax import Element
 
 MAX_DEPTH = 40
-_Ways = Sequence[tuple[str, Started]]  # the option that is changed, and what is started then; the usual way first
+_Resolutions = Sequence[tuple[str, Started]]  # the option that is changed, and what is started then; the default first
 
 
 class TreeMaker:
@@ -34,10 +34,12 @@ class TreeMaker:
     def make_trees(self, path: str, outcomes: Sequence[Outcome], words: Words) -> tuple[TreeDoc, ...]:
         """The trees of a file: one for all cases in which it is the same."""
         groups: dict[int, tuple[TreeItem, list[Case]]] = {}
-        taking_part = find_taking_part(way.started for outcome in outcomes for way in outcome.ways)
+        taking_part = find_taking_part(resolution.started for outcome in outcomes for resolution in outcome.resolutions)
         for outcome in outcomes:
             growing = _Growing(self, words, dict(outcome.given), taking_part)
-            children = growing.grow([(way.label, way.started) for way in outcome.ways], HERE, 0)
+            children = growing.grow(
+                [(resolution.label, resolution.started) for resolution in outcome.resolutions], HERE, 0
+            )
             root = self.intern("file", path.rpartition("/")[2], self._show_path(path), children=children)
             groups.setdefault(id(root), (root, []))[1].append(outcome.case)
         return tuple(TreeDoc(tuple(case for case in cases if case.base), root) for root, cases in groups.values())
@@ -83,21 +85,21 @@ class _Growing:
         self.given = given
         self.known: dict[tuple[object, ...], tuple[TreeItem, ...]] = {}
 
-    def grow(self, ways: _Ways, namespace: str, depth: int) -> tuple[TreeItem, ...]:
-        if len({id(started) for _, started in ways}) == 1:
-            ways = ways[:1]  # nothing differs from here on
-        key = (namespace, *((label, id(started)) for label, started in ways))
+    def grow(self, resolutions: _Resolutions, namespace: str, depth: int) -> tuple[TreeItem, ...]:
+        if len({id(started) for _, started in resolutions}) == 1:
+            resolutions = resolutions[:1]  # nothing differs from here on
+        key = (namespace, *((label, id(started)) for label, started in resolutions))
         if key not in self.known:
-            self.known[key] = tuple(self.grow_once(ways, namespace, depth)) if depth < MAX_DEPTH else ()
+            self.known[key] = tuple(self.grow_once(resolutions, namespace, depth)) if depth < MAX_DEPTH else ()
         return self.known[key]
 
-    def grow_once(self, ways: _Ways, namespace: str, depth: int) -> list[TreeItem]:
+    def grow_once(self, resolutions: _Resolutions, namespace: str, depth: int) -> list[TreeItem]:
         places: dict[tuple[int, str], list[tuple[str, Item]]] = {}
-        for label, started in ways:
+        for label, started in resolutions:
             for item in started.items:
                 places.setdefault(_place(item), []).append((label, item))
-        usual = {_place(item) for item in ways[0][1].items}
-        path = ways[0][1].path
+        usual = {_place(item) for item in resolutions[0][1].items}
+        path = resolutions[0][1].path
         outline = self.maker.outline_of(path)
         made = []
         dormant = [] if "$" not in outline.text else self.list_dormant(path, outline)
@@ -113,7 +115,7 @@ class _Growing:
         return made
 
     def list_dormant(self, path: str, outline: Outline) -> list[tuple[int, str]]:
-        # Conditional tags that take part in no case and in no way that was tried: they are named all the same.
+        # Conditional tags that are enabled in no case that was tried: listed as disabled.
         there = self.taking_part.get(path, set())
         found = []
         for element in (*outline.includes, *outline.nodes):
