@@ -1,4 +1,4 @@
-"""The way to a robot that cannot be reached: the step that fails is named, with what helps."""
+"""The route to a robot that cannot be reached: the step that fails is named, with what helps."""
 
 from __future__ import annotations
 
@@ -6,48 +6,48 @@ import pytest
 
 from ur.robot.discovery.record import Record
 from ur.robot.discovery.seen import Seen
-from ur.robot.doctor.route import Way, explain_way, list_steps
+from ur.robot.doctor.route import Route, explain_route, list_steps
 from ur.robot.ssh.host_key import HostKey
 from ur.robot.ssh.openssh import Address
 
 ADDRESS = Address("ros", "bob.local")
 RECORD = Record("bob", "ros", "magni")
-THERE = Way(("10.0.0.2",), ping=True, port="open")
+THERE = Route(("10.0.0.2",), ping=True, port="open")
 NOW = 10_000.0
 KEY = HostKey(f"ssh-ed25519 AAAAC3NzaC1lZDI1NTE5AAAAI{'A' * 43}")
 
 
 @pytest.mark.parametrize(
-    ("rule", "failing", "way"),
+    ("rule", "failing", "route"),
     [
-        ("robot-not-found", "name bob.local", Way((), rule="unknown-host")),
-        ("robot-silent", "answer to ping", Way(("10.0.0.2",), port="silent", rule="no-answer")),
-        ("closed-ssh-port", "port 22", Way(("10.0.0.2",), ping=True, port="silent", rule="no-answer")),
-        ("no-ssh-server", "port 22", Way(("10.0.0.2",), ping=True, port="refused", rule="no-ssh")),
-        ("changed-host-key", "host key", Way(("10.0.0.2",), port="open", rule="changed-host-key")),
-        ("unknown-host-key", "host key", Way(("10.0.0.2",), ping=True, port="open", rule="unknown-host-key")),
-        ("key-refused", "login as ros", Way(("10.0.0.2",), ping=True, port="open", rule="refused")),
-        ("no-login", "login as ros", Way(("10.0.0.2",), ping=True, port="open", rule="no-login", said="closed")),
+        ("robot-not-found", "name bob.local", Route((), rule="unknown-host")),
+        ("robot-silent", "answer to ping", Route(("10.0.0.2",), port="silent", rule="no-answer")),
+        ("closed-ssh-port", "port 22", Route(("10.0.0.2",), ping=True, port="silent", rule="no-answer")),
+        ("no-ssh-server", "port 22", Route(("10.0.0.2",), ping=True, port="refused", rule="no-ssh")),
+        ("changed-host-key", "host key", Route(("10.0.0.2",), port="open", rule="changed-host-key")),
+        ("unknown-host-key", "host key", Route(("10.0.0.2",), ping=True, port="open", rule="unknown-host-key")),
+        ("key-refused", "login as ros", Route(("10.0.0.2",), ping=True, port="open", rule="refused")),
+        ("no-login", "login as ros", Route(("10.0.0.2",), ping=True, port="open", rule="no-login", reason="closed")),
     ],
 )
-def test_step_that_fails_is_named_and_those_after_it_are_not_judged(rule: str, failing: str, way: Way) -> None:
-    finding = explain_way(ADDRESS, way, None, RECORD, NOW)
+def test_step_that_fails_is_named_and_those_after_it_are_not_judged(rule: str, failing: str, route: Route) -> None:
+    finding = explain_route(ADDRESS, route, None, RECORD, NOW)
     assert finding.rule == rule
     assert finding.help
-    steps = list_steps(ADDRESS, way)
+    steps = list_steps(ADDRESS, route)
     bad = [index for index, step in enumerate(steps) if step.good is False]
     assert [steps[index].title for index in bad] == [failing]
     assert all(step.good is None for step in steps[bad[0] + 1 :])
 
 
 def test_robot_that_is_away_was_last_seen_somewhere() -> None:
-    finding = explain_way(ADDRESS, Way(()), Seen("bob", "10.0.0.2", NOW - 7200.0), None, NOW)
+    finding = explain_route(ADDRESS, Route(()), Seen("bob", "10.0.0.2", NOW - 7200.0), None, NOW)
     assert "10.0.0.2, 2 h ago" in finding.message
 
 
 def test_another_host_key_is_renewed_by_hand_and_a_namesake_pointed_out() -> None:
-    way = Way(("10.0.0.2",), True, "open", "changed-host-key", "", KEY, ("10.0.0.3",))
-    finding = explain_way(ADDRESS, way, None, RECORD, NOW)
+    route = Route(("10.0.0.2",), True, "open", "changed-host-key", "", KEY, ("10.0.0.3",))
+    finding = explain_route(ADDRESS, route, None, RECORD, NOW)
     assert KEY.fingerprint in finding.message
     assert "bob-2.local (10.0.0.3)" in finding.message
     assert "ur robot setup ros@bob.local --name bob --base magni --new-host-key" in finding.help

@@ -19,9 +19,9 @@ from ur.request.remote.connection import connect_robot, robot_address
 from ur.request.remote.master_nodes import list_nodes
 from ur.robot.discovery.record import Record, load_records, records_folder
 from ur.robot.discovery.seen import Seen, load_seen, note_seen, seen_path
-from ur.robot.doctor.inspect import look_alone, look_at_pair, read_name
+from ur.robot.doctor.inspect import inspect_computer, inspect_pair, read_name
 from ur.robot.doctor.model import Command, Finding, Pair
-from ur.robot.doctor.route import explain_way, list_steps, look_at_way
+from ur.robot.doctor.route import explain_route, inspect_route, list_steps
 from ur.robot.doctor.rules import diagnose, diagnose_alone
 from ur.robot.doctor.side import Side
 from ur.robot.ssh.openssh import Address, SshShell
@@ -61,7 +61,7 @@ def command(robot: str | None, fix: bool, verbose: bool, as_json: bool, password
         try:
             there, password, refused = _enter(stack, address, password_from)
         except UserError as problem:
-            return _explain_way(here, address, problem, as_json=as_json)
+            return _explain_route(here, address, problem, as_json=as_json)
         return _examine(here, there, password, refused, fix=fix, verbose=verbose, as_json=as_json)
 
 
@@ -75,7 +75,7 @@ def _examine(
     verbose: bool,
     as_json: bool,
 ) -> int:
-    pair = _look(here, there, refused)
+    pair = _inspect(here, there, refused)
     report = Report({"here": pair.here.name, "there": pair.there.name}, diagnose(pair))
     note_seen(seen_path(os.environ), _seen(pair))
     hint = f"ur doctor {pair.there.name} --fix"
@@ -86,9 +86,9 @@ def _examine(
     commands = [(finding.rule, each) for finding in report.findings for each in finding.commands if each.safe]
     if fix and commands:
         if any(each.where == "there" and each.root for _, each in commands):
-            _become_root(there, password)
+            _find_sudo(there, password)
         _apply(commands, here, there, report, quiet=as_json)
-        report.findings = _look_again(here, there, report.findings)
+        report.findings = _inspect_again(here, there, report.findings)
         if not as_json:
             click.echo("after the fixes:")
             print_report(report)
@@ -98,7 +98,7 @@ def _examine(
 
 
 def _examine_alone(here: LocalShell, *, fix: bool, as_json: bool) -> int:
-    side = _look_alone(here)
+    side = _inspect_alone(here)
     report = Report({"here": side.name, "there": ""}, diagnose_alone(side))
     if not as_json:
         click.echo(f"no robot is named or selected: this computer alone ({side.name})")
@@ -107,7 +107,7 @@ def _examine_alone(here: LocalShell, *, fix: bool, as_json: bool) -> int:
     commands = [(finding.rule, each) for finding in report.findings for each in finding.commands if each.safe]
     if fix and commands:
         _apply(commands, here, here, report, quiet=as_json)
-        report.findings = diagnose_alone(_look_alone(here))
+        report.findings = diagnose_alone(_inspect_alone(here))
         if not as_json:
             click.echo("after the fixes:")
             print_report(report)
@@ -148,17 +148,17 @@ def _log_in(
         return shell, password, True
 
 
-def _explain_way(here: LocalShell, address: Address, problem: UserError, *, as_json: bool) -> int:
-    """Say which step towards a robot fails, and what is wrong with this computer besides."""
-    said = problem.diagnostics[0]
-    if said.rule in ("missing-program", "bad-address"):
+def _explain_route(here: LocalShell, address: Address, problem: UserError, *, as_json: bool) -> int:
+    """Report the step towards a robot that fails, and the findings about this computer."""
+    found = problem.diagnostics[0]
+    if found.rule in ("missing-program", "bad-address"):
         raise problem
     with show_progress(f"finding out which step towards {_short(address)} fails"):
-        way = look_at_way(here, address, said.rule, said.reason or said.message)
+        route = inspect_route(here, address, found.rule, found.reason or found.message)
     seen = load_seen(seen_path(os.environ)).get(_short(address))
-    side = _look_alone(here)
-    findings = [*diagnose_alone(side), explain_way(address, way, seen, _record(_short(address)), time.time())]
-    report = Report({"here": side.name, "there": _short(address)}, findings, list_steps(address, way))
+    side = _inspect_alone(here)
+    findings = [*diagnose_alone(side), explain_route(address, route, seen, _record(_short(address)), time.time())]
+    report = Report({"here": side.name, "there": _short(address)}, findings, list_steps(address, route))
     if as_json:
         print_json(report)
     else:
@@ -167,11 +167,11 @@ def _explain_way(here: LocalShell, address: Address, problem: UserError, *, as_j
     return 2
 
 
-def _look(here: LocalShell, there: SshShell, refused: bool) -> Pair:
+def _inspect(here: LocalShell, there: SshShell, refused: bool) -> Pair:
     selection = current_selection(os.environ)
     record = _record(read_name(there))
     with show_progress(f"examining this computer and {_short(there.address)}"):
-        return look_at_pair(
+        return inspect_pair(
             here,
             there,
             list_nodes(there.address.host),
@@ -182,18 +182,18 @@ def _look(here: LocalShell, there: SshShell, refused: bool) -> Pair:
         )
 
 
-def _look_alone(here: LocalShell) -> Side:
+def _inspect_alone(here: LocalShell) -> Side:
     with show_progress("examining this computer"):
-        return look_alone(here)
+        return inspect_computer(here)
 
 
-def _look_again(here: LocalShell, there: SshShell, before: Sequence[Finding]) -> list[Finding]:
+def _inspect_again(here: LocalShell, there: SshShell, before: Sequence[Finding]) -> list[Finding]:
     mended = {finding.rule for finding in before if finding.fixable}
     for attempt in range(LOOKS):
         if attempt:
             with show_progress("waiting for the fixes to take effect"):
                 time.sleep(PAUSE)
-        left = diagnose(_look(here, there, refused=False))
+        left = diagnose(_inspect(here, there, refused=False))
         if not any(finding.rule in mended for finding in left):
             break
     return left
@@ -211,7 +211,7 @@ def _password(address: Address, descriptor: int | None) -> Secret | None:
     return Secret(text) if text else None
 
 
-def _become_root(there: SshShell, password: Secret | None) -> None:
+def _find_sudo(there: SshShell, password: Secret | None) -> None:
     if not there.find_sudo([password] if password else []) and sys.stdin.isatty():
         there.find_sudo([Secret(getpass.getpass(f"password of {there.place}: "))])
 

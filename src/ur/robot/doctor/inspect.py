@@ -1,4 +1,4 @@
-"""Collects what the rules want to know, from both ends at once."""
+"""Inspection of one or two computers for the rules: runs the script of `observe`, and tests the connections."""
 
 from __future__ import annotations
 
@@ -40,13 +40,13 @@ class Node:
     port: int
 
 
-def look_alone(here: Shell) -> Side:
-    """Look at this computer by itself."""
+def inspect_computer(here: Shell) -> Side:
+    """Inspect this computer by itself."""
     side = parse_side(here.run(observe_script(""), timeout=LOOK_SECONDS).out)
     return _with_journals(here, side)
 
 
-def look_at_pair(
+def inspect_pair(
     here: Shell,
     there: SshShell,
     nodes: Sequence[Node],
@@ -56,7 +56,7 @@ def look_at_pair(
     selected: str = "",
     robot_login: bool = True,
 ) -> Pair:
-    """Look at both computers. `selected` is the name of the selected robot; for the rest see Pair.
+    """Inspect both computers at once. `selected` is the name of the selected robot; for the rest see Pair.
 
     Raises UserError when the connection is lost.
     """
@@ -103,7 +103,7 @@ def read_name(there: Shell) -> str:
 
 
 def _with_journals(shell: Shell, side: Side) -> Side:
-    """With the last words of units that do not work, as far as the user may read them."""
+    """Add the last log lines of units that failed, as far as the user may read them."""
     units = []
     for unit in side.failing:
         # What its processes said; what systemd says of them comes in only where they said nothing.

@@ -1,4 +1,7 @@
-"""The way to a robot that cannot be logged in to: which step of it fails, and what helps. The explaining is pure."""
+"""Diagnosis of a failed login: name, ping, port 22, host key, login; the first step that fails, with its fix.
+
+`inspect_route` uses the network; the other functions are pure.
+"""
 
 from __future__ import annotations
 
@@ -21,10 +24,10 @@ Port = Literal["open", "refused", "silent", ""]
 
 
 @dataclass(frozen=True, slots=True)
-class Way:
-    """The steps to a robot that work. `resolves`: the addresses of the name; `ping`: it answers; `port`: port 22.
+class Route:
+    """State of each step to a robot. `resolves`: the addresses of the name; `ping`: it answers; `port`: port 22.
 
-    `rule` and `said` are what the login failed with; `host_key` is the one that is shown now, where that matters;
+    `rule` and `reason` are why the login failed; `host_key` is the one that is shown now, where that matters;
     `twin`: addresses of a computer that zeroconf calls NAME-2.
     """
 
@@ -32,32 +35,32 @@ class Way:
     ping: bool = False
     port: Port = ""
     rule: str = ""
-    said: str = ""
+    reason: str = ""
     host_key: HostKey | None = None
     twin: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """One step on the way: `good` is None when nobody got that far."""
+    """One step of a route: `good` is None after a step that failed."""
 
     title: str
     good: bool | None
     seen: str = ""
 
 
-def look_at_way(here: Shell, address: Address, rule: str, said: str) -> Way:
-    """Go the way step by step, after a login failed by `rule` with what was `said`."""
+def inspect_route(here: Shell, address: Address, rule: str, reason: str) -> Route:
+    """Try each step, after a login failed with a diagnostic's `rule` and `reason`."""
     host = quote(address.host)
     found = here.run(f"timeout 8 getent ahostsv4 {host}").out.split("\n")
     resolves = tuple(dict.fromkeys(line.split()[0] for line in found if line.strip()))
     if not resolves:
-        return Way((), rule=rule, said=said)
+        return Route((), rule=rule, reason=reason)
     ping = here.run(f"ping -q -n -c 2 -i 0.2 -W 1 {quote(resolves[0])}").code == 0
     port = _knock(resolves[0])
     host_key = _fetch(address) if rule in ("changed-host-key", "unknown-host-key") else None
     twin = here.run(f"timeout 2 getent ahostsv4 {quote(_short(address) + '-2.local')}").out.split()[:1]
-    return Way(resolves, ping, port, rule, said, host_key, tuple(twin))
+    return Route(resolves, ping, port, rule, reason, host_key, tuple(twin))
 
 
 def _fetch(address: Address) -> HostKey | None:
@@ -76,30 +79,30 @@ def _knock(address: str) -> Port:
     return "open"
 
 
-def list_steps(address: Address, way: Way) -> list[Step]:
+def list_steps(address: Address, route: Route) -> list[Step]:
     """The steps from the name to the login; the first that is not good is the one that matters."""
-    open_port = way.port == "open"
-    wrong_key = way.rule in ("changed-host-key", "unknown-host-key")
+    open_port = route.port == "open"
+    wrong_key = route.rule in ("changed-host-key", "unknown-host-key")
     steps = [
-        Step(f"name {address.host}", bool(way.resolves), ", ".join(way.resolves) or "leads nowhere"),
+        Step(f"name {address.host}", bool(route.resolves), ", ".join(route.resolves) or "leads nowhere"),
         # Some networks let no ping through: what answers at its port is there all the same.
-        Step("answer to ping", way.ping or open_port, "" if way.ping else "none"),
-        Step("port 22", open_port, {"silent": "no answer"}.get(way.port, way.port)),
+        Step("answer to ping", route.ping or open_port, "" if route.ping else "none"),
+        Step("port 22", open_port, {"silent": "no answer"}.get(route.port, route.port)),
         Step(
             "host key",
             not wrong_key,
-            {"changed-host-key": "another one than is known"}.get(way.rule, "not known") if wrong_key else "",
+            {"changed-host-key": "another one than is known"}.get(route.rule, "not known") if wrong_key else "",
         ),
-        Step(f"login as {address.user}", False, way.said),
+        Step(f"login as {address.user}", False, route.reason),
     ]
     end = next(index for index, step in enumerate(steps) if not step.good)
     return [step if index <= end else Step(step.title, None) for index, step in enumerate(steps)]
 
 
-def explain_way(address: Address, way: Way, seen: Seen | None, record: Record | None, now: float) -> Finding:
+def explain_route(address: Address, route: Route, seen: Seen | None, record: Record | None, now: float) -> Finding:
     """Explain the step that fails, with a fix."""
     host, name = address.host, _short(address)
-    if not way.resolves:
+    if not route.resolves:
         last = f"; it was last seen at {seen.address}, {describe_age(now - seen.time)}" if seen else ""
         return Finding(
             "robot-not-found",
@@ -107,8 +110,8 @@ def explain_way(address: Address, way: Way, seen: Seen | None, record: Record | 
             "is it on, and in the same network? was it renamed? 'ur robots' lists the robots that answer; "
             "at the robot itself: systemctl status avahi-daemon",
         )
-    where = ", ".join(way.resolves)
-    if way.port == "refused":
+    where = ", ".join(route.resolves)
+    if route.port == "refused":
         line = "apt-get install -y openssh-server; systemctl enable --now ssh"
         return Finding(
             "no-ssh-server",
@@ -116,8 +119,8 @@ def explain_way(address: Address, way: Way, seen: Seen | None, record: Record | 
             "at the robot itself:",
             (Command("there", line, root=True),),
         )
-    if way.port != "open":
-        if way.ping:
+    if route.port != "open":
+        if route.ping:
             line = "ufw allow ssh"
             return Finding(
                 "closed-ssh-port",
@@ -130,41 +133,43 @@ def explain_way(address: Address, way: Way, seen: Seen | None, record: Record | 
             f"nothing answers at {where}, which is what {host} means",
             "is it on, and in the same network? Networks for guests keep their devices apart",
         )
-    return _explain_login(address, way, record, name)
+    return _explain_login(address, route, record, name)
 
 
-def _explain_login(address: Address, way: Way, record: Record | None, name: str) -> Finding:
+def _explain_login(address: Address, route: Route, record: Record | None, name: str) -> Finding:
     host = address.host
     again = f"ur robot setup {quote(str(address))}" + (
         f" --name {quote(record.name)} --base {quote(record.base)}" if record else ""
     )
-    shown = f"; its key now: {way.host_key.fingerprint}" if way.host_key else ""
+    shown = f"; its key now: {route.host_key.fingerprint}" if route.host_key else ""
     # The line holds the very key whose fingerprint is shown: what answers later has to be the same computer.
-    renew = (Command("here", know_host(name, way.host_key.key, host)),) if way.host_key else ()
+    renew = (Command("here", know_host(name, route.host_key.key, host)),) if route.host_key else ()
     compare = "compare with the robot's own (ssh-keygen -lf /etc/ssh/ssh_host_ed25519_key.pub)"
-    if way.rule == "changed-host-key":
-        twin = f"; another computer has its name, too, and is {name}-2.local ({way.twin[0]})" if way.twin else ""
+    if route.rule == "changed-host-key":
+        twin = f"; another computer has its name, too, and is {name}-2.local ({route.twin[0]})" if route.twin else ""
         return Finding(
             "changed-host-key",
             f"{host} shows another host key than the one that is known here{shown}{twin}",
             f"{compare}, and if it is that one, renew what is known here. Flashed again: {again} --new-host-key",
             renew,
         )
-    if way.rule == "unknown-host-key":
+    if route.rule == "unknown-host-key":
         return Finding(
             "unknown-host-key",
             f"the host key of {host} is not known here{shown}",
             f"set it up: {again}; or, where that was done from another computer, {compare} and know it from now on:",
             renew,
         )
-    if way.rule == "refused":
+    if route.rule == "refused":
         return Finding(
             "key-refused",
             f"{host} refuses {address.user}: it does not take this computer's key, and no password was given",
             "is that the user there? Then, once, with the password of that user:",
             (Command("here", f"ssh-copy-id -i ~/.ssh/id_ed25519.pub {quote(str(address))}"),),
         )
-    return Finding("no-login", f"{address}: {way.said}", "run this again; at the robot itself: journalctl -u ssh -n 20")
+    return Finding(
+        "no-login", f"{address}: {route.reason}", "run this again; at the robot itself: journalctl -u ssh -n 20"
+    )
 
 
 def _short(address: Address) -> str:
