@@ -10,7 +10,7 @@ import pytest
 
 from ur.robot.commit_confirm.guard import BUSY, EARLY, GONE, LATE
 from ur.robot.commit_confirm.guarded import GuardedChange, Order
-from ur.robot.commit_confirm.perform import GRACE, Link, Ways, come_back, hand_over, is_doubtful, refuse_pending
+from ur.robot.commit_confirm.perform import GRACE, Addresses, Link, come_back, hand_over, is_doubtful, refuse_pending
 from ur.robot.setup.facts import Facts
 from ur.robot.ssh.openssh import Address, lost_connection
 from ur.robot.ssh.secret import Secret
@@ -50,7 +50,7 @@ class Network:
         return come_back(
             "abc",
             TITLE,
-            Ways((NEW,), OLD),
+            Addresses((NEW,), OLD),
             60,
             [],
             self.open_link,

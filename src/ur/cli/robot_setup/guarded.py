@@ -15,7 +15,7 @@ from ur.source.diagnostic import UserError, error
 
 if TYPE_CHECKING:
     from ur.robot.commit_confirm.guarded import GuardedChange
-    from ur.robot.commit_confirm.perform import Ways
+    from ur.robot.commit_confirm.perform import Addresses
     from ur.robot.setup.facts import Facts
     from ur.robot.ssh.openssh import Address, SshShell
     from ur.robot.ssh.secret import Secret
@@ -82,15 +82,15 @@ def begin(shell: SshShell, change: GuardedChange, facts: Facts, wait: int) -> st
 
 
 def finish(
-    identity: str, change: GuardedChange, ways: Ways, wait: int, sudo: Sequence[Secret], known_as: str
+    identity: str, change: GuardedChange, addresses: Addresses, wait: int, sudo: Sequence[Secret], known_as: str
 ) -> Address:
-    """Come back to the robot and confirm; the way that led there. Raises UserError: taken back, or not seen again."""
+    """Connect to the robot again and confirm; returns its address. Raises UserError: reverted, or not reached again."""
     from ur.robot.commit_confirm.perform import come_back, open_as
     from ur.source.progress_line import show_progress
 
     try:
         with show_progress(f"waiting for {known_as.removesuffix('.local')} to come back"):
-            return come_back(identity, change.title, ways, wait, sudo, open_as(known_as), report=say)
+            return come_back(identity, change.title, addresses, wait, sudo, open_as(known_as), report=say)
     except KeyboardInterrupt:
         say(f"{change.title}: not confirmed; the robot takes it back by itself within {wait} s")
         raise

@@ -104,7 +104,7 @@ def change_network(
     from ur.request.remote.connection import connect_robot, robot_address
     from ur.robot.commit_confirm.guarded import change_request
     from ur.robot.commit_confirm.network_facts import FACTS_SCRIPT, SCAN_SCRIPT, parse_networks
-    from ur.robot.commit_confirm.perform import Ways
+    from ur.robot.commit_confirm.perform import Addresses
     from ur.robot.setup.engine import gather
     from ur.robot.ssh.openssh import Address
 
@@ -121,7 +121,7 @@ def change_network(
             return 0
         identity = begin(shell, change, facts, wait)
     after: tuple[Address, ...] = (*([Address(address.user, literal)] if literal else []), address)
-    finish(identity, change, Ways(after, address), wait, sudo, address.host)
+    finish(identity, change, Addresses(after, address), wait, sudo, address.host)
     say(f"{change.title}: done" + (f"; {address.host} may need a moment until it leads there" if literal else ""))
     return 0
 

@@ -66,10 +66,10 @@ def rename(robot: str, name: str, wait: int, password_from: int | None, dry_run:
         raise
     if made is None:
         return 0
-    from ur.robot.commit_confirm.perform import Ways
+    from ur.robot.commit_confirm.perform import Addresses
 
     identity, change, facts, sudo = made
-    finish(identity, change, Ways((later,), address), wait, sudo, address.host)
+    finish(identity, change, Addresses((later,), address), wait, sudo, address.host)
     remember(facts.hostname, name)
     say(f"{facts.hostname} is called {name} now: ur shell {name}")
     say("what ran there already, and was not started at boot, keeps the old name until it is started anew")

@@ -25,7 +25,7 @@ def install_debian(alternatives: Sequence[Sequence[str]], title: str, *, ask: bo
         return
     missing = list_missing(alternatives[0])
     command = "apt-get install " + " ".join(missing)
-    root = _become_root(missing, command, ask=ask)
+    root = _root_prefix(missing, command, ask=ask)
     sys.stderr.write(f"installing {title}: Debian packages {' '.join(missing)}, once ...\n")
     install = [*root, *_APT, "install", "-y", "--no-install-recommends", *missing]
     settings = f"apt's sources, or try it by hand: sudo {command}"
@@ -47,8 +47,8 @@ def list_missing(names: Sequence[str]) -> list[str]:
     return [name for name in names if name not in installed]
 
 
-def _become_root(missing: Sequence[str], command: str, *, ask: bool) -> list[str]:
-    """The words in front of a command that root has to run."""
+def _root_prefix(missing: Sequence[str], command: str, *, ask: bool) -> list[str]:
+    """The arguments in front of a command that root has to run. Raises UserError when nobody here may become root."""
     import shutil
     import subprocess
 

@@ -1,4 +1,4 @@
-"""The viewer's part of a guarded change: hand it over, come back over the new way, confirm."""
+"""A guarded change from the client's side: send it to the robot, connect again afterwards, confirm."""
 
 from __future__ import annotations
 
@@ -40,14 +40,14 @@ class Link(Shell, Protocol):
     """A shell on another computer that can become root there."""
 
     def find_sudo(self, candidates: Sequence[Secret]) -> bool:
-        """Return whether there is a way."""
+        """Return whether root is reached, with one of the passwords or without any."""
 
 
 Open = Callable[[Address], AbstractContextManager[Link]]
 
 
 @dataclass(frozen=True, slots=True)
-class Ways:
+class Addresses:
     """Addresses of the robot after the change, best first, and before it."""
 
     after: tuple[Address, ...]
@@ -119,7 +119,7 @@ def is_doubtful(problem: UserError) -> bool:
 def come_back(
     identity: str,
     title: str,
-    ways: Ways,
+    addresses: Addresses,
     wait: int,
     sudo: Sequence[Secret],
     open_link: Open,
@@ -128,7 +128,7 @@ def come_back(
     clock: Callable[[], float] = time.monotonic,
     sleep: Callable[[float], None] = time.sleep,
 ) -> Address:
-    """Reach the robot over a new way and confirm; the way that led to it.
+    """Connect to the robot at an address after the change, and confirm; returns the address that answered.
 
     Raises UserError when the robot took the change back, or is not seen again within `wait` seconds and GRACE.
     """
@@ -137,8 +137,8 @@ def come_back(
     missing = None
     while clock() < end:
         sleep(PAUSE)
-        for address in dict.fromkeys((*ways.after, ways.before)):
-            new = address in ways.after
+        for address in dict.fromkeys((*addresses.after, addresses.before)):
+            new = address in addresses.after
             try:
                 with open_link(address) as link:
                     if not link.find_sudo(sudo):
@@ -156,13 +156,13 @@ def come_back(
             elif clock() > missing + NEVER:
                 raise _never_begun(title, address)
             if ended and not ended.confirmed:
-                raise _taken_back(title, address, ended, [doubts[each] for each in ways.after if each in doubts])
+                raise _taken_back(title, address, ended, [doubts[each] for each in addresses.after if each in doubts])
             if ended:
                 report(f"{address}: answers, confirmed")
-                return address if new else ways.after[0]
+                return address if new else addresses.after[0]
     raise UserError(
         error(
-            f"{title}: {ways.before.host} is not seen again {wait + GRACE:g} s after it began",
+            f"{title}: {addresses.before.host} is not seen again {wait + GRACE:g} s after it began",
             rule="not-seen-again",
             help="it goes back by itself; is this computer still in its network? if nothing else helps, switch the "
             "robot off and on: it then starts as it was before",
