@@ -68,10 +68,10 @@ def show_help(argv: list[str]) -> None:
 
 def _show_program(name: str, *, known_verb: bool) -> None:
     from ur.cli.launch.program_help import describe_program
-    from ur.request.environment import PACKAGE, know_own_package
+    from ur.request.environment import PACKAGE, add_own_package
     from ur.request.programs import choose_program, index_programs
 
-    index = index_programs(PACKAGE, know_own_package(os.environ))
+    index = index_programs(PACKAGE, add_own_package(os.environ))
     names = {each.name for each in index.programs}
     if known_verb or name.rpartition("/")[2].removeprefix("ur_") in names:
         click.echo(describe_program(choose_program(index.programs, name, index.problem), os.environ), nl=False)

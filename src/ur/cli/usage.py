@@ -83,10 +83,10 @@ def _suggest_command(word: str) -> str | None:
     # A launch file or a program alone: the verb was left out.
     if word.endswith((".launch", ".launch.xml")):
         return f"start a launch file: ur launch {word}"
-    from ur.request.environment import PACKAGE, know_own_package
+    from ur.request.environment import PACKAGE, add_own_package
     from ur.request.programs import index_programs
 
-    programs = {program.name for program in index_programs(PACKAGE, know_own_package(os.environ)).programs}
+    programs = {program.name for program in index_programs(PACKAGE, add_own_package(os.environ)).programs}
     near = did_you_mean(word, VERBS) if word not in programs else None
     if near:
         return f"did you mean 'ur {near}'?"

@@ -12,12 +12,12 @@ _LEFT_OUT = frozenset({"build", "devel", "doc", "docs", "include", "install", "s
 
 
 def choose_folders(names: Iterable[str]) -> tuple[str, ...]:
-    """Of the folders in a package those that its launch files may need where it is installed, sorted."""
+    """Select the folders of a package that have to be installed for its launch files, sorted."""
     return tuple(sorted(name for name in names if name not in _LEFT_OUT and not name.startswith(".")))
 
 
 def write_block(folders: Iterable[str], files: Iterable[str] = ()) -> str:
-    """The rules that install folders, and launch files that stand beside package.xml, with their permissions."""
+    """The rules that install folders, and launch files beside package.xml, with their permissions."""
     lines = [_BEGIN]
     for kind, names in (("DIRECTORY", tuple(folders)), ("FILES", tuple(sorted(files)))):
         if names:
@@ -33,7 +33,7 @@ def write_block(folders: Iterable[str], files: Iterable[str] = ()) -> str:
 
 
 def put_block(text: str, block: str) -> str:
-    """A CMakeLists.txt with the block: in the place of the one that is there, else at the end."""
+    """The text of a CMakeLists.txt with the block: it replaces an earlier block, else it is appended."""
     if _BLOCK.search(text):
         return _BLOCK.sub(lambda _: block, text, count=1)
     return text.rstrip("\n") + "\n\n" + block

@@ -1,4 +1,4 @@
-"""The environment that a selection means: what `ur env` prints and every verb applies to itself."""
+"""Environment variables that follow from the selected robot: printed by `ur env`, and set by every verb for itself."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ MARK = "UR_SELECTION"  # tells what `ur env` has set from what a person has set
 
 
 def current_selection(environment: Mapping[str, str]) -> Selection:
-    """The stored selection. Raises UserError when its file makes no sense."""
+    """The stored selection. Raises UserError when its file is damaged."""
     return load_selection(selection_path(environment))
 
 
@@ -48,19 +48,19 @@ def environment_changes(
     return wanted
 
 
-def know_own_package(environment: Mapping[str, str], *, package: Path = PACKAGE) -> dict[str, str]:
-    """An environment in which our launch package is found, whether a shell was set up for it or not."""
+def add_own_package(environment: Mapping[str, str], *, package: Path = PACKAGE) -> dict[str, str]:
+    """A copy of `environment` in which our launch package is on ROS_PACKAGE_PATH."""
     found = _in_front(str(package), environment.get("ROS_PACKAGE_PATH", ""), "/usr/share")
     return {**environment, "ROS_PACKAGE_PATH": found}
 
 
 def apply_selection(selection: Selection) -> None:
-    """Make this process, and what it starts, follow the selection."""
+    """Set the variables of a selection for this process and its children."""
     os.environ.update(environment_changes(selection, os.environ))
 
 
 def render_exports(changes: Mapping[str, str]) -> str:
-    """Lines for a POSIX shell."""
+    """`export` lines for a POSIX shell."""
     return "".join(f"export {name}={shlex.quote(value)}\n" for name, value in changes.items())
 
 

@@ -46,10 +46,10 @@ def read_program_arguments(path: Path, environment: Mapping[str, str]) -> tuple[
     from ur.launchfile.query.arguments import ArgumentSpec, read_arguments
     from ur.launchfile.world.system import SystemWorld
     from ur.request.arguments import values_of
-    from ur.request.environment import current_selection, know_own_package
+    from ur.request.environment import add_own_package, current_selection
     from ur.request.plan_files import selected_arguments, texts
 
-    files = LaunchFiles([str(path)], SystemWorld(know_own_package(environment)))
+    files = LaunchFiles([str(path)], SystemWorld(add_own_package(environment)))
     given = selected_arguments(current_selection(environment), files.declared, (), local=True)
     values = values_of(given)
     required = [Argument(name, "...") for name in _list_required(files) if name not in values]

@@ -30,8 +30,8 @@ def fit_view(config: Mapping[str, Any], grid: Grid) -> dict[str, Any]:
     if view.get("Class") != _VIEW:
         return dict(config)
     left, bottom, right, top = grid.bounds
-    room = (window.get("Width", 1200) - _DOCKS[0], window.get("Height", 720) - _DOCKS[1])
-    scale = min(room[0] / ((right - left) * _MARGIN), room[1] / ((top - bottom) * _MARGIN))
+    size = (window.get("Width", 1200) - _DOCKS[0], window.get("Height", 720) - _DOCKS[1])
+    scale = min(size[0] / ((right - left) * _MARGIN), size[1] / ((top - bottom) * _MARGIN))
     view["Scale"] = round(max(1.0, scale), 2)
     view["X"], view["Y"] = round((left + right) / 2.0, 3), round((bottom + top) / 2.0, 3)
     views["Current"] = view
@@ -39,12 +39,12 @@ def fit_view(config: Mapping[str, Any], grid: Grid) -> dict[str, Any]:
     return {**config, "Visualization Manager": manager}
 
 
-def main(words: list[str]) -> int:
+def main(arguments: list[str]) -> int:
     """Write the fitted configuration into ROS's folder and print its path. Returns the exit code."""
-    if len(words) != 2:
+    if len(arguments) != 2:
         sys.stderr.write("error: fit_view: expected a map file and a configuration of RViz\n")
         return 2
-    map_file, config = words
+    map_file, config = arguments
     home = Path(os.environ.get("ROS_HOME") or Path.home() / ".ros")
     target = home / "rviz" / Path(config).name
     try:

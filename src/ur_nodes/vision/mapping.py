@@ -34,10 +34,10 @@ _NEARBY, _NEARLY = 0.3, 0.35  # m, rad by which a known fiducial may seem displa
 
 
 class Mapper:
-    """Takes odometry and observations, gives poses of robot and fiducials. The same input gives the same map.
+    """Estimates the poses of robot and fiducials from odometry and observations. The same input gives the same map.
 
     A fiducial that is seen farther from its place in the map than all uncertainty explains (it was moved, or there are
-    two of that number) is overlooked, and stays where it was.
+    two of that number) is ignored, and stays in the map unchanged.
     """
 
     def __init__(
@@ -47,7 +47,7 @@ class Mapper:
         start: Pose2 | None = _ORIGIN,
         noise: OdometryNoise = DEFAULT_NOISE,
     ) -> None:
-        """`start` is where the robot is at first; None: it is found out from a fiducial that is `known`."""
+        """`start` is the first pose of the robot; None: estimated from the first `known` fiducial that is seen."""
         self._noise = noise
         self._start = start
         self._isam = gtsam.ISAM2()
@@ -90,7 +90,7 @@ class Mapper:
         return to_planar(self._robot).compose(self._motion(odometry))
 
     def add(self, odometry: Pose2, observations: Iterable[Observation]) -> bool:
-        """Take in what is seen at a moment. Returns whether the map changed: too near the last one nothing does."""
+        """Add the observations of a moment. Returns whether the map changed: too near the last one they are ignored."""
         seen = tuple(observations)
         if self._count and not self._far(self._motion(odometry), bool(seen)):
             return False
@@ -134,7 +134,7 @@ class Mapper:
         )
 
     def covariance(self) -> Floats:
-        """Of the robot's pose at the last moment (6, 6): rotation, translation, in its own frame."""
+        """Covariance (6, 6) of the robot's pose at the last moment: rotation, translation, in its own frame."""
         if not self._count:
             return np.eye(6) * 1e-6
         return np.asarray(self._isam.marginalCovariance(robot_key(self._count - 1)))

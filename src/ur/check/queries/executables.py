@@ -22,9 +22,9 @@ _SHORT = 5
 
 
 class Verdict(NamedTuple):
-    """`path` is the file that exists without being executable; `near` are programs that a name may have meant.
+    """Result of a lookup. `path` is the file that is not executable; `near` are programs with a similar name.
 
-    `no-programs`: the package is there, and no program is in it, nor anything that says how it is built.
+    `no-programs`: the package exists, but has neither programs nor files that say how they are built.
     """
 
     kind: Literal["found", "unknown", "missing", "not-executable", "no-package", "no-programs"]
@@ -33,7 +33,7 @@ class Verdict(NamedTuple):
 
 
 def find_program(package: str, name: str, world: World) -> Verdict:
-    """Look up the program of a node. A program that the package builds when it is built counts as found."""
+    """Look up the program of a node. One that the package's build files name counts as found."""
     if "/" in name:
         return Verdict("unknown")
     try:
@@ -45,7 +45,7 @@ def find_program(package: str, name: str, world: World) -> Verdict:
         return Verdict("no-package")
     except (OSError, ValueError):
         return Verdict("unknown")
-    if is_stand_in(folder, world):
+    if is_placeholder(folder, world):
         return Verdict("unknown")
     texts = list(_build_files(folder, world))
     if any(_builds(text, name) for text in texts):
@@ -56,8 +56,8 @@ def find_program(package: str, name: str, world: World) -> Verdict:
     return Verdict("missing" if near or texts else "no-programs", near=near)
 
 
-def is_stand_in(folder: str, world: World) -> bool:
-    """Return whether a package's folder holds nothing but its package.xml: what it stands for is somewhere else."""
+def is_placeholder(folder: str, world: World) -> bool:
+    """Return whether a package's folder holds only package.xml: the package itself is installed somewhere else."""
     return set(world.list_folder(folder)) == {"package.xml"}
 
 

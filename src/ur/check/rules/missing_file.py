@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 from itertools import pairwise
 
 from ur.check.model import Found, Group, NodeView, ParamView, Rule, launch_example
-from ur.check.queries.executables import is_stand_in
+from ur.check.queries.executables import is_placeholder
 from ur.check.worlds import has_marker
 from ur.launchfile.syntax import Element
 from ur.launchfile.world import World
@@ -70,7 +70,7 @@ def _is_elsewhere(path: str, world: World) -> bool:
     folder = path
     while folder := folder.rpartition("/")[0]:
         if world.is_file(f"{folder}/package.xml"):
-            return is_stand_in(folder, world)
+            return is_placeholder(folder, world)
     return False
 
 

@@ -53,7 +53,7 @@ def command(
     from ur.check.render.pages import render_rule_page
     from ur.check.run import check_paths
     from ur.request.arguments import split_argv, values_of
-    from ur.request.environment import know_own_package
+    from ur.request.environment import add_own_package
     from ur.source.progress_line import show_progress
 
     if explain is not None:
@@ -65,7 +65,7 @@ def command(
 
     def check() -> Report:
         with show_progress("finding launch files") as progress:
-            return check_paths(places, make_world(places, know_own_package(os.environ)), chosen, values, progress)
+            return check_paths(places, make_world(places, add_own_package(os.environ)), chosen, values, progress)
 
     report = check()
     if fix:

@@ -61,9 +61,9 @@ def _write_documents(
 ) -> int:
     from ur.docs.repository.collect import collect_repository
     from ur.launchfile.world import SystemWorld
-    from ur.request.environment import know_own_package
+    from ur.request.environment import add_own_package
 
-    repository = collect_repository(path, SystemWorld(know_own_package(os.environ)), progress)
+    repository = collect_repository(path, SystemWorld(add_own_package(os.environ)), progress)
     _report(repository)
     if doc_attributes:
         return _settle(_doc_attributes(repository), check)

@@ -35,7 +35,7 @@ def command(name: str, paths: tuple[str, ...], kinds: tuple[str, ...], as_json: 
     from ur.check.computer import make_world
     from ur.find.model import KINDS
     from ur.find.search import find_name
-    from ur.request.environment import know_own_package
+    from ur.request.environment import add_own_package
     from ur.source.progress_line import show_progress
 
     places = list(paths) or ["."]
@@ -43,7 +43,7 @@ def command(name: str, paths: tuple[str, ...], kinds: tuple[str, ...], as_json: 
         found = find_name(
             name,
             places,
-            make_world(places, know_own_package(os.environ)),
+            make_world(places, add_own_package(os.environ)),
             [kind for kind in KINDS if not kinds or kind in kinds],
             progress,
         )

@@ -40,11 +40,11 @@ def command(paths: tuple[str, ...], check: bool, diff: bool) -> int:
     from ur.check.computer import make_world
     from ur.check.links import describe_left_out
     from ur.check.worlds import CachedWorld
-    from ur.request.environment import know_own_package
+    from ur.request.environment import add_own_package
     from ur.source.progress_line import show_progress
 
     places = list(paths) or ["."]
-    world = CachedWorld(make_world(places, know_own_package(os.environ)))
+    world = CachedWorld(make_world(places, add_own_package(os.environ)))
     with show_progress("finding launch files") as progress:
         targets = collect_targets(places, world)
         changed, broken = _format_files(targets, world, progress, check=check, diff=diff)
@@ -86,11 +86,11 @@ def _format_files(
 def _format_input() -> int:
     from ur.check.computer import make_world
     from ur.format.run import format_file
-    from ur.request.environment import know_own_package
+    from ur.request.environment import add_own_package
 
     data = sys.stdin.buffer.read()
     path = str(Path.cwd() / "<standard input>")
-    text = format_file(path, data, make_world(["."], know_own_package(os.environ))).text
+    text = format_file(path, data, make_world(["."], add_own_package(os.environ))).text
     write_exactly(text)
     return 0
 

@@ -62,10 +62,10 @@ def find_target(place: str | None) -> Target:
     if place is not None and not Path(place).is_dir():
         from ur.launchfile.world.protocol import PackageNotFound
         from ur.launchfile.world.system import SystemWorld
-        from ur.request.environment import know_own_package
+        from ur.request.environment import add_own_package
 
         try:
-            return Target(place, Path(SystemWorld(know_own_package(os.environ)).find_package(place)))
+            return Target(place, Path(SystemWorld(add_own_package(os.environ)).find_package(place)))
         except PackageNotFound:
             message = f"no folder or package named '{place}'"
             raise UserError(error(message, rule="unknown-package", help="create one: ur new package")) from None
@@ -91,10 +91,10 @@ def _formatted(target: Target, file: NewFile) -> NewFile:
 
     from ur.check.computer import make_world
     from ur.format.run import format_file
-    from ur.request.environment import know_own_package
+    from ur.request.environment import add_own_package
 
     path = str(target.folder / file.path)
     return replace(
         file,
-        text=format_file(path, file.text.encode(), make_world([str(target.folder)], know_own_package(os.environ))).text,
+        text=format_file(path, file.text.encode(), make_world([str(target.folder)], add_own_package(os.environ))).text,
     )

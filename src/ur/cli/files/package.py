@@ -25,14 +25,14 @@ def command(path: str, write: bool) -> int:
     from ur.package.cmake import choose_folders, put_block, write_block
     from ur.package.manifest import add_run_dependencies, read_optional, read_run_dependencies
     from ur.package.uses import find_used_packages
-    from ur.request.environment import know_own_package
+    from ur.request.environment import add_own_package
     from ur.source.diagnostic import UserError, error
     from ur.source.file import SourceFile
     from ur.source.progress_line import show_progress
 
     folder = find_target(path).folder
     with show_progress("finding launch files") as progress:
-        world = make_world([str(folder)], know_own_package(os.environ))
+        world = make_world([str(folder)], add_own_package(os.environ))
         package, used = find_used_packages(str(folder), world, progress)
     manifest, cmake = folder / "package.xml", folder / "CMakeLists.txt"
     texts = {manifest: SourceFile.read(manifest).text}

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 import click
 
-from ur.request.environment import PACKAGE, current_selection, know_own_package
+from ur.request.environment import PACKAGE, add_own_package, current_selection
 from ur.request.programs import Program, find_launch_file, index_programs
 from ur.robot.base import Base
 from ur.source.diagnostic import UserError
@@ -25,7 +25,7 @@ def command() -> int:
     They are the executables `bin/ur_*` of every package on ROS_PACKAGE_PATH. A line in brackets says what the base of
     the selected robot lacks for a program.
     """
-    index = index_programs(PACKAGE, know_own_package(os.environ))
+    index = index_programs(PACKAGE, add_own_package(os.environ))
     if index.problem:
         sys.stderr.write(f"warning: only the programs of {PACKAGE.name} are listed: {printable(index.problem)}\n")
     sys.stdout.write(render_list(index.programs, _selected_base(), colour=shows_colour(sys.stdout)))

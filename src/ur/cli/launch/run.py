@@ -10,7 +10,7 @@ import click
 
 from ur.cli.launch.options import make_lease_options
 from ur.request.arguments import split_argv
-from ur.request.environment import PACKAGE, apply_selection, current_selection, know_own_package
+from ur.request.environment import PACKAGE, add_own_package, apply_selection, current_selection
 from ur.request.program_arguments import check_arguments
 from ur.request.programs import find_launch_file, find_program
 from ur.source.diagnostic import UserError, error
@@ -27,7 +27,7 @@ def command(program: str, arguments: tuple[str, ...], **lease: bool) -> int:
     it: they say how to begin where somebody else drives the robot.
     """
     options = [f"--{name.replace('_', '-')}" for name, given in lease.items() if given]
-    found = find_program(PACKAGE, program, know_own_package(os.environ))
+    found = find_program(PACKAGE, program, add_own_package(os.environ))
     if any(text in ("--help", "-h") for text in arguments) and find_launch_file(found) is not None:
         from ur.cli.launch.program_help import describe_program
 

@@ -13,8 +13,8 @@ from typing import TypeVar
 import click
 
 from ur.cli.maps.copying import fetch_map, list_remote, send_map
-from ur.cli.maps.describing import describe_map, list_maps
 from ur.cli.maps.edit import edit
+from ur.cli.maps.map_list import describe_map, list_maps
 from ur.maps.store import MapStore, own_store
 from ur.maps.waypoint_path import waypoint_path
 from ur.source.diagnostic import UserError, error

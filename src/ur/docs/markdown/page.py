@@ -76,7 +76,7 @@ def _write_how_to_run(page: Page, package: PackageDoc, level: int) -> None:
 
 
 def how_to_run(package: PackageDoc) -> list[str]:
-    """Lines that a person can type."""
+    """Command lines that start the programs of a package."""
     lines = []
     programs = [program for program in package.programs if program.starts] or list(package.programs)
     if programs:

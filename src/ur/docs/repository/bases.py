@@ -1,4 +1,4 @@
-"""The bases of a repository: what they have, and which of them a file can be used for."""
+"""The bases of a repository: their sensors, and the bases that a launch file supports."""
 
 from __future__ import annotations
 

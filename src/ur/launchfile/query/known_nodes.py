@@ -1,7 +1,7 @@
 """Topics, services and actions of well-known nodes, by the name of their executable.
 
-Upstream's names, from the nodes' own documentation on wiki.ros.org; our nodes stand in under the same names, and
-docs/architecture.md says what they speak. Names are as the node writes them: relative ones follow its namespace,
+Those of upstream's nodes are from their documentation on wiki.ros.org; those of our nodes, which replace them under
+the same names, are in docs/architecture.md. Names are as the node writes them: relative ones follow its namespace,
 `~name` belongs to it, and remaps apply.
 """
 
@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Interface:
-    """The names that a node of some kind has to do with."""
+    """The topics, services and actions of a node."""
 
     publishes: tuple[str, ...] = ()
     subscribes: tuple[str, ...] = ()
@@ -110,5 +110,5 @@ KNOWN_IN_PACKAGE: dict[tuple[str, str], Interface] = {
 
 
 def find_interface(executable: str, package: str = "") -> Interface | None:
-    """Look up the interface of an executable, of a package if that is given; None when nothing is."""
+    """Look up the interface of an executable, of a package if that is given; None for an unknown one."""
     return KNOWN_IN_PACKAGE.get((package, executable)) or KNOWN_NODES.get(executable)

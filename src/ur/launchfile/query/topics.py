@@ -18,10 +18,10 @@ Evidence = Literal["ready", "table", "base", "remap"]
 
 @dataclass(frozen=True, slots=True)
 class NameUse:
-    """A node's business with a name. `use` is None where a remap tells that there is some, and nothing tells which.
+    """Use of a name by a node. `use` is None for a name that is known from a remap only.
 
-    `name` is in full, after remapping. `rate` is in Hz, from a `ready:` comment. `doubt` says why it is not sure;
-    empty where it is.
+    `name` is in full, after remapping. `rate` is in Hz, from a `ready:` comment. `doubt` is the reason
+    why the use is not certain; empty where it is.
     """
 
     name: str
@@ -55,7 +55,7 @@ def find_name_uses(node: NodeSpec) -> tuple[NameUse, ...]:
 
 
 def resolve_name(name: str, node: NodeSpec) -> str:
-    """A name that a node writes, in full: `~x` is below the node, others are in its namespace."""
+    """The full name of a name in a node's code: `~x` is below the node, others are in its namespace."""
     if name.startswith("~"):
         return canonical_name(f"{node.full_name}/{name[1:]}")
     return canonical_name(join_names(node.namespace, name))

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from ur.request.arguments import Argument, split_argv, values_of
-from ur.request.environment import PACKAGE, know_own_package
+from ur.request.environment import PACKAGE, add_own_package
 from ur.robot.boot.launch_file import RobotLaunch, choose_arguments, find_launch, is_launch_name
 from ur.robot.boot.units import LIBRARIES, command_line, launch_line
 from ur.robot.deploy.repository import read_repository
@@ -116,7 +116,7 @@ def _refuse_terminal(request: BootRequest, arguments: Sequence[str]) -> None:
     from ur.launchfile.plan.load import load_plan
     from ur.launchfile.world.system import SystemWorld
 
-    world = SystemWorld(know_own_package(os.environ))
+    world = SystemWorld(add_own_package(os.environ))
     try:
         plan = load_plan(resolve_addresses([request.package, request.file], world), [*arguments], world)
     except (UserError, LookupError, OSError):

@@ -30,7 +30,10 @@ printf '\\036end\\n'
 
 @dataclass(frozen=True, slots=True)
 class ServiceStatus:
-    """A boot service: systemd's words for its state, and the last lines of its log."""
+    """A boot service: the values of its systemd properties, and the last lines of its log.
+
+    `code` is the last exit code, `pause` the seconds until the next start, 0 where there is none.
+    """
 
     name: str
     active: str
@@ -44,7 +47,7 @@ class ServiceStatus:
 
 
 def parse_status(text: str) -> list[ServiceStatus]:
-    """Read what SCRIPT printed. Raises UserError if it breaks off or is something else: no service is not no answer."""
+    """Parse the output of SCRIPT; empty where no boot service is installed. Raises UserError for incomplete output."""
     *parts, last = text.split(_MARK)
     if last.strip() != "end" or not parts:
         raise UserError(
@@ -78,7 +81,7 @@ def _number(text: str | None) -> int:
 
 
 def describe_status(status: ServiceStatus) -> Iterator[str]:
-    """Lines for people."""
+    """Lines about a boot service: its state, and the last lines of its log."""
     yield f"{status.name}: {_describe_state(status)}"
     yield from (f"  | {line}" for line in status.said)
 
@@ -99,7 +102,7 @@ def _describe_state(status: ServiceStatus) -> str:
 
 
 def log_command(name: str, lines: int, *, follow: bool) -> str:
-    """The words that print a boot service's log there: with the manager's own messages where sudo allows it."""
+    """The shell command that prints a boot service's log, with systemd's own messages where sudo needs no password."""
     words = quote(
         "journalctl", "-q", "-u", f"{PREFIX}{name}", "-n", str(lines), "--no-pager", *(["-f"] if follow else [])
     )

@@ -14,7 +14,7 @@ DEFAULT_USER = "ros"
 
 @dataclass(frozen=True, slots=True)
 class Record:
-    """A robot that was set up from here, and whom to log in as.
+    """A robot that was set up from here, with the user to log in as.
 
     `robot_login` is whether the user lets it log in to this computer; None where nobody was asked.
     """
@@ -40,7 +40,7 @@ def render_record(record: Record) -> str:
 
 
 def load_records(folder: Path) -> list[Record]:
-    """All records, by name. One that cannot be read is left out: it is only a memory."""
+    """All records, by name. Those that cannot be read are left out."""
     return [record for path in sorted(folder.glob("*.yaml")) if (record := _load_record(path))]
 
 
@@ -56,5 +56,5 @@ def _load_record(path: Path) -> Record | None:
 
 
 def find_user(name: str, folder: Path) -> str:
-    """Whom to log in as on a robot."""
+    """The user to log in as on a robot: that of its record, else DEFAULT_USER."""
     return next((record.user for record in load_records(folder) if record.name == name), DEFAULT_USER)

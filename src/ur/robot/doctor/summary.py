@@ -14,7 +14,7 @@ _ROS = re.compile(
 
 
 def summarize(pair: Pair) -> list[tuple[str, str, str]]:
-    """(what, here, there) of everything that was looked at."""
+    """Rows (property, value here, value there) of everything that was inspected."""
     here, there = pair.here, pair.there
     rows = [(what, left, right) for what, left, right in zip(_TITLES, _cells(here), _cells(there), strict=True)]
     arrives = {True: "yes", False: "no"}

@@ -1,4 +1,4 @@
-"""Waking of a thread that waits for a file descriptor."""
+"""A pipe by which one thread wakes another that waits in `select`."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ class Wake:
         self.descriptor, self._bell = os.pipe2(os.O_NONBLOCK | os.O_CLOEXEC)
 
     def ring(self) -> None:
-        """Wake who waits. Never blocks."""
-        with contextlib.suppress(OSError):  # full: it is awake already
+        """Wake the thread that waits. Never blocks."""
+        with contextlib.suppress(OSError):  # full: the thread is awake already
             os.write(self._bell, b"\0")
 
     def clear(self) -> bool:
-        """Clear the bell and return whether it was rung since the last time."""
+        """Empty the pipe and return whether `ring` was called since the last time."""
         try:
             return bool(os.read(self.descriptor, 4096))
         except OSError:

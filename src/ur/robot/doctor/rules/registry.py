@@ -1,4 +1,4 @@
-"""Registry of the rules: a description of the findings of each, and the function that makes them."""
+"""Types of the entries of `RULES`: a function that makes findings, and a description of each of its findings."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ur.robot.doctor.side import Side
 
 @dataclass(frozen=True, slots=True)
 class SideRule:
-    """Looks at one computer by itself. `kinds`: what each finding's id means."""
+    """A rule about one computer by itself. `kinds`: the id of each finding, and its description."""
 
     kinds: Mapping[str, str]
     check: Callable[[Where, Side], Iterable[Finding]]
@@ -19,7 +19,7 @@ class SideRule:
 
 @dataclass(frozen=True, slots=True)
 class PairRule:
-    """Looks at both computers."""
+    """A rule about two computers. `kinds` as in SideRule."""
 
     kinds: Mapping[str, str]
     check: Callable[[Pair], Iterable[Finding]]

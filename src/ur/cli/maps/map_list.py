@@ -1,4 +1,4 @@
-"""Lines about stored maps: facts, and a small picture beside them."""
+"""List of stored maps for a terminal: a small picture of each, and its size, age, robot and contents."""
 
 from __future__ import annotations
 
