@@ -243,6 +243,20 @@ def test_comment_in_yaml_hides_a_finding(text: str) -> None:
     assert report.suppressed == 1
 
 
+def test_include_of_one_package_is_none_of_a_file_of_the_same_name_in_another() -> None:
+    part = '<launch>\n  <arg name="speed" default="1"/>\n</launch>\n'
+    whole = """<launch>
+  <include file="$(find one)/launch/part.launch"><arg name="speed" value="2"/></include>
+</launch>
+"""
+    packages = {"one": "/lab/one", "two": "/lab/two"}
+    files = {f"{folder}/package.xml": f"<package><name>{name}</name></package>" for name, folder in packages.items()}
+    files |= {f"{folder}/launch/part.launch": part for folder in packages.values()}
+    world = MemoryWorld(files=files | {"/lab/two/launch/whole.launch": whole}, packages=packages)
+    found = check_paths(["/lab"], world, frozenset({"unused-argument"})).findings
+    assert [str(each.span) for each in found] == ["/lab/two/launch/part.launch:2:14"]
+
+
 def test_single_file_is_checked_with_what_it_includes() -> None:
     files = {
         "/w/main.launch": '<launch>\n<include file="/w/part.launch"/>\n</launch>\n',
