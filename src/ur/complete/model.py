@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 
-@dataclass(frozen=True, slots=True)
-class Candidate:
+class Candidate(NamedTuple):
     """Something to insert. `open` ones are not finished: no blank follows (`speed:=`, `launch/`)."""
 
     text: str
@@ -27,8 +27,7 @@ class Line:
     raw: str = field(default="", compare=False)
 
 
-@dataclass(frozen=True, slots=True)
-class Option:
+class Option(NamedTuple):
     """An option of a verb: all its names, what it does, whether a value follows, and which ones if that is known."""
 
     names: tuple[str, ...]

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
+from functools import lru_cache
 
-from ur.complete.line import read_word, split_line
+from ur.complete.line import Word, read_word, split_line
 
 # Whatever may mean something to a shell, expansion of history, braces and ~ included. Letters of any language do not.
 _UNQUOTED = re.compile(r"[^\w@%+=:,./-]")
@@ -17,12 +18,15 @@ def quote_insertion(line: str, replaced: str | None, text: str) -> str | None:
     Bash replaces less than a word where the word holds `:` or `=`, or where a quote is open; that quote is closed by
     bash. None where the candidate does not go on with what stays. `replaced` is None for the whole last word.
     """
+    kept = _find_kept(line, replaced)
+    return _quote(text[len(kept.text) :], kept.quote) if kept and text.startswith(kept.text) else None
+
+
+@lru_cache(maxsize=4)  # the same for each of thousands of candidates
+def _find_kept(line: str, replaced: str | None) -> Word | None:
     raw = split_line(line).raw
     replaced = raw if replaced is None else replaced
-    if not raw.endswith(replaced):
-        return None
-    kept = read_word(raw[: len(raw) - len(replaced)])
-    return _quote(text[len(kept.text) :], kept.quote) if text.startswith(kept.text) else None
+    return read_word(raw[: len(raw) - len(replaced)]) if raw.endswith(replaced) else None
 
 
 def _quote(text: str, quote: str) -> str:

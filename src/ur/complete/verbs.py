@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import replace
 
 from ur.complete.launch import (
     complete_arguments,
@@ -128,7 +127,7 @@ def _explain(words: Sequence[str], prefix: str, world: World, known: Known) -> I
 def _last_of_list(found: Iterable[Candidate], prefix: str) -> Iterator[Candidate]:
     # RULE,RULE: the last one is completed.
     before, comma, _ = prefix.rpartition(",")
-    yield from (replace(each, text=f"{before}{comma}{each.text}") for each in found)
+    yield from (each._replace(text=f"{before}{comma}{each.text}") for each in found)
 
 
 def _kind(kinds: Sequence[str], words: Sequence[str]) -> str:

@@ -1,9 +1,23 @@
-"""Text with positions, and what tools have to say about it. The bottom layer: imports nothing of ours."""
+"""Text with positions, and what tools have to say about it. The bottom layer: imports nothing of ours.
 
-from ur.source.diagnostic import Diagnostic, Note, Severity, UserError, error
-from ur.source.file import Position, SourceFile, Span
-from ur.source.render import render_human
-from ur.source.suggest import did_you_mean
+The names are imported when they are asked for: all of them would take longer than Tab does otherwise.
+"""
+
+from __future__ import annotations
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:  # as typing's, whose import takes time
+    from ur.source.diagnostic import Diagnostic, Note, Severity, UserError, error
+    from ur.source.file import Position, SourceFile, Span
+    from ur.source.render import render_human
+    from ur.source.suggest import did_you_mean
+
+_MODULES = {
+    "diagnostic": ("Diagnostic", "Note", "Severity", "UserError", "error"),
+    "file": ("Position", "SourceFile", "Span"),
+    "render": ("render_human",),
+    "suggest": ("did_you_mean",),
+}
 
 __all__ = [
     "Diagnostic",
@@ -17,3 +31,12 @@ __all__ = [
     "error",
     "render_human",
 ]
+
+
+def __getattr__(name: str) -> object:
+    from importlib import import_module
+
+    for module, names in _MODULES.items():
+        if name in names:
+            return getattr(import_module(f"ur.source.{module}"), name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -47,6 +47,8 @@ def test_same_packages_as_rospkg(tmp_path: Path) -> None:
     (tmp_path / "ignored" / "CATKIN_IGNORE").touch()
     _package(tmp_path / "meta", "meta", "<export><metapackage/></export>")
     _package(tmp_path / "commented", "commented", "<!-- <name>other</name> -->")
+    _package(tmp_path / "no_meta", "no_meta", "<!-- <export><metapackage/></export> --><!---->")
+    _package(tmp_path / "instructed", "instructed", "<?hint <!-- ?><?hint --> ?>")
     _package(tmp_path / ".hidden" / "x", "x")
     (tmp_path / "old").mkdir()
     (tmp_path / "old" / "manifest.xml").write_text("<package/>")
@@ -59,6 +61,12 @@ def test_same_packages_as_rospkg(tmp_path: Path) -> None:
     assert {name: ours.find_package(name) for name in ours.package_names()} == {
         name: theirs.get_path(name) for name in theirs.list()
     }
+
+
+def test_comment_that_xml_does_not_allow_is_refused(tmp_path: Path) -> None:
+    _package(tmp_path / "p", "p", "<!-- a -- b -->")
+    with pytest.raises(ValueError, match=r"p/package\.xml"):
+        _world(tmp_path).find_package("p")
 
 
 def test_broken_package_file_is_named(tmp_path: Path) -> None:

@@ -8,6 +8,7 @@ It does without click: most answers need only names of files, and a person is wa
 
 from __future__ import annotations
 
+import gc
 import os
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -30,6 +31,7 @@ _RUN_COMMANDS = {
 
 def answer_completion(words: Sequence[str]) -> int:
     """Print the candidates for a command line up to the cursor; none when anything fails."""
+    gc.disable()  # nothing lives long enough to be worth collecting
     with suppress(Exception):
         from ur.launchfile.world.system import SystemWorld
 

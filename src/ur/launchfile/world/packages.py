@@ -15,6 +15,7 @@ from collections.abc import Mapping
 
 SHARE = "/usr/share"
 _NAME = re.compile(rb"<name>([^<&]*)</name>")
+_COMMENT = re.compile(rb"<!--(?:[^-]|-[^-])*-->")  # as XML has them: without -- inside
 
 
 def package_paths(environment: Mapping[str, str]) -> list[str]:
@@ -135,8 +136,11 @@ def read_package_name(path: str) -> str | None:
 
 def package_name_in(path: str, data: bytes) -> str | None:
     """As read_package_name, for the content of the file."""
-    if b"metapackage" not in data and b"<!--" not in data and b"<![CDATA[" not in data:
-        names = _NAME.findall(data)
+    # A processing instruction may hold what looks like a comment; the declaration does not.
+    simple = b"<![CDATA[" not in data and data.count(b"<?") <= data.startswith(b"<?xml")
+    plain = _COMMENT.sub(b"", data) if simple and b"<!--" in data else data
+    if b"metapackage" not in plain and b"<!--" not in plain and b"<![CDATA[" not in plain:
+        names = _NAME.findall(plain)
         if len(names) == 1 and names[0].isascii():
             text: str = names[0].decode("ascii")
             return text.strip(" \n\r\t")
