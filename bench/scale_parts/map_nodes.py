@@ -26,6 +26,7 @@ from ur_nodes.geometry.pose import Pose2
 _ROOT = Path(__file__).resolve().parents[2]
 _PACKAGE = _ROOT / "ubiquity_launches"
 _RANGE, _BEAMS = 12.0, 360
+_START, _PATIENCE = 120.0, 200.0  # s until move_base takes goals, and from the goal to its path
 
 
 def main() -> int:
@@ -101,7 +102,8 @@ def _measure(
         nodes[name] = subprocess.Popen(command, stdout=subprocess.DEVNULL)
     request = MoveBaseGoal()
     request.target_pose.header.frame_id, request.target_pose.pose = "map", pose_message(goal)
-    client.wait_for_server(rospy.Duration(60.0))
+    if not client.wait_for_server(rospy.Duration(_START)):  # a goal sent to a node without a connection is lost
+        raise SystemExit(f"error: move_base took no goals within {_START:g} s, expected it to start")
 
     def follow(handle: Any) -> None:
         if handle.get_goal_status() == 1:
@@ -109,11 +111,15 @@ def _measure(
 
     result: dict[str, Any] = {}
     handle = client.send_goal(request, transition_cb=follow)
-    while not planned.wait(0.005) and time.monotonic() - began < 200.0:
-        if accepted.is_set() and "accepted" not in result:
-            result["accepted"] = time.monotonic() - began
-        if handle.get_comm_state() == actionlib.CommState.DONE:  # as when the map takes too long
-            handle = client.send_goal(request, transition_cb=follow)
+    sent = time.monotonic()
+    while not planned.wait(0.005):
+        if accepted.is_set():
+            result.setdefault("accepted", time.monotonic() - began)
+        if handle.get_comm_state() == actionlib.CommState.DONE:
+            raise SystemExit(f"error: the goal ended without a path, expected one: {handle.get_goal_status_text()}")
+        if time.monotonic() - sent > _PATIENCE:
+            state = "the goal was accepted" if accepted.is_set() else "move_base did not answer the goal"
+            raise SystemExit(f"error: no path within {_PATIENCE:g} s, expected one; {state}")
     result["plan"] = time.monotonic() - began
     result.setdefault("accepted", result["plan"])
     time.sleep(3.0)
