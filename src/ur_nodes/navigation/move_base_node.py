@@ -309,8 +309,8 @@ class MoveBase:
         if world is not None and self._view.wants_costmap(local=False):
             with self._lock:
                 changed = world.take_changes()
-            self._view.show_world(world.costmap, changed, new=self._shown != id(world))
-            self._shown = id(world)
+            self._view.show_world(world.costmap, changed, new=self._shown != self._world.maps)
+            self._shown = self._world.maps
         if pose is not None:
             self._view.show_footprint(self._settings.footprint, pose, local=False)
 

@@ -50,9 +50,10 @@ class WorldView:
         )
         self.world: MapCostmap | None = None
         self.map_problem = ""
+        self.maps = 0  # used so far
         self._scan: LaserScan | None = None
         self._used: float | None = None
-        self._new_map: OccupancyGrid | None = None
+        self._new_map: MapCostmap | str | None = None  # or why it cannot be used
         rospy.Subscriber(settings.map_topic, GridMessage, self._take_map, queue_size=1)
         self._ranges: deque[Range] = deque(maxlen=_WAITING)
         if settings.local.scan:
@@ -62,9 +63,12 @@ class WorldView:
 
     def update(self) -> None:
         """Work a new map and the newest scan into the costmaps."""
-        message, self._new_map = self._new_map, None
-        if message is not None:
-            self._use_map(message)
+        new, self._new_map = self._new_map, None
+        if isinstance(new, str):
+            self.world, self.map_problem = None, new
+        elif new is not None:
+            self.world = new
+            self.maps += 1
         source, scan = self._settings.local.scan, self._scan
         if source is None:
             self._lay_map()
@@ -155,22 +159,6 @@ class WorldView:
         """The costs of the whole map: with obstacles, which change with the next update, and of the map alone."""
         return (self.world.costmap, self.world.static) if self.world else None
 
-    def _use_map(self, message: OccupancyGrid) -> None:
-        settings = self._settings
-        try:
-            grid = grid_of_message(message)
-        except UserError as problem:
-            self.world, self.map_problem = None, str(problem)
-            rospy.logerr("%s", problem)
-            return
-        self.world = MapCostmap(
-            grid,
-            settings.world.reach,
-            settings.world.inflation,
-            lethal=settings.lethal,
-            track_unknown=settings.track_unknown,
-        )
-
     def _lay_map(self) -> None:
         robot, place = self._robot_in_odom(), self.odom()
         if self.world is not None and robot is not None and place is not None:
@@ -219,7 +207,21 @@ class WorldView:
             return None
 
     def _take_map(self, message: OccupancyGrid) -> None:
-        self._new_map = message
+        """Work out the costs of a map here: where it is large, the control loop would miss several periods."""
+        settings = self._settings
+        try:
+            grid = grid_of_message(message)
+        except UserError as problem:
+            rospy.logerr("%s", problem)
+            self._new_map = str(problem)
+            return
+        self._new_map = MapCostmap(
+            grid,
+            settings.world.reach,
+            settings.world.inflation,
+            lethal=settings.lethal,
+            track_unknown=settings.track_unknown,
+        )
 
     def _take_scan(self, message: LaserScan) -> None:
         self._scan = message
