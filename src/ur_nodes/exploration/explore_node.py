@@ -6,10 +6,8 @@ import sys
 import threading
 import time
 
-import numpy as np
 import rospy
 from nav_msgs.msg import OccupancyGrid
-from numpy.typing import NDArray
 from rospy.numpy_msg import numpy_msg
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
@@ -20,6 +18,7 @@ from ur.source.diagnostic import UserError
 from ur_nodes.exploration.explorer import Explorer, Inputs, Outputs
 from ur_nodes.exploration.markers_node import marker_array
 from ur_nodes.exploration.navigation_node import Navigation
+from ur_nodes.exploration.obstacles_node import Obstacles
 from ur_nodes.exploration.settings_node import read_settings
 from ur_nodes.exploration.status import Status, describe_status, write_status
 from ur_nodes.geometry.grid import Grid
@@ -28,7 +27,6 @@ from ur_nodes.rosio.frames import Frames
 from ur_nodes.rosio.grid_message import grid_of_message
 from ur_nodes.rosio.shell import run_node
 
-_LETHAL = 100  # of a published costmap
 _POLL = 0.1  # s between two looks at what has happened
 _SHOWN_EVERY = 10.0  # s between two lines in the log
 _SAVE_AGAIN = 5.0  # s of this computer until a map that is not stored is saved again
@@ -44,7 +42,6 @@ class ExploreNode:
         self._frames = Frames()
         self._grid: Grid | None = None
         self._version = 0
-        self._obstacles: NDArray[np.floating] | None = None
         self._told = ("", -_SHOWN_EVERY)
         self._saved = ""
         self._save_at = 0.0
@@ -52,7 +49,7 @@ class ExploreNode:
         self._markers = rospy.Publisher("~frontiers", MarkerArray, queue_size=1, latch=True)
         self._navigation = Navigation(self._settings)
         rospy.Subscriber("map", numpy_msg(OccupancyGrid), self._take_map, queue_size=1)
-        rospy.Subscriber(self._settings.costmap, numpy_msg(OccupancyGrid), self._take_costmap, queue_size=1)
+        self._obstacles = Obstacles(self._settings.costmap, self._settings.costmap_updates)
         threading.Thread(target=self._run, name="explore", daemon=True).start()
 
     def _run(self) -> None:
@@ -73,7 +70,7 @@ class ExploreNode:
                 continue
             paused, due = pause, now + self._settings.period
             version = self._version
-            obstacles = self._obstacles
+            obstacles = self._obstacles.points()
             out = self._explorer.step(Inputs(now, grid, version, robot, obstacles, end, pause))
             if not self._obey(out, now):
                 return
@@ -145,14 +142,6 @@ class ExploreNode:
             rospy.logerr_throttle(_SHOWN_EVERY, str(problem))
             return
         self._version += 1
-
-    def _take_costmap(self, message: OccupancyGrid) -> None:
-        try:
-            costs = grid_of_message(message)
-        except UserError as problem:
-            rospy.logerr_throttle(_SHOWN_EVERY, str(problem))
-            return
-        self._obstacles = costs.points_of_cells(np.argwhere(costs.values == _LETHAL))
 
 
 def main() -> int:

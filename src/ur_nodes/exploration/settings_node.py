@@ -15,7 +15,7 @@ class ExploreSettings:
     """`period`: s between two decisions. `quiet`: s without another driver before it goes on.
 
     `save_service` saves the map and answers its name; '' where nobody saves it. `navigation` is the node with the
-    action, and `costmap` the topic of its global costmap.
+    action, `costmap` the topic of its global costmap, `costmap_updates` that of the cells that changed.
     """
 
     explorer: ExplorerSettings
@@ -25,6 +25,7 @@ class ExploreSettings:
     map_frame: str
     navigation: str
     costmap: str
+    costmap_updates: str
     mux: str
     save_service: str
 
@@ -52,6 +53,7 @@ def read_settings() -> ExploreSettings:
         map_frame=own.text("global_frame", "map"),
         navigation=navigation,
         costmap=own.text("costmap_topic", f"{navigation}/global_costmap/costmap"),
+        costmap_updates=own.text("costmap_updates_topic", f"{navigation}/global_costmap/costmap_updates"),
         mux=own.text("mux", "cmd_vel_mux"),
         save_service=own.text("save_service", ""),
     )

@@ -32,7 +32,9 @@ class MoveBaseView:
             ),
             True: _publisher("~local_costmap/costmap", OccupancyGrid),
         }
-        self._changes = _publisher("~global_costmap/costmap_updates", GridUpdate)
+        self._changes = rospy.Publisher(
+            "~global_costmap/costmap_updates", GridUpdate, queue_size=1, subscriber_listener=self._arrivals
+        )
         self._footprints = {
             False: _publisher("~global_costmap/footprint", PolygonStamped),
             True: _publisher("~local_costmap/footprint", PolygonStamped),
@@ -91,7 +93,7 @@ class MoveBaseView:
 
 
 class _Arrivals(rospy.SubscribeListener):  # type: ignore[misc]  # rospy has no types
-    """Notes that a subscriber came."""
+    """Notes that a subscriber came. Of changes, too: it may have missed some since it received the whole."""
 
     def __init__(self) -> None:
         super().__init__()

@@ -11,6 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 from std_msgs.msg import Header
 
+from ur.source.diagnostic import UserError, error
+
 _BOX = struct.Struct("<2i3I")  # x, y, width, height, and the number of cells
 
 
@@ -62,3 +64,19 @@ def update_message(values: NDArray[np.int8], row: int, column: int, frame: str, 
     message.height, message.width = values.shape
     message.data = values.ravel()
     return message
+
+
+def apply_update(values: NDArray[np.int8], message: GridUpdate) -> None:
+    """Write the new values into a grid's `values` (height, width). Raises UserError: they do not fit into the grid."""
+    height, width = values.shape
+    inside = message.x >= 0 and message.y >= 0 and message.x + message.width <= width
+    if not inside or message.y + message.height > height or message.width * message.height != len(message.data):
+        raise UserError(
+            error(
+                f"update of {message.width} x {message.height} cells at ({message.x}, {message.y}) with "
+                f"{len(message.data)} values, expected one value per cell, inside the grid of {width} x {height}",
+                rule="bad-map",
+            )
+        )
+    rows, columns = slice(message.y, message.y + message.height), slice(message.x, message.x + message.width)
+    values[rows, columns] = message.data.reshape(message.height, message.width)

@@ -39,7 +39,11 @@ KNOWN_NODES: dict[str, Interface] = {
     "aruco_detect": _node(
         "fiducial_vertices fiducial_transforms fiducial_images tf", "camera/compressed camera_info ignore_fiducials"
     ),
-    "explore": _node("~frontiers ~status", "map tf move_base/global_costmap/costmap", uses="move_base"),
+    "explore": _node(
+        "~frontiers ~status",
+        "map tf move_base/global_costmap/costmap move_base/global_costmap/costmap_updates",
+        uses="move_base",
+    ),
     "explore_progress": _node("", "status"),
     "fiducial_slam": _node(
         "fiducials fiducial_map fiducial_pose tf",
@@ -59,7 +63,8 @@ KNOWN_NODES: dict[str, Interface] = {
     "map_server": _node("map map_metadata", "", "static_map"),
     "motor_node": _node("odom tf battery_state", "cmd_vel"),
     "move_base": _node(
-        "cmd_vel cmd_vel_stamped ~current_goal ~global_costmap/costmap ~hold ~local_costmap/costmap",
+        "cmd_vel cmd_vel_stamped ~current_goal ~global_costmap/costmap ~global_costmap/costmap_updates ~hold "
+        "~local_costmap/costmap",
         "move_base_simple/goal map odom scan tf ~continue",
         "~make_plan ~clear_costmaps",
         "",
