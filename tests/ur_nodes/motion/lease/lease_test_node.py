@@ -44,7 +44,9 @@ class Clients:
         )
 
     def join(self, client: str, conduct: str) -> dict[str, Any]:
-        """A client begins."""
+        """A client begins; an earlier one of this id is silent from now on."""
+        if client in self.clients:
+            self.vanish(client)
         os.environ |= {"UR_CLIENT": client, "UR_CLIENT_NAME": f"{client}-host", "UR_LEASE": conduct}
         self.clients[client] = joined = LeaseClient("cmd_vel_mux", "test")
         self.fresh[client] = FreshPublisher("key_vel", joined.link, client)
@@ -58,9 +60,12 @@ class Clients:
 
     def becomes(self, client: str, **expected: Any) -> dict[str, Any]:
         """Once the client's view is so."""
-        wait_until(
-            lambda: all(self.view(client)[name] == value for name, value in expected.items()), 60.0, str(expected)
-        )
+        try:
+            wait_until(
+                lambda: all(self.view(client)[name] == value for name, value in expected.items()), 60.0, str(expected)
+            )
+        except TimeoutError as problem:
+            raise TimeoutError(f"{problem}; it is {self.view(client)}") from None
         return self.view(client)
 
     def request(self, client: str, action: str) -> None:

@@ -135,6 +135,7 @@ def test_client_that_vanishes_is_lost_and_is_replaced_on_purpose_only(session: S
 def test_lease_is_on_the_parameter_server_too(session: Session) -> None:
     session.join("a")
     session.becomes("a", mine=True)
+    session.ask("mirrored", client="a")
     lease = json.loads(session.ask("parameter"))
     assert (lease["state"], lease["client"], lease["name"]) == ("held", "a", "a-host")
     session.ask("leave", client="a")
