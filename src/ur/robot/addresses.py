@@ -37,7 +37,7 @@ class Addresses:
         if not known:
             self.refresh(host)
             return self._known[host]
-        if due and not _is_address(host):
+        if due and not is_address(host):
             threading.Thread(target=self._try_refresh, args=(host,), name=f"address {host}", daemon=True).start()
         return known
 
@@ -58,13 +58,14 @@ class Addresses:
 
 
 def _look_up(host: str) -> str:
-    if _is_address(host):
+    if is_address(host):
         return host
     found = socket.getaddrinfo(host, None, socket.AF_INET, socket.SOCK_STREAM)
     return str(found[0][4][0])
 
 
-def _is_address(host: str) -> bool:
+def is_address(host: str) -> bool:
+    """Return whether a host is given as an IP address."""
     try:
         ipaddress.ip_address(host)
     except ValueError:

@@ -7,6 +7,7 @@ import socket
 from collections.abc import Callable
 from urllib.parse import urlsplit
 
+from ur.robot.addresses import is_address
 from ur.robot.selection import DEFAULT_BASE, SIMULATION, Selection, parse_selection
 from ur.source.diagnostic import UserError, error
 from ur.source.printable import printable
@@ -32,7 +33,7 @@ def follow_master(
         return Selection(SIMULATION, selection.base or DEFAULT_BASE, selection.variant if selection.base else "")
     if name == selection.robot.lower():
         return selection
-    if _is_address(host):
+    if is_address(host):
         if (find_address or _find_address)(f"{selection.robot}.local") == host:
             return selection
         raise _unknown(selection, uri)
@@ -57,16 +58,8 @@ def _read_host(uri: str) -> str:
         return ""
 
 
-def _is_address(host: str) -> bool:
-    try:
-        ipaddress.ip_address(host)
-    except ValueError:
-        return False
-    return True
-
-
 def _is_loopback(host: str) -> bool:
-    return host == "localhost" or (_is_address(host) and ipaddress.ip_address(host).is_loopback)
+    return host == "localhost" or (is_address(host) and ipaddress.ip_address(host).is_loopback)
 
 
 def _find_address(host: str) -> str:
