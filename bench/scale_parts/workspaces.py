@@ -53,8 +53,12 @@ def _measure(size: int, folder: Path) -> Iterator[Row]:
     yield Row("ur check, after one edit", size, again.processor, "s")
     yield Row("ur check, after one edit", size, again.memory, "MB")
     yield Row("ur find", size, _ours(["find", "scan_1", str(source), "--kind", "topic"], environment).processor, "s")
-    yield Row("ur docs", size, _ours(["docs", str(source), "--output", "-"], environment).processor, "s")
-    yield Row("ur graph", size, _ours(["graph", str(folder / "all.launch")], environment).processor, "s")
+    documents = _ours(["docs", str(source), "--output", "-"], environment)
+    yield Row("ur docs", size, documents.processor, "s")
+    yield Row("ur docs", size, documents.memory, "MB")
+    for form in ("text", "svg"):
+        drawn = _ours(["graph", str(folder / "all.launch"), "--as", form], environment)
+        yield Row(f"ur graph --as {form}", size, drawn.processor, "s")
     tabs = [_ours(["__complete", "bash", "ur launch pac"], environment) for _ in range(_TABS)]
     yield Row("Tab", size, statistics.median(tab.processor for tab in tabs), "s")
 
