@@ -37,6 +37,8 @@ def approach(value: float, target: float, axis: Axis, seconds: float) -> float:
 
     A change of sign brakes to zero first and uses what is left of the time to speed up.
     """
+    if value == target and -axis.speed <= value <= axis.speed:
+        return value
     target = axis.clip(target)
     if value * target < 0.0 or abs(target) < abs(value):
         rest = target if value * target > 0.0 else 0.0

@@ -18,6 +18,11 @@ def pose_message(pose: Pose2) -> Pose:
     return Pose(Point(pose.x, pose.y, 0.0), Quaternion(*quaternion_of_yaw(pose.yaw)))
 
 
+def fill_pose(message: Pose, pose: Pose2) -> None:
+    """Make a geometry_msgs/Pose one on the ground, without new objects."""
+    _fill(message.position, message.orientation, pose)
+
+
 def pose3_of_transform(transform: Transform) -> Pose3:
     """Convert a geometry_msgs/Transform."""
     t, q = transform.translation, transform.rotation
@@ -27,3 +32,13 @@ def pose3_of_transform(transform: Transform) -> Pose3:
 def transform_message(pose: Pose2) -> Transform:
     """A geometry_msgs/Transform on the ground."""
     return Transform(Vector3(pose.x, pose.y, 0.0), Quaternion(*quaternion_of_yaw(pose.yaw)))
+
+
+def fill_transform(message: Transform, pose: Pose2) -> None:
+    """Make a geometry_msgs/Transform one on the ground, without new objects."""
+    _fill(message.translation, message.rotation, pose)
+
+
+def _fill(place: Point | Vector3, turn: Quaternion, pose: Pose2) -> None:
+    place.x, place.y, place.z = pose.x, pose.y, 0.0
+    turn.x, turn.y, turn.z, turn.w = quaternion_of_yaw(pose.yaw)

@@ -20,6 +20,7 @@ from ur.worlds.world_file import World
 from ur_nodes.rosio.parameters import Parameters
 from ur_nodes.simulator.camera_process import CameraProcess
 from ur_nodes.simulator.frame_rate import FrameCount
+from ur_nodes.simulator.publisher_node import has_subscribers
 
 _TRY_EVERY = 10.0  # s: packages may be installed meanwhile
 
@@ -134,15 +135,15 @@ class _Robot:
 
     @property
     def wants_pixels(self) -> bool:
-        return bool(self._raw.get_num_connections())
+        return has_subscribers(self._raw)
 
     @property
     def wants_jpeg(self) -> bool:
-        return bool(self._compressed.get_num_connections())
+        return has_subscribers(self._compressed)
 
     @property
     def wanted(self) -> bool:
-        return self.wants_pixels or self.wants_jpeg or bool(self._info.get_num_connections())
+        return self.wants_pixels or self.wants_jpeg or has_subscribers(self._info)
 
     def publish(self, stamp: rospy.Time, pixels: bytes, jpeg: bytes) -> None:
         self._calibration.header.stamp = self._image.header.stamp = self._jpeg.header.stamp = stamp

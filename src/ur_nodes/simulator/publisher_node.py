@@ -13,3 +13,9 @@ def make_publisher(topic: str, kind: Any, queue: int | None) -> rospy.Publisher:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", SyntaxWarning)  # rospy takes a missing queue size for a mistake
         return rospy.Publisher(topic, kind, queue_size=queue, tcp_nodelay=True)
+
+
+def has_subscribers(publisher: rospy.Publisher) -> bool:
+    """Return whether anything is connected to a topic: `get_num_connections` without locks, as each tick asks."""
+    implementation = publisher.impl
+    return implementation is not None and bool(implementation.connections)

@@ -7,11 +7,10 @@ from geometry_msgs.msg import TransformStamped, Twist
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import JointState, LaserScan
 from std_msgs.msg import Int32
-from tf2_msgs.msg import TFMessage
 
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.rosio.geometry import pose_message, transform_message
-from ur_nodes.simulator.publisher_node import make_publisher
+from ur_nodes.rosio.geometry import fill_pose, fill_transform
+from ur_nodes.simulator.publisher_node import has_subscribers, make_publisher
 from ur_nodes.simulator.settings import Settings
 from ur_nodes.simulator.simulation import Simulation
 
@@ -22,14 +21,11 @@ class RobotTopics:
     Topics without subscribers cost nothing, tf and latched ones aside.
     """
 
-    def __init__(
-        self, simulation: Simulation, robot: int, prefix: str, settings: Settings, tf: rospy.Publisher
-    ) -> None:
+    def __init__(self, simulation: Simulation, robot: int, prefix: str, settings: Settings) -> None:
         """`prefix` is put before topics and frames: '' for a single robot, else 'robot_<n>/'."""
         frames, queue = settings.frames, settings.queue_size
         self._simulation = simulation
         self._robot = robot
-        self._tf = tf
         self.command: tuple[float, float] | None = None
         lidar = simulation.base.lidar
         self._odom = make_publisher(f"{prefix}odom", Odometry, queue)
@@ -44,7 +40,6 @@ class RobotTopics:
         self._joint_message = JointState(name=[f"{prefix}left_wheel_joint", f"{prefix}right_wheel_joint"])
         self._transform = TransformStamped(child_frame_id=base)
         self._transform.header.frame_id = odom
-        self._tf_message = TFMessage([self._transform])
         if lidar:
             self._scan_message = LaserScan(
                 angle_min=lidar.angle_min,
@@ -66,22 +61,23 @@ class RobotTopics:
         if command is not None:
             self._simulation.command(self._robot, *command)
 
-    def publish_transform(self, stamp: rospy.Time) -> None:
-        """Publish tf odom -> base_footprint, from the odometry of the encoders."""
-        self._transform.transform = transform_message(self._simulation.odometry(self._robot).pose)
+    def transform(self, stamp: rospy.Time) -> TransformStamped:
+        """The transform odom -> base_footprint, from the odometry of the encoders; the next call changes it."""
+        pose = self._simulation.odometry(self._robot).pose
+        fill_transform(self._transform.transform, pose)
         self._transform.header.stamp = stamp
-        self._tf.publish(self._tf_message)
+        return self._transform
 
     def publish_odometry(self, stamp: rospy.Time) -> None:
         """Publish the odometry of the encoders, and the ground truth."""
-        if self._odom.get_num_connections():
+        if has_subscribers(self._odom):
             odometry = self._simulation.odometry(self._robot)
             _fill_pose(self._odom_message, stamp, odometry.pose)
             self._odom_message.pose.covariance = _covariance(odometry.covariance)
             twist = self._odom_message.twist.twist
             twist.linear.x, twist.angular.z = odometry.velocity
             self._odom.publish(self._odom_message)
-        if self._truth.get_num_connections():
+        if has_subscribers(self._truth):
             _fill_pose(self._truth_message, stamp, self._simulation.pose(self._robot))
             twist = self._truth_message.twist.twist
             twist.linear.x, twist.linear.y, twist.angular.z = self._simulation.velocity(self._robot)
@@ -89,22 +85,21 @@ class RobotTopics:
 
     def publish_scan(self, stamp: rospy.Time) -> None:
         """Publish a scan of the lidar, taken in an instant."""
-        if self._scan is not None and self._scan.get_num_connections():
+        if self._scan is not None and has_subscribers(self._scan):
             self._scan_message.header.stamp = stamp
             self._scan_message.ranges = self._simulation.scan(self._robot).tolist()
             self._scan.publish(self._scan_message)
 
     def publish_joints(self, stamp: rospy.Time) -> None:
         """The angles of the wheels, and how fast they turn."""
-        if self._joints.get_num_connections():
+        if has_subscribers(self._joints):
             self._joint_message.header.stamp = stamp
             self._joint_message.position = self._simulation.wheel_angles(self._robot)
             self._joint_message.velocity = self._simulation.wheel_speeds(self._robot)
             self._joints.publish(self._joint_message)
 
-    def publish_collisions(self) -> None:
+    def publish_collisions(self, count: int) -> None:
         """Publish the number of collisions of the robot; latched, sent when it changes."""
-        count = self._simulation.collisions[self._robot]
         if count != self._sent_collisions:
             self._sent_collisions = count
             self._collisions.publish(count)
@@ -121,7 +116,7 @@ def _odometry_message(frame: str, child: str) -> Odometry:
 
 def _fill_pose(message: Odometry, stamp: rospy.Time, pose: Pose2) -> None:
     message.header.stamp = stamp
-    message.pose.pose = pose_message(pose)
+    fill_pose(message.pose.pose, pose)
 
 
 def _covariance(planar: tuple[float, ...]) -> list[float]:

@@ -10,7 +10,7 @@ from sensor_msgs.msg import BatteryState, Imu, Range
 from std_msgs.msg import Bool
 
 from ur.robot.base import Base
-from ur_nodes.simulator.publisher_node import make_publisher
+from ur_nodes.simulator.publisher_node import has_subscribers, make_publisher
 from ur_nodes.simulator.settings import Settings
 from ur_nodes.simulator.simulation import Simulation, Tick
 
@@ -49,14 +49,14 @@ class SensorTopics:
 
     def publish(self, tick: Tick, stamp: rospy.Time) -> None:
         """Publish the readings that are due."""
-        if tick.sonars and self._sonars and self._sonars.get_num_connections():
+        if tick.sonars and self._sonars and has_subscribers(self._sonars):
             for message, value in zip(self._ranges, self._ranges_now(), strict=True):
                 message.header.stamp = stamp
                 message.range = value
                 self._sonars.publish(message)
-        if tick.imu and self._imu and self._imu.get_num_connections():
+        if tick.imu and self._imu and has_subscribers(self._imu):
             self._publish_imu(stamp)
-        if tick.battery and self._battery and self._battery.get_num_connections():
+        if tick.battery and self._battery and has_subscribers(self._battery):
             self._publish_battery(stamp)
         if self._bumpers:
             self._publish_bumpers()
@@ -85,7 +85,10 @@ class SensorTopics:
 
     def _publish_bumpers(self) -> None:
         """Sent when one changes."""
-        for name, pressed in self._simulation.senses[self._robot].pressed(self._simulation.time).items():
+        states = self._simulation.senses[self._robot].pressed(self._simulation.time)
+        if states == self._sent:
+            return
+        for name, pressed in states.items():
             if self._sent.get(name) is not pressed:
                 self._sent[name] = pressed
                 self._bumpers[name].publish(pressed)

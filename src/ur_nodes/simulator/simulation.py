@@ -114,8 +114,8 @@ class Simulation:
         self._physics.step(due - self._step)
         self._step = due
         self._notice_touch()
-        now = {name for name, schedule in self._schedules.items() if schedule.take(due)}
-        if now & _PLACED:
+        now = [name for name, schedule in self._schedules.items() if due >= schedule.step and schedule.take(due)]
+        if not _PLACED.isdisjoint(now):
             for robot, odometry in enumerate(self._odometry):
                 odometry.update(*self._physics.wheel_angles(robot), self.time)
         if "scan" in now:

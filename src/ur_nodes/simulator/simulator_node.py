@@ -58,9 +58,10 @@ class SimulatorNode:
         self._clock = make_publisher("/clock", Clock, settings.queue_size) if settings.publish_clock else None
         self._clock_message = Clock()
         self._next_clock = self._next_joints = 0.0
-        tf = make_publisher("/tf", TFMessage, settings.queue_size)
+        self._tf = make_publisher("/tf", TFMessage, settings.queue_size)
+        self._tf_message = TFMessage()
         prefixes = list_prefixes(simulation)
-        self._robots = [RobotTopics(simulation, n, prefix, settings, tf) for n, prefix in enumerate(prefixes)]
+        self._robots = [RobotTopics(simulation, n, prefix, settings) for n, prefix in enumerate(prefixes)]
         self._sensors = [SensorTopics(simulation, n, prefix, settings) for n, prefix in enumerate(prefixes)]
         rospy.Service("~pause", SetBool, self._pause)
         rospy.Service("~step", Trigger, self._step)
@@ -119,16 +120,17 @@ class SimulatorNode:
             self._clock.publish(self._clock_message)
         if joints:
             self._next_joints = tick.time + 1.0 / self._settings.joint_rate - 1e-6
-        for robot in self._robots:
-            if placed:
-                robot.publish_transform(stamp)
+        if placed:
+            self._tf_message.transforms = [robot.transform(stamp) for robot in self._robots]
+            self._tf.publish(self._tf_message)
+        for robot, collisions in zip(self._robots, self._simulation.collisions, strict=True):
             if tick.odometry:
                 robot.publish_odometry(stamp)
             if tick.scan:
                 robot.publish_scan(stamp)
             if joints:
                 robot.publish_joints(stamp)
-            robot.publish_collisions()
+            robot.publish_collisions(collisions)
         for sensors in self._sensors:
             sensors.publish(tick, stamp)
         if tick.picture and self._camera:
