@@ -53,7 +53,7 @@ class WorldView:
         self.maps = 0  # used so far
         self._scan: LaserScan | None = None
         self._used: float | None = None
-        self._new_map: MapCostmap | str | None = None  # or why it cannot be used
+        self._new_maps: deque[MapCostmap | str] = deque(maxlen=1)  # or why it cannot be used
         rospy.Subscriber(settings.map_topic, GridMessage, self._take_map, queue_size=1)
         self._ranges: deque[Range] = deque(maxlen=_WAITING)
         if settings.local.scan:
@@ -63,7 +63,7 @@ class WorldView:
 
     def update(self) -> None:
         """Work a new map and the newest scan into the costmaps."""
-        new, self._new_map = self._new_map, None
+        new = self._new_maps.popleft() if self._new_maps else None
         if isinstance(new, str):
             self.world, self.map_problem = None, new
         elif new is not None:
@@ -213,14 +213,16 @@ class WorldView:
             grid = grid_of_message(message)
         except UserError as problem:
             rospy.logerr("%s", problem)
-            self._new_map = str(problem)
+            self._new_maps.append(str(problem))
             return
-        self._new_map = MapCostmap(
-            grid,
-            settings.world.reach,
-            settings.world.inflation,
-            lethal=settings.lethal,
-            track_unknown=settings.track_unknown,
+        self._new_maps.append(
+            MapCostmap(
+                grid,
+                settings.world.reach,
+                settings.world.inflation,
+                lethal=settings.lethal,
+                track_unknown=settings.track_unknown,
+            )
         )
 
     def _take_scan(self, message: LaserScan) -> None:
