@@ -32,11 +32,18 @@ def write_two_rooms(folder: Path) -> Path:
 def test_robot_explores_two_rooms_and_the_program_ends_with_their_map(tmp_path: Path) -> None:
     world, name = write_two_rooms(tmp_path), tmp_path / "map"
     done = run_program(
-        tmp_path, "make_map", "explore:=true", f"world:={world}", f"map_name:={name}", "use_rviz:=false", keys=""
+        tmp_path,
+        "make_map",
+        "explore:=true",
+        f"world:={world}",
+        "map:=rooms",
+        f"map_name:={name}",
+        "use_rviz:=false",
+        keys="",
     )
     assert done.returncode == 0, done.stdout + done.stderr
     assert "the map is complete: 0 frontiers reachable" in done.stdout
-    assert f"ur run keyboard_navigate map_file:={name}.yaml" in done.stdout
+    assert "ur run keyboard_navigate map:=rooms" in done.stdout
     grid = load_map(f"{name}.yaml")
     known = float((grid.values == 0).sum()) * grid.resolution**2
     assert 7.0 < known < 8.5
