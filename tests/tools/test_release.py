@@ -87,7 +87,7 @@ def test_release_is_built_tried_and_tagged_and_a_dry_run_changes_nothing(
     }
     assert git(clone, "rev-parse", "HEAD^") == before
     assert git(clone, "rev-parse", "v9.9.9^{commit}") == git(clone, "rev-parse", "HEAD")
-    assert "### Added" in git(clone, "tag", "-n9", "v9.9.9")
+    assert "### Added" in git(clone, "for-each-ref", "--format=%(contents)", "refs/tags/v9.9.9")
     assert read_version((clone / "pyproject.toml").read_text()) == "9.9.9"
     assert read_version((clone / "ubiquity_launches/package.xml").read_text()) == "9.9.9"
     assert "## 9.9.9 - " in (clone / "CHANGELOG.md").read_text()

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.json_client import wait_until
 from tests.ros_session import RosSession
 
 from ur.maps.store import own_store
@@ -64,7 +65,9 @@ def test_map_of_a_node_that_is_killed_is_whole(ros: RosSession, tmp_path: Path) 
     store = own_store(ros.env)
     arguments = ("_base_frame:=base_footprint", "_store:=true", "_map_name:=flat", "_save_every:=0.5", "_latest:=true")
     slam = ros.start(str(SLAM), "__name:=slam_gmapping", *arguments)
-    ros.ask("drive", linear=0.2, angular=0.0, seconds=4.0)
+    ros.ask("drive", linear=0.2, angular=0.0, seconds=2.0)
+    wait_until(lambda: store.latest() == "flat", 60.0, "the first stored map")
+    ros.ask("drive", linear=0.2, angular=0.0, seconds=2.0)
     slam.send_signal(signal.SIGKILL)
     slam.wait(timeout=60)
     assert store.latest() == "flat"
