@@ -17,10 +17,11 @@ from ur_nodes.geometry.pose import Pose2, wrap_angle
 from ur_nodes.slam.surface import Floats
 
 _CELL = 0.05  # m
-_SPREAD = 0.06  # m: a point that lies so far from a wall scores exp(-1/2)
-_MARGIN = 0.3  # m round the walls
+_SPREAD = 1.2  # cells: a point that lies so far from a wall scores exp(-1/2)
+_MARGIN = 6  # cells round the walls
 _LEVELS = 5
 _WIDEST = 30000  # poses of a level; the least likely ones beyond are dropped
+_TOP_OF_PLACES, _WIDEST_OF_PLACES = 2, 120000  # likewise for a window that holds many rooms
 _BLOCK = 2048  # poses that are scored at a time, for the sake of memory
 _DIVE = 24  # poses that are followed down first, for a score to hold the others against
 _KEPT = 0.8  # of the best score: poses that are followed up, for the sake of rivals
@@ -45,17 +46,18 @@ class Found:
 
 
 class Pyramid:
-    """Distances to walls in cells of 0.05 m; each further level holds the best of 2 x 2 windows of the one before."""
+    """Distances to walls in cells of `cell` m; each further level holds the best of 2 x 2 windows of the one before."""
 
-    def __init__(self, walls: Floats) -> None:
+    def __init__(self, walls: Floats, cell: float = _CELL) -> None:
         """From points (n, 2) on walls, m; at least one."""
-        border = _MARGIN + _CELL * 2**_LEVELS
+        self.cell = cell
+        border = cell * (_MARGIN + 2**_LEVELS)
         self._low: Floats = walls.min(axis=0) - border
-        size = np.ceil((walls.max(axis=0) + border - self._low) / _CELL).astype(int) + 1
+        size = np.ceil((walls.max(axis=0) + border - self._low) / cell).astype(int) + 1
         empty = np.ones((size[1], size[0]), dtype=bool)
-        columns, rows = np.floor((walls - self._low) / _CELL).astype(np.intp).T
+        columns, rows = np.floor((walls - self._low) / cell).astype(np.intp).T
         empty[rows, columns] = False
-        distances = distance_transform_edt(empty) * _CELL
+        distances = distance_transform_edt(empty)
         level = np.exp(-0.5 * np.square(distances / _SPREAD)).astype(np.float32)
         self.levels = [level]
         for number in range(_LEVELS - 1):
@@ -74,7 +76,7 @@ class Pyramid:
             return np.concatenate([self.score(level, part, turned, corner) for part in parts])
         table = self.levels[level]
         height, width = table.shape
-        base = ((corner - self._low) / _CELL).astype(np.float32)
+        base = ((corner - self._low) / self.cell).astype(np.float32)
         cells = np.floor(turned[poses[:, 2]] + base).astype(np.int32)
         columns = np.clip(cells[..., 0] + poses[:, 0, None].astype(np.int32), 0, width - 1)
         rows = np.clip(cells[..., 1] + poses[:, 1, None].astype(np.int32), 0, height - 1)
@@ -82,40 +84,94 @@ class Pyramid:
         return scores
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Ranked:
+    """Poses (n, 3) of a window as column, row and number of a turn, with their scores (n).
+
+    `corner` (2) is where column and row 0 lie, m; `angles` are the turns, `step` rad apart.
+    """
+
+    poses: NDArray[np.intp]
+    scores: NDArray[np.float32]
+    corner: Floats
+    angles: Floats
+    step: float
+    cell: float
+
+    def pose(self, number: int) -> Pose2:
+        column, row, turn = self.poses[number]
+        place = self.corner + self.cell * np.array((column, row))
+        return Pose2(float(place[0]), float(place[1]), wrap_angle(float(self.angles[turn])))
+
+    def apart(self, number: int) -> NDArray[np.bool_]:
+        """Tell for each pose (n) whether it is a place other than that of pose `number`."""
+        shift = np.hypot(*(self.poses[:, :2] - self.poses[number, :2]).T) * self.cell
+        swing = np.remainder(np.abs(self.poses[:, 2] - self.poses[number, 2]) * self.step, 2.0 * math.pi)
+        found: NDArray[np.bool_] = (shift > _APART[0]) | (np.minimum(swing, 2.0 * math.pi - swing) > _APART[1])
+        return found
+
+
 def search(pyramid: Pyramid, points: Floats, guess: Pose2, window: Window, floor: float = 0.3) -> Found | None:
     """Find the pose with the best score in a window about a guess; None when none reaches `floor`.
 
     `points` (m, 2) are in the frame of the scan; a hundred or two suffice.
     """
+    ranked = _rank(pyramid, points, guess, window, floor)
+    if not len(ranked.scores) or float(ranked.scores.max()) < floor:
+        return None
+    winner = int(np.argmax(ranked.scores))
+    apart = ranked.apart(winner)
+    rival = float(ranked.scores[apart].max()) if apart.any() else 0.0
+    return Found(ranked.pose(winner), float(ranked.scores[winner]), rival)
+
+
+def search_places(
+    pyramid: Pyramid, points: Floats, guess: Pose2, window: Window, most: int, floor: float = 0.3
+) -> list[tuple[Pose2, float]]:
+    """Find up to `most` places with the best scores in a window about a guess: pose and score, the best first.
+
+    Scores below 0.8 of the best one are left out. `points` as for `search`.
+    """
+    ranked = _rank(pyramid, points, guess, window, floor, _TOP_OF_PLACES, _WIDEST_OF_PLACES)
+    left = ranked.scores >= floor
+    found: list[tuple[Pose2, float]] = []
+    while len(found) < most and left.any():
+        winner = int(np.argmax(np.where(left, ranked.scores, -1.0)))
+        found.append((ranked.pose(winner), float(ranked.scores[winner])))
+        left &= ranked.apart(winner)
+    return found
+
+
+def _rank(
+    pyramid: Pyramid,
+    points: Floats,
+    guess: Pose2,
+    window: Window,
+    floor: float,
+    top: int = _LEVELS - 1,
+    widest: int = _WIDEST,
+) -> _Ranked:
+    """Score the poses of a window that may reach `floor` and 0.8 of the best score; `top` is the first level."""
+    cell = pyramid.cell
     far = float(np.quantile(np.hypot(*points.T), 0.9)) if len(points) else 0.0
-    step = _CELL / max(far, 1.0)
+    step = cell / max(far, 20.0 * cell)
     turns = np.arange(-math.ceil(window.turn / step), math.ceil(window.turn / step) + 1) * step
-    angles = guess.yaw + turns
+    angles = np.asarray(guess.yaw + turns, np.float64)
     c, s = np.cos(angles)[:, None], np.sin(angles)[:, None]
     turned = np.stack((c * points[:, 0] - s * points[:, 1], s * points[:, 0] + c * points[:, 1]), axis=-1)
-    scaled = (turned / _CELL).astype(np.float32)
-    reach = math.ceil(window.shift / _CELL)
-    corner = np.array((guess.x, guess.y)) - reach * _CELL
-    top = min(_LEVELS - 1, max(0, int(math.log2(max(1, 2 * reach))) - 1))
+    scaled = (turned / cell).astype(np.float32)
+    reach = math.ceil(window.shift / cell)
+    corner = np.array((guess.x, guess.y)) - reach * cell
+    top = min(top, max(0, int(math.log2(max(1, 2 * reach))) - 1))
     side = np.arange(0, 2 * reach + 1, 2**top)
     grids = np.meshgrid(side, side, np.arange(len(angles)), indexing="ij")
     poses = np.column_stack([each.ravel() for each in grids])
     bounds = pyramid.score(top, poses, scaled, corner)
     best = max(floor, _dive(pyramid, top, poses, bounds, scaled, corner))
     for level in range(top, 0, -1):
-        poses = _expand(_likely(poses, bounds, _KEPT * best), level)
+        poses = _expand(_likely(poses, bounds, _KEPT * best, widest // 4), level)
         bounds = pyramid.score(level - 1, poses, scaled, corner)
-    if not len(poses) or float(bounds.max()) < floor:
-        return None
-    winner = int(np.argmax(bounds))
-    apart = np.hypot(*(poses[:, :2] - poses[winner, :2]).T) * _CELL > _APART[0]
-    apart |= np.abs(poses[:, 2] - poses[winner, 2]) * step > _APART[1]
-    column, row, turn = poses[winner]
-    return Found(
-        Pose2(float(corner[0] + column * _CELL), float(corner[1] + row * _CELL), wrap_angle(float(angles[turn]))),
-        float(bounds[winner]),
-        float(bounds[apart].max()) if apart.any() else 0.0,
-    )
+    return _Ranked(poses, bounds, corner, angles, step, cell)
 
 
 def _dive(
@@ -134,10 +190,10 @@ def _dive(
     return float(bounds.max())
 
 
-def _likely(poses: NDArray[np.intp], bounds: NDArray[np.float32], least: float) -> NDArray[np.intp]:
+def _likely(poses: NDArray[np.intp], bounds: NDArray[np.float32], least: float, most: int) -> NDArray[np.intp]:
     kept = np.flatnonzero(bounds >= least)
-    if len(kept) > _WIDEST // 4:
-        kept = kept[np.argpartition(bounds[kept], -_WIDEST // 4)[-_WIDEST // 4 :]]
+    if len(kept) > most:
+        kept = kept[np.argpartition(bounds[kept], -most)[-most:]]
     return poses[kept]
 
 

@@ -3,31 +3,28 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 import rospy
 from nav_msgs.msg import MapMetaData, OccupancyGrid
 from nav_msgs.srv import GetMap, GetMapRequest, GetMapResponse
 
 from ur_nodes.geometry.grid import Grid
-from ur_nodes.geometry.pose import Pose2
 from ur_nodes.rosio.grid_message import grid_message
 from ur_nodes.slam.gmapping_settings import GmappingSettings
+from ur_nodes.slam.map_state import MapState
 from ur_nodes.slam.occupancy import OccupancyMap
-from ur_nodes.slam.scan import Scan
-
-Keyframes = Callable[[], tuple[Sequence[Pose2], Sequence[Scan]]]
 
 
 class MapOutput:
     """The topics `map` and `map_metadata`, latched, and the service `dynamic_map`.
 
-    `keyframes` gives poses and scans as of now. The map is drawn in a thread of its own, so no scan waits for it.
+    `state` gives the map as of now. The map is drawn in a thread of its own, so no scan waits for it.
     """
 
-    def __init__(self, settings: GmappingSettings, keyframes: Keyframes) -> None:
+    def __init__(self, settings: GmappingSettings, state: Callable[[], MapState]) -> None:
         self._settings = settings
-        self._keyframes = keyframes
+        self._state = state
         self._drawn = OccupancyMap(settings.delta, settings.occ_thresh, settings.max_usable or float("inf"))
         if settings.edges:
             self._drawn.include(settings.edges[:2], settings.edges[2:])
@@ -44,17 +41,17 @@ class MapOutput:
             self._map.publish(message)
             self._metadata.publish(message.info)
 
-    def draw(self, poses: Sequence[Pose2], scans: Sequence[Scan]) -> Grid:
-        """Return the map of keyframes, at least one."""
+    def draw(self, state: MapState) -> Grid:
+        """Return the picture of a map with at least one keyframe."""
         with self._lock:
-            self._drawn.update(poses, scans)
+            self._drawn.update(state.poses, state.scans, state.drives)
             return self._drawn.grid()
 
     def _draw(self) -> OccupancyGrid | None:
-        poses, scans = self._keyframes()
-        if not poses:
+        state = self._state()
+        if not state.poses:
             return None
-        self._drawn.update(poses, scans)
+        self._drawn.update(state.poses, state.scans, state.drives)
         return grid_message(self._drawn.grid(), self._settings.map_frame, rospy.Time.now())
 
     def _answer(self, _request: GetMapRequest) -> GetMapResponse:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from ur_nodes.slam.correlative import Pyramid, Window, search
 from ur_nodes.slam.edge import Edge
 from ur_nodes.slam.graph import PoseGraph
 from ur_nodes.slam.local_map import LocalMap
-from ur_nodes.slam.loops import Group, Link, agree, find_groups, turned, verify_group
+from ur_nodes.slam.loops import Group, Link, agree, contradiction, find_groups, turned, verify_group
 from ur_nodes.slam.match import Match, match_surface
 from ur_nodes.slam.odometry_model import OdometryModel
 from ur_nodes.slam.scan import Scan
@@ -27,6 +27,7 @@ _MEMBERS = 9  # keyframes of the local map
 _APART = (0.3, 0.6)  # m, rad: nearer ones show the same
 _LOST = 0.35  # agreement below which the scan says nothing
 _POOR = 0.6  # agreement below which a wider search is tried
+_CONTRADICTED = (0.5, 0.3)  # agreement below and contradiction above which the scan was taken elsewhere
 _SLIPPED = 2.5  # standard deviations of odometry: the scan says that the wheels slip
 _LONGEST = 20.0  # m: places that are less certain are not looked at
 _BACKLOG = 2  # places that may wait to be looked at when a keyframe is made
@@ -47,19 +48,25 @@ class MapperSettings:
 class Estimate:
     """The robot's pose on the map after a scan, with its covariance (3, 3) relative to the map round it.
 
-    `agreement` (0..1) is the share of the scan that lies on the map; `located`: whether it was enough.
+    `agreement` (0..1) is the share of the scan that lies on the map; `located`: whether it was enough. `contradicted`:
+    little of the scan lies on the map, and its beams pass through walls. `still`: the robot has not moved since the
+    scan before, so that this one was not matched.
     """
 
     pose: Pose2
     covariance: Floats
     agreement: float
     located: bool
+    contradicted: bool = False
+    still: bool = False
 
 
 class Mapper:
     """Builds a map from scans that come one after the other. The same scans give the same map."""
 
-    def __init__(self, settings: MapperSettings | None = None) -> None:
+    def __init__(self, settings: MapperSettings | None = None, *, cautious: bool = False) -> None:
+        """`cautious`: a scan that contradicts the map does not become part of it."""
+        self._cautious = cautious
         self._settings = settings or MapperSettings()
         self._graph = PoseGraph()
         self.scans: list[Scan] = []  # of the keyframes
@@ -93,6 +100,43 @@ class Mapper:
         poses = self._graph.poses
         return [poses[number].compose(relative) for number, relative in self._trail]
 
+    def restore(self, poses: Sequence[Pose2], edges: Sequence[Edge], scans: Sequence[Scan]) -> None:
+        """Begin with the keyframes of a map that was made before, at least one; `join` must follow."""
+        for pose in poses:
+            self._graph.add_pose(pose)
+        for edge in edges:
+            self._graph.add_edge(edge.before, edge.after, edge.relative, edge.covariance, robust=edge.robust)
+        self.scans += scans
+
+    def join(self, other: Mapper, place: Pose2, links: Sequence[Edge]) -> Estimate:
+        """Take over the keyframes of another mapper, whose frame lies at `place` on this map, and go on from its pose.
+
+        `links`, at least one, are edges from keyframes of this map to keyframes of the other one, by its numbers.
+        """
+        assert other._estimate is not None
+        first = len(self.scans)
+        for pose in other.keyframes:
+            self._graph.add_pose(place.compose(pose))
+        for edge in other.edges:
+            ends = edge.before + first, edge.after + first
+            self._graph.add_edge(*ends, edge.relative, edge.covariance, robust=edge.robust)
+        for edge in links:
+            ends = edge.before, edge.after + first
+            self._graph.add_edge(*ends, edge.relative, edge.covariance + _LEAST, robust=True)
+        self.scans += other.scans
+        self._trail += [(number + first, relative) for number, relative in other._trail]
+        self._relative, self._step = other._relative, other._step
+        self._odometry, self._keyframe_odometry = other._odometry, other._keyframe_odometry
+        self._motion_noise = other._motion_noise
+        self._work.clear()
+        self._doubtful.clear()
+        self._graph.optimise()
+        self._changed = True
+        self.loops += len(links)
+        last = other._estimate
+        self._estimate = Estimate(self._pose(), last.covariance, last.agreement, located=True)
+        return self._estimate
+
     def add_scan(self, scan: Scan, odometry: Pose2 | None = None) -> Estimate:
         """Take the next scan, with the pose of the robot in the frame of its odometry if there is any."""
         if not self.scans:
@@ -103,7 +147,7 @@ class Mapper:
         guess = before.compose(motion)
         if still:
             self._do_some_work()
-            return self._remember(self._pose(), self._estimate.covariance, self._estimate.agreement, located=True)
+            return self._remember(replace(self._estimate, pose=self._pose(), located=True, still=True))
         prior = turned(noise, -before.yaw)
         match = self._locate(scan, guess, prior, before)
         located = match.agreement >= _LOST
@@ -113,26 +157,27 @@ class Mapper:
         self._motion_noise = self._motion_noise + noise
         newest = self._graph.poses[-1]
         self._relative = newest.inverse().compose(pose)
-        if self._is_far(self._relative):
+        contradicted = self._is_contradicted(scan, match)
+        if self._is_far(self._relative) and not (contradicted and self._cautious):
             self._add_keyframe(scan, pose, match.covariance, odometry, located)
         else:
             self._do_some_work()
-        return self._remember(self._pose(), match.covariance, match.agreement, located=located)
+        return self._remember(Estimate(self._pose(), match.covariance, match.agreement, located, contradicted))
 
     def _begin(self, scan: Scan, odometry: Pose2 | None) -> Estimate:
         self._graph.add_pose(Pose2(0.0, 0.0, 0.0))
         self.scans.append(scan)
         self._odometry = self._keyframe_odometry = odometry
         self._changed = True
-        return self._remember(Pose2(0.0, 0.0, 0.0), _LEAST, 1.0, located=True)
+        return self._remember(Estimate(Pose2(0.0, 0.0, 0.0), _LEAST, 1.0, located=True))
 
     def _pose(self) -> Pose2:
         return self._graph.poses[-1].compose(self._relative)
 
-    def _remember(self, pose: Pose2, covariance: Floats, agreement: float, *, located: bool) -> Estimate:
+    def _remember(self, estimate: Estimate) -> Estimate:
         self._trail.append((len(self.scans) - 1, self._relative))
-        self._estimate = Estimate(pose, covariance, agreement, located)
-        return self._estimate
+        self._estimate = estimate
+        return estimate
 
     def _predict(self, odometry: Pose2 | None) -> tuple[Pose2, Floats, bool]:
         """The motion since the last scan, its covariance (3, 3) in the frame before it, and whether there was none."""
@@ -165,6 +210,15 @@ class Mapper:
             return match
         other = match_surface(local, scan.surface, found.pose, 4.0 * prior)
         return other if other.agreement > match.agreement + 0.05 else match
+
+    def _is_contradicted(self, scan: Scan, match: Match) -> bool:
+        """Tell whether a scan was taken elsewhere; once one was, the next must clearly lie on the map."""
+        last = self._estimate
+        if match.agreement >= (_POOR if last and last.contradicted else _CONTRADICTED[0]):
+            return False
+        if last and last.contradicted:
+            return True
+        return contradiction(self._local_map().surface, scan, match.pose) > _CONTRADICTED[1]
 
     def _local_map(self) -> LocalMap:
         if self._changed or self._local is None:

@@ -1,7 +1,8 @@
 """The occupancy grid of keyframes: what their beams hit, and what they passed on the way.
 
 Each keyframe's share is kept as the pose that it was drawn at, so that it can be taken out and drawn anew once the
-graph has moved it.
+graph has moved it. Where a map was continued, the keyframes of the later drive count many times those before, so that
+furniture and walls that were moved between the drives are drawn where they were seen last.
 """
 
 from __future__ import annotations
@@ -19,6 +20,8 @@ from ur_nodes.slam.surface import Floats
 
 _MARGIN = 1.0  # m that the map grows beyond what was seen
 _PACE = 0.5  # of a cell: between two samples of a beam
+_LATER = 32  # times as much as the drive before it counts a drive
+_DRIVES = 4  # that are told apart; all before count like the first of these
 _SPARED = 1.5  # cells before the end of a beam that do not count as passed: a thin wall seen at an angle is kept
 
 
@@ -33,29 +36,37 @@ class OccupancyMap:
         self._corner = np.zeros(2, np.intp)  # column and row, in cells from the origin of the map, of the arrays' first
         self._hits = np.zeros((0, 0), np.int32)
         self._passes = np.zeros((0, 0), np.int32)
-        self._drawn: list[Pose2] = []
+        self._drawn: list[tuple[Pose2, int]] = []  # pose and weight of each keyframe
 
     def include(self, low: tuple[float, float], high: tuple[float, float]) -> None:
         """Let the map reach at least from one corner to the other, m."""
         corners = np.floor(np.array((low, high)) / self._resolution).astype(np.intp)
         self._grow(corners[0], corners[1])
 
-    def update(self, poses: Sequence[Pose2], scans: Sequence[Scan], most: int | None = None) -> bool:
-        """Draw new keyframes, and again those that have moved; at most so many. Returns whether all is up to date."""
+    def update(
+        self, poses: Sequence[Pose2], scans: Sequence[Scan], drives: Sequence[int] = (), most: int | None = None
+    ) -> bool:
+        """Draw new keyframes, and again those that have moved; at most so many. Returns whether all is up to date.
+
+        `drives` are the numbers of the keyframes with which a later drive begins, rising.
+        """
         budget = len(poses) * 2 if most is None else most
-        for number, (pose, scan) in enumerate(zip(poses, scans, strict=True)):
+        starts = np.array(drives[-(_DRIVES - 1) :], np.intp)
+        weights = np.power(_LATER, np.searchsorted(starts, np.arange(len(poses)), side="right")).tolist()
+        for number, (pose, scan, weight) in enumerate(zip(poses, scans, weights, strict=True)):
             fresh = number >= len(self._drawn)
-            if not fresh and not self._has_moved(self._drawn[number], pose):
+            if not fresh and self._drawn[number][1] == weight and not self._has_moved(self._drawn[number][0], pose):
                 continue
             if budget <= 0:
                 return False
             budget -= 1
             if fresh:
-                self._drawn.append(pose)
+                self._drawn.append((pose, weight))
             else:
-                self._draw(self._drawn[number], scan, -1)
-                self._drawn[number] = pose
-            self._draw(pose, scan, 1)
+                before, times = self._drawn[number]
+                self._draw(before, scan, -times)
+                self._drawn[number] = (pose, weight)
+            self._draw(pose, scan, weight)
         return True
 
     def grid(self) -> Grid:
@@ -70,7 +81,7 @@ class OccupancyMap:
         shift = math.hypot(after.x - before.x, after.y - before.y)
         return shift > 0.2 * self._resolution or abs(wrap_angle(after.yaw - before.yaw)) > 0.05 * self._resolution
 
-    def _draw(self, pose: Pose2, scan: Scan, sign: int) -> None:
+    def _draw(self, pose: Pose2, scan: Scan, times: int) -> None:
         origin = _placed(pose, scan.origin[None])[0]
         hits = _placed(pose, scan.hits.astype(np.float64))
         misses = _placed(pose, scan.misses.astype(np.float64))
@@ -84,8 +95,8 @@ class OccupancyMap:
         touched = np.zeros((2, self._hits.size), dtype=bool)
         touched[0][self._places(struck)] = True
         touched[1][self._places(passed)] = True
-        self._hits.ravel()[touched[0]] += sign
-        self._passes.ravel()[touched[1] & ~touched[0]] += sign
+        self._hits.ravel()[touched[0]] += times
+        self._passes.ravel()[touched[1] & ~touched[0]] += times
 
     def _cells(self, points: Floats) -> NDArray[np.intp]:
         cells: NDArray[np.intp] = np.floor(points / self._resolution).astype(np.intp)

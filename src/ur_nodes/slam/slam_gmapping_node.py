@@ -6,7 +6,6 @@ import math
 import sys
 import threading
 from collections import deque
-from collections.abc import Sequence
 
 import numpy as np
 import rospy
@@ -15,7 +14,6 @@ from geometry_msgs.msg import TransformStamped
 from sensor_msgs.msg import LaserScan
 from std_msgs.msg import Float64
 
-from ur.source.diagnostic import UserError, error
 from ur_nodes.geometry.laser import Mount, directions_of_beams, mount_of_pose
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.rosio.frames import Frames
@@ -24,11 +22,14 @@ from ur_nodes.rosio.parameters import Parameters
 from ur_nodes.rosio.shell import run_node
 from ur_nodes.slam.gmapping_settings import read_settings
 from ur_nodes.slam.map_output_node import MapOutput
-from ur_nodes.slam.mapper import Estimate, Mapper
+from ur_nodes.slam.map_state import MapState
+from ur_nodes.slam.mapper import Estimate
 from ur_nodes.slam.scan import Scan, make_scan
-from ur_nodes.slam.storage.map_storage_node import MapState, MapStorage, StorageSettings, read_storage_settings
+from ur_nodes.slam.storage.map_storage_node import MapStorage, StorageSettings, read_storage_settings
+from ur_nodes.slam.tracker import Tracker
 
 LONGEST_QUEUE = 30  # scans that wait for their transform
+MOST_PLACES = 3  # that a message names
 SILENCE = 15.0  # s without an update before the log says so, and again after as long
 
 
@@ -39,19 +40,19 @@ class SlamGmappingNode:
         parameters = Parameters()
         self._settings = settings = read_settings(parameters)
         storage = read_storage_settings(parameters)
-        self._mapper = Mapper(settings.mapper)
+        self._mapper = Tracker(settings.mapper)
         self._work = threading.Lock()  # guards the mapper and the correction
         self._correction: Pose2 | None = None  # of the odometry's frame in the map, or of the robot without odometry
         self._mounts: dict[str, Mount] = {}
         self._beams: tuple[tuple[int, float, float], np.ndarray] | None = None
         self._scans: deque[LaserScan] = deque(maxlen=LONGEST_QUEUE)
         self._count = 0
-        self._lost = False
+        self._located, self._lost, self._places = True, False, 0  # as reported last
         self._news = threading.Condition()  # guards _scans
         self._child = settings.odom_frame or settings.base_frame
         self._broadcaster = tf2_ros.TransformBroadcaster()
         self._entropy = rospy.Publisher("~entropy", Float64, queue_size=1, latch=True)
-        self._output = MapOutput(settings, self._keyframes)
+        self._output = MapOutput(settings, self._state)
         if storage:
             self._store(storage)
         self._frames = Frames(self._wake, ignored=frozenset((self._child,)))
@@ -110,22 +111,38 @@ class SlamGmappingNode:
         first = not self._mapper.scans
         with self._work:
             estimate = self._mapper.add_scan(scan, odometry)
-            self._correction = estimate.pose.compose(odometry.inverse()) if odometry else estimate.pose
-        self._entropy.publish(Float64(entropy(estimate)))
+            known = estimate.pose.compose(odometry.inverse()) if odometry else estimate.pose
+            self._correction = None if self._mapper.lost else known
         self._report(estimate)
+        self._entropy.publish(Float64(entropy(estimate)))
         if first:
             self._output.publish()
 
     def _report(self, estimate: Estimate) -> None:
-        lost = not estimate.located
-        if lost and not self._lost:
+        lost = self._mapper.lost
+        if lost or self._lost:
+            self._report_search(estimate)
+        elif self._located and not estimate.located:
             rospy.logwarn(
                 "the scan does not match the map (%.0f %% of it); the map goes on by odometry alone",
                 100.0 * estimate.agreement,
             )
-        elif self._lost and not lost:
+        elif estimate.located and not self._located:
             rospy.loginfo("the scan matches the map again")
-        self._lost = lost
+        self._located, self._lost = estimate.located or lost, lost
+
+    def _report_search(self, estimate: Estimate) -> None:
+        if not self._mapper.lost:
+            rospy.loginfo("found again at (%.2f, %.2f)", *estimate.pose[:2])
+            self._places = 0
+            return
+        if not self._lost:
+            rospy.logwarn("lost: looking for the place on the map; drive slowly through places that are mapped")
+        places = self._mapper.candidates()
+        if len(places) not in (0, self._places):
+            shown = ", ".join(f"({place.x:.2f}, {place.y:.2f})" for place in places[:MOST_PLACES])
+            rospy.logwarn("%d places on the map fit: %s; drive to where they differ", len(places), shown)
+        self._places = len(places)
 
     def _scan(self, message: LaserScan, mount: Mount) -> Scan:
         key = (len(message.ranges), message.angle_min, message.angle_increment)
@@ -176,20 +193,20 @@ class SlamGmappingNode:
 
     # -- the map ---------------------------------------------------------------------------------------------------
 
-    def _keyframes(self) -> tuple[Sequence[Pose2], Sequence[Scan]]:
-        with self._work:
-            return list(self._mapper.keyframes), list(self._mapper.scans)
-
     def _state(self) -> MapState:
         with self._work:
-            return MapState(list(self._mapper.keyframes), list(self._mapper.edges), list(self._mapper.scans))
+            mapper = self._mapper
+            return MapState(list(mapper.keyframes), list(mapper.edges), list(mapper.scans), mapper.drives())
 
     def _store(self, settings: StorageSettings) -> None:
         storage = MapStorage(settings, self._state, self._output.draw)
         if storage.continues:
-            message = f"map {storage.name!r} exists, expected a new name"
-            raise UserError(error(message, rule="map-exists", help="choose another one with map:=NAME"))
-        storage.start()
+            stored = storage.load()
+            self._mapper.restore(stored.poses, stored.edges, stored.scans)
+            self._lost = True
+            rospy.loginfo("continuing the map '%s'; looking for the place on it", storage.name)
+            self._output.publish()
+        storage.start(self._state() if storage.continues else None)
         rospy.loginfo("saving the map as '%s', every %g s and at the end", storage.name, settings.every)
 
     def _draw(self) -> None:

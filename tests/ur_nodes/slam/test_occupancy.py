@@ -43,6 +43,19 @@ def test_person_who_has_gone_is_forgotten() -> None:
     assert value_at(drawn, 2.01, 0.02) == FREE
 
 
+def test_furniture_that_was_moved_between_drives_is_drawn_where_it_was_seen_last() -> None:
+    pose = Pose2(0.02, 0.02, 0.0)
+    before, after = (np.vstack((ROOM, walls_of(box(x, -0.2, x + 0.3, 0.2)))) for x in (2.0, 3.0))
+    scans = [scan_at(before, pose)] * 8 + [scan_at(after, pose)] * 2
+    drawn = OccupancyMap()
+    drawn.update([pose] * 8, scans[:8])
+    assert value_at(drawn, 2.01, 0.02) == OCCUPIED
+    assert value_at(drawn, 3.01, 0.02) == UNKNOWN
+    drawn.update([pose] * 10, scans, drives=[8])
+    assert value_at(drawn, 2.01, 0.02) == FREE
+    assert value_at(drawn, 3.01, 0.02) == OCCUPIED
+
+
 def test_keyframe_that_moves_leaves_nothing_behind() -> None:
     scans = [scan_at(ROOM, Pose2(0.0, 0.0, 0.0))]
     moved, fresh = OccupancyMap(), OccupancyMap()

@@ -60,7 +60,7 @@ def test_map_is_made_without_odometry(tmp_path: Path) -> None:
 
 @pytest.mark.ros
 @pytest.mark.long
-def test_map_of_a_node_that_is_killed_is_whole(ros: RosSession, tmp_path: Path) -> None:
+def test_map_of_a_node_that_is_killed_is_whole_and_continued(ros: RosSession, tmp_path: Path) -> None:
     ros.env["XDG_DATA_HOME"] = str(tmp_path / "data")
     store = own_store(ros.env)
     arguments = ("_base_frame:=base_footprint", "_store:=true", "_map_name:=flat", "_save_every:=0.5", "_latest:=true")
@@ -79,6 +79,14 @@ def test_map_of_a_node_that_is_killed_is_whole(ros: RosSession, tmp_path: Path) 
         _, errors = second.communicate(timeout=60)
     assert second.returncode == 2
     assert "map 'flat' is in use" in errors
+    third = ros.start(str(SLAM), "__name:=slam_gmapping", *arguments)
+    assert ros.ask("drive", linear=0.2, angular=0.3, seconds=3.0) < 0.05
+    third.send_signal(signal.SIGINT)
+    _, errors = third.communicate(timeout=60)
+    assert third.returncode == 130, errors
+    more = load_poses(store.path("flat"), store.record("flat"))[0]
+    assert len(more) > len(poses)
+    assert np.array(more[: len(poses)]) == pytest.approx(np.array(poses), abs=0.02)
 
 
 @pytest.mark.ros

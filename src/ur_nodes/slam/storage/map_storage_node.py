@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 
@@ -14,24 +14,14 @@ from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 
 from ur.maps.names import check_map_name, fresh_name
 from ur.maps.record import MapRecord
-from ur.maps.store import own_store
+from ur.maps.store import PICTURE, own_store
 from ur_nodes.geometry.grid import Grid
-from ur_nodes.geometry.pose import Pose2
 from ur_nodes.rosio.parameters import Parameters
-from ur_nodes.slam.edge import Edge
-from ur_nodes.slam.scan import Scan
+from ur_nodes.slam.map_state import MapState
+from ur_nodes.slam.storage.convert import load_poses
 from ur_nodes.slam.storage.writer import MapWriter
 
 SILENCE = 30.0  # s between two reports of the same problem
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class MapState:
-    """A map as it is now: keyframes with their scans, and what is known of their relative poses."""
-
-    poses: Sequence[Pose2]
-    edges: Sequence[Edge]
-    scans: Sequence[Scan]
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,7 +57,7 @@ class MapStorage:
         self,
         settings: StorageSettings,
         state: Callable[[], MapState],
-        draw: Callable[[Sequence[Pose2], Sequence[Scan]], Grid],
+        draw: Callable[[MapState], Grid],
     ) -> None:
         """Claim the map. Raises UserError: another program changes it."""
         self._settings = settings
@@ -78,14 +68,21 @@ class MapStorage:
         self._claims = ExitStack()
         self._claims.enter_context(self._store.claim(self.name))
         record = self._store.record(self.name)
-        self.continues = bool(record.graph)
+        self.continues = (self._store.path(self.name) / PICTURE).is_file()
         self._writer = MapWriter(self._store.path(self.name), replace(record, robot=settings.robot or record.robot))
         self._writing = threading.Lock()
         self._saved: MapState | None = None
+        self._is_latest = False
         self._complained = 0.0
 
-    def start(self) -> None:
-        """Begin to store; at the end of the node the map is written once more."""
+    def load(self) -> MapState:
+        """Read the stored map. Raises UserError: it has a picture only, or is damaged."""
+        poses, edges, scans = load_poses(self._store.path(self.name), self._writer.record)
+        return MapState(poses, edges, scans)
+
+    def start(self, stored: MapState | None = None) -> None:
+        """Begin to store; `stored` is what is stored already; at the end of the node the map is written once more."""
+        self._saved = stored
         rospy.Service("~save", Trigger, self._answer)
         rospy.on_shutdown(self._finish)
         threading.Thread(target=self._run, name="storage", daemon=True).start()
@@ -101,9 +98,10 @@ class MapStorage:
             if not state.poses or _same(state, self._saved):
                 return ""
             try:
-                self._writer.write(self._draw(state.poses, state.scans), state.poses, state.edges, state.scans)
-                if self._settings.latest and self._saved is None:
+                self._writer.write(self._draw(state), state.poses, state.edges, state.scans)
+                if self._settings.latest and not self._is_latest:
                     self._store.set_latest(self.name)
+                    self._is_latest = True
             except OSError as problem:
                 return f"{problem.filename or self._store.path(self.name)}: {problem.strerror or problem}"
             self._saved = state

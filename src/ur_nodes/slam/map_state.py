@@ -1,0 +1,23 @@
+"""A map at one moment, as it is drawn and stored."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from ur_nodes.geometry.pose import Pose2
+from ur_nodes.slam.edge import Edge
+from ur_nodes.slam.scan import Scan
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MapState:
+    """Keyframes with their scans, and what is known of their relative poses.
+
+    `drives` are the numbers of the keyframes with which a later drive begins.
+    """
+
+    poses: Sequence[Pose2]
+    edges: Sequence[Edge]
+    scans: Sequence[Scan]
+    drives: Sequence[int] = ()

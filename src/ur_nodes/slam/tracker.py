@@ -1,0 +1,132 @@
+"""A mapper that knows when it is lost: carried elsewhere, or started somewhere on a map that was made before.
+
+As long as it is lost, the map stays as it is, and a second mapper makes a small map apart. Each of its keyframes is
+looked for on the whole map. Once they agree on one place, the small map becomes part of the large one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ur_nodes.geometry.pose import Pose2
+from ur_nodes.slam.edge import Edge
+from ur_nodes.slam.mapper import Estimate, Mapper, MapperSettings
+from ur_nodes.slam.relocation import Hypotheses, WholeMap
+from ur_nodes.slam.scan import Scan
+
+_DOUBTS = 5  # scans in a row that contradict the map
+_MOST_APART = 500  # keyframes of the small map that are looked for
+_UNKNOWN = np.diag(np.square((10.0, 10.0, 2.0)))  # the covariance of a pose that is not known
+
+
+class Tracker:
+    """Builds a map from scans as `Mapper` does, and finds the robot on it again when it was carried elsewhere."""
+
+    def __init__(self, settings: MapperSettings | None = None) -> None:
+        self._settings = settings
+        self._mapper = Mapper(settings, cautious=True)
+        self._apart: Mapper | None = None  # its map begins with the first scan in doubt
+        self._doubts = 0  # of the mapper in charge
+        self._whole: WholeMap | None = None  # while lost
+        self._on_map = False  # at the start on a map that was made before
+        self._hypotheses = Hypotheses(on_map=False)
+        self._searched = 0  # keyframes of the small map
+
+    @property
+    def keyframes(self) -> list[Pose2]:
+        """The poses of all keyframes of the map; those of `scans`."""
+        return self._mapper.keyframes
+
+    @property
+    def scans(self) -> list[Scan]:
+        """The scans of all keyframes of the map."""
+        return self._mapper.scans
+
+    @property
+    def edges(self) -> Sequence[Edge]:
+        """The edges of the pose graph."""
+        return self._mapper.edges
+
+    @property
+    def loops(self) -> int:
+        """The number of edges that join places seen again."""
+        return self._mapper.loops
+
+    @property
+    def lost(self) -> bool:
+        """Tell whether the robot's place on the map is unknown."""
+        return self._whole is not None
+
+    def drives(self) -> list[int]:
+        """The numbers of the keyframes with which a later drive begins: nothing ties them to the keyframe before."""
+        tied = {edge.after for edge in self._mapper.edges if edge.before == edge.after - 1 and not edge.robust}
+        return [number for number in range(1, len(self._mapper.scans)) if number not in tied]
+
+    def path(self) -> list[Pose2]:
+        """The pose at every scan that became part of the map, as is known now."""
+        return self._mapper.path()
+
+    def candidates(self) -> list[Pose2]:
+        """The places, at least two, that fit equally while the robot is lost; else none."""
+        if self._apart is None or not self._searched:
+            return []
+        newest = self._apart.keyframes[self._searched - 1]
+        return [each.place.compose(newest) for each in self._hypotheses.rivals()]
+
+    def restore(self, poses: Sequence[Pose2], edges: Sequence[Edge], scans: Sequence[Scan]) -> None:
+        """Begin with a map that was made before, at least one keyframe, at a place that is not known."""
+        self._mapper.restore(poses, edges, scans)
+        self._on_map = True
+        self._begin_search()
+
+    def add_scan(self, scan: Scan, odometry: Pose2 | None = None) -> Estimate:
+        """Take the next scan as `Mapper.add_scan` does. While `lost`, the estimate is not located."""
+        if self.lost:
+            return self._search(scan, odometry)
+        estimate = self._mapper.add_scan(scan, odometry)
+        if not estimate.contradicted:
+            self._apart, self._doubts = None, 0
+            return estimate
+        self._apart = self._apart or Mapper(self._settings)
+        self._apart.add_scan(scan, odometry)
+        self._doubts += not estimate.still
+        if self._doubts < _DOUBTS:
+            return estimate
+        self._begin_search()
+        return self._unknown()
+
+    def _begin_search(self) -> None:
+        self._doubts = 0
+        self._whole = WholeMap(self._mapper.keyframes, self._mapper.scans)
+        self._forget_hypotheses()
+
+    def _forget_hypotheses(self) -> None:
+        self._hypotheses, self._searched = Hypotheses(on_map=self._on_map), 0
+
+    def _search(self, scan: Scan, odometry: Pose2 | None) -> Estimate:
+        assert self._whole is not None
+        apart = self._apart = self._apart or Mapper(self._settings)
+        estimate = apart.add_scan(scan, odometry)
+        if not estimate.still:
+            self._doubts = self._doubts + 1 if estimate.contradicted else 0
+        if self._doubts >= _DOUBTS or self._searched >= _MOST_APART:  # carried elsewhere again
+            self._apart, self._doubts = None, 0
+            self._forget_hypotheses()
+            return self._unknown()
+        if self._searched == len(apart.scans):
+            return self._unknown()
+        number = self._searched
+        self._searched += 1
+        self._hypotheses.add(number, apart.keyframes[number], self._whole.find(apart.scans[number]))
+        winner = self._hypotheses.winner()
+        if winner is None:
+            return self._unknown()
+        found = self._mapper.join(apart, winner.place, winner.links())
+        self._apart, self._whole, self._on_map = None, None, False
+        self._forget_hypotheses()
+        return found
+
+    def _unknown(self) -> Estimate:
+        return Estimate(self._mapper.keyframes[-1], _UNKNOWN, 0.0, located=False)

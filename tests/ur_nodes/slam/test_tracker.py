@@ -1,0 +1,115 @@
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+from tests.ur_nodes.slam.rooms import Floats, box, scan_at, walls_of
+
+from ur_nodes.geometry.grid import OCCUPIED
+from ur_nodes.geometry.pose import Pose2
+from ur_nodes.slam.mapper import Estimate
+from ur_nodes.slam.occupancy import OccupancyMap
+from ur_nodes.slam.tracker import Tracker
+
+# Two rooms that differ, with a doorway between them.
+WALLS = np.vstack((
+    walls_of(box(-3.0, -2.0, 9.0, 3.0), box(0.0, 1.2, 1.8, 1.6), box(-2.0, -1.4, -1.5, -0.8)),
+    [((4.0, -2.0), (4.0, -0.5)), ((4.0, 0.6), (4.0, 3.0)), ((6.0, 3.0), (7.5, 1.5)), ((7.5, 1.5), (9.0, 1.5))],
+))  # fmt: skip
+SOFA = walls_of(box(1.5, -1.9, 2.6, -1.2))
+MOVED_SOFA = walls_of(box(-0.6, -1.9, 0.5, -1.2))
+
+
+def drive(first: float, last: float, step: float = 0.12) -> list[Pose2]:
+    """A path along the two rooms, in steps of `step` m; to smaller x it is driven backwards."""
+    count = round(abs(last - first) / step)
+    return [Pose2(float(x), 0.3 * math.sin(x), 0.2 * math.sin(0.7 * x)) for x in np.linspace(first, last, count)]
+
+
+def feed(tracker: Tracker, walls: Floats, poses: Sequence[Pose2], odometry: Pose2, seed: int = 0) -> list[Estimate]:
+    """Add the scans of a path; `odometry` is the pose of the true frame in that of odometry."""
+    return [
+        tracker.add_scan(scan_at(walls, pose, 0.01, seed + number), odometry.compose(pose))
+        for number, pose in enumerate(poses)
+    ]
+
+
+def error(estimate: Estimate, pose: Pose2, first: Pose2) -> float:
+    true = first.inverse().compose(pose)
+    return math.hypot(estimate.pose.x - true.x, estimate.pose.y - true.y)
+
+
+@pytest.fixture(scope="module")
+def made() -> tuple[Tracker, list[Pose2]]:
+    """A map of both rooms, and the path on which it was made."""
+    tracker, poses = Tracker(), drive(-2.0, 8.0)
+    feed(tracker, np.vstack((WALLS, SOFA)), poses, Pose2(0.0, 0.0, 0.0))
+    assert not tracker.lost
+    return tracker, poses
+
+
+def test_stored_map_is_continued_from_another_place(made: tuple[Tracker, list[Pose2]]) -> None:
+    before, path = made
+    tracker = Tracker()
+    tracker.restore(before.keyframes, before.edges, before.scans)
+    assert tracker.lost
+    poses = drive(3.0, -2.0)
+    walls = np.vstack((WALLS, MOVED_SOFA))
+    estimates = feed(tracker, walls, poses, Pose2(5.0, 1.0, 2.0), seed=1000)
+    known = [number for number, each in enumerate(estimates) if each.located]
+    assert known[0] < 12
+    assert known == list(range(known[0], len(poses)))
+    assert max(error(estimates[number], poses[number], path[0]) for number in known) < 0.05
+    assert len(tracker.scans) > len(before.scans) + 5
+    assert tracker.drives() == [len(before.scans)]
+
+    drawn = OccupancyMap()
+    drawn.update(tracker.keyframes, tracker.scans, tracker.drives())
+    grid = drawn.grid()
+    rows, columns = np.nonzero(grid.values == OCCUPIED)
+    cells = (np.column_stack((columns, rows)) + 0.5) * grid.resolution + (grid.origin.x, grid.origin.y)
+    places = path[0].transform_points(cells)
+    assert np.mean(distances(places, walls) < 0.1) > 0.99  # no wall is double, and the sofa is where it was seen last
+    assert np.sum(distances(places, MOVED_SOFA) < 0.05) > 15
+
+
+def test_robot_that_is_carried_to_the_other_room_is_found_again(made: tuple[Tracker, list[Pose2]]) -> None:
+    path = made[1]
+    tracker = Tracker()
+    walls = np.vstack((WALLS, SOFA))
+    feed(tracker, walls, path, Pose2(0.0, 0.0, 0.0))
+    poses = drive(-1.5, 2.5)
+    estimates = feed(tracker, walls, poses, path[-1].compose(poses[0].inverse()), seed=1000)
+    lost = [number for number, each in enumerate(estimates) if not each.located]
+    assert lost
+    assert lost[0] < 8
+    assert not tracker.lost
+    assert lost[-1] < len(poses) - 5
+    assert error(estimates[-1], poses[-1], path[0]) < 0.05
+    for pose, scan in zip(tracker.keyframes, tracker.scans, strict=True):
+        seen = path[0].compose(pose).transform_points(scan.hits.astype(np.float64))
+        assert np.mean(distances(seen, walls) < 0.1) > 0.95  # no keyframe lies where the robot only seemed to be
+
+
+def test_robot_in_a_room_that_looks_the_same_from_both_ends_stays_lost() -> None:
+    walls = walls_of(box(-3.0, -1.5, 3.0, 1.5))
+    poses = [Pose2(0.1 * n, 0.2, 0.0) for n in range(12)]
+    before = Tracker()
+    feed(before, walls, poses, Pose2(0.0, 0.0, 0.0))
+    tracker = Tracker()
+    tracker.restore(before.keyframes, before.edges, before.scans)
+    feed(tracker, walls, poses, Pose2(0.0, 0.0, 0.0), seed=1000)
+    assert tracker.lost
+    assert len(tracker.candidates()) == 2
+    assert len(tracker.scans) == len(before.scans)
+
+
+def distances(points: Floats, walls: Floats) -> Floats:
+    """The distance (n) of points from the nearest wall, m."""
+    start, along = walls[:, 0], walls[:, 1] - walls[:, 0]
+    delta = points[:, None] - start
+    place = np.clip((delta * along).sum(axis=2) / np.square(along).sum(axis=1), 0.0, 1.0)
+    nearest: Floats = np.linalg.norm(delta - place[..., None] * along, axis=2).min(axis=1)
+    return nearest
