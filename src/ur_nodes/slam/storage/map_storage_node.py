@@ -115,8 +115,8 @@ class MapStorage:
 
     def _run(self) -> None:
         while not rospy.core.is_shutdown_requested():
-            if not threading.Event().wait(self._settings.every):
-                self._report(self.save())
+            time.sleep(self._settings.every)
+            self._report(self.save())
 
     def _report(self, problem: str) -> None:
         if problem and time.monotonic() - self._complained > SILENCE:
