@@ -91,6 +91,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "ur_nodes.teleop.map_view": ("ur_nodes.geometry", "ur_nodes.teleop.navigator"),
     "ur_nodes.teleop.navigate": (
         "ur.source",
+        "ur.maps",
         "ur.screen",
         "ur_nodes.geometry",
         "ur_nodes.rosio",

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ur.maps.waypoint_path import waypoint_path as stored_path
 from ur.source.diagnostic import UserError, error
 from ur.source.replace import replace_file
 from ur.source.section import read_section
@@ -26,9 +27,8 @@ def waypoint_path(map_name: str, environment: Mapping[str, str]) -> Path:
 
     `map_name` may be a path; then its stem counts.
     """
-    data = environment.get("XDG_DATA_HOME") or str(Path(environment.get("HOME", "~")).expanduser() / ".local/share")
     stem = Path(map_name).stem if "/" in map_name else map_name
-    return Path(data) / "ubiquity_launches" / "waypoints" / f"{re.sub(r'[^A-Za-z0-9_.-]', '_', stem)}.yaml"
+    return stored_path(re.sub(r"[^A-Za-z0-9_.-]", "_", stem), environment)
 
 
 def name_of_map(grid: Grid) -> str:
