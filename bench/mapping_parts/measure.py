@@ -34,7 +34,9 @@ class Fit:
 
 
 def best_fit(path: Floats, reference: Floats) -> Fit:
-    """The motion that brings the points (n, 2) of a path nearest to those of a reference (least squares)."""
+    """The motion that brings a path (n, 2 or 3) nearest to a reference, by least squares; rows of nan are left out."""
+    known = np.isfinite(path[:, 0])
+    path, reference = path[known, :2], reference[known, :2]
     a, b = path - path.mean(axis=0), reference - reference.mean(axis=0)
     cross = a.T @ b
     yaw = math.atan2(cross[0, 1] - cross[1, 0], cross[0, 0] + cross[1, 1])
@@ -44,9 +46,10 @@ def best_fit(path: Floats, reference: Floats) -> Fit:
 
 
 def errors_after_fit(path: Floats, reference: Floats) -> Floats:
-    """The distances (n) in m between a path (n, 3) and a reference (n, 3) after the best fit of the whole."""
-    moved = best_fit(path[:, :2], reference[:, :2]).apply(path[:, :2])
-    distances: Floats = np.hypot(*(moved - reference[:, :2]).T)
+    """The distances in m of a path (n, 3), but for rows of nan, from a reference after the best fit of the whole."""
+    known = np.isfinite(path[:, 0])
+    moved = best_fit(path, reference).apply(path[known, :2])
+    distances: Floats = np.hypot(*(moved - reference[known, :2]).T)
     return distances
 
 
@@ -95,6 +98,7 @@ def relation_errors(path: Floats, reference: Floats) -> tuple[Floats, Floats]:
     way = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(reference[:, :2], axis=0).T))))
     pairs = cKDTree(reference[:, :2]).query_pairs(_LOOP[0], output_type="ndarray")
     pairs = pairs[np.abs(way[pairs[:, 1]] - way[pairs[:, 0]]) > _LOOP[1]]
+    pairs = pairs[np.isfinite(path[pairs, 0]).all(axis=1)]
     if not len(pairs):
         return np.zeros(0), np.zeros(0)
     found, true = (_relative(poses[pairs[:, 0]], poses[pairs[:, 1]]) for poses in (path, reference))

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Iterator
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from bench.mapping_parts.lab import lab_goals, make_lab
 from bench.mapping_parts.log import Floats, Log
 from bench.navigation_parts.geodesic import free_cells, shortest_path
 from bench.navigation_parts.worlds import GOALS
+from numpy.typing import NDArray
 
 from ur.robot.base import Base, load_base
 from ur.worlds.world_file import World, read_world
@@ -23,6 +26,15 @@ _CLEARANCE = 0.32  # m: the robot keeps its centre this far from walls
 _AHEAD = 0.3  # m: it steers for the point of its path this far ahead
 _SHARE = 0.9  # of the base's greatest speeds
 WORLDS = ("office", "maze", "lab")
+
+
+class Moment(NamedTuple):
+    """A scan (beams) in m with its time in s, the pose of odometry, and the true one in the frame of the world."""
+
+    stamp: float
+    ranges: NDArray[np.float32]
+    odometry: Pose2
+    truth: Pose2
 
 
 def read_bench_world(name: str, seed: int) -> tuple[World, list[tuple[float, float]]]:
@@ -45,14 +57,33 @@ def grid_of_world(world: World) -> Grid:
     return Grid(np.where(plan.walls, 100, 0).astype(np.int8), plan.resolution, Pose2(*plan.origin))
 
 
+def load_bench_base(name: str = "stage") -> Base:
+    """The base of that name without a variant."""
+    return load_base(_PACKAGE, name, "")
+
+
 def make_log(name: str, seed: int = 0, base_name: str = "stage") -> Log:
     """Drive through a world once. The same arguments give the same log."""
-    base = load_base(_PACKAGE, base_name, "")
+    base = load_bench_base(base_name)
     assert base.lidar is not None
     world, goals = read_bench_world(name, seed)
     grid = grid_of_world(world)
-    simulation = Simulation(world, base, seed=seed)
-    stamps, ranges, odometry, truth = [], [], [], []
+    moments = list(drive(Simulation(world, base, seed=seed), base, grid, goals))
+    lidar = base.lidar
+    return Log(
+        name=name,
+        stamps=np.array([each.stamp for each in moments]),
+        ranges=np.array([each.ranges for each in moments]),
+        angles=np.linspace(lidar.angle_min, lidar.angle_max, lidar.samples),
+        mount=Pose2(lidar.pose[0], lidar.pose[1], lidar.pose[5]),
+        range_limits=(lidar.range_min, lidar.range_max),
+        odometry=np.array([each.odometry for each in moments]),
+        reference=np.array([each.truth for each in moments]),
+    )
+
+
+def drive(simulation: Simulation, base: Base, grid: Grid, goals: Iterable[tuple[float, float]]) -> Iterator[Moment]:
+    """Drive from goal to goal; yields what is measured with every scan."""
     for goal in goals:
         path = _path(grid, simulation.pose(0)[:2], goal)
         reached = 0
@@ -60,25 +91,12 @@ def make_log(name: str, seed: int = 0, base_name: str = "stage") -> Log:
             tick = simulation.advance()
             x, y, yaw = simulation.pose(0)
             if tick.scan:
-                stamps.append(tick.time)
-                ranges.append(simulation.scan(0).astype(np.float32))
-                odometry.append(simulation.odometry(0).pose)
-                truth.append((x, y, yaw))
+                scan = simulation.scan(0).astype(np.float32)
+                yield Moment(tick.time, scan, Pose2(*simulation.odometry(0).pose), Pose2(x, y, yaw))
             reached = _progress(path, reached, (x, y))
             if reached >= len(path) - 1 and math.hypot(*(path[-1] - (x, y))) < 0.1:
                 break
             simulation.command(0, *_steer(base, path, reached, (x, y, yaw)))
-    lidar = base.lidar
-    return Log(
-        name=name,
-        stamps=np.array(stamps),
-        ranges=np.array(ranges),
-        angles=np.linspace(lidar.angle_min, lidar.angle_max, lidar.samples),
-        mount=Pose2(lidar.pose[0], lidar.pose[1], lidar.pose[5]),
-        range_limits=(lidar.range_min, lidar.range_max),
-        odometry=np.array(odometry),
-        reference=np.array(truth),
-    )
 
 
 def _path(grid: Grid, start: tuple[float, float], goal: tuple[float, float]) -> Floats:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 import threading
 from collections import deque
@@ -18,11 +19,13 @@ from ur.source.diagnostic import UserError
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.laser import Mount, directions_of_beams, mount_of_pose, points_of_ranges
 from ur_nodes.geometry.pose import Pose2
+from ur_nodes.localisation.ambiguity import find_difference, name_direction
 from ur_nodes.localisation.amcl_output_node import Outputs
 from ur_nodes.localisation.amcl_settings import read_settings
 from ur_nodes.localisation.likelihood import make_field
 from ur_nodes.localisation.localiser import Localiser
 from ur_nodes.rosio.frames import Frames
+from ur_nodes.rosio.freed_memory import return_large_arrays
 from ur_nodes.rosio.geometry import pose_of_message
 from ur_nodes.rosio.grid_message import GridMessage, GridService, grid_of_message
 from ur_nodes.rosio.parameters import Parameters
@@ -41,6 +44,8 @@ class AmclNode:
         self._rng = np.random.default_rng(settings.seed)
         self._outputs = Outputs(settings)
         self._localiser: Localiser | None = None
+        self._grid: Grid | None = None  # that it works on
+        self._places = 0  # that fit, as reported last
         self._mounts: dict[str, Mount] = {}
         self._beams: tuple[tuple[int, float, float], np.ndarray] | None = None
         self._scans: deque[LaserScan] = deque(maxlen=LONGEST_QUEUE)
@@ -81,7 +86,7 @@ class AmclNode:
                 localiser.place(start.pose, start.covariance)
             else:
                 localiser.place(self._settings.initial_pose, self._settings.initial_covariance)
-            self._localiser = localiser
+            self._localiser, self._grid = localiser, grid
         rospy.loginfo("map of %d x %d cells of %g m", grid.width, grid.height, grid.resolution)
         return True
 
@@ -191,8 +196,27 @@ class AmclNode:
             stamp = scan.header.stamp
             if estimate:
                 self._outputs.publish_estimate(estimate, odometry, self._localiser.particles, stamp)
+                self._report_places(self._localiser.places)
             self._outputs.publish_correction(stamp)
         self._outputs.save_sometimes()
+
+    def _report_places(self, places: list[Pose2]) -> None:
+        """Log when more than one place fits, with what would tell the best two apart, and when one is left."""
+        if len(places) == self._places:
+            return
+        if places:
+            shown = ", ".join(f"({place.x:.2f}, {place.y:.2f})" for place in places)
+            assert self._grid
+            nearest = find_difference(self._grid, *places[:2])
+            if nearest:
+                where = f"{math.hypot(*nearest):.1f} m {name_direction(*nearest)}"
+                advice = f"the first two differ {where} of the robot: drive there"
+            else:
+                advice = "the map is the same round them: place the robot by hand"
+            rospy.logwarn("%d places on the map fit: %s; %s", len(places), shown, advice)
+        else:
+            rospy.loginfo("only one place on the map fits now")
+        self._places = len(places)
 
     def _points(self, scan: LaserScan, mount: Mount) -> np.ndarray:
         key = (len(scan.ranges), scan.angle_min, scan.angle_increment)
@@ -238,6 +262,7 @@ def _call_static_map() -> OccupancyGrid | None:
 def main() -> int:
     """Run until shutdown; exit code 2 when a parameter cannot be used."""
     nodes: list[AmclNode] = []
+    return_large_arrays()
     return run_node("amcl", lambda: nodes.append(AmclNode()))
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ur_nodes.geometry.pose import Pose2, wrap_angle
+from ur_nodes.localisation.ambiguity import find_places
 from ur_nodes.localisation.likelihood import LikelihoodField, draw_free_poses, score_poses
 from ur_nodes.localisation.motion_model import MotionModel, move_poses
 from ur_nodes.localisation.particle_filter import (
@@ -23,12 +24,13 @@ from ur_nodes.localisation.particle_filter import (
     resample,
     weigh,
 )
-from ur_nodes.localisation.relocalise import propose_poses
+from ur_nodes.localisation.relocalise import POOL, pool_size, propose_poses
 from ur_nodes.localisation.scan_match import MatchSettings, match_scan
 
 INDEPENDENT_BEAMS = 20.0  # neighbouring beams err together: a scan is worth no more than so many
 INDEPENDENT_STEP = 0.25  # m, rad: scans taken nearer to one another err together, too
 SEARCH_UPDATES = 40  # after a request for global localisation: the duration of the search for poses that fit the scan
+AMBIGUOUS = 4  # updates in a row in which more than one place fits
 SEARCH_SHARE = 0.3  # of the particles come from there
 LEAST_SHARE = 0.3  # of the particles must keep an effective weight in one update
 LEAST_LOST = 0.1  # the averages differ as much when a person walks by
@@ -79,6 +81,16 @@ class Localiser:
         self._updates = 0
         self._search = 0  # updates left in which to seek places that fit the scan
         self._slow = self._fast = 0.0  # averages of how well scans fit
+        self._places: list[Pose2] = []  # after the last update, during a search
+        self._ambiguous = 0  # updates in a row with more than one
+
+    @property
+    def places(self) -> list[Pose2]:
+        """The places, at least two, that fit alike during a global localisation, the best first; else none.
+
+        The search goes on as long as there are some.
+        """
+        return self._places if self._ambiguous >= AMBIGUOUS else []
 
     @property
     def particles(self) -> Particles:
@@ -116,7 +128,7 @@ class Localiser:
         if len(chosen) >= LEAST_BEAMS:
             beams = min(INDEPENDENT_BEAMS, float(len(chosen))) * novelty
             if self._search == SEARCH_UPDATES:
-                particles = even_particles(self._propose(chosen, len(particles)))
+                particles = even_particles(self._propose(chosen, len(particles), pool_size(self._field)))
             scores = score_poses(self._field, particles.poses, chosen)
             self._average(float(particles.weights @ np.exp(scores)))
             particles, _ = weigh(particles, scores, beams, LEAST_SHARE)
@@ -126,13 +138,16 @@ class Localiser:
         self._odometry = odometry
         self._forced = False
         self._updates += 1
-        self._search = max(0, self._search - 1)
+        if self._search:
+            self._places = [place.pose for place in find_places(particles)]
+            self._ambiguous = self._ambiguous + 1 if len(self._places) > 1 else 0
+            self._search = max(1 if self._ambiguous else 0, self._search - 1)
         return estimate
 
     def _restart(self, poses: NDArray[np.float64]) -> None:
         self._particles = even_particles(keep_needed(poses, self._settings.size))
         self._odometry = None
-        self._updates = self._search = 0
+        self._updates = self._search = self._ambiguous = 0
         self._slow = self._fast = 0.0
 
     def _is_due(self, odometry: Pose2) -> bool:
@@ -183,13 +198,14 @@ class Localiser:
         if settings.selective_resampling and effective_size(particles.weights) > 0.5 * len(particles):
             return particles
         share = 0.0
+        size = pool_size(self._field) if self._search and len(self._places) > 1 else POOL
         if self._field.free_count and len(points) >= LEAST_BEAMS:
             lost = 1.0 - self._fast / self._slow if self._slow else 0.0
             share = max(lost - LEAST_LOST, SEARCH_SHARE if self._search else 0.0)
-        return resample(particles, settings.size, self._rng, share, lambda count: self._propose(points, count))
+        return resample(particles, settings.size, self._rng, share, lambda count: self._propose(points, count, size))
 
-    def _propose(self, points: NDArray[np.float64], count: int) -> NDArray[np.float64]:
-        return propose_poses(self._field, points, count, INDEPENDENT_BEAMS, self._rng)
+    def _propose(self, points: NDArray[np.float64], count: int, size: int = POOL) -> NDArray[np.float64]:
+        return propose_poses(self._field, points, count, INDEPENDENT_BEAMS, self._rng, size)
 
 
 def _evenly(count: int, wanted: int) -> NDArray[np.intp]:

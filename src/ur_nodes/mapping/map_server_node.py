@@ -11,8 +11,10 @@ from nav_msgs.srv import GetMapRequest
 from ur.source.diagnostic import UserError
 from ur.source.render import render_human
 from ur_nodes.geometry.grid import Grid, load_map
+from ur_nodes.rosio.freed_memory import return_large_arrays
 from ur_nodes.rosio.grid_message import GridResponse, GridService, grid_message, metadata_message
 from ur_nodes.rosio.parameters import Parameters
+from ur_nodes.rosio.sent import SentMessages
 from ur_nodes.rosio.shell import run_node
 
 USAGE = "usage: map_server FILE.yaml\n"
@@ -27,7 +29,9 @@ class MapServer:
         self._service = rospy.Service("static_map", GridService, self._answer)
         self._metadata = rospy.Publisher("map_metadata", MapMetaData, queue_size=1, latch=True)
         self._metadata.publish(metadata_message(grid, now))
-        self._map = rospy.Publisher("map", OccupancyGrid, queue_size=1, latch=True)
+        sent = SentMessages()
+        self._map = rospy.Publisher("map", OccupancyGrid, queue_size=0, latch=True, subscriber_listener=sent)
+        sent.publisher = self._map
         self._map.publish(self._message)
 
     def _answer(self, _request: GetMapRequest) -> GridResponse:
@@ -44,6 +48,7 @@ def main() -> int:
         found = f"{len(arguments)} arguments" if arguments else "no argument"
         sys.stderr.write(f"error: map_server: {found}, expected one map file\n  {USAGE}")
         return 2
+    return_large_arrays()
     try:
         grid = load_map(arguments[0])
     except UserError as problem:

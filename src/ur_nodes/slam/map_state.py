@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.slam.edge import Edge
-from ur_nodes.slam.scan import Scan
+from ur_nodes.slam.matching.scan import Scan
+from ur_nodes.slam.pose_graph.edge import Edge
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -3,22 +3,23 @@
 from __future__ import annotations
 
 import math
-from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ur_nodes.geometry.pose import Pose2, wrap_angle
-from ur_nodes.slam.correlative import Pyramid, Window, search
-from ur_nodes.slam.edge import Edge
-from ur_nodes.slam.graph import PoseGraph
-from ur_nodes.slam.local_map import LocalMap
-from ur_nodes.slam.loops import Group, Link, agree, contradiction, find_groups, turned, verify_group
-from ur_nodes.slam.match import Match, match_surface
+from ur_nodes.slam.matching.correlative import Pyramid, Window, search
+from ur_nodes.slam.matching.local_map import LocalMap
+from ur_nodes.slam.matching.match import Match, match_surface
+from ur_nodes.slam.matching.scan import Scan
+from ur_nodes.slam.matching.surface import Floats
 from ur_nodes.slam.odometry_model import OdometryModel
-from ur_nodes.slam.scan import Scan
-from ur_nodes.slam.surface import Floats
+from ur_nodes.slam.pose_graph.edge import Edge
+from ur_nodes.slam.pose_graph.graph import PoseGraph
+from ur_nodes.slam.pose_graph.loop_closer import LoopCloser
+from ur_nodes.slam.pose_graph.loops import LEAST_NOISE, contradiction, turned
+from ur_nodes.slam.pose_graph.trail import Trail
 
 _STILL = (0.002, 0.002)  # m, rad: odometry that reports less motion means that the robot stands
 _ROUND = 5.0  # m: keyframes within are part of the local map
@@ -29,10 +30,12 @@ _LOST = 0.35  # agreement below which the scan says nothing
 _POOR = 0.6  # agreement below which a wider search is tried
 _CONTRADICTED = (0.5, 0.3)  # agreement below and contradiction above which the scan was taken elsewhere
 _SLIPPED = 2.5  # standard deviations of odometry: the scan says that the wheels slip
-_LONGEST = 20.0  # m: places that are less certain are not looked at
-_BACKLOG = 2  # places that may wait to be looked at when a keyframe is made
-_DOUBTFUL = 24  # keyframes for which a loop waits for confirmation
-_LEAST = np.diag(np.square((0.002, 0.002, 0.0007)))  # of an edge, m and rad: what no covariance knows
+_SEEN_AGAIN = 0.3  # m: so near to an old keyframe a new one is not needed where nothing new is seen
+_REPLACED = 0.25  # rad: so near, its scan is replaced where the place has changed
+_CLEAR = 0.8  # agreement with which a scan can do so
+_UNCHANGED = (0.95, 0.02)  # least agreement and most contradiction of a place that has not
+_CERTAIN = 0.03  # m: matches that teach, and that replace odometry
+_REFERRED = np.diag(np.square((0.01, 0.01, 0.004)))  # of a match to an old keyframe, m and rad
 _UNKNOWN_MOTION = np.diag(np.square((0.1, 0.1, 0.15)))  # a scan later, without odometry
 
 
@@ -50,7 +53,7 @@ class Estimate:
 
     `agreement` (0..1) is the share of the scan that lies on the map; `located`: whether it was enough. `contradicted`:
     little of the scan lies on the map, and its beams pass through walls. `still`: the robot has not moved since the
-    scan before, so that this one was not matched.
+    scan before, so that this one was not matched. `step` is the motion since then where the scan shows it for certain.
     """
 
     pose: Pose2
@@ -59,31 +62,34 @@ class Estimate:
     located: bool
     contradicted: bool = False
     still: bool = False
+    step: Pose2 | None = None
 
 
 class Mapper:
     """Builds a map from scans that come one after the other. The same scans give the same map."""
 
-    def __init__(self, settings: MapperSettings | None = None, *, cautious: bool = False) -> None:
-        """`cautious`: a scan that contradicts the map does not become part of it."""
+    def __init__(self, settings: MapperSettings | None = None, *, cautious: bool = False, first: int = 0) -> None:
+        """`cautious`: a scan that contradicts the map does not become part of it. `first` numbers the first scan."""
         self._cautious = cautious
         self._settings = settings or MapperSettings()
         self._graph = PoseGraph()
         self.scans: list[Scan] = []  # of the keyframes
-        self._trail: list[tuple[int, Pose2]] = []  # keyframe and pose relative to it, of every scan
+        self._trail = Trail()
+        self._count = first  # of scans
         self._model = OdometryModel()
         self._local: LocalMap | None = None
         self._pyramid: Pyramid | None = None
-        self._work: deque[tuple[int, Group]] = deque()
-        self._doubtful: list[Link] = []
+        self._loops = LoopCloser(self._graph, self.scans)
         self._changed = False
-        self._relative = Pose2(0.0, 0.0, 0.0)  # of the last scan, to the newest keyframe
+        self._reference = 0  # the keyframe that poses are known relative to
+        self._first = 0  # keyframe of this drive
+        self._relative = Pose2(0.0, 0.0, 0.0)  # of the last scan, to the reference
+        self._leg = Pose2(0.0, 0.0, 0.0)  # of the scan where it became the reference
         self._step = Pose2(0.0, 0.0, 0.0)  # between the last two scans
         self._odometry: Pose2 | None = None  # at the last scan
-        self._keyframe_odometry: Pose2 | None = None
-        self._motion_noise = np.zeros((3, 3))  # of odometry since the newest keyframe
+        self._leg_odometry: Pose2 | None = None  # there
+        self._motion_noise = np.zeros((3, 3))  # of odometry since
         self._estimate: Estimate | None = None
-        self.loops = 0
 
     @property
     def keyframes(self) -> list[Pose2]:
@@ -95,10 +101,14 @@ class Mapper:
         """The edges of the pose graph."""
         return self._graph.edges
 
-    def path(self) -> list[Pose2]:
-        """The pose at every scan so far, as is known now."""
-        poses = self._graph.poses
-        return [poses[number].compose(relative) for number, relative in self._trail]
+    @property
+    def loops(self) -> int:
+        """The number of edges that join places seen again."""
+        return self._loops.loops
+
+    def path(self) -> dict[int, Pose2]:
+        """The pose at every scan so far, by its number, as is known now."""
+        return self._trail.path(self._graph.poses)
 
     def restore(self, poses: Sequence[Pose2], edges: Sequence[Edge], scans: Sequence[Scan]) -> None:
         """Begin with the keyframes of a map that was made before, at least one; `join` must follow."""
@@ -107,6 +117,7 @@ class Mapper:
         for edge in edges:
             self._graph.add_edge(edge.before, edge.after, edge.relative, edge.covariance, robust=edge.robust)
         self.scans += scans
+        self._first = len(self.scans)
 
     def join(self, other: Mapper, place: Pose2, links: Sequence[Edge]) -> Estimate:
         """Take over the keyframes of another mapper, whose frame lies at `place` on this map, and go on from its pose.
@@ -122,17 +133,19 @@ class Mapper:
             self._graph.add_edge(*ends, edge.relative, edge.covariance, robust=edge.robust)
         for edge in links:
             ends = edge.before, edge.after + first
-            self._graph.add_edge(*ends, edge.relative, edge.covariance + _LEAST, robust=True)
+            self._graph.add_edge(*ends, edge.relative, edge.covariance + LEAST_NOISE, robust=True)
         self.scans += other.scans
-        self._trail += [(number + first, relative) for number, relative in other._trail]
-        self._relative, self._step = other._relative, other._step
-        self._odometry, self._keyframe_odometry = other._odometry, other._keyframe_odometry
+        self._trail.extend(other._trail, first)
+        self._count = other._count
+        self._reference = other._reference + first
+        self._first = min(self._first, first)
+        self._relative, self._leg, self._step = other._relative, other._leg, other._step
+        self._odometry, self._leg_odometry = other._odometry, other._leg_odometry
         self._motion_noise = other._motion_noise
-        self._work.clear()
-        self._doubtful.clear()
         self._graph.optimise()
         self._changed = True
-        self.loops += len(links)
+        self._loops.forget()
+        self._loops.loops += len(links)
         last = other._estimate
         self._estimate = Estimate(self._pose(), last.covariance, last.agreement, located=True)
         return self._estimate
@@ -146,8 +159,8 @@ class Mapper:
         before = self._pose()
         guess = before.compose(motion)
         if still:
-            self._do_some_work()
-            return self._remember(replace(self._estimate, pose=self._pose(), located=True, still=True))
+            self._changed |= self._loops.step()
+            return self._remember(replace(self._estimate, pose=self._pose(), located=True, still=True, step=None))
         prior = turned(noise, -before.yaw)
         match = self._locate(scan, guess, prior, before)
         located = match.agreement >= _LOST
@@ -155,27 +168,31 @@ class Mapper:
         self._step = before.inverse().compose(pose)
         self._odometry = odometry
         self._motion_noise = self._motion_noise + noise
-        newest = self._graph.poses[-1]
-        self._relative = newest.inverse().compose(pose)
+        self._relative = self._graph.poses[self._reference].inverse().compose(pose)
         contradicted = self._is_contradicted(scan, match)
-        if self._is_far(self._relative) and not (contradicted and self._cautious):
+        if not self._is_far(self._relative) or (contradicted and self._cautious):
+            self._changed |= self._loops.step()
+        elif not self._return_to_keyframe(scan, match, odometry):
             self._add_keyframe(scan, pose, match.covariance, odometry, located)
-        else:
-            self._do_some_work()
-        return self._remember(Estimate(self._pose(), match.covariance, match.agreement, located, contradicted))
+        shown = match.agreement >= _POOR and not contradicted and _spread(match.covariance) < _CERTAIN
+        step = self._step if shown else None
+        return self._remember(
+            Estimate(self._pose(), match.covariance, match.agreement, located, contradicted, step=step)
+        )
 
     def _begin(self, scan: Scan, odometry: Pose2 | None) -> Estimate:
         self._graph.add_pose(Pose2(0.0, 0.0, 0.0))
         self.scans.append(scan)
-        self._odometry = self._keyframe_odometry = odometry
+        self._odometry = self._leg_odometry = odometry
         self._changed = True
-        return self._remember(Estimate(Pose2(0.0, 0.0, 0.0), _LEAST, 1.0, located=True))
+        return self._remember(Estimate(Pose2(0.0, 0.0, 0.0), LEAST_NOISE, 1.0, located=True))
 
     def _pose(self) -> Pose2:
-        return self._graph.poses[-1].compose(self._relative)
+        return self._graph.poses[self._reference].compose(self._relative)
 
     def _remember(self, estimate: Estimate) -> Estimate:
-        self._trail.append((len(self.scans) - 1, self._relative))
+        self._trail.add(self._count, self._reference, self._relative)
+        self._count += 1
         self._estimate = estimate
         return estimate
 
@@ -229,11 +246,11 @@ class Mapper:
     def _members(self) -> list[int]:
         """The keyframes that the local map is made of: near, certain, and no two that show the same."""
         poses, here = self._graph.poses, self._pose()
-        spread = self._graph.spread_from(len(poses) - 1, _TRUSTED)
+        spread = self._graph.spread_from(self._reference, _TRUSTED)
         places = np.array(poses)
         gaps = np.hypot(places[:, 0] - here.x, places[:, 1] - here.y)
-        chosen: list[int] = [len(poses) - 1]
-        for number in np.flatnonzero((gaps < _ROUND) & np.isfinite(spread))[:-1].tolist():
+        chosen: list[int] = [self._reference]
+        for number in np.flatnonzero((gaps < _ROUND) & np.isfinite(spread)).tolist():
             shift = np.hypot(*(places[chosen, :2] - places[number, :2]).T)
             swing = np.abs(np.remainder(places[chosen, 2] - places[number, 2] + math.pi, 2 * math.pi) - math.pi)
             if not np.any((shift < _APART[0]) & (swing < _APART[1])):
@@ -243,53 +260,58 @@ class Mapper:
     # -- keyframes and loops ---------------------------------------------------------------------------------------
 
     def _is_far(self, relative: Pose2) -> bool:
-        far = math.hypot(relative.x, relative.y) >= self._settings.distance
-        return far or abs(wrap_angle(relative.yaw)) >= self._settings.turn
+        moved = self._leg.inverse().compose(relative)
+        far = math.hypot(moved.x, moved.y) >= self._settings.distance
+        return far or abs(wrap_angle(moved.yaw)) >= self._settings.turn
+
+    def _return_to_keyframe(self, scan: Scan, match: Match, odometry: Pose2 | None) -> bool:
+        """Go on from an old keyframe of this drive where there is one near by; False: a new one is needed.
+
+        So a map grows with the floor that was seen, not with the way driven.
+        """
+        if match.agreement < _CLEAR or _spread(match.covariance) > _CERTAIN:
+            return False
+        places = np.array(self._graph.poses[self._first :]).reshape(-1, 3)
+        gaps = np.hypot(places[:, 0] - match.pose.x, places[:, 1] - match.pose.y)
+        near = np.flatnonzero(gaps < _SEEN_AGAIN) + self._first
+        if not len(near):
+            return False
+        near = near[np.isfinite(self._graph.spread_from(self._reference, _TRUSTED)[near])]
+        if not len(near):
+            return False
+        number = int(near[np.argmin(gaps[near - self._first])])
+        relative = self._graph.poses[number].inverse().compose(match.pose)
+        against = contradiction(self._local_map().surface, scan, match.pose)
+        if match.agreement < _UNCHANGED[0] or against > _UNCHANGED[1]:
+            if abs(relative.yaw) > _REPLACED:
+                return False
+            self.scans[number] = scan.moved(relative)
+        self._refer_to(number, relative, odometry, _REFERRED)
+        return True
+
+    def _refer_to(self, number: int, relative: Pose2, odometry: Pose2 | None, noise: Floats) -> None:
+        self._reference = number
+        self._relative = self._leg = relative
+        self._leg_odometry = odometry
+        self._motion_noise = noise
+        self._changed = True
 
     def _add_keyframe(self, scan: Scan, pose: Pose2, covariance: Floats, odometry: Pose2 | None, located: bool) -> None:
-        before = len(self.scans) - 1
+        before = self._reference
         relative = self._graph.poses[before].inverse().compose(pose)
-        drift = turned(self._motion_noise, relative.yaw) + _LEAST
-        seen = turned(covariance, pose.yaw) + _LEAST
+        drift = turned(self._motion_noise, relative.yaw) + LEAST_NOISE
+        seen = turned(covariance, pose.yaw) + LEAST_NOISE
         known = np.linalg.inv(np.linalg.inv(seen) + np.linalg.inv(drift)) if located else drift
-        certain = located and math.sqrt(float(np.linalg.eigvalsh(covariance[:2, :2])[-1])) < 0.03
-        if odometry is not None and self._keyframe_odometry is not None and certain:
-            self._model.learn(self._keyframe_odometry.inverse().compose(odometry), relative)
-        self._keyframe_odometry = odometry
-        self._motion_noise = np.zeros((3, 3))
+        certain = located and _spread(covariance) < _CERTAIN
+        if odometry is not None and self._leg_odometry is not None and certain:
+            self._model.learn(self._leg_odometry.inverse().compose(odometry), self._leg.inverse().compose(relative))
         number = self._graph.add_pose(pose)
         self._graph.add_edge(before, number, relative, known, robust=False)
         self.scans.append(scan)
-        self._relative = Pose2(0.0, 0.0, 0.0)
-        self._changed = True
-        while len(self._work) > _BACKLOG:
-            self._do_some_work()
-        spread = self._graph.spread_from(number, _LONGEST)
-        self._work.extend((number, group) for group in find_groups(self._graph.poses, number, spread))
+        self._refer_to(number, Pose2(0.0, 0.0, 0.0), odometry, np.zeros((3, 3)))
+        self._changed |= self._loops.look_round(number)
 
-    def _do_some_work(self) -> None:
-        """Look at one place that may have been seen before."""
-        if not self._work:
-            return
-        number, group = self._work.popleft()
-        link = verify_group(group, number, self._graph.poses, self.scans)
-        if link is None:
-            return
-        links = [link] if link.sure else self._confirmed(link)
-        for each in links:
-            self._graph.add_edge(each.before, each.after, each.relative, each.covariance + _LEAST, robust=True)
-        if links:
-            self.loops += len(links)
-            self._graph.optimise()
-            self._changed = True
 
-    def _confirmed(self, link: Link) -> list[Link]:
-        """The link and those that wait and agree with it; none, and it waits, when there is no such."""
-        self._doubtful = [each for each in self._doubtful if link.after - each.after <= _DOUBTFUL]
-        place = self._graph.poses[link.after]
-        friends = [each for each in self._doubtful if each.after != link.after and agree(each, link, place)]
-        self._doubtful.append(link)
-        if not friends:
-            return []
-        self._doubtful = [each for each in self._doubtful if each is not link and each not in friends]
-        return [*friends, link]
+def _spread(covariance: Floats) -> float:
+    """The standard deviation (m) along the direction that is known least."""
+    return math.sqrt(float(np.linalg.eigvalsh(covariance[:2, :2])[-1]))

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from ur_nodes.geometry.grid import FREE, OCCUPIED, UNKNOWN, Grid
 from ur_nodes.geometry.pose import Pose2, wrap_angle
-from ur_nodes.slam.scan import Scan
-from ur_nodes.slam.surface import Floats
+from ur_nodes.slam.matching.scan import Scan
+from ur_nodes.slam.matching.surface import Floats
 
 _MARGIN = 1.0  # m that the map grows beyond what was seen
 _PACE = 0.5  # of a cell: between two samples of a beam
@@ -36,7 +36,7 @@ class OccupancyMap:
         self._corner = np.zeros(2, np.intp)  # column and row, in cells from the origin of the map, of the arrays' first
         self._hits = np.zeros((0, 0), np.int32)
         self._passes = np.zeros((0, 0), np.int32)
-        self._drawn: list[tuple[Pose2, int]] = []  # pose and weight of each keyframe
+        self._drawn: list[tuple[Pose2, int, Scan]] = []  # pose, weight and scan of each keyframe
 
     def include(self, low: tuple[float, float], high: tuple[float, float]) -> None:
         """Let the map reach at least from one corner to the other, m."""
@@ -46,26 +46,27 @@ class OccupancyMap:
     def update(
         self, poses: Sequence[Pose2], scans: Sequence[Scan], drives: Sequence[int] = (), most: int | None = None
     ) -> bool:
-        """Draw new keyframes, and again those that have moved; at most so many. Returns whether all is up to date.
+        """Draw new keyframes, and again those that have moved or whose scan was replaced; at most so many.
 
-        `drives` are the numbers of the keyframes with which a later drive begins, rising.
+        Returns whether all is up to date. `drives` are the numbers of the keyframes with which a later drive begins,
+        rising.
         """
         budget = len(poses) * 2 if most is None else most
         starts = np.array(drives[-(_DRIVES - 1) :], np.intp)
         weights = np.power(_LATER, np.searchsorted(starts, np.arange(len(poses)), side="right")).tolist()
         for number, (pose, scan, weight) in enumerate(zip(poses, scans, weights, strict=True)):
             fresh = number >= len(self._drawn)
-            if not fresh and self._drawn[number][1] == weight and not self._has_moved(self._drawn[number][0], pose):
+            if not fresh and self._is_current(self._drawn[number], pose, weight, scan):
                 continue
             if budget <= 0:
                 return False
             budget -= 1
             if fresh:
-                self._drawn.append((pose, weight))
+                self._drawn.append((pose, weight, scan))
             else:
-                before, times = self._drawn[number]
-                self._draw(before, scan, -times)
-                self._drawn[number] = (pose, weight)
+                before, times, old = self._drawn[number]
+                self._draw(before, old, -times)
+                self._drawn[number] = (pose, weight, scan)
             self._draw(pose, scan, weight)
         return True
 
@@ -77,9 +78,12 @@ class OccupancyMap:
         low = self._corner * self._resolution
         return Grid(values, self._resolution, Pose2(float(low[0]), float(low[1]), 0.0))
 
-    def _has_moved(self, before: Pose2, after: Pose2) -> bool:
+    def _is_current(self, drawn: tuple[Pose2, int, Scan], after: Pose2, weight: int, scan: Scan) -> bool:
+        before = drawn[0]
+        if drawn[1] != weight or drawn[2] is not scan:
+            return False
         shift = math.hypot(after.x - before.x, after.y - before.y)
-        return shift > 0.2 * self._resolution or abs(wrap_angle(after.yaw - before.yaw)) > 0.05 * self._resolution
+        return shift <= 0.2 * self._resolution and abs(wrap_angle(after.yaw - before.yaw)) <= 0.05 * self._resolution
 
     def _draw(self, pose: Pose2, scan: Scan, times: int) -> None:
         origin = _placed(pose, scan.origin[None])[0]
@@ -91,21 +95,21 @@ class OccupancyMap:
         struck = self._cells(hits)
         passed = self._cells(_samples(origin, ends, len(far), self._reach, self._resolution))
         everything = np.vstack((struck, passed, self._cells(origin[None])))
-        self._grow(everything.min(axis=0), everything.max(axis=0))
-        touched = np.zeros((2, self._hits.size), dtype=bool)
-        touched[0][self._places(struck)] = True
-        touched[1][self._places(passed)] = True
-        self._hits.ravel()[touched[0]] += times
-        self._passes.ravel()[touched[1] & ~touched[0]] += times
+        low, high = everything.min(axis=0), everything.max(axis=0)
+        self._grow(low, high)
+        width, height = high - low + 1  # only the cells round the scan are touched
+        touched = np.zeros((2, height, width), dtype=bool)
+        for each, cells in zip(touched, (struck, passed), strict=True):
+            columns, rows = (cells - low).T
+            each[rows, columns] = True
+        column, row = low - self._corner
+        part = (slice(row, row + height), slice(column, column + width))
+        self._hits[part] += times * touched[0]
+        self._passes[part] += times * (touched[1] & ~touched[0])
 
     def _cells(self, points: Floats) -> NDArray[np.intp]:
         cells: NDArray[np.intp] = np.floor(points / self._resolution).astype(np.intp)
         return cells
-
-    def _places(self, cells: NDArray[np.intp]) -> NDArray[np.intp]:
-        inside = cells - self._corner
-        places: NDArray[np.intp] = inside[:, 1] * self._hits.shape[1] + inside[:, 0]
-        return places
 
     def _grow(self, low: NDArray[np.intp], high: NDArray[np.intp]) -> None:
         """Make the arrays hold cells `low` to `high` (column, row)."""

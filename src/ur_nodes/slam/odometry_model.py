@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.slam.surface import Floats
+from ur_nodes.slam.matching.surface import Floats
 
 _START = np.diag(np.square((0.05, 0.05, 0.05)))  # of scale, of turns per turn, of rad per m
 _MEMORY = 0.995  # how much of what was learned remains with each motion

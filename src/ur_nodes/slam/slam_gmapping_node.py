@@ -16,6 +16,7 @@ from std_msgs.msg import Float64
 
 from ur_nodes.geometry.laser import Mount, directions_of_beams, mount_of_pose
 from ur_nodes.geometry.pose import Pose2
+from ur_nodes.rosio.ending import quiet_at_end
 from ur_nodes.rosio.frames import Frames
 from ur_nodes.rosio.geometry import transform_message
 from ur_nodes.rosio.parameters import Parameters
@@ -24,12 +25,14 @@ from ur_nodes.slam.gmapping_settings import read_settings
 from ur_nodes.slam.map_output_node import MapOutput
 from ur_nodes.slam.map_state import MapState
 from ur_nodes.slam.mapper import Estimate
-from ur_nodes.slam.scan import Scan, make_scan
+from ur_nodes.slam.matching.scan import Scan, make_scan
+from ur_nodes.slam.slip import SlipWatch
 from ur_nodes.slam.storage.map_storage_node import MapStorage, StorageSettings, read_storage_settings
 from ur_nodes.slam.tracker import Tracker
 
 LONGEST_QUEUE = 30  # scans that wait for their transform
 MOST_PLACES = 3  # that a message names
+SLIP_SILENCE = 30.0  # s between two reports of wheels that slip
 SILENCE = 15.0  # s without an update before the log says so, and again after as long
 
 
@@ -48,6 +51,8 @@ class SlamGmappingNode:
         self._scans: deque[LaserScan] = deque(maxlen=LONGEST_QUEUE)
         self._count = 0
         self._located, self._lost, self._places = True, False, 0  # as reported last
+        self._slip = SlipWatch()
+        self._last: Pose2 | None = None  # odometry at the last scan
         self._news = threading.Condition()  # guards _scans
         self._child = settings.odom_frame or settings.base_frame
         self._broadcaster = tf2_ros.TransformBroadcaster()
@@ -58,7 +63,7 @@ class SlamGmappingNode:
         self._frames = Frames(self._wake, ignored=frozenset((self._child,)))
         rospy.Subscriber("scan", LaserScan, self._take_scan, queue_size=2, tcp_nodelay=True)
         for name, run in (("scans", self._run), ("map", self._draw), ("transform", self._broadcast)):
-            threading.Thread(target=run, name=name, daemon=True).start()
+            threading.Thread(target=quiet_at_end(run), name=name, daemon=True).start()
 
     # -- scans -----------------------------------------------------------------------------------------------------
 
@@ -114,6 +119,7 @@ class SlamGmappingNode:
             known = estimate.pose.compose(odometry.inverse()) if odometry else estimate.pose
             self._correction = None if self._mapper.lost else known
         self._report(estimate)
+        self._watch_wheels(estimate, odometry)
         self._entropy.publish(Float64(entropy(estimate)))
         if first:
             self._output.publish()
@@ -130,6 +136,21 @@ class SlamGmappingNode:
         elif estimate.located and not self._located:
             rospy.loginfo("the scan matches the map again")
         self._located, self._lost = estimate.located or lost, lost
+
+    def _watch_wheels(self, estimate: Estimate, odometry: Pose2 | None) -> None:
+        last, self._last = self._last, odometry
+        if estimate.still:
+            return
+        if not odometry or not last or not estimate.step or self._mapper.lost:
+            self._slip.forget()
+            return
+        slip = self._slip.add(last.inverse().compose(odometry), estimate.step)
+        if slip:
+            rospy.logwarn_throttle(
+                SLIP_SILENCE,
+                "the wheels slip, or somebody moves the robot: odometry reports {:.2f} m and {:.0f} degrees, the scans "
+                "{:.2f} m and {:.0f} degrees; the map follows the scans".format(*_sizes(slip.reported, slip.shown)),
+            )
 
     def _report_search(self, estimate: Estimate) -> None:
         if not self._mapper.lost:
@@ -227,6 +248,11 @@ def entropy(estimate: Estimate) -> float:
     """The differential entropy of the pose round the estimate (m and rad), higher when it is less certain."""
     sign, logarithm = np.linalg.slogdet(2.0 * math.pi * math.e * estimate.covariance)
     return 0.5 * float(logarithm) if sign > 0 else -math.inf
+
+
+def _sizes(*motions: Pose2) -> list[float]:
+    """The way (m) and the turn (degrees) of each motion."""
+    return [size for each in motions for size in (math.hypot(each.x, each.y), math.degrees(each.yaw))]
 
 
 def _sleep(seconds: float) -> bool:

@@ -11,10 +11,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.slam.edge import Edge
 from ur_nodes.slam.mapper import Estimate, Mapper, MapperSettings
+from ur_nodes.slam.matching.scan import Scan
+from ur_nodes.slam.pose_graph.edge import Edge, find_drives
 from ur_nodes.slam.relocation import Hypotheses, WholeMap
-from ur_nodes.slam.scan import Scan
 
 _DOUBTS = 5  # scans in a row that contradict the map
 _MOST_APART = 500  # keyframes of the small map that are looked for
@@ -33,6 +33,7 @@ class Tracker:
         self._on_map = False  # at the start on a map that was made before
         self._hypotheses = Hypotheses(on_map=False)
         self._searched = 0  # keyframes of the small map
+        self._count = 0  # of scans
 
     @property
     def keyframes(self) -> list[Pose2]:
@@ -60,12 +61,11 @@ class Tracker:
         return self._whole is not None
 
     def drives(self) -> list[int]:
-        """The numbers of the keyframes with which a later drive begins: nothing ties them to the keyframe before."""
-        tied = {edge.after for edge in self._mapper.edges if edge.before == edge.after - 1 and not edge.robust}
-        return [number for number in range(1, len(self._mapper.scans)) if number not in tied]
+        """The numbers of the keyframes with which a later drive begins."""
+        return find_drives(self._mapper.edges, len(self._mapper.scans))
 
-    def path(self) -> list[Pose2]:
-        """The pose at every scan that became part of the map, as is known now."""
+    def path(self) -> dict[int, Pose2]:
+        """The poses at scans as are known now, by their number; those that never found a place are left out."""
         return self._mapper.path()
 
     def candidates(self) -> list[Pose2]:
@@ -83,13 +83,14 @@ class Tracker:
 
     def add_scan(self, scan: Scan, odometry: Pose2 | None = None) -> Estimate:
         """Take the next scan as `Mapper.add_scan` does. While `lost`, the estimate is not located."""
+        self._count += 1
         if self.lost:
             return self._search(scan, odometry)
         estimate = self._mapper.add_scan(scan, odometry)
         if not estimate.contradicted:
             self._apart, self._doubts = None, 0
             return estimate
-        self._apart = self._apart or Mapper(self._settings)
+        self._apart = self._apart or Mapper(self._settings, first=self._count - 1)
         self._apart.add_scan(scan, odometry)
         self._doubts += not estimate.still
         if self._doubts < _DOUBTS:
@@ -107,7 +108,7 @@ class Tracker:
 
     def _search(self, scan: Scan, odometry: Pose2 | None) -> Estimate:
         assert self._whole is not None
-        apart = self._apart = self._apart or Mapper(self._settings)
+        apart = self._apart = self._apart or Mapper(self._settings, first=self._count - 1)
         estimate = apart.add_scan(scan, odometry)
         if not estimate.still:
             self._doubts = self._doubts + 1 if estimate.contradicted else 0
@@ -119,7 +120,10 @@ class Tracker:
             return self._unknown()
         number = self._searched
         self._searched += 1
-        self._hypotheses.add(number, apart.keyframes[number], self._whole.find(apart.scans[number]))
+        newest, whole = apart.scans[number], self._whole
+        self._hypotheses.add(
+            number, apart.keyframes[number], whole.find(newest), lambda guess: whole.check(newest, guess)
+        )
         winner = self._hypotheses.winner()
         if winner is None:
             return self._unknown()

@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 from tests.ur_nodes.navigation.synthetic import Drifter, make_room, scan_points
 
+from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2, wrap_angle
 from ur_nodes.localisation.likelihood import BeamModel, LikelihoodField, make_field
 from ur_nodes.localisation.localiser import Estimate, FilterSettings, Localiser
 from ur_nodes.localisation.motion_model import MotionModel
 from ur_nodes.localisation.particle_filter import SampleSize
+from ur_nodes.localisation.relocalise import POOL, pool_size
 
 SIZE = SampleSize(minimum=200, maximum=5000, kld_err=0.05, kld_z=2.33)
 MOTION = MotionModel("diff-corrected", 0.02, 0.02, 0.02, 0.02)
@@ -77,6 +79,32 @@ def test_localiser_notices_a_kidnapping_when_recovery_is_on(field: LikelihoodFie
     errors = errors_of_drive(localiser, robot, field, 40, distance=0.0, turn=0.1)
     assert errors[0] > 1.0
     assert max(errors[-5:]) < 0.03
+
+
+def test_search_of_a_large_map_tries_more_poses(field: LikelihoodField) -> None:
+    assert pool_size(field) == POOL
+    large = Grid(np.zeros((1000, 1000), dtype=np.int8), 0.05, Pose2(0.0, 0.0, 0.0))
+    assert pool_size(make_field(large, BeamModel(0.9, 0.1, 0.1, 2.0))) == 100000
+
+
+def test_robot_that_sees_one_of_two_equal_rooms_may_be_in_either() -> None:
+    values = np.zeros((84, 204), dtype=np.int8)
+    values[:2], values[-2:] = 100, 100
+    values[:, :2], values[:, 101:103], values[:, -2:] = 100, 100, 100
+    values[20:40, 20:30], values[20:40, 121:131] = 100, 100  # a cupboard in each
+    grid = Grid(values, 0.05, Pose2(0.0, 0.0, 0.0))
+    localiser = start(make_field(grid, BeamModel(0.9, 0.1, 0.1, 2.0)))
+    robot = Drifter(Pose2(3.0, 3.0, 0.0), np.random.default_rng(0))
+    assert localiser.scatter()
+    rng = np.random.default_rng(9)
+    for _ in range(12):
+        robot.drive(0.0, 0.1)
+        localiser.update(robot.odometry, scan_points(grid, robot.truth, rng))
+    first, second = sorted(localiser.places)
+    assert math.dist(first[:2], (3.0, 3.0)) < 0.1
+    assert math.dist(second[:2], (8.05, 3.0)) < 0.1
+    localiser.place(robot.truth, SURE)
+    assert localiser.places == []
 
 
 def test_localiser_waits_until_the_robot_has_moved(field: LikelihoodField) -> None:

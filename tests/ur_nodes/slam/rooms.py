@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.slam.scan import Scan, make_scan
+from ur_nodes.slam.matching.scan import Scan, make_scan
 
 Floats = NDArray[np.float64]
 ANGLES = np.linspace(-math.pi, math.pi, 360, endpoint=False)
@@ -45,7 +45,10 @@ def ranges_at(walls: Floats, pose: Pose2, noise: float = 0.0, seed: int = 0) -> 
     return np.where(ranges < RANGE, ranges, np.inf)
 
 
-def scan_at(walls: Floats, pose: Pose2, noise: float = 0.0, seed: int = 0) -> Scan:
-    """The scan that a robot at a pose sees."""
-    ranges = ranges_at(walls, pose, noise, seed)
-    return make_scan(ranges, DIRECTIONS, (0.1, RANGE), np.eye(2), np.zeros(2))
+def scan_at(
+    walls: Floats, pose: Pose2, noise: float = 0.0, seed: int = 0, view: float = 2.0 * math.pi, reach: float = RANGE
+) -> Scan:
+    """The scan that a robot at a pose sees with a lidar of so wide a view (rad), ahead, and of so long a reach (m)."""
+    ahead = np.abs(ANGLES) <= 0.5 * view
+    ranges = ranges_at(walls, pose, noise, seed)[ahead]
+    return make_scan(ranges, DIRECTIONS[ahead], (0.1, reach), np.eye(2), np.zeros(2))

@@ -8,10 +8,12 @@ import threading
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import rospy
-from geometry_msgs.msg import TransformStamped
+from geometry_msgs.msg import Quaternion, TransformStamped
 from nav_msgs.msg import MapMetaData, OccupancyGrid
 from nav_msgs.srv import GetMap
+from scipy.spatial import cKDTree
 from sensor_msgs.msg import LaserScan
 from std_msgs.msg import Float64
 from tests.json_client import answer_requests, claim_output
@@ -19,6 +21,7 @@ from tf2_msgs.msg import TFMessage
 
 from ur.robot.base import load_base
 from ur.worlds.world_file import read_world
+from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.rosio.geometry import pose3_of_transform, transform_message
 from ur_nodes.rosio.grid_message import grid_of_message
@@ -26,16 +29,22 @@ from ur_nodes.simulator.simulation import Simulation
 
 PATIENCE = 30.0  # s
 PACKAGE = Path(__file__).resolve().parents[3] / "ubiquity_launches"
+UPSIDE_DOWN_YAW = 2.0  # rad: how a lidar that hangs upside down is turned besides
 
 
 class Client:
     """A robot in the maze that moves only when told; every scan waits until it has been used."""
 
-    def __init__(self, child: str) -> None:
-        self._child = child  # the frame whose transform from the map is expected
+    def __init__(self, child: str, mount: str = "") -> None:
+        """`child` is the frame whose transform from the map is expected; `mount` may be `upside-down`."""
+        self._child = child
+        self._upside_down = mount == "upside-down"
         self._base = load_base(PACKAGE, "stage", "")
         world = read_world(PACKAGE / "n_simulator" / "worlds" / "maze.yaml")
         self._simulation = Simulation(world, self._base, seed=1)
+        plan = world.floor_plan
+        floor = Grid(np.where(plan.walls, 100, 0).astype(np.int8), plan.resolution, Pose2(*plan.origin))
+        self._walls = cKDTree(floor.points_of_cells(np.argwhere(plan.walls)))
         self._used = 0
         self._correction: Pose2 | None = None
         self._news = threading.Condition()
@@ -45,8 +54,12 @@ class Client:
         rospy.Subscriber("/tf", TFMessage, self._take_tf, queue_size=100)
         rospy.Subscriber("slam_gmapping/entropy", Float64, self._take_entropy, queue_size=100)
         assert self._base.lidar
-        mount = Pose2(self._base.lidar.pose[0], self._base.lidar.pose[1], self._base.lidar.pose[5])
-        self._static.publish(TFMessage([transform("base_footprint", "laser", mount, rospy.Time.now())]))
+        laser = Pose2(self._base.lidar.pose[0], self._base.lidar.pose[1], self._base.lidar.pose[5])
+        placed = transform("base_footprint", "laser", laser, rospy.Time.now())
+        if self._upside_down:  # rolled by half a turn, then turned
+            half = 0.5 * UPSIDE_DOWN_YAW
+            placed.transform.rotation = Quaternion(math.cos(half), math.sin(half), 0.0, 0.0)
+        self._static.publish(TFMessage([placed]))
 
     def drive(self, linear: float, angular: float, seconds: float) -> float:
         """Drive; the distance (m) between the true pose and the published one at the end."""
@@ -58,18 +71,28 @@ class Client:
                 self._publish()
         return self._error()
 
+    def carry(self, x: float, y: float, yaw: float) -> None:
+        """Carry the robot elsewhere; its odometry does not notice."""
+        self._simulation.place("robot", (x, y, yaw))
+
     def map(self) -> dict[str, Any]:
-        """The frames of the map from service and topic, its resolution, and how many cells are occupied and free."""
+        """The frames of the map from service and topic, its resolution, how many cells are occupied and free.
+
+        `on_walls` is the share (0..1) of the occupied cells within 0.1 m of a wall of the world.
+        """
         rospy.wait_for_service("dynamic_map", PATIENCE)
         message = rospy.ServiceProxy("dynamic_map", GetMap)().map
         topic = rospy.wait_for_message("map", OccupancyGrid, PATIENCE)
         metadata = rospy.wait_for_message("map_metadata", MapMetaData, PATIENCE)
-        values = grid_of_message(message).values
+        grid = grid_of_message(message)
+        values = grid.values
+        gaps = self._walls.query(grid.points_of_cells(np.argwhere(values == 100)))[0]
         return {
             "frames": [message.header.frame_id, topic.header.frame_id],
             "resolution": round(metadata.resolution, 6),
             "occupied": int((values == 100).sum()),
             "free": int((values == 0).sum()),
+            "on_walls": float(np.mean(gaps < 0.1)),
         }
 
     def _publish(self) -> None:
@@ -93,6 +116,9 @@ class Client:
         message.angle_increment = (lidar.angle_max - lidar.angle_min) / (lidar.samples - 1)
         message.header.frame_id, message.header.stamp = "laser", stamp
         message.range_min, message.range_max, message.ranges = lidar.range_min, lidar.range_max, ranges
+        if self._upside_down:  # angles count the other way round
+            first, last = (UPSIDE_DOWN_YAW - lidar.pose[5] - end for end in (lidar.angle_max, lidar.angle_min))
+            message.angle_min, message.angle_max, message.ranges = first, last, ranges[::-1]
         return message
 
     def _error(self) -> float:
@@ -140,7 +166,7 @@ def main() -> None:
     """Answer questions on standard input until it ends."""
     answers = claim_output()
     rospy.init_node("client", disable_signals=True)
-    answer_requests(answers, Client(sys.argv[1]))
+    answer_requests(answers, Client(*sys.argv[1:]))
 
 
 if __name__ == "__main__":

@@ -6,8 +6,10 @@ from itertools import pairwise
 import numpy as np
 from tests.ur_nodes.slam.rooms import ROOM, Floats, box, scan_at, walls_of
 
+from ur_nodes.geometry.grid import OCCUPIED
 from ur_nodes.geometry.pose import Pose2, wrap_angle
 from ur_nodes.slam.mapper import Mapper
+from ur_nodes.slam.occupancy import OccupancyMap
 
 # A ring of corridors 2 m wide and 12 m long, with niches, so that every place looks different.
 RING = walls_of(
@@ -48,7 +50,7 @@ def worst_error(mapper: Mapper, poses: list[Pose2]) -> float:
     first = poses[0]
     return max(
         math.hypot(found.x - true.x, found.y - true.y)
-        for found, true in zip(mapper.path(), (first.inverse().compose(pose) for pose in poses), strict=True)
+        for found, true in zip(mapper.path().values(), (first.inverse().compose(pose) for pose in poses), strict=True)
     )
 
 
@@ -72,8 +74,54 @@ def test_wheels_that_spin_on_the_spot_move_nothing() -> None:
     assert worst_error(run(ROOM, poses, odometry), poses) < 0.02
 
 
+def test_estimate_tells_how_far_the_robot_moved_whatever_the_wheels_did() -> None:
+    mapper = Mapper()
+    mapper.add_scan(scan_at(ROOM, Pose2(0.0, 0.0, 0.0), 0.01, 0), Pose2(0.0, 0.0, 0.0))
+    step = mapper.add_scan(scan_at(ROOM, Pose2(0.0, 0.0, 0.0), 0.01, 1), Pose2(0.04, 0.0, 0.0)).step
+    assert step
+    assert math.hypot(step.x, step.y) < 0.01
+    step = mapper.add_scan(scan_at(ROOM, Pose2(0.04, 0.0, 0.0), 0.01, 2), Pose2(0.08, 0.0, 0.0)).step
+    assert step
+    assert abs(step.x - 0.04) < 0.01
+
+
+def test_map_does_not_grow_where_the_robot_drives_again() -> None:
+    lap = [Pose2(0.6 * math.cos(0.1 * n), 0.6 * math.sin(0.1 * n), 0.1 * n + 0.5 * math.pi) for n in range(63)]
+    once, often = run(ROOM, lap, lap), run(ROOM, lap * 4, lap * 4)
+    assert len(often.scans) <= len(once.scans) + 2
+    assert worst_error(often, lap * 4) < 0.02
+
+
+def test_what_has_changed_replaces_the_scan_of_the_same_place() -> None:
+    lap = [Pose2(0.04 * n, 0.0, 0.0) for n in (*range(30), *range(30, 0, -1))]
+    chair = walls_of(box(0.5, -1.4, 0.9, -1.0))
+    mapper = run(np.vstack((ROOM, chair)), lap, lap)
+    before, count = list(mapper.scans), len(mapper.scans)
+    for number, pose in enumerate(lap * 2):
+        mapper.add_scan(scan_at(ROOM, pose, 0.01, 1000 + number), pose)
+    assert len(mapper.scans) <= count + 2
+    assert sum(one is not other for one, other in zip(before, mapper.scans, strict=False)) > 1
+    drawn = OccupancyMap()
+    drawn.update(mapper.keyframes, before + mapper.scans[count:])
+    assert wall_at(drawn, 0.7, -1.0)
+    drawn.update(mapper.keyframes, mapper.scans)
+    assert not wall_at(drawn, 0.7, -1.0)
+    fresh = OccupancyMap()
+    fresh.update(mapper.keyframes, mapper.scans)
+    low = np.rint(np.array(fresh.grid().origin[:2]) / 0.05 - np.array(drawn.grid().origin[:2]) / 0.05).astype(int)
+    height, width = fresh.grid().values.shape
+    part = drawn.grid().values[low[1] : low[1] + height, low[0] : low[0] + width]
+    assert np.array_equal(part, fresh.grid().values)
+
+
+def wall_at(drawn: OccupancyMap, x: float, y: float) -> bool:
+    grid = drawn.grid()
+    cells = grid.points_of_cells(np.argwhere(grid.values == OCCUPIED))
+    return bool(np.any(np.hypot(*(cells - (x, y)).T) < 0.08))
+
+
 def test_same_scans_give_the_same_map() -> None:
     poses = [Pose2(0.04 * n, 0.0, 0.01 * n) for n in range(30)]
     first, second = run(ROOM, poses, poses), run(ROOM, poses, poses)
     assert first.path() == second.path()
-    assert wrap_angle(first.path()[-1].yaw - poses[-1].yaw) < 0.01
+    assert wrap_angle(first.path()[len(poses) - 1].yaw - poses[-1].yaw) < 0.01

@@ -19,8 +19,8 @@ SLAM = PACKAGE / "n_slam_gmapping" / "bin" / "slam_gmapping"
 SAVER = PACKAGE / "n_map_saver" / "bin" / "map_saver"
 
 
-def session(folder: Path, child: str) -> RosSession:
-    return RosSession(folder, (sys.executable, "-m", "tests.ur_nodes.slam.slam_client_node", child))
+def session(folder: Path, *arguments: str) -> RosSession:
+    return RosSession(folder, (sys.executable, "-m", "tests.ur_nodes.slam.slam_client_node", *arguments))
 
 
 @pytest.fixture
@@ -56,6 +56,33 @@ def test_map_is_made_without_odometry(tmp_path: Path) -> None:
         assert ros.ask("drive", linear=0.2, angular=0.3, seconds=3.0) < 0.03
     finally:
         ros.close()
+
+
+@pytest.mark.ros
+@pytest.mark.long
+def test_map_is_made_with_a_lidar_that_hangs_upside_down_and_is_turned(tmp_path: Path) -> None:
+    ros = session(tmp_path, "odom", "upside-down")
+    try:
+        ros.start(str(SLAM), "__name:=slam_gmapping", "_base_frame:=base_footprint")
+        assert ros.ask("drive", linear=0.2, angular=0.4, seconds=3.0) < 0.03
+        assert ros.ask("map")["occupied"] > 100
+    finally:
+        ros.close()
+
+
+@pytest.mark.ros
+@pytest.mark.long
+def test_robot_that_is_carried_elsewhere_while_it_maps_is_found_and_nothing_is_mapped_double(ros: RosSession) -> None:
+    slam = ros.start(str(SLAM), "__name:=slam_gmapping", "_base_frame:=base_footprint", "_map_update_interval:=1")
+    ros.ask("drive", linear=0.0, angular=0.8, seconds=3.0)
+    ros.ask("drive", linear=0.3, angular=0.0, seconds=4.0)
+    ros.ask("carry", x=0.0, y=0.0, yaw=-1.0)
+    assert ros.ask("drive", linear=0.15, angular=0.5, seconds=8.0) < 0.05
+    assert ros.ask("map")["on_walls"] > 0.97
+    slam.send_signal(signal.SIGINT)
+    log = "".join(slam.communicate(timeout=60))
+    assert "lost: looking for the place on the map" in log
+    assert "Traceback" not in log
 
 
 @pytest.mark.ros

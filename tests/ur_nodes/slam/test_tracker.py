@@ -1,39 +1,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 
 import numpy as np
 import pytest
-from tests.ur_nodes.slam.rooms import Floats, box, scan_at, walls_of
+from tests.ur_nodes.slam.drives import MOVED_SOFA, SOFA, WALLS, distances, drive, feed
+from tests.ur_nodes.slam.rooms import box, walls_of
 
 from ur_nodes.geometry.grid import OCCUPIED
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.slam.mapper import Estimate
 from ur_nodes.slam.occupancy import OccupancyMap
 from ur_nodes.slam.tracker import Tracker
-
-# Two rooms that differ, with a doorway between them.
-WALLS = np.vstack((
-    walls_of(box(-3.0, -2.0, 9.0, 3.0), box(0.0, 1.2, 1.8, 1.6), box(-2.0, -1.4, -1.5, -0.8)),
-    [((4.0, -2.0), (4.0, -0.5)), ((4.0, 0.6), (4.0, 3.0)), ((6.0, 3.0), (7.5, 1.5)), ((7.5, 1.5), (9.0, 1.5))],
-))  # fmt: skip
-SOFA = walls_of(box(1.5, -1.9, 2.6, -1.2))
-MOVED_SOFA = walls_of(box(-0.6, -1.9, 0.5, -1.2))
-
-
-def drive(first: float, last: float, step: float = 0.12) -> list[Pose2]:
-    """A path along the two rooms, in steps of `step` m; to smaller x it is driven backwards."""
-    count = round(abs(last - first) / step)
-    return [Pose2(float(x), 0.3 * math.sin(x), 0.2 * math.sin(0.7 * x)) for x in np.linspace(first, last, count)]
-
-
-def feed(tracker: Tracker, walls: Floats, poses: Sequence[Pose2], odometry: Pose2, seed: int = 0) -> list[Estimate]:
-    """Add the scans of a path; `odometry` is the pose of the true frame in that of odometry."""
-    return [
-        tracker.add_scan(scan_at(walls, pose, 0.01, seed + number), odometry.compose(pose))
-        for number, pose in enumerate(poses)
-    ]
 
 
 def error(estimate: Estimate, pose: Pose2, first: Pose2) -> float:
@@ -93,6 +71,25 @@ def test_robot_that_is_carried_to_the_other_room_is_found_again(made: tuple[Trac
         assert np.mean(distances(seen, walls) < 0.1) > 0.95  # no keyframe lies where the robot only seemed to be
 
 
+def test_robot_that_is_carried_to_a_room_that_is_not_mapped_adds_it_once_it_drives_back() -> None:
+    path = drive(-2.0, 1.5)
+    tracker = Tracker()
+    walls = np.vstack((WALLS, SOFA))
+    feed(tracker, walls, path, Pose2(0.0, 0.0, 0.0))
+    poses = drive(8.0, -1.5)
+    estimates = feed(tracker, walls, poses, path[-1].compose(poses[0].inverse()), seed=1000)
+    lost = [number for number, each in enumerate(estimates) if not each.located]
+    assert lost[0] < 8
+    assert poses[lost[-1]].x < 6.0  # as long as it sees nothing that is mapped, it is taken to be nowhere
+    assert not tracker.lost
+    assert error(estimates[-1], poses[-1], path[0]) < 0.05
+    places = [path[0].compose(pose) for pose in tracker.keyframes]
+    assert sum(place.x > 5.0 for place in places) > 3
+    for place, scan in zip(places, tracker.scans, strict=True):
+        seen = place.transform_points(scan.hits.astype(np.float64))
+        assert np.mean(distances(seen, walls) < 0.1) > 0.95
+
+
 def test_robot_in_a_room_that_looks_the_same_from_both_ends_stays_lost() -> None:
     walls = walls_of(box(-3.0, -1.5, 3.0, 1.5))
     poses = [Pose2(0.1 * n, 0.2, 0.0) for n in range(12)]
@@ -104,12 +101,3 @@ def test_robot_in_a_room_that_looks_the_same_from_both_ends_stays_lost() -> None
     assert tracker.lost
     assert len(tracker.candidates()) == 2
     assert len(tracker.scans) == len(before.scans)
-
-
-def distances(points: Floats, walls: Floats) -> Floats:
-    """The distance (n) of points from the nearest wall, m."""
-    start, along = walls[:, 0], walls[:, 1] - walls[:, 0]
-    delta = points[:, None] - start
-    place = np.clip((delta * along).sum(axis=2) / np.square(along).sum(axis=1), 0.0, 1.0)
-    nearest: Floats = np.linalg.norm(delta - place[..., None] * along, axis=2).min(axis=1)
-    return nearest

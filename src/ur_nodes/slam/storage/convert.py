@@ -11,8 +11,8 @@ from ur.maps.record import MapRecord
 from ur.maps.scan_file import StoredGraph, StoredScan, read_graph, read_scans
 from ur.source.diagnostic import UserError, error
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.slam.edge import Edge
-from ur_nodes.slam.scan import Scan, restore_scan
+from ur_nodes.slam.matching.scan import Scan, restore_scan
+from ur_nodes.slam.pose_graph.edge import Edge
 
 
 def store_scan(scan: Scan) -> StoredScan:

@@ -138,4 +138,6 @@ class MapStorage:
 
 
 def _same(state: MapState, saved: MapState | None) -> bool:
-    return saved is not None and len(state.scans) == len(saved.scans) and list(state.poses) == list(saved.poses)
+    if saved is None or len(state.scans) != len(saved.scans) or list(state.poses) != list(saved.poses):
+        return False
+    return all(one is other for one, other in zip(state.scans, saved.scans, strict=True))

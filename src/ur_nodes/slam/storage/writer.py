@@ -14,8 +14,8 @@ from ur.maps.scan_file import CHUNK, encode_graph, encode_scans
 from ur.source.replace import replace_file
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.slam.edge import Edge
-from ur_nodes.slam.scan import Scan
+from ur_nodes.slam.matching.scan import Scan
+from ur_nodes.slam.pose_graph.edge import Edge
 from ur_nodes.slam.storage.convert import store_graph, store_scan
 
 _PICTURE = "map"
@@ -25,7 +25,7 @@ class MapWriter:
     """Writes one map again and again into its folder, and each time only what is new.
 
     The record is replaced last: until then it names the files of the last time, none of which is touched. Full chunks
-    of scans never change; the last one and the graph get a new name each time.
+    are written again only where a scan of them was replaced; the last one and the graph get a new name each time.
     """
 
     def __init__(self, folder: Path, record: MapRecord) -> None:
@@ -33,7 +33,8 @@ class MapWriter:
         self._record = record
         names = (record.graph, *record.scans)
         self._number = max((int(name.split("_")[1].split(".")[0]) for name in names if name), default=0)
-        self._full = list(record.scans[: record.keyframes // CHUNK])
+        full = list(record.scans[: record.keyframes // CHUNK])
+        self._full: list[tuple[str, list[Scan]]] = [(name, []) for name in full]  # none known: those of a run before
         for each in folder.glob("*.npz"):  # of a run that was killed
             if each.name not in names:
                 each.unlink(missing_ok=True)
@@ -49,14 +50,17 @@ class MapWriter:
         Raises OSError; then the folder holds the map of the last time.
         """
         old = {self._record.graph, *self._record.scans}
-        names = list(self._full)
-        for first in range(len(names) * CHUNK, len(scans), CHUNK):
-            part = scans[first : first + CHUNK]
+        names = []
+        for first in range(0, len(scans), CHUNK):
+            part, number = list(scans[first : first + CHUNK]), first // CHUNK
+            if number < len(self._full) and _same(self._full[number][1], part):
+                names.append(self._full[number][0])
+                continue
             name = self._new_name("scans")
             self._put(name, encode_scans([store_scan(each) for each in part]))
             names.append(name)
             if len(part) == CHUNK:
-                self._full.append(name)
+                self._full[number : number + 1] = [(name, part)]
         graph = self._new_name("graph")
         self._put(graph, encode_graph(store_graph(poses, edges)))
         now = time.time()
@@ -83,3 +87,7 @@ class MapWriter:
 
     def _put(self, name: str, content: bytes) -> None:
         replace_file(self._folder / name, content, parents=True)
+
+
+def _same(stored: Sequence[Scan], scans: Sequence[Scan]) -> bool:
+    return not stored or all(one is other for one, other in zip(stored, scans, strict=True))

@@ -14,8 +14,8 @@ from ur.source.replace import replace_file
 from ur.worlds.map_file import read_map
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.slam.edge import Edge
-from ur_nodes.slam.scan import Scan
+from ur_nodes.slam.matching.scan import Scan
+from ur_nodes.slam.pose_graph.edge import Edge
 from ur_nodes.slam.storage import writer as module
 from ur_nodes.slam.storage.convert import load_poses
 from ur_nodes.slam.storage.writer import MapWriter
@@ -53,6 +53,20 @@ def test_full_files_of_scans_are_written_once(tmp_path: Path) -> None:
     assert (tmp_path / full).stat().st_mtime_ns == written
     assert len(load_poses(tmp_path, read_record(tmp_path))[2]) == CHUNK + 2
     assert len(list(tmp_path.glob("*.npz"))) == 3
+
+
+def test_full_file_is_written_again_when_a_scan_was_replaced(tmp_path: Path) -> None:
+    poses, edges, scans = keyframes(2 * CHUNK + 1)
+    writer = MapWriter(tmp_path, MapRecord())
+    writer.write(GRID, poses, edges, scans)
+    before = writer.record.scans
+    scans[CHUNK + 3] = scan_at(ROOM, Pose2(0.5, 0.0, 0.0))
+    writer.write(GRID, poses, edges, scans)
+    after = writer.record.scans
+    assert (after[0] == before[0], after[1] == before[1]) == (True, False)
+    found = load_poses(tmp_path, read_record(tmp_path))[2]
+    assert found[CHUNK + 3].hits == pytest.approx(scans[CHUNK + 3].hits, abs=0.0011)
+    assert len(list(tmp_path.glob("*.npz"))) == 4
 
 
 def test_power_that_fails_at_any_point_leaves_a_whole_map(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

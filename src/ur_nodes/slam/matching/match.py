@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ur_nodes.geometry.pose import Pose2, wrap_angle
-from ur_nodes.slam.local_map import LocalMap
-from ur_nodes.slam.surface import Floats, Surface
+from ur_nodes.slam.matching.local_map import LocalMap
+from ur_nodes.slam.matching.surface import Floats, Surface
 
 _REACHES = (0.5, 0.3, 0.2, 0.15)  # m: the farthest correspondences, falling with the iterations
 _CLUMPED = 0.2  # how much a point without a line counts, in each direction

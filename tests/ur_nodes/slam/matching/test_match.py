@@ -7,8 +7,8 @@ import pytest
 from tests.ur_nodes.slam.rooms import CORRIDOR, ROOM, Floats, scan_at
 
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.slam.local_map import LocalMap
-from ur_nodes.slam.match import match_surface
+from ur_nodes.slam.matching.local_map import LocalMap
+from ur_nodes.slam.matching.match import match_surface
 
 HERE = Pose2(0.0, 0.0, 0.0)
 

@@ -6,7 +6,7 @@ import pytest
 from tests.ur_nodes.slam.rooms import CORRIDOR, ROOM, Floats, scan_at
 
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.slam.correlative import Found, Pyramid, Window, search
+from ur_nodes.slam.matching.correlative import Found, Pyramid, Window, search
 
 HERE = Pose2(0.0, 0.0, 0.0)
 

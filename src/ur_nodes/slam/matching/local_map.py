@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.slam.surface import Floats, Surface, face, fit_lines, join
+from ur_nodes.slam.matching.surface import Floats, Surface, face, fit_lines, join
 
 FACING = 0.15
 """m: surfaces that face opposite ways count as twice this farther apart, so that a thin wall has two sides."""

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ur_nodes.slam.surface import Floats, Surface, surface_of_points
+from ur_nodes.geometry.pose import Pose2
+from ur_nodes.slam.matching.surface import Floats, Surface, surface_of_points
 
 MOST_POINTS = 400
 """Beams that are matched; scans with more are thinned."""
@@ -17,16 +18,41 @@ _MOST_NUMBERS = 65535  # of beams, as they are stored
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Scan:
-    """`surface` is matched. `hits` (n, 2) are the ends of beams that hit something, `misses` (m, 2) of the others.
+    """`hits` (n, 2) are the ends of beams that hit something, `misses` (m, 2) of the others; `surface` is matched.
 
     All are in the robot's frame, as is the lidar's place, `origin` (2). `numbers` (n) are those of the beams that hit.
+    The surface is made of every so many hits; of these, `facing` (k) are the directions of the normals in rad, and
+    `flat` (k) tells whether they can be trusted: 16 bytes a point, as a map holds thousands of scans.
     """
 
-    surface: Surface
     hits: NDArray[np.float32]
     misses: NDArray[np.float32]
     origin: Floats
     numbers: NDArray[np.uint16]
+    facing: NDArray[np.float32]
+    flat: NDArray[np.bool_]
+
+    @property
+    def surface(self) -> Surface:
+        """The points that are matched, made anew each time."""
+        facing = self.facing.astype(np.float64)
+        points = self.hits[:: _step(len(self.hits))].astype(np.float64)
+        return Surface(points, np.column_stack((np.cos(facing), np.sin(facing))), self.flat)
+
+    def moved(self, pose: Pose2) -> Scan:
+        """Express the scan in the parent frame of `pose`, as if it was taken from elsewhere."""
+        return Scan(
+            pose.transform_points(self.hits).astype(np.float32),
+            pose.transform_points(self.misses).astype(np.float32),
+            pose.transform_points(self.origin),
+            self.numbers,
+            (self.facing + np.float32(pose.yaw)).astype(np.float32),
+            self.flat,
+        )
+
+
+def _step(count: int) -> int:
+    return max(1, -(-count // MOST_POINTS))
 
 
 def make_scan(
@@ -47,21 +73,16 @@ def make_scan(
     seen = (values >= limits[0]) & (values < limits[1])  # false for nan and inf
     numbers = np.flatnonzero(seen)
     points = (directions[seen] * values[seen, None]) @ rotation.T + offset
-    surface = surface_of_points(points, numbers, offset)
     beyond = values >= limits[1] if free > 0.0 else np.zeros(len(values), dtype=bool)
     misses = directions[beyond] * free @ rotation.T + offset
-    return Scan(
-        surface.thinned(MOST_POINTS),
-        points.astype(np.float32),
-        misses.astype(np.float32),
-        offset,
-        np.minimum(numbers, _MOST_NUMBERS).astype(np.uint16),
-    )
+    stored = np.minimum(numbers, _MOST_NUMBERS).astype(np.uint16)
+    return restore_scan(points.astype(np.float32), stored, misses.astype(np.float32), offset)
 
 
 def restore_scan(
     hits: NDArray[np.float32], numbers: NDArray[np.uint16], misses: NDArray[np.float32], origin: Floats
 ) -> Scan:
     """Make the scan again whose fields these are."""
-    surface = surface_of_points(hits.astype(np.float64), numbers.astype(np.intp), origin)
-    return Scan(surface.thinned(MOST_POINTS), hits, misses, origin, numbers)
+    surface = surface_of_points(hits.astype(np.float64), numbers.astype(np.intp), origin, _step(len(hits)))
+    facing = np.arctan2(surface.normals[:, 1], surface.normals[:, 0]).astype(np.float32)
+    return Scan(hits, misses, origin, numbers, facing, surface.flat)

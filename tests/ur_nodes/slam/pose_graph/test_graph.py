@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.slam.graph import PoseGraph
+from ur_nodes.slam.pose_graph.graph import PoseGraph
 
 COVARIANCE = np.diag(np.square((0.02, 0.02, 0.02)))
 

@@ -48,21 +48,21 @@ def join(surfaces: list[Surface]) -> Surface:
     )
 
 
-def surface_of_points(points: Floats, numbers: NDArray[np.intp], origin: Floats) -> Surface:
+def surface_of_points(points: Floats, numbers: NDArray[np.intp], origin: Floats, step: int = 1) -> Surface:
     """Make a surface from the ends (n, 2) of beams, in the order of their `numbers` (n), seen from `origin` (2).
 
-    A line is fitted to the neighbours of each point.
+    A line is fitted to the neighbours of each point; of the points, every `step`-th is taken.
     """
     count = len(points)
-    offsets = np.arange(-_WINDOW, _WINDOW + 1)
-    places = np.arange(count)[:, None] + offsets
+    chosen = np.arange(0, count, step)
+    places = chosen[:, None] + np.arange(-_WINDOW, _WINDOW + 1)
     inside = (places >= 0) & (places < count)
     places = np.clip(places, 0, max(0, count - 1))
-    delta = points[places] - points[:, None]
-    near = inside & (np.abs(numbers[places] - numbers[:, None]) <= _WINDOW)
+    delta = points[places] - points[chosen, None]
+    near = inside & (np.abs(numbers[places] - numbers[chosen, None]) <= _WINDOW)
     near &= np.square(delta).sum(axis=2) <= _REACH * _REACH
     directions, flat = fit_lines(delta, near.astype(np.float64))[1:]
-    return Surface(points, face(directions, origin - points), flat)
+    return Surface(points[chosen], face(directions, origin - points[chosen]), flat)
 
 
 def fit_lines(delta: Floats, weights: Floats) -> tuple[Floats, Floats, NDArray[np.bool_]]:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt
 
 from ur_nodes.geometry.pose import Pose2, wrap_angle
-from ur_nodes.slam.surface import Floats
+from ur_nodes.slam.matching.surface import Floats
 
 _CELL = 0.05  # m
 _SPREAD = 1.2  # cells: a point that lies so far from a wall scores exp(-1/2)

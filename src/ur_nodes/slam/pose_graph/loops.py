@@ -10,14 +10,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ur_nodes.geometry.pose import Pose2, wrap_angle
-from ur_nodes.slam.correlative import Pyramid, Window, search
-from ur_nodes.slam.local_map import LocalMap
-from ur_nodes.slam.match import Match, match_surface
-from ur_nodes.slam.scan import Scan
-from ur_nodes.slam.surface import Floats, Surface
+from ur_nodes.slam.matching.correlative import Pyramid, Window, search
+from ur_nodes.slam.matching.local_map import LocalMap
+from ur_nodes.slam.matching.match import Match, match_surface
+from ur_nodes.slam.matching.scan import Scan
+from ur_nodes.slam.matching.surface import Floats, Surface
 
 RECENT = 12
 """Keyframes before the newest one that it is no loop to see again."""
+
+LEAST_NOISE: Floats = np.diag(np.square((0.002, 0.002, 0.0007)))
+"""Errors (m, rad) that no covariance of a match contains."""
 
 _NEAR = 2.5  # m: keyframes so near see the same things, as a rule
 _GROUP = 7  # keyframes
@@ -52,12 +55,13 @@ class Link:
     correction: Pose2
 
 
-def find_groups(poses: Sequence[Pose2], number: int, spread: NDArray[np.float64], most: int = 2) -> list[Group]:
-    """Choose groups of old keyframes that keyframe `number` may see, the nearest first.
+def find_groups(
+    poses: Sequence[Pose2], number: int, spread: NDArray[np.float64], last: int, most: int = 2
+) -> list[Group]:
+    """Choose groups of the keyframes before `last` that keyframe `number` may see, the nearest first.
 
     `spread` (n) is how uncertain their places are relative to it, m; those with inf are left out.
     """
-    last = number - RECENT
     if last <= 0:
         return []
     places = np.array([pose[:2] for pose in poses[:last]])

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.slam.surface import Floats
+from ur_nodes.slam.matching.surface import Floats
 
 
 class Edge(NamedTuple):
@@ -16,3 +17,9 @@ class Edge(NamedTuple):
     relative: Pose2
     covariance: Floats
     robust: bool
+
+
+def find_drives(edges: Sequence[Edge], count: int) -> list[int]:
+    """The numbers of the keyframes, of so many, with which a later drive begins: only robust edges lead to them."""
+    tied = {edge.after for edge in edges if not edge.robust}
+    return [number for number in range(1, count) if number not in tied]

@@ -1,0 +1,1 @@
+"""Scans as pieces of surface, and their place on what was seen before."""

@@ -1,0 +1,123 @@
+"""The pose graph: keyframes and what is known of their relative poses, made consistent by gtsam.
+
+Source of the incremental solution: Kaess et al., iSAM2: incremental smoothing and mapping using the Bayes tree, 2012.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import gtsam
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import dijkstra
+
+from ur_nodes.geometry.pose import Pose2
+from ur_nodes.slam.matching.surface import Floats
+from ur_nodes.slam.pose_graph.edge import Edge
+
+_TURN = 16.0  # m^2: how much the variance of a turn counts when paths are compared
+_KERNEL = 2.0  # standard deviations beyond which a loop counts less and less
+_FIXED = np.array((1e-4, 1e-4, 1e-4))
+_RELINEARISED = 0.002  # m and rad from where an edge was linearised: then it is again
+_SETTLED = 0.001  # m and rad: a step that moves no pose farther is the last one
+_STEPS = 15
+
+
+class PoseGraph:
+    """Poses of keyframes 0, 1, 2, ... in the map; the first one stays where it is."""
+
+    def __init__(self) -> None:
+        parameters = gtsam.ISAM2Params()
+        parameters.setRelinearizeThreshold(_RELINEARISED)
+        parameters.relinearizeSkip = 1
+        self._smoother = gtsam.ISAM2(parameters)
+        self._new_factors = gtsam.NonlinearFactorGraph()
+        self._new_values = gtsam.Values()
+        self._steps = 0  # that are left at most
+        self._edges: list[Edge] = []
+        self._best: dict[tuple[int, int], tuple[float, float, float]] = {}  # variances of shift and turn, and length
+        self._tables: list[csr_array] | None = None  # of these, as matrices
+        self.poses: list[Pose2] = []
+
+    def add_pose(self, pose: Pose2) -> int:
+        """Add a keyframe; returns its number. Without an edge to it, it is an error to optimise."""
+        number = len(self.poses)
+        self.poses.append(pose)
+        self._new_values.insert(number, gtsam.Pose2(*pose))
+        if number == 0:
+            model = gtsam.noiseModel.Diagonal.Sigmas(_FIXED)
+            self._new_factors.add(gtsam.PriorFactorPose2(0, gtsam.Pose2(*pose), model))
+        self._tables = None
+        return number
+
+    def add_edge(self, before: int, after: int, relative: Pose2, covariance: Floats, *, robust: bool) -> None:
+        """Say where one keyframe is in another's frame, with a covariance (3, 3); robust: unless others contradict."""
+        model: gtsam.noiseModel.Base = gtsam.noiseModel.Gaussian.Covariance(covariance)
+        if robust:
+            model = gtsam.noiseModel.Robust.Create(gtsam.noiseModel.mEstimator.Cauchy.Create(_KERNEL), model)
+        self._new_factors.add(gtsam.BetweenFactorPose2(before, after, gtsam.Pose2(*relative), model))
+        self._edges.append(Edge(before, after, relative, covariance, robust))
+        shift, turn = float(covariance[0, 0] + covariance[1, 1]), float(covariance[2, 2])
+        known = self._best.get((before, after))
+        if known is None or shift + _TURN * turn < known[0] + _TURN * known[1]:
+            self._best[before, after] = (shift, turn, math.hypot(relative.x, relative.y))
+            self._tables = None
+
+    @property
+    def edges(self) -> Sequence[Edge]:
+        """All edges, in the order in which they were added."""
+        return self._edges
+
+    def optimise(self) -> None:
+        """Bring all poses to where they fit the edges best."""
+        self.begin()
+        while self.step():
+            pass
+
+    @property
+    def unsettled(self) -> bool:
+        """Tell whether `step` would still move poses."""
+        return self._steps > 0
+
+    def begin(self) -> None:
+        """Have the next calls of `step` bring the poses to where they fit the edges best."""
+        self._steps = _STEPS
+
+    def step(self) -> bool:
+        """Bring the poses nearer to where they fit best, in a time that grows with those that move; False: no more."""
+        if not self._steps:
+            return False
+        self._steps -= 1
+        self._smoother.update(self._new_factors, self._new_values)
+        self._new_factors, self._new_values = gtsam.NonlinearFactorGraph(), gtsam.Values()
+        found = gtsam.utilities.extractPose2(self._smoother.calculateEstimate())
+        moved = np.abs(found - np.array(self.poses))
+        moved[:, 2] = np.minimum(moved[:, 2], np.abs(2.0 * math.pi - moved[:, 2]))
+        self.poses = [Pose2(x, y, yaw) for x, y, yaw in found.tolist()]
+        if float(moved.max()) < _SETTLED:
+            self._steps = 0
+        return self._steps > 0
+
+    def spread_from(self, number: int, limit: float) -> NDArray[np.float64]:
+        """Compute the uncertainty (m, one standard deviation) of each pose relative to one; inf beyond `limit`.
+
+        The variances of shifts along the path of edges with the least of them are added up; those of turns, too, and
+        felt at its end as those of a random walk: by a third of the square of its length.
+        """
+        if self._tables is None:
+            count = len(self.poses)
+            rows, columns = np.array(list(self._best), np.int32).reshape(-1, 2).T
+            costs = np.maximum(np.array(list(self._best.values())).reshape(-1, 3), 1e-12)
+            self._tables = [csr_array((values, (rows, columns)), shape=(count, count)) for values in costs.T]
+        most = (limit * limit, np.inf, np.inf)
+        shift, turn, length = (
+            dijkstra(table, directed=False, indices=number, limit=far)
+            for table, far in zip(self._tables, most, strict=True)
+        )
+        known = np.isfinite(shift)
+        spread = np.full(len(shift), np.inf)
+        spread[known] = np.sqrt(shift[known] + turn[known] * np.square(length[known]) / 3.0)
+        return np.where(spread <= limit, spread, np.inf)

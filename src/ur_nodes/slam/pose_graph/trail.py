@@ -1,0 +1,40 @@
+"""The robot's path: the place of every scan relative to a keyframe, so that it moves with the pose graph."""
+
+from __future__ import annotations
+
+from array import array
+from collections.abc import Sequence
+
+import numpy as np
+
+from ur_nodes.geometry.pose import Pose2
+
+
+class Trail:
+    """Scans by their number, each with a keyframe and the pose relative to it; 32 bytes a scan."""
+
+    def __init__(self) -> None:
+        self._numbers = array("i")  # of scan and keyframe
+        self._relative = array("d")
+
+    def add(self, scan: int, keyframe: int, relative: Pose2) -> None:
+        """Add the place of a scan; it replaces an earlier one of the same number."""
+        self._numbers.extend((scan, keyframe))
+        self._relative.extend(relative)
+
+    def extend(self, other: Trail, first: int) -> None:
+        """Add another trail, whose keyframes 0, 1, ... are numbered from `first` on here."""
+        numbers = np.array(other._numbers, np.int32).reshape(-1, 2)
+        numbers[:, 1] += first
+        self._numbers.frombytes(numbers.tobytes())
+        self._relative.extend(other._relative)
+
+    def path(self, keyframes: Sequence[Pose2]) -> dict[int, Pose2]:
+        """The poses of all scans by their number, ascending, as follow from the poses of the keyframes."""
+        numbers = np.array(self._numbers, np.int32).reshape(-1, 2).tolist()
+        relative = np.array(self._relative).reshape(-1, 3).tolist()
+        found = {
+            scan: keyframes[keyframe].compose(Pose2(*pose))
+            for (scan, keyframe), pose in zip(numbers, relative, strict=True)
+        }
+        return dict(sorted(found.items()))
