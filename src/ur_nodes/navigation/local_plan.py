@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ur_nodes.costmap.costmap import FREE, LETHAL, Costmap
 from ur_nodes.costmap.footprint import Footprint
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.navigation.path_geometry import Points, headings
+from ur_nodes.navigation.planning.path_geometry import Points, headings
 from ur_nodes.navigation.speed_profile import Limits, speed_profile
 
 Floats = NDArray[np.float64]

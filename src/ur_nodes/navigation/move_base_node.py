@@ -16,19 +16,20 @@ from std_msgs.msg import Bool
 from std_srvs.srv import Empty, EmptyRequest, EmptyResponse
 
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.navigation.attendance import Act
-from ur_nodes.navigation.global_plan import path_is_free
 from ur_nodes.navigation.goal_pose_node import goal_in_map, make_plan
-from ur_nodes.navigation.goal_watch_node import GoalWatch, read_watch_settings
+from ur_nodes.navigation.goals.attendance import Act
+from ur_nodes.navigation.goals.goal_watch_node import GoalWatch, read_watch_settings
 from ur_nodes.navigation.local_plan import FollowSettings
 from ur_nodes.navigation.move_base_parameters_node import read_settings
 from ur_nodes.navigation.move_base_view_node import MoveBaseView
 from ur_nodes.navigation.navigator import Navigator
 from ur_nodes.navigation.navigator_step import Ending, Inputs, Outputs, Phase, PlanAnswer
 from ur_nodes.navigation.plan_worker_node import PlanRequest, PlanWorker
+from ur_nodes.navigation.planning.global_plan import path_is_free
 from ur_nodes.navigation.recovery import Behaviour
 from ur_nodes.navigation.velocity_output_node import VelocityOutput
 from ur_nodes.navigation.world_view_node import WorldView
+from ur_nodes.rosio.freed_memory import return_large_arrays
 from ur_nodes.rosio.geometry import pose_message
 from ur_nodes.rosio.shell import run_node
 
@@ -44,7 +45,7 @@ class MoveBase:
         self._navigator = Navigator(
             self._settings.navigator, self._settings.limits, FollowSettings(), self._settings.footprint
         )
-        self._server = ActionServer("move_base", MoveBaseAction, self._take_goal, self._take_cancel, auto_start=False)
+        self._server = ActionServer("move_base", MoveBaseAction, self._on_goal, self._on_cancel, auto_start=False)
         # The server calls back with its lock held, and takes it when a goal ends: a second lock would be a deadlock.
         self._lock = self._server.lock
         self._handle: Any = None
@@ -57,12 +58,12 @@ class MoveBase:
         self._path_blocked = False
         self._tick = 0
         self._shown = 0
-        self._worker = PlanWorker(self._settings.planner, self._take_answer)
+        self._worker = PlanWorker(self._settings.planner, self._on_plan)
         self._watch = GoalWatch(self._settings.mux, watch)
         self._output = VelocityOutput(self._watch.link, stamped=self._settings.stamped)
         self._action_goal = rospy.Publisher("move_base/goal", MoveBaseActionGoal, queue_size=1)
-        rospy.Subscriber("move_base_simple/goal", PoseStamped, self._take_simple_goal, queue_size=1)
-        rospy.Subscriber(f"{self._settings.mux}/stopped", Bool, self._take_stopped, queue_size=1)
+        rospy.Subscriber("move_base_simple/goal", PoseStamped, self._on_simple_goal, queue_size=1)
+        rospy.Subscriber(f"{self._settings.mux}/stopped", Bool, self._on_stopped, queue_size=1)
         rospy.Service("~make_plan", GetPlan, self._make_plan)
         rospy.Service("~clear_costmaps", Empty, self._clear_costmaps)
         rospy.on_shutdown(self._shut_down)
@@ -123,7 +124,7 @@ class MoveBase:
                 path_blocked=self._path_blocked,
             )
         )
-        self._obey(out)
+        self._apply(out)
         if answer is not None and answer.path is not None:
             self._path_blocked = False
             self._view.show_plan(answer.path)
@@ -160,7 +161,7 @@ class MoveBase:
         self._watch.finish()
         return handle
 
-    def _obey(self, out: Outputs) -> None:
+    def _apply(self, out: Outputs) -> None:
         if out.log:
             rospy.logwarn("%s", out.log)
         if out.clear is not None:
@@ -193,12 +194,12 @@ class MoveBase:
         goal = (self._goal.x, self._goal.y)
         self._worker.ask(PlanRequest(self._key, (pose.x, pose.y), goal, *costs))
 
-    def _take_answer(self, key: int, answer: PlanAnswer) -> None:
+    def _on_plan(self, key: int, answer: PlanAnswer) -> None:
         with self._lock:
             if key == self._key:
                 self._answer = answer
 
-    def _take_goal(self, handle: Any) -> None:
+    def _on_goal(self, handle: Any) -> None:
         target = handle.get_goal().target_pose
         goal = goal_in_map(target, self._world.frames, self._settings.world.frame)
         with self._lock:
@@ -229,7 +230,7 @@ class MoveBase:
             self._navigator.start(goal, rospy.get_time())
             self._view.show_goal(goal)
 
-    def _take_cancel(self, handle: Any) -> None:
+    def _on_cancel(self, handle: Any) -> None:
         with self._lock:
             if self._handle is None or handle.get_goal_id().id != self._handle.get_goal_id().id:
                 return
@@ -237,7 +238,7 @@ class MoveBase:
             self._halt()
             handle.set_canceled(MoveBaseResult(), "cancelled")
 
-    def _take_stopped(self, message: Bool) -> None:
+    def _on_stopped(self, message: Bool) -> None:
         """React to an emergency stop: the goal ends, so that the robot does not drive off after the release."""
         with self._lock:
             self._stopped = bool(message.data)
@@ -254,7 +255,7 @@ class MoveBase:
         if moving:
             self._send(0.0, 0.0)
 
-    def _take_simple_goal(self, message: PoseStamped) -> None:
+    def _on_simple_goal(self, message: PoseStamped) -> None:
         goal = MoveBaseActionGoal()
         goal.header.stamp = rospy.Time.now()
         goal.goal.target_pose = message
@@ -326,6 +327,7 @@ class MoveBase:
 def main() -> int:
     """Run the node until ROS ends it."""
     nodes: list[MoveBase] = []
+    return_large_arrays()
     return run_node("move_base", lambda: nodes.append(MoveBase()))
 
 

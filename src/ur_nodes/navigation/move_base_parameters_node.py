@@ -8,8 +8,8 @@ from ur_nodes.costmap.costmap import Inflation
 from ur_nodes.costmap.footprint import Footprint
 from ur_nodes.costmap.footprint_parameters_node import read_footprint
 from ur_nodes.costmap.layers import Ranges
-from ur_nodes.navigation.global_plan import PlanSettings
 from ur_nodes.navigation.navigator_step import NavigatorSettings
+from ur_nodes.navigation.planning.global_plan import PlanSettings
 from ur_nodes.navigation.speed_profile import Limits
 from ur_nodes.rosio.parameters import Parameters
 

@@ -13,7 +13,7 @@ from ur_nodes.costmap.costmap import Box, Costmap, occupancy_of_costs
 from ur_nodes.costmap.footprint import Footprint
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.navigation.path_geometry import headings
+from ur_nodes.navigation.planning.path_geometry import headings
 from ur_nodes.rosio.geometry import pose_message
 from ur_nodes.rosio.grid_message import grid_message
 from ur_nodes.rosio.grid_update import GridUpdate, update_message

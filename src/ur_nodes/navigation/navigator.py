@@ -17,7 +17,7 @@ from ur_nodes.navigation.local_plan import (
     sweep_is_free,
 )
 from ur_nodes.navigation.navigator_step import Ending, Inputs, NavigatorSettings, Outputs, Phase, PlanAnswer
-from ur_nodes.navigation.path_geometry import Points, nearest_index
+from ur_nodes.navigation.planning.path_geometry import Points, nearest_index
 from ur_nodes.navigation.recovery import Behaviour, Recovery, move_to_recover
 from ur_nodes.navigation.speed_profile import Limits, approach, turn_rate
 

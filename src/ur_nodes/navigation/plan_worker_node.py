@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import rospy
 
 from ur_nodes.costmap.costmap import Costmap
-from ur_nodes.navigation.global_plan import NoPathError, PlanSettings, plan_path
 from ur_nodes.navigation.navigator_step import PlanAnswer
+from ur_nodes.navigation.planning.global_plan import NoPathError, PlanSettings, plan_path
 
 
 @dataclass(frozen=True, slots=True, eq=False)

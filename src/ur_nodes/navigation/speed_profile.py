@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ur_nodes.navigation.path_geometry import Points, curvatures
+from ur_nodes.navigation.planning.path_geometry import Points, curvatures
 
 
 @dataclass(frozen=True, slots=True)

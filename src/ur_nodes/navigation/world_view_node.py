@@ -224,6 +224,7 @@ class WorldView:
                 track_unknown=settings.track_unknown,
             )
         )
+        message.data = ()  # rospy keeps the last message, which is as large as the map
 
     def _take_scan(self, message: LaserScan) -> None:
         self._scan = message

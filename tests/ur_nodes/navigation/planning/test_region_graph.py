@@ -5,7 +5,7 @@ import pytest
 from scipy.ndimage import label
 from scipy.sparse.csgraph import connected_components
 
-from ur_nodes.navigation.region_graph import cell_graph, find_regions
+from ur_nodes.navigation.planning.region_graph import cell_graph, find_regions
 
 WEIGHTS = np.where(np.arange(256) < 253, 1.0 + 0.006 * np.arange(256), np.inf)
 

@@ -8,9 +8,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ur_nodes.costmap.costmap import INSCRIBED, LETHAL, UNKNOWN, Costmap
-from ur_nodes.navigation.path_geometry import Points, resample
-from ur_nodes.navigation.path_smooth import Bending, Weights, pull_straight, smooth
-from ur_nodes.navigation.way_search import find_way
+from ur_nodes.navigation.planning.grid_search import find_cell_path
+from ur_nodes.navigation.planning.path_geometry import Points, resample
+from ur_nodes.navigation.planning.path_smooth import Bending, Weights, pull_straight, smooth
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +49,7 @@ def plan_path(
     weights = traversal_weights(settings)
     start_cell = _start_cell(costmap, weights, start, settings)
     goal_cell, target = _goal_cell(costmap, weights, goal, settings)
-    cells = find_way(costmap.costs, weights, start_cell, goal_cell)
+    cells = find_cell_path(costmap.costs, weights, start_cell, goal_cell)
     if cells is None:
         raise NoPathError(
             f"no path: nothing wide enough for the robot leads from {_place(start)} to the goal {_place(goal)}"

@@ -3,8 +3,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ur_nodes.navigation import way_search
-from ur_nodes.navigation.way_search import find_way
+from ur_nodes.navigation.planning import grid_search
+from ur_nodes.navigation.planning.grid_search import find_cell_path
 
 WEIGHTS = np.where(np.arange(256) < 253, 1.0 + 0.006 * np.arange(256), np.inf)
 
@@ -25,44 +25,44 @@ def rooms(seed: int, side: int = 240) -> np.ndarray:
     return costs
 
 
-def cost_of(costs: np.ndarray, way: np.ndarray) -> float:
-    weights = WEIGHTS[costs[tuple(way.T)]]
-    return float((np.hypot(*np.diff(way, axis=0).T) * 0.5 * (weights[1:] + weights[:-1])).sum())
+def cost_of(costs: np.ndarray, path: np.ndarray) -> float:
+    weights = WEIGHTS[costs[tuple(path.T)]]
+    return float((np.hypot(*np.diff(path, axis=0).T) * 0.5 * (weights[1:] + weights[:-1])).sum())
 
 
 @pytest.mark.parametrize("seed", range(6))
-def test_find_way_in_a_large_map_finds_what_a_search_of_the_whole_finds(
+def test_find_cell_path_in_a_large_map_finds_what_a_search_of_the_whole_finds(
     seed: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     costs, rng = rooms(seed), np.random.default_rng(seed)
     free = np.argwhere(costs < 253)
     for _ in range(5):
         start, goal = (tuple(free[index].tolist()) for index in rng.integers(len(free), size=2))
-        exact = find_way(costs, WEIGHTS, start, goal)
+        exact = find_cell_path(costs, WEIGHTS, start, goal)
         with monkeypatch.context() as patch:
-            patch.setattr(way_search, "EXACT", 0)
-            way = find_way(costs, WEIGHTS, start, goal)
-        assert (way is None) == (exact is None)
-        if way is None or exact is None:
+            patch.setattr(grid_search, "EXACT", 0)
+            path = find_cell_path(costs, WEIGHTS, start, goal)
+        assert (path is None) == (exact is None)
+        if path is None or exact is None:
             continue
-        assert way[0].tolist() == list(start)
-        assert way[-1].tolist() == list(goal)
-        assert np.abs(np.diff(way, axis=0)).max(initial=0) <= 1
-        assert np.isfinite(WEIGHTS[costs[tuple(way.T)]]).all()
-        assert cost_of(costs, way) <= 1.03 * cost_of(costs, exact) + 1e-9
+        assert path[0].tolist() == list(start)
+        assert path[-1].tolist() == list(goal)
+        assert np.abs(np.diff(path, axis=0)).max(initial=0) <= 1
+        assert np.isfinite(WEIGHTS[costs[tuple(path.T)]]).all()
+        assert cost_of(costs, path) <= 1.03 * cost_of(costs, exact) + 1e-9
 
 
-def test_find_way_finds_a_way_that_begins_in_the_wrong_direction() -> None:
+def test_path_that_begins_in_the_wrong_direction() -> None:
     """The only door of a long wall is at its far end, far outside of the window that is searched first."""
     costs = np.zeros((1200, 900), np.uint8)
     costs[:1190, 450:453] = 254
-    way = find_way(costs, WEIGHTS, (5, 440), (5, 470))
-    assert way is not None
-    assert way[:, 0].max() >= 1190
+    path = find_cell_path(costs, WEIGHTS, (5, 440), (5, 470))
+    assert path is not None
+    assert path[:, 0].max() >= 1190
 
 
-def test_find_way_in_a_large_map_reports_a_closed_room() -> None:
+def test_find_cell_path_in_a_large_map_reports_a_closed_room() -> None:
     costs = np.zeros((900, 900), np.uint8)
     costs[400:500, 400] = costs[400:500, 499] = costs[400, 400:500] = costs[499, 400:500] = 254
-    assert find_way(costs, WEIGHTS, (450, 450), (100, 100)) is None
-    assert find_way(costs, WEIGHTS, (100, 100), (450, 450)) is None
+    assert find_cell_path(costs, WEIGHTS, (450, 450), (100, 100)) is None
+    assert find_cell_path(costs, WEIGHTS, (100, 100), (450, 450)) is None

@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 from enum import Enum
 
 from ur_nodes.motion.lease.text import FREE, Lease
-from ur_nodes.navigation.goal_claim import Challenges, Claim, age_of_answer, lag_of_answer
+from ur_nodes.navigation.goals.goal_claim import Challenges, Claim, age_of_answer, lag_of_answer
 
 LATEST = 1.0
 """Seconds: a goal that answers an older challenge arrived late."""

@@ -1,9 +1,9 @@
 """The cheapest chain of cells between two cells of a costmap of any size.
 
 A small map is searched whole. On a larger one a window round both ends is searched coarse to fine: the regions of
-blocks of 16 cells show where ways of about the least cost can be, those of 4 cells among them give one way, and the
-search over cells follows it with some room on both sides. The window grows while a way that leaves it could be cheaper,
-and until a way is found or the whole map was searched, so that a way is found where there is one.
+blocks of 16 cells show where paths of about the least cost can be, those of 4 cells among them give one path, and the
+search over cells follows it with some room on both sides. The window grows while a path that leaves it could be
+cheaper, and until a path is found or the whole map was searched, so that a path is found where there is one.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from scipy.sparse.csgraph import dijkstra
 from skimage.graph import MCP_Geometric
 
-from ur_nodes.navigation.region_graph import Regions, cell_graph, find_regions
+from ur_nodes.navigation.planning.region_graph import Regions, cell_graph, find_regions
 
 Cell = tuple[int, int]
 
@@ -25,12 +25,12 @@ EXACT = 300_000
 
 _COARSE, _FINE = 16, 4  # cells a side of a block
 _MARGIN = 100  # cells of a window beyond both ends, at least
-_SLACK, _MORE = 1.12, 40.0  # a coarse way may cost so much more than the best: factor, and cells
-_WIDEST = 40  # blocks a block of the best coarse way that the next search looks at
-_BESIDE = 4  # fine blocks on both sides of the way, in which cells are searched
+_SLACK, _MORE = 1.12, 40.0  # a coarse path may cost so much more than the best: factor, and cells
+_WIDEST = 40  # blocks per block of the best coarse path that the next search reads
+_BESIDE = 4  # fine blocks on both sides of the path, in which cells are searched
 
 
-def find_way(
+def find_cell_path(
     costs: NDArray[np.uint8], weights: NDArray[np.float64], start: Cell, goal: Cell
 ) -> NDArray[np.int64] | None:
     """The cells (n, 2) from `start` to `goal`, both free; None when nothing connects them.
@@ -45,10 +45,10 @@ def find_way(
         window = _window(costs.shape, start, goal, margin)
         # The costs may change while this goes on: everything is decided on one copy.
         part = _Part(np.array(costs[window.rows, window.columns]), weights, window)
-        way = _search_part(part, _moved(start, window), _moved(goal, window))
-        if not isinstance(way, float):
-            return None if way is None else way + np.array((window.rows.start, window.columns.start))
-        margin = max(2 * margin, math.ceil(0.6 * way)) if math.isfinite(way) else 2 * margin
+        path = _search_part(part, _moved(start, window), _moved(goal, window))
+        if not isinstance(path, float):
+            return None if path is None else path + np.array((window.rows.start, window.columns.start))
+        margin = max(2 * margin, math.ceil(0.6 * path)) if math.isfinite(path) else 2 * margin
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,7 +81,7 @@ def _moved(cell: Cell, window: _Window) -> Cell:
 
 
 def _least_outside(part: _Part, start: Cell, goal: Cell) -> float:
-    """The least length, in cells, of a way that leaves a window at a side where the map goes on."""
+    """The least length, in cells, of a path that leaves a window at a side where the map goes on."""
     height, width = part.costs.shape
     rows, columns = abs(start[0] - goal[0]), abs(start[1] - goal[1])
     lengths = (
@@ -103,7 +103,7 @@ def _search_whole(
 
 
 def _search_part(part: _Part, start: Cell, goal: Cell) -> NDArray[np.int64] | float | None:
-    """The way inside a window. None: there is none on the whole map. A number: look farther, it costs about so much."""
+    """The path in a window. None: there is none on the whole map. A number: search farther, it costs about so much."""
     costs, weights = part.costs, part.weights
     limit = _least_outside(part, start, goal)
     coarse = find_regions(costs, weights, _COARSE)
@@ -137,7 +137,7 @@ def _reaches_out(regions: Regions, window: _Window, totals: NDArray[np.float64])
 
 
 def _near_the_best(regions: Regions, totals: NDArray[np.float64], best: float) -> NDArray[np.bool_]:
-    """Select the blocks that a way of about the least cost may lead through; their number grows with its length."""
+    """Select the blocks that a path of about the least cost may cross; their number grows with its length."""
     most = _WIDEST * (10 + int(best / regions.size))
     chosen = np.flatnonzero(totals <= _SLACK * best + _MORE)
     if len(chosen) > most:

@@ -10,7 +10,7 @@ from scipy.linalg import cho_solve_banded, cholesky_banded
 from scipy.ndimage import gaussian_filter
 
 from ur_nodes.costmap.costmap import Costmap
-from ur_nodes.navigation.path_geometry import Points, arc_lengths, resample
+from ur_nodes.navigation.planning.path_geometry import Points, arc_lengths, resample
 
 Weights = NDArray[np.float64]
 """The cost of a metre (256) for each cost of a cell, inf where the robot must not go."""

@@ -31,7 +31,7 @@ class Claim:
 class Challenges:
     """The challenges (ns) of the last `REMEMBERED` seconds, each with the time (s) it arrived; oldest first."""
 
-    heard: tuple[tuple[int, float], ...] = ()
+    received: tuple[tuple[int, float], ...] = ()
     newest_at: float | None = None
 
     def silence(self, now: float) -> float | None:
@@ -41,7 +41,7 @@ class Challenges:
 
 def note_challenge(challenges: Challenges, value: int, now: float) -> Challenges:
     """A challenge has arrived."""
-    kept = tuple(item for item in challenges.heard if now - item[1] <= REMEMBERED)
+    kept = tuple(item for item in challenges.received if now - item[1] <= REMEMBERED)
     return Challenges((*kept, (value, now)), now)
 
 
@@ -52,24 +52,24 @@ def age_of_answer(challenges: Challenges, answer: int, now: float) -> float | No
     whenever it arrived. A challenge that the receiver has missed, or not received yet, counts from the arrival of the
     one before it.
     """
-    if not challenges.heard:
+    if not challenges.received:
         return None
-    newest, newest_at = challenges.heard[-1]
+    newest, newest_at = challenges.received[-1]
     behind = (newest - answer) / _NANO
-    for value, at in challenges.heard:
+    for value, at in challenges.received:
         if value == answer and now - at <= REMEMBERED:
             return max(now - at, behind)
     if -behind > now - newest_at + _AHEAD:  # another mux's: the clock of this one has not come that far
         return None
-    before = [at for value, at in challenges.heard if value < answer and now - at <= REMEMBERED]
+    before = [at for value, at in challenges.received if value < answer and now - at <= REMEMBERED]
     return max(now - before[-1], behind) if before else None
 
 
 def lag_of_answer(challenges: Challenges, answer: int, now: float) -> float | None:
     """A guess at the age (s) of an answer that is not remembered any more, for messages; None when there is none."""
-    if not challenges.heard:
+    if not challenges.received:
         return None
-    value, at = challenges.heard[-1]
+    value, at = challenges.received[-1]
     lag = (value - answer) / _NANO + now - at
     return lag if 0.0 < lag < 86400.0 else None
 

@@ -12,7 +12,7 @@ from std_msgs.msg import String
 from ur_nodes.motion.challenge.challenge_node import ChallengeLink
 from ur_nodes.motion.clock import read_steady_time
 from ur_nodes.motion.lease.text import Lease, read_lease
-from ur_nodes.navigation.attendance import (
+from ur_nodes.navigation.goals.attendance import (
     Act,
     Attendance,
     Settings,
@@ -22,7 +22,7 @@ from ur_nodes.navigation.attendance import (
     refuse_goal,
     step_attendance,
 )
-from ur_nodes.navigation.goal_claim import REMEMBERED, Challenges, age_of_answer, note_challenge, read_claim
+from ur_nodes.navigation.goals.goal_claim import REMEMBERED, Challenges, age_of_answer, note_challenge, read_claim
 from ur_nodes.rosio.parameters import Parameters
 
 _LATEST_CONTINUE = 1.0  # s: an older answer to "continue or cancel?" is ignored

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ur_nodes.navigation.goal_claim import (
+from ur_nodes.navigation.goals.goal_claim import (
     REMEMBERED,
     Challenges,
     Claim,
@@ -100,5 +100,5 @@ def test_no_more_than_the_last_seconds_are_remembered(gaps: list[float]) -> None
     for gap in gaps:
         now += gap
         challenges = note_challenge(challenges, round(now * SECOND), now)
-        assert all(now - at <= REMEMBERED for _, at in challenges.heard)
+        assert all(now - at <= REMEMBERED for _, at in challenges.received)
         assert challenges.silence(now) == 0.0

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ur_nodes.motion.lease.text import FREE, Lease
-from ur_nodes.navigation.attendance import (
+from ur_nodes.navigation.goals.attendance import (
     Act,
     Attendance,
     Settings,
@@ -18,7 +18,7 @@ from ur_nodes.navigation.attendance import (
     refuse_goal,
     step_attendance,
 )
-from ur_nodes.navigation.goal_claim import Challenges, Claim, note_challenge
+from ur_nodes.navigation.goals.goal_claim import Challenges, Claim, note_challenge
 
 SECOND = 1_000_000_000
 HELD = Lease("held", "aa", "laptop", since=50.0)

@@ -8,8 +8,8 @@ import pytest
 from ur_nodes.costmap.costmap import INSCRIBED, Costmap, Inflation, costs_of_grid, inflate
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.navigation.global_plan import NoPathError, PlanSettings, path_is_free, plan_path
-from ur_nodes.navigation.path_geometry import Points, arc_lengths, curvatures, resample
+from ur_nodes.navigation.planning.global_plan import NoPathError, PlanSettings, path_is_free, plan_path
+from ur_nodes.navigation.planning.path_geometry import Points, arc_lengths, curvatures, resample
 
 INFLATION = Inflation(0.2, 0.55, 25.0)
 
