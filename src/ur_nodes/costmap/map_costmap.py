@@ -21,11 +21,11 @@ from ur_nodes.costmap.costmap import (
 from ur_nodes.costmap.layers import Beams, Ranges, trace_beams
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.geometry.sparse_array import sparse_zeros
+from ur_nodes.geometry.sparse_array import sparse_twins, sparse_zeros
 
 
 class MapCostmap:
-    """Costs over a whole map, kept up to date where something changes: two bytes a cell.
+    """Costs over a whole map, kept up to date where something changes: a byte a cell, and another where it does.
 
     `known` (m): what the scan sees this near to an obstacle of the map is that obstacle, seen from a pose that is
     not quite right, and is not marked.
@@ -37,8 +37,8 @@ class MapCostmap:
         self._reach = reach
         self._inflation = inflation
         costs = costs_of_grid(grid, lethal=lethal, track_unknown=track_unknown)
-        self._plain = Costmap(inflate(costs, grid.resolution, inflation), grid.resolution, grid.origin)
-        self._costs = self._plain.costs.copy()
+        plain, self._costs = sparse_twins(inflate(costs, grid.resolution, inflation))
+        self._plain = Costmap(plain, grid.resolution, grid.origin)
         self._occupied: NDArray[np.bool_] = sparse_zeros(costs.shape, bool)
         self._marked: Box | None = None  # holds all of _occupied
         self._near = _disc(known / grid.resolution)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import mmap
+import os
 from typing import Any
 
 import numpy as np
@@ -23,3 +24,31 @@ def sparse_zeros(shape: tuple[int, ...], dtype: DTypeLike) -> NDArray[Any]:
     if hasattr(mmap, "MADV_NOHUGEPAGE"):
         memory.madvise(mmap.MADV_NOHUGEPAGE)
     return np.frombuffer(memory, kind).reshape(shape)
+
+
+def sparse_twins(array: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
+    """Two arrays with the values of a third: one that is read-only, and one that may be written to.
+
+    They share memory, by pages of 4 KB, where the second was not written to. Where the system has no such memory, both
+    are copies.
+    """
+    values = np.ascontiguousarray(array)
+    if not values.nbytes or not hasattr(os, "memfd_create"):
+        first, second = values.copy(), values.copy()
+    else:
+        file = os.memfd_create("array", os.MFD_CLOEXEC)
+        try:
+            os.truncate(file, values.nbytes)
+            with mmap.mmap(file, values.nbytes) as whole:  # a write() to the file may take only a part
+                whole[:] = values.data.cast("B")
+            first = _map_file(file, values, mmap.PROT_READ, mmap.MAP_SHARED)
+            second = _map_file(file, values, mmap.PROT_READ | mmap.PROT_WRITE, mmap.MAP_PRIVATE)
+        finally:
+            os.close(file)
+    first.flags.writeable = False
+    return first, second
+
+
+def _map_file(file: int, like: NDArray[Any], protection: int, flags: int) -> NDArray[Any]:
+    memory = mmap.mmap(file, like.nbytes, flags=flags, prot=protection)
+    return np.frombuffer(memory, like.dtype).reshape(like.shape)

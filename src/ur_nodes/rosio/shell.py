@@ -15,6 +15,7 @@ import rospy
 from ur.source.diagnostic import UserError
 from ur.source.render import render_human
 from ur_nodes.rosio.connections import bound_connections
+from ur_nodes.rosio.log_errors import report_log_errors, say_nothing
 
 
 def run_node(name: str, start: Callable[[], None], *, own_terminal: bool = False) -> int:
@@ -29,6 +30,7 @@ def run_node(name: str, start: Callable[[], None], *, own_terminal: bool = False
     bound_connections()
     try:
         rospy.init_node(name, disable_signals=False)
+        report_log_errors(say_nothing if own_terminal else None)
         if own_terminal:
             silence_terminal()
         with shut_down_aside():

@@ -3,8 +3,9 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+import pytest
 
-from ur_nodes.geometry.sparse_array import sparse_zeros
+from ur_nodes.geometry.sparse_array import sparse_twins, sparse_zeros
 
 
 def _resident() -> int:
@@ -22,3 +23,29 @@ def test_sparse_zeros_take_memory_only_where_they_are_written_to() -> None:
 
 def test_sparse_zeros_may_be_empty() -> None:
     assert sparse_zeros((0, 5), np.float32).shape == (0, 5)
+
+
+def test_sparse_twins_take_memory_once_where_they_are_the_same() -> None:
+    values = np.full((10_000, 4_000), 3, np.uint8)
+    before = _share()
+    first, second = sparse_twins(values)
+    assert (first == second).all()  # every page of both is used
+    second[100:200] = 7
+    assert _share() - before < 1.3 * values.nbytes
+    assert (second[150] == 7).all()
+    assert (first == 3).all()
+    with pytest.raises(ValueError, match="read-only"):
+        first[0, 0] = 1
+
+
+def test_sparse_twins_hold_any_values() -> None:
+    values = np.arange(35, dtype=np.float64).reshape(5, 7).T
+    first, second = sparse_twins(values)
+    assert (first == values).all()
+    assert (second == values).all()
+    assert sparse_twins(np.zeros((0, 3), np.int8))[1].shape == (0, 3)
+
+
+def _share() -> int:
+    lines = Path("/proc/self/smaps_rollup").read_text(encoding="ascii").splitlines()
+    return next(int(line.split()[1]) * 1024 for line in lines if line.startswith("Pss:"))
