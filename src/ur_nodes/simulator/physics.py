@@ -11,7 +11,7 @@ import numpy.typing as npt
 from ur.robot.base import Base
 from ur_nodes.geometry.pose import Pose2, quaternion_of_yaw, yaw_of_quaternion
 from ur_nodes.simulator.sensors.imu import Motion
-from ur_nodes.simulator.sensors.lidar import RayCaster
+from ur_nodes.simulator.sensors.lidar import LidarBeams
 from ur_nodes.simulator.sensors.sonar import SonarRing
 
 _STATE = mujoco.mjtState.mjSTATE_INTEGRATION
@@ -34,7 +34,7 @@ class Physics:
         self._owner = np.full(self._model.ngeom, -1)
         for n in range(robots):
             self._owner[self._model.geom(f"chassis_{n}").id] = n
-        self._lidars = [RayCaster(self._model, base.lidar, n) for n in range(robots)] if base.lidar else []
+        self._lidars = [LidarBeams(self._model, base.lidar, n) for n in range(robots)] if base.lidar else []
         self._sonars = [SonarRing(self._model, base.sonars, n) for n in range(robots)] if base.sonars else []
         self._spins = [
             [int(self._model.joint(f"{side}_{n}").dofadr[0]) for side in ("left", "right")] for n in range(robots)
@@ -89,7 +89,7 @@ class Physics:
         return Motion(qpos[q + 3 : q + 7].copy(), qvel[v : v + 3].copy(), qvel[v + 3 : v + 6].copy())
 
     def cast(self, robot: int, noise: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
-        """The ranges of a robot's lidar now; see RayCaster.cast."""
+        """The ranges of a robot's lidar now; see LidarBeams.cast."""
         return self._lidars[robot].cast(self._data, noise)
 
     def listen(self, robot: int, noise: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:

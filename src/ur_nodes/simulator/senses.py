@@ -10,7 +10,7 @@ from ur_nodes.simulator.physics import Physics
 from ur_nodes.simulator.sensors.battery import BatteryCharge
 from ur_nodes.simulator.sensors.bumpers import BumperRing
 from ur_nodes.simulator.sensors.imu import InertialUnit, Reading
-from ur_nodes.simulator.sensors.sonar import Floats
+from ur_nodes.simulator.sensors.rays import Floats
 
 BATTERY_RATE = 1.0  # Hz
 

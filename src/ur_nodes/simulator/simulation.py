@@ -147,7 +147,7 @@ class Simulation:
         return self._odometry[robot]
 
     def scan(self, robot: int) -> npt.NDArray[np.float64]:
-        """The ranges that a robot's lidar sees (m); see RayCaster.cast. For bases that have a lidar."""
+        """The ranges that a robot's lidar sees (m); see LidarBeams.cast. For bases that have a lidar."""
         return self._physics.cast(robot, self._noise[robot])
 
     def pose(self, robot: int) -> Pose2:

@@ -7,13 +7,11 @@ from typing import Any
 
 import mujoco
 import numpy as np
-import numpy.typing as npt
 
 from ur.robot.base import Sonars
-from ur_nodes.simulator.model import LIDAR_GROUPS
 from ur_nodes.simulator.scenery import rotation_axes
+from ur_nodes.simulator.sensors.rays import Floats, RayCaster, measured_ranges
 
-Floats = npt.NDArray[np.float64]
 ROW_RAYS = 17  # side by side: walls and obstacles are upright
 CONE_RAYS = 32  # over the whole cone: table tops
 
@@ -22,16 +20,13 @@ class SonarRing:
     """The sonars of one robot, in the order of the base's file. They detect what lidars detect, but not the floor."""
 
     def __init__(self, model: Any, sonars: Sonars, robot: int) -> None:
-        self._model = model
         self._sonars = sonars
         self._body = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, f"robot_{robot}")
         poses = [sonar.pose for sonar in sonars.at]
         self._places = np.array([pose[:3] for pose in poses], np.float64).reshape(-1, 3)
         fan = cone_rays(sonars.field_of_view)
         self._fans = [fan @ np.array(rotation_axes(pose[3:])) for pose in poses]
-        self._groups = np.array(LIDAR_GROUPS, np.uint8)
-        self._hit = np.zeros(len(fan), np.int32)
-        self._distance = np.zeros(len(fan))
+        self._rays = RayCaster(model, self._body, len(fan), sonars.range_max + 6.0 * sonars.noise)
 
     def listen(self, data: Any, noise: Floats) -> Floats:
         """Ranges (m), shape (sonars,), with `noise` (standard normal, same shape) scaled to the sonars'.
@@ -43,29 +38,12 @@ class SonarRing:
         places = data.xpos[self._body] + self._places @ turn
         directions = zip(places, self._fans, strict=True)
         nearest = np.array([self._nearest(data, place, fan @ turn) for place, fan in directions])
-        ranges = nearest + sonars.noise * noise
-        missed = ~np.isfinite(nearest) | (ranges > sonars.range_max)
-        ranges[ranges < sonars.range_min] = -np.inf
-        ranges[missed] = np.inf
-        return ranges
+        return measured_ranges(nearest, sonars.noise * noise, (sonars.range_min, sonars.range_max))
 
     def _nearest(self, data: Any, place: Floats, rays: Floats) -> float:
-        mujoco.mj_multiRay(
-            self._model,
-            data,
-            place,
-            rays.ravel(),
-            self._groups,
-            1,  # walls too
-            self._body,
-            self._hit,
-            self._distance,
-            None,
-            len(self._distance),
-            self._sonars.range_max + 6.0 * self._sonars.noise,
-        )
-        heard = self._distance[self._distance >= 0.0]
-        return float(heard.min()) if heard.size else math.inf
+        distances = self._rays.cast(data, place, rays)
+        hits = distances[distances >= 0.0]
+        return float(hits.min()) if hits.size else math.inf
 
 
 def cone_rays(field_of_view: float) -> Floats:
