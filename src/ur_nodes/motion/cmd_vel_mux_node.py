@@ -56,8 +56,8 @@ class MuxNode:
         rospy.set_param(_SEEN, stopped)
         waiting = [
             source.name
-            for source, heard in zip(self._settings.sources, state.heard, strict=True)
-            if heard.barred and not stopped
+            for source, received in zip(self._settings.sources, state.received, strict=True)
+            if received.barred and not stopped
         ]
         hint = f"; {', '.join(waiting)} may drive after a pause" if waiting else ""
         return TriggerResponse(success=True, message="stopped" if stopped else f"released{hint}")

@@ -93,7 +93,7 @@ class Command:
 
 
 @dataclass(frozen=True, slots=True)
-class LockSaid:
+class LockMessage:
     """A message of the lock with this index."""
 
     lock: int
@@ -110,11 +110,11 @@ class Release:
     """The emergency is over. Sources that ask for motion at this moment stay shut out until they pause."""
 
 
-Event = Command | LockSaid | Stop | Release
+Event = Command | LockMessage | Stop | Release
 
 
 @dataclass(frozen=True, slots=True)
-class Heard:
+class Received:
     """The newest command of a source, when it was given, and when the source last asked for motion."""
 
     velocity: Velocity = STILL
@@ -128,7 +128,7 @@ class MuxState:
     """All that is known. Times are those given to `step`; `next_at` is when to call it next, infinite when silent."""
 
     settings: MuxSettings
-    heard: tuple[Heard, ...]
+    received: tuple[Received, ...]
     locks: tuple[tuple[bool, float], ...]
     stopped: bool = False
     active: int | None = None
@@ -148,7 +148,7 @@ def start_mux(settings: MuxSettings, *, stopped: bool = False) -> MuxState:
     """Return the initial state: silent, no input yet."""
     return MuxState(
         settings,
-        tuple(Heard() for _ in settings.sources),
+        tuple(Received() for _ in settings.sources),
         tuple((False, -math.inf) for _ in settings.locks),
         stopped,
     )
@@ -182,31 +182,31 @@ def _forget(state: MuxState, now: float) -> MuxState:
 def _take(state: MuxState, event: Event | None, now: float) -> MuxState:
     if isinstance(event, Command):
         timeout = state.settings.sources[event.source].timeout
-        heard = list(state.heard)
+        received = list(state.received)
         at = now if event.at is None else min(now, event.at)
-        heard[event.source] = _hear(heard[event.source], event.velocity, timeout, at)
-        return replace(state, heard=tuple(heard))
-    if isinstance(event, LockSaid):
+        received[event.source] = _receive(received[event.source], event.velocity, timeout, at)
+        return replace(state, received=tuple(received))
+    if isinstance(event, LockMessage):
         locks = list(state.locks)
         locks[event.lock] = (event.locked, now)
         return replace(state, locks=tuple(locks))
     if isinstance(event, Stop):
         return replace(state, stopped=True)
     if isinstance(event, Release) and state.stopped:
-        pairs = zip(state.settings.sources, state.heard, strict=True)
-        barred = tuple(replace(heard, barred=now - heard.moved_at <= source.timeout) for source, heard in pairs)
-        return replace(state, stopped=False, heard=barred)
+        pairs = zip(state.settings.sources, state.received, strict=True)
+        barred = tuple(replace(each, barred=now - each.moved_at <= source.timeout) for source, each in pairs)
+        return replace(state, stopped=False, received=barred)
     return state
 
 
-def _hear(before: Heard, velocity: Velocity, timeout: float, at: float) -> Heard:
+def _receive(before: Received, velocity: Velocity, timeout: float, at: float) -> Received:
     if at < before.at:
         return before
     if velocity.still or not (math.isfinite(velocity.forward) and math.isfinite(velocity.turn)):
         velocity = STILL  # what is too slow to count as motion must not be sent on as motion either
     paused = velocity.still or at - before.at > timeout
     moved_at = before.moved_at if velocity.still else at
-    return Heard(velocity, at, moved_at, before.barred and not paused)
+    return Received(velocity, at, moved_at, before.barred and not paused)
 
 
 def _choose(state: MuxState, now: float) -> int | None:
@@ -215,8 +215,8 @@ def _choose(state: MuxState, now: float) -> int | None:
         return None
     floor = max((lock.priority for lock, message in _locks(state) if _is_locked(lock, message, now)), default=None)
     best: int | None = None
-    for index, (source, heard) in enumerate(zip(state.settings.sources, state.heard, strict=True)):
-        if heard.barred or (floor is not None and source.priority < floor) or not _drives(source, heard, now):
+    for index, (source, received) in enumerate(zip(state.settings.sources, state.received, strict=True)):
+        if received.barred or (floor is not None and source.priority < floor) or not _drives(source, received, now):
             continue
         if best is None or (source.priority, index == state.active) > (
             state.settings.sources[best].priority,
@@ -226,9 +226,9 @@ def _choose(state: MuxState, now: float) -> int | None:
     return best
 
 
-def _drives(source: Source, heard: Heard, now: float) -> bool:
-    since = heard.at if source.zeros_hold else heard.moved_at
-    return now - heard.at <= source.timeout and now - since <= source.timeout
+def _drives(source: Source, received: Received, now: float) -> bool:
+    since = received.at if source.zeros_hold else received.moved_at
+    return now - received.at <= source.timeout and now - since <= source.timeout
 
 
 def _locks(state: MuxState) -> zip[tuple[Lock, tuple[bool, float]]]:
@@ -241,17 +241,18 @@ def _is_locked(lock: Lock, message: tuple[bool, float], now: float) -> bool:
 
 def _send(state: MuxState, now: float) -> tuple[MuxState, Velocity]:
     settings = state.settings
-    heard = Heard() if state.active is None else state.heard[state.active]
-    left = settings.stop_time - settings.lag - (now - heard.at)  # s, until the robot has to be at rest
+    received = Received() if state.active is None else state.received[state.active]
+    wanted = received.velocity
+    left = settings.stop_time - settings.lag - (now - received.at)  # s, until the robot has to be at rest
     seconds = max(0.0, min(settings.period, now - state.output_at))
     output = Velocity(
-        _follow(state.output.forward, heard.velocity.forward, settings.forward, left - settings.brake_period, seconds),
-        _follow(state.output.turn, heard.velocity.turn, settings.turn, left - settings.brake_period, seconds),
+        _follow(state.output.forward, wanted.forward, settings.forward, left - settings.brake_period, seconds),
+        _follow(state.output.turn, wanted.turn, settings.turn, left - settings.brake_period, seconds),
     )
     rests = state.active is None and output == STILL
     zeros_left = (state.zeros_left if state.output == STILL else settings.zeros) - 1 if rests else settings.zeros
     state = replace(state, output=output, output_at=now, zeros_left=zeros_left)
-    return replace(state, next_at=_next_output(state, heard.velocity, left, now)), output
+    return replace(state, next_at=_next_output(state, wanted, left, now)), output
 
 
 def _follow(value: float, target: float, axis: Axis, left: float, seconds: float) -> float:

@@ -22,16 +22,16 @@ def make_clock() -> Clock:
     return Clock(read_steady_time, steady=True)
 
 
-class _Greeter(rospy.SubscribeListener):  # type: ignore[misc]  # rospy has no types
+class _SubscribeListener(rospy.SubscribeListener):  # type: ignore[misc]  # rospy has no types
     """Calls back for each new subscriber, with a publisher to it alone."""
 
-    def __init__(self, greet: Callable[[Callable[[Twist], None]], None]) -> None:
+    def __init__(self, on_subscribe: Callable[[Callable[[Twist], None]], None]) -> None:
         super().__init__()
-        self._greet = greet
+        self._on_subscribe = on_subscribe
 
     def peer_subscribe(self, _topic: str, _publish: Callable[[Twist], None], peer: Callable[[Twist], None]) -> None:
         """See rospy."""
-        self._greet(peer)
+        self._on_subscribe(peer)
 
 
 class MuxRunner:
@@ -46,8 +46,8 @@ class MuxRunner:
         self._on_change = on_change
         self._condition = threading.Condition()
         self._ended = False
-        greeter = _Greeter(self._greet)
-        self._publisher = rospy.Publisher(topic, Twist, queue_size=1, tcp_nodelay=True, subscriber_listener=greeter)
+        listener = _SubscribeListener(self._on_subscribe)
+        self._publisher = rospy.Publisher(topic, Twist, queue_size=1, tcp_nodelay=True, subscriber_listener=listener)
         self._thread = threading.Thread(target=self._run, name="mux", daemon=True)
         rospy.on_shutdown(self._end)
         on_change(state)
@@ -61,7 +61,7 @@ class MuxRunner:
                 self._condition.notify()
             return self._state
 
-    def _greet(self, publish: Callable[[Twist], None]) -> None:
+    def _on_subscribe(self, publish: Callable[[Twist], None]) -> None:
         """Send a stop to each new subscriber: some drivers keep the last command of a mux that died."""
         with self._condition:
             if self._state.output.still:

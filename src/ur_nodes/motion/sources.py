@@ -37,7 +37,7 @@ def read_sources(value: object, where: str) -> tuple[Source, ...]:
     )
     for item in items:
         item.finish()
-    _refuse_twins([source.name for source in sources], where)
+    _require_unique_names([source.name for source in sources], where)
     return sources
 
 
@@ -47,7 +47,7 @@ def read_locks(value: object, where: str) -> tuple[Lock, ...]:
     locks = tuple(Lock(i.text("name"), i.text("topic"), i.priority(), i.timeout(minimum=0.0)) for i in items)
     for item in items:
         item.finish()
-    _refuse_twins([lock.name for lock in locks], where)
+    _require_unique_names([lock.name for lock in locks], where)
     return locks
 
 
@@ -108,7 +108,7 @@ def _list(value: object, where: str) -> list[Any]:
     return value
 
 
-def _refuse_twins(names: list[str], where: str) -> None:
+def _require_unique_names(names: list[str], where: str) -> None:
     for name in names:
         if names.count(name) > 1 or name == IDLE:
             reason = (

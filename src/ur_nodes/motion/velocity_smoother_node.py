@@ -10,7 +10,7 @@ import sys
 import rospy
 from geometry_msgs.msg import Twist
 
-from ur_nodes.motion.admission.probation import Probation, hear_plain
+from ur_nodes.motion.admission.probation import Probation, step_probation
 from ur_nodes.motion.clock import read_steady_time
 from ur_nodes.motion.mux import Command, MuxSettings, Source, Velocity, start_mux
 from ur_nodes.motion.mux_runner_node import MuxRunner, make_clock
@@ -40,7 +40,7 @@ def start() -> None:
     def on_command(message: Twist) -> None:
         nonlocal rhythm
         velocity = Velocity(message.linear.x, message.angular.z)
-        rhythm = hear_plain(rhythm, read_steady_time(), motion=not velocity.still)
+        rhythm = step_probation(rhythm, read_steady_time(), motion=not velocity.still)
         if rhythm.accepted or velocity.still:
             runner.handle(Command(0, velocity))
 

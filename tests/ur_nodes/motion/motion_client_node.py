@@ -83,7 +83,7 @@ class Client:
         return value
 
     def hears(self, velocity: list[float], seconds: float) -> list[float]:
-        """Once such a velocity has been said."""
+        """Wait for such a velocity on `cmd_vel`."""
         self.wait(lambda: tuple(velocity) in self.commands, seconds)
         return velocity
 

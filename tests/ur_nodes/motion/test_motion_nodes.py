@@ -177,10 +177,10 @@ def test_emergency_stop_outlives_the_mux(robot: Robot) -> None:
     assert robot.ask("call", service="cmd_vel_mux/release").startswith("released")
 
 
-def test_mux_that_is_new_tells_the_base_to_stand(robot: Robot) -> None:
-    robot.ask("history")  # nobody drives, so what is said from now on is the greeting
+def test_new_mux_sends_a_stop_to_the_base(robot: Robot) -> None:
+    robot.ask("history")  # nobody drives, so what is published from now on is the new mux's stop
     kill_mux(robot)
-    robot.ask("hears", velocity=[0.0, 0.0], seconds=60)  # for drivers that go on with what they heard last
+    robot.ask("hears", velocity=[0.0, 0.0], seconds=60)  # for drivers that go on with the last command they received
     assert robot.ask("ready", seconds=60) == "idle"
 
 

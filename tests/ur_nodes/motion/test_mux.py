@@ -15,7 +15,7 @@ from ur_nodes.motion.mux import (
     Command,
     Event,
     Lock,
-    LockSaid,
+    LockMessage,
     MuxSettings,
     MuxState,
     Release,
@@ -46,7 +46,7 @@ class Run:
     now: float = 0.0
     sent: list[tuple[float, Velocity, str]] = field(default_factory=list)
 
-    def tell(self, event: Event | None) -> None:
+    def handle(self, event: Event | None) -> None:
         self.state, output = step(self.state, event, self.now)
         if output is not None:
             self.sent.append((self.now, output, self.state.active_name))
@@ -55,14 +55,14 @@ class Run:
         while self.state.next_at <= end:
             assert self.state.next_at > self.now, "it would never sleep"
             self.now = self.state.next_at
-            self.tell(None)
+            self.handle(None)
         self.now = end
 
     def drive(self, source: int, velocity: Velocity, seconds: float, rate: float = 20.0) -> None:
         begin = self.now
         for n in range(round(seconds * rate)):
             self.until(begin + n / rate)
-            self.tell(Command(source, velocity))
+            self.handle(Command(source, velocity))
         self.until(begin + seconds)
 
     @property
@@ -80,7 +80,7 @@ AHEAD = Velocity(0.5, 0.0)
 
 def test_mux_is_silent_until_somebody_wants_to_move(run: Run) -> None:
     run.until(1.0)
-    run.tell(Command(NAVIGATION, STILL))
+    run.handle(Command(NAVIGATION, STILL))
     run.until(2.0)
     assert run.sent == []
     assert run.state.next_at == math.inf
@@ -111,7 +111,7 @@ def test_mux_brakes_in_time_when_the_commander_is_lost_then_says_zero_three_time
 def test_mux_follows_zeros_of_the_active_source_with_the_harder_limit(run: Run) -> None:
     run.drive(KEYBOARD, AHEAD, 1.0)
     stop = run.now
-    run.tell(Command(KEYBOARD, STILL))
+    run.handle(Command(KEYBOARD, STILL))
     run.until(3.0)
     assert next(at for at, velocity, _ in run.sent if velocity == STILL) - stop <= 0.5 / 4.0 + 0.02
 
@@ -119,9 +119,9 @@ def test_mux_follows_zeros_of_the_active_source_with_the_harder_limit(run: Run) 
 def test_higher_priority_takes_over_at_once_and_gives_back_when_it_falls_silent(run: Run) -> None:
     for n in range(40):
         run.until(n * 0.05)
-        run.tell(Command(NAVIGATION, AHEAD))
+        run.handle(Command(NAVIGATION, AHEAD))
         if 10 <= n < 20:
-            run.tell(Command(JOYSTICK, Velocity(0.0, 0.5)))
+            run.handle(Command(JOYSTICK, Velocity(0.0, 0.5)))
     names = [name for _, _, name in run.sent]
     changes = [name for n, name in enumerate(names) if n == 0 or names[n - 1] != name]
     assert changes == ["navigation", "joystick", "navigation"]
@@ -133,8 +133,8 @@ def test_higher_priority_takes_over_at_once_and_gives_back_when_it_falls_silent(
 def test_source_that_sends_zeros_when_idle_does_not_hold_the_robot(run: Run) -> None:
     for n in range(40):
         run.until(n * 0.05)
-        run.tell(Command(KEYBOARD, STILL))
-        run.tell(Command(NAVIGATION, AHEAD))
+        run.handle(Command(KEYBOARD, STILL))
+        run.handle(Command(NAVIGATION, AHEAD))
     assert {name for _, _, name in run.sent} == {"navigation"}
     assert run.last == AHEAD
 
@@ -143,14 +143,14 @@ def test_source_whose_zeros_hold_makes_the_robot_stand(run: Run) -> None:
     run.drive(NAVIGATION, AHEAD, 1.0)
     for n in range(20):
         run.until(1.0 + n * 0.05)
-        run.tell(Command(NAVIGATION, AHEAD))
-        run.tell(Command(JOYSTICK, STILL))
+        run.handle(Command(NAVIGATION, AHEAD))
+        run.handle(Command(JOYSTICK, STILL))
     assert (run.sent[-1][1], run.sent[-1][2]) == (STILL, "joystick")
 
 
 def test_emergency_stop_brakes_at_once_and_shuts_everybody_out(run: Run) -> None:
     run.drive(KEYBOARD, AHEAD, 1.01)
-    run.tell(Stop())
+    run.handle(Stop())
     assert run.sent[-1][0] == pytest.approx(1.01)  # not at the next period
     assert run.last.forward < 0.5
     run.drive(JOYSTICK, AHEAD, 1.0)
@@ -160,17 +160,17 @@ def test_emergency_stop_brakes_at_once_and_shuts_everybody_out(run: Run) -> None
 
 
 def test_release_does_not_set_the_robot_in_motion_until_the_source_has_paused(run: Run) -> None:
-    run.tell(Stop())
+    run.handle(Stop())
     run.drive(NAVIGATION, AHEAD, 0.5)
-    run.tell(Release())
+    run.handle(Release())
     run.drive(NAVIGATION, AHEAD, 1.0)
     assert all(velocity == STILL for _, velocity, _ in run.sent)
-    run.tell(Command(NAVIGATION, STILL))  # a pause that is said
+    run.handle(Command(NAVIGATION, STILL))  # an explicit pause
     run.drive(NAVIGATION, AHEAD, 1.0)
     assert run.last == AHEAD
-    run.tell(Stop())
+    run.handle(Stop())
     run.drive(KEYBOARD, AHEAD, 0.5)
-    run.tell(Release())
+    run.handle(Release())
     run.until(run.now + 0.5)  # a pause by silence
     run.drive(KEYBOARD, AHEAD, 1.0)
     assert run.last == AHEAD
@@ -183,12 +183,12 @@ def test_emergency_stop_survives_a_start(run: Run) -> None:
 
 
 def test_lock_shuts_out_lower_priorities_only(run: Run) -> None:
-    run.tell(LockSaid(0, True))
+    run.handle(LockMessage(0, True))
     run.drive(NAVIGATION, AHEAD, 0.5)
     assert run.sent == []
     run.drive(KEYBOARD, AHEAD, 0.5)
     assert run.sent[-1][2] == "keyboard"
-    run.tell(LockSaid(0, False))
+    run.handle(LockMessage(0, False))
     run.until(2.0)
     run.drive(NAVIGATION, AHEAD, 0.5)
     assert run.sent[-1][2] == "navigation"
@@ -198,7 +198,7 @@ def test_lock_that_has_to_be_repeated_locks_when_it_is_silent() -> None:
     run = Run(start_mux(replace(SETTINGS, locks=(Lock("watchdog", "w", 255, 0.5),))))
     run.drive(KEYBOARD, AHEAD, 0.5)
     assert run.sent == []
-    run.tell(LockSaid(0, False))
+    run.handle(LockMessage(0, False))
     run.drive(KEYBOARD, AHEAD, 0.4)
     assert run.last.forward > 0.3
     run.drive(KEYBOARD, AHEAD, 1.0)
@@ -215,7 +215,7 @@ def test_command_that_is_not_finite_means_stand_still(run: Run, bad: Velocity) -
 def test_time_that_goes_back_makes_all_commands_old(run: Run) -> None:
     run.drive(KEYBOARD, AHEAD, 1.0)
     run.now = 0.2
-    run.tell(None)
+    run.handle(None)
     before = len(run.sent)
     run.until(1.0)
     forward = [velocity.forward for _, velocity, _ in run.sent[before - 1 :]]
@@ -229,7 +229,7 @@ events = st.one_of(
     st.none(),
     st.builds(Command, st.integers(0, 2), velocities),
     st.builds(Command, st.integers(0, 2), velocities),
-    st.builds(LockSaid, st.just(0), st.booleans()),
+    st.builds(LockMessage, st.just(0), st.booleans()),
     st.sampled_from([Stop(), Release(), Release()]),
 )
 histories = st.lists(st.tuples(st.floats(0.0, 0.12) | st.just(0.05), events), max_size=60)
@@ -257,7 +257,7 @@ def test_output_obeys_the_limits_and_never_outlives_its_commands(history: list[t
         check()
         if isinstance(event, Command) and not event.velocity.still:
             newest = run.now
-        run.tell(event)
+        run.handle(event)
         check()
     run.until(run.now + 0.6)
     check()
@@ -274,6 +274,6 @@ def check_change(before: Velocity, after: Velocity, seconds: float) -> None:
 
 def test_command_that_is_delayed_between_admission_and_mux_does_not_move_the_base() -> None:
     run = Run(start_mux(SETTINGS), now=1.0)
-    run.tell(Command(KEYBOARD, AHEAD, at=0.6))
+    run.handle(Command(KEYBOARD, AHEAD, at=0.6))
     run.until(3.0)
     assert all(velocity.still for _, velocity, _ in run.sent)

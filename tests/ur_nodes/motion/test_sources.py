@@ -49,7 +49,7 @@ def test_bad_sources_are_refused_by_name(value: Any, message: str) -> None:
 def test_sources_of_the_library_can_be_read() -> None:
     given = yaml.safe_load((PACKAGE / "n_cmd_vel_mux" / "params" / "sources.yaml").read_text())
     sources = sorted(read_sources(given["topics"], "topics"), key=lambda source: -source.priority)
-    assert [source.name for source in sources] == ["joystick", "keyboard", "navigation"]
+    assert [source.name for source in sources] == ["joystick", "keyboard", "web", "navigation"]
     assert read_locks(given["locks"], "locks")
 
 

@@ -13,9 +13,9 @@ import math
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
-from ur_nodes.motion.admission.probation import Probation, hear_plain, too_slow
+from ur_nodes.motion.admission.probation import Probation, step_probation, too_slow
 from ur_nodes.motion.challenge.freshness import FRESHNESS, REQUEST_FRESHNESS, Challenges, Stamp, age_of, issue
-from ur_nodes.motion.lease.record import Drove, LeaseRecord, may_drive, step_lease
+from ur_nodes.motion.lease.record import ClientCommand, LeaseRecord, may_drive, step_lease
 from ur_nodes.motion.lease.text import Request, is_client
 
 _MOST_PUBLISHERS = 32
@@ -45,7 +45,7 @@ def admit_stamped(
     age = age_of(admission.challenges, answer, now, admission.freshness)
     if age is None:
         return admission, "late"
-    lease = step_lease(admission.lease, Drove(client, motion), now, unix)
+    lease = step_lease(admission.lease, ClientCommand(client, motion), now, unix)
     admission = replace(admission, lease=lease)
     if not may_drive(lease, client):
         return admission, "not the driver"
@@ -57,7 +57,7 @@ def admit_plain(
 ) -> tuple[Admission, float | Refusal]:
     """The age (s) of a plain command, which is 0, or why it is refused."""
     key = (source, publisher)
-    state = hear_plain(admission.plain.get(key, Probation(admission.timeouts[source])), now, motion=motion)
+    state = step_probation(admission.plain.get(key, Probation(admission.timeouts[source])), now, motion=motion)
     plain = {each: before for each, before in admission.plain.items() if each != key}
     plain[key] = state
     while len(plain) > _MOST_PUBLISHERS:

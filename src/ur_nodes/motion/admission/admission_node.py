@@ -22,14 +22,14 @@ from ur_nodes.motion.admission.admission import (
     admit_stamped,
     challenge,
 )
-from ur_nodes.motion.admission.probation import LockRelease, hear_lock, rate_needed
+from ur_nodes.motion.admission.probation import LockRelease, rate_needed, step_lock_release
 from ur_nodes.motion.admission.reports import Reports
 from ur_nodes.motion.challenge.freshness import Challenges
 from ur_nodes.motion.clock import read_steady_time
 from ur_nodes.motion.lease.record import LeaseRecord, start_lease
 from ur_nodes.motion.lease.store import make_store
 from ur_nodes.motion.lease.text import FREE, Lease, read_lease, read_request, write_lease
-from ur_nodes.motion.mux import Command, Event, LockSaid, MuxSettings, Velocity
+from ur_nodes.motion.mux import Command, Event, LockMessage, MuxSettings, Velocity
 from ur_nodes.rosio.ending import quiet_at_end
 
 LEASE_PARAMETER = "/ur/lease"
@@ -149,11 +149,11 @@ class AdmissionRunner:
 
     @quiet_at_end
     def _on_lock(self, message: Bool, index: int) -> None:
-        """Obey `true` always, and `false` when it cannot have been held back for long: see `hear_lock`."""
+        """Obey `true` always, and `false` when it cannot have been held back for long: see `step_lock_release`."""
         key = (index, _caller(message))
         with self._lock:
             known = self._locks.get(key)
-            state, obeyed = hear_lock(
+            state, obeyed = step_lock_release(
                 known or LockRelease(self._settings.locks[index].timeout),
                 read_steady_time(),
                 locked=bool(message.data),
@@ -162,7 +162,7 @@ class AdmissionRunner:
             others = [pair for pair in self._locks.items() if pair[0] != key]
             self._locks = dict([*others[-_MOST_PUBLISHERS:], (key, state)])
             if obeyed:
-                self._handle(LockSaid(index, bool(message.data)))
+                self._handle(LockMessage(index, bool(message.data)))
                 return
         lock = self._settings.locks[index]
         rospy.logwarn_throttle(

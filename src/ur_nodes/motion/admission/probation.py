@@ -47,7 +47,7 @@ class Probation:
         return self.count >= PROOF
 
 
-def hear_plain(state: Probation, now: float, *, motion: bool) -> Probation:
+def step_probation(state: Probation, now: float, *, motion: bool) -> Probation:
     """The state after a command at `now` that asks for motion or for none. Obey the command if it is `accepted`."""
     gap = now - state.at
     if gap < 0.0 or gap > state.timeout:
@@ -87,7 +87,7 @@ class LockRelease:
     rhythm: Probation = Probation(1.0)
 
 
-def hear_lock(state: LockRelease, now: float, *, locked: bool, new: bool) -> tuple[LockRelease, bool]:
+def step_lock_release(state: LockRelease, now: float, *, locked: bool, new: bool) -> tuple[LockRelease, bool]:
     """The state after a message of a lock at `now`, and whether to obey it. `new`: the first of its publisher.
 
     `true` is obeyed whatever its age. `false` is obeyed when it is the first message of a publisher that has just begun
@@ -97,7 +97,7 @@ def hear_lock(state: LockRelease, now: float, *, locked: bool, new: bool) -> tup
     if locked:
         return LockRelease(state.timeout), True
     limit = min(1.0, state.timeout) if state.timeout > 0.0 else 1.0
-    rhythm = hear_plain(replace(state.rhythm, timeout=limit), now, motion=True)
+    rhythm = step_probation(replace(state.rhythm, timeout=limit), now, motion=True)
     if new:
         rhythm = replace(rhythm, count=PROOF)
     return LockRelease(state.timeout, rhythm), rhythm.accepted

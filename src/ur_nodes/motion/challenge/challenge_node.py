@@ -36,7 +36,7 @@ class ChallengeLink:
             return time.monotonic() - self._received_at
 
     @property
-    def heard(self) -> bool:
+    def received(self) -> bool:
         """Return whether a challenge has ever been received."""
         return self.link_age() < float("inf")
 
@@ -95,7 +95,7 @@ class AdaptivePublisher:
     @property
     def plain(self) -> bool:
         """Return whether commands are published as plain ones now."""
-        return not self._link.heard and not self._fresh.listeners() and self._plain.get_num_connections() > 0
+        return not self._link.received and not self._fresh.listeners() and self._plain.get_num_connections() > 0
 
     def publish(self, twist: Twist) -> None:
         """Publish a command, if it can be stamped or is to be plain."""

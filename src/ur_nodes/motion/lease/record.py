@@ -30,7 +30,7 @@ _MOST_KNOWN = 64  # clients whose names are remembered
 
 
 @dataclass(frozen=True, slots=True)
-class Drove:
+class ClientCommand:
     """A fresh velocity command of a client has arrived; `motion` says whether it asks for any."""
 
     client: str
@@ -39,20 +39,21 @@ class Drove:
 
 @dataclass(frozen=True, slots=True)
 class LeaseRecord:
-    """The state of the lease. `heard`: the time of the last message of the holder; `asked`: of each client that asks.
+    """The state of the lease, and when clients were last heard from.
 
+    `received_at`: the time of the last message of the holder; `asked`: those of the clients that ask;
     `forget_at`: when a holder that has been lost since the record began is forgotten.
     """
 
     lease: Lease = FREE
     timeout: float = 3.0
-    heard: float = -math.inf
+    received_at: float = -math.inf
     asked: tuple[float, ...] = ()  # as lease.asking
     known: dict[str, Request] = field(default_factory=dict)  # the last request of each client, newest last
     forget_at: float = math.inf
 
 
-LeaseEvent = Request | Drove
+LeaseEvent = Request | ClientCommand
 
 
 def start_lease(
@@ -74,7 +75,7 @@ def step_lease(record: LeaseRecord, event: LeaseEvent | None, now: float, unix: 
     `now` is in seconds of a steady clock, `unix` in seconds since 1970. Requests must have been checked for freshness.
     """
     record = _expire(record, now, unix)
-    if isinstance(event, Drove):
+    if isinstance(event, ClientCommand):
         return _drive(record, event, now, unix)
     return record if event is None else _request(_remember(record, event), event, now, unix)
 
@@ -87,30 +88,32 @@ def may_drive(record: LeaseRecord, client: str) -> bool:
 def _request(record: LeaseRecord, request: Request, now: float, unix: float) -> LeaseRecord:
     lease, own = record.lease, record.lease.client == request.client
     if own and request.action in ("renew", "acquire", "ask", "take"):
-        return _hear(record, request, now)
+        return _renew(record, request, now)
     if request.action == "take" or (request.action in ("acquire", "ask") and _is_available(lease, request)):
-        return _give(record, request, now, unix, taken=True)
+        return _grant(record, request, now, unix, taken=True)
     if request.action == "release":
         return _release(record, now, unix) if own else _withdraw(record, request.client)
     if request.action == "grant" and own and lease.asking:
-        return _give_to_first(record, now, unix)
+        return _grant_to_first(record, now, unix)
     if request.action in ("ask", "renew"):
         return _ask(record, request, now)
     return record
 
 
-def _drive(record: LeaseRecord, event: Drove, now: float, unix: float) -> LeaseRecord:
+def _drive(record: LeaseRecord, event: ClientCommand, now: float, unix: float) -> LeaseRecord:
     if not event.client:
         return record
     if record.lease.client == event.client:
-        return replace(record, lease=replace(record.lease, state="held", until=None), heard=now, forget_at=math.inf)
+        return replace(
+            record, lease=replace(record.lease, state="held", until=None), received_at=now, forget_at=math.inf
+        )
     if record.lease.state == "free" and event.motion:
         known = record.known.get(event.client) or Request(event.client, event.client[:8], "", "acquire")
-        return _give(record, known, now, unix, taken=False)
+        return _grant(record, known, now, unix, taken=False)
     return record
 
 
-def _hear(record: LeaseRecord, request: Request, now: float) -> LeaseRecord:
+def _renew(record: LeaseRecord, request: Request, now: float) -> LeaseRecord:
     lease = replace(
         record.lease,
         state="held",
@@ -120,10 +123,10 @@ def _hear(record: LeaseRecord, request: Request, now: float) -> LeaseRecord:
         computer=request.computer,
         until=None,
     )
-    return replace(record, lease=lease, heard=now, forget_at=math.inf)
+    return replace(record, lease=lease, received_at=now, forget_at=math.inf)
 
 
-def _give(record: LeaseRecord, request: Request, now: float, unix: float, *, taken: bool) -> LeaseRecord:
+def _grant(record: LeaseRecord, request: Request, now: float, unix: float, *, taken: bool) -> LeaseRecord:
     before = record.lease
     record = _withdraw(record, request.client)
     lease = Lease(
@@ -138,7 +141,7 @@ def _give(record: LeaseRecord, request: Request, now: float, unix: float, *, tak
         unix if taken and before.client else None,
         request.computer,
     )
-    return replace(record, lease=lease, heard=now, forget_at=math.inf)
+    return replace(record, lease=lease, received_at=now, forget_at=math.inf)
 
 
 def _is_available(lease: Lease, request: Request) -> bool:
@@ -150,17 +153,17 @@ def _is_available(lease: Lease, request: Request) -> bool:
     return lease.name == request.name
 
 
-def _give_to_first(record: LeaseRecord, now: float, unix: float) -> LeaseRecord:
+def _grant_to_first(record: LeaseRecord, now: float, unix: float) -> LeaseRecord:
     """Give the lease to the first who asks for it."""
     first = record.lease.asking[0]
     heir = record.known.get(first.client) or Request(first.client, first.name, "", "ask")
-    return _give(record, heir, now, unix, taken=False)
+    return _grant(record, heir, now, unix, taken=False)
 
 
 def _release(record: LeaseRecord, now: float, unix: float) -> LeaseRecord:
     if record.lease.asking:
-        return _give_to_first(record, now, unix)
-    return replace(record, lease=FREE, heard=-math.inf, forget_at=math.inf)
+        return _grant_to_first(record, now, unix)
+    return replace(record, lease=FREE, received_at=-math.inf, forget_at=math.inf)
 
 
 def _ask(record: LeaseRecord, request: Request, now: float) -> LeaseRecord:
@@ -186,8 +189,8 @@ def _expire(record: LeaseRecord, now: float, unix: float) -> LeaseRecord:
     ]
     if len(pairs) != len(record.asked):
         record = _with_asking(record, pairs)
-    if record.lease.state == "held" and not 0.0 <= now - record.heard <= record.timeout:
-        until = max(0.0, unix - max(0.0, now - record.heard))
+    if record.lease.state == "held" and not 0.0 <= now - record.received_at <= record.timeout:
+        until = max(0.0, unix - max(0.0, now - record.received_at))
         return replace(record, lease=replace(record.lease, state="lost", until=until))
     if record.lease.state == "lost" and now >= record.forget_at:
         return _release(record, now, unix)

@@ -12,9 +12,9 @@ from ur_nodes.motion.admission.probation import (
     TOO_CLOSE,
     LockRelease,
     Probation,
-    hear_lock,
-    hear_plain,
     rate_needed,
+    step_lock_release,
+    step_probation,
     too_slow,
 )
 
@@ -24,7 +24,7 @@ TIMEOUT = 0.15
 def hear(times: list[float], state: Probation | None = None, *, motion: bool = True) -> tuple[Probation, list[bool]]:
     state, accepted = state or Probation(TIMEOUT), []
     for at in times:
-        state = hear_plain(state, at, motion=motion)
+        state = step_probation(state, at, motion=motion)
         accepted.append(state.accepted)
     return state, accepted
 
@@ -103,24 +103,24 @@ def test_no_rhythm_of_gaps_and_bursts_drives(gaps: list[float]) -> None:
     now, state = 0.0, Probation(TIMEOUT)
     for gap in gaps:
         now += gap
-        state = hear_plain(state, now, motion=True)
+        state = step_probation(state, now, motion=True)
         assert not state.accepted
 
 
 def test_lock_is_obeyed_at_once_and_its_end_only_from_a_new_publisher_or_repeated() -> None:
-    state, obeyed = hear_lock(LockRelease(0.0), 0.0, locked=True, new=True)
+    state, obeyed = step_lock_release(LockRelease(0.0), 0.0, locked=True, new=True)
     assert obeyed
-    state, obeyed = hear_lock(state, 20.0, locked=False, new=False)
+    state, obeyed = step_lock_release(state, 20.0, locked=False, new=False)
     assert not obeyed
-    _, obeyed = hear_lock(state, 20.5, locked=False, new=True)
+    _, obeyed = step_lock_release(state, 20.5, locked=False, new=True)
     assert obeyed
     for n in range(PROOF):
-        state, obeyed = hear_lock(state, 30.0 + n * 0.5, locked=False, new=False)
+        state, obeyed = step_lock_release(state, 30.0 + n * 0.5, locked=False, new=False)
     assert obeyed
 
 
 def test_burst_of_ends_of_a_lock_is_not_obeyed() -> None:
-    state, _ = hear_lock(LockRelease(0.5), 0.0, locked=False, new=True)
+    state, _ = step_lock_release(LockRelease(0.5), 0.0, locked=False, new=True)
     for n in range(100):
-        state, obeyed = hear_lock(state, 20.0 + n * 0.001, locked=False, new=False)
+        state, obeyed = step_lock_release(state, 20.0 + n * 0.001, locked=False, new=False)
         assert not obeyed

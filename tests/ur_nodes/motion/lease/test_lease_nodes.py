@@ -241,5 +241,6 @@ def test_sources_of_the_library_are_read() -> None:
     assert [each["topic"] for each in yaml.safe_load(SOURCES.read_text())["topics"]] == [
         "joy_vel",
         "key_vel",
+        "web_vel",
         "nav_vel",
     ]
