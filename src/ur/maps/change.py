@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import re
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -19,6 +21,8 @@ from ur.worlds.map_file import MapImage, read_map
 Point = tuple[float, float]
 
 _FARTHEST = 10_000.0  # m
+PLACE = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,63}")
+"""Names of places."""
 
 
 def make_edit(kind: EditKind, points: list[Point]) -> Edit:
@@ -76,18 +80,32 @@ def move_map(store: MapStore, name: str, motion: Origin, waypoints: Path) -> Non
         moved = move_record(record, motion)
         if record.graph:
             graph = move_graph(read_graph(store.path(name) / record.graph), motion)
-            moved = replace(moved, graph=_next_name(record.graph, record.scans))
+            moved = replace(moved, graph=next_graph_name(record.graph, record.scans))
             replace_file(store.path(name) / moved.graph, encode_graph(graph))
         store.write_record(name, moved)
         _write(store, name, image, origin)
         if places:
-            turned = {
-                each: (*move_point((x, y), motion), math.remainder(degrees + math.degrees(motion[2]), 360.0))
-                for each, (x, y, degrees) in places.items()
-            }
-            write_places(waypoints, name, turned)
+            write_places(waypoints, name, move_places(places, motion))
         if record.graph:
             (store.path(name) / record.graph).unlink(missing_ok=True)
+
+
+def name_place(store: MapStore, name: str, waypoints: Path, place: str, pose: Origin) -> None:
+    """Name a place of a map: x, y in m, and degrees. Raises UserError, or OSError."""
+    if not PLACE.fullmatch(place):
+        raise _bad(f"{place!r} is not a name of a place, expected a letter, then letters, digits, '-' and '_'")
+    if not all(math.isfinite(value) and abs(value) <= _FARTHEST for value in pose):
+        raise _bad(f"the place is farther away than {_FARTHEST:g} m, expected metres in the frame of the map")
+    with store.claim(store.resolve(name)):
+        write_places(waypoints, name, {**read_places(waypoints), place: pose})
+
+
+def move_places(places: Mapping[str, Origin], motion: Origin) -> dict[str, Origin]:
+    """Places (m, m, degrees) on a map that is moved by motion (m, m, rad)."""
+    return {
+        each: (*move_point((x, y), motion), math.remainder(degrees + math.degrees(motion[2]), 360.0))
+        for each, (x, y, degrees) in places.items()
+    }
 
 
 def read_places(path: Path) -> dict[str, Origin]:
@@ -113,7 +131,8 @@ def _write(store: MapStore, name: str, image: MapImage, origin: Origin) -> None:
     write_picture(store.path(name) / "map", image.values, image.resolution, origin)
 
 
-def _next_name(graph: str, scans: tuple[str, ...]) -> str:
+def next_graph_name(graph: str, scans: tuple[str, ...]) -> str:
+    """Name a file for a new pose graph of a map that has these files."""
     return f"graph_{max(int(each.split('_')[1].split('.')[0]) for each in (graph, *scans)) + 1}.npz"
 
 

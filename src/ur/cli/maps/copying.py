@@ -5,7 +5,7 @@ from __future__ import annotations
 import base64
 import binascii
 
-from ur.maps.exchange import pack_map, unpack_map
+from ur.maps.exchange import MOST_PACKED, pack_map, unpack_map
 from ur.maps.names import check_map_name, is_map_name
 from ur.maps.store import MapStore
 from ur.request.remote.connection import connect_robot, robot_address
@@ -14,7 +14,7 @@ from ur.source.diagnostic import UserError, error
 from ur.source.suggest import did_you_mean
 
 _FOLDER = '"${XDG_DATA_HOME:-$HOME/.local/share}/ubiquity_launches/maps"'
-_MISSING, _IN_USE, _EXISTS = 7, 8, 9
+_MISSING, _IN_USE, _EXISTS, _TOO_LARGE = 7, 8, 9, 10
 _SECONDS = 300.0
 _LIST = f'cd {_FOLDER} 2>/dev/null || exit 0; for f in */map.yaml; do [ -f "$f" ] && echo "${{f%/map.yaml}}"; done; :'
 
@@ -32,8 +32,9 @@ def fetch_map(store: MapStore, name: str, robot: str, new_name: str) -> str:
     with store.arriving(new_name) as folder, connect_robot(address) as shell:
         script = (
             f"cd {_FOLDER}/{quote(name)} 2>/dev/null && [ -f map.yaml ] || exit {_MISSING}; "
-            f"touch .lock; flock -n -E {_IN_USE} .lock tar -czf ../.sent-$$ --exclude=.lock .; code=$?; "
-            "[ $code -eq 0 ] && base64 ../.sent-$$; rm -f ../.sent-$$; exit $code"
+            "sent=$(mktemp) && trap 'rm -f \"$sent\"' EXIT || exit 1; trap 'exit 1' HUP INT TERM; "
+            f'flock -n -E {_IN_USE} .lock tar -czf "$sent" --exclude=.lock . || exit; '
+            f'[ "$(stat -c %s "$sent")" -le {MOST_PACKED} ] || exit {_TOO_LARGE}; base64 "$sent"'
         )
         done = shell.run(script, timeout=_SECONDS)
         if done.code:
@@ -55,8 +56,13 @@ def send_map(store: MapStore, name: str, robot: str, new_name: str) -> str:
         text = base64.b64encode(pack_map(store.path(name))).decode()
     script = (
         f"mkdir -p {_FOLDER} && cd {_FOLDER} || exit 1; [ ! -e {target}/map.yaml ] || exit {_EXISTS}; "
-        'new=".new-$$"; trap \'rm -rf "$new"\' EXIT; mkdir "$new" && base64 -d | tar -xzf - -C "$new" && sync && '
-        f'rm -rf {target} && mv "$new" {target}'
+        'find . -maxdepth 1 -name ".new-*" -mmin +15 -exec rm -rf {} +; '  # of a robot that was switched off
+        'new=".new-$$"; trap \'rm -rf "$new"\' EXIT; trap "exit 1" HUP INT TERM; mkdir "$new" && '
+        # Where the network is cut, nobody tells the robot that no more will arrive.
+        f'timeout {_SECONDS:g} base64 -d | tar -xzf - -C "$new" && sync "$new"/* || exit 1; '
+        # A mapping that has just begun has its folder and lock already, but no picture yet.
+        f"[ ! -d {target} ] || flock -n -E {_IN_USE} {target}/.lock rm -rf {target} || exit; "
+        f'[ ! -e {target} ] || exit {_EXISTS}; mv -T "$new" {target}'
     )
     with connect_robot(address) as shell:
         done = shell.run(script, stdin=text, timeout=_SECONDS)
@@ -76,6 +82,11 @@ def _explain(code: int, name: str, place: str, said: str, names: list[str]) -> U
         )
     if code == _EXISTS:
         return _problem(f"{place} has a map {name!r} already, expected a new name", "choose another one with --as")
+    if code == _TOO_LARGE:
+        return _problem(
+            f"map {name!r} of {place} is larger than {MOST_PACKED // 1_000_000} MB, expected a smaller one",
+            "export its picture on the robot: ur maps export",
+        )
     reason = (said.strip().splitlines() or [f"exit code {code}"])[-1][:200]
     return _problem(f"{place}: map {name!r} was not copied: {reason}", "ur doctor")
 

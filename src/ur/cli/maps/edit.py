@@ -4,27 +4,28 @@ from __future__ import annotations
 
 import math
 import os
-import re
+import sys
 from collections.abc import Callable, Sequence
 
 import click
 
-from ur.maps.change import add_edit, make_edit, move_map, propose, read_places, write_places
 from ur.maps.record import EditKind
 from ur.maps.store import MapStore, own_store
 from ur.maps.waypoint_path import waypoint_path
+from ur.source.ansi import is_plain
 from ur.source.diagnostic import UserError, error
 
-_PLACE = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,63}")
 _HELP = "ur maps edit NAME rotate|origin|erase|wall|keep-out|place NUMBERS"
 
 
 @click.command("edit", context_settings={"ignore_unknown_options": True})
 @click.argument("name")
-@click.argument("change")
+@click.argument("change", required=False)
 @click.argument("values", nargs=-1, metavar="[VALUE ...]")
-def edit(name: str, change: str, values: tuple[str, ...]) -> int:
+def edit(name: str, change: str | None, values: tuple[str, ...]) -> int:
     """Change a map: turn it, erase what was a person, draw walls and areas to keep out of, name places.
+
+    Without CHANGE the terminal shows the map, and its keys change it; `u` there undoes.
 
     Numbers are metres in the frame of the map, and degrees. `rotate` turns the map about (0, 0), without a number so
     that its walls lie along the axes; `origin X Y` makes a point (0, 0). `erase` and `keep-out` take two corners of a
@@ -33,6 +34,8 @@ def edit(name: str, change: str, values: tuple[str, ...]) -> int:
     """
     store = own_store(os.environ)
     name = store.resolve(name)
+    if change is None:
+        return _edit_on_screen(store, name)
     action = _CHANGES.get(change)
     if action is None:
         raise _bad(f"unknown change {change!r}, expected one of {', '.join(_CHANGES)}")
@@ -44,7 +47,18 @@ def edit(name: str, change: str, values: tuple[str, ...]) -> int:
     return 0
 
 
+def _edit_on_screen(store: MapStore, name: str) -> int:
+    if not (sys.stdin.isatty() and sys.stdout.isatty()) or is_plain(os.environ):
+        raise _bad(f"there is no terminal to show map {name!r} on, expected a change")
+    from ur.cli.maps.edit_screen import run_editor
+    from ur.maps.editing import EditSession
+
+    return run_editor(EditSession(store, name, waypoint_path(name, os.environ)))
+
+
 def _rotate(store: MapStore, name: str, values: Sequence[str]) -> str:
+    from ur.maps.change import move_map, propose
+
     numbers = _numbers(values, "rotate [DEGREES]", (0, 1))
     turn = math.radians(numbers[0]) if numbers else propose(store, name)
     if not turn:
@@ -54,6 +68,8 @@ def _rotate(store: MapStore, name: str, values: Sequence[str]) -> str:
 
 
 def _origin(store: MapStore, name: str, values: Sequence[str]) -> str:
+    from ur.maps.change import move_map
+
     x, y = _numbers(values, "origin X Y", (2,))
     move_map(store, name, (-x, -y, 0.0), waypoint_path(name, os.environ))
     return f"({x:g}, {y:g}) is (0, 0) now"
@@ -61,6 +77,8 @@ def _origin(store: MapStore, name: str, values: Sequence[str]) -> str:
 
 def _draw(kind: EditKind) -> Callable[[MapStore, str, Sequence[str]], str]:
     def draw(store: MapStore, name: str, values: Sequence[str]) -> str:
+        from ur.maps.change import add_edit, make_edit
+
         numbers = _numbers(values, f"{kind} X Y X Y ...", range(4, 2001, 2))
         count = add_edit(store, name, make_edit(kind, list(zip(numbers[::2], numbers[1::2], strict=True))))
         return f"{kind}: {count} cells changed"
@@ -69,13 +87,13 @@ def _draw(kind: EditKind) -> Callable[[MapStore, str, Sequence[str]], str]:
 
 
 def _place(store: MapStore, name: str, values: Sequence[str]) -> str:
-    if not values or not _PLACE.fullmatch(values[0]):
+    from ur.maps.change import PLACE, name_place
+
+    if not values or not PLACE.fullmatch(values[0]):
         raise _bad(f"{values[0] if values else 'no name'!r}, expected place PLACE X Y [ANGLE]")
     numbers = _numbers(values[1:], "place PLACE X Y [ANGLE]", (2, 3))
-    path = waypoint_path(name, os.environ)
-    with store.claim(name):
-        x, y, degrees = (*numbers, 0.0)[:3]
-        write_places(path, name, {**read_places(path), values[0]: (x, y, degrees)})
+    x, y, degrees = (*numbers, 0.0)[:3]
+    name_place(store, name, waypoint_path(name, os.environ), values[0], (x, y, degrees))
     return f"{values[0]} is at {x:g} {y:g} {degrees:g}"
 
 

@@ -12,7 +12,6 @@ from typing import TypeVar
 
 import click
 
-from ur.cli.maps.copying import fetch_map, list_remote, send_map
 from ur.cli.maps.edit import edit
 from ur.cli.maps.map_list import describe_map, list_maps
 from ur.maps.store import MapStore, own_store
@@ -36,6 +35,8 @@ def command(context: click.Context, as_json: bool, robot: str | None) -> None:
     if context.invoked_subcommand is not None:
         return
     if robot:
+        from ur.cli.maps.copying import list_remote
+
         click.echo("".join(f"{name}\n" for name in list_remote(robot)), nl=False)
         return
     store = _store()
@@ -148,6 +149,8 @@ def import_(file: Path, name: str | None) -> int:
 @click.option("--as", "new_name", metavar="NAME", help="Its name there. [default: the same]")
 def copy(name: str, target: str | None, source: str | None, new_name: str | None) -> int:
     """Copy a map to or from a robot; a map that is there is not replaced."""
+    from ur.cli.maps.copying import fetch_map, send_map
+
     if (target is None) == (source is None):
         raise click.UsageError("expected one of --to ROBOT and --from ROBOT")
     if target is not None:
@@ -156,6 +159,25 @@ def copy(name: str, target: str | None, source: str | None, new_name: str | None
         assert source is not None
         place = fetch_map(_store(), name, source, new_name or name)
     click.echo(f"{new_name or name}: copied {'to' if target else 'from'} {place}")
+    return 0
+
+
+@command.command("merge")
+@click.argument("first")
+@click.argument("second")
+@click.option("--as", "new_name", metavar="NAME", required=True, help="The name of the new map.")
+def merge(first: str, second: str, new_name: str) -> int:
+    """Merge two maps that overlap into a new one; both stay as they are.
+
+    The new map has the frame of FIRST. Where the two differ, SECOND counts as seen later. Edits and waypoints of both
+    are taken over.
+    """
+    from ur.cli.maps.merging import NotMerged, merge_maps
+
+    try:
+        click.echo(_guard(lambda: merge_maps(_store(), first, second, new_name)))
+    except NotMerged as problem:
+        return int(problem.args[0])
     return 0
 
 

@@ -1,0 +1,49 @@
+"""`ur maps merge`: two stored maps become a third one, computed by a process of the mapping node's package."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+
+from ur.maps.change import move_places, read_places, write_places
+from ur.maps.names import check_map_name
+from ur.maps.store import MapStore
+from ur.maps.waypoint_path import waypoint_path
+from ur.request.requirements.python_packages import need_all
+from ur.source.diagnostic import UserError, error
+from ur.source.progress_line import show_progress
+
+_SECONDS = 1800.0
+
+
+def merge_maps(store: MapStore, first: str, second: str, name: str) -> str:
+    """Merge two maps of the user's store into a third one, with the waypoints of both; returns what it has become.
+
+    Raises UserError, or OSError; then there is no new map. Diagnostics of the process are on standard error already
+    when `NotMerged` is raised.
+    """
+    first, second = store.resolve(first), store.resolve(second)
+    check_map_name(name)
+    if first == second:
+        raise UserError(error(f"{first!r} is both maps, expected two", rule="same-map", help="ur maps lists the maps"))
+    need_all(["gtsam"], "vision.lock", "OpenCV and gtsam (100 MB to download)")
+    command = [sys.executable, "-I", "-m", "ur_nodes", "ur_nodes.slam.storage.merging", first, second, name]
+    with show_progress(f"looking for {second} on {first}"):
+        done = subprocess.run(command, capture_output=True, text=True, timeout=_SECONDS, check=False)
+    sys.stderr.write(done.stderr)
+    if done.returncode:
+        raise NotMerged(done.returncode)
+    merged = json.loads(done.stdout)
+    mine, other = (read_places(waypoint_path(each, os.environ)) for each in (first, second))
+    places = {**move_places(other, tuple(merged["place"])), **mine}
+    if places:
+        write_places(waypoint_path(name, os.environ), name, places)
+    twice = ", ".join(sorted(set(mine) & set(other)))
+    kept = f"; waypoints of both names are those of {first}: {twice}" if twice else ""
+    return f"{name}: {merged['keyframes']} scans, {merged['links']} links between the two maps{kept}"
+
+
+class NotMerged(Exception):  # noqa: N818 - an outcome
+    """The maps were not merged; the first argument is the exit code."""

@@ -1,0 +1,115 @@
+"""Editing a stored map step by step: points that are marked, changes made with them, undo. For any user interface."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+
+from ur.maps.change import Point, add_edit, make_edit, move_map, name_place, propose, read_places
+from ur.maps.edit import Origin
+from ur.maps.record import EditKind, MapRecord
+from ur.maps.store import MapStore
+from ur.maps.undo import MapState, read_state, restore_state
+from ur.source.diagnostic import UserError, error
+from ur.worlds.map_file import MapImage, read_map
+
+_MOST_STEPS = 50  # that can be undone
+
+
+@dataclass(frozen=True, slots=True)
+class _Step:
+    title: str
+    before: MapState
+    left: MapRecord
+
+
+class EditSession:
+    """Changes one map. Each change is on the disk when its method returns, so that nothing is lost afterwards.
+
+    The methods return a line about what was done. They raise UserError, or OSError; then the map is as before.
+    """
+
+    def __init__(self, store: MapStore, name: str, waypoints: Path) -> None:
+        self.name = store.resolve(name)
+        self.marks: tuple[Point, ...] = ()
+        self._store = store
+        self._waypoints = waypoints
+        self._steps: list[_Step] = []
+
+    def image(self) -> MapImage:
+        """Read the picture of the map as it is now."""
+        return read_map(self._store.picture(self.name))
+
+    def places(self) -> dict[str, Origin]:
+        """Read the named places: x, y in m, and degrees."""
+        return read_places(self._waypoints)
+
+    def mark(self, x: float, y: float) -> None:
+        """Mark a point, m, for the next change."""
+        self.marks = (*self.marks, (x, y))
+
+    def clear(self) -> None:
+        """Forget the points."""
+        self.marks = ()
+
+    def draw(self, kind: EditKind) -> str:
+        """Draw with the points: a wall along them, or an area inside of them; two are corners of a rectangle."""
+        edit = make_edit(kind, list(self.marks))
+        with _Noting(self, kind):
+            count = add_edit(self._store, self.name, edit)
+        self.marks = ()
+        return f"{kind}: {count} cells changed"
+
+    def rotate(self) -> str:
+        """Turn the map so that its walls lie along the axes."""
+        turn = propose(self._store, self.name)
+        if not turn:
+            return "the walls lie along the axes; nothing to do"
+        with _Noting(self, "rotate"):
+            move_map(self._store, self.name, (0.0, 0.0, turn), self._waypoints)
+        self.marks = ()
+        return f"turned by {math.degrees(turn):.1f} degrees"
+
+    def set_origin(self, x: float, y: float) -> str:
+        """Make a point (m) the point (0, 0)."""
+        with _Noting(self, "origin"):
+            move_map(self._store, self.name, (-x, -y, 0.0), self._waypoints)
+        self.marks = ()
+        return f"({x:.2f}, {y:.2f}) is (0, 0) now"
+
+    def place(self, title: str, x: float, y: float, degrees: float = 0.0) -> str:
+        """Name a place."""
+        with _Noting(self, f"place {title}"):
+            name_place(self._store, self.name, self._waypoints, title, (x, y, degrees))
+        return f"{title} is at {x:.2f} {y:.2f} {degrees:g}"
+
+    def undo(self) -> str:
+        """Take the last change back."""
+        if not self._steps:
+            raise UserError(error("no change to undo, expected one made here", rule="not-undone"))
+        step = self._steps[-1]
+        restore_state(self._store, self.name, self._waypoints, step.before, step.left)
+        self._steps.pop()
+        return f"{step.title}: undone"
+
+    def _state(self) -> MapState:
+        return read_state(self._store, self.name, self._waypoints)
+
+    def _note(self, title: str, before: MapState) -> None:
+        self._steps = [*self._steps, _Step(title, before, self._store.record(self.name))][-_MOST_STEPS:]
+
+
+class _Noting:
+    """Notes a change for undo, if it is made."""
+
+    def __init__(self, session: EditSession, title: str) -> None:
+        self._session = session
+        self._title = title
+
+    def __enter__(self) -> None:
+        self._before = self._session._state()  # noqa: SLF001 - the two are one thing
+
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        if kind is None:
+            self._session._note(self._title, self._before)  # noqa: SLF001 - the two are one thing
