@@ -1,4 +1,4 @@
-"""`ur run make_map explore:=true` from the start to a saved map, without a screen."""
+"""`ur run make_map` from the start to a saved map, without a screen: the robot explores, or drives to places."""
 
 from __future__ import annotations
 
@@ -47,3 +47,17 @@ def test_robot_explores_two_rooms_and_the_program_ends_with_their_map(tmp_path: 
     grid = load_map(f"{name}.yaml")
     known = float((grid.values == 0).sum()) * grid.resolution**2
     assert 7.0 < known < 8.5
+
+
+def test_robot_drives_to_places_on_the_map_that_grows_and_waypoints_belong_to_its_name(tmp_path: Path) -> None:
+    world = write_two_rooms(tmp_path)
+    keys = "g 0.6 0.3 0\nw here\nsave\nm here\n"
+    done = run_program(tmp_path, "make_map", "drive:=goals", f"world:={world}", "use_rviz:=false", keys=keys)
+    assert done.returncode == 0, done.stdout + done.stderr
+    reached, _, saved, again = done.stdout.splitlines()
+    assert reached.startswith("g 0.6 0.3 0: reached, ")
+    assert again.startswith("m here: reached, ")
+    name = saved.removeprefix("save: map '").removesuffix("' saved")
+    folder = tmp_path / "home" / ".local" / "ubiquity_launches"
+    assert (folder / "maps" / name / "map.yaml").is_file()
+    assert (folder / "waypoints" / f"{name}.yaml").is_file()

@@ -11,8 +11,8 @@ from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.teleop.mux.driver_text import DriverRequest
 from ur_nodes.teleop.mux.emergency import MuxRequest
-from ur_nodes.teleop.navigate.waypoints import WaypointStore
 from ur_nodes.teleop.navigator.model import GoalReport, GoalState, Snapshot
+from ur_nodes.teleop.navigator.waypoints import WaypointStore
 
 
 def make_grid() -> Grid:

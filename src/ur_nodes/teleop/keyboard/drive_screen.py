@@ -18,6 +18,8 @@ _PLAIN_HELP = (
 NO_LEASE = DriverLine()
 _BAR = 20
 _WIDE = 66  # columns for the whole screen
+_BELOW_MAP = 4  # lines
+_NARROWEST_MAP, _LOWEST_MAP = 30, 8
 _NO_LIMIT = 1000.0  # m/s, rad/s: the node's default, for a base without known limits
 _OWN = "keyboard"  # what the mux calls this source
 _PADS = (("u", "i", "o"), ("j", "k", "l"), ("m", ",", "."))
@@ -60,6 +62,32 @@ def draw_drive_screen(
         f"  {DIM}Shift: sideways, if the base can; Ctrl-C: quit{RESET}",
     ]
     return [cut_styled(line, columns) for line in lines][:rows]
+
+
+def map_room(columns: int, rows: int) -> tuple[int, int]:
+    """Columns and rows of the map above the lines about the drive; 0, 0 where there is too little room."""
+    free = rows - _BELOW_MAP
+    return (columns, free) if columns >= _NARROWEST_MAP and free >= _LOWEST_MAP else (0, 0)
+
+
+def draw_map_screen(
+    state: DriveState,
+    link: Link,
+    mux: MuxView,
+    columns: int,
+    map_lines: list[str],
+    driver: DriverLine = NO_LEASE,
+) -> list[str]:
+    """The lines of a map, as many as `map_room` has given, and what has to be known of the drive below them."""
+    notes = [line for note in _notes(state, link, mux, driver) for line in _wrap(note, columns)]
+    map_lines = map_lines[: len(map_lines) - len(notes) + 1]  # a long note covers the lower edge of the map
+    below = [
+        _motion_line(state, mux, driver),
+        *notes,
+        f"{DIM}{_speeds(state)}  s: save  arrows, u i o j l m , .: drive  q z w x e c: speeds{RESET}",
+        f"{DIM}space: emergency stop  r: release  Ctrl-C: end and save  other keys stop{RESET}",
+    ]
+    return [*map_lines, *(cut_styled(line, columns) for line in below)]
 
 
 def _small_screen(

@@ -8,6 +8,7 @@ import sys
 import threading
 import time
 from dataclasses import replace
+from typing import Protocol
 
 import rospy
 
@@ -21,8 +22,8 @@ from ur_nodes.teleop.keyboard.commander_node import (
     wait_for_listener,
 )
 from ur_nodes.teleop.keyboard.drive import STILL, DriveSettings, mux_request_of, start_drive, step_drive
-from ur_nodes.teleop.keyboard.drive_screen import describe_drive, draw_drive_screen
-from ur_nodes.teleop.keyboard.map_saving_node import SAVE_KEY, MapSaving, call_save
+from ur_nodes.teleop.keyboard.drive_screen import describe_drive, draw_drive_screen, draw_map_screen, map_room
+from ur_nodes.teleop.keyboard.map_feed_node import MapFeed
 from ur_nodes.teleop.mux.driver_text import (
     clock_time,
     describe_lost,
@@ -33,6 +34,7 @@ from ur_nodes.teleop.mux.driver_text import (
 )
 from ur_nodes.teleop.mux.emergency import Emergency
 from ur_nodes.teleop.mux.link_node import MuxLink
+from ur_nodes.teleop.navigator.map_saving_node import SAVE_KEY, MapSaving, call_save
 from ur_nodes.teleop.terminal.foreground_node import run_in_foreground
 from ur_nodes.teleop.terminal.keys import Key, KeyEvent, decode_keys
 from ur_nodes.teleop.terminal.raw import Terminal, own_terminal
@@ -44,6 +46,13 @@ _ESCAPE_WAIT = 0.05  # s: a sequence's bytes come together; ESC that stays alone
 _ALIVE_EVERY = 0.25  # s
 _LISTENER_WAIT = 5.0  # s: a pipe's first key waits this long for a listener
 _LEASE_WAIT = 10.0  # s: and at most this long to know who drives
+
+
+class MapLines(Protocol):
+    """Draws the map that grows."""
+
+    def lines(self, columns: int, rows: int, now: float) -> list[str]:
+        """The map now (s) on so many characters."""
 
 
 def main() -> int:
@@ -63,7 +72,11 @@ def _run(ended: threading.Event) -> int:
             mux = MuxLink(mux_name)
             plain, colours = is_plain(os.environ), allows_colour(os.environ)
             with own_terminal(sys.stdin.fileno(), sys.stdout.fileno(), plain=plain, colours=colours) as terminal:
-                drive_terminal(terminal, settings, rate, commander, mux, ended, saving)
+                feed = None
+                if parameters.boolean("show_map", False) and not plain:
+                    frames = parameters.text("map_frame", "map"), parameters.text("base_frame", "base_footprint")
+                    feed = MapFeed(*frames, colour=colours)
+                drive_terminal(terminal, settings, rate, commander, mux, ended, saving, feed)
             return 0
         if not wait_for_listener(commander, ended, _LISTENER_WAIT) and not ended.is_set():
             sys.stderr.write(
@@ -105,11 +118,12 @@ def drive_terminal(
     mux: Emergency,
     ended: threading.Event,
     saving: MapSaving | None = None,
+    growing: MapLines | None = None,
 ) -> None:
     """Drive by the keys of a terminal until it ends, Ctrl-C is pressed or `ended` is set.
 
     While a key drives, a command is sent whenever a challenge has arrived, so that it is as young as can be. With
-    `saving`, one key saves the map; it stops the robot as every other key does.
+    `saving`, one key saves the map; it stops the robot as every other key does. `growing` is shown above the rest.
     """
     state, rest, drawn_at = start_drive(settings), b"", -1.0
     asked_at, next_step = 0.0, time.monotonic()
@@ -144,8 +158,14 @@ def drive_terminal(
         driver = line_of(commander.view(), commander.conduct)
         if terminal.plain:
             terminal.show(describe_drive(state, commander.link(), mux.view(), driver))
+            continue
+        columns, rows = terminal.size()
+        wide, high = map_room(columns, rows) if growing else (0, 0)
+        if growing and wide:
+            picture = growing.lines(wide, high, now)
+            terminal.show(draw_map_screen(state, commander.link(), mux.view(), columns, picture, driver), again=again)
         else:
-            terminal.show(draw_drive_screen(state, commander.link(), mux.view(), *terminal.size(), driver), again=again)
+            terminal.show(draw_drive_screen(state, commander.link(), mux.view(), columns, rows, driver), again=again)
 
 
 def _pass_on(event: KeyEvent, commander: Commander, mux: Emergency, saving: MapSaving | None) -> None:

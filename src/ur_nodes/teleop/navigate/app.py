@@ -23,8 +23,8 @@ from ur_nodes.teleop.navigate.status_text import (
     reason_not_to_send,
 )
 from ur_nodes.teleop.navigate.view import NavigateView
-from ur_nodes.teleop.navigate.waypoints import WaypointStore
 from ur_nodes.teleop.navigator.model import GoalState, format_place
+from ur_nodes.teleop.navigator.waypoints import WaypointStore
 
 
 class NavigateApp(NavigateView):
@@ -100,6 +100,10 @@ class NavigateApp(NavigateView):
             place = Pose2(command.x, command.y, command.yaw)
             self._navigator.set_pose(place)
             self._say(f"pose set to {format_place(place)}")
+        elif isinstance(command, c.SaveMap):
+            if self._saving is None:
+                raise c.bad_command_error(c.NO_MAPPING)
+            self._saving.ask()
         elif isinstance(command, c.Relocalise):
             self._require_to_drive()
             self._navigator.relocalise()
@@ -153,7 +157,10 @@ class NavigateApp(NavigateView):
     def _store(self) -> WaypointStore:
         if self._snapshot.grid is None:
             raise c.bad_command_error("no map yet, expected one on topic map; waypoints belong to a map")
-        return self._store_for(self._snapshot)
+        store = self._store_for(self._snapshot)
+        if store is None:
+            raise c.bad_command_error("the map has no name yet, expected one as soon as it is saved; try again")
+        return store
 
     def _send(self, place: Pose2) -> None:
         if reason := reason_not_to_send(self._navigator.snapshot()):

@@ -11,6 +11,7 @@ from ur_nodes.geometry.pose import Pose2, wrap_angle
 from ur_nodes.teleop.mux.driver_text import DriverRequest
 from ur_nodes.teleop.mux.emergency import MuxRequest
 from ur_nodes.teleop.navigate.commands import (
+    NO_MAPPING,
     USAGE,
     AskLease,
     AskMux,
@@ -25,6 +26,7 @@ from ur_nodes.teleop.navigate.commands import (
     Relocalise,
     Remember,
     Resume,
+    SaveMap,
     SetPose,
     Stop,
     SwitchTheme,
@@ -33,7 +35,6 @@ from ur_nodes.teleop.navigate.commands import (
     parse_command,
 )
 from ur_nodes.teleop.navigate.status_text import reason_not_to_drive, silence_line
-from ur_nodes.teleop.navigate.waypoints import WaypointStore
 from ur_nodes.teleop.navigator.model import (
     GoalReport,
     GoalState,
@@ -42,11 +43,14 @@ from ur_nodes.teleop.navigator.model import (
     format_place,
     heading_there,
 )
+from ur_nodes.teleop.navigator.waypoints import WaypointStore
 
 _ANSWER_WAIT = 5.0  # s: for the mux
 _CANCEL_WAIT = 1.0  # s: for the confirmation that a goal is cancelled
 
 Write = Callable[[str], None]
+_AtOnce = Remember | Forget | ListPlaces | Stop | Resume | SetPose | Relocalise | Follow | SwitchTheme | Help
+_Awaited = Go | GoTo | AskLease | AskMux | SaveMap  # these wait for other computers or programs
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,6 +63,8 @@ class BatchContext:
     sleep: Callable[[float], bool]
     urgent: Callable[[], Command | None] | None = None
     """Return a command that was typed meanwhile and must not wait; None where nobody is there to type one."""
+    save: Callable[[], str] | None = None
+    """Save the map that is being made and return a line about it; None where none is being made."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,17 +121,29 @@ def result_line(text: str, report: GoalReport, snapshot: Snapshot, seconds: floa
 
 
 def _run(
-    command: Command, text: str, navigator: Navigator, store: WaypointStore, limits: Limits, around: BatchContext
+    command: _AtOnce | _Awaited,
+    text: str,
+    navigator: Navigator,
+    store: WaypointStore,
+    limits: Limits,
+    around: BatchContext,
 ) -> bool:
     """Run a command and return whether it succeeded. Raises UserError."""
-    if isinstance(command, (Go, GoTo)):
-        return _drive(command, text, navigator, store, limits, around)
-    if isinstance(command, AskLease):
-        return _ask_lease(command.request, text, navigator, limits, around)
-    if isinstance(command, AskMux):
-        return _ask_mux(command.request, text, navigator, around)
-    around.out(_do_at_once(command, text, navigator, store))
-    return True
+    match command:
+        case Go() | GoTo():
+            return _drive(command, text, navigator, store, limits, around)
+        case AskLease():
+            return _ask_lease(command.request, text, navigator, limits, around)
+        case AskMux():
+            return _ask_mux(command.request, text, navigator, around)
+        case SaveMap():
+            if around.save is None:
+                raise bad_command_error(NO_MAPPING)
+            around.out(f"{text}: {around.save()}")
+            return True
+        case _:
+            around.out(_do_at_once(command, text, navigator, store))
+            return True
 
 
 def _ask_mux(request: MuxRequest, text: str, navigator: Navigator, around: BatchContext) -> bool:
@@ -163,37 +181,41 @@ def _who_drives(snapshot: Snapshot) -> str:
     return f": {reason}" if reason else ""
 
 
-def _do_at_once(command: Command, text: str, navigator: Navigator, store: WaypointStore) -> str:
-    if isinstance(command, Remember):
-        pose = navigator.snapshot().pose
-        assert pose is not None, "waited for before the first line"
-        fresh = store.remember(command.name, pose)
-        return f"{text}: {'saved at' if fresh else 'moved to'} {format_place(pose)}"
-    if isinstance(command, Forget):
-        store.forget(command.name)
-        return f"{text}: deleted"
-    if isinstance(command, ListPlaces):
-        places = store.places()
-        return (
-            "\n".join(f"{name}: {format_place(place)}" for name, place in places.items()) or f"{text}: no waypoints yet"
-        )
-    if isinstance(command, Stop):
-        navigator.stop()
-        return f"{text}: stopped"
-    if isinstance(command, Resume):
-        raise bad_command_error("no goal to continue; commands run one at a time")
-    if isinstance(command, (SetPose, Relocalise)) and (reason := reason_not_to_drive(navigator.snapshot())):
+def _do_at_once(command: _AtOnce, text: str, navigator: Navigator, store: WaypointStore) -> str:
+    """Run a command that ends at once and return its result line. Raises UserError."""
+    match command:
+        case Remember():
+            pose = navigator.snapshot().pose
+            assert pose is not None, "waited for before the first line"
+            fresh = store.remember(command.name, pose)
+            return f"{text}: {'saved at' if fresh else 'moved to'} {format_place(pose)}"
+        case Forget():
+            store.forget(command.name)
+            return f"{text}: deleted"
+        case ListPlaces():
+            places = (f"{name}: {format_place(place)}" for name, place in store.places().items())
+            return "\n".join(places) or f"{text}: no waypoints yet"
+        case Stop():
+            navigator.stop()
+            return f"{text}: stopped"
+        case Resume():
+            raise bad_command_error("no goal to continue; commands run one at a time")
+        case SetPose() | Relocalise():
+            return _localise(command, text, navigator)
+        case Follow() | SwitchTheme():
+            raise bad_command_error("there is no map to show, expected a terminal for this command")
+        case Help():
+            return "\n".join(f"{usage:<14} {meaning}" for usage, meaning in USAGE.values())
+
+
+def _localise(command: SetPose | Relocalise, text: str, navigator: Navigator) -> str:
+    if reason := reason_not_to_drive(navigator.snapshot()):
         raise bad_command_error(f"not done: {reason}")
     if isinstance(command, SetPose):
         navigator.set_pose(Pose2(command.x, command.y, command.yaw))
         return f"{text}: pose set"
-    if isinstance(command, Relocalise):
-        navigator.relocalise()
-        return f"{text}: searching for the robot on the whole map"
-    if isinstance(command, (Follow, SwitchTheme)):
-        raise bad_command_error("there is no map to show, expected a terminal for this command")
-    assert isinstance(command, Help)
-    return "\n".join(f"{usage:<14} {meaning}" for usage, meaning in USAGE.values())
+    navigator.relocalise()
+    return f"{text}: searching for the robot on the whole map"
 
 
 def _drive(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from dataclasses import dataclass
 
 from ur.source.diagnostic import UserError, error
@@ -11,6 +10,7 @@ from ur.source.printable import printable
 from ur.source.suggest import did_you_mean
 from ur_nodes.teleop.mux.driver_text import DriverRequest
 from ur_nodes.teleop.mux.emergency import MuxRequest
+from ur_nodes.teleop.navigator.waypoints import WAYPOINT_NAME
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,6 +87,11 @@ class Relocalise:
 
 
 @dataclass(frozen=True, slots=True)
+class SaveMap:
+    """Save the map that is being made."""
+
+
+@dataclass(frozen=True, slots=True)
 class Help:
     """Show the commands."""
 
@@ -118,6 +123,7 @@ Command = (
     | AskLease
     | AskMux
     | Relocalise
+    | SaveMap
     | Help
     | Follow
     | SwitchTheme
@@ -137,6 +143,7 @@ USAGE: dict[str, tuple[str, str]] = {
     "d": ("d NAME", "delete a waypoint"),
     "i": ("i X Y ANGLE", "set the robot's estimated pose"),
     "global": ("global", "search for the robot on the whole map"),
+    "save": ("save", "save the map that is being made"),
     "drive": ("drive", "take over: drive from this computer"),
     "ask": ("ask", "ask the driving client to hand over"),
     "give": ("give", "hand over to the client that asks"),
@@ -149,6 +156,9 @@ MAP_USAGE: dict[str, tuple[str, str]] = {
 }
 """Commands that only a terminal with a map has."""
 
+NO_MAPPING = "no map is being made, expected a mapping program as 'ur run make_map'"
+"""The answer to `save` elsewhere."""
+
 _PLAIN: dict[str, Command] = {
     "l": ListPlaces(),
     "s": Stop(),
@@ -159,6 +169,7 @@ _PLAIN: dict[str, Command] = {
     "e": AskMux("stop"),
     "r": AskMux("release"),
     "global": Relocalise(),
+    "save": SaveMap(),
     "f": Follow(),
     "t": SwitchTheme(),
     "?": Help(),
@@ -170,7 +181,6 @@ _ALIASES |= {"emergency": "e", "release": "r", "x": "s", "cancel": "s", "continu
 _ALIASES |= {"follow": "f", "theme": "t"}
 _ALL_USAGE = USAGE | MAP_USAGE
 _LEAST_TYPO = 4  # letters: shorter ones are near to everything
-_NAME = re.compile(r"[\w][\w.-]{0,39}\Z")
 
 
 def parse_command(line: str) -> Command | None:
@@ -229,7 +239,7 @@ def _number(word: str, text: str) -> float:
 
 
 def _check_name(name: str) -> str:
-    if not _NAME.match(name):
+    if not WAYPOINT_NAME.match(name):
         raise bad_command_error(
             f"{printable(name)!r} is not a valid name, expected at most 40 letters, digits, '_', '-' and '.'"
         )

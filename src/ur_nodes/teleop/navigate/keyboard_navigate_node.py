@@ -17,14 +17,18 @@ from ur.source.ansi import is_plain
 from ur_nodes.rosio.parameters import Parameters
 from ur_nodes.teleop.navigate.batch import BatchContext, InterruptedBatchError, Limits, run_batch, wait_until_ready
 from ur_nodes.teleop.navigate.line_reader import LineReader
-from ur_nodes.teleop.navigate.waypoints import WaypointStore, name_of_map, waypoint_path
+from ur_nodes.teleop.navigator.map_saving_node import MapSaving, call_save, save_map
 from ur_nodes.teleop.navigator.model import Snapshot
-from ur_nodes.teleop.navigator.ros_navigator_node import Names, RosNavigator
+from ur_nodes.teleop.navigator.navigation_topics_node import Names
+from ur_nodes.teleop.navigator.ros_navigator_node import RosNavigator
+from ur_nodes.teleop.navigator.waypoints import WaypointStore, name_of_map, waypoint_path
 from ur_nodes.teleop.terminal.foreground_node import run_in_foreground
 
 _NAME = "keyboard_navigate"
 
-StoreFor = Callable[[Snapshot], WaypointStore]
+_SAVE_AGAIN = 2.0  # s until the name of a map that could not be saved is asked for again
+
+StoreFor = Callable[[Snapshot], WaypointStore | None]
 
 
 def main() -> int:
@@ -46,27 +50,53 @@ def _run(ended: threading.Event) -> int:
     )
     map_name = parameters.text("map_name", "")
     file = parameters.text("waypoints_file", "")
+    service = parameters.text("save_service", "")
     navigator = RosNavigator(names)
     try:
-        return _navigate(navigator, map_name, file, limits, ended)
+        return _navigate(navigator, map_name, file, service, limits, ended)
     finally:
         navigator.close()
 
 
-def _navigate(navigator: RosNavigator, map_name: str, file: str, limits: Limits, ended: threading.Event) -> int:
+def _navigate(
+    navigator: RosNavigator, map_name: str, file: str, service: str, limits: Limits, ended: threading.Event
+) -> int:
+    grown = _NameOfGrowingMap(service, ended) if service and not map_name and not file else None
 
-    def store_for(snapshot: Snapshot) -> WaypointStore:
+    def store_for(snapshot: Snapshot) -> WaypointStore | None:
         assert snapshot.grid is not None, "asked for once the map is there"
-        path = Path(file).expanduser() if file else waypoint_path(map_name or name_of_map(snapshot.grid), os.environ)
-        return WaypointStore(path)
+        if file:
+            return WaypointStore(Path(file).expanduser())
+        name = map_name or (grown.name if grown else name_of_map(snapshot.grid))
+        return WaypointStore(waypoint_path(name, os.environ)) if name else None
 
+    saving = MapSaving(lambda: call_save(service), hint="save: save the map") if service else None
     on_terminal = sys.stdin.isatty() and sys.stdout.isatty()
     if on_terminal and not is_plain(os.environ):
-        return _run_screen(navigator, store_for, map_name, ended)
-    return _run_batch(navigator, store_for, limits, ended, attended=on_terminal)
+        return _run_screen(navigator, store_for, map_name, ended, saving)
+    save = (lambda: call_save(service)) if service else None
+    return _run_batch(navigator, store_for, limits, ended, attended=on_terminal, save=save)
 
 
-def _run_screen(navigator: RosNavigator, store_for: StoreFor, map_name: str, ended: threading.Event) -> int:
+class _NameOfGrowingMap:
+    """The name that the mapping node stores its map under: '' until it has stored it once. Its content has none."""
+
+    def __init__(self, service: str, ended: threading.Event) -> None:
+        self.name = ""
+        self._service = service
+        self._ended = ended
+        threading.Thread(target=self._ask, name="map name", daemon=True).start()
+
+    def _ask(self) -> None:
+        while not self.name and not self._ended.is_set():
+            self.name, _ = save_map(self._service)
+            if not self.name:
+                self._ended.wait(_SAVE_AGAIN)
+
+
+def _run_screen(
+    navigator: RosNavigator, store_for: StoreFor, map_name: str, ended: threading.Event, saving: MapSaving | None = None
+) -> int:
     from ur.screen.query import ask_background, is_light  # a pipe needs no Textual
     from ur_nodes.teleop.navigate.app import NavigateApp
     from ur_nodes.teleop.terminal.textual_screen import own_screen
@@ -74,7 +104,9 @@ def _run_screen(navigator: RosNavigator, store_for: StoreFor, map_name: str, end
     light = is_light(os.environ, ask_background(0, 1))
     log = Path(rospkg.get_log_dir()) / f"{_NAME}-stderr.log"
     with own_screen(log) as driver:
-        app = NavigateApp(navigator, store_for, title=Path(map_name).stem, light=light, driver_class=driver)
+        app = NavigateApp(
+            navigator, store_for, title=Path(map_name).stem, light=light, driver_class=driver, saving=saving
+        )
 
         async def run() -> None:
             ending = asyncio.create_task(_end_with(app.exit, ended))
@@ -102,12 +134,18 @@ async def _end_with(end: Callable[[], None], ended: threading.Event) -> None:
 
 
 def _run_batch(
-    navigator: RosNavigator, store_for: StoreFor, limits: Limits, ended: threading.Event, *, attended: bool = False
+    navigator: RosNavigator,
+    store_for: StoreFor,
+    limits: Limits,
+    ended: threading.Event,
+    *,
+    attended: bool = False,
+    save: Callable[[], str] | None = None,
 ) -> int:
     """Run commands line by line; `attended`: a person types them on a terminal that cannot draw."""
     lines = LineReader(0, ended)
     urgent = lines.take_urgent if attended else None
-    around = BatchContext(out=_write_out, err=_write_err, clock=time.monotonic, sleep=ended.wait, urgent=urgent)
+    around = BatchContext(_write_out, _write_err, time.monotonic, ended.wait, urgent, save)
     if attended:
         around.out(f"{_NAME}: one command a line; ? lists them, s stops, e is the emergency stop, q quits")
     try:
@@ -119,7 +157,10 @@ def _run_batch(
             around.err(f"error: {_NAME}: still waiting for {missing} after {limits.start:g} s")
             around.err("  help: 'ur run keyboard_navigate' starts all of it; parameter ~start_timeout sets the limit")
             return 2
-        return run_batch(lines, navigator, store_for(navigator.snapshot()), limits, around)
+        while (store := store_for(navigator.snapshot())) is None:
+            if ended.wait(0.1):
+                return 128 + signal.SIGINT
+        return run_batch(lines, navigator, store, limits, around)
     except InterruptedBatchError as interrupt:
         around.err(f"error: {_NAME}: interrupted{f', {interrupt}' if str(interrupt) else ''}")
         return 1

@@ -29,14 +29,19 @@ from ur_nodes.teleop.navigate.status_text import (
     status_line,
     waiting_line,
 )
-from ur_nodes.teleop.navigate.waypoints import WaypointStore
+from ur_nodes.teleop.navigator.map_saving_node import MapSaving
 from ur_nodes.teleop.navigator.model import GoalState, Navigator, Snapshot, format_number
+from ur_nodes.teleop.navigator.waypoints import WaypointStore
 
 REFRESH = 1.0 / 6.0
 
 
 class NavigateView(FullScreenApp[None]):
-    """Shows a `Navigator`; a subclass obeys commands. `store_for` returns the waypoints once a map is known."""
+    """Shows a `Navigator`; a subclass obeys commands.
+
+    `store_for` returns the waypoints once a map is known, None as long as it has no name. With `saving` the map grows:
+    it can be saved, and the view follows the robot from the start.
+    """
 
     CSS = """
     Screen { background: $background; layers: base above; align: center middle; }
@@ -54,9 +59,10 @@ class NavigateView(FullScreenApp[None]):
     def __init__(
         self,
         navigator: Navigator,
-        store_for: Callable[[Snapshot], WaypointStore],
+        store_for: Callable[[Snapshot], WaypointStore | None],
         *,
         title: str = "",
+        saving: MapSaving | None = None,
         light: bool = False,
         driver_class: type[Driver] | None = None,
     ) -> None:
@@ -64,6 +70,7 @@ class NavigateView(FullScreenApp[None]):
         self._navigator = navigator
         self._store_for = store_for
         self._map_title = title
+        self._saving = saving
         self._light = light
         self._snapshot = Snapshot()
         self._places: Mapping[str, Pose2] = {}
@@ -101,6 +108,8 @@ class NavigateView(FullScreenApp[None]):
             self._snapshot = snapshot
             self._reload_places()
         self._announce(snapshot)
+        if self._saving and (news := self._saving.take_news()):
+            self._say(news)
         key = visible_state(snapshot, self._places, self.size)
         if key == self._shown_key:
             return
@@ -156,7 +165,8 @@ class NavigateView(FullScreenApp[None]):
         if self._snapshot.grid is None:
             return
         try:
-            self._places = self._store_for(self._snapshot).places()
+            if (store := self._store_for(self._snapshot)) is not None:
+                self._places = store.places()
         except UserError as problem:
             self._say(c.error_line(problem), "bold red")
 

@@ -92,6 +92,9 @@ def track_status(tracker: Tracker, statuses: tuple[Status, ...], now: float) -> 
         if tracker.goal_id == status.goal_id or (not tracker.goal_id and status.status in _RUNNING):
             found = replace(tracker, goal_id=status.goal_id, listed_at=now, absent_since=None)
             return _apply(found, status, now)
+    if not tracker.goal_id and now - tracker.heard_at > LATE:
+        # It ended before this client came: move_base keeps its last goal on the topic.
+        return replace(tracker, listed_at=now, report=GoalReport(tracker.report.number))
     silent = now - tracker.listed_at > SILENCE
     since = now if silent or tracker.absent_since is None else tracker.absent_since
     tracker = replace(tracker, listed_at=now, absent_since=since)

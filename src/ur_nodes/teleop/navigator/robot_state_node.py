@@ -39,12 +39,20 @@ class RobotState:
 
     def silent(self, now: float) -> bool:
         """True when the robot's newest transform was received too long ago; `now` is time.monotonic()."""
-        return now - self._moved_at > SILENT
+        return self.age(now) > SILENT
+
+    def age(self, now: float) -> float:
+        """Seconds since the newest transform of the robot was received; `now` is time.monotonic()."""
+        return now - self._moved_at
 
     def pose(self) -> Pose2 | None:
         """Return the newest pose in the map frame."""
+        return self.place(self._base_frame)
+
+    def place(self, frame: str) -> Pose2 | None:
+        """Return the newest pose of a frame in the map frame."""
         try:
-            return self._frames.pose(self._map_frame, self._base_frame)
+            return self._frames.pose(self._map_frame, frame)
         except TransformError:
             return None
 

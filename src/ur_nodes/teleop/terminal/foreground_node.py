@@ -19,6 +19,7 @@ from ur.source.crash import EXIT_CODE, describe_crash, write_crash_report
 from ur.source.diagnostic import UserError
 from ur.source.render import render_human
 from ur_nodes.rosio.connections import bound_connections
+from ur_nodes.rosio.log_errors import report_log_errors, say_nothing
 from ur_nodes.rosio.shell import silence_terminal
 
 
@@ -44,6 +45,7 @@ def run_in_foreground(name: str, body: Callable[[threading.Event], int]) -> int:
     crashes = collect_thread_crashes()
     try:
         rospy.init_node(name, disable_signals=True)
+        report_log_errors(say_nothing)
         silence_terminal()
         reasons: list[str] = []
         rospy.core.add_preshutdown_hook(reasons.append)

@@ -6,7 +6,7 @@ import pytest
 
 from ur.source.ansi import BOLD, REVERSE
 from ur_nodes.teleop.keyboard.drive import DriveSettings, start_drive, step_drive
-from ur_nodes.teleop.keyboard.drive_screen import Link, describe_drive, draw_drive_screen
+from ur_nodes.teleop.keyboard.drive_screen import Link, describe_drive, draw_drive_screen, draw_map_screen, map_room
 from ur_nodes.teleop.mux.emergency import MuxView
 from ur_nodes.teleop.terminal.keys import Key, KittyFlags
 
@@ -94,3 +94,16 @@ def test_lines_for_a_dumb_terminal_hold_no_escape_sequence() -> None:
     assert "\x1b" not in text
     assert "EMERGENCY STOP: r lets the robot drive again" in text
     assert "no subscriber on /cmd_vel" in text
+
+
+def test_map_has_all_but_the_lines_about_the_drive_and_a_long_note_covers_its_edge() -> None:
+    columns, rows = map_room(60, 24)
+    assert (columns, rows) == (60, 20)
+    lines = draw_map_screen(STATE, Link("/cmd_vel", 1), FREE, 60, ["#" * 60] * rows)
+    assert len(lines) == 24
+    assert "■ stopped" in plain(lines[20:])
+    assert "s: save" in plain(lines[20:])
+    long = draw_map_screen(STATE, Link("/cmd_vel" * 12, 0), FREE, 60, ["#" * 60] * rows)
+    assert len(long) == 24
+    assert "is the robot running?" in plain(long).replace("\n", " ")
+    assert map_room(60, 10) == map_room(20, 24) == (0, 0)

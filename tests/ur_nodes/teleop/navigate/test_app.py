@@ -18,8 +18,9 @@ from ur_nodes.teleop.mux.emergency import MuxView
 from ur_nodes.teleop.navigate.app import NavigateApp
 from ur_nodes.teleop.navigate.command_line import CommandLine
 from ur_nodes.teleop.navigate.panel import Panel
-from ur_nodes.teleop.navigate.waypoints import WaypointStore
+from ur_nodes.teleop.navigator.map_saving_node import MapSaving
 from ur_nodes.teleop.navigator.model import GoalState, Snapshot
+from ur_nodes.teleop.navigator.waypoints import WaypointStore
 
 
 class Screen:
@@ -313,3 +314,23 @@ async def test_broken_waypoint_file_is_named(navigator: Any, store: WaypointStor
     async with app.run_test(size=(160, 30)) as pilot:
         await pilot.pause()
         assert "expected a list of 3 numbers" in str(app.query_one("#message", Static).render())
+
+
+async def test_map_that_is_made_is_saved_and_has_no_waypoints_before_it_has_a_name(navigator: Any) -> None:
+    saving = MapSaving(lambda: "map 'flat' saved", hint="save: save the map")
+    app = NavigateApp(navigator, lambda _: None, saving=saving)
+    async with app.run_test(size=(100, 36)) as pilot:
+        screen = Screen(app, pilot)
+        await screen.type("w here")
+        assert "the map has no name yet" in screen.text("message")
+        await screen.type("save")
+        for _ in range(200):
+            if "saved" in screen.text("message"):
+                break
+            await screen.refresh()
+        assert screen.text("message") == "map 'flat' saved"
+
+
+async def test_nothing_is_saved_where_no_map_is_made(screen: Screen) -> None:
+    await screen.type("save")
+    assert "no map is being made" in screen.text("message")

@@ -16,8 +16,8 @@ from ur_nodes.motion.lease.view import LeaseView
 from ur_nodes.teleop.mux.driver_text import clock_time
 from ur_nodes.teleop.mux.emergency import MuxView
 from ur_nodes.teleop.navigate.app import NavigateApp
-from ur_nodes.teleop.navigate.waypoints import WaypointStore
 from ur_nodes.teleop.navigator.model import GoalReport, GoalState, Silence
+from ur_nodes.teleop.navigator.waypoints import WaypointStore
 
 SIZES = [(80, 24), (40, 12)]
 THERE = Pose2(2.0, 3.0, 0.0)

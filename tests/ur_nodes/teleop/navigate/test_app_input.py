@@ -21,7 +21,7 @@ from ur_nodes.teleop.mux.emergency import MuxView
 from ur_nodes.teleop.navigate.app import NavigateApp
 from ur_nodes.teleop.navigate.command_line import EMPTY_LINE_KEYS, CommandLine
 from ur_nodes.teleop.navigate.panel import Panel
-from ur_nodes.teleop.navigate.waypoints import WaypointStore
+from ur_nodes.teleop.navigator.waypoints import WaypointStore
 
 KEYS = sorted({*EMPTY_LINE_KEYS, *"abcdefghijklmnoprstuvwxyz", "enter", "escape", "tab", "backspace", "space", "up"})
 SMALL = (40, 12)

@@ -52,6 +52,14 @@ def test_result_that_got_lost_is_seen_in_the_status_list() -> None:
     assert track_status(sent(), (Status("a", PREEMPTED, ""),), 1.0).report.state is GoalState.STOPPED
 
 
+def test_goal_that_was_over_before_this_client_came_is_forgotten() -> None:
+    tracker = track_current(Tracker(), HERE, 0.0)
+    tracker = track_status(tracker, (), 0.5)
+    assert tracker.report.state is GoalState.DRIVING
+    tracker = track_status(tracker, (Status("a", SUCCEEDED, ""),), 1.2)
+    assert (tracker.report.state, tracker.report.place) == (GoalState.NONE, None)
+
+
 def test_what_happens_to_other_goals_changes_nothing() -> None:
     assert track_result(sent(), Status("b", ABORTED, "no"), 1.0) == sent()
     assert track_status(sent(), (Status("b", ACTIVE, ""),), 1.0).report == sent().report

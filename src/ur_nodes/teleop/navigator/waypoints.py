@@ -19,6 +19,9 @@ from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.teleop.navigator.model import format_number
 
+WAYPOINT_NAME = re.compile(r"\w[\w.-]{0,39}\Z")
+"""Names that a program gives: those of people who edit the file may be any text."""
+
 _HEAD = "# Waypoints of the map {name}: name: [x, y, angle], in m, m and degrees, in the map frame.\n"
 
 

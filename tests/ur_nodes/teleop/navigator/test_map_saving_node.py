@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import threading
 
-from ur_nodes.teleop.keyboard.map_saving_node import HINT, MapSaving
+from ur_nodes.teleop.navigator.map_saving_node import HINT, MapSaving
 
 
 def test_save_runs_aside_and_once_at_a_time() -> None:

@@ -1,0 +1,92 @@
+"""The map that grows, as lines for a terminal in raw mode: the whole of it where that fits, else round the robot."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from ur.source.ansi import RESET
+from ur_nodes.geometry.grid import Grid
+from ur_nodes.teleop.map_view.cells import Run, cells_of_pixels
+from ur_nodes.teleop.map_view.glyphs import place_glyphs, scale_bar
+from ur_nodes.teleop.map_view.palette import DARK, Colour
+from ur_nodes.teleop.map_view.picture import GridIndex, draw_map, draw_overlay, index_grid
+from ur_nodes.teleop.map_view.viewport import Viewport, fit_viewport
+from ur_nodes.teleop.navigator.model import Snapshot
+
+_BEGIN = (-2.0, -2.0, 2.0, 2.0)  # m: shown while there is no map
+_MARGIN = 0.5  # m round what is known
+_COARSEST = 0.2  # m in a pixel: coarser than that the map moves with the robot instead
+_MIDDLE = 0.3  # of the view, from each side: the view moves when the robot leaves this part
+_WALL, _FREE = 120, 30  # brightness from which a pixel is a wall, or floor, without colours
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class GrowingMap:
+    """A map prepared for drawing, and the box (left, bottom, right, top in m) of what is known of it."""
+
+    index: GridIndex
+    known: tuple[float, float, float, float]
+
+
+def prepare_map(grid: Grid) -> GrowingMap:
+    """Prepare a map for drawing; takes some milliseconds, once for each new map."""
+    cells = np.argwhere(grid.values >= 0)
+    known = _BEGIN
+    if len(cells):
+        rows, columns = zip(cells.min(axis=0), cells.max(axis=0), strict=True)
+        corners = grid.points_of_cells(np.array([(row, column) for row in rows for column in columns]))
+        (left, bottom), (right, top) = corners.min(axis=0).tolist(), corners.max(axis=0).tolist()
+        known = (left - _MARGIN, bottom - _MARGIN, right + _MARGIN, top + _MARGIN)
+    return GrowingMap(index_grid(grid), known)
+
+
+def follow(view: Viewport | None, growing: GrowingMap | None, snapshot: Snapshot, columns: int, rows: int) -> Viewport:
+    """The part of the map to show on so many characters: all that is known, or the robot's surroundings.
+
+    `view` is the part that was shown before: round the robot it moves only when the robot comes near to the edge.
+    """
+    whole = fit_viewport(growing.known if growing else _BEGIN, columns, 2 * rows)
+    pose = snapshot.pose
+    if whole.scale <= _COARSEST or pose is None:
+        return whole
+    if view is not None and (view.width, view.height, view.scale) == (columns, 2 * rows, _COARSEST):
+        column, row = view.to_pixel(pose.x, pose.y)
+        if _MIDDLE * columns < column < (1 - _MIDDLE) * columns and _MIDDLE * 2 * rows < row < (1 - _MIDDLE) * 2 * rows:
+            return view
+    return Viewport(pose.x, pose.y, _COARSEST, columns, 2 * rows)
+
+
+def draw_map_lines(growing: GrowingMap | None, snapshot: Snapshot, view: Viewport, *, colour: bool) -> list[str]:
+    """Draw map, scan and robot: `view.height` / 2 lines of `view.width` characters. Without `colour` walls are `#`."""
+    picture = draw_overlay(draw_map(growing.index if growing else None, view, DARK), snapshot, view, DARK)
+    glyphs = [*place_glyphs(snapshot, {}, None, view, DARK), *scale_bar(view, DARK)]
+    write = _colours if colour else _letters
+    return [
+        "".join(write(run) for run in line) + (RESET if colour else "") for line in cells_of_pixels(picture, glyphs)
+    ]
+
+
+def _colours(run: Run) -> str:
+    text, fore, back = run
+    return f"\x1b[38;5;{_code(fore)};48;5;{_code(back)}m{text}"
+
+
+def _letters(run: Run) -> str:
+    text, fore, back = run
+    if text.strip("▀ ") or (text == " " and fore != back):
+        return text
+    brightest = max(max(fore), max(back))
+    return ("#" if brightest >= _WALL else "." if brightest >= _FREE else " ") * len(text)
+
+
+@lru_cache(maxsize=4096)
+def _code(colour: Colour) -> int:
+    """The number of the nearest colour in the palette of 256: a grey, or one of the cube of 6 x 6 x 6."""
+    if max(colour) - min(colour) < 8:
+        grey = round((sum(colour) / 3 - 8) / 10)
+        return 16 if grey < 0 else 231 if grey > 23 else 232 + grey
+    red, green, blue = (0 if part < 48 else 1 if part < 115 else (part - 35) // 40 for part in colour)
+    return 16 + 36 * red + 6 * green + blue
