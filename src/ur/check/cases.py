@@ -153,7 +153,8 @@ def _resolve(
     path: str, case: Case, unknown: list[str], world: CachedWorld, load_file: Loader, *, no_defaults: bool
 ) -> Iterator[Resolved]:
     unknowns = Unknowns()
-    environment = Environment(world.environment, unknowns, no_defaults=no_defaults)
+    note = partial(world.note, "environment")
+    environment = Environment(world.environment, unknowns, no_defaults=no_defaults, note=note)
     open_world = world.seen_from(path.rpartition("/")[0], environment)
     given = dict(case.given)
 

@@ -7,6 +7,8 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
 
+from ur.check.cache.answers import CHECKED
+from ur.check.cache.recall import Asked, NotedTrees, Recall, describe_package
 from ur.check.cases import Resolved, list_cases, list_unknown, resolve_cases
 from ur.check.catalogue import load_rules
 from ur.check.collect import Targets, collect_targets, list_launch_files
@@ -18,7 +20,7 @@ from ur.check.model import LaunchView, Package, PackageView, ProgramView, Rule, 
 from ur.check.survey import survey_launch_file, walk_elements
 from ur.check.visitor import Visitor, stamp_severity
 from ur.check.worlds import CachedWorld
-from ur.launchfile.syntax import Element, LaunchFile
+from ur.launchfile.syntax import Element
 from ur.launchfile.world import World
 from ur.source.diagnostic import Diagnostic, Note, Severity, error
 from ur.source.file import SourceFile, Span
@@ -47,14 +49,16 @@ def check_paths(
     chosen: frozenset[str] | None = None,
     arguments: Mapping[str, str] | None = None,
     progress: Progress = no_progress,
+    recall: Recall | None = None,
 ) -> Report:
     """Check files, folders and packages; `chosen` are rule ids (None: all). Raises UserError for a bad path.
 
     `arguments` are given to every launch file that declares them; the others keep their defaults or are unknown.
+    `recall` holds findings of an earlier check, which spare work and change nothing, and gains those of this one.
     """
     cached = CachedWorld(world)
     targets = collect_targets(paths, cached)
-    return _Check(targets, cached, load_rules(), chosen, arguments or {}, progress).run()
+    return _Check(targets, cached, load_rules(), chosen, arguments or {}, progress, recall).run()
 
 
 class _Check:
@@ -66,8 +70,10 @@ class _Check:
         chosen: frozenset[str] | None,
         arguments: Mapping[str, str],
         progress: Progress,
+        recall: Recall | None,
     ) -> None:
         self.progress = progress
+        self.recall = recall
         self.arguments = arguments
         self.targets = targets
         self.world = world
@@ -76,9 +82,11 @@ class _Check:
         self.visitor = Visitor(rule for rule in rules.values() if rule.id in self.chosen)
         self.views: dict[str, LaunchView] = {}
         self.suppressions: dict[str, tuple[Suppression, ...]] = {}
-        self.trees: dict[str, LaunchFile] = {}  # by absolute path: a file is parsed once, whoever includes it
+        self.trees = NotedTrees(world)  # by absolute path: a file is parsed once, whoever includes it
         self.elements: dict[str, dict[int, Element]] = {}
         self.inclusions = Inclusions()
+        self.yaml_files = frozenset(targets.yaml_files)
+        self.asked = Asked(world, self.checked_as)
 
     def run(self) -> Report:
         hits = list(self.check_everything())
@@ -96,8 +104,7 @@ class _Check:
         self.inclusions = find_inclusions((*self.views.values(), *self.read_neighbours()))
         yield from map(Hit, self.check_arguments())
         for view in counted(tuple(self.views.values()), "checking", "launch files", self.progress):
-            yield from (Hit(found) for found in self.visitor.visit_launch_file(view) if not self.is_passed(found, view))
-            yield from self.check_plans(view)
+            yield from self.recall_launch_file(view) if self.recall is not None else self.check_launch_file(view)
         yield from self.check_yaml_files()
         programs: list[ProgramView] = []
         for path in counted(self.targets.programs, "checking", "programs", self.progress):
@@ -130,6 +137,22 @@ class _Check:
                     with suppress(OSError):
                         yield survey_launch_file(path, package, self.world)
 
+    def recall_launch_file(self, view: LaunchView) -> Iterable[Hit]:
+        assert self.recall is not None
+        passed = self.inclusions.passed.get(view.path)
+        inputs = (
+            describe_package(view.package),
+            None if passed is None else sorted(passed),
+            view.path in self.inclusions.tags,
+            self.given_to(view),
+            sorted(self.chosen),
+        )
+        return self.recall.hits_of(view.path, inputs, self.asked, partial(self.check_launch_file, view))
+
+    def check_launch_file(self, view: LaunchView) -> Iterator[Hit]:
+        yield from (Hit(found) for found in self.visitor.visit_launch_file(view) if not self.is_passed(found, view))
+        yield from self.check_plans(view)
+
     def is_passed(self, found: Diagnostic, view: LaunchView) -> bool:
         passed = self.inclusions.passed.get(view.path, frozenset())
         return found.rule == "unused-argument" and found.subject in passed
@@ -147,7 +170,7 @@ class _Check:
             yield error(message, Span(line, start, start + len(name)), rule="unknown-argument", help=help_)
 
     def check_plans(self, view: LaunchView) -> Iterator[Hit]:
-        given = tuple((name, value) for name, value in self.arguments.items() if name in view.declared)
+        given = self.given_to(view)
         plain = frozenset(case.label for case in list_cases(view, given) if case.flipped is None)
         found_in: list[tuple[Diagnostic, str]] = []
         by_defaults = False
@@ -171,6 +194,9 @@ class _Check:
             if _place_of(found) not in missing and not included:
                 yield Hit(found, view.path, label, plain)
 
+    def given_to(self, view: LaunchView) -> tuple[tuple[str, str], ...]:
+        return tuple((name, value) for name, value in self.arguments.items() if name in view.declared)
+
     def findings_of(self, resolved: Resolved, view: LaunchView) -> Iterator[Diagnostic]:
         option = resolved.case.flipped
         for found in resolved.plan.diagnostics:
@@ -185,7 +211,11 @@ class _Check:
 
     def is_checked(self, found: Diagnostic) -> bool:
         path = found.span.file.path if found.span else ""
-        return path in self.views or path in self.targets.yaml_files
+        self.world.note(CHECKED, path)
+        return bool(self.checked_as(path))
+
+    def checked_as(self, path: str) -> str:
+        return "launch file" if path in self.views else "YAML file" if path in self.yaml_files else ""
 
     def settle(self, found: Diagnostic, view: LaunchView) -> Diagnostic:
         # Relative paths of included files become absolute, so that each file has one name.
@@ -205,6 +235,7 @@ class _Check:
 
     def element_at(self, view: LaunchView, path: str, start: int) -> Element | None:
         path = path if path.startswith("/") else self.locate(path, view)
+        self.world.note(CHECKED, path)
         seen = self.views.get(path)
         if seen is None or seen.tree.diagnostics:
             return None

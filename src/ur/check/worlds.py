@@ -3,9 +3,20 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any, NamedTuple
 
 from ur.launchfile.world import World
+
+Question = tuple[str, ...]  # a method of World and its arguments
+_REMEMBERED = frozenset(
+    {
+        *("find_package", "package_names", "find_in_package", "find_files", "find_executables", "executable_names"),
+        *("is_file", "read_bytes"),
+    }
+)
+QUESTIONS = _REMEMBERED | {"list_folder", "absolute"}
+_EXPECTED = (LookupError, OSError, ValueError)  # PackageNotFound is the first
 
 # A letter that no launch file uses, so that a marker is a legal name and is found again wherever it ends up.
 _LETTER = "ǂ"
@@ -47,17 +58,31 @@ def has_marker(text: str) -> bool:
 class Environment(dict[str, str]):
     """Environment variables; one that is not set here is unknown, as it may be set where the file is used.
 
-    With `no_defaults`, so is one that has a default in the file: `$(optenv NAME DEFAULT)`.
+    With `no_defaults`, so is one that has a default in the file: `$(optenv NAME DEFAULT)`. `note` is told each name
+    that is asked for.
     """
 
-    def __init__(self, variables: Mapping[str, str], unknowns: Unknowns, *, no_defaults: bool = False) -> None:
+    def __init__(
+        self,
+        variables: Mapping[str, str],
+        unknowns: Unknowns,
+        *,
+        no_defaults: bool = False,
+        note: Callable[[str], None] | None = None,
+    ) -> None:
         super().__init__(variables)
         self.pop("ROS_NAMESPACE", None)
         self._unknowns = unknowns
         self._no_defaults = no_defaults
+        self._note = note or _forget
+
+    def __getitem__(self, name: str) -> str:
+        self._note(name)
+        return super().__getitem__(name)
 
     def get(self, name: str, default: str | None = None) -> str | None:  # type: ignore[override]  # names are texts
         """See dict."""
+        self._note(name)
         if name not in self and not name.startswith("ROS_"):
             if self._no_defaults:
                 return self[name]
@@ -68,100 +93,143 @@ class Environment(dict[str, str]):
         return self._unknowns.value_of(f"env {name}")
 
 
+def _forget(name: str) -> None:
+    pass
+
+
+class _Raised(NamedTuple):
+    problem: Exception
+
+
 class CachedWorld:
     """A World that asks another one each question once.
 
-    Relative paths that are not found in the working folder are looked for in `folder`.
+    Relative paths that are not found in the working folder are looked for in `folder`. While `noted` is a set, the
+    questions that are asked are added to it.
     """
 
     def __init__(self, world: World, environment: Mapping[str, str] | None = None, folder: str = "") -> None:
         self._world = world
         self._folder = folder
         self.environment: Mapping[str, str] = world.environment if environment is None else environment
-        self._answers: dict[tuple[str, ...], object] = {}
+        self._answers: dict[Question, object] = {}
+        self._notes = _Notes()
+
+    @property
+    def noted(self) -> set[Question] | None:
+        """The set that questions are added to, for this world and those seen from it."""
+        return self._notes.questions
+
+    @noted.setter
+    def noted(self, questions: set[Question] | None) -> None:
+        self._notes.questions = questions
+
+    def note(self, kind: str, *words: str) -> None:
+        """Add a question to `noted` that somebody else answers."""
+        if self._notes.questions is not None:
+            self._notes.questions.add((kind, *words))
+
+    def answer(self, question: Question) -> object:
+        """Return the other world's answer to a noted question, or the exception that it raises.
+
+        `("environment", NAME)` is answered with a variable, None where it is not set.
+        """
+        kind, *words = question
+        if kind == "environment":
+            return self._world.environment.get(words[0])
+        if kind not in QUESTIONS:
+            raise ValueError(f"there is no question '{kind}'")
+        try:
+            return self._ask(*question) if kind in _REMEMBERED else getattr(self._world, kind)(*words)
+        except _EXPECTED as problem:
+            return problem
 
     def seen_from(self, folder: str, environment: Mapping[str, str]) -> CachedWorld:
-        """The same world, answers included, with other variables and another folder."""
+        """The same world, answers and notes included, with other variables and another folder."""
         other = CachedWorld(self._world, environment, folder)
         other._answers = self._answers
+        other._notes = self._notes
         return other
 
     def locate(self, path: str) -> str:
         """The absolute path that a path stands for."""
-        if not path or path.startswith("/") or not self._folder or self._is_file(path):
-            return self._world.absolute(path)
+        if not path or path.startswith("/") or not self._folder or self._ask("is_file", path):
+            return self._absolute(path)
         beside = f"{self._folder}/{path}"
-        return self._world.absolute(beside if self._is_file(beside) else path)
+        return self._absolute(beside if self._ask("is_file", beside) else path)
 
     def find_package(self, name: str) -> str:
         """See World."""
-        return self._world.find_package(name)
+        return self._ask("find_package", name)  # type: ignore[no-any-return]  # the other world is typed
 
     def package_names(self) -> Iterable[str]:
         """See World."""
-        return self._world.package_names()
+        return self._ask("package_names")  # type: ignore[no-any-return]  # likewise
 
     def find_in_package(self, package: str, path: str) -> str | None:
         """See World."""
-        key = ("find_in_package", package, path)
-        if key not in self._answers:
-            self._answers[key] = self._world.find_in_package(package, path)
-        return self._answers[key]  # type: ignore[return-value]  # put there above
+        return self._ask("find_in_package", package, path)  # type: ignore[no-any-return]  # likewise
 
     def find_files(self, package: str, name: str) -> tuple[str, ...]:
         """See World."""
-        key = ("find_files", package, name)
-        if key not in self._answers:
-            self._answers[key] = self._world.find_files(package, name)
-        return self._answers[key]  # type: ignore[return-value]  # put there above
+        return self._ask("find_files", package, name)  # type: ignore[no-any-return]  # likewise
 
     def find_executables(self, package: str, name: str) -> tuple[str, ...]:
         """See World."""
-        key = ("find_executables", package, name)
-        if key not in self._answers:
-            self._answers[key] = self._world.find_executables(package, name)
-        return self._answers[key]  # type: ignore[return-value]  # put there above
+        return self._ask("find_executables", package, name)  # type: ignore[no-any-return]  # likewise
 
     def executable_names(self, package: str) -> Iterable[str]:
         """See World."""
-        return self._world.executable_names(package)
+        return self._ask("executable_names", package)  # type: ignore[no-any-return]  # likewise
 
     def is_file(self, path: str) -> bool:
         """See World."""
-        return self._is_file(self.locate(path) if path else path)
-
-    def _is_file(self, path: str) -> bool:
-        key = ("is_file", path)
-        if key not in self._answers:
-            self._answers[key] = self._world.is_file(path)
-        return bool(self._answers[key])
+        return bool(self._ask("is_file", self.locate(path) if path else path))
 
     def read_bytes(self, path: str) -> bytes:
         """See World."""
-        path = self.locate(path) if path else path
-        key = ("read_bytes", path)
-        if key not in self._answers:
-            try:
-                self._answers[key] = self._world.read_bytes(path)
-            except OSError as problem:
-                self._answers[key] = problem
-        answer = self._answers[key]
-        if isinstance(answer, OSError):
-            raise answer
-        return answer  # type: ignore[return-value]  # put there above
+        return self._ask("read_bytes", self.locate(path) if path else path)  # type: ignore[no-any-return]  # likewise
 
     def list_folder(self, path: str) -> tuple[str, ...]:
         """See World."""
-        names = self._world.list_folder(path)
+        names = self._list(path)
         if self._folder and not path.startswith("/"):
-            beside = self._world.list_folder(self._world.absolute(f"{self._folder}/{path}"))
+            beside = self._list(self._absolute(f"{self._folder}/{path}"))
             return tuple(sorted({*names, *beside}))
         return names
 
     def absolute(self, path: str) -> str:
         """See World."""
-        return self.locate(path) if path else self._world.absolute(path)
+        return self.locate(path) if path else self._absolute(path)
 
     def make_anonymous(self, prefix: str) -> str:
         """See World. The same name each time: a check says the same each time."""
         return f"{prefix}{ANONYMOUS}"
+
+    def _list(self, path: str) -> tuple[str, ...]:
+        self.note("list_folder", path)
+        return self._world.list_folder(path)
+
+    def _absolute(self, path: str) -> str:
+        if not path.startswith("/"):  # the others do not depend on the working folder
+            self.note("absolute", path)
+        return self._world.absolute(path)
+
+    def _ask(self, *question: str) -> Any:
+        if self._notes.questions is not None:
+            self._notes.questions.add(question)
+        if question not in self._answers:
+            kind, *words = question
+            try:
+                self._answers[question] = getattr(self._world, kind)(*words)
+            except _EXPECTED as problem:
+                self._answers[question] = _Raised(problem)
+        answer = self._answers[question]
+        if isinstance(answer, _Raised):
+            raise answer.problem.with_traceback(None)
+        return answer
+
+
+class _Notes:
+    # One object for a world and those seen from it.
+    questions: set[Question] | None = None

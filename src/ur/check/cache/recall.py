@@ -1,0 +1,157 @@
+"""Recall of findings: those of an earlier check are taken where every question that led to them has its old answer.
+
+While a launch file is checked, the questions that are asked of the world are noted: contents of files, folders,
+packages, environment variables. Its findings are kept with the questions and with digests of the answers. The next
+check asks the same questions, which costs little, and does the work again only where an answer is another one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from ur.check.cache.answers import CHECKED, Answers, digest_of
+from ur.check.cache.findings import TooLargeError, decode_hits, encode_hits
+from ur.check.findings.merge import Hit
+from ur.check.model import Package
+from ur.check.worlds import CachedWorld, Question
+from ur.launchfile.syntax import LaunchFile
+from ur.launchfile.syntax.decode import decode_text
+from ur.source.file import SourceFile
+
+
+@dataclass(frozen=True, slots=True)
+class Unit:
+    """The findings of one file, as encode_hits gives them, with what they depend on.
+
+    `inputs` is a digest of what the check was given about the file; `questions` are indices in `Known.questions`.
+    """
+
+    inputs: str
+    questions: Sequence[int]
+    hits: Any
+
+
+@dataclass(frozen=True, slots=True)
+class Known:
+    """Findings of a check by the path of the file, and each question with the digest of its answer."""
+
+    questions: Sequence[tuple[Question, str]] = ()
+    units: Mapping[str, Unit] = field(default_factory=dict)
+
+
+class Recall:
+    """Findings of an earlier check, and those of this one."""
+
+    def __init__(self, known: Known | None = None) -> None:
+        self._known = known or Known()
+        self._valid: dict[int, bool] = {}
+        self._numbers: dict[Question, int] = {}
+        self._questions: list[tuple[Question, str]] = []
+        self._units: dict[str, Unit] = {}
+        self.changed = False  # this check found something that the earlier one did not know
+        self.recalled = 0  # files whose findings were taken from the earlier check
+
+    @property
+    def forgets(self) -> bool:
+        """Return whether something that the earlier check knew is of no use any more."""
+        return len(self._units) < len(self._known.units)
+
+    @property
+    def now(self) -> Known:
+        """The findings of this check, for the next one."""
+        return Known(tuple(self._questions), dict(self._units))
+
+    def hits_of(self, path: str, inputs: object, world: Asked, compute: Callable[[], Iterable[Hit]]) -> list[Hit]:
+        """Return the hits of a file: those known, or those that `compute` gives while `world` notes what it asks.
+
+        `inputs`: what it depends on beside the questions, made of texts, numbers, None, tuples and sorted lists.
+        """
+        digest = digest_of(repr(inputs))
+        unit = self._known.units.get(path)
+        if unit is not None and unit.inputs == digest and all(self._holds(each, world) for each in unit.questions):
+            try:
+                hits = decode_hits(unit.hits, world.read_text)
+            except (ValueError, OSError):
+                pass  # damaged: found again
+            else:
+                self.recalled += 1
+                self._keep(path, digest, [self._known.questions[each][0] for each in unit.questions], unit.hits, world)
+                return hits
+        hits, asked = world.note_questions(compute)
+        self.changed = True
+        try:
+            encoded, files = encode_hits(hits, world.read_text)
+        except TooLargeError:
+            return hits
+        asked.update(("read_bytes", each) for each in (path, *files))
+        self._keep(path, digest, sorted(asked), encoded, world)
+        return hits
+
+    def _holds(self, number: int, world: Asked) -> bool:
+        if number not in self._valid:
+            question, digest = self._known.questions[number]
+            self._valid[number] = world.answers.digest_of(question) == digest
+        return self._valid[number]
+
+    def _keep(self, path: str, inputs: str, questions: Iterable[Question], hits: Any, world: Asked) -> None:
+        numbers = []
+        for question in questions:
+            if question not in self._numbers:
+                self._numbers[question] = len(self._questions)
+                self._questions.append((question, world.answers.digest_of(question)))
+            numbers.append(self._numbers[question])
+        self._units[path] = Unit(inputs, numbers, hits)
+
+
+class Asked:
+    """A world whose questions are noted, with digests of its answers. `checked` tells as what a path is checked."""
+
+    def __init__(self, world: CachedWorld, checked: Callable[[str], str]) -> None:
+        self._world = world
+        self._checked = checked
+        self._texts: dict[str, SourceFile] = {}
+        self.answers = Answers(self._answer)
+
+    def note_questions(self, compute: Callable[[], Iterable[Hit]]) -> tuple[list[Hit], set[Question]]:
+        """Return what `compute` gives, and the questions that it asks."""
+        asked: set[Question] = set()
+        self._world.noted = asked
+        try:
+            return list(compute()), asked
+        finally:
+            self._world.noted = None
+
+    def read_text(self, path: str) -> SourceFile:
+        """Return the text of a file as a launch file is read, one object for each path. Raises OSError."""
+        if path not in self._texts:
+            answer = self._world.answer(("read_bytes", path))
+            if not isinstance(answer, bytes):
+                raise OSError(0, "not readable", path)
+            self._texts[path] = SourceFile(path, decode_text(answer)[0])
+        return self._texts[path]
+
+    def _answer(self, question: Question) -> object:
+        return self._checked(question[1]) if question[0] == CHECKED else self._world.answer(question)
+
+
+class NotedTrees(dict[str, LaunchFile]):
+    """Launch files by absolute path. That one is asked for is noted as a question for its content."""
+
+    def __init__(self, world: CachedWorld) -> None:
+        super().__init__()
+        self._world = world
+
+    def get(self, path: str, default: LaunchFile | None = None) -> LaunchFile | None:  # type: ignore[override]
+        """See dict."""
+        self._world.note("read_bytes", path)
+        return super().get(path, default)
+
+
+def describe_package(package: Package | None) -> object:
+    """Return what the findings of a file depend on of its package, for `Recall.hits_of`."""
+    if package is None:
+        return None
+    bases = [(base.name, base.variants) for base in package.bases]
+    return (package.name, package.folder, package.follows_conventions, bases, sorted(package.depends))
