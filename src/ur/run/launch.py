@@ -15,6 +15,7 @@ from ur.run.master.search import find_master, read_run_id
 from ur.run.master.upload import remove_registrations, upload_parameters
 from ur.run.options import Options
 from ur.run.output.console import Console
+from ur.run.output.log_rotation import read_bounds
 from ur.run.paths import make_home, make_run_folder, new_run_id
 from ur.run.process.command import Program, find_programs, number_logs
 from ur.run.process.host_client import HostLost, ProcessHost
@@ -33,9 +34,10 @@ def run_plan(plan: Plan, world: World, host: ProcessHost, console: Console, opti
     """Run a plan without errors to its end and return the exit code.
 
     Raises UserError before anything is started: an executable that is missing, a node for another computer, a value
-    that no parameter can hold, no master on the selected robot, no place for log files.
+    that no parameter can hold, no master on the selected robot, no place for log files, a bad bound of their size.
     """
     environment = {**world.environment, **options.environment}
+    bounds = read_bounds(environment)
     nodes, programs = _find_nodes(plan, world, console, options)
     master = find_master(environment, options)
     run_id = read_run_id(master, options, console)
@@ -82,6 +84,8 @@ def run_plan(plan: Plan, world: World, host: ProcessHost, console: Console, opti
             set_parameters=lambda: upload_parameters(plan, master, extra, commands),
             unregister=lambda: remove_registrations(master, [node.full_name for node in nodes]),
             limits=options.limits,
+            log_name=entry.run,
+            log_bounds=bounds,
             restart_share=_report_share(options),
             master=master,
             timings=options.timings,

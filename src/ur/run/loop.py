@@ -11,6 +11,7 @@ from ur.run.clients.monitor import Monitor
 from ur.run.inbox import Inbox
 from ur.run.master.monitor import watch_any
 from ur.run.output.console import Console
+from ur.run.output.log_rotation import LogRotation
 from ur.run.output.reporter import Reporter
 from ur.run.output.router import Outputs
 from ur.run.process.foreground import Foreground
@@ -91,12 +92,15 @@ class _Loop:
             self._poll.register(source, select.POLLIN)
         self._foreground = Foreground(None if owner is None else owner.unit.name, terminal, console, host)
         self._monitor = Monitor(run.clients, self._poll, console, terminal)
+        rotation = LogRotation(run.folder, run.log_bounds, now=time.monotonic())
+        rotation.add(run.log_name)
         self._outputs = Outputs(
             self._poll,
             run.folder,
             console,
             self._monitor.publish_output,
             unattended=run.clients.unattended or owner is not None,
+            rotation=rotation,
         )
         self._starts = Starts(run, host, self._outputs, self._foreground)
         self._reporter = Reporter(run, console, self._outputs, self._monitor)

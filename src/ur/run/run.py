@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from ur.run.master.client import Master
+from ur.run.output.log_rotation import LogBounds
 from ur.run.process.command import Program
 from ur.run.supervisor.events import Event
 from ur.run.supervisor.model import Limits
@@ -54,6 +55,8 @@ class Run:
     set_parameters: Job
     unregister: Job
     limits: Limits = field(default_factory=Limits)
+    log_name: str = ""  # the stem of the log of the run itself, where that is detached
+    log_bounds: LogBounds = field(default_factory=LogBounds)
     restart_share: Callable[[], Event] | None = None  # StartShare; None: no robot has a share
     master: Master | None = None  # asked which nodes are up, while somebody wants to know
     timings: Timings | None = None  # told once every node is up

@@ -12,6 +12,7 @@ from ur.cli.runs.detached import choose_run, connect, describe_age, find_node_na
 from ur.cli.runs.ended_logs import find_ended_run, show_ended
 from ur.run.clients.client import RunClient, iterate_events
 from ur.run.clients.protocol import NodeChanged, Synchronised
+from ur.run.output.log_follower import LogFollower
 from ur.run.record.registry import RunEntry
 from ur.source.diagnostic import UserError, error
 
@@ -75,7 +76,8 @@ def _show(path: Path, client: RunClient, lines: int | None, silent: str, *, foll
     """Print a log file from its beginning or its last lines; `silent` is printed for an empty one."""
     try:
         with path.open("rb") as file:
-            data = file.read()
+            follower = LogFollower(file.fileno())
+            data = follower.read()
             if not data:
                 sys.stderr.write(f"{silent}\n")
                 sys.stderr.flush()
@@ -86,7 +88,7 @@ def _show(path: Path, client: RunClient, lines: int | None, silent: str, *, foll
                 sys.stdout.buffer.flush()
                 if not follow or (not data and client.receive() is None):
                     return 0
-                data = file.read()
+                data = follower.read()
                 if not data:
                     time.sleep(POLL_PERIOD)
     except OSError as problem:

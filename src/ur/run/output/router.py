@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from ur.run.output.console import Console
+from ur.run.output.log_rotation import LogRotation
 from ur.run.output.node_output import FLOOD_PAUSE, KEPT_LINES, LineSplitter, Stream, make_printable, read_last_lines
 from ur.run.process.command import Program
 
@@ -42,6 +43,7 @@ class Outputs:
         report: Callable[[str, OutputSource, str], None],
         *,
         unattended: bool,
+        rotation: LogRotation,
     ) -> None:
         """Log files go to `folder`, lines to `console` and `report`. `unattended`: only log files show them."""
         self._poll = poll
@@ -49,6 +51,7 @@ class Outputs:
         self._console = console
         self._report = report
         self._unattended = unattended
+        self._rotation = rotation
         self._outputs: dict[str, _Output] = {}
         self._streams: dict[int, Stream] = {}
         self._paused: dict[int, float] = {}  # descriptors that are not polled until a time
@@ -61,6 +64,7 @@ class Outputs:
         if before is not None:
             self._close(before)
         path = self.find_path(program)
+        self._rotation.add(program.log_name)
         log = _open_log(path, fresh=before is None)
         recent = before.recent if before else deque[str](maxlen=KEPT_LINES)
         output = _Output(path, log, [], recent)
@@ -114,12 +118,14 @@ class Outputs:
         return more
 
     @property
-    def due(self) -> float | None:
-        """The time at which `work` is due next; None: only on events."""
-        return min(self._paused.values(), default=None)
+    def due(self) -> float:
+        """The time at which `work` is due next."""
+        return min([self._rotation.due, *self._paused.values()])
 
     def work(self, now: float) -> None:
-        """Read the streams that were left alone until now."""
+        """Read the streams that were left alone until now, and cut log files that have become too large."""
+        if now >= self._rotation.due:
+            self._cut_logs(now)
         for descriptor in [each for each, due in self._paused.items() if due <= now]:
             self._poll.register(descriptor, select.POLLIN)
             del self._paused[descriptor]
@@ -194,6 +200,11 @@ class Outputs:
         output.read_back += len(data)
         for line in output.splitter.feed(data):
             self._report(name, "log", make_printable(line))
+
+    def _cut_logs(self, now: float) -> None:
+        removed = self._rotation.check(now)
+        for output in self._outputs.values() if removed else ():
+            output.read_back = max(0, output.read_back - removed.get(output.path, 0))
 
     def _pause(self, descriptor: int) -> None:
         if descriptor not in self._paused:

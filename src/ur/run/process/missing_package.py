@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from ur.debian.root import install_command
+from ur.source.suggest import get_command
 
 OS_RELEASE = Path("/etc/os-release")
 # Debian and Ubuntu split some ROS packages: the program is in one, what makes it known as a package in another.
@@ -35,5 +36,4 @@ def describe_install(package: str, os_release: Path = OS_RELEASE) -> str:
         return "this release does not package it; the terminal shows the map"
     if names is not None:
         return install_command(names)
-    dashed = package.replace("_", "-")
-    return f"install it (apt-get install ros-{dashed} or {dashed}), or add its folder to ROS_PACKAGE_PATH"
+    return f"{get_command(package)}, or add its folder to ROS_PACKAGE_PATH"

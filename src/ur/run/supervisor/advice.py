@@ -63,7 +63,7 @@ _BY_TEXT: tuple[tuple[str, str], ...] = (
     (r"(/dev/[\w./-]+)[^\n]*Permission denied|Permission denied[^\n]*?(/dev/[\w./-]+)", "you may not use the device: "
      "sudo usermod -aG dialout,video $USER, then log in again"),
     (r"(?:No such file or directory|could not open port|[Cc]annot open)[^\n]*?(/dev/[\w./-]+)", "is {0} plugged in? "
-     "ls -l {0}"),
+     "ur devices lists what is there"),
     (r"KeyError: '?([~/][\w/~]+)'?$", "the parameter {0!r} is not set: ur launch --dump-params shows those that are"),
     (r"(?:[Uu]nable to contact my own server|[Cc]ouldn't find an AF_INET address|Unable to register with master)",
      "the network names are wrong: look at ROS_HOSTNAME, ROS_IP and ROS_MASTER_URI (ur env)"),

@@ -1,0 +1,123 @@
+"""Bounds on the log files of a run: the oldest part of a file that grows beyond its bound is removed."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from ur.source.diagnostic import UserError, error
+
+BOUND_VARIABLE = "UR_LOG_MB"
+_DEFAULT_MB = 32
+_LARGEST_MB = 1_000_000
+_FILES = 16  # full files that a run may have before each of them gets less
+_SHORTEST, _LONGEST = 0.5, 5.0  # s between two checks
+_ROSOUT = "rosout.log"  # its node does not append, and starts another file after 100 MB
+
+
+@dataclass(frozen=True, slots=True)
+class LogBounds:
+    """The largest size of one log file, and of all log files of a run together, in bytes."""
+
+    file: int = _DEFAULT_MB * 1_000_000
+    run: int = _FILES * _DEFAULT_MB * 1_000_000
+
+
+def read_bounds(environment: Mapping[str, str]) -> LogBounds:
+    """Bounds from the variable UR_LOG_MB, MB of one file; a run may have 16 times as much. Raises UserError."""
+    text = environment.get(BOUND_VARIABLE, "").strip()
+    if not text:
+        return LogBounds()
+    try:
+        bound = float(text)
+    except ValueError:
+        bound = 0.0
+    if not 0.1 <= bound <= _LARGEST_MB:
+        raise UserError(
+            error(
+                f"{BOUND_VARIABLE} is '{text}', expected the largest size of a log file in MB, at least 0.1",
+                rule="bad-log-bound",
+                help=f"unset {BOUND_VARIABLE}, which means {_DEFAULT_MB}",
+            )
+        )
+    return LogBounds(round(bound * 1e6), round(bound * 1e6) * _FILES)
+
+
+def plan_cuts(sizes: Mapping[str, int], bounds: LogBounds) -> dict[str, int]:
+    """The bytes to keep of each file that is too large: half of what each may have at most.
+
+    Each may have the bound of a file, or less where all together would exceed the bound of the run; files that are
+    smaller than their share leave the rest of it to the others.
+    """
+    level, left = bounds.file, bounds.run
+    for rank, size in enumerate(sorted(sizes.values())):
+        share = left // (len(sizes) - rank)
+        if size > share:
+            level = min(level, share)
+            break
+        left -= size
+    return {path: level // 2 for path, size in sizes.items() if size > level}
+
+
+def plan_delay(before: int, now: int, elapsed: float, room: int) -> float:
+    """Seconds until the next check: half of what files take that grow as they did, in bytes, to fill the room."""
+    growth = (now - before) / elapsed if elapsed > 0 else 0.0
+    return _LONGEST if growth <= 0 else min(_LONGEST, max(_SHORTEST, room / growth / 2))
+
+
+class LogRotation:
+    """The log files of one run in its folder, which may hold those of other runs, too."""
+
+    def __init__(
+        self, folder: str, bounds: LogBounds, drop: Callable[[str, int], int] | None = None, now: float = 0.0
+    ) -> None:
+        """`drop(path, keep)` removes the beginning of a file and returns the number of removed bytes."""
+        self._folder = folder
+        self._bounds = bounds
+        self._drop = drop or _drop_beginning
+        self._names: set[str] = set()
+        self._checked = now
+        self._total = 0
+        self.due = now + _SHORTEST
+
+    def add(self, log_name: str) -> None:
+        """Include the files of a program: what it prints, and the log that rospy writes."""
+        self._names |= {f"{log_name}-stdout.log", f"{log_name}.log"}
+        if log_name.startswith("rosout-"):
+            self._names.add(_ROSOUT)
+
+    def check(self, now: float) -> dict[str, int]:
+        """Cut what is too large; returns the number of bytes that were removed from the beginning of each path."""
+        sizes, fixed = self._measure()
+        total = sum(sizes.values()) + fixed
+        bounds = LogBounds(self._bounds.file, max(0, self._bounds.run - fixed))
+        removed = {path: self._drop(path, keep) for path, keep in plan_cuts(sizes, bounds).items()}
+        left = total - sum(removed.values())
+        room = min(self._bounds.run - left, self._bounds.file - max(sizes.values(), default=0))
+        self.due = now + plan_delay(self._total, total, now - self._checked, max(0, room))
+        self._checked, self._total = now, left
+        return {path: count for path, count in removed.items() if count}
+
+    def _measure(self) -> tuple[dict[str, int], int]:
+        """The size of each own file that may be cut, and of the others together; old files of rosout are deleted."""
+        sizes, fixed = {}, 0
+        try:
+            with os.scandir(self._folder) as entries:
+                for entry in entries:
+                    stem, _, number = entry.name.rpartition(".")
+                    if entry.name in self._names and entry.name != _ROSOUT:
+                        sizes[entry.path] = entry.stat(follow_symlinks=False).st_size
+                    elif entry.name in self._names or (stem in self._names and number == "1"):
+                        fixed += entry.stat(follow_symlinks=False).st_size
+                    elif stem in self._names and number.isdigit():
+                        os.unlink(entry.path)  # noqa: PTH108 - pathlib is not worth its import here
+        except OSError:
+            return sizes, fixed  # the folder is gone, or a file just now
+        return sizes, fixed
+
+
+def _drop_beginning(path: str, keep: int) -> int:
+    from ur.run.output.log_cut import drop_beginning  # only for a file that has become large
+
+    return drop_beginning(path, keep)
