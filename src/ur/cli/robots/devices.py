@@ -1,0 +1,156 @@
+"""`ur devices`: what is plugged into this computer or a robot, and who may open it and has it open."""
+
+from __future__ import annotations
+
+import json
+import os
+import socket
+import sys
+from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
+from dataclasses import asdict
+
+import click
+
+from ur.cli.output import plain_text, write_exactly
+from ur.devices.known import describe_device, find_known
+from ur.devices.model import Device, Expected, Snapshot
+from ur.devices.needs import Need, examine, list_problems
+from ur.devices.probe import SECONDS, list_questions, parse_answers, probe_script
+from ur.devices.udev import write_rules
+from ur.request.environment import PACKAGE
+from ur.request.remote.connection import connect_robot, robot_address
+from ur.robot.base import load_base
+from ur.robot.devices import expected_devices, inspect_devices
+from ur.robot.discovery.record import load_records, records_folder
+from ur.robot.robot_file import load_robot_file
+from ur.robot.ssh.shell import LocalShell, Shell
+from ur.source.printable import printable
+from ur.source.progress_line import show_progress
+
+
+@click.command("devices")
+@click.option("--robot", metavar="ROBOT", help="The robot to look at: a name, HOST or USER@HOST. [default: here]")
+@click.option("--probe", is_flag=True, help="Ask devices what they are, where the question changes nothing.")
+@click.option("--base", metavar="BASE", help="Compare with what this base needs. [default: the robot's]")
+@click.option("--variant", default="", help="The variant of BASE.")
+@click.option(
+    "--rules", is_flag=True, help="Print udev rules with the stable names that BASE needs, and look at nothing."
+)
+@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+def command(robot: str | None, probe: bool, base: str | None, variant: str, rules: bool, as_json: bool) -> int:
+    """List the devices of this computer or a robot.
+
+    They are lidars, motor boards, cameras, joysticks. Of each: what it probably is by its USB id, the name that stays
+    the same in every port and after every boot, whether you may open it, and which program has it open. On a robot, or
+    with --base, it also says which device of the base is missing. The exit code is 1 when an expected device cannot be
+    used.
+    """
+    expected = _find_expected(robot, base, variant)
+    if rules:
+        write_exactly(write_rules(expected))
+        return 0
+    with ExitStack() as stack:
+        shell: Shell = LocalShell()
+        name = socket.gethostname().split(".")[0]
+        if robot is not None:
+            address = robot_address(robot)
+            shell, name = stack.enter_context(connect_robot(address)), address.host.removesuffix(".local")
+        with show_progress(f"looking at the devices of {name}"):
+            snapshot = inspect_devices(shell)
+        answers = _ask(shell, snapshot) if probe else {}
+    needs = examine(snapshot, expected)
+    if as_json:
+        _print_json(snapshot, needs, answers)
+    else:
+        _print_table(name, snapshot, answers)
+        _print_needs(needs, snapshot)
+    return 1 if any(need.state != "ready" for need in needs) else 0
+
+
+def _find_expected(robot: str | None, base: str | None, variant: str) -> tuple[Expected, ...]:
+    """Expected devices of the base that is given, else of the robot's as recorded here, else of this computer's."""
+    if base is None and robot is None:
+        file = load_robot_file()
+        base, variant = (file.base, file.variant) if file else ("", "")
+    elif base is None and robot is not None:
+        name = robot.rpartition("@")[2].removesuffix(".local")
+        record = next((each for each in load_records(records_folder(os.environ)) if each.name == name), None)
+        base, variant = (record.base, record.variant) if record else ("", "")
+    return expected_devices(load_base(PACKAGE, base, variant)) if base else ()
+
+
+def _ask(shell: Shell, snapshot: Snapshot) -> Mapping[str, str]:
+    questions = list_questions(snapshot)
+    if not questions:
+        return {}
+    with show_progress("asking devices what they are"):
+        return parse_answers(shell.run(probe_script(questions), timeout=10.0 + SECONDS * len(questions)).out)
+
+
+def _print_table(name: str, snapshot: Snapshot, answers: Mapping[str, str]) -> None:
+    from rich.console import Console
+    from rich.table import Table
+
+    devices = [each for each in snapshot.devices if each.kind != "usb" or find_known(each)]
+    if not devices:
+        where = ", which is a container: it shows only what its host passes on" if snapshot.container else ""
+        click.echo(f"no devices are plugged into {printable(name)}{where}")
+        return
+    table = Table()
+    for column in ("device", "what it is", "stable name", "you may open it", "in use by"):
+        table.add_column(column, overflow="fold")
+    unknown = "nobody" if snapshot.complete else f"nobody ({snapshot.user})"
+    for each in devices:
+        what = answers.get(each.path) or describe_device(each)
+        holders = ", ".join(f"{holder.program} ({holder.pid})" for holder in each.holders)
+        may = plain_text("yes") if each.allowed else plain_text(f"no: group {each.group}", "red")
+        table.add_row(
+            *map(plain_text, (each.path, _with_id(each, what), each.stable)), may, plain_text(holders or unknown)
+        )
+    Console(soft_wrap=not sys.stdout.isatty()).print(table)
+
+
+def _with_id(device: Device, what: str) -> str:
+    number = f", {device.serial}" if device.serial else ""
+    return f"{what} [{device.usb}{number}]" if device.usb else what
+
+
+def _print_needs(needs: Sequence[Need], snapshot: Snapshot) -> None:
+    for need in needs:
+        if need.state == "ready":
+            click.echo(printable(f"ok: {need.message}"))
+        else:
+            click.echo(printable(f"{need.state}: {need.message}"))
+            click.echo(printable(f"  help: {need.help}"))
+    told = {need.device.path for need in needs if need.device}
+    for state, device, help in list_problems(snapshot):
+        if device.path not in told:
+            click.echo(printable(f"{state}: {device.path}"))
+            click.echo(printable(f"  help: {help}"))
+
+
+def _print_json(snapshot: Snapshot, needs: Sequence[Need], answers: Mapping[str, str]) -> None:
+    devices = [
+        {
+            **asdict(each),
+            "what": describe_device(each),
+            "stable": each.stable,
+            "answer": answers.get(each.path),
+            "mode": None if each.mode is None else f"{each.mode:o}",
+        }
+        for each in snapshot.devices
+    ]
+    expected = [
+        {
+            "part": need.expected.part,
+            "path": need.expected.path,
+            "state": need.state,
+            "message": need.message,
+            "help": need.help,
+            "device": need.device.path if need.device else None,
+        }
+        for need in needs
+    ]
+    whole = {"devices": devices, "expected": expected, "all_users": snapshot.complete, "container": snapshot.container}
+    click.echo(json.dumps(whole, indent=2))

@@ -1,0 +1,121 @@
+"""The devices that a base needs, compared with those of a computer. Pure."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+from ur.devices.known import describe_device, find_known, find_rows
+from ur.devices.model import Device, Expected, Snapshot
+
+State = Literal["ready", "missing", "unnamed", "ambiguous", "forbidden", "busy"]
+LOGIN_PROMPT = "agetty"
+
+
+@dataclass(frozen=True, slots=True)
+class Need:
+    """An expected device and what became of it: its state, a sentence about it, and what to do ('' when ready).
+
+    `unnamed`: it is plugged in, but the name that launch files use does not lead to it.
+    """
+
+    expected: Expected
+    state: State
+    message: str
+    help: str = ""
+    device: Device | None = None
+
+
+def examine(snapshot: Snapshot, expected: Sequence[Expected]) -> list[Need]:
+    """Compare what is expected with what is there, in the order of `expected`."""
+    return [_examine(snapshot, each) for each in expected]
+
+
+def list_problems(snapshot: Snapshot) -> Iterator[tuple[State, Device, str]]:
+    """Name known devices that this user may not open, or that a program holds which is no driver."""
+    for device in snapshot.devices:
+        if not find_known(device) or device.kind == "usb":
+            continue
+        if not device.allowed and not device.holders:
+            yield "forbidden", device, explain_access(snapshot, device)
+        for holder in device.holders:
+            if holder.program in {each.program for each in snapshot.grabbers} | {LOGIN_PROMPT}:
+                yield "busy", device, explain_holder(device)
+
+
+def explain_access(snapshot: Snapshot, device: Device) -> str:
+    """Say what lets this user open a device."""
+    if device.group in snapshot.member and device.group not in snapshot.groups:
+        return f"{snapshot.user} is in the group {device.group} since this session began: log in again"
+    if device.group and device.group != "root" and (device.mode or 0) & 0o060 == 0o060:
+        return f"sudo usermod --append --groups {device.group} {snapshot.user}, then log in again"
+    return "install the udev rules: ur robot setup (a robot), or ur devices --rules (this computer)"
+
+
+def explain_holder(device: Device) -> str:
+    """Say how to free a device from the program that has it open."""
+    holder, unit = device.holders[0], find_unit(device)
+    if unit:
+        return f"sudo systemctl disable --now {unit}"
+    return f"end it: {holder.program}, process {holder.pid}" + (f", of {holder.user}" if holder.user else "")
+
+
+def find_unit(device: Device) -> str:
+    """The systemd unit of the program that has a device open, if it is one that opens strangers' devices; else ''."""
+    units = {
+        LOGIN_PROMPT: f"serial-getty@{device.path.rpartition('/')[2]}.service",
+        "ModemManager": "ModemManager.service",
+        "brltty": "brltty.service",
+    }
+    return next((units[holder.program] for holder in device.holders if holder.program in units), "")
+
+
+def _examine(snapshot: Snapshot, expected: Expected) -> Need:
+    part = "the base" if expected.part == "base" else f"the {expected.part}"
+    if not expected.path:
+        candidates = [device for device in snapshot.devices if device.kind == expected.kind]
+        if not candidates:
+            return Need(expected, "missing", f"no {expected.kind} is there, which {part} needs", _plug(expected))
+        return _opened(snapshot, expected, candidates[0], part)
+    device = next((each for each in snapshot.devices if expected.path in (each.path, *each.links)), None)
+    similar = [each for each in snapshot.devices if _may_be(each, expected)]
+    if device is None and similar:
+        where = ", ".join(each.path for each in similar)
+        text = f"{part} needs {expected.path}, and no such name is there; {where} may be it"
+        return Need(expected, "unnamed", text, "the name comes from our udev rules: ur robot setup", similar[0])
+    if device is None:
+        return Need(expected, "missing", f"{part} needs {expected.path}, which is not there", _plug(expected))
+    if len(similar) > 1 and expected.path not in (each.path for each in snapshot.devices):
+        where = " and ".join(each.path for each in similar)
+        text = f"{where} could both be {expected.path}, which {part} needs"
+        return Need(expected, "ambiguous", text, "unplug the other one, or give the driver a name of by-id", device)
+    return _opened(snapshot, expected, device, part)
+
+
+def _opened(snapshot: Snapshot, expected: Expected, device: Device, part: str) -> Need:
+    if device.holders and device.holders[0].program in (LOGIN_PROMPT, *(each.program for each in snapshot.grabbers)):
+        holder = device.holders[0]
+        text = f"{device.path}, which {part} needs, is in use by {holder.program} (process {holder.pid})"
+        return Need(expected, "busy", text, explain_holder(device), device)
+    if not device.allowed:
+        text = f"{snapshot.user} may not open {device.path} (group {device.group}), which {part} needs"
+        return Need(expected, "forbidden", text, explain_access(snapshot, device), device)
+    name = expected.path or device.path
+    return Need(expected, "ready", f"{name}: {describe_device(device)}", "", device)
+
+
+def _may_be(device: Device, expected: Expected) -> bool:
+    return any(row.matches(device) for row in find_rows(expected.hardware))
+
+
+def _plug(expected: Expected) -> str:
+    rows = find_rows(expected.hardware)
+    if not rows:
+        if expected.kind == "camera":
+            return "is its cable (ribbon or USB) plugged in at both ends? ur devices lists what is there"
+        return "is it plugged in and powered? ur devices lists what is there"
+    if rows[0].match.startswith("/"):
+        return "is the serial line enabled (Raspberry Pi: enable_uart=1 and dtoverlay=disable-bt in config.txt)?"
+    ids = " or ".join(dict.fromkeys(row.match for row in rows))
+    return f"is it plugged in and powered? {rows[0].what}, USB id {ids}"

@@ -1,0 +1,44 @@
+"""Udev rules that give devices stable names and let their group open them. Pure."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+
+from ur.devices.known import Known, find_rows, load_known
+from ur.devices.model import Expected
+
+RELOAD = (
+    "udevadm control --reload && udevadm trigger --subsystem-match=tty --action=change && udevadm settle --timeout=10"
+)
+_HEAD = """\
+# Stable names of the devices of robots. Written by ur.
+# A device with an id of its own always has its name; one behind a common serial chip only where a base expects it.
+"""
+
+
+def write_rules(expected: Sequence[Expected] = (), table: Sequence[Known] | None = None) -> str:
+    """The text of the rules file for the devices of a base; the same for the same arguments.
+
+    ModemManager leaves these devices alone, because it would send modem commands to them.
+    """
+    rows = [*_wanted(expected, load_known() if table is None else table)]
+    return _HEAD + "".join(_rule(row) for row in rows)
+
+
+def _wanted(expected: Iterable[Expected], table: Sequence[Known]) -> Iterator[Known]:
+    named = {row for each in expected for row in find_rows(each.hardware, table)}
+    for row in table:
+        if row.stable and not row.match.startswith("/") and (row.sure or row in named):
+            yield row
+
+
+def _rule(row: Known) -> str:
+    vendor, _, product = row.match.partition(":")
+    tests = ['SUBSYSTEM=="tty"', f'ATTRS{{idVendor}}=="{vendor}"']
+    if product != "*":
+        tests.append(f'ATTRS{{idProduct}}=="{product}"')
+    if row.product:
+        word = row.product.rpartition(")")[2]
+        tests.append(f'ATTRS{{serial}}=="{word}*"')
+    deeds = [f'SYMLINK+="{row.stable}"', 'GROUP="dialout"', 'MODE="0660"', 'ENV{ID_MM_DEVICE_IGNORE}="1"']
+    return f"# {row.what}\n{', '.join([*tests, *deeds])}\n"

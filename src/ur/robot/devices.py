@@ -1,0 +1,27 @@
+"""The devices that a base needs, and the devices of a computer that a shell reaches."""
+
+from __future__ import annotations
+
+from ur.devices.model import Expected, Snapshot
+from ur.devices.observe import device_script, parse_devices
+from ur.robot.base.model import Base
+from ur.robot.ssh.shell import Shell
+
+LOOK_SECONDS = 90.0
+
+
+def expected_devices(base: Base) -> tuple[Expected, ...]:
+    """The devices that the drivers of a base open: its own, then those of its sensors."""
+    drivers = (*([base.driver] if base.driver else []), *base.drivers)
+    found = []
+    for driver in drivers:
+        if driver.device:
+            found.append(Expected(driver.part, "serial", driver.device, driver.hardware, driver.baud))
+        elif driver.part == "raspicam":
+            found.append(Expected(driver.part, "camera"))
+    return tuple(found)
+
+
+def inspect_devices(shell: Shell) -> Snapshot:
+    """Look at the devices of a computer, as the user of the shell. Raises UserError when the connection is lost."""
+    return parse_devices(shell.run(device_script(), timeout=LOOK_SECONDS).out)

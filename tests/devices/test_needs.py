@@ -1,0 +1,68 @@
+"""What a base needs, compared with what is plugged in."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from ur.devices.model import Device, Expected, Holder, Snapshot
+from ur.devices.needs import State, examine, list_problems
+
+LIDAR = Device(
+    "/dev/ttyUSB0", "serial", "10c4:ea60", links=("/dev/rplidar",), mode=0o660, owner="root", group="dialout"
+)
+NEED = Expected("lidar", "serial", "/dev/rplidar", "rplidar")
+THERE = Snapshot("ros", frozenset({"dialout"}), frozenset({"dialout"}), (LIDAR,))
+
+
+def with_lidar(**changes: object) -> Snapshot:
+    return replace(THERE, devices=(replace(LIDAR, **changes),))  # type: ignore[arg-type] # a test's own keywords
+
+
+@pytest.mark.parametrize(
+    ("snapshot", "state", "text", "help"),
+    [
+        (THERE, "ready", "/dev/rplidar: probably Slamtec RPLIDAR", ""),
+        (replace(THERE, devices=()), "missing", "the lidar needs /dev/rplidar", "USB id 10c4:ea60"),
+        (with_lidar(links=()), "unnamed", "/dev/ttyUSB0 may be it", "ur robot setup"),
+        (with_lidar(allowed=False), "forbidden", "ros may not open /dev/ttyUSB0", "dialout"),
+        (
+            with_lidar(holders=(Holder(9, "agetty", "root"),)),
+            "busy",
+            "in use by agetty (process 9)",
+            "disable --now serial-getty@ttyUSB0.service",
+        ),
+        (
+            replace(THERE, devices=(LIDAR, replace(LIDAR, path="/dev/ttyUSB1", links=()))),
+            "ambiguous",
+            "/dev/ttyUSB0 and /dev/ttyUSB1 could both be /dev/rplidar",
+            "by-id",
+        ),
+    ],
+)
+def test_expected_device_is_reported_with_what_to_do(snapshot: Snapshot, state: State, text: str, help: str) -> None:
+    (need,) = examine(snapshot, [NEED])
+    assert need.state == state
+    assert text in need.message
+    assert help in need.help
+
+
+def test_driver_that_runs_is_no_problem() -> None:
+    (need,) = examine(with_lidar(holders=(Holder(9, "rplidarNode", "ros"),)), [NEED])
+    assert need.state == "ready"
+
+
+def test_any_camera_serves_a_base_that_needs_one() -> None:
+    need = Expected("raspicam", "camera")
+    assert examine(THERE, [need])[0].state == "missing"
+    camera = Device("/dev/video0", "camera")
+    assert examine(replace(THERE, devices=(camera,)), [need])[0].state == "ready"
+
+
+def test_group_that_was_joined_just_now_needs_a_login() -> None:
+    snapshot = replace(with_lidar(allowed=False), groups=frozenset())
+    ((state, _, help),) = list_problems(snapshot)
+    assert (state, help) == ("forbidden", "ros is in the group dialout since this session began: log in again")
+    ((_, _, help),) = list_problems(replace(snapshot, member=frozenset()))
+    assert help == "sudo usermod --append --groups dialout ros, then log in again"
