@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import click
 
 from ur.cli.files.new_parts import SUMMARY, in_package, show_done
@@ -163,22 +165,33 @@ def new_program(name: str | None, summary: str | None, package: str | None, laun
 @click.option("--lidar", is_flag=True, help="It has a lidar.")
 @click.option("--raspicam", is_flag=True, help="It has a Raspberry Pi camera.")
 @click.option("--like", metavar="BASE", help="Copy the parameter files of this base; without it of stage, if there.")
+@click.option("--from", "source", metavar="FILE", help="Read the figures from this URDF or xacro file.")
+@click.option(
+    "--workspace", metavar="FOLDER", help="Write it into a folder of its own, which extends ubiquity_launches."
+)
 def new_base(
     name: str | None, summary: str | None, package: str | None, lidar: bool, raspicam: bool, like: str | None,
-    **figures: float | None,
+    source: str | None, workspace: str | None, **figures: float | None,
 ) -> int:  # fmt: skip
-    """Write a base: bases/NAME/base.yaml, its URDF, and a parameter file wherever others have one."""
+    """Write a base: bases/NAME/base.yaml, its URDF, and a parameter file wherever others have one.
+
+    With --from its figures, wheels and sensors are read from a URDF or xacro file, and only the rest is asked for.
+    """
+    from ur.cli.files.base_from import describe_base, next_step, target_of
     from ur.new.model import NewFile
     from ur.new.package import write_base
 
-    target = show_done.target(package)
-    like = check_like(target, like)
+    place = target_of(package, workspace)
+    like = check_like(place.library, place.target.name, like)
     name = ask(name, "NAME", "Name of the base")
-    summary = ask(summary, "--summary", "What it is, in one line")
-    request = base_request(name, summary, figures, lidar=lidar, raspicam=raspicam)
-    text = write_base(request)
-    files = (NewFile(f"bases/{name}/base.yaml", text), *urdf_files(target, name, text, like))
-    return show_done(target, files, f"ur use sim:{name}")
+    if source is not None:
+        text = describe_base(Path(source), summary, figures, lidar=lidar, raspicam=raspicam)
+    else:
+        summary = ask(summary, "--summary", "What it is, in one line")
+        text = write_base(base_request(name, summary, figures, lidar=lidar, raspicam=raspicam))
+    beside = urdf_files(place.target, name, text, like, place.library, place.url)
+    files = place.place_files([NewFile(f"bases/{name}/base.yaml", text), *beside])
+    return show_done(place.target, files, next_step(place, name))
 
 
 @command.command("package")

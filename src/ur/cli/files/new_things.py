@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from ur.launchfile.world.protocol import World
 
 # The question, an ordinary value, and the least that a base file may have.
-_FIGURES: dict[str, tuple[str, float, float]] = {
+FIGURES: dict[str, tuple[str, float, float]] = {
     "length": ("Length in m", 0.4, 0.01),
     "width": ("Width in m", 0.35, 0.01),
     "height": ("Height in m", 0.25, 0.01),
@@ -147,18 +147,19 @@ def base_request(
 ) -> BaseRequest:
     """The figures of a base: those given, else those a person answers, else ordinary ones. Raises UserError."""
     for key, given in figures.items():
-        _check_figure(key, given)
+        check_figure(key, given)
     answers = {}
-    for key, (question, ordinary, _) in _FIGURES.items():
+    for key, (question, ordinary, _) in FIGURES.items():
         given = figures.get(key)
         if given is None and sys.stdin.isatty():
-            given = _check_figure(key, click.prompt(question, default=ordinary, type=float))
+            given = check_figure(key, click.prompt(question, default=ordinary, type=float))
         answers[key] = ordinary if given is None else given
     return BaseRequest(name, summary, lidar=lidar, raspicam=raspicam, **answers)
 
 
-def _check_figure(key: str, given: float | None) -> float | None:
-    question, _, least = _FIGURES[key]
+def check_figure(key: str, given: float | None) -> float | None:
+    """A figure of a base, if it is in the range of base files. Raises UserError."""
+    question, _, least = FIGURES[key]
     if given is None or least <= given <= _MOST:  # not so for NaN
         return given
     option = f"--{key.replace('_', '-')}"
@@ -166,18 +167,18 @@ def _check_figure(key: str, given: float | None) -> float | None:
     raise UserError(error(message, rule="bad-value", help=f"give {option}: {question}"))
 
 
-def check_like(target: Target, like: str | None) -> str | None:
+def check_like(library: Path, name: str, like: str | None) -> str | None:
     """The base whose parameter files are copied: without a choice `stage`, if the package has it. Raises UserError."""
     from ur.robot.base import list_bases
 
-    known = list_bases(target.folder)
+    known = list_bases(library)
     if like is None:
         return "stage" if "stage" in known else None
     if like in known:
         return like
     near = did_you_mean(like, known)
     help_ = f"did you mean {near}?" if near else None if known else "leave --like out"
-    expected = f"expected one of {', '.join(known)}" if known else f"package '{target.name}' has no bases yet"
+    expected = f"expected one of {', '.join(known)}" if known else f"package '{name}' has no bases yet"
     raise UserError(error(f"unknown base '{like}' for --like, {expected}", rule="unknown-base", help=help_))
 
 
@@ -213,10 +214,14 @@ def _world_of(target: Target) -> World:
     return SystemWorld({**os.environ, "ROS_PACKAGE_PATH": f"{target.folder}:{os.environ.get('ROS_PACKAGE_PATH', '')}"})
 
 
-def urdf_files(target: Target, name: str, text: str, like: str | None) -> list[NewFile]:
-    """The files of a new base beside its base.yaml: a parameter file wherever base `like` has one, and its URDF."""
+def urdf_files(target: Target, name: str, text: str, like: str | None, library: Path, url: str = "") -> list[NewFile]:
+    """The files of a new base beside its base.yaml: a parameter file wherever base `like` has one, and its URDF.
+
+    `library` is the package of `like`; `url` is that of the folder of the files, unless it is a package.
+    """
     from ur.robot.base import read_base
     from ur.robot.base.body_mesh import make_body, write_stl
+    from ur.robot.base.parameters import fit_parameters
     from ur.robot.base.urdf import write_urdf
 
     with tempfile.TemporaryDirectory() as folder:
@@ -224,14 +229,17 @@ def urdf_files(target: Target, name: str, text: str, like: str | None) -> list[N
         path.write_text(text, encoding="utf-8")
         base = read_base(path, name)
     files = [
-        NewFile(str(each.relative_to(target.folder).with_name(f"{name}.yaml")), each.read_text(encoding="utf-8"))
-        for each in sorted(target.folder.glob(f"*/params/{like}.yaml"))
+        NewFile(
+            str(each.relative_to(library).with_name(f"{name}.yaml")),
+            fit_parameters(each.read_text(encoding="utf-8"), like, base),
+        )
+        for each in sorted(library.glob(f"*/params/{like}.yaml"))
         if like is not None and each.parts[-3] != "n_stage_ros"
     ]
-    if (target.folder / "n_robot_state_publisher").is_dir():
+    if (library / "n_robot_state_publisher").is_dir():
         mesh = f"n_robot_state_publisher/meshes/{name}.stl"
         files.append(NewFile(mesh, write_stl(make_body(base))))
-        urdf = write_urdf(base, f"package://{target.name}/{mesh}")
+        urdf = write_urdf(base, f"{url or f'package://{target.name}'}/{mesh}")
         files.append(NewFile(f"n_robot_state_publisher/urdf/{name}.urdf", urdf))
     return files
 

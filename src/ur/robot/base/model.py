@@ -80,7 +80,8 @@ class Driver:
     """The upstream node for a piece of hardware: `part` is 'base', or the sensor that it reads.
 
     `node` is the launch directory that starts it ('' when there is none), `device` where the hardware is ('' when it is
-    no device file), `baud` its speed (0 when that means nothing), `install` one line on how to get the package.
+    no device file), `baud` its speed (0 when that means nothing), `install` one line on how to get the package,
+    `hardware` its id in the table of known devices (`ur.devices.known`; '' when it has none).
     """
 
     part: str
@@ -90,6 +91,7 @@ class Driver:
     device: str
     baud: int
     install: str
+    hardware: str = ""
 
 
 @dataclass(frozen=True, slots=True)

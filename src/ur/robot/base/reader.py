@@ -5,10 +5,12 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
+from ur.devices.known import find_rows, load_known
 from ur.robot.base.model import Base, Battery, Caster, Driver, Limits, Odometry, Wheels
 from ur.robot.base.outline import Point, find_crossing, is_inside, measure_area
 from ur.robot.base.sensor_reader import SENSORS, Sensors, read_sensors, read_topic
 from ur.source.section import Section
+from ur.source.suggest import did_you_mean
 
 TECHNOLOGIES = ("lead-acid", "lifepo4", "lithium-ion", "lithium-polymer", "nicd", "nimh")
 _TOLERANCE = 0.001  # m
@@ -156,7 +158,16 @@ def _driver(name: str, part: Section) -> Driver:
         device=_word(part, "device", r"/dev/[\w./:-]+", "a device file, as /dev/ttyAMA0", ""),
         baud=part.integer("baud", 0, minimum=0),
         install=part.text("install"),
+        hardware=part.text("hardware", ""),
     )
+    if driver.hardware and not find_rows(driver.hardware):
+        ids = sorted({row.id for row in load_known()})
+        near = did_you_mean(driver.hardware, ids)
+        part.fail(
+            "hardware",
+            f"hardware: {driver.hardware!r} in {part.name} is no known device, expected one of {', '.join(ids)}",
+            f"did you mean {near!r}?" if near else "leave it out for a device that the table does not have",
+        )
     if not driver.install.strip() or "\n" in driver.install.strip():
         part.fail("install", f"install: {driver.install!r} in {part.name}, expected one line on how to get the package")
     part.finish()

@@ -1,0 +1,58 @@
+"""Parameter files of one base, made to fit another: outline and speeds are those of its base file."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+
+from ur.robot.base.model import Base
+
+_OUTLINE = re.compile(r"^( *footprint:)\s*\[\[[^#]*?\]\]", re.MULTILINE)
+_SHARE = 0.6  # of the highest speed, at which a person starts to steer
+_EXPECTED = 8.0  # scans a second, at least, where a file says nothing else
+
+
+def fit_parameters(text: str, like: str, base: Base) -> str:
+    """The text of a parameter file of base `like`, for another base: with its outline, its speeds and its scan rate."""
+    points = ", ".join(f"[{x:g}, {y:g}]" for x, y in base.footprint)
+    text = _OUTLINE.sub(rf"\1 [{points}]", text)
+    for key, value in _list_values(base).items():
+        text = re.sub(rf"^( *{key}:) *[-+.\de]+(?=\s)", rf"\1 {value:g}", text, flags=re.MULTILINE)
+    if base.lidar and base.lidar.rate < _EXPECTED and "odom_model_type:" in text:
+        text = re.sub(
+            r"^transform_tolerance: .*", f"transform_tolerance: {2.0 / base.lidar.rate:g} # s", text, flags=re.M
+        )
+    return re.sub(r"^#.*", lambda line: re.sub(rf"\b{re.escape(like)}\b", base.name, line[0]), text, flags=re.MULTILINE)
+
+
+def _list_values(base: Base) -> Mapping[str, float]:
+    limits = base.limits
+    slow, slow_turn = _round(_SHARE * limits.velocity), _round(_SHARE * limits.angular_velocity)
+    values = {
+        "max_vel_trans": limits.velocity,
+        "max_vel_x": limits.velocity,
+        "max_vel_theta": limits.angular_velocity,
+        "acc_lim_x": limits.acceleration,
+        "acc_lim_theta": limits.angular_acceleration,
+        "speed": slow,
+        "turn": slow_turn,
+        "scale_linear": slow,
+        "scale_angular": slow_turn,
+        "scale_linear_turbo": limits.velocity,
+        "scale_angular_turbo": limits.angular_velocity,
+        "speed_limit": limits.velocity,
+        "turn_limit": limits.angular_velocity,
+        "speed_lim_v": limits.velocity,
+        "speed_lim_w": limits.angular_velocity,
+        "accel_lim_v": limits.acceleration,
+        "accel_lim_w": limits.angular_acceleration,
+        "decel_factor": min(2.0, _round(limits.deceleration / limits.acceleration)),
+    }
+    if base.lidar and base.lidar.rate < _EXPECTED:  # scans come later than the files expect
+        values["expected_update_rate"] = _round(4.5 / base.lidar.rate)
+    return values
+
+
+def _round(value: float) -> float:
+    """Three decimals, not above the value."""
+    return int(value * 1000.0 + 1e-6) / 1000.0

@@ -1,0 +1,107 @@
+"""A robot description as data. Lengths are in m, masses in kg, angles in rad, rates in Hz."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from ur.robot.description.pose import Pose, Vector
+
+
+@dataclass(frozen=True, slots=True)
+class Shape:
+    """A solid in its link. `size` is that of a box (x, y, z), a cylinder (radius, length) or a sphere (radius)."""
+
+    kind: Literal["box", "cylinder", "sphere"]
+    size: tuple[float, ...]
+    pose: Pose
+
+
+@dataclass(frozen=True, slots=True)
+class Inertia:
+    """The inertial part of a link: principal moments about the axes of `pose`, kg m^2."""
+
+    mass: float
+    moments: Vector
+    pose: Pose
+
+
+@dataclass(frozen=True, slots=True)
+class Link:
+    """A link. `meshes` is how many of its geometries are meshes, which have no size here."""
+
+    name: str
+    collision: tuple[Shape, ...] = ()
+    visual: tuple[Shape, ...] = ()
+    meshes: int = 0
+    inertia: Inertia | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Joint:
+    """A joint; `axis` is in its own frame, `velocity` (rad/s) is the limit that it states, None without one."""
+
+    name: str
+    kind: str
+    parent: str
+    child: str
+    pose: Pose
+    axis: Vector
+    velocity: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class GazeboSensor:
+    """A `<sensor>` of a `<gazebo reference=...>`: its link, its type and plugin, and figures by name.
+
+    The names are: rate, samples, angle_min, angle_max, range_min, range_max, noise, field_of_view, width, height.
+    """
+
+    link: str
+    kind: str
+    name: str
+    plugin: str
+    pose: Pose
+    figures: tuple[tuple[str, float], ...] = ()
+
+    def figure(self, name: str) -> float | None:
+        """One of its figures; None for one that is not given."""
+        return dict(self.figures).get(name)
+
+
+@dataclass(frozen=True, slots=True)
+class DrivePlugin:
+    """A gazebo plugin that drives wheels: the joints of each side, and the figures that it is given."""
+
+    left: tuple[str, ...]
+    right: tuple[str, ...]
+    separation: float | None = None
+    radius: float | None = None
+    velocity: float | None = None
+    angular_velocity: float | None = None
+    acceleration: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Description:
+    """A robot: a tree of links, whose root is `root`."""
+
+    name: str
+    root: str
+    links: tuple[Link, ...]
+    joints: tuple[Joint, ...]
+    sensors: tuple[GazeboSensor, ...] = ()
+    drive: DrivePlugin | None = None
+
+    def places(self) -> dict[str, Pose]:
+        """The pose of each link in the root link, with every joint at zero."""
+        by_parent: dict[str, list[Joint]] = {}
+        for joint in self.joints:
+            by_parent.setdefault(joint.parent, []).append(joint)
+        places, left = {self.root: Pose()}, [self.root]
+        while left:
+            parent = left.pop()
+            for joint in by_parent.get(parent, ()):
+                places[joint.child] = places[parent].then(joint.pose)
+                left.append(joint.child)
+        return places

@@ -1,0 +1,22 @@
+"""Numbers in the text of a description."""
+
+from __future__ import annotations
+
+import math
+
+MOST = 1e6
+
+
+def read_numbers(text: str) -> tuple[float, ...] | None:
+    """Numbers that blanks separate; None where one is no number, not finite, or beyond MOST."""
+    try:
+        numbers = tuple(float(word) for word in text.split())
+    except ValueError:
+        return None
+    return numbers if all(math.isfinite(number) and abs(number) <= MOST for number in numbers) else None
+
+
+def read_number(text: str | None) -> float | None:
+    """One number; None for anything else."""
+    numbers = read_numbers(text or "")
+    return numbers[0] if numbers and len(numbers) == 1 else None

@@ -1,0 +1,162 @@
+"""URDF text to a Description. Every reader raises UserError, with the link or joint, for a value it cannot use."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from typing import NoReturn
+from xml.etree import ElementTree
+
+from ur.robot.description.gazebo import read_drive, read_sensors
+from ur.robot.description.model import Description, Inertia, Joint, Link, Shape
+from ur.robot.description.numbers import MOST, read_numbers
+from ur.robot.description.pose import Pose, Vector, make_pose
+from ur.source.diagnostic import UserError, error
+
+Element = ElementTree.Element
+
+_KINDS = ("fixed", "continuous", "revolute", "prismatic", "floating", "planar")
+_LONGEST = 20_000_000  # characters
+
+
+def parse_urdf(text: str, path: str) -> Description:
+    """Read a URDF; `path` names it in errors. Entities are refused: a description has no use for them."""
+    if len(text) > _LONGEST:
+        _fail(path, f"{len(text)} characters, expected a URDF of at most {_LONGEST}")
+    if re.search(r"<!(DOCTYPE|ENTITY)", text):
+        _fail(path, "has a document type, expected a URDF without one", "remove <!DOCTYPE ...> and its entities")
+    try:
+        root = ElementTree.fromstring(text)  # noqa: S314 - without a document type there are no entities
+    except (ElementTree.ParseError, ValueError) as problem:
+        _fail(path, f"not well-formed XML, expected a URDF: {problem}")
+    if root.tag != "robot":
+        _fail(path, f"begins with <{root.tag}>, expected a URDF, which begins with <robot>")
+    links = tuple(_link(path, element) for element in root.findall("link"))
+    joints = tuple(_joint(path, element) for element in root.findall("joint"))
+    plugins = [(each.get("reference", ""), each) for each in root.findall("gazebo")]
+    known = {link.name for link in links}
+    return Description(
+        name=root.get("name", ""),
+        root=_find_root(path, links, joints),
+        links=links,
+        joints=joints,
+        sensors=tuple(sensor for sensor in read_sensors(plugins) if sensor.link in known),
+        drive=read_drive(plugins),
+    )
+
+
+def _find_root(path: str, links: Sequence[Link], joints: Sequence[Joint]) -> str:
+    names = [link.name for link in links]
+    children = [joint.child for joint in joints]
+    for what, given in (("link", names), ("child link", children)):
+        seen: set[str] = set()
+        for name in given:
+            if name in seen:
+                _fail(path, f"{what} {name!r} is given twice, expected a tree of links")
+            seen.add(name)
+    for joint in joints:
+        for name in (joint.parent, joint.child):
+            if name not in names:
+                _fail(path, f"joint {joint.name!r} names link {name!r}, which does not exist")
+    roots = [name for name in names if name not in set(children)]
+    if len(roots) != 1:
+        found = "no link" if not names else f"{len(roots)} links without a parent"
+        _fail(path, f"{found} ({', '.join(roots[:5])}), expected a tree of links with one root")
+    whole = Description("", roots[0], tuple(links), tuple(joints))
+    if len(whole.places()) != len(names):
+        _fail(path, "joints form a loop, expected a tree of links")
+    return roots[0]
+
+
+def _link(path: str, element: Element) -> Link:
+    name = element.get("name", "")
+    where = f"link {name!r}"
+    if not name:
+        _fail(path, "a link has no name, expected <link name=...>")
+    geometries = [*element.iterfind("collision/geometry/mesh"), *element.iterfind("visual/geometry/mesh")]
+    return Link(
+        name,
+        tuple(_shapes(path, where, element.findall("collision"))),
+        tuple(_shapes(path, where, element.findall("visual"))),
+        len(geometries),
+        _inertia(path, where, element.find("inertial")),
+    )
+
+
+def _shapes(path: str, where: str, elements: Iterable[Element]) -> Iterator[Shape]:
+    for element in elements:
+        pose = _origin(path, where, element)
+        for kind in element.findall("geometry/*"):
+            if kind.tag == "box":
+                yield Shape("box", _numbers(path, where, kind, "size", 3), pose)
+            elif kind.tag == "cylinder":
+                radius, length = (_numbers(path, where, kind, key, 1)[0] for key in ("radius", "length"))
+                yield Shape("cylinder", (radius, length), pose)
+            elif kind.tag == "sphere":
+                yield Shape("sphere", _numbers(path, where, kind, "radius", 1), pose)
+
+
+def _inertia(path: str, where: str, element: Element | None) -> Inertia | None:
+    if element is None or (mass := element.find("mass")) is None:
+        return None
+    value = _numbers(path, where, mass, "value", 1)[0]
+    if value < 0.0:
+        _fail(path, f"{where}: mass {value:g}, expected at least 0")
+    tensor = element.find("inertia")
+    moments = (
+        [_numbers(path, where, tensor, key, 1)[0] if tensor.get(key) else 0.0 for key in ("ixx", "iyy", "izz")]
+        if tensor is not None
+        else [0.0, 0.0, 0.0]
+    )
+    return Inertia(value, (moments[0], moments[1], moments[2]), _origin(path, where, element))
+
+
+def _joint(path: str, element: Element) -> Joint:
+    name, kind = element.get("name", ""), element.get("type", "")
+    where = f"joint {name!r}"
+    if kind not in _KINDS:
+        _fail(path, f"{where}: type {kind!r}, expected one of {', '.join(_KINDS)}")
+    ends = [end.get("link", "") if (end := element.find(key)) is not None else "" for key in ("parent", "child")]
+    axle, limit = element.find("axis"), element.find("limit")
+    axis = _vector(path, where, axle, "xyz") if axle is not None and axle.get("xyz") else (1.0, 0.0, 0.0)
+    length = math.hypot(*axis)
+    velocity = None
+    if limit is not None and limit.get("velocity"):
+        velocity = _numbers(path, where, limit, "velocity", 1)[0]
+    return Joint(
+        name,
+        kind,
+        ends[0],
+        ends[1],
+        _origin(path, where, element),
+        (axis[0] / length, axis[1] / length, axis[2] / length) if length > 0.0 else (1.0, 0.0, 0.0),
+        velocity,
+    )
+
+
+def _origin(path: str, where: str, element: Element) -> Pose:
+    origin = element.find("origin")
+    if origin is None:
+        return Pose()
+    at = _vector(path, where, origin, "xyz") if origin.get("xyz") else (0.0, 0.0, 0.0)
+    angles = _vector(path, where, origin, "rpy") if origin.get("rpy") else (0.0, 0.0, 0.0)
+    return make_pose(at, angles)
+
+
+def _vector(path: str, where: str, element: Element, key: str) -> Vector:
+    x, y, z = _numbers(path, where, element, key, 3)
+    return x, y, z
+
+
+def _numbers(path: str, where: str, element: Element, key: str, count: int) -> tuple[float, ...]:
+    text = element.get(key, "")
+    numbers = read_numbers(text)
+    if numbers is None or len(numbers) != count:
+        what = "a number" if count == 1 else f"{count} numbers"
+        _fail(path, f"{where}: {key} of <{element.tag}> is {text[:80]!r}, expected {what} of at most {MOST:g}")
+    return numbers
+
+
+def _fail(path: str, message: str, help_: str | None = None) -> NoReturn:
+    raise UserError(error(f"{path}: {message}", rule="bad-description", help=help_, subject=path))

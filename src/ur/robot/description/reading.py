@@ -1,0 +1,267 @@
+"""From a description to the figures of a base, and to the questions that it leaves open.
+
+The origin of a base is on the ground between the driven wheels; a robot with several driven axles (skid steer) becomes
+one with two driven wheels between them and a free support below the first and the last axle.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from ur.robot.base.outline import Point, is_inside
+from ur.robot.description.drive import Drive, find_drive
+from ur.robot.description.model import Description
+from ur.robot.description.outlines import draw_outline, measure_extent
+from ur.robot.description.pose import Pose
+from ur.robot.description.sensing import FoundSensor, find_sensors, list_extra_sensors
+
+BRAKING = 0.13  # s from full speed to rest, so that a robot stops within 0.3 s of its last command
+HIGHEST_VELOCITY = 0.6  # m/s, and rad/s below: what can be braked in that time without sliding
+HIGHEST_ANGULAR_VELOCITY = 1.5
+# The least and the most that a base may have; anything else in a description is taken for a mistake, and asked for.
+QUESTIONS: Mapping[str, tuple[float, float]] = {
+    "length": (0.01, 10.0),
+    "width": (0.01, 10.0),
+    "height": (0.02, 10.0),
+    "mass": (0.05, 10000.0),
+    "wheel_radius": (0.005, 2.0),
+    "wheel_separation": (0.02, 10.0),
+    "velocity": (0.05, HIGHEST_VELOCITY),
+    "angular_velocity": (0.1, HIGHEST_ANGULAR_VELOCITY),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Figure:
+    """A value, and where it is from."""
+
+    value: float
+    source: str
+
+
+@dataclass(frozen=True, slots=True)
+class Support:
+    """A free support, at (x, y) of the base."""
+
+    x: float
+    y: float
+    radius: float
+    source: str
+
+
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """The facts of a description, in `base_footprint`. `open` are the figures of QUESTIONS that it does not give.
+
+    `outline` and `body` are () while length or width is open. `notes` are what its reader should know.
+    """
+
+    name: str
+    figures: Mapping[str, Figure]
+    open: tuple[str, ...]
+    outline: tuple[Point, ...]
+    body: tuple[Point, ...]
+    supports: tuple[Support, ...]
+    sensors: tuple[FoundSensor, ...]
+    notes: tuple[str, ...]
+
+
+def read_base_figures(description: Description, given: Mapping[str, float]) -> Reading:
+    """Read what a description says of a base; `given` figures (names of QUESTIONS) are taken instead."""
+    drive = find_drive(description)
+    sensors = find_sensors(description)
+    wheels = {wheel.joint.child for wheel in drive.wheels}
+    figures = {key: Figure(value, "given") for key, value in given.items()}
+    _read_wheels(description, drive, figures)
+    origin = _find_origin(description, drive, figures)
+    aside = {sensor.link for sensor in sensors} | {support.link for support in drive.casters} | wheels
+    body = measure_extent(description, aside)
+    points = [(x - origin[0], y - origin[1], z - origin[2]) for x, y, z in body.points]
+    notes = [f"link {name} is a mesh; its size is that of a solid box with its inertia" for name in body.estimated]
+    notes += [f"link {name} is a mesh without a size; it is left out" for name in body.unknown]
+    outline, inner = _read_outline(drive, figures, [(x, y) for x, y, _ in points], origin)
+    _read_heights(figures, [z for _, _, z in points])
+    _read_masses(description, drive, figures)
+    _read_limits(description, drive, figures)
+    supports = _read_supports(drive, figures, outline, origin)
+    if len({round(wheel.x, 3) for wheel in drive.wheels}) > 1:
+        notes.append("several driven axles (skid steer): simulated as two driven wheels between them")
+    extra = list_extra_sensors(description, sensors)
+    if extra:
+        notes.append(f"left out, since a base has one sensor of a kind: {', '.join(extra)}")
+    return Reading(
+        description.name,
+        figures,
+        tuple(key for key, ends in QUESTIONS.items() if key not in figures or not _fits(figures[key], ends)),
+        outline,
+        inner,
+        supports,
+        tuple(replace(each, pose=_moved(each.pose, origin)) for each in sensors),
+        tuple(notes),
+    )
+
+
+def _fits(figure: Figure, ends: tuple[float, float]) -> bool:
+    return ends[0] <= figure.value <= ends[1]
+
+
+def _read_wheels(description: Description, drive: Drive, figures: dict[str, Figure]) -> None:
+    known = [wheel for wheel in drive.wheels if wheel.radius]
+    if known:
+        radius = sum(wheel.radius or 0.0 for wheel in known) / len(known)
+        figures.setdefault("wheel_radius", Figure(radius, known[0].source))
+    if drive.wheels:
+        sides = [sum(wheel.y for wheel in side) / len(side) for side in (drive.left, drive.right)]
+        source = f"joints {drive.left[0].joint.name} and {drive.right[0].joint.name}"
+        figures.setdefault("wheel_separation", Figure(sides[0] - sides[1], source))
+    elif description.drive:
+        plugin = description.drive
+        for key, value in (("wheel_radius", plugin.radius), ("wheel_separation", plugin.separation)):
+            if value is not None:
+                figures.setdefault(key, Figure(value, "gazebo plugin"))
+    widths = [wheel.width for wheel in drive.wheels if wheel.width and wheel.width >= 0.001]
+    if widths:
+        figures["wheel_width"] = Figure(max(widths), f"link {drive.wheels[0].joint.child}")
+    elif "wheel_radius" in figures:
+        figures["wheel_width"] = Figure(min(0.03, figures["wheel_radius"].value), "usual")
+
+
+def _find_origin(description: Description, drive: Drive, figures: Mapping[str, Figure]) -> tuple[float, float, float]:
+    """The point of the ground between the driven wheels, in the root link."""
+    if drive.wheels:
+        xs, ys, zs = ([getattr(wheel, axis) for wheel in drive.wheels] for axis in "xyz")
+        radius = figures["wheel_radius"].value if "wheel_radius" in figures else 0.0
+        return (max(xs) + min(xs)) / 2.0, (max(ys) + min(ys)) / 2.0, sum(zs) / len(zs) - radius
+    lowest = min((z for _, _, z in measure_extent(description, ()).points), default=0.0)
+    return 0.0, 0.0, lowest
+
+
+def _read_outline(
+    drive: Drive, figures: dict[str, Figure], points: Sequence[Point], origin: Sequence[float]
+) -> tuple[tuple[Point, ...], tuple[Point, ...]]:
+    inner = draw_outline(points)
+    sizes: dict[str, float] = {}
+    for axis, key in enumerate(("length", "width")):
+        if inner:
+            figures.setdefault(key, Figure(_span(inner, axis), "shapes of what is fixed to the base"))
+        if key in figures:
+            sizes[key] = figures[key].value
+    if len(sizes) < 2:
+        return (), ()
+    if any(figures[key].source == "given" for key in sizes):
+        x, y = ((max(p[axis] for p in inner) + min(p[axis] for p in inner)) / 2.0 if inner else 0.0 for axis in (0, 1))
+        half, side = sizes["length"] / 2.0, sizes["width"] / 2.0
+        corners = [(half, -side), (half, side), (-half, side), (-half, -side)]
+        inner = draw_outline((x + dx, y + dy) for dx, dy in corners)
+    if "wheel_radius" not in figures or "wheel_separation" not in figures:
+        return inner, ()
+    radius, side = figures["wheel_radius"].value, figures["wheel_separation"].value / 2.0
+    half = figures["wheel_width"].value / 2.0
+    axles = {wheel.x - origin[0] for wheel in drive.wheels} | {0.0}
+    tyres = [(x + dx, y + dy) for x in axles for y in (side, -side) for dx in (radius, -radius) for dy in (half, -half)]
+    outline = draw_outline([*inner, *tyres])
+    return outline, inner if outline != inner else ()
+
+
+def _span(points: Sequence[Point], axis: int) -> float:
+    return max(point[axis] for point in points) - min(point[axis] for point in points)
+
+
+def _read_heights(figures: dict[str, Figure], heights: Sequence[float]) -> None:
+    if heights and max(heights) >= 0.02:
+        figures.setdefault("height", Figure(max(heights), "shapes of what is fixed to the base"))
+    radius = figures["wheel_radius"].value if "wheel_radius" in figures else 0.06
+    clearance = Figure(min(0.03, radius / 2.0), "usual")
+    if heights and min(heights) >= 0.005:
+        clearance = Figure(min(heights), "lowest shape of the base")
+    if "height" in figures:
+        clearance = replace(clearance, value=max(0.001, min(clearance.value, figures["height"].value - 0.01)))
+    figures["ground_clearance"] = clearance
+
+
+def _read_masses(description: Description, drive: Drive, figures: dict[str, Figure]) -> None:
+    wheels = {wheel.joint.child for wheel in drive.wheels}
+    masses = {link.name: link.inertia.mass for link in description.links if link.inertia}
+    body = sum(mass for name, mass in masses.items() if name not in wheels)
+    if body >= 0.01:  # else only its wheels have one
+        figures.setdefault("mass", Figure(sum(masses.values()), "sum of all links"))
+    if "mass" in figures:
+        usual = Figure(figures["mass"].value / 20.0, "usual")
+        each_side = sum(wheel.mass for wheel in drive.wheels) / 2.0
+        fits = 0.001 <= each_side <= 0.4 * figures["mass"].value
+        figures["wheel_mass"] = Figure(each_side, "inertia of the wheels") if fits else usual
+
+
+def _read_limits(description: Description, drive: Drive, figures: dict[str, Figure]) -> None:
+    """Speeds of a gazebo plugin, else of joints; far higher ones are what their authors never set."""
+    plugin = description.drive
+    turns = [wheel.joint.velocity for wheel in drive.wheels]
+    speeds = [speed for speed in turns if speed is not None and speed > 0.0]
+    radius, separation = figures.get("wheel_radius"), figures.get("wheel_separation")
+    velocity = Figure(plugin.velocity, "gazebo plugin") if plugin and plugin.velocity else None
+    if velocity is None and speeds and radius and min(speeds) * radius.value <= 3.0:
+        velocity = Figure(min(speeds) * radius.value, f"limit of joint {drive.wheels[0].joint.name}")
+    if velocity and velocity.value >= 0.05:
+        figures.setdefault("velocity", _limited(velocity, HIGHEST_VELOCITY, "m/s"))
+    turning = Figure(plugin.angular_velocity, "gazebo plugin") if plugin and plugin.angular_velocity else None
+    if turning is None and velocity and velocity.value >= 0.05 and separation:
+        turning = Figure(2.0 * velocity.value / separation.value, "velocity and separation of the wheels")
+    if turning and turning.value >= 0.2:
+        figures.setdefault("angular_velocity", _limited(turning, HIGHEST_ANGULAR_VELOCITY, "rad/s"))
+    acceleration = plugin.acceleration if plugin else None
+    usual = acceleration is None or not 0.2 <= acceleration <= 1.5
+    figures["acceleration"] = Figure(0.8, "usual") if usual else Figure(acceleration or 0.8, "gazebo plugin")
+
+
+def _limited(figure: Figure, most: float, unit: str) -> Figure:
+    if figure.value <= most:
+        return figure
+    return Figure(most, f"{figure.source}: {figure.value:g} {unit}; this is what can be stopped in time")
+
+
+def _read_supports(
+    drive: Drive, figures: Mapping[str, Figure], outline: Sequence[Point], origin: Sequence[float]
+) -> tuple[Support, ...]:
+    """The casters, or the outer axles of a skid steer; usual ones where the robot would tip over."""
+    if not outline or "wheel_radius" not in figures or "wheel_separation" not in figures:
+        return ()
+    most = figures["wheel_radius"].value
+    usual = min(0.02, most / 2.0)
+    found = [
+        Support(
+            c.x - origin[0],
+            c.y - origin[1],
+            min(c.radius, most) if c.radius and c.radius >= 0.001 else usual,
+            f"link {c.link}",
+        )
+        for c in drive.casters
+        if abs(c.x - origin[0]) > 0.005
+    ]
+    axles = sorted({round(wheel.x - origin[0], 4) for wheel in drive.wheels})
+    if len(axles) > 1 and axles[-1] - axles[0] > 0.02:
+        found += [Support(x, 0.0, usual, "below an axle") for x in (axles[-1], axles[0])]
+    side = figures["wheel_separation"].value / 2.0
+    x0, y0 = _centre(outline)
+    xs = [x for x, _ in outline]
+    for end in (min(xs), max(xs)):
+        ground = [(0.0, side), (0.0, -side), *((support.x, support.y) for support in found)]
+        leans = (x0 + math.copysign(0.01, end), y0)
+        if not found or not is_inside(leans, ground, 0.0):
+            found.append(Support(round(0.75 * end, 3), 0.0, usual, "usual: the description has none there"))
+    return tuple(found)
+
+
+def _centre(outline: Sequence[Point]) -> Point:
+    """The centre of area of a polygon."""
+    total = x = y = 0.0
+    for (ax, ay), (bx, by) in zip(outline, [*outline[1:], outline[0]], strict=True):
+        cross = ax * by - bx * ay
+        total, x, y = total + cross, x + (ax + bx) * cross, y + (ay + by) * cross
+    return x / (3.0 * total), y / (3.0 * total)
+
+
+def _moved(pose: Pose, origin: tuple[float, float, float]) -> Pose:
+    x, y, z = pose.at
+    return Pose((x - origin[0], y - origin[1], z - origin[2]), pose.rotation)

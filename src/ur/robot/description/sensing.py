@@ -1,0 +1,144 @@
+"""Sensors of a description: those that Gazebo simulates, and links with the usual names of sensors."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+from ur.robot.description.model import Description, GazeboSensor
+from ur.robot.description.pose import Pose, make_pose
+
+Kind = Literal["lidar", "camera", "imu", "sonar"]
+
+_OPTICAL = re.compile(r"optical", re.IGNORECASE)
+_SONAR = re.compile(r"sonar|ultra_?so(und|nic)|(^|_)us_?\d|hc_?sr04", re.IGNORECASE)
+_NAMES: Mapping[Kind, re.Pattern[str]] = {
+    "sonar": _SONAR,
+    "lidar": re.compile(r"lidar|laser|hokuyo|velodyne|(^|_)(lds|lms|sick|scan|scanner|utm|urg)(_|\d|$)", re.IGNORECASE),
+    "camera": re.compile(r"camera|raspicam|realsense|kinect|astra|(^|_)zed|webcam|(^|_)cam(_|\d|$)", re.IGNORECASE),
+    "imu": re.compile(r"(^|_)imu|gyro", re.IGNORECASE),
+}
+_BODY_FRAMES = ("base_footprint", "base_link", "left_wheel", "right_wheel")
+
+
+@dataclass(frozen=True, slots=True)
+class FoundSensor:
+    """A sensor: its frame, its pose in the root link (it looks along x), and the figures of Gazebo where it has some.
+
+    `source` says where it is from.
+    """
+
+    kind: Kind
+    link: str
+    frame: str
+    pose: Pose
+    source: str
+    gazebo: GazeboSensor | None = None
+
+    def figure(self, name: str, ordinary: float, least: float = -1e6, most: float = 1e6) -> float:
+        """A figure of Gazebo; the ordinary one where there is none, or one out of range."""
+        value = self.gazebo.figure(name) if self.gazebo else None
+        return value if value is not None and least <= value <= most else ordinary
+
+
+def find_sensors(description: Description) -> tuple[FoundSensor, ...]:
+    """The sensors that a base file can hold: a lidar, a camera, an inertial unit, and any number of sonars.
+
+    Of several lidars or cameras it is the first that Gazebo simulates, else the first link by name.
+    """
+    taken = set(_BODY_FRAMES)
+    found: list[FoundSensor] = []
+    single: set[Kind] = set()
+    candidates = [*_simulated(description), *_named(description)]
+    sonars = {each.link for each in candidates if each.kind == "sonar" and each.gazebo}
+    for each in candidates:
+        if each.kind == "sonar":
+            if each.link in {other.link for other in found} or (sonars and not each.gazebo):
+                continue
+        elif each.kind in single:
+            continue
+        single.add(each.kind)
+        frame = _free_frame(each.frame, taken)
+        taken |= {frame, f"{frame}_body"} if each.kind == "camera" else {frame}
+        found.append(FoundSensor(each.kind, each.link, frame, each.pose, each.source, each.gazebo))
+    return tuple(found)
+
+
+def list_extra_sensors(description: Description, used: tuple[FoundSensor, ...]) -> tuple[str, ...]:
+    """The links of sensors that Gazebo simulates and a base file has no room for."""
+    mine = {sensor.link for sensor in used}
+    return tuple(dict.fromkeys(each.link for each in description.sensors if each.link not in mine))
+
+
+def _simulated(description: Description) -> Iterator[FoundSensor]:
+    places = description.places()
+    for sensor in description.sensors:
+        kind = _kind(sensor)
+        if kind is not None:
+            pose = places[sensor.link].then(sensor.pose)
+            frame = (_optical_child(description, sensor.link) if kind == "camera" else None) or sensor.link
+            yield FoundSensor(kind, sensor.link, frame, pose, f"gazebo sensor on {sensor.link}", sensor)
+
+
+def _kind(sensor: GazeboSensor) -> Kind | None:
+    kind, name = sensor.kind.lower(), f"{sensor.name} {sensor.link}"
+    if kind in ("sonar", "ultrasonic"):
+        return "sonar"
+    if kind in ("ray", "gpu_ray", "lidar", "gpu_lidar"):
+        narrow = "_range" in sensor.plugin or _SONAR.search(name)
+        return "sonar" if narrow else "lidar"
+    if kind in ("camera", "depth", "depth_camera", "multicamera", "wideanglecamera", "rgbd", "rgbd_camera"):
+        return "camera"
+    return "imu" if kind == "imu" else None
+
+
+def _named(description: Description) -> Iterator[FoundSensor]:
+    places = description.places()
+    movable = {joint.child for joint in description.joints if joint.kind != "fixed"}
+    for kind, pattern in _NAMES.items():
+        matching = [link.name for link in description.links if pattern.search(link.name) and link.name not in movable]
+        plain = [name for name in matching if not _OPTICAL.search(name)]
+        for name in plain or matching:
+            pose = places[name]
+            frame = name
+            if kind == "camera":
+                if _OPTICAL.search(name):  # z ahead and x right (REP 103): turned back to x ahead
+                    pose = pose.then(make_pose((0.0, 0.0, 0.0), (0.0, -math.pi / 2.0, math.pi / 2.0)))
+                frame = _optical_child(description, name) or name
+            elif kind == "sonar" and _has_ancestor(description, name, set(matching)):
+                continue
+            yield FoundSensor(kind, name, frame, pose, f"link {name}, by its name")
+
+
+def _optical_child(description: Description, link: str) -> str | None:
+    """The first optical frame below a link."""
+    left = [link]
+    while left:
+        parent = left.pop(0)
+        for joint in description.joints:
+            if joint.parent == parent:
+                if _OPTICAL.search(joint.child):
+                    return joint.child
+                left.append(joint.child)
+    return None
+
+
+def _has_ancestor(description: Description, link: str, names: set[str]) -> bool:
+    by_child = {joint.child: joint.parent for joint in description.joints}
+    while link in by_child:
+        link = by_child[link]
+        if link in names:
+            return True
+    return False
+
+
+def _free_frame(name: str, taken: set[str]) -> str:
+    frame = re.sub(r"\W", "_", name, flags=re.ASCII)
+    if not re.match(r"[A-Za-z]", frame) or re.fullmatch(r"caster_\d+", frame):
+        frame = f"sensor_{frame}"
+    while frame in taken or f"{frame}_body" in taken:
+        frame += "_frame"
+    return frame

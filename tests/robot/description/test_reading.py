@@ -1,0 +1,147 @@
+"""Descriptions of others become bases: every figure that they hold is read, and only the rest is asked for."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from tests.robot.description.urdfs import FOUR_WHEELS, MESHES, SMALL
+
+from ur.robot.base import Base, read_base
+from ur.robot.description.base_text import write_base_file
+from ur.robot.description.parse import parse_urdf
+from ur.robot.description.reading import BRAKING, Reading, read_base_figures
+from ur.source.diagnostic import UserError
+
+SPEEDS = {"velocity": 0.5, "angular_velocity": 1.2}
+
+
+def read(text: str, **given: float) -> Reading:
+    return read_base_figures(parse_urdf(text, "robot.urdf"), given)
+
+
+def make_base(tmp_path: Path, text: str, **given: float) -> Base:
+    path = tmp_path / "base.yaml"
+    path.write_text(write_base_file(read(text, **given), "A robot.", "robot.urdf"), encoding="utf-8")
+    return read_base(path, "robot")
+
+
+def test_small_robot_is_read_from_its_shapes_and_gazebo_tags(tmp_path: Path) -> None:
+    assert read(SMALL).open == ("velocity", "angular_velocity")
+    base = make_base(tmp_path, SMALL, **SPEEDS)
+    assert (base.wheels.radius, base.wheels.width, base.wheels.separation) == (0.033, 0.018, 0.16)
+    assert base.wheels.mass == pytest.approx(0.03)
+    assert base.mass == pytest.approx(0.965)
+    assert min(x for x, _ in base.footprint) == pytest.approx(-0.1)
+    assert max(y for _, y in base.footprint) == pytest.approx(0.089), "the wheels stand out of the body"
+    assert max(y for _, y in base.body) == pytest.approx(0.07)
+    assert base.height == pytest.approx(0.15)
+    assert [(caster.x, caster.y) for caster in base.casters] == [(-0.081, 0.0)]
+    assert base.limits.acceleration == 1.0
+    lidar = base.lidar
+    assert lidar is not None
+    assert (lidar.frame, lidar.samples, lidar.rate, lidar.range_max) == ("base_scan", 360, 5.0, 3.5)
+    assert (lidar.angle_min, lidar.angle_max) == (0.0, 6.28319)
+    assert lidar.pose == pytest.approx((-0.032, 0, 0.182, 0, 0, 0))
+    assert base.imu is not None
+    assert (base.imu.frame, base.imu.rate) == ("imu_link", 100.0)
+
+
+def test_skid_steer_has_its_wheels_between_the_axles_and_supports_below_them(tmp_path: Path) -> None:
+    base = make_base(tmp_path, FOUR_WHEELS, **SPEEDS)
+    assert base.wheels.separation == pytest.approx(0.5708)
+    assert base.wheels.mass == pytest.approx(5.2), "of both wheels of a side"
+    assert [(caster.x, caster.y) for caster in base.casters] == [(0.256, 0.0), (-0.256, 0.0)]
+    assert base.ground_clearance == pytest.approx(0.13)
+    assert max(y for _, y in base.footprint) == pytest.approx(0.343)
+    assert base.lidar is not None
+    assert base.lidar.pose[:3] == pytest.approx((0.3, 0.0, 0.485)), "above the ground, which lies below the root"
+    assert base.raspicam is not None
+    assert base.raspicam.frame == "camera_optical_frame"
+    assert base.raspicam.pose == pytest.approx((0.45, 0.0, 0.435, 0.0, 0.1, 0.0)), "the body looks along x"
+
+
+def test_meshes_take_their_size_from_the_inertia_and_speeds_come_from_joints(tmp_path: Path) -> None:
+    found = read(MESHES)
+    assert found.open == ()
+    assert any("base_link is a mesh" in note for note in found.notes)
+    base = make_base(tmp_path, MESHES)
+    assert max(x for x, _ in base.footprint) == pytest.approx(0.15, abs=0.02)
+    assert base.limits.velocity == pytest.approx(0.4)
+    assert base.limits.angular_velocity == 1.5, "faster turns cannot be stopped in time"
+    assert [(round(caster.x, 3), caster.radius) for caster in base.casters] == [(-0.27, 0.05)]
+    assert base.sonars is not None
+    assert [sonar.frame for sonar in base.sonars.at] == ["sonar_0", "sonar_1"]
+    assert base.sonars.at[1].pose == pytest.approx((0.1, -0.1, 0.15, 0.0, 0.0, -0.5))
+
+
+@pytest.mark.parametrize("text", [SMALL, FOUR_WHEELS, MESHES], ids=["small", "four", "meshes"])
+def test_base_stops_in_time_whatever_its_description_says(tmp_path: Path, text: str) -> None:
+    limits = make_base(tmp_path, text, velocity=0.6, angular_velocity=1.5).limits
+    assert limits.velocity / limits.deceleration <= BRAKING
+    assert limits.angular_velocity / limits.angular_deceleration <= BRAKING
+
+
+def test_description_without_shapes_is_asked_for_everything_at_once(tmp_path: Path) -> None:
+    bare = '<robot name="bare"><link name="base_link"/></robot>'
+    names = ("length", "width", "height", "mass", "wheel_radius", "wheel_separation", "velocity", "angular_velocity")
+    assert read(bare).open == names
+    answers = dict(zip(names, (0.4, 0.3, 0.2, 5.0, 0.05, 0.3, 0.4, 1.0), strict=True))
+    base = make_base(tmp_path, bare, **answers)
+    assert base.wheels.radius == 0.05
+    assert len(base.casters) == 2, "one in front and one behind, so that it does not tip over"
+
+
+def test_given_size_replaces_the_one_that_is_read(tmp_path: Path) -> None:
+    base = make_base(tmp_path, SMALL, **SPEEDS, length=0.3, mass=2.0)
+    assert max(x for x, _ in base.footprint) - min(x for x, _ in base.footprint) == pytest.approx(0.3, abs=0.002)
+    assert base.mass == 2.0
+
+
+@pytest.mark.parametrize(
+    ("text", "old", "new"),
+    [
+        (SMALL, 'length="0.018"', 'length="-1"'),
+        (SMALL, "<min>0.12</min>", "<min>4</min>"),
+        (MESHES, 'radius="0.05"', 'radius="-2"'),
+        (SMALL, "<samples>360</samples>", "<samples>many</samples>"),
+    ],
+)
+def test_figure_that_no_base_can_have_is_replaced(tmp_path: Path, text: str, old: str, new: str) -> None:
+    assert old in text
+    assert make_base(tmp_path, text.replace(old, new), **SPEEDS).casters
+
+
+def test_joint_limit_that_nobody_set_is_not_taken_for_a_speed() -> None:
+    assert "velocity" in read(MESHES.replace('velocity="4.0"', 'velocity="1000"')).open
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("<robot>", "not well-formed XML"),
+        ("<sdf/>", "begins with <sdf>, expected a URDF"),
+        ('<!DOCTYPE r [<!ENTITY a "b">]><robot/>', "has a document type"),
+        ("<robot/>", "no link"),
+        ('<robot><link name="a"/><link name="b"/></robot>', "2 links without a parent"),
+        ('<robot><link name="a"/><link name="a"/></robot>', "link 'a' is given twice"),
+        (
+            '<robot><link name="a"/><joint name="j" type="fixed"><parent link="a"/><child link="b"/></joint></robot>',
+            "joint 'j' names link 'b', which does not exist",
+        ),
+        (
+            '<robot><link name="a"/><link name="b"/><link name="c"/>'
+            '<joint name="j" type="fixed"><parent link="b"/><child link="c"/></joint>'
+            '<joint name="k" type="fixed"><parent link="c"/><child link="b"/></joint></robot>',
+            "joints form a loop",
+        ),
+        (SMALL.replace("0.14 0.14 0.14", "0.14 nan 0.14"), "link 'base_link': size of <box> is '0.14 nan 0.14'"),
+        (SMALL.replace('value="0.8"', 'value="-1"'), "link 'base_link': mass -1, expected at least 0"),
+        (MESHES.replace('type="continuous"', 'type="round"', 1), "type 'round', expected one of fixed"),
+    ],
+)
+def test_bad_description_is_refused_with_its_link_or_joint(text: str, message: str) -> None:
+    with pytest.raises(UserError) as caught:
+        read(text)
+    assert message in str(caught.value)
+    assert str(caught.value).startswith("robot.urdf: ")

@@ -1,0 +1,60 @@
+"""xacro files are expanded by the xacro of this computer; a stand-in for it shows how its ends are reported."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import pytest
+
+from ur.robot.description.xacro import read_description
+from ur.source.diagnostic import UserError
+
+XACRO = '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:include filename="other.xacro"/></robot>'
+
+
+@pytest.fixture(autouse=True)
+def only_on_the_path(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys, "path", [])  # not as a library
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> Path:
+    path = tmp_path / "robot.urdf"
+    path.write_text(XACRO, encoding="utf-8")
+    return path
+
+
+def make_xacro(tmp_path: Path, script: str) -> dict[str, str]:
+    program = tmp_path / "xacro"
+    program.write_text(f"#!/bin/sh\n{script}\n", encoding="utf-8")
+    program.chmod(0o755)
+    return {"PATH": f"{tmp_path}:/usr/bin:/bin"}
+
+
+def test_plain_urdf_needs_no_xacro(tmp_path: Path) -> None:
+    path = tmp_path / "robot.urdf"
+    path.write_text("<robot/>", encoding="utf-8")
+    assert read_description(path, {"PATH": ""}, dict) == "<robot/>"
+
+
+def test_file_that_uses_xacro_is_expanded_whatever_its_suffix(tmp_path: Path, file: Path) -> None:
+    environment = make_xacro(tmp_path, "echo \"<robot name='$1'/>\"")
+    assert read_description(file, environment, dict) == f"<robot name='{file}'/>\n"
+
+
+def test_xacro_gets_the_folders_of_packages(tmp_path: Path, file: Path) -> None:
+    assert read_description(file, make_xacro(tmp_path, "cat"), lambda: {"p": "/there"}) == '{"p": "/there"}'
+
+
+def test_missing_xacro_is_named_with_what_to_do(file: Path) -> None:
+    with pytest.raises(UserError, match="there is no xacro on this computer") as caught:
+        read_description(file, {"PATH": "/nowhere"}, dict)
+    assert "ur get xacro" in str(caught.value.diagnostics[0].help)
+
+
+def test_failure_of_xacro_is_reported_with_its_reason(tmp_path: Path, file: Path) -> None:
+    environment = make_xacro(tmp_path, "printf '\\033[31mNo such file: other.xacro\\033[0m\\n' >&2; exit 2")
+    with pytest.raises(UserError) as caught:
+        read_description(file, environment, dict)
+    assert str(caught.value) == f"xacro cannot expand '{file}': No such file: other.xacro"
