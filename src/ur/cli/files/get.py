@@ -1,0 +1,150 @@
+"""`ur get`: install what launch files need."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from ur.source.diagnostic import UserError, error
+from ur.source.progress_line import show_progress
+
+if TYPE_CHECKING:
+    from ur.get.model import GetPlan
+    from ur.get.targets import Needs
+
+_ROUNDS = 5  # what was installed may name more
+
+
+@click.command("get")
+@click.argument("words", nargs=-1, metavar="[FILE | PACKAGE | FOLDER]... [NAME:=VALUE]...")
+@click.option("--missing", is_flag=True, help="All that the launch files below FOLDER need. [default: ~/catkin_ws/src]")
+@click.option("--robot", metavar="ROBOT", help="Install on this robot; names are looked up there.")
+@click.option("--yes", is_flag=True, help="Do not ask.")
+@click.option("--dry-run", is_flag=True, help="Print the plan, and install nothing.")
+@click.option("--undo", is_flag=True, help="Remove what 'ur get' has installed, and nothing else.")
+@click.option("--index", multiple=True, metavar="FILE", help="A distribution.yaml of ROS, in place of fetching it.")
+def command(
+    words: tuple[str, ...],
+    missing: bool,
+    robot: str | None,
+    yes: bool,
+    dry_run: bool,
+    undo: bool,
+    index: tuple[str, ...],
+) -> int:
+    """Install what launch files need.
+
+    Prints the plan first: packages of Debian or Ubuntu, packages of PyPI, and for the others where their source is and
+    the commands that build it. Then it asks. The exit code is 1 while something is missing.
+    """
+    if undo and (words or missing or index):
+        raise UserError(error("--undo takes no names, it removes all that 'ur get' has installed", rule="usage"))
+    if not undo and not missing and not words:
+        raise UserError(
+            error("nothing to get, expected a launch file or a package", rule="usage", help="ur get --missing")
+        )
+    if robot is not None:
+        return _run_on_robot(
+            robot, words, [("--missing", missing), ("--yes", yes), ("--dry-run", dry_run), ("--undo", undo)]
+        )
+    return _undo(yes=yes, dry_run=dry_run) if undo else _get(words, index, missing=missing, yes=yes, dry_run=dry_run)
+
+
+def _get(words: Sequence[str], index: Sequence[str], *, missing: bool, yes: bool, dry_run: bool) -> int:
+    from ur.get.install import install
+    from ur.get.record import record_path
+    from ur.get.render import render_plan
+    from ur.request.environment import own_packages
+
+    tried: set[str] = set()
+    for _ in range(_ROUNDS):
+        plan = _find_plan(words, index, missing=missing)
+        if not plan.steps:
+            click.echo("".join(f"note: {note}\n" for note in plan.notes) + "nothing is missing")
+            return 0
+        new = {step.missing.package for step in (*plan.steps_by("debian"), *plan.steps_by("pypi"))} - tried
+        click.echo(render_plan(plan), nl=False)
+        if dry_run or not new:
+            return 1
+        _ask("install these packages?", yes=yes)
+        install(plan, record_path(os.environ), Path(own_packages(os.environ)))
+        tried |= new
+    return 1
+
+
+def _find_plan(words: Sequence[str], index: Sequence[str], *, missing: bool) -> GetPlan:
+    from ur.get.computer import ThisComputer, load_tables
+    from ur.get.plan import make_plan
+
+    with show_progress("reading what is needed") as progress:
+        needs = _find_needs(words, missing=missing, progress=progress)
+        progress("looking for packages")
+        tables, notes = load_tables(needs.missing, ThisComputer(os.environ, index), _distribution())
+    return make_plan(needs.missing, tables, needs.is_there, (*needs.notes, *notes) if needs.missing else needs.notes)
+
+
+def _find_needs(words: Sequence[str], *, missing: bool, progress: object) -> Needs:
+    from ur.get.targets import find_needs, folder_needs
+    from ur.request.environment import add_own_package
+
+    environment = add_own_package(os.environ)
+    if not missing:
+        return find_needs(words, environment)
+    workspace = Path("~/catkin_ws/src").expanduser()
+    return folder_needs(words or [str(workspace) if workspace.is_dir() else "."], environment, progress)  # type: ignore[arg-type]
+
+
+def _distribution() -> str:
+    name = os.environ.get("ROS_DISTRO", "")
+    return name if name.isalnum() and Path("/opt/ros", name).is_dir() else ""
+
+
+def _undo(*, yes: bool, dry_run: bool) -> int:
+    from ur.get.install import undo
+    from ur.get.record import load_record, record_path
+    from ur.request.environment import own_packages
+
+    path = record_path(os.environ)
+    record = load_record(path)
+    names = (*record.debian, *(f"{name} (from PyPI)" for name in record.pypi))
+    if not names:
+        click.echo("'ur get' has installed nothing")
+        return 0
+    click.echo(f"to be removed: {', '.join(names)}")
+    if dry_run:
+        return 0
+    _ask("remove these packages?", yes=yes)
+    undo(path, Path(own_packages(os.environ)))
+    return 0
+
+
+def _ask(question: str, *, yes: bool) -> None:
+    if yes:
+        return
+    if not sys.stdin.isatty():
+        message = "there is no terminal to ask on, expected --yes or --dry-run"
+        raise UserError(error(message, rule="no-terminal", help="--yes agrees to the plan above"))
+    if not click.confirm(question, default=True):
+        raise UserError(error("nothing was changed: the question was answered with no", rule="refused"))
+
+
+def _run_on_robot(robot: str, words: Sequence[str], flags: Sequence[tuple[str, bool]]) -> int:
+    from ur.cli.robots.build import run_attached
+    from ur.request.remote.connection import connect_robot, robot_address
+    from ur.robot.boot.units import LIBRARIES
+    from ur.robot.ssh.shell import quote
+
+    arguments = quote("get", *(flag for flag, given in flags if given), "--", *words)
+    script = "".join(
+        f'[ ! -r "$HOME/{place}/.venv/ready-run" ] || exec "$HOME/{place}/.venv/bin/python" -I -m ur {arguments}; '
+        for place in LIBRARIES
+    )
+    script += "echo 'error: ubiquity_launches is not set up on the robot; ur robot setup installs it' >&2; exit 2"
+    with connect_robot(robot_address(robot)) as shell:
+        terminal = ["-t"] if sys.stdin.isatty() else []
+        return run_attached([*shell.words, *terminal, "--", shell.place, quote("bash", "-lc", script)])

@@ -1,0 +1,1 @@
+"""Packages that launch files need: found, planned, installed and removed again."""

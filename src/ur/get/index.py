@@ -1,0 +1,109 @@
+"""The index of a ROS distribution: which repository holds the source of a package."""
+
+from __future__ import annotations
+
+import re
+import xml.etree.ElementTree as ET
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import yaml
+
+from ur.get.model import PACKAGE_NAME, Repository
+
+MAX_INDEX = 64 * 1024 * 1024  # bytes; the cache of noetic with all package.xml has 8 MB
+_URL = re.compile(r"https?://[A-Za-z0-9][\w.:@~%+-]*(/[\w.@~%+-]+)*/?")
+_WORD = re.compile(r"[A-Za-z0-9_][A-Za-z0-9._/+-]*")
+_DEPENDS = ("depend", "exec_depend", "run_depend", "build_depend", "build_export_depend", "buildtool_depend")
+
+
+@dataclass(frozen=True, slots=True)
+class Index:
+    """Repositories by package, and the dependencies of those packages whose package.xml the index holds."""
+
+    repositories: Mapping[str, Repository] = field(default_factory=dict)
+    dependencies: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+
+
+def parse_index(text: str, distribution: str = "") -> Index:
+    """Read a distribution file (REP 143) or the cache that rosdistro makes of one.
+
+    `distribution` is noted in its repositories. Repositories that have no source, or whose address is not a plain one,
+    are left out. Raises ValueError.
+    """
+    if len(text) > MAX_INDEX:
+        raise ValueError(f"more than {MAX_INDEX:,} characters, expected a distribution file")
+    try:
+        document = yaml.load(text, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader))  # noqa: S506 - safe loaders
+    except (yaml.YAMLError, RecursionError) as problem:
+        raise ValueError(f"not YAML: {str(problem).splitlines()[0]}") from None
+    if not isinstance(document, dict):
+        raise ValueError("no mapping, expected a distribution file with 'repositories'")
+    files = document.get("distribution_file", document)
+    found: dict[str, Repository] = {}
+    known = False
+    for file in files if isinstance(files, list) else [files]:
+        repositories = file.get("repositories") if isinstance(file, dict) else None
+        if isinstance(repositories, dict):
+            known = True
+            for name, entry in repositories.items():
+                found.update(_read_repository(name, entry, distribution))
+    if not known:
+        raise ValueError("'repositories' is missing, expected a distribution file")
+    xmls = document.get("release_package_xmls")
+    return Index(found, _read_all(xmls) if isinstance(xmls, dict) else {})
+
+
+def merge_indexes(indexes: Sequence[Index]) -> Index:
+    """One index of several: of those that have a package, the first counts."""
+    repositories: dict[str, Repository] = {}
+    dependencies: dict[str, tuple[str, ...]] = {}
+    for index in reversed(indexes):
+        repositories.update(index.repositories)
+        dependencies.update(index.dependencies)
+    return Index(repositories, dependencies)
+
+
+def read_dependencies(text: str) -> tuple[str, ...]:
+    """The packages that a package.xml depends on, each once. Raises ValueError for a text that is none."""
+    if "<!DOCTYPE" in text or "<!ENTITY" in text:
+        raise ValueError("a document type, expected a plain package.xml")
+    try:
+        root = ET.fromstring(text)  # noqa: S314 - without a document type there are no entities
+    except ET.ParseError as problem:
+        raise ValueError(str(problem)) from None
+    if root.tag != "package":
+        raise ValueError(f"<{root.tag}>, expected <package>")
+    names = [(each.text or "").strip() for each in root if each.tag in _DEPENDS]
+    return tuple(dict.fromkeys(name for name in names if PACKAGE_NAME.fullmatch(name)))
+
+
+def _read_all(xmls: Mapping[Any, Any]) -> dict[str, tuple[str, ...]]:
+    found = {}
+    for name, text in xmls.items():
+        if isinstance(name, str) and isinstance(text, str):
+            try:
+                found[name] = read_dependencies(text)
+            except ValueError:
+                continue
+    return found
+
+
+def _read_repository(name: object, entry: object, distribution: str) -> dict[str, Repository]:
+    if not isinstance(name, str) or not isinstance(entry, dict) or not _WORD.fullmatch(name) or "/" in name:
+        return {}
+    source = entry.get("source") or entry.get("doc")  # a package that is no longer built may have only the latter
+    if not isinstance(source, dict):
+        return {}
+    kind, url = source.get("type"), source.get("url")
+    version = str(source.get("version", ""))
+    if kind not in ("git", "hg", "svn") or not isinstance(url, str) or not _URL.fullmatch(url):
+        return {}
+    if version and (not _WORD.fullmatch(version) or ".." in version):
+        return {}
+    repository = Repository(name, kind, url, version, distribution)
+    release = entry.get("release")
+    packages = release.get("packages") if isinstance(release, dict) else None
+    names = packages if isinstance(packages, list) else [name]
+    return {each: repository for each in names if isinstance(each, str) and PACKAGE_NAME.fullmatch(each)}

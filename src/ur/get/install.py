@@ -1,0 +1,97 @@
+"""Carry out a plan of `ur get`, and take back what was installed."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from ur.get.model import GetPlan
+from ur.get.record import Record, load_record, store_record
+from ur.get.tables import parse_simulation
+from ur.get.xacro import install_xacro, remove_package
+from ur.request.requirements.debian_packages import install_debian, list_missing, remove_debian
+from ur.source.diagnostic import UserError, error
+
+
+@dataclass(frozen=True, slots=True)
+class Actions:
+    """The changes to this computer, each of which a test can replace.
+
+    `install` and `remove` take Debian names, `simulate` the arguments of apt-get and returns what it prints,
+    `list_missing` names that are not installed, `make_package` makes xacro's in a folder.
+    """
+
+    install: Callable[[Sequence[str]], None] = lambda names: install_debian([names], "what the launch files need")
+    remove: Callable[[Sequence[str]], None] = remove_debian
+    simulate: Callable[[Sequence[str]], str] = lambda words: simulate_apt(words)
+    list_missing: Callable[[Sequence[str]], list[str]] = list_missing
+    make_package: Callable[[Path], None] = install_xacro
+
+
+def install(plan: GetPlan, record: Path, packages: Path, actions: Actions | None = None) -> None:
+    """Install the Debian and PyPI packages of a plan.
+
+    What is about to be installed is recorded first, with all that it brings along, so that whatever interrupts this can
+    be undone. Raises UserError.
+    """
+    actions = actions or Actions()
+    known = load_record(record)
+    if plan.debian:
+        more = parse_simulation(actions.simulate(["install", "--no-install-recommends", *plan.debian]), "Inst")
+        new = actions.list_missing(tuple(dict.fromkeys((*plan.debian, *more))))
+        known = known.adding(debian=new)
+        store_record(known, record)
+        actions.install(plan.debian)
+    for step in plan.steps_by("pypi"):
+        known = known.adding(pypi=step.names)
+        store_record(known, record)
+        actions.make_package(packages)
+
+
+def undo(record: Path, packages: Path, actions: Actions | None = None) -> Record:
+    """Remove what `install` has recorded, and nothing else; return what was removed.
+
+    Raises UserError: something that was installed later needs one of the packages, and nothing was removed; or apt-get
+    failed, and the record stays.
+    """
+    actions = actions or Actions()
+    known = load_record(record)
+    absent = set(actions.list_missing(known.debian)) if known.debian else set()
+    present = tuple(name for name in known.debian if name not in absent)
+    if present:
+        goes = parse_simulation(actions.simulate(["remove", *present]), "Remv")
+        others = sorted(set(goes) - set(present))
+        if others:
+            message = f"{', '.join(others[:5])} would be removed as well, expected that nothing else needs the packages"
+            help_ = f"keep them, or remove that first: apt-get remove {' '.join(others)}"
+            raise UserError(error(message, rule="needed-package", help=help_))
+        actions.remove(present)
+    try:
+        for name in known.pypi:
+            remove_package(packages / name)
+    except OSError as problem:
+        reason = (problem.strerror or str(problem)).lower()
+        message = f"{problem.filename or packages} cannot be removed: {reason}"
+        raise UserError(error(message, rule="unwritable-file")) from None
+    store_record(Record(), record)
+    return Record(present, known.pypi)
+
+
+def simulate_apt(words: Sequence[str]) -> str:
+    """Return what `apt-get --simulate` prints; "" where it cannot tell."""
+    try:
+        done = subprocess.run(
+            ["apt-get", "-q", "--simulate", *words],
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            text=True,
+            check=False,
+            env={**os.environ, "LC_ALL": "C"},
+            timeout=120.0,
+        )
+    except (OSError, subprocess.TimeoutExpired):
+        return ""
+    return done.stdout

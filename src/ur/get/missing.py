@@ -1,0 +1,68 @@
+"""Packages that launch files and package.xml need and that are not installed."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator
+
+from ur.get.index import read_dependencies
+from ur.get.model import PACKAGE_NAME, Missing
+from ur.launchfile.plan.model import Plan
+from ur.launchfile.world.protocol import PackageNotFound, World
+
+_LOCAL = frozenset({"localhost", "127.0.0.1", "::1"})
+_COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
+_NAMED = re.compile(
+    r"""\$\(\s*find\s+([^\s()$]+)\s*\)|\bfind\(\s*['"]([^'"()$]+)['"]\s*\)|<(?:node|test)\b[^>]*?\bpkg\s*=\s*["']([^"'$]+)["']"""
+)
+
+
+def missing_of_plan(plan: Plan, world: World) -> tuple[Missing, ...]:
+    """The packages and programs that a plan's nodes on this computer lack, and the packages that its files name.
+
+    What a file of a missing package includes is not known before that package is here.
+    """
+    found: dict[str, Missing] = {}
+    for each in plan.diagnostics:
+        if (
+            each.rule == "unknown-package"
+            and PACKAGE_NAME.fullmatch(each.subject)
+            and not is_installed(each.subject, world)
+        ):
+            found.setdefault(each.subject, Missing(each.subject))
+    addresses = {machine.name: machine.address for machine in plan.machines}
+    for node in [*plan.nodes, *(test.node for test in plan.tests)]:
+        if node.machine is not None and addresses.get(node.machine) not in _LOCAL:
+            continue
+        try:
+            if not world.find_files(node.package, node.type):
+                found.setdefault(node.package, Missing(node.package, node.type))
+        except (PackageNotFound, OSError, ValueError):
+            found[node.package] = Missing(node.package)
+    return tuple(found.values())
+
+
+def named_packages(text: str) -> frozenset[str]:
+    """Every package that the text of a launch file or xacro file names, whatever its conditions."""
+    names = (next(filter(None, each.groups()), "") for each in _NAMED.finditer(_COMMENT.sub("", text)))
+    return frozenset(name for name in names if PACKAGE_NAME.fullmatch(name))
+
+
+def missing_of_names(names: Iterable[str], world: World) -> tuple[Missing, ...]:
+    """Those of the packages that are not installed, sorted."""
+    return tuple(Missing(name) for name in sorted(set(names)) if not is_installed(name, world))
+
+
+def dependencies_of(package_xmls: Iterable[str]) -> Iterator[str]:
+    """The packages that the texts of package.xml depend on. Raises ValueError for a text that is none."""
+    for text in package_xmls:
+        yield from read_dependencies(text)
+
+
+def is_installed(package: str, world: World) -> bool:
+    """Return whether a ROS package is found."""
+    try:
+        world.find_package(package)
+    except (PackageNotFound, OSError, ValueError):
+        return False
+    return True

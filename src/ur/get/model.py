@@ -1,0 +1,72 @@
+"""Values of `ur get`: missing packages, and the plan to get them."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import Literal
+
+Way = Literal["debian", "pypi", "source", "unknown"]
+PACKAGE_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,99}")  # REP 127, and the capitals that old packages have
+
+
+@dataclass(frozen=True, slots=True)
+class Repository:
+    """A repository of source code, as the index of a ROS distribution names it.
+
+    `distribution` is that of the index ("kinetic"), "" where it is not an older one than noetic. `url` and `version`
+    hold only characters that a shell leaves alone; `type` is git, hg or svn.
+    """
+
+    name: str
+    type: str
+    url: str
+    version: str
+    distribution: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Missing:
+    """A package that is not installed. `program` is set where only this program of an installed package is missing."""
+
+    package: str
+    program: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """One missing package and the way to get it.
+
+    `names` are Debian packages, or PyPI's project; `repository` is set for "source". `needs` are the packages that it
+    depends on and that are missing as well; None where nobody knows its package.xml before it is here. `reason` says
+    for "unknown" why there is no way.
+    """
+
+    missing: Missing
+    way: Way
+    names: tuple[str, ...] = ()
+    repository: Repository | None = None
+    needs: tuple[str, ...] | None = None
+    reason: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class GetPlan:
+    """All missing packages with their ways, sorted by package. `notes` say which table or index is not here."""
+
+    steps: tuple[Step, ...]
+    notes: tuple[str, ...] = ()
+
+    def steps_by(self, way: Way) -> tuple[Step, ...]:
+        """The steps of one way."""
+        return tuple(step for step in self.steps if step.way == way)
+
+    @property
+    def debian(self) -> tuple[str, ...]:
+        """The Debian packages to install, each once."""
+        return tuple(dict.fromkeys(name for step in self.steps_by("debian") for name in step.names))
+
+    @property
+    def installs(self) -> bool:
+        """True where something of the plan is installed by `ur get` itself."""
+        return bool(self.steps_by("debian") or self.steps_by("pypi"))

@@ -1,0 +1,91 @@
+"""Missing packages and tables to a plan: a pure function."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+
+from ur.get.index import Index
+from ur.get.model import PACKAGE_NAME, GetPlan, Missing, Step
+from ur.get.tables import PYPI, SPLIT, Candidate, possible_names
+
+NO_INDEX = "no index of sources is here"
+
+
+@dataclass(frozen=True, slots=True)
+class Tables:
+    """All that a plan is made from.
+
+    `rosdep`: Debian names by ROS package. `candidates`: the packages that apt can install among those that were asked
+    about; None where there is no apt, and rosdep's table is believed. `installed`: names of Debian packages.
+    `index`: sources; None where there is none. `distribution`: that of packages.ros.org, "" without it.
+    """
+
+    rosdep: Mapping[str, tuple[str, ...]]
+    candidates: Mapping[str, Candidate] | None
+    installed: frozenset[str] = frozenset()
+    index: Index | None = None
+    distribution: str = ""
+
+
+def make_plan(
+    missing: Iterable[Missing], tables: Tables, is_there: Callable[[str], bool], notes: Iterable[str] = ()
+) -> GetPlan:
+    """Find the way to get each missing package. `is_there` says whether a ROS package is installed."""
+    wanted: dict[str, Missing] = {}
+    for each in missing:
+        wanted.setdefault(each.package, each)
+    steps = tuple(_find_way(wanted[name], tables, is_there) for name in sorted(wanted))
+    return GetPlan(steps, tuple(notes))
+
+
+def _find_way(missing: Missing, tables: Tables, is_there: Callable[[str], bool]) -> Step:
+    package = missing.package
+    if not PACKAGE_NAME.fullmatch(package):
+        return Step(missing, "unknown", reason="that is not the name of a package")
+    names = _debian_names(package, tables)
+    if names:
+        return Step(missing, "debian", names)
+    if package in PYPI:
+        return Step(missing, "pypi", (PYPI[package],))
+    if missing.program:
+        return Step(missing, "unknown", reason=f"{package} is installed and has no program {missing.program}")
+    if tables.index is None:
+        return Step(missing, "unknown", reason=f"no package of this release has it, and {NO_INDEX}")
+    repository = tables.index.repositories.get(package)
+    if repository is None:
+        return Step(missing, "unknown", reason="neither this release nor the index of ROS has it: ask its author")
+    depends = tables.index.dependencies.get(package)
+    needs = None if depends is None else tuple(name for name in depends if not is_there(name))
+    return Step(missing, "source", repository=repository, needs=needs)
+
+
+def _debian_names(package: str, tables: Tables) -> tuple[str, ...]:
+    # Names that only look alike, such as a game called as a robot, are no candidates: they must be ROS's.
+    known = tables.rosdep.get(package)
+    sets = possible_names(package, tables.distribution)
+    if tables.candidates is None:
+        return _only_missing(known, tables) if known else ()
+    if "-" in package and package in tables.candidates:  # of a package.xml: a library, by its own name
+        return _only_missing((package,), tables)
+    by_ros = {name for name, each in tables.candidates.items() if each.for_ros}
+    # The first rules name packages that hold programs, which rosdep's table, made for building, leaves out.
+    if package in SPLIT and tables.candidates.keys() >= set(SPLIT[package]):
+        return _only_missing(SPLIT[package], tables)
+    for names in sets[:-2] if known else sets:
+        if by_ros.issuperset(names) and (missing := _only_missing(names, tables)):
+            return tuple(dict.fromkeys((*missing, *_also(known, tables))))
+    if known and tables.candidates.keys() >= set(known):
+        return _only_missing(known, tables)
+    return ()
+
+
+def _also(known: tuple[str, ...] | None, tables: Tables) -> tuple[str, ...]:
+    # A package that makes ROS find the program's package: Debian has package.xml in the -dev package of some.
+    if not known or tables.candidates is None or not tables.candidates.keys() >= set(known):
+        return ()
+    return _only_missing(known, tables)
+
+
+def _only_missing(names: tuple[str, ...], tables: Tables) -> tuple[str, ...]:
+    return tuple(name for name in names if name not in tables.installed)

@@ -1,0 +1,74 @@
+"""The record of what `ur get` has installed, so that it can be removed again."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+from ur.get.tables import PYPI
+from ur.source.diagnostic import UserError, error
+from ur.source.replace import replace_file
+from ur.source.user_folders import user_folder
+
+_CHARACTERS = frozenset("abcdefghijklmnopqrstuvwxyz0123456789+.-")
+
+
+@dataclass(frozen=True, slots=True)
+class Record:
+    """Debian packages and packages from PyPI that were not installed before `ur get` was asked for them."""
+
+    debian: tuple[str, ...] = ()
+    pypi: tuple[str, ...] = ()
+
+    def adding(self, debian: Iterable[str] = (), pypi: Iterable[str] = ()) -> Record:
+        """A record with more packages, each once."""
+        return Record(tuple(dict.fromkeys((*self.debian, *debian))), tuple(dict.fromkeys((*self.pypi, *pypi))))
+
+
+def record_path(environment: Mapping[str, str]) -> Path:
+    """The file of the record."""
+    return Path(user_folder("XDG_STATE_HOME", environment)) / "ubiquity_launches" / "get.json"
+
+
+def load_record(path: Path) -> Record:
+    """Read the record; empty where there is none. Raises UserError when it is damaged."""
+    try:
+        text = path.read_text(encoding="utf-8")
+    except FileNotFoundError:
+        return Record()
+    except (OSError, ValueError) as problem:
+        raise _damaged(path, str(problem)) from None
+    try:
+        fields = json.loads(text)
+        debian, pypi = tuple(fields["debian"]), tuple(fields["pypi"])
+    except (ValueError, KeyError, TypeError, RecursionError):
+        raise _damaged(path, "not what 'ur get' writes") from None
+    sound = all(
+        isinstance(name, str) and name and name[0].isalnum() and _CHARACTERS.issuperset(name) for name in debian
+    )
+    if not sound or not all(name in PYPI for name in pypi):
+        raise _damaged(path, "a name in it is no package's")
+    return Record(debian, pypi)
+
+
+def store_record(record: Record, path: Path) -> None:
+    """Write the record, or remove it when it is empty. Raises UserError; then the record is as it was."""
+    try:
+        if record == Record():
+            path.unlink(missing_ok=True)
+        else:
+            replace_file(path, json.dumps(asdict(record), indent=1) + os.linesep, parents=True)
+    except OSError as problem:
+        reason = (problem.strerror or str(problem)).lower()
+        message = f"{path}: the record of what is installed cannot be written: {reason}; nothing was changed"
+        raise UserError(
+            error(message, rule="unwritable-file", help="make room on the disk, then run this again")
+        ) from None
+
+
+def _damaged(path: Path, reason: str) -> UserError:
+    message = f"{path}: the record of 'ur get' is damaged: {reason}, expected what 'ur get' has written"
+    return UserError(error(message, rule="damaged-record", help=f"remove packages with apt-get, then: rm {path}"))

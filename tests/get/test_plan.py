@@ -1,0 +1,131 @@
+"""Plans of `ur get`, from tables in memory."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import pytest
+
+from ur.get.computer import load_tables
+from ur.get.index import merge_indexes, parse_index, read_dependencies
+from ur.get.missing import named_packages
+from ur.get.model import Missing
+from ur.get.plan import Tables, make_plan
+from ur.get.render import render_plan
+from ur.get.tables import Candidate, parse_candidates, parse_simulation, parse_table
+
+INDEX = """\
+repositories:
+  navigation:
+    release: {packages: [amcl, move_base]}
+    source: {type: git, url: 'https://example.org/navigation.git', version: noetic-devel}
+  evil:
+    source: {type: git, url: 'https://example.org/x;rm -rf ~', version: main}
+  evil_version:
+    source: {type: git, url: 'https://example.org/x.git', version: '--upload-pack=x'}
+"""
+APT = """\
+Package: rviz
+Maintainer: Debian Science Maintainers
+Homepage: https://wiki.ros.org/rviz
+Filename: pool/r.deb
+
+Package: joy
+Maintainer: Somebody
+Homepage: https://example.org/game
+Filename: pool/j.deb
+"""
+
+
+def plan(*names: str, **tables: object) -> dict[str, tuple[str, tuple[str, ...]]]:
+    given = Tables(**{"rosdep": {}, "candidates": {}, **tables})  # type: ignore[arg-type]
+    steps = make_plan([Missing(name) for name in names], given, lambda name: name == "roscpp").steps
+    return {step.missing.package: (step.way, step.names) for step in steps}
+
+
+def test_package_of_the_release_comes_from_it_and_one_that_only_has_its_name_does_not() -> None:
+    candidates = parse_candidates(APT)
+    assert plan("rviz", "joy", candidates=candidates) == {"rviz": ("debian", ("rviz",)), "joy": ("unknown", ())}
+
+
+def test_table_of_rosdep_is_used_where_apt_has_all_of_its_names() -> None:
+    table = parse_table("urdf:\n  debian: [liburdf-dev]\nhalf:\n  debian: [a-b, c-d]\nbad:\n  debian: ['; rm']\n")
+    assert "bad" not in table
+    candidates = {name: Candidate(name, for_ros=False) for name in ("liburdf-dev", "a-b")}
+    found = plan("urdf", "half", rosdep=table, candidates=candidates)
+    assert found == {"urdf": ("debian", ("liburdf-dev",)), "half": ("unknown", ())}
+    assert plan("urdf", rosdep=table, candidates=None) == {"urdf": ("debian", ("liburdf-dev",))}
+
+
+def test_xacro_comes_from_pypi_where_no_release_has_it() -> None:
+    assert plan("xacro") == {"xacro": ("pypi", ("xacro",))}
+    ros = {"ros-noetic-xacro": Candidate("ros-noetic-xacro", for_ros=True)}
+    assert plan("xacro", candidates=ros, distribution="noetic") == {"xacro": ("debian", ("ros-noetic-xacro",))}
+
+
+def test_source_is_named_with_commands_and_hostile_addresses_are_not() -> None:
+    index = parse_index(INDEX)
+    assert sorted(index.repositories) == ["amcl", "move_base"]
+    steps = make_plan([Missing("amcl"), Missing("move_base")], Tables({}, {}, index=index), lambda _: False)
+    text = render_plan(steps)
+    assert text.count("git clone -b noetic-devel https://example.org/navigation.git ~/catkin_ws/src/navigation") == 1
+    assert text.endswith("  ur build\n")
+
+
+def test_dependencies_that_are_missing_too_are_named() -> None:
+    xml = "<package><name>amcl</name><depend>roscpp</depend><exec_depend>tf2</exec_depend></package>"
+    index = parse_index(f"{INDEX}release_package_xmls:\n  amcl: '{xml}'\n")
+    steps = make_plan([Missing("amcl")], Tables({}, {}, index=index), lambda name: name == "roscpp").steps
+    assert steps[0].needs == ("tf2",)
+
+
+def test_older_distribution_counts_only_where_no_newer_one_has_the_package() -> None:
+    old = parse_index(INDEX.replace("[amcl", "[amcl, fake_loc"), "kinetic")
+    both = merge_indexes([parse_index(INDEX), old])
+    assert (both.repositories["amcl"].distribution, both.repositories["fake_loc"].distribution) == ("", "kinetic")
+
+
+@pytest.mark.parametrize("text", ["", "[1, 2]", "a: {", "repositories: 3", "- " * 3000 + "x"])
+def test_damaged_index_is_refused(text: str) -> None:
+    with pytest.raises(ValueError, match=r"YAML|mapping|repositories"):
+        parse_index(text)
+
+
+def test_package_xml_with_entities_is_refused() -> None:
+    with pytest.raises(ValueError, match="document type"):
+        read_dependencies('<!DOCTYPE a [<!ENTITY b "c">]><package/>')
+
+
+def test_launch_file_names_packages_outside_of_comments() -> None:
+    text = """<launch><!-- $(find old) --><node name="a" type="b" pkg="one"/><param command="$(find xacro)/xacro"/>
+    <include file="$(eval find('two') + '/x')"/><node pkg="$(arg pkg)" name="c" type="d"/></launch>"""
+    assert named_packages(text) == {"one", "xacro", "two"}
+
+
+def test_simulation_of_apt_names_what_changes() -> None:
+    assert parse_simulation("NOTE: x\nInst rviz (1) [a]\nInst libb:amd64 (2)\nConf rviz\n", "Inst") == ("rviz", "libb")
+
+
+class Nothing:
+    """A computer without any table."""
+
+    def read_rosdep(self) -> tuple[str, str]:
+        return "", "no table"
+
+    def read_indexes(self) -> tuple[tuple[tuple[str, str], ...], str]:
+        return (), "no index"
+
+    def show_candidates(self, _names: Sequence[str]) -> None:
+        return None
+
+    def list_installed(self, _names: Sequence[str]) -> frozenset[str]:
+        return frozenset()
+
+
+def test_missing_tables_are_reported_and_what_needs_none_is_still_planned() -> None:
+    missing = [Missing("amcl"), Missing("xacro")]
+    tables, notes = load_tables(missing, Nothing())
+    made = make_plan(missing, tables, lambda _: False, notes)
+    assert made.notes == ("no table", "no index")
+    assert [step.way for step in made.steps] == ["unknown", "pypi"]
+    assert "note: no index\n" in render_plan(made)
