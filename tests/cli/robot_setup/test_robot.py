@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from ur.cli.robot_setup.contact import confirm_host_key, decide_robot_login
-from ur.cli.robot_setup.questions import ask_task, read_tasks
+from ur.cli.robot_setup.questions import ask_task, list_known_tasks, read_tasks
 from ur.cli.robot_setup.robot import Reporter, select_robot
 from ur.robot.discovery.record import Record, render_record
 from ur.robot.selection import Selection, load_selection, selection_path, store_selection
@@ -75,6 +75,11 @@ def test_known_variant_stays_where_nobody_can_be_asked(home: Path, monkeypatch: 
 def test_variant_that_the_base_has_not_is_refused() -> None:
     with pytest.raises(UserError, match="variant 'lydar' of base 'magni' is not known"):
         ask_task("bob", "bob", "magni", "lydar")
+
+
+def test_all_are_the_robots_that_were_set_up_as_they_are(home: Path) -> None:
+    remember(home, Record("bob", "ubuntu", "magni", "lidar"))
+    assert list_known_tasks() == [Task(Address("ubuntu", "bob.local"), Robot("bob", "magni", "lidar"))]
 
 
 def test_file_of_robots_says_what_is_left_out(tmp_path: Path) -> None:

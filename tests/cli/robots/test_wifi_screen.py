@@ -26,7 +26,7 @@ def test_screen_fits_into_the_terminal(samples: list[Sample], size: tuple[int, i
 def test_screen_shows_both_signals_the_gap_and_what_to_do() -> None:
     text = render_screen(WALK, NAMES, "", 100, 40).plain
     assert "signal at laptop  -60 dBm, 300 Mbit/s, 5 GHz" in text
-    assert "signal at bob  not heard" in text
+    assert "signal at bob  no signal" in text
     assert "latency  no answer" in text
     assert "×" in text  # noqa: RUF001 - the sign of a gap
     assert "bob has not answered for 8 s" in text

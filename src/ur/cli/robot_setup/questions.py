@@ -11,7 +11,9 @@ from pathlib import Path
 
 import click
 
+from ur.cli.robots.fleet import choose_robots
 from ur.request.environment import PACKAGE
+from ur.request.remote.connection import robot_address
 from ur.robot.base import list_bases, list_variants, load_base
 from ur.robot.discovery.record import DEFAULT_USER, Record, load_records, records_folder
 from ur.robot.setup.login import Task
@@ -44,6 +46,15 @@ def ask_task(host: str, name: str | None, base: str | None, variant: str | None)
     variant = "" if variant == PLAIN else variant
     load_base(PACKAGE, base, variant)
     return Task(address, Robot(name, base, variant))
+
+
+def list_known_tasks() -> list[Task]:
+    """A task for each robot that was set up from this computer, as it was set up. Raises UserError: there is none."""
+    known = {record.name: record for record in load_records(records_folder(os.environ))}
+    records = [known[name] for name in choose_robots([], every=True)]
+    for record in records:
+        load_base(PACKAGE, record.base, record.variant)
+    return [Task(robot_address(each.name), Robot(each.name, each.base, each.variant)) for each in records]
 
 
 def _ask_variant(name: str, base: str, known: str) -> str:

@@ -10,7 +10,6 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
 
@@ -19,16 +18,22 @@ import click
 from ur.cli.output import plain_text
 from ur.cli.robot_setup.contact import confirm_host_key, decide_robot_login, read_fingerprint
 from ur.cli.robot_setup.network import network
-from ur.cli.robot_setup.questions import ask_task, check_names, read_passwords, read_tasks
+from ur.cli.robot_setup.questions import ask_task, check_names, list_known_tasks, read_passwords, read_tasks
 from ur.cli.robot_setup.rename import rename
+from ur.cli.robot_setup.several import make_argv, set_up_each
 from ur.cli.robot_setup.wifi import wifi
-from ur.request.environment import current_selection
+from ur.cli.robots.fleet import ALL
+from ur.devices.needs import examine
+from ur.request.environment import PACKAGE, current_selection
+from ur.robot.base import load_base
 from ur.robot.deploy.repository import read_programs, read_repository
+from ur.robot.devices import expected_devices, inspect_devices
 from ur.robot.selection import Selection, selection_path, store_selection
 from ur.robot.setup.login import Task, open_robot
 from ur.robot.setup.robot import prepare_viewer, preview, set_up
 from ur.robot.setup.robot_states import Viewer
 from ur.robot.setup.verify import Check, verify
+from ur.robot.ssh.secret import Secret
 from ur.robot.ssh.shell import LocalShell
 from ur.source.diagnostic import UserError
 from ur.source.printable import printable, printable_lines
@@ -51,6 +56,7 @@ def command(context: click.Context) -> None:
 
 @command.command("setup")
 @click.argument("hosts", nargs=-1, metavar="[HOST | USER@HOST] ...")
+@ALL
 @click.option("--name", help="Its new name; it will answer to NAME.local. With one HOST only.")
 @click.option("--base", help="The base of the robot.")
 @click.option("--variant", default=None, help="The variant of the base; 'plain' for none.")
@@ -75,6 +81,7 @@ def command(context: click.Context) -> None:
 @click.option("--host-key", metavar="SHA256:...", help="The fingerprint of its host key, with one HOST: no question.")
 @click.option("--yes", is_flag=True, help="Accept an unknown host key without a question, in a network that you trust.")
 @click.option("--new-host-key", is_flag=True, help="It was flashed again: ask about its new host key.")
+@click.option("--one-of-several", is_flag=True, hidden=True, help="Started by the set-up of several robots.")
 @click.option(
     "--robot-login/--no-robot-login",
     default=None,
@@ -82,6 +89,7 @@ def command(context: click.Context) -> None:
 )
 def setup(
     hosts: tuple[str, ...],
+    every: bool,
     name: str | None,
     base: str | None,
     variant: str | None,
@@ -93,6 +101,7 @@ def setup(
     host_key: str | None,
     yes: bool,
     new_host_key: bool,
+    one_of_several: bool,
     robot_login: bool | None,
 ) -> int:
     """Make freshly flashed robots ready: name, keys, packages, ROS, time, announcement, and this project.
@@ -102,23 +111,20 @@ def setup(
 
     Looks first and changes only what is missing; interrupted anywhere, a second run finishes. A robot without internet
     fetches its packages over this computer's connection. At the end it looks from both ends and prints what it saw;
-    then programs run there. One robot is selected (`ur use`), unless another one is.
+    then programs run there. One robot is selected (`ur use`), unless another one is. Several robots are set up side by
+    side, with a line for each; what is asked, is asked before.
 
     FILE is YAML: `robots:`, a list of mappings with `host`, `name`, `base` and, if wanted, `user`, `variant`,
     `host_key: SHA256:...`, `master: false` and `programs: false`.
     """
     signal.signal(signal.SIGTERM, signal.default_int_handler)
-    if file and (hosts or name or base):
-        raise click.UsageError("--from FILE names the robots: expected no HOST, --name or --base beside it")
-    if not file and not hosts:
-        raise click.UsageError("missing argument 'HOST', for instance ros@robot.local")
-    if name and len(hosts) > 1:
-        raise click.UsageError("--name is for one HOST, expected --from FILE for several")
-    if host_key and (file or len(hosts) > 1):
-        raise click.UsageError("--host-key is for one HOST, expected host_key in --from FILE for several")
+    described = bool(name or base or variant)
+    _check_robots(hosts, file, every=every, described=described, name=name, host_key=host_key)
     fingerprints: dict[str, str] = {}
     if file:
         tasks, fingerprints = read_tasks(Path(file))
+    elif every:
+        tasks = list_known_tasks()
     else:
         tasks = [ask_task(host, name, base, variant) for host in hosts]
         if host_key:
@@ -139,6 +145,13 @@ def setup(
         return refused
     tasks = met if dry_run else decide_robot_login(met, robot_login)
     current, new = read_passwords(tasks, passwords_from, dry_run=dry_run)
+    if len(tasks) > 1 and not dry_run:
+        given = Secret("\n".join(each.reveal() if each else "" for each in (current, new)))
+
+        def make(task: Task) -> list[str]:
+            return make_argv(task, master=master, programs=programs, new_host_key=new_host_key)
+
+        return max(refused, set_up_each(tasks, make, given))
     library, environment = read_repository(), read_programs()
     tasks = [
         replace(
@@ -147,21 +160,42 @@ def setup(
             library=(library, environment) if task.robot.programs and programs else (library,),
             current=current,
             new=new,
+            devices=expected_devices(load_base(PACKAGE, task.robot.base, task.robot.variant)),
         )
         for task in tasks
     ]
     if dry_run:
-        return max(refused, _for_each(tasks, lambda task: _preview(task, viewer)))
-    return max(refused, _for_each(tasks, lambda task: _set_up(task, here, viewer, alone=len(tasks) == 1)))
+        return max(refused, *(_guard(task, lambda task: _preview(task, viewer)) for task in tasks))
+    return max(refused, _guard(tasks[0], lambda task: _set_up(task, here, viewer, alone=not one_of_several)))
+
+
+def _check_robots(
+    hosts: Sequence[str], file: str | None, *, every: bool, described: bool, name: str | None, host_key: str | None
+) -> None:
+    """Raise UsageError where options do not go together. `described`: name, base or variant is given."""
+    if every and (hosts or file or described):
+        message = "--all sets up every robot as it was: expected no HOST, --name, --base, --variant or --from beside it"
+        raise click.UsageError(message)
+    if file and (hosts or described):
+        raise click.UsageError("--from FILE names the robots: expected no HOST, --name, --base or --variant beside it")
+    if not file and not hosts and not every:
+        raise click.UsageError("missing argument 'HOST', for instance ros@robot.local")
+    if name and len(hosts) > 1:
+        raise click.UsageError("--name is for one HOST, expected --from FILE for several")
+    if host_key and (file or every or len(hosts) > 1):
+        raise click.UsageError("--host-key is for one HOST, expected host_key in --from FILE for several")
 
 
 def _set_up(task: Task, here: LocalShell, viewer: Viewer, *, alone: bool) -> int:
-    say = Reporter(task.robot.name, live=alone and sys.stdout.isatty())
+    say = Reporter(task.robot.name if alone else "", live=alone and sys.stdout.isatty())
     count = set_up(task, here, viewer, say, say.show_progress)
     # Looked at through the new name, by key, with strict host keys: as it will be used.
     with open_robot(replace(task, address=task.later, host_key=None, first_contact=False), say) as there:
         checks = verify(task, here, there, viewer, wait_for_master)
+        needs = [need for need in examine(inspect_devices(there), task.devices) if need.state != "ready"]
     _print_checks(task, checks)
+    for need in needs:
+        say(f"note: {need.message}\n  help: {need.help}")
     bad = sum(not check.good for check in checks)
     if bad:
         say(f"{bad} of {len(checks)} points are not as they should be; 'ur doctor {task.robot.name}' says more")
@@ -211,26 +245,6 @@ def _preview(task: Task, viewer: Viewer) -> int:
     return 0
 
 
-def _for_each(tasks: Sequence[Task], work: Callable[[Task], int]) -> int:
-    """Run all tasks in parallel and return the highest exit code; a robot that fails does not stop the others."""
-
-    def guarded(task: Task) -> int:
-        return _guard(task, work)
-
-    if len(tasks) == 1:
-        return guarded(tasks[0])
-    pool = ThreadPoolExecutor(len(tasks))
-    try:
-        return max(pool.map(guarded, tasks))
-    except KeyboardInterrupt:
-        # The others wait for their robots, maybe for long. What they have started ends with this process.
-        sys.stderr.write("interrupted; the same command goes on where it stopped\n")
-        sys.stderr.flush()
-        os._exit(130)
-    finally:
-        pool.shutdown()
-
-
 def _guard(task: Task, work: Callable[[Task], int]) -> int:
     """Run one task and return its exit code; print a UserError and return 2."""
     try:
@@ -241,22 +255,22 @@ def _guard(task: Task, work: Callable[[Task], int]) -> int:
 
 
 class Reporter:
-    """Print lines about one robot. With `live`, progress is one line that is written over again."""
+    """Print lines about one robot, behind its name unless that is empty. With `live`, progress is one line."""
 
     def __init__(self, name: str, *, live: bool = False) -> None:
-        self._name, self._live = printable(name), live
+        self._prefix, self._live = f"{printable(name)}: " if name else "", live
         self._shown = 0.0  # when progress was printed last
         self._lock = threading.Lock()  # progress comes from another thread
 
     def __call__(self, text: str) -> None:
         """Print a line."""
         with self._lock:
-            sys.stdout.write(f"{_CLEAR if self._live else ''}{self._name}: {printable_lines(text)}\n")
+            sys.stdout.write(f"{_CLEAR if self._live else ''}{self._prefix}{printable_lines(text)}\n")
             sys.stdout.flush()
 
     def show_progress(self, title: str, seconds: float, line: str) -> None:
         """Print how far a long change is: its last line of output, which is another computer's."""
-        text = f"{self._name}: {title}, {seconds:.0f} s: {printable(line)}"
+        text = f"{self._prefix}{title}, {seconds:.0f} s: {printable(line)}"
         with self._lock:
             if self._live:
                 sys.stdout.write(_CLEAR + text[: shutil.get_terminal_size().columns - 1])

@@ -1,0 +1,256 @@
+"""Commands for several robots: which robots, their passwords, and a process for each, with one line each."""
+
+from __future__ import annotations
+
+import getpass
+import json
+import os
+import signal
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import AbstractContextManager, nullcontext
+from typing import TYPE_CHECKING, Literal
+
+import click
+
+from ur.cli.robot_setup.guarded import read_lines
+from ur.fleet.logs import logs_folder
+from ur.fleet.model import Fleet, Job, Status, find_exit_code
+from ur.fleet.processes import Output, Processes
+from ur.fleet.table import describe_end, describe_fleet, summarise
+from ur.request.remote.connection import robot_address
+from ur.robot.discovery.record import load_records, records_folder
+from ur.robot.ssh.openssh import STRICT, Address, explain_failure
+from ur.robot.ssh.secret import Secret
+from ur.source.ansi import BOLD, paint
+from ur.source.diagnostic import UserError, error
+from ur.source.printable import printable_lines
+from ur.source.progress_line import show_progress
+from ur.source.render import shows_colour
+
+if TYPE_CHECKING:
+    from rich.live import Live
+
+MOST_LINES = 60  # of the output of one robot that are printed after the table; its file has all of it
+ALL = click.option("--all", "every", is_flag=True, help="All robots that were set up from this computer, side by side.")
+
+
+def choose_robots(named: Sequence[str], *, every: bool) -> tuple[str, ...]:
+    """The robots of a command line, which may be joined by commas; with `every`, all that were set up from here.
+
+    Nobody is named twice. Raises UserError: `--all` beside a name, no such robots, or something that is no address.
+    """
+    names = [name for text in named for name in text.split(",") if name]
+    if every and names:
+        raise click.UsageError("--all stands for every robot, expected no name beside it")
+    if every:
+        names = [record.name for record in load_records(records_folder(os.environ))]
+        if not names:
+            message = "--all: no robot was set up from this computer, expected at least one"
+            raise UserError(error(message, rule="no-robot", help="run: ur robot setup HOST; or name the robots"))
+    return tuple({str(robot_address(name)): name for name in reversed(names)}.values())[::-1]
+
+
+def read_names(named: Sequence[str]) -> frozenset[str]:
+    """The names of robots on a command line, without user and .local. Raises UserError: no address."""
+    return frozenset(robot_address(name).host.removesuffix(".local") for name in choose_robots(named, every=False))
+
+
+def is_fleet(robots: Sequence[str], *, every: bool) -> bool:
+    """Return whether a command line is about several robots, or all, however many that are."""
+    return every or len(robots) > 1
+
+
+def run_for_each(
+    verb: str,
+    robots: Sequence[str],
+    make_argv: Callable[[str], Sequence[str]],
+    *,
+    passwords: Mapping[str, Secret | None] | None = None,
+    show: Literal["failed", "all"] = "failed",
+    question: str = "",
+    confirmed: bool = True,
+) -> int:
+    """Run `ur` once for each robot, side by side, and print a line for each; return the highest exit code.
+
+    `make_argv` makes the arguments of `ur`; a password goes to the standard input of its process. Output follows after
+    the table: of those that failed, or of `all`. With a `question`, the commands stop before they change anything and
+    ask (`answer_confirmed`); then their output is printed, and the question asked for all, unless it is `confirmed`.
+    """
+    jobs = [_make_job(name, make_argv(name), (passwords or {}).get(name), asks=bool(question)) for name in robots]
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    table = _Table()
+    with _open_processes(jobs, verb) as processes:
+
+        def confirm(_: Fleet, outputs: Sequence[Output]) -> bool:
+            with table.paused():
+                _print_outputs(processes.fleet, outputs, "all")
+                return confirmed or _agree(question)
+
+        try:
+            with table:
+                fleet = processes.run(table.show, confirm if question else None)
+        except KeyboardInterrupt:
+            click.echo(summarise(processes.fleet))
+            raise
+        _print_outputs(fleet, processes.outputs, show)
+    click.echo(summarise(fleet))
+    return find_exit_code(fleet)
+
+
+def print_json_of_each(
+    verb: str,
+    robots: Sequence[str],
+    make_argv: Callable[[str], Sequence[str]],
+    passwords: Mapping[str, Secret | None] | None = None,
+) -> int:
+    """The same for commands that print JSON: one list, an object for each robot with its name and exit code."""
+    jobs = [_make_job(name, make_argv(name), (passwords or {}).get(name)) for name in robots]
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    with _open_processes(jobs, verb, errors_apart=True) as processes, show_progress(f"{verb}: {len(jobs)} robots"):
+        fleet = processes.run(lambda _fleet, _now: None)
+        found = [_as_dict(status, output) for status, output in zip(fleet, processes.outputs, strict=True)]
+    click.echo(json.dumps(found, indent=2))
+    return find_exit_code(fleet)
+
+
+def ask_passwords(
+    robots: Sequence[str], descriptor: int | None, option: str, *, root: bool
+) -> dict[str, Secret | None]:
+    """The password of each robot; None for one that needs none, or where nobody can be asked.
+
+    It is read from `descriptor`, one for all; else, on a terminal, it is asked for once, for those robots that refuse
+    the key, or, with `root`, let sudo ask. Raises UserError: the descriptor cannot be read.
+    """
+    if descriptor is not None:
+        line = read_lines(descriptor, option, 1)[0]
+        return dict.fromkeys(robots, Secret(line) if line else None)
+    none: dict[str, Secret | None] = dict.fromkeys(robots)
+    if not sys.stdin.isatty():
+        return none
+    needing = _find_needing(robots, root=root)
+    if not needing:
+        return none
+    text = getpass.getpass(f"password of {', '.join(str(robot_address(name)) for name in needing)} (empty: none): ")
+    return none | dict.fromkeys(needing, Secret(text)) if text else none
+
+
+def _find_needing(robots: Sequence[str], *, root: bool) -> list[str]:
+    """The robots that refuse the key, or whose sudo wants a password."""
+    script = "sudo -k -n true" if root else "true"
+    jobs = [
+        Job(name, ("ssh", *STRICT, "-o", "BatchMode=yes", "-T", "--", str(robot_address(name)), script))
+        for name in robots
+    ]
+    with _open_processes(jobs, "login") as processes, show_progress(f"logging in to {len(jobs)} robots"):
+        fleet = processes.run(lambda _fleet, _now: None)
+        said = [output.log.read_all() for output in processes.outputs]
+    return [
+        status.name
+        for status, text in zip(fleet, said, strict=True)
+        if status.code and (status.code != 255 or _is_refused(robot_address(status.name), text))
+    ]
+
+
+def _is_refused(address: Address, said: str) -> bool:
+    return explain_failure(address, said).diagnostics[0].rule == "refused"
+
+
+def _make_job(name: str, argv: Sequence[str], password: Secret | None, *, asks: bool = False) -> Job:
+    # Unbuffered, so that the table shows what happens now.
+    command = (sys.executable, "-I", "-u", "-m", "ur", *argv)
+    return Job(name, command, stdin=f"{password.reveal()}\n" if password else "", asks=asks)
+
+
+def _open_processes(jobs: Sequence[Job], verb: str, *, errors_apart: bool = False) -> Processes:
+    folder = logs_folder(os.environ)
+    try:
+        return Processes(jobs, folder, verb, errors_apart=errors_apart)
+    except OSError as problem:
+        reason = (problem.strerror or str(problem)).lower()
+        message = f"{folder}: the output of the robots cannot be kept there: {reason}"
+        help = f"is there room, and is it yours? ls -ld {folder}"
+        raise UserError(error(message, rule="unwritable-file", help=help)) from None
+
+
+def _agree(question: str) -> bool:
+    if not sys.stdin.isatty():
+        message = "there is no terminal to ask on, so nothing was changed"
+        click.echo(f"error: {message}\n  help: --yes makes these changes", err=True)
+        return False
+    return click.confirm(question, default=True)
+
+
+def _print_outputs(fleet: Fleet, outputs: Sequence[Output], show: Literal["failed", "all"]) -> None:
+    """Print what the robots' commands have printed, one after the other, each under the name of its robot."""
+    for status, output in zip(fleet, outputs, strict=True):
+        text = output.log.read_all().rstrip()
+        if not text or (show == "failed" and not status.code):
+            continue
+        lines = text.splitlines()
+        click.echo(paint(f"{status.name}:", BOLD) if shows_colour(sys.stdout) else f"{status.name}:")
+        if len(lines) > MOST_LINES:
+            click.echo(f"  ... ({len(lines) - MOST_LINES} more lines: {output.log.path})")
+        for line in lines[-MOST_LINES:]:
+            click.echo(f"  {printable_lines(line)}".rstrip())
+
+
+def _as_dict(status: Status, output: Output) -> dict[str, object]:
+    try:
+        said = json.loads(output.log.read_all())
+    except ValueError:
+        said = None
+    errors = output.errors.read_all().strip() if output.errors else ""
+    row: dict[str, object] = {"robot": status.name, "code": status.code, "error": errors}
+    return row | said if isinstance(said, dict) else row
+
+
+class _Table:
+    """The lines of all robots: drawn again and again on a terminal; else a line when one is done."""
+
+    def __init__(self) -> None:
+        self._live: Live | None = None
+        self._told: set[str] = set()
+        self._is_live = sys.stdout.isatty() and os.environ.get("TERM", "dumb") not in ("dumb", "")
+
+    def __enter__(self) -> _Table:
+        if self._is_live:
+            from rich.live import Live
+
+            self._live = Live(auto_refresh=False)
+            self._live.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._live:
+            self._live.stop()
+            self._live = None
+
+    def show(self, fleet: Fleet, now: float) -> None:
+        """Show the present state."""
+        if self._live:
+            from rich.text import Text
+
+            lines = describe_fleet(fleet, now)
+            self._live.update(Text("\n".join(lines), no_wrap=True, overflow="ellipsis"), refresh=True)
+            return
+        for status in fleet:
+            if status.phase == "done" and status.name not in self._told:
+                self._told.add(status.name)
+                click.echo(describe_end(status))
+                sys.stdout.flush()
+
+    def paused(self) -> AbstractContextManager[object]:
+        """Leave the terminal to something else inside; the table is drawn anew below it."""
+        return _Pause(self) if self._live else nullcontext()
+
+
+class _Pause:
+    def __init__(self, table: _Table) -> None:
+        self._table = table
+
+    def __enter__(self) -> None:
+        self._table.__exit__()
+
+    def __exit__(self, *_: object) -> None:
+        self._table.__enter__()

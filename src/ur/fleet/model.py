@@ -1,0 +1,103 @@
+"""The state of a command that runs for several robots: which may begin, how each is, and how all ended. Pure."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import Literal
+
+Phase = Literal["waiting", "running", "asking", "done"]
+INTERRUPTED = 130  # the exit code of a command that Ctrl-C has ended
+
+
+@dataclass(frozen=True, slots=True)
+class Job:
+    """The command for one robot. `stdin` is what it reads; with `asks`, it asks over its standard input instead."""
+
+    name: str
+    argv: tuple[str, ...]
+    stdin: str = field(default="", repr=False)
+    asks: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Status:
+    """The state of a job. Times are in s, of the same clock; `line` is the last line of its output.
+
+    `code` is the exit code of one that is done, with 128 added to the number of a signal.
+    """
+
+    name: str
+    phase: Phase = "waiting"
+    began: float = 0.0
+    ended: float = 0.0
+    line: str = ""
+    code: int | None = None
+
+
+Fleet = tuple[Status, ...]
+
+
+def plan_fleet(jobs: Sequence[Job]) -> Fleet:
+    """The state before anything has begun."""
+    return tuple(Status(job.name) for job in jobs)
+
+
+def find_startable(fleet: Fleet, limit: int) -> list[int]:
+    """The indices of the jobs that may begin now, in order, so that at most `limit` run. One that asks does not run."""
+    free = limit - sum(each.phase == "running" for each in fleet)
+    waiting = [index for index, each in enumerate(fleet) if each.phase == "waiting"]
+    return waiting[: max(0, free)]
+
+
+def begin_job(fleet: Fleet, index: int, now: float) -> Fleet:
+    """The state after a job has begun."""
+    return _change(fleet, index, phase="running", began=now)
+
+
+def note_line(fleet: Fleet, index: int, line: str) -> Fleet:
+    """The state after a job has printed a line."""
+    return _change(fleet, index, line=line)
+
+
+def note_question(fleet: Fleet, index: int) -> Fleet:
+    """The state after a job has asked whether it may go on."""
+    return _change(fleet, index, phase="asking")
+
+
+def are_all_asking(fleet: Fleet) -> bool:
+    """Return whether at least one job waits for an answer, and all others are done."""
+    phases = {each.phase for each in fleet}
+    return "asking" in phases and phases <= {"asking", "done"}
+
+
+def answer_questions(fleet: Fleet) -> Fleet:
+    """The state after all questions were answered."""
+    return tuple(replace(each, phase="running") if each.phase == "asking" else each for each in fleet)
+
+
+def end_job(fleet: Fleet, index: int, code: int, now: float) -> Fleet:
+    """The state after a job has ended. `code` is that of subprocess: negative for a signal."""
+    return _change(fleet, index, phase="done", code=code if code >= 0 else 128 - code, ended=now)
+
+
+def interrupt_fleet(fleet: Fleet, now: float) -> Fleet:
+    """The state after Ctrl-C has ended every job that was not done."""
+    return tuple(
+        each if each.phase == "done" else replace(each, phase="done", code=INTERRUPTED, ended=now) for each in fleet
+    )
+
+
+def is_over(fleet: Fleet) -> bool:
+    """Return whether every job is done."""
+    return all(each.phase == "done" for each in fleet)
+
+
+def find_exit_code(fleet: Fleet) -> int:
+    """The exit code of the whole: the highest of all jobs."""
+    return max((each.code or 0 for each in fleet), default=0)
+
+
+def _change(fleet: Fleet, index: int, **changes: object) -> Fleet:
+    changed = replace(fleet[index], **changes)  # type: ignore[arg-type] # keywords of this module
+    return (*fleet[:index], changed, *fleet[index + 1 :])

@@ -1,0 +1,219 @@
+"""The processes of a command that runs for several robots: begun, followed and ended together."""
+
+from __future__ import annotations
+
+import os
+import select
+import shutil
+import signal
+import socket
+import subprocess
+import time
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+from ur.fleet.logs import Log, open_log
+from ur.fleet.model import (
+    Fleet,
+    Job,
+    answer_questions,
+    are_all_asking,
+    begin_job,
+    end_job,
+    find_startable,
+    interrupt_fleet,
+    is_over,
+    note_line,
+    note_question,
+    plan_fleet,
+)
+from ur.fleet.table import choose_line
+
+AT_ONCE = 16
+PERIOD = 0.25  # s between two pictures
+ASK, YES, NO = b"ask\n", b"yes\n", b"no\n"
+# Longer than any command takes to end what it has started on its robot.
+STEPS = ((signal.SIGINT, 25.0), (signal.SIGTERM, 5.0), (signal.SIGKILL, 5.0))
+
+Show = Callable[[Fleet, float], None]
+Confirm = Callable[[Fleet, Sequence["Output"]], bool]
+
+
+@dataclass(slots=True)
+class Output:
+    """The output of a job. `errors` is apart from it where that was wanted."""
+
+    log: Log
+    errors: Log | None = None
+
+    def close(self) -> None:
+        """Close the files, which stay."""
+        self.log.close()
+        if self.errors:
+            self.errors.close()
+
+
+@dataclass(slots=True)
+class _Child:
+    process: subprocess.Popen[bytes]
+    handle: int  # readable when the process has ended: pidfd_open(2)
+    questions: socket.socket | None
+    shown: int = 0  # bytes of the log whose last line is shown
+
+
+class Processes:
+    """Runs a command for each robot; a context manager. Nothing of it runs any more at its end, however that comes."""
+
+    def __init__(
+        self, jobs: Sequence[Job], folder: Path, command: str, *, limit: int = AT_ONCE, errors_apart: bool = False
+    ) -> None:
+        """Take the jobs, and the folder for the files with their output. `command` names these files."""
+        self._jobs = jobs
+        self._limit = limit
+        self._children: dict[int, _Child] = {}
+        self.fleet = plan_fleet(jobs)
+        self.outputs = [
+            Output(
+                open_log(folder, command, job.name),
+                open_log(folder, command, job.name, "errors") if errors_apart else None,
+            )
+            for job in jobs
+        ]
+
+    def __enter__(self) -> Processes:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._end_all()
+        for output in self.outputs:
+            output.close()
+
+    def run(self, show: Show, confirm: Confirm | None = None) -> Fleet:
+        """Run all to their ends; the state then. Raises KeyboardInterrupt after everything was ended.
+
+        `show` is called now and then, and at each change. `confirm` is called once when no job runs and some ask
+        whether they may go on; its answer is given to all of these.
+        """
+        try:
+            while not is_over(self.fleet):
+                for index in find_startable(self.fleet, self._limit):
+                    self._begin(index)
+                show(self.fleet, time.monotonic())
+                self._wait(PERIOD)
+                if confirm and are_all_asking(self.fleet):
+                    self._answer(YES if confirm(self.fleet, self.outputs) else NO)
+        except KeyboardInterrupt:
+            self._end_all()
+            self.fleet = interrupt_fleet(self.fleet, time.monotonic())
+            show(self.fleet, time.monotonic())
+            raise
+        show(self.fleet, time.monotonic())
+        return self.fleet
+
+    def _begin(self, index: int) -> None:
+        job, output = self._jobs[index], self.outputs[index]
+        ours, theirs = socket.socketpair() if job.asks else (None, None)
+        argv = [*_ends_with_us(), *job.argv]
+        try:
+            process = subprocess.Popen(
+                argv,
+                stdin=theirs.fileno() if theirs else subprocess.PIPE,
+                stdout=output.log.descriptor,
+                stderr=(output.errors or output.log).descriptor,
+                start_new_session=True,  # Ctrl-C is for us, and no question comes to this terminal
+            )
+        finally:
+            if theirs:
+                theirs.close()
+        if process.stdin:
+            with suppress(BrokenPipeError):
+                process.stdin.write(job.stdin.encode())  # a line or two: it fits into the pipe
+                process.stdin.flush()
+            with suppress(BrokenPipeError):
+                process.stdin.close()
+        self._children[index] = _Child(process, os.pidfd_open(process.pid), ours)
+        self.fleet = begin_job(self.fleet, index, time.monotonic())
+
+    def _wait(self, seconds: float) -> None:
+        """Wait until a process ends or asks, or `seconds` pass, and note it with the last lines."""
+        waited: list[int | socket.socket] = [child.handle for child in self._children.values()]
+        waited += [child.questions for child in self._children.values() if child.questions]
+        select.select(waited, [], [], seconds)
+        for index, child in list(self._children.items()):
+            code = child.process.poll()
+            self._note_line(index, child, code)
+            if code is not None:
+                self.fleet = end_job(self.fleet, index, code, time.monotonic())
+                _close(self._children.pop(index))
+            elif child.questions and (said := _read_question(child.questions)) is not None:
+                if said == ASK:
+                    self.fleet = note_question(self.fleet, index)
+                else:  # it asks no more
+                    child.questions.close()
+                    child.questions = None
+
+    def _note_line(self, index: int, child: _Child, code: int | None) -> None:
+        log = self.outputs[index].log
+        size = log.size()
+        if size != child.shown or code is not None:
+            child.shown = size
+            self.fleet = note_line(self.fleet, index, choose_line(log.read_tail(), code))
+
+    def _answer(self, word: bytes) -> None:
+        for index, child in self._children.items():
+            if child.questions and self.fleet[index].phase == "asking":
+                with suppress(OSError):  # it has just ended
+                    child.questions.sendall(word)
+        self.fleet = answer_questions(self.fleet)
+
+    def _end_all(self) -> None:
+        """End what still runs: as Ctrl-C does, then more firmly. A second Ctrl-C does not wait any longer."""
+        for number, patience in STEPS:
+            for child in self._children.values():
+                if child.process.poll() is None:
+                    _send(child.process, number)
+            end = time.monotonic() + patience
+            try:
+                for child in self._children.values():
+                    with suppress(subprocess.TimeoutExpired):
+                        child.process.wait(max(0.0, end - time.monotonic()))
+            except KeyboardInterrupt:
+                continue
+        for child in self._children.values():
+            _close(child)
+        self._children.clear()
+
+
+def answer_confirmed(descriptor: int) -> bool:
+    """Ask the process that has started this one whether to go on, over a socket; for a job that `asks`."""
+    with socket.socket(fileno=os.dup(descriptor)) as parent:
+        parent.sendall(ASK)
+        return parent.recv(16) == YES
+
+
+def _read_question(questions: socket.socket) -> bytes | None:
+    """Read what has arrived: b"" at the end, None where nothing has."""
+    with suppress(BlockingIOError, ConnectionError):
+        return questions.recv(16, socket.MSG_DONTWAIT)
+    return None
+
+
+def _send(process: subprocess.Popen[bytes], number: int) -> None:
+    with suppress(ProcessLookupError):
+        if number == signal.SIGKILL:
+            os.killpg(process.pid, number)
+        else:
+            process.send_signal(number)  # what it has started is its own to end
+
+
+def _close(child: _Child) -> None:
+    os.close(child.handle)
+    if child.questions:
+        child.questions.close()
+
+
+def _ends_with_us() -> list[str]:
+    """The words in front of a command that is interrupted when this process is killed: prctl(2), PR_SET_PDEATHSIG."""
+    return ["setpriv", "--pdeathsig", "INT", "--"] if shutil.which("setpriv") else []
