@@ -1,0 +1,52 @@
+"""Hosts and origins that requests may name: the defence against DNS rebinding and against pages of other sites.
+
+A browser that another site has led here sends that site's name as Host (DNS rebinding) or as Origin (a request across
+sites). Programs may send no Origin, so it is demanded where something changes or a web socket is opened.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+_HOST = re.compile(r"(\[[0-9A-Fa-f:.]{2,45}\]|[0-9A-Za-z.-]{1,253})(?::(\d{1,5}))?", re.ASCII)
+LOOPBACK = frozenset({"localhost", "127.0.0.1", "[::1]"})
+
+
+@dataclass(frozen=True, slots=True)
+class Origins:
+    """`names`: host names and addresses that this computer is called by, in lower case; `port`: that of the server.
+
+    The names of the loopback interface are good with every port: `ssh -L` may have chosen another.
+    """
+
+    names: frozenset[str]
+    port: int
+
+
+def make_origins(names: Iterable[str], port: int) -> Origins:
+    """The origins of a server that is reached by these names and addresses besides those of the loopback interface."""
+    return Origins(LOOPBACK | {_bracket(each.lower().rstrip(".")) for each in names if each}, port)
+
+
+def allows_host(origins: Origins, host: str | None, address: str = "") -> bool:
+    """Return whether a Host header names this server.
+
+    `address` is the one that the request was sent to: as a Host it is good, because no other site can take it.
+    """
+    found = _HOST.fullmatch(host or "")
+    if found is None:
+        return False
+    name, port = found[1].lower().rstrip("."), int(found[2] or 80)
+    own = {_bracket(address.lower())} if address else set()
+    return name in LOOPBACK or (name in origins.names | own and port == origins.port)
+
+
+def allows_origin(host: str | None, origin: str | None) -> bool:
+    """Return whether an Origin header is that of our own page, which was loaded from this Host, which is allowed."""
+    return host is not None and origin is not None and origin == f"http://{host}"
+
+
+def _bracket(name: str) -> str:
+    return f"[{name}]" if ":" in name and not name.startswith("[") else name

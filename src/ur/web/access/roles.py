@@ -1,0 +1,146 @@
+"""Roles, tokens and sessions: who may look, who may drive.
+
+A *token* is what a link carries: it is good for one login within its lifetime. A login makes a *session*, whose secret
+is the page's cookie. Of both only a hash is kept. All times are seconds since 1970.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import secrets
+from dataclasses import asdict, dataclass, field, replace
+from enum import Enum
+from typing import Any
+
+TOKEN_LIFE = 3600.0
+"""Seconds for which a link may be used."""
+
+SESSION_LIFE = 30 * 86400.0
+"""Seconds after its last use for which a session lasts."""
+
+_MOST_SESSIONS = 100
+_MOST_TOKENS = 100
+_NOTED_EVERY = 3600.0  # s: how exactly the last use is known
+_LONGEST_SECRET = 128
+
+
+class Role(str, Enum):
+    """LOOK: see everything, and stop the robot in an emergency. DRIVE: everything."""
+
+    LOOK = "look"
+    DRIVE = "drive"
+
+
+@dataclass(frozen=True, slots=True)
+class Grant:
+    """A right that a secret gives: its role, when it ends, and the name of a session for logs and for the lease."""
+
+    role: Role
+    until: float
+    name: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Ledger:
+    """The tokens and sessions that are valid, by the hash of their secret, oldest first."""
+
+    tokens: dict[str, Grant] = field(default_factory=dict)
+    sessions: dict[str, Grant] = field(default_factory=dict)
+
+
+def add_token(ledger: Ledger, role: Role, now: float) -> tuple[Ledger, str]:
+    """A ledger with a new token, and the token."""
+    secret = secrets.token_urlsafe(18)
+    tokens = {**_valid(ledger.tokens, now), hash_secret(secret): Grant(role, now + TOKEN_LIFE)}
+    return replace(ledger, tokens=dict(list(tokens.items())[-_MOST_TOKENS:])), secret
+
+
+def use_token(ledger: Ledger, token: object, name: str, now: float) -> tuple[Ledger, str | None]:
+    """Use a token up: the ledger with a new session, and the session's secret; None for a token that is not valid."""
+    key = _key(token)
+    grant = ledger.tokens.get(key) if key else None
+    if grant is None or now > grant.until:
+        return ledger, None
+    secret = secrets.token_urlsafe(32)
+    tokens = {each: value for each, value in ledger.tokens.items() if each != key}
+    sessions = {
+        **_valid(ledger.sessions, now),
+        hash_secret(secret): Grant(grant.role, now + SESSION_LIFE, clean_name(name)),
+    }
+    return Ledger(tokens, dict(list(sessions.items())[-_MOST_SESSIONS:])), secret
+
+
+def find_session(ledger: Ledger, secret: object, now: float) -> tuple[str, Grant] | None:
+    """The id of a session, which is no secret, and what it grants; None for a secret that is not valid."""
+    key = _key(secret)
+    grant = ledger.sessions.get(key) if key else None
+    return (session_id(key), grant) if grant is not None and now <= grant.until else None
+
+
+def note_use(ledger: Ledger, secret: str, now: float) -> Ledger:
+    """A session was used: it lasts longer. The same ledger if that was noted lately."""
+    key = _key(secret)
+    grant = ledger.sessions.get(key)
+    if grant is None or grant.until - SESSION_LIFE > now - _NOTED_EVERY:
+        return ledger
+    return replace(ledger, sessions={**ledger.sessions, key: replace(grant, until=now + SESSION_LIFE)})
+
+
+def end_session(ledger: Ledger, secret: object) -> Ledger:
+    """Log out."""
+    key = _key(secret)
+    return replace(ledger, sessions={each: grant for each, grant in ledger.sessions.items() if each != key})
+
+
+def session_id(key: str) -> str:
+    """The id of a session from the hash of its secret."""
+    return hashlib.sha256(b"id " + key.encode()).hexdigest()[:16]
+
+
+def hash_secret(secret: str) -> str:
+    """The hash that is kept of a secret. Secrets are random, so that the hash needs no salt."""
+    return hashlib.sha256(secret.encode()).hexdigest()
+
+
+def clean_name(text: object) -> str:
+    """A name as it may be shown: printable, on one line, at most 40 characters."""
+    if not isinstance(text, str):
+        return ""
+    return "".join(each for each in text[:200] if each.isprintable()).strip()[:40]
+
+
+def write_sessions(ledger: Ledger) -> str:
+    """The sessions as JSON; tokens end with the server."""
+    return json.dumps({key: asdict(grant) for key, grant in ledger.sessions.items()}, indent=1) + "\n"
+
+
+def read_sessions(text: str) -> Ledger:
+    """The ledger of such a text; without what is malformed."""
+    try:
+        found = json.loads(text)
+    except (ValueError, RecursionError):
+        return Ledger()
+    if not isinstance(found, dict):
+        return Ledger()
+    sessions = {key: grant for key, value in found.items() if (grant := _read_grant(value)) and len(key) == 64}
+    return Ledger(sessions=sessions)
+
+
+def _read_grant(value: Any) -> Grant | None:
+    if not isinstance(value, dict) or value.get("role") not in ("look", "drive"):
+        return None
+    until = value.get("until")
+    if not isinstance(until, (int, float)) or isinstance(until, bool):
+        return None
+    return Grant(Role(value["role"]), float(until), clean_name(value.get("name")))
+
+
+def _valid(grants: dict[str, Grant], now: float) -> dict[str, Grant]:
+    return {key: grant for key, grant in grants.items() if now <= grant.until}
+
+
+def _key(secret: object) -> str:
+    if not isinstance(secret, str) or not 0 < len(secret) <= _LONGEST_SECRET or not secret.isascii():
+        return ""
+    return hash_secret(secret)

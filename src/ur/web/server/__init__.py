@@ -1,0 +1,1 @@
+"""The HTTP server: routes, web sockets, and the process that talks to ROS."""

@@ -1,0 +1,226 @@
+"""Routes of the page: files, login, the two web sockets, and the few requests beside them."""
+
+from __future__ import annotations
+
+import asyncio
+import hashlib
+import json
+import re
+import time
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from aiohttp import WSCloseCode, WSMsgType, web
+
+from ur.web.access.rate import draw, make_bucket
+from ur.web.access.roles import Role
+from ur.web.server.drivers import Drivers
+from ur.web.server.gate import SESSION, Gate, demand_drive
+from ur.web.server.robot_end import RobotEnd
+from ur.web.server.static_files import StaticFile
+from ur.web.server.viewers import Viewers, limit_buffer
+from ur.web.wire.layers import read_layers
+from ur.web.wire.requests import (
+    LONGEST,
+    BadRequestError,
+    Emergency,
+    ForgetPlace,
+    Goal,
+    GoTo,
+    LeaseWish,
+    NamePlace,
+    Stick,
+    read_request,
+)
+
+_LONGEST_BODY = 2048
+_HEARTBEAT = 5.0  # s between pings of a web socket
+_STATUS_EVERY = 0.5  # s
+_CLOSE_LIMIT = 0.5  # s for pages to take leave
+_MOST_BAD = 20  # malformed messages of one page
+_RATE, _BURST = 150.0, 150.0  # messages of one page, a second
+_TAB = re.compile(r"[0-9a-z]{8,32}", re.ASCII)
+
+
+class Application:
+    """Joins gate, files, pages and the robot's end."""
+
+    def __init__(
+        self,
+        gate: Gate,
+        files: Mapping[str, StaticFile],
+        environment: Mapping[str, str],
+        robot: str,
+        log: Callable[[str], None],
+    ) -> None:
+        """`robot` is the name of the robot that is shown; `log` takes a line about who does what."""
+        self._gate, self._files, self._robot, self._log = gate, files, robot, log
+        self._viewers = Viewers()
+        self._drivers = Drivers(self._send)
+        self.robot_end = RobotEnd(environment, self.show, self._drivers.take, self._on_start, self._announce, log)
+
+    def build(self) -> web.Application:
+        """The aiohttp application."""
+        app = web.Application(middlewares=[self._gate.middleware()], client_max_size=_LONGEST_BODY)
+        app.add_routes(
+            [
+                web.get("/", self._serve_index),
+                web.get("/login", self._serve_login),
+                web.post("/login", self._log_in),
+                web.post("/logout", self._log_out),
+                web.get("/api/me", self._describe_session),
+                web.post("/api/stop", self._stop),
+                web.get("/ws/view", self._view),
+                web.get("/ws/drive", self._drive),
+                web.get("/{name:[a-z_]+\\.[a-z]+}", self._serve_file),
+            ]
+        )
+        app.cleanup_ctx.append(self._run)
+        app.on_shutdown.append(self._close)
+        return app
+
+    async def _run(self, _app: web.Application) -> Any:
+        tasks = [asyncio.create_task(self.robot_end.run()), asyncio.create_task(self._announce_often())]
+        yield
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
+
+    async def _close(self, _app: web.Application) -> None:
+        """End all web sockets, so that the end of the server waits for none."""
+        sockets = [*self._viewers.sockets(), *self._drivers.sockets()]
+        closing = [asyncio.create_task(each.close(code=WSCloseCode.GOING_AWAY)) for each in sockets]
+        if closing:
+            await asyncio.wait(closing, timeout=_CLOSE_LIMIT)
+
+    async def _announce_often(self) -> None:
+        while True:
+            self._announce()
+            await asyncio.sleep(_STATUS_EVERY)
+
+    def _announce(self) -> None:
+        status = {"robot": self._robot, "end": self.robot_end.state, "master": self.robot_end.master}
+        self._viewers.announce(status)
+
+    def show(self, frame: bytes) -> None:
+        """Pass a frame on to all pages. Raises ValueError: it is none."""
+        self._viewers.put(frame)
+
+    def _on_start(self) -> None:
+        self._viewers.forget()
+        self._drivers.come_again()
+        self._look()
+
+    def _look(self) -> None:
+        self.robot_end.look(len(self._viewers), self._viewers.layers())
+
+    def _send(self, message: Mapping[str, Any]) -> None:
+        self.robot_end.send(message)
+
+    async def _serve_index(self, request: web.Request) -> web.Response:
+        return self._serve(request, "index.html")
+
+    async def _serve_login(self, request: web.Request) -> web.Response:
+        return self._serve(request, "login.html")
+
+    async def _serve_file(self, request: web.Request) -> web.Response:
+        return self._serve(request, request.match_info["name"])
+
+    def _serve(self, request: web.Request, name: str) -> web.Response:
+        file = self._files.get(name)
+        if file is None:
+            raise web.HTTPNotFound(text="not found\n")
+        headers = {"ETag": file.tag, "Cache-Control": "no-cache", "Content-Type": file.kind}
+        if request.headers.get("If-None-Match") == file.tag:
+            return web.Response(status=304, headers=headers)
+        if "gzip" in request.headers.get("Accept-Encoding", ""):
+            return web.Response(body=file.packed, headers={**headers, "Content-Encoding": "gzip"})
+        return web.Response(body=file.plain, headers=headers)
+
+    async def _log_in(self, request: web.Request) -> web.Response:
+        try:
+            value = json.loads(await request.text())
+        except (ValueError, RecursionError):
+            raise web.HTTPBadRequest(text="expected JSON\n") from None
+        return self._gate.log_in(request, value.get("token") if isinstance(value, dict) else None)
+
+    async def _log_out(self, request: web.Request) -> web.Response:
+        return self._gate.log_out(request)
+
+    async def _describe_session(self, request: web.Request) -> web.Response:
+        _, grant = request[SESSION]
+        return web.json_response({"role": grant.role.value, "name": grant.name, "robot": self._robot})
+
+    async def _stop(self, request: web.Request) -> web.Response:
+        """Stop the robot, for every role."""
+        self._log(f"{request.remote} ({request[SESSION][1].name}): emergency stop")
+        if self.robot_end.state != "up":
+            raise web.HTTPServiceUnavailable(text="the robot is not connected\n")
+        self._send({"do": "stop"})
+        return web.json_response({"ok": True})
+
+    async def _view(self, request: web.Request) -> web.WebSocketResponse:
+        try:
+            layers = read_layers(request.query.get("layers"))
+        except BadRequestError as problem:
+            raise web.HTTPBadRequest(text=f"{problem}\n") from None
+        socket = web.WebSocketResponse(heartbeat=_HEARTBEAT, compress=False, max_msg_size=LONGEST)
+        await socket.prepare(request)
+        limit_buffer(request)
+        viewer = self._viewers.add(socket, layers)
+        self._look()
+        sending = asyncio.create_task(viewer.run())
+        try:
+            async for _ in socket:  # a page that looks has nothing to send
+                await socket.close(code=WSCloseCode.POLICY_VIOLATION)
+        finally:
+            self._viewers.remove(viewer)
+            self._look()
+            sending.cancel()
+        return socket
+
+    async def _drive(self, request: web.Request) -> web.WebSocketResponse:
+        demand_drive(request)
+        tab = request.query.get("tab", "")
+        if _TAB.fullmatch(tab) is None:
+            raise web.HTTPBadRequest(text="tab: expected 8 to 32 letters and digits\n")
+        session, grant = request[SESSION]
+        client = "web-" + hashlib.sha256(f"{session} {tab}".encode()).hexdigest()[:16]
+        socket = web.WebSocketResponse(heartbeat=_HEARTBEAT, compress=False, max_msg_size=LONGEST)
+        await socket.prepare(request)
+        limit_buffer(request, 2048)
+        driver = await self._drivers.add(client, grant.name, session, socket)
+        driver.answer({"t": "hello", "client": client, "name": grant.name, "role": Role.DRIVE.value})
+        sending = asyncio.create_task(driver.run())
+        try:
+            await self._receive(socket, client, f"{request.remote} ({grant.name})")
+        finally:
+            self._drivers.remove(driver)
+            sending.cancel()
+        return socket
+
+    async def _receive(self, socket: web.WebSocketResponse, client: str, who: str) -> None:
+        """Pass requests on until the page is gone, or sends too many or too many that are malformed."""
+        bad, bucket, hold = 0, make_bucket(_RATE, _BURST, time.monotonic()), 0
+        async for message in socket:
+            bucket, allowed = draw(bucket, time.monotonic())
+            try:
+                request = read_request(message.data if message.type is WSMsgType.TEXT else None)
+            except BadRequestError:
+                bad += 1
+                request = None
+            if not allowed or bad > _MOST_BAD:
+                self._log(f"{who}: closed: too many {'messages' if not allowed else 'malformed messages'}")
+                await socket.close(code=WSCloseCode.POLICY_VIOLATION)
+                return
+            if request is None:
+                continue
+            if isinstance(request, Stick):
+                if request.hold != hold:
+                    self._log(f"{who}: stick")
+                hold = request.hold
+            elif isinstance(request, Goal):
+                self._log(f"{who}: goal {request.x:.2f} {request.y:.2f} {request.yaw:.2f}")
+            elif isinstance(request, (Emergency, ForgetPlace, GoTo, LeaseWish, NamePlace)):
+                self._log(f"{who}: {message.data}")
+            self._send({"page": client, "m": message.data})

@@ -1,0 +1,92 @@
+"""Pages that may drive: a web socket each, for small messages only, so that motion never waits behind a map."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from typing import Any
+
+from aiohttp import WSCloseCode, web
+
+
+class Driver:
+    """One page. Of the challenges that it has not taken yet, only the newest is sent."""
+
+    def __init__(self, client: str, socket: web.WebSocketResponse) -> None:
+        self.client, self.socket = client, socket
+        self._challenge: str | None = None
+        self._answers: list[str] = []
+        self._due = asyncio.Event()
+
+    def challenge(self, text: str) -> None:
+        """Have a challenge sent, in place of an older one."""
+        self._challenge = text
+        self._due.set()
+
+    def answer(self, value: Mapping[str, Any]) -> None:
+        """Have an answer sent; of more than a hundred that wait, the oldest are dropped."""
+        self._answers = [*self._answers[-99:], json.dumps(value)]
+        self._due.set()
+
+    async def run(self) -> None:
+        """Send until the page is gone."""
+        with suppress(ConnectionError):
+            while not self.socket.closed:
+                if self._answers:
+                    await self.socket.send_str(self._answers.pop(0))
+                elif self._challenge is not None:
+                    text, self._challenge = self._challenge, None
+                    await self.socket.send_str(text)
+                else:
+                    self._due.clear()
+                    await self._due.wait()
+
+
+class Drivers:
+    """All pages that may drive, by client id. `send` passes a message on to the robot's end."""
+
+    def __init__(self, send: Callable[[Mapping[str, Any]], None]) -> None:
+        self._send = send
+        self._drivers: dict[str, Driver] = {}
+        self._arrivals: dict[str, Mapping[str, Any]] = {}
+
+    async def add(self, client: str, name: str, computer: str, socket: web.WebSocketResponse) -> Driver:
+        """A page has come; an older connection of the same page is closed. `computer` identifies its browser."""
+        before = self._drivers.pop(client, None)
+        if before is not None:
+            self._send({"do": "leave", "page": client})
+            with suppress(ConnectionError, asyncio.TimeoutError):
+                await asyncio.wait_for(before.socket.close(code=WSCloseCode.GOING_AWAY, message=b"opened again"), 1.0)
+        driver = self._drivers[client] = Driver(client, socket)
+        self._arrivals[client] = {"do": "come", "page": client, "name": name, "computer": computer}
+        self._send(self._arrivals[client])
+        return driver
+
+    def sockets(self) -> list[web.WebSocketResponse]:
+        """List the web sockets of all pages."""
+        return [each.socket for each in self._drivers.values()]
+
+    def remove(self, driver: Driver) -> None:
+        """A page is gone."""
+        if self._drivers.get(driver.client) is driver:
+            del self._drivers[driver.client]
+            self._arrivals.pop(driver.client, None)
+            self._send({"do": "leave", "page": driver.client})
+
+    def come_again(self) -> None:
+        """Tell a new robot's end who is there."""
+        for arrival in self._arrivals.values():
+            self._send(arrival)
+
+    def take(self, message: Mapping[str, Any]) -> None:
+        """Take a message of the robot's end: a challenge for all, or an answer for one."""
+        if "n" in message:
+            text = json.dumps({"n": message["n"]}, separators=(",", ":"))
+            for driver in self._drivers.values():
+                driver.challenge(text)
+        else:
+            found = self._drivers.get(str(message.get("page", "")))
+            if found is not None:
+                found.answer(message["m"])

@@ -1,0 +1,154 @@
+"""The process that talks to ROS: started while a master answers, started again when it has ended."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import os
+import socket
+import sys
+from collections.abc import Callable, Collection, Mapping
+from contextlib import suppress
+from typing import Any, Literal
+from urllib.parse import urlsplit
+
+from ur.web.wire.frames import LENGTH, LONGEST
+
+State = Literal["no master", "starting", "up"]
+_MODULE = "ur_nodes.web.robot_end_node"
+_MASTER_LIMIT = 2.0  # s
+_PAUSE = 1.0  # s
+_END_LIMIT = 5.0  # s
+_DRIVE_LINE = 1 << 16  # bytes
+
+
+class RobotEnd:
+    """Keeps the process running until `run` is cancelled. Frames and messages of it are passed to callbacks.
+
+    `on_start` is called after each start, before its first frame; `on_state` when `state` has changed.
+    """
+
+    def __init__(
+        self,
+        environment: Mapping[str, str],
+        on_frame: Callable[[bytes], None],
+        on_message: Callable[[Mapping[str, Any]], None],
+        on_start: Callable[[], None],
+        on_state: Callable[[], None],
+        log: Callable[[str], None],
+    ) -> None:
+        self._environment = environment
+        self._on_frame, self._on_message = on_frame, on_message
+        self._on_start, self._on_state, self._log = on_start, on_state, log
+        self._view: asyncio.StreamWriter | None = None
+        self._drive: asyncio.StreamWriter | None = None
+        self.state: State = "no master"
+        self.pid = 0
+
+    @property
+    def master(self) -> str:
+        """The address of the master."""
+        return self._environment.get("ROS_MASTER_URI", "http://localhost:11311")
+
+    def send(self, message: Mapping[str, Any]) -> None:
+        """Pass a message of a page on; it is dropped where there is no process."""
+        if self._drive is not None:
+            self._drive.write(json.dumps(message, separators=(",", ":")).encode() + b"\n")
+
+    def look(self, viewers: int, layers: Collection[int]) -> None:
+        """Tell the process how many pages look, and at which layers."""
+        if self._view is not None:
+            self._view.write(json.dumps({"viewers": viewers, "layers": sorted(layers)}).encode() + b"\n")
+
+    async def run(self) -> None:
+        """Start the process whenever a master answers and it does not run."""
+        while True:
+            if await self._master_answers():
+                self._enter("starting")
+                await self._run_once()
+                self._enter("starting")
+            else:
+                self._enter("no master")
+            await asyncio.sleep(_PAUSE)
+
+    def _enter(self, state: State) -> None:
+        if state != self.state:
+            self.state = state
+            self._on_state()
+
+    async def _master_answers(self) -> bool:
+        address = urlsplit(self.master)
+        try:
+            opened = asyncio.open_connection(address.hostname, address.port or 11311)
+            _, writer = await asyncio.wait_for(opened, _MASTER_LIMIT)
+        except (OSError, ValueError, asyncio.TimeoutError):
+            return False
+        writer.close()
+        return True
+
+    async def _run_once(self) -> None:
+        (view, its_view), (drive, its_drive) = socket.socketpair(), socket.socketpair()
+        with its_view, its_drive:
+            process = await asyncio.create_subprocess_exec(
+                *(sys.executable, "-I", "-m", "ur_nodes", _MODULE, str(its_view.fileno()), str(its_drive.fileno())),
+                pass_fds=(its_view.fileno(), its_drive.fileno()),
+                stdin=asyncio.subprocess.DEVNULL,
+                stdout=asyncio.subprocess.DEVNULL,
+                stderr=asyncio.subprocess.PIPE,
+                env=dict(self._environment),
+                start_new_session=True,  # Ctrl-C is for this process, which ends that one
+            )
+        self.pid = process.pid
+        frames, self._view = await asyncio.open_connection(sock=view)
+        messages, self._drive = await asyncio.open_connection(sock=drive, limit=_DRIVE_LINE)
+        tasks = [
+            asyncio.create_task(self._read_frames(frames)),
+            asyncio.create_task(self._read_messages(messages)),
+            asyncio.create_task(self._read_errors(process)),
+        ]
+        try:
+            self._on_start()
+            await asyncio.wait(tasks[:2], return_when=asyncio.FIRST_COMPLETED)
+        finally:
+            for writer in (self._view, self._drive):
+                writer.close()
+            self._view = self._drive = None
+            for task in tasks[:2]:
+                task.cancel()
+            await self._end(process, tasks)
+
+    async def _end(self, process: asyncio.subprocess.Process, tasks: list[asyncio.Task[None]]) -> None:
+        """Wait for the process, which ends when its sockets are closed."""
+        try:
+            await asyncio.wait_for(process.wait(), _END_LIMIT)
+        except asyncio.TimeoutError:
+            with suppress(ProcessLookupError):
+                process.kill()
+            await process.wait()
+        await asyncio.gather(*tasks, return_exceptions=True)
+
+    async def _read_frames(self, reader: asyncio.StreamReader) -> None:
+        with suppress(asyncio.IncompleteReadError, ConnectionError):
+            while True:
+                (length,) = LENGTH.unpack(await reader.readexactly(LENGTH.size))
+                if length > LONGEST:
+                    raise ConnectionError(f"frame of {length} bytes")
+                self._enter("up")
+                self._on_frame(await reader.readexactly(length))
+
+    async def _read_messages(self, reader: asyncio.StreamReader) -> None:
+        with suppress(ConnectionError, ValueError):
+            while line := await reader.readline():
+                self._on_message(json.loads(line))
+
+    async def _read_errors(self, process: asyncio.subprocess.Process) -> None:
+        assert process.stderr is not None
+        with suppress(ValueError):
+            while line := await process.stderr.readline():
+                self._log(line.decode("utf-8", "replace").rstrip())
+
+
+def robot_environment() -> dict[str, str]:
+    """The environment of the process: that of this one, without what would name another node."""
+    left_out = ("ROS_NAMESPACE", "ROSCONSOLE_CONFIG_FILE")
+    return {name: value for name, value in os.environ.items() if name not in left_out}

@@ -1,0 +1,39 @@
+"""The files of the page: read once, compressed once, served by name from a list that is made at the start."""
+
+from __future__ import annotations
+
+import gzip
+import hashlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+FOLDER = Path(__file__).parents[1] / "static"
+TYPES = {
+    ".css": "text/css; charset=utf-8",
+    ".html": "text/html; charset=utf-8",
+    ".js": "text/javascript; charset=utf-8",
+    ".svg": "image/svg+xml",
+    ".webmanifest": "application/manifest+json",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class StaticFile:
+    """A file as it is sent: its type, its bytes, the same compressed, and a tag that changes with them."""
+
+    kind: str
+    plain: bytes
+    packed: bytes
+    tag: str
+
+
+def load_files(folder: Path = FOLDER) -> Mapping[str, StaticFile]:
+    """Read the files of a folder that have a type of the page's, by name. Links and subfolders are left out."""
+    files = {}
+    for path in sorted(folder.iterdir()):
+        if path.suffix in TYPES and path.is_file() and not path.is_symlink():
+            plain = path.read_bytes()
+            tag = f'"{hashlib.sha256(plain).hexdigest()[:20]}"'
+            files[path.name] = StaticFile(TYPES[path.suffix], plain, gzip.compress(plain, 9, mtime=0), tag)
+    return files

@@ -1,0 +1,102 @@
+"""Pages that look: each gets the newest frame of every key, at the rate that its connection bears."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Mapping
+from contextlib import suppress
+from typing import Any
+
+from aiohttp import web
+
+from ur.web.wire.frames import Kind, Layer, json_frame, key_of
+from ur.web.wire.retained import Frames
+
+_BUFFER = 1 << 15  # bytes that wait in this process beyond what the kernel holds
+
+
+class Viewer:
+    """One page, which shows these layers. Frames that it has not taken yet are replaced by newer ones."""
+
+    def __init__(self, socket: web.WebSocketResponse, layers: frozenset[Layer]) -> None:
+        self.socket, self.layers = socket, layers
+        self._pending = Frames()
+        self._due = asyncio.Event()
+
+    def put(self, frame: bytes) -> None:
+        """Have a frame sent, unless it is of another layer."""
+        if key_of(frame)[1] not in self.layers:
+            return
+        self._pending.put(frame)
+        self._due.set()
+
+    async def run(self) -> None:
+        """Send frames until the page is gone."""
+        with suppress(ConnectionError):
+            while not self.socket.closed:
+                frame = self._pending.take()
+                if frame is None:
+                    self._due.clear()
+                    await self._due.wait()
+                else:
+                    await self.socket.send_bytes(frame)
+
+
+class Viewers:
+    """All pages that look, and the frames that a new one begins with."""
+
+    def __init__(self) -> None:
+        self._frames = Frames()
+        self._viewers: set[Viewer] = set()
+
+    def __len__(self) -> int:
+        return len(self._viewers)
+
+    def put(self, frame: bytes) -> None:
+        """Pass a frame on to all pages. Raises ValueError: it is none."""
+        self._frames.put(frame)
+        for viewer in self._viewers:
+            viewer.put(frame)
+
+    def announce(self, status: Mapping[str, Any]) -> None:
+        """Tell all pages the state of the server; its frames also show that the connection lives."""
+        frame = json_frame(Kind.SERVER, status)
+        for viewer in self._viewers:
+            viewer.put(frame)
+
+    def forget(self) -> None:
+        """Forget the frames: another robot's end begins anew."""
+        self._frames.clear()
+
+    def sockets(self) -> list[web.WebSocketResponse]:
+        """List the web sockets of all pages."""
+        return [each.socket for each in self._viewers]
+
+    def layers(self) -> frozenset[Layer]:
+        """Return the layers that any page shows."""
+        return frozenset(layer for each in self._viewers for layer in each.layers)
+
+    def add(self, socket: web.WebSocketResponse, layers: frozenset[Layer]) -> Viewer:
+        """A page has come, which shows these layers."""
+        viewer = Viewer(socket, layers)
+        for frame in self._frames:
+            viewer.put(frame)
+        self._viewers.add(viewer)
+        return viewer
+
+    def remove(self, viewer: Viewer) -> None:
+        """A page is gone."""
+        self._viewers.discard(viewer)
+
+
+def limit_buffer(request: web.Request, size: int = _BUFFER) -> None:
+    """Bound what waits for a slow page: beyond that, only the newest frames are sent."""
+    import socket
+
+    transport = request.transport
+    if transport is not None:
+        transport.set_write_buffer_limits(high=size)
+        sock = transport.get_extra_info("socket")
+        if sock is not None:
+            sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+            sock.setsockopt(socket.IPPROTO_TCP, getattr(socket, "TCP_NOTSENT_LOWAT", 25), size)

@@ -1,0 +1,94 @@
+// @ts-check
+/** Lines above the map about what the user has to know, each with the buttons that change it. */
+
+import { TEXTS } from "./texts.js";
+
+/**
+ * @typedef {{text: string, red?: boolean, buttons?: {label: string, act: () => void}[]}} Banner
+ */
+
+/** Shows banners; elements stay while their text does, so that a press on a button is not lost. */
+export class Banners {
+  /** @param {HTMLElement} box */
+  constructor(box) {
+    this.box = box;
+    this.shown = "";
+  }
+
+  /** @param {Banner[]} banners */
+  show(banners) {
+    const key = JSON.stringify(banners);
+    if (key === this.shown) return;
+    this.shown = key;
+    this.box.replaceChildren(...banners.map(makeBanner));
+  }
+}
+
+/** @param {Banner} banner */
+function makeBanner(banner) {
+  const element = document.createElement("div");
+  element.className = banner.red ? "banner red" : "banner";
+  const text = document.createElement("span");
+  text.textContent = banner.text;
+  element.append(text);
+  for (const { label, act } of banner.buttons ?? []) {
+    const button = document.createElement("button");
+    button.type = "button";
+    button.textContent = label;
+    button.addEventListener("click", act);
+    element.append(button);
+  }
+  return element;
+}
+
+/**
+ * What is wrong with the connection; an empty list while it is good.
+ * @param {{age: number, server: any, pose: import("./wire.js").Pose | null, poseAge: number}} facts
+ * @returns {Banner[]}
+ */
+export function describeLink({ age, server, pose, poseAge }) {
+  if (age > 2) return [{ text: Number.isFinite(age) ? TEXTS.lost(age) : TEXTS.connecting }];
+  if (!server) return [];
+  if (server.end === "no master") return [{ text: TEXTS.noMaster(server.robot) }];
+  if (server.end === "starting" || !pose || poseAge > 2) return [{ text: TEXTS.starting }];
+  if (pose.linkAge > 1) return [{ text: TEXTS.silent(pose.linkAge) }];
+  return [];
+}
+
+/**
+ * Who drives, where that is not this page.
+ * @param {any} lease @param {string} client @param {boolean} mayDrive
+ * @param {(action: string) => void} request
+ * @returns {Banner[]}
+ */
+export function describeDriver(lease, client, mayDrive, request) {
+  if (!lease) return [];
+  const mine = client !== "" && lease.client === client;
+  const button = (/** @type {string} */ label, /** @type {string} */ action) => ({ label, act: () => request(action) });
+  if (mine) {
+    return lease.asking.length
+      ? [{ text: TEXTS.asks(lease.asking[0].name), buttons: [button(TEXTS.handOver, "grant")] }]
+      : [];
+  }
+  const who = lease.program ? `${lease.name} (${lease.program})` : lease.name;
+  if (lease.state === "held") {
+    const asks = lease.asking.some((/** @type {any} */ each) => each.client === client);
+    const text = TEXTS.drives(who, lease.since) + (asks ? ` ${TEXTS.asked}` : "");
+    const buttons = [button(TEXTS.takeOver, "take"), ...(asks ? [] : [button(TEXTS.ask, "ask")])];
+    return [{ text, buttons: mayDrive ? buttons : [] }];
+  }
+  if (lease.state === "lost") {
+    return [{ text: TEXTS.away(who, lease.until), buttons: mayDrive ? [button(TEXTS.takeOver, "take")] : [] }];
+  }
+  return [];
+}
+
+/** Who drives and by what, in a few words. @param {any} state @param {string} client */
+export function describeDriving(state, client) {
+  const lease = state?.lease;
+  if (!lease) return "";
+  const active = state.mux.active;
+  const by = active ? ` (${TEXTS.sources[active] ?? active})` : "";
+  if (lease.state === "free") return active ? by.trim() : TEXTS.nobodyDrives;
+  return (lease.client === client ? TEXTS.youDrive : lease.name) + by;
+}

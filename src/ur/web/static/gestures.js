@@ -1,0 +1,132 @@
+// @ts-check
+/** Fingers, mouse and keys on the map: pan, zoom, and press-drag-release to point at a place with a heading. */
+
+const DRAG = 16; // pixels from which on a drag gives a heading
+const ZOOM_STEP = 1.4;
+
+export class Gestures {
+  /**
+   * @param {import("./map_view.js").MapView} map
+   * @param {() => boolean} points whether one finger points at a place, instead of moving the map
+   * @param {(place: import("./map_view.js").Place) => void} onPoint
+   * @param {() => void} onPan the user has moved the map
+   */
+  constructor(map, points, onPoint, onPan) {
+    this.map = map;
+    this.points = points;
+    this.onPoint = onPoint;
+    this.onPan = onPan;
+    /** @type {Map<number, [number, number]>} */
+    this.fingers = new Map();
+    /** @type {{x: number, y: number, left: number, top: number} | null} */
+    this.pressed = null;
+    const { canvas } = map;
+    canvas.addEventListener("pointerdown", (event) => this.down(event));
+    canvas.addEventListener("pointermove", (event) => this.moved(event));
+    canvas.addEventListener("pointerup", (event) => this.up(event, true));
+    canvas.addEventListener("pointercancel", (event) => this.up(event, false));
+    canvas.addEventListener("wheel", (event) => this.wheel(event), { passive: false });
+    canvas.addEventListener("contextmenu", (event) => event.preventDefault());
+    canvas.addEventListener("keydown", (event) => this.key(event));
+    addEventListener("blur", () => this.drop());
+  }
+
+  /** Forget what was begun. */
+  drop() {
+    this.fingers.clear();
+    this.pressed = null;
+    if (this.map.pointed) {
+      this.map.pointed = null;
+      this.map.request();
+    }
+  }
+
+  /** @param {PointerEvent} event */
+  down(event) {
+    if (event.pointerType === "mouse" && event.button !== 0) return;
+    this.map.canvas.setPointerCapture(event.pointerId);
+    this.fingers.set(event.pointerId, [event.offsetX, event.offsetY]);
+    this.pressed = null;
+    this.map.pointed = null;
+    if (this.fingers.size === 1 && this.points()) {
+      const [x, y] = this.map.view.toPlane(event.offsetX, event.offsetY);
+      this.pressed = { x, y, left: event.offsetX, top: event.offsetY };
+      this.map.pointed = { x, y, yaw: this.headingThere(x, y) };
+    }
+    this.map.request();
+  }
+
+  /** @param {PointerEvent} event */
+  moved(event) {
+    const before = this.fingers.get(event.pointerId);
+    if (!before) return;
+    const { view } = this.map;
+    if (this.pressed) {
+      this.map.pointed = this.placeAt(event);
+    } else if (this.fingers.size === 1) {
+      view.pan(event.offsetX - before[0], event.offsetY - before[1]);
+      this.onPan();
+    } else if (this.fingers.size === 2) {
+      const other = [...this.fingers].find(([id]) => id !== event.pointerId);
+      if (other) {
+        const [, [ox, oy]] = other;
+        const [was, is] = [
+          Math.hypot(before[0] - ox, before[1] - oy),
+          Math.hypot(event.offsetX - ox, event.offsetY - oy),
+        ];
+        view.pan((event.offsetX - before[0]) / 2, (event.offsetY - before[1]) / 2);
+        if (was > 5) view.zoom(is / was, (event.offsetX + ox) / 2, (event.offsetY + oy) / 2);
+        this.onPan();
+      }
+    }
+    this.fingers.set(event.pointerId, [event.offsetX, event.offsetY]);
+    this.map.request();
+  }
+
+  /** @param {PointerEvent} event @param {boolean} meant */
+  up(event, meant) {
+    if (!this.fingers.delete(event.pointerId)) return;
+    const place = this.pressed && meant ? this.placeAt(event) : null;
+    this.pressed = null;
+    this.map.pointed = null;
+    this.map.request();
+    if (place) this.onPoint(place);
+  }
+
+  /** @param {PointerEvent} event */
+  placeAt(event) {
+    const { x, y, left, top } = /** @type {NonNullable<typeof this.pressed>} */ (this.pressed);
+    const [dx, dy] = [event.offsetX - left, top - event.offsetY];
+    return { x, y, yaw: Math.hypot(dx, dy) < DRAG ? this.headingThere(x, y) : Math.atan2(dy, dx) };
+  }
+
+  /** The direction from the robot to a place. @param {number} x @param {number} y */
+  headingThere(x, y) {
+    const pose = this.map.pose;
+    return pose ? Math.atan2(y - pose.y, x - pose.x) : 0;
+  }
+
+  /** @param {WheelEvent} event */
+  wheel(event) {
+    event.preventDefault();
+    const step = event.deltaMode === 1 ? 30 * event.deltaY : event.deltaY;
+    this.map.whole = false;
+    this.map.view.zoom(Math.exp(-Math.max(-300, Math.min(300, step)) / 500), event.offsetX, event.offsetY);
+    this.map.request();
+  }
+
+  /** Zoom round the middle of the canvas. @param {boolean} nearer */
+  step(nearer) {
+    const { view } = this.map;
+    this.map.whole = false;
+    view.zoom(nearer ? ZOOM_STEP : 1 / ZOOM_STEP, view.width / 2, view.height / 2);
+    this.map.request();
+  }
+
+  /** @param {KeyboardEvent} event */
+  key(event) {
+    if (event.key === "+" || event.key === "=") this.step(true);
+    else if (event.key === "-") this.step(false);
+    else if (event.key === "Escape") this.drop();
+  }
+}

@@ -1,0 +1,120 @@
+// @ts-check
+/** English texts of the page: the only file with words for people, so that it can be translated. */
+
+export const TEXTS = {
+  title: "Robot",
+  modes: { look: "Look", goal: "Goal", drive: "Drive", pose: "Pose" },
+  modeHelp: {
+    look: "Drag to move the map, pinch or scroll to zoom.",
+    goal: "Press where the robot is to go, drag to where it is to face, let go.",
+    drive: "Hold the stick, or the arrow keys. The robot stops when you let go.",
+    pose: "Press where the robot is, drag to where it faces, let go.",
+  },
+  stop: "Stop",
+  stopHelp: "Emergency stop",
+  release: "Release",
+  takeOver: "Take over",
+  ask: "Ask",
+  handOver: "Hand over",
+  cancel: "Cancel",
+  resume: "Continue",
+  zoomIn: "Zoom in",
+  zoomOut: "Zoom out",
+  follow: "Follow the robot",
+  fit: "Show the whole map",
+  layers: "Layers",
+  layerNames: {
+    scan: "Lidar",
+    plan: "Plan",
+    local: "Obstacles near the robot",
+    global: "Obstacles on the map",
+    particles: "Guesses of the place",
+  },
+  places: "Places",
+  placeName: "Name of a place",
+  nameHere: "Name here",
+  noPlaces: "No place has a name yet.",
+  noMapName: "This map has no name yet: save it, then its places can be named.",
+  remove: "Delete",
+  sure: "Sure?",
+  /** @param {string} name */
+  removePlace: (name) => `Delete the place ${name}`,
+  /** @param {string} name */
+  driveTo: (name) => `Drive to ${name}`,
+  stick: "Stick",
+  map: "Map with the robot",
+  lookOnly: "You may look and stop the robot, not drive.",
+  emergency: "Emergency stop: nothing drives.",
+  stopAsked: "Stopping ...",
+  stopFailed: "NOT STOPPED: no connection to the robot",
+  waitingForMap: "Waiting for a map ...",
+  over: {
+    late: "The connection paused. Let go, then drive again.",
+    driver: "Somebody else drives. Let go, take over, then drive.",
+    "no mux": "This robot takes no commands of the page: its mux has no source 'web'.",
+  },
+  /** @param {number} age */
+  lost: (age) => `No connection to the server. What you see is ${seconds(age)} old.`,
+  connecting: "Connecting ...",
+  /** @param {string} robot */
+  noMaster: (robot) => `Nothing runs on the ${robot}. Start a program, for example: ur run keyboard_navigate`,
+  starting: "Connecting to the robot ...",
+  /** @param {number} age */
+  silent: (age) =>
+    Number.isFinite(age) ? `No word from the robot for ${seconds(age)}.` : "No word from the robot's base yet.",
+  /** @param {string} who @param {number} since */
+  drives: (who, since) => `${who} drives since ${clock(since)}.`,
+  /** @param {string} who @param {number | null} until */
+  away: (who, until) => `${who} drove${until ? ` until ${clock(until)}` : ""} and is out of reach.`,
+  /** @param {string} who */
+  asks: (who) => `${who} asks to drive.`,
+  asked: "Asked to hand over ...",
+  youDrive: "You drive",
+  nobodyDrives: "Nobody drives",
+  /** @param {string} what */
+  missing: (what) => `Waiting for ${what}.`,
+  goalStates: {
+    none: "",
+    waiting: "Goal sent",
+    driving: "Driving",
+    held: "Goal held",
+    asking: "Goal waits for you",
+    unknown: "Goal: unknown, no word from navigation",
+    reached: "Goal reached",
+    stopped: "Goal cancelled",
+    failed: "Goal not reached",
+  },
+  /** @param {number} metres */
+  left: (metres) => `${metres.toFixed(1)} m left`,
+  refused: {
+    late: "Not sent: the connection was too slow. Try again.",
+    driver: "Not sent: somebody else drives.",
+    name: "Not named: expected at most 40 letters, digits, '_', '-' and '.'.",
+    full: "Not named: this map has 200 places, expected fewer.",
+    "no map": "Not named: the map has no name yet.",
+    "no place": "Not sent: the map has no place of this name any more.",
+    "no mux": "Not sent: the robot takes no commands of the page.",
+  },
+  sources: /** @type {Record<string, string>} */ ({
+    joystick: "joystick",
+    keyboard: "keyboard",
+    web: "page",
+    navigation: "navigation",
+  }),
+  speed: /** @param {number} speed */ (speed) => `${Math.abs(speed) < 0.005 ? "0.00" : speed.toFixed(2)} m/s`,
+  battery: /** @param {number} share */ (share) => `${Math.round(100 * share)} %`,
+  loggingIn: "Logging in ...",
+  noToken: "Open the link that 'ur web' has printed.",
+  loginFailed: "This link was used before, or is too old. Start 'ur web' again for a new one.",
+  loginOffline: "The server does not answer. Does 'ur web' run?",
+};
+
+/** @param {number} age seconds */
+function seconds(age) {
+  return age < 120 ? `${Math.round(age)} s` : `${Math.round(age / 60)} min`;
+}
+
+/** @param {number} unix seconds since 1970 */
+function clock(unix) {
+  return new Date(1000 * unix).toLocaleTimeString([], { hour: "2-digit", minute: "2-digit" });
+}

@@ -1,0 +1,145 @@
+"""Binary frames that show the robot: encoded once at the robot's end, passed on as they are, decoded by the page.
+
+A frame begins with its key (kind, layer, column, row; little endian), and a newer frame of a key replaces the older
+one. So a viewer that is slow gets the newest state, not a queue. `static/wire.js` decodes them.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import struct
+import zlib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Any
+
+_KEY = struct.Struct("<BBhh")
+_POSE = struct.Struct("<7f")
+_ANCHOR = struct.Struct("<2f")
+_GRID = struct.Struct("<I4f2i2I")
+_GENERATION = struct.Struct("<I")
+LENGTH = struct.Struct("<I")
+"""The length of the frame that follows, where frames follow one another in a stream."""
+
+TILE = 256
+"""Cells along each side of a tile."""
+
+UNIT = 0.005
+"""Metres: the unit of points."""
+
+LONGEST = 1 << 22
+"""Bytes of the longest frame."""
+
+
+class Kind(IntEnum):
+    """The kind of a frame. Its number is that in `static/wire.js`."""
+
+    SERVER = 0
+    STATE = 1
+    POSE = 2
+    POINTS = 3
+    GRID = 4
+    TILE = 5
+    PLACES = 6
+
+
+class Layer(IntEnum):
+    """The subject of points, a grid or a tile."""
+
+    NONE = 0
+    MAP = 1
+    SCAN = 2
+    PLAN = 3
+    GLOBAL = 4
+    LOCAL = 5
+    PARTICLES = 6
+
+
+Key = tuple[int, int, int, int]
+
+
+@dataclass(frozen=True, slots=True)
+class PoseSample:
+    """The robot at one moment in the map frame: m, rad, m/s, rad/s; `nan` where it is not known.
+
+    `age` is the time since the last transform, `link_age` that since the robot's last sign of life, both in s.
+    """
+
+    x: float = math.nan
+    y: float = math.nan
+    yaw: float = math.nan
+    speed: float = 0.0
+    turn: float = 0.0
+    age: float = math.inf
+    link_age: float = math.inf
+
+
+@dataclass(frozen=True, slots=True)
+class GridFrame:
+    """Extent of a grid on a lattice of cells: `origin` (m, m, rad) is the corner of the lattice's cell (0, 0).
+
+    The grid covers `width` x `height` cells from (`column`, `row`) on. Tiles of another `generation` are void.
+    """
+
+    generation: int
+    resolution: float
+    origin: tuple[float, float, float]
+    column: int
+    row: int
+    width: int
+    height: int
+
+
+def key_of(frame: bytes) -> Key:
+    """The key of a frame. Raises ValueError: it is too short."""
+    if len(frame) < _KEY.size:
+        raise ValueError(f"frame of {len(frame)} bytes, expected at least {_KEY.size}")
+    kind, layer, x, y = _KEY.unpack_from(frame)
+    return kind, layer, x, y
+
+
+def json_frame(kind: Kind, value: Mapping[str, Any]) -> bytes:
+    """A frame of a JSON object."""
+    return _KEY.pack(kind, 0, 0, 0) + json.dumps(value, separators=(",", ":"), ensure_ascii=False).encode()
+
+
+def pose_frame(sample: PoseSample) -> bytes:
+    """The frame of a pose."""
+    numbers = (sample.x, sample.y, sample.yaw, sample.speed, sample.turn, sample.age, sample.link_age)
+    return _KEY.pack(Kind.POSE, 0, 0, 0) + _POSE.pack(*numbers)
+
+
+def points_frame(layer: Layer, points: Sequence[Sequence[float]]) -> bytes:
+    """The frame of points (n, 2) in m: 16 bits each in units of `UNIT` from the first, so within 163 m of it."""
+    key = _KEY.pack(Kind.POINTS, layer, 0, 0)
+    good = [(x, y) for x, y in points if math.isfinite(x) and math.isfinite(y)]
+    if not good:
+        return key + _ANCHOR.pack(0.0, 0.0)
+    x0, y0 = _ANCHOR.unpack(_ANCHOR.pack(*good[0]))
+    numbers = [number for x, y in good for number in (_steps(x - x0), _steps(y - y0))]
+    return key + _ANCHOR.pack(x0, y0) + struct.pack(f"<{len(numbers)}h", *numbers)
+
+
+def grid_frame(layer: Layer, grid: GridFrame) -> bytes:
+    """The frame of a grid's extent."""
+    numbers = (grid.generation, grid.resolution, *grid.origin, grid.column, grid.row, grid.width, grid.height)
+    return _KEY.pack(Kind.GRID, layer, 0, 0) + _GRID.pack(*numbers)
+
+
+def tile_frame(layer: Layer, generation: int, column: int, row: int, cells: bytes) -> bytes:
+    """The frame of one tile, `TILE` x `TILE` cells row by row from the lower left: int8, -1 unknown, 0 to 100."""
+    if len(cells) != TILE * TILE:
+        raise ValueError(f"tile of {len(cells)} cells, expected {TILE * TILE}")
+    return _KEY.pack(Kind.TILE, layer, column, row) + _GENERATION.pack(generation) + zlib.compress(cells, 3)
+
+
+def generation_of(frame: bytes) -> int:
+    """The generation of a grid or a tile."""
+    number: int = _GENERATION.unpack_from(frame, _KEY.size)[0]
+    return number
+
+
+def _steps(metres: float) -> int:
+    return max(-32768, min(32767, round(metres / UNIT)))

@@ -1,0 +1,31 @@
+"""The layers over the map that a page asks for by name. What is switched off for all pages is not computed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from ur.web.wire.frames import Layer
+from ur.web.wire.requests import BadRequestError
+
+LAYERS: Mapping[str, Layer] = {
+    "scan": Layer.SCAN,
+    "plan": Layer.PLAN,
+    "local": Layer.LOCAL,
+    "global": Layer.GLOBAL,
+    "particles": Layer.PARTICLES,
+}
+"""By the name in `static/link_state.js`."""
+
+DEFAULT = frozenset({Layer.SCAN, Layer.PLAN})
+_ALWAYS = frozenset({Layer.NONE, Layer.MAP})
+_LONGEST = 100
+
+
+def read_layers(text: str | None) -> frozenset[Layer]:
+    """The layers that a list of names, separated by commas, asks for; `DEFAULT` for None. Raises BadRequestError."""
+    if text is None:
+        return DEFAULT | _ALWAYS
+    names = text[:_LONGEST].split(",") if text else []
+    if len(text) > _LONGEST or not all(name in LAYERS for name in names):
+        raise BadRequestError(f"layers: expected some of {','.join(LAYERS)}")
+    return _ALWAYS | {LAYERS[name] for name in names}

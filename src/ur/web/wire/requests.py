@@ -1,0 +1,218 @@
+"""Requests of pages, as JSON: what comes from a browser is hostile until it is read here.
+
+A request that sets something in motion carries `n`, the newest challenge of the mux that the page has received.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, Literal, cast
+
+Stamp = tuple[int, int]
+LONGEST_NAME = 64
+"""Characters of the longest name of a place."""
+LeaseAction = Literal["acquire", "take", "ask", "grant", "release"]
+LONGEST = 512
+"""Characters of the longest request."""
+
+_FARTHEST = 1e5  # m
+_MOST = 2**32
+
+
+@dataclass(frozen=True, slots=True)
+class Alive:
+    """The page is there, and has received the challenge `answers`."""
+
+    answers: Stamp
+
+
+@dataclass(frozen=True, slots=True)
+class Stick:
+    """A velocity (m/s, rad/s) while the user holds the stick; each press begins a `hold` with a higher number."""
+
+    answers: Stamp
+    hold: int
+    forward: float
+    turn: float
+
+
+@dataclass(frozen=True, slots=True)
+class LetGo:
+    """The user has let go of the stick, or the page takes it so."""
+
+    hold: int
+
+
+@dataclass(frozen=True, slots=True)
+class Goal:
+    """Drive to a pose in the map frame."""
+
+    answers: Stamp
+    x: float
+    y: float
+    yaw: float
+
+
+@dataclass(frozen=True, slots=True)
+class GoTo:
+    """Drive to a place by its name."""
+
+    answers: Stamp
+    place: str
+
+
+@dataclass(frozen=True, slots=True)
+class NamePlace:
+    """Name a pose in the map frame, or move the place that has the name."""
+
+    place: str
+    x: float
+    y: float
+    yaw: float
+
+
+@dataclass(frozen=True, slots=True)
+class ForgetPlace:
+    """Delete a place."""
+
+    place: str
+
+
+@dataclass(frozen=True, slots=True)
+class InitialPose:
+    """The robot is here, in the map frame."""
+
+    answers: Stamp
+    x: float
+    y: float
+    yaw: float
+
+
+@dataclass(frozen=True, slots=True)
+class Cancel:
+    """Cancel the goal, whoever sent it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Resume:
+    """Continue the goal that is held."""
+
+    answers: Stamp
+
+
+@dataclass(frozen=True, slots=True)
+class LeaseWish:
+    """A request about the lease."""
+
+    answers: Stamp
+    action: LeaseAction
+
+
+@dataclass(frozen=True, slots=True)
+class Emergency:
+    """Stop everything that drives, or release that."""
+
+    stop: bool
+
+
+Request = (
+    Alive
+    | Stick
+    | LetGo
+    | Goal
+    | GoTo
+    | NamePlace
+    | ForgetPlace
+    | InitialPose
+    | Cancel
+    | Resume
+    | LeaseWish
+    | Emergency
+)
+
+
+class BadRequestError(ValueError):
+    """A message that is no request; its text says why, in a line."""
+
+
+def read_request(text: object) -> Request:
+    """The request that a text is. Raises BadRequestError."""
+    if not isinstance(text, str) or len(text) > LONGEST:
+        raise BadRequestError(f"expected a text of at most {LONGEST} characters")
+    try:
+        value = json.loads(text)
+    except (ValueError, RecursionError):
+        raise BadRequestError("expected JSON") from None
+    if not isinstance(value, dict):
+        raise BadRequestError("expected a JSON object")
+    kind = value.get("t")
+    reader = _READERS.get(kind) if isinstance(kind, str) else None
+    if reader is None:
+        raise BadRequestError(f"t: expected one of {', '.join(_READERS)}")
+    return reader(value)
+
+
+def _stamp(value: Mapping[str, Any]) -> Stamp:
+    found = value.get("n")
+    if not isinstance(found, list) or len(found) != 2 or not all(_is_count(each) for each in found):
+        raise BadRequestError("n: expected a challenge, two whole numbers below 2^32")
+    return found[0], found[1]
+
+
+def _is_count(value: object) -> bool:
+    return isinstance(value, int) and not isinstance(value, bool) and 0 <= value < _MOST
+
+
+def _hold(value: Mapping[str, Any]) -> int:
+    hold = value.get("hold")
+    if not _is_count(hold) or hold == 0:
+        raise BadRequestError("hold: expected a whole number from 1 to 2^32 - 1")
+    return int(cast("int", hold))
+
+
+def _number(value: Mapping[str, Any], name: str, most: float) -> float:
+    found = value.get(name)
+    good = isinstance(found, (int, float)) and not isinstance(found, bool) and abs(found) <= most
+    if not good or not math.isfinite(float(cast("float", found))):
+        raise BadRequestError(f"{name}: expected a number from {-most:g} to {most:g}")
+    return float(cast("float", found))
+
+
+def _pose(value: Mapping[str, Any]) -> tuple[float, float, float]:
+    return _number(value, "x", _FARTHEST), _number(value, "y", _FARTHEST), _number(value, "yaw", 7.0)
+
+
+def _name(value: Mapping[str, Any]) -> str:
+    name = value.get("place")
+    if not isinstance(name, str) or not 0 < len(name) <= LONGEST_NAME or not name.isprintable():
+        raise BadRequestError(f"place: expected a name of at most {LONGEST_NAME} characters")
+    return name
+
+
+def _lease(value: Mapping[str, Any]) -> LeaseWish:
+    action = value.get("do")
+    if not isinstance(action, str) or action not in ("acquire", "take", "ask", "grant", "release"):
+        raise BadRequestError("do: expected one of acquire, take, ask, grant, release")
+    return LeaseWish(_stamp(value), cast("LeaseAction", action))
+
+
+_READERS: Mapping[str, Callable[[Mapping[str, Any]], Request]] = {
+    "alive": lambda value: Alive(_stamp(value)),
+    "stick": lambda value: Stick(
+        _stamp(value), _hold(value), _number(value, "forward", 100.0), _number(value, "turn", 100.0)
+    ),
+    "let_go": lambda value: LetGo(_hold(value)),
+    "goal": lambda value: Goal(_stamp(value), *_pose(value)),
+    "go_to": lambda value: GoTo(_stamp(value), _name(value)),
+    "name_place": lambda value: NamePlace(_name(value), *_pose(value)),
+    "forget_place": lambda value: ForgetPlace(_name(value)),
+    "pose": lambda value: InitialPose(_stamp(value), *_pose(value)),
+    "cancel": lambda _: Cancel(),
+    "resume": lambda value: Resume(_stamp(value)),
+    "lease": _lease,
+    "stop": lambda _: Emergency(stop=True),
+    "release": lambda _: Emergency(stop=False),
+}

@@ -1,0 +1,285 @@
+"""Requests of pages that drive: each is checked, answered, and passed on to the mux and to navigation."""
+
+from __future__ import annotations
+
+import itertools
+import threading
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import rospy
+from geometry_msgs.msg import Twist, TwistStamped, Vector3
+from std_msgs.msg import String, Time
+
+from ur.source.diagnostic import UserError
+from ur.source.printable import printable
+from ur.web.wire.requests import (
+    Alive,
+    BadRequestError,
+    Cancel,
+    Emergency,
+    ForgetPlace,
+    Goal,
+    GoTo,
+    InitialPose,
+    LeaseWish,
+    LetGo,
+    NamePlace,
+    Request,
+    Resume,
+    Stick,
+    read_request,
+)
+from ur_nodes.geometry.pose import Pose2
+from ur_nodes.motion.challenge.freshness import REQUEST_FRESHNESS, Stamp
+from ur_nodes.motion.clock import read_steady_time
+from ur_nodes.motion.lease.text import Action, Lease, clean_computer, clean_name, is_client, read_lease, write_request
+from ur_nodes.motion.lease.text import Request as LeaseRequest
+from ur_nodes.navigation.goals.goal_claim import write_goal_id
+from ur_nodes.rosio.ending import quiet_at_end
+from ur_nodes.teleop.mux.link_node import MuxLink
+from ur_nodes.teleop.navigator.navigation_topics_node import NavigationTopics
+from ur_nodes.web.heard import Heard, age_of_answer, hear
+from ur_nodes.web.page_lease import PageLease, may_drive, step_page, wish
+from ur_nodes.web.places import Places
+from ur_nodes.web.stick import StickState, Verdict, end_stick, expire_stick, let_go, step_stick
+
+VELOCITIES = "web_vel_stamped"
+_PROGRAM = "web"
+_NANO = 1_000_000_000
+_MOST_PAGES = 100
+
+Reply = Callable[[str, Mapping[str, Any]], None]
+
+
+@dataclass(frozen=True, slots=True)
+class _Page:
+    name: str
+    lease: PageLease
+    stick: StickState = field(default_factory=StickState)
+
+
+class DriveEnd:
+    """Pages that may drive, by client id. `reply` sends an answer to one of them; it is called with a lock held.
+
+    Methods may be called from any thread. `limits` are the highest velocities that are passed on, m/s and rad/s.
+    """
+
+    def __init__(
+        self,
+        mux: str,
+        topics: NavigationTopics,
+        link: MuxLink,
+        places: Places,
+        limits: tuple[float, float],
+        reply: Reply,
+        announce: Callable[[Stamp], None],
+    ) -> None:
+        """`announce` passes a challenge on to all pages."""
+        self._topics, self._link, self._places, self._limits = topics, link, places, limits
+        self._reply, self._announce = reply, announce
+        self._lock = threading.RLock()
+        self._heard = Heard()
+        self._heard_at = float("-inf")
+        self._lease: Lease | None = None
+        self._pages: dict[str, _Page] = {}
+        self._numbers = itertools.count(1)
+        self._velocities = rospy.Publisher(VELOCITIES, TwistStamped, queue_size=1, tcp_nodelay=True)
+        self._requests = rospy.Publisher(f"{mux}/lease_request", String, queue_size=5, tcp_nodelay=True)
+        rospy.Subscriber(f"{mux}/lease", String, self._on_lease, queue_size=1, tcp_nodelay=True)
+        rospy.Subscriber(f"{mux}/challenge", Time, self._on_challenge, queue_size=1, tcp_nodelay=True)
+
+    def lease(self) -> Lease | None:
+        """Return the lease; None before the mux has sent one."""
+        with self._lock:
+            return self._lease
+
+    def link_age(self) -> float:
+        """Return the seconds since the mux's last challenge; infinite before the first."""
+        with self._lock:
+            return read_steady_time() - self._heard_at
+
+    def come(self, client: str, name: str, computer: str) -> None:
+        """A page that may drive is there; `computer` identifies its browser."""
+        if not is_client(client):
+            return
+        with self._lock:
+            self._pages[client] = _Page(clean_name(name) or "a page", PageLease(client, clean_computer(computer)))
+            while len(self._pages) > _MOST_PAGES:
+                self.leave(next(iter(self._pages)))
+
+    def leave(self, client: str) -> None:
+        """A page is gone: what its user held is over at once. Its goal is held when the mux has lost it."""
+        with self._lock:
+            page = self._pages.pop(client, None)
+            if page is not None:
+                _, verdict = end_stick(page.stick)
+                self._finish(page, verdict, "")
+
+    def leave_all(self) -> None:
+        """The server is gone."""
+        with self._lock:
+            for client in list(self._pages):
+                self.leave(client)
+
+    def expire(self) -> None:
+        """End presses whose commands stay away; to be called often."""
+        with self._lock:
+            now = read_steady_time()
+            for client, page in list(self._pages.items()):
+                if page.stick.live:
+                    self._step(client, page, expire_stick(page.stick, now), "late")
+
+    def emergency(self) -> None:
+        """Stop everything that drives, whoever asks."""
+        self._link.ask("stop")
+
+    def take(self, client: str, text: str) -> None:
+        """Take a request of a page."""
+        try:
+            request = read_request(text)
+        except BadRequestError as problem:
+            self._reply(client, {"t": "bad", "why": str(problem)})
+            return
+        if isinstance(request, (NamePlace, ForgetPlace)):
+            if client in self._pages:
+                self._reply(client, _change_places(self._places, request))
+            return
+        with self._lock:
+            page = self._pages.get(client)
+            if page is not None:
+                self._obey(client, page, request)
+
+    def _obey(self, client: str, page: _Page, request: Request) -> None:
+        now = read_steady_time()
+        if isinstance(request, Stick):
+            self._drive(client, page, request, now)
+        elif isinstance(request, LetGo):
+            self._step(client, page, let_go(page.stick, request.hold), "")
+        elif isinstance(request, Alive):
+            self._renew(client, page, request.answers, now)
+        elif isinstance(request, LeaseWish):
+            self._renew(client, replace(page, lease=wish(page.lease, request.action, now)), request.answers, now)
+        elif isinstance(request, Emergency):
+            self._link.ask("stop" if request.stop else "release")
+        elif isinstance(request, Cancel):
+            self._topics.cancel_goals()
+        elif isinstance(request, GoTo):
+            place = self._places.find(request.place)
+            if place is None:
+                self._reply(client, {"t": "refused", "what": "go_to", "why": "no place"})
+            else:
+                self._navigate(client, page, Goal(request.answers, *place), now)
+        elif not isinstance(request, (NamePlace, ForgetPlace)):
+            self._navigate(client, page, request, now)
+
+    def _drive(self, client: str, page: _Page, command: Stick, now: float) -> None:
+        age = age_of_answer(self._heard, command.answers, now)
+        stick, verdict = step_stick(page.stick, command.hold, age, now)
+        why = "late"
+        if verdict == "drive" and not may_drive(page.lease, self._lease):
+            stick, verdict = end_stick(stick)
+            why = "driver"
+        elif verdict == "drive" and not self._velocities.get_num_connections():
+            stick, verdict = end_stick(stick)
+            why = "no mux"
+        if verdict == "drive":
+            began = command.hold != page.stick.hold and self._lease is not None
+            if began and self._lease is not None and self._lease.client != client:
+                page = replace(page, lease=wish(page.lease, "acquire", now))
+                self._request(page, "acquire", command.answers)
+            forward, turn = self._limits
+            self._publish(
+                page,
+                command.answers,
+                max(-forward, min(forward, command.forward)),
+                max(-turn, min(turn, command.turn)),
+            )
+        self._step(client, page, (stick, verdict), why)
+
+    def _step(self, client: str, page: _Page, step: tuple[StickState, Verdict], why: str) -> None:
+        stick, verdict = step
+        self._pages[client] = replace(page, stick=stick)
+        self._finish(page, verdict, why)
+        if verdict == "over" and why:
+            self._reply(client, {"t": "over", "hold": stick.hold, "why": why})
+
+    def _finish(self, page: _Page, verdict: Verdict, why: str) -> None:
+        """Send a stop at once where a press is over; the mux would find out a moment later by itself."""
+        newest = self._heard.newest
+        if verdict == "over" and why != "driver" and newest is not None and may_drive(page.lease, self._lease):
+            self._publish(page, newest, 0.0, 0.0)
+
+    def _publish(self, page: _Page, answer: Stamp, forward: float, turn: float) -> None:
+        message = TwistStamped(twist=Twist(Vector3(forward, 0.0, 0.0), Vector3(0.0, 0.0, turn)))
+        message.header.stamp, message.header.frame_id = rospy.Time(*answer), page.lease.client
+        self._velocities.publish(message)
+
+    def _renew(self, client: str, page: _Page, answer: Stamp, now: float) -> None:
+        lease, action = step_page(page.lease, self._lease, now)
+        page = self._pages[client] = replace(page, lease=lease)
+        if action is not None:
+            self._request(page, action, answer)
+
+    def _request(self, page: _Page, action: Action, answer: Stamp) -> None:
+        request = LeaseRequest(page.lease.client, page.name, _PROGRAM, action, True, answer, page.lease.computer)
+        self._requests.publish(String(write_request(request)))
+
+    def _navigate(self, client: str, page: _Page, request: Goal | InitialPose | Resume, now: float) -> None:
+        """Requests that set something in motion, or change where it goes: refused when they are late."""
+        what = {Goal: "goal", InitialPose: "pose", Resume: "resume"}[type(request)]
+        age = age_of_answer(self._heard, request.answers, now)
+        late = age is None or age > REQUEST_FRESHNESS
+        if late and (self._lease is not None or self._heard.newest is not None):
+            self._reply(client, {"t": "refused", "what": what, "why": "late"})
+        elif not may_drive(page.lease, self._lease):
+            self._reply(client, {"t": "refused", "what": what, "why": "driver"})
+        elif isinstance(request, Resume):
+            self._topics.continue_goal(rospy.Time(*request.answers))
+        elif isinstance(request, InitialPose):
+            self._topics.set_pose(Pose2(request.x, request.y, request.yaw))
+        else:
+            self._go(client, page, request, now)
+
+    def _go(self, client: str, page: _Page, goal: Goal, now: float) -> None:
+        goal_id = f"{rospy.get_name()}-{next(self._numbers)}-{time.time():.3f}"
+        if self._lease is not None:
+            if self._lease.client != client:
+                page = self._pages[client] = replace(page, lease=wish(page.lease, "acquire", now))
+                self._request(page, "acquire", goal.answers)
+            goal_id = write_goal_id(goal_id, page.lease.client, goal.answers[0] * _NANO + goal.answers[1])
+        number = self._topics.send_goal(goal_id, Pose2(goal.x, goal.y, goal.yaw))
+        self._reply(client, {"t": "sent", "what": "goal", "number": number})
+
+    @quiet_at_end
+    def _on_lease(self, message: String) -> None:
+        lease = read_lease(message.data)
+        if lease is not None:
+            with self._lock:
+                self._lease = lease
+
+    @quiet_at_end
+    def _on_challenge(self, message: Time) -> None:
+        stamp = (message.data.secs, message.data.nsecs)
+        with self._lock:
+            self._heard_at = read_steady_time()
+            self._heard = hear(self._heard, stamp, self._heard_at)
+        self._announce(stamp)
+        self.expire()
+
+
+def _change_places(places: Places, request: NamePlace | ForgetPlace) -> Mapping[str, Any]:
+    """Change the file of places; the answer for the page."""
+    what = "name_place" if isinstance(request, NamePlace) else "forget_place"
+    try:
+        if isinstance(request, NamePlace):
+            places.remember(request.place, Pose2(request.x, request.y, request.yaw))
+        else:
+            places.forget(request.place)
+    except ValueError as problem:
+        return {"t": "refused", "what": what, "why": str(problem)}
+    except UserError as problem:
+        return {"t": "refused", "what": what, "why": printable(str(problem))[:300]}
+    return {"t": "done", "what": what}

@@ -1,0 +1,52 @@
+"""The lease on behalf of a page: which request follows when the page proves that it is there.
+
+Each page is a client of its own. Its requests carry the challenge that the page itself has answered, so the lease is
+lost when the page, and not only this program, is out of reach.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from ur_nodes.motion.lease.text import Action, Lease
+from ur_nodes.motion.lease.view import is_settled
+
+PATIENCE = 2.0
+"""Seconds after which a request that has not taken effect is given up."""
+
+
+@dataclass(frozen=True, slots=True)
+class PageLease:
+    """A page's client id, its browser (`computer`), and the request that has not taken effect yet."""
+
+    client: str
+    computer: str = ""
+    wish: Action | None = None
+    until: float = 0.0
+
+
+def wish(page: PageLease, action: Action, now: float) -> PageLease:
+    """The user of the page wants this."""
+    return replace(page, wish=action, until=now + PATIENCE)
+
+
+def step_page(page: PageLease, lease: Lease | None, now: float) -> tuple[PageLease, Action | None]:
+    """The request to send now that the page has proved to be there; None for none: it only watches."""
+    if lease is None:
+        return page, None
+    if page.wish and (now > page.until or is_settled(page.wish, lease, page.client)):
+        page = replace(page, wish=None)
+    if page.wish:
+        return page, page.wish
+    takes_part = lease.client == page.client or any(each.client == page.client for each in lease.asking)
+    return page, "renew" if takes_part else None
+
+
+def may_drive(page: PageLease, lease: Lease | None) -> bool:
+    """Return whether commands of the page are to be sent: it drives, it may acquire that, or there is no lease."""
+    return lease is None or lease.client == page.client or may_acquire(page, lease)
+
+
+def may_acquire(page: PageLease, lease: Lease) -> bool:
+    """Return whether nobody drives, or only another page of the same browser did, which is gone."""
+    return lease.state == "free" or (lease.state == "lost" and bool(page.computer) and lease.computer == page.computer)

@@ -1,0 +1,127 @@
+"""Places of the map that pages show: the waypoints that `keyboard_navigate` keeps, in the same file."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ur.source.diagnostic import UserError
+from ur.source.printable import printable
+from ur_nodes.geometry.grid import Grid
+from ur_nodes.geometry.pose import Pose2
+from ur_nodes.teleop.navigator.waypoints import WAYPOINT_NAME, WaypointStore, name_of_map, waypoint_path
+
+MOST_PLACES = 200
+_LONGEST_NAME = 64
+
+
+@dataclass(frozen=True, slots=True)
+class PlaceSettings:
+    """The parameters of `keyboard_navigate` that lead to its file. `grows`: the map gets its name when it is saved."""
+
+    map_name: str = ""
+    file: str = ""
+    grows: bool = False
+
+
+def read_settings(value: object) -> PlaceSettings:
+    """The settings in the parameters of a node; those of a missing one, or of another type, are empty."""
+    if not isinstance(value, Mapping):
+        return PlaceSettings()
+    name, file, service = (value.get(each, "") for each in ("map_name", "waypoints_file", "save_service"))
+    return PlaceSettings(
+        name if isinstance(name, str) else "",
+        file if isinstance(file, str) else "",
+        isinstance(service, str) and service != "",
+    )
+
+
+def choose_file(settings: PlaceSettings, grid: Grid | None, environment: Mapping[str, str]) -> Path | None:
+    """The file of the places; None while there is no map, or it has no name yet."""
+    if settings.file:
+        return Path(settings.file).expanduser()
+    if settings.map_name:
+        return waypoint_path(settings.map_name, environment)
+    return None if grid is None or settings.grows else waypoint_path(name_of_map(grid), environment)
+
+
+class Places:
+    """The places of one file, as they were when it was last read. Methods may be called from any thread."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._store: WaypointStore | None = None
+        self._places: dict[str, Pose2] = {}
+        self._problem = ""
+        self._signature: tuple[object, ...] | None = None
+
+    def use(self, path: Path | None) -> None:
+        """Read the places of a file; None: there are none, and none can be named."""
+        with self._lock:
+            signature = None if path is None else (path, *_stamp_of(path))
+            if signature != self._signature:
+                self._store = None if path is None else WaypointStore(path)
+                self._read()
+                self._signature = signature
+
+    def describe(self) -> dict[str, Any]:
+        """Describe them for a page: x, y, yaw by name, in m, m and rad; whether they can be named; what is wrong."""
+        with self._lock:
+            return {
+                "named": self._store is not None,
+                "places": {name: [round(each, 3) for each in place] for name, place in self._places.items()},
+                "problem": self._problem,
+            }
+
+    def find(self, name: str) -> Pose2 | None:
+        """Return a place; None: there is none of that name."""
+        with self._lock:
+            return self._places.get(name)
+
+    def remember(self, name: str, place: Pose2) -> None:
+        """Name a place, or move the one that has the name. Raises UserError, or ValueError: no such name is allowed."""
+        if not WAYPOINT_NAME.match(name):
+            raise ValueError("name")
+        with self._lock:
+            if name not in self._places and len(self._places) >= MOST_PLACES:
+                raise ValueError("full")
+            self._change(lambda store: store.remember(name, place))
+
+    def forget(self, name: str) -> None:
+        """Delete a place. Raises UserError, or ValueError."""
+        with self._lock:
+            self._change(lambda store: store.forget(name))
+
+    def _change(self, change: Callable[[WaypointStore], object]) -> None:
+        if self._store is None:
+            raise ValueError("no map")
+        change(self._store)
+        self._read()
+
+    def _read(self) -> None:
+        self._places, self._problem = {}, ""
+        if self._store is None:
+            return
+        try:
+            found = self._store.places()
+        except UserError as problem:
+            self._problem = printable(str(problem))[:300]
+            return
+        shown = {name: place for name, place in found.items() if _is_shown(name)}
+        self._places = dict(list(shown.items())[:MOST_PLACES])
+
+
+def _stamp_of(path: Path) -> tuple[int, ...]:
+    """Inode, time and size of a file; empty where there is none. They change with its content."""
+    try:
+        found = path.stat()
+    except OSError:
+        return ()
+    return found.st_ino, found.st_mtime_ns, found.st_size
+
+
+def _is_shown(name: str) -> bool:
+    return 0 < len(name) <= _LONGEST_NAME and name.isprintable()

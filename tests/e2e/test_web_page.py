@@ -1,0 +1,268 @@
+"""The page of `ur web` in a real browser, with the real simulator. One robot serves all tests of this file."""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+import subprocess
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import psutil
+import pytest
+from tests.docs.chromium import Chromium, find_chromium
+from tests.e2e.conftest import ROOT, Robot, end, free_port
+
+PROGRAM = find_chromium()
+PHONE, DESK = (390, 844), (1400, 900)
+
+pytestmark = [
+    pytest.mark.ros,
+    pytest.mark.long,
+    pytest.mark.timeout(300),
+    pytest.mark.skipif(PROGRAM is None, reason="Chromium is not installed"),
+]
+pytest.importorskip("aiohttp", reason="aiohttp is not installed: requirements/web.lock")
+
+
+class Page:
+    """The page on a phone, with one finger."""
+
+    def __init__(self, browser: Chromium) -> None:
+        self.browser = browser
+        self.touched = False
+
+    def run(self, script: str) -> Any:
+        return self.browser.run(script)
+
+    def wait(self, script: str, seconds: float = 60.0) -> None:
+        """Wait until an expression is true."""
+        deadline = time.monotonic() + seconds
+        while not self.run(f"Boolean({script})"):
+            assert time.monotonic() < deadline, f"{script}: not true within {seconds:g} s; {self.explain()}"
+            time.sleep(0.1)
+
+    def explain(self) -> Any:
+        return self.run("JSON.stringify([globalThis.page?.state, globalThis.page?.server, document.body.innerText])")
+
+    def middle(self, selector: str) -> tuple[float, float]:
+        x, y = self.browser.run(
+            f"(() => {{ const box = document.querySelector('{selector}').getBoundingClientRect();"
+            " return [box.left + box.width / 2, box.top + box.height / 2]; })()"
+        )
+        return x, y
+
+    def touch(self, kind: str, *point: float) -> None:
+        if kind == "End" and not self.touched:
+            return
+        self.touched = kind != "End"
+        points = [{"x": point[0], "y": point[1]}] if point else []
+        self.browser.ask("Input.dispatchTouchEvent", type=f"touch{kind}", touchPoints=points)
+
+    def tap(self, selector: str) -> None:
+        point = self.middle(selector)
+        self.touch("Start", *point)
+        self.touch("End")
+
+    def push_stick(self) -> None:
+        """Push the stick up, again and again until it drives: a busy computer may be too slow for a press."""
+        x, y = self.middle("#stick")
+        for _ in range(20):
+            self.touch("Start", x, y)
+            self.touch("Move", x, y - 55)
+            deadline = time.monotonic() + 3.0
+            while time.monotonic() < deadline and self.run("page.drive.press") == "held":
+                if self.run("page.poseAge < 0.3 && page.pose.speed > 0.05"):
+                    return
+            self.touch("End")
+        raise AssertionError(f"the stick does not drive: {self.explain()}")
+
+
+@pytest.fixture(scope="module")
+def server(robot: Robot) -> Iterator[tuple[int, Path]]:
+    """`ur web`: its port, and the file of what it prints."""
+    port, log = free_port(), robot.log.with_name("web.log")
+    command = [str(ROOT / "ur"), "web", "--port", str(port), "--no-browser"]
+    with log.open("w") as output:
+        process = subprocess.Popen(
+            command, env=robot.env, stdin=subprocess.DEVNULL, stdout=output, stderr=output, text=True, cwd=log.parent
+        )
+    try:
+        deadline = time.monotonic() + 60
+        while "login#" not in log.read_text():
+            assert process.poll() is None, log.read_text()
+            assert time.monotonic() < deadline, "ur web printed no link"
+            time.sleep(0.1)
+        yield port, log
+    finally:
+        end(process)
+
+
+@pytest.fixture(scope="module")
+def browser(server: tuple[int, Path], tmp_path_factory: pytest.TempPathFactory) -> Iterator[Chromium]:
+    assert PROGRAM is not None
+    with Chromium(PROGRAM, tmp_path_factory.mktemp("chromium")) as browser:
+        browser.resize(*PHONE, phone=True)
+        browser.ask("Emulation.setTouchEmulationEnabled", enabled=True)
+        link = re.search(r"http\S+", server[1].read_text())
+        assert link
+        browser.open(link[0])
+        yield browser
+
+
+@pytest.fixture
+def page(browser: Chromium) -> Iterator[Page]:
+    page = Page(browser)
+    page.wait("globalThis.page?.map.tiles.tiles.size && page.map.pose && page.state && page.drive.newest")
+    browser.complaints.clear()
+    yield page
+    page.touch("End")
+    assert browser.complaints == []
+
+
+def test_link_leads_to_the_map_with_the_robot_on_it(page: Page) -> None:
+    assert page.run("location.pathname + location.hash") == "/"
+    assert page.run("document.title") == "simulated robot"
+    page.wait("page.map.scan.length > 50 && !page.state.missing.length")
+    assert abs(float(page.run("page.pose.x"))) < 0.3
+    assert page.run("document.documentElement.scrollWidth") == PHONE[0]
+    assert page.run("document.cookie") == ""  # no script sees the session
+
+
+def test_stick_drives_while_it_is_held_and_stops_when_it_is_let_go(page: Page, robot: Robot) -> None:
+    before = robot.ask("where")["true"]
+    page.tap("#mode-drive")
+    page.push_stick()
+    assert page.run("page.state.lease.client === page.drive.client")
+    page.touch("End")
+    after = robot.ask("still", seconds=60)["true"]
+    assert abs(after[0] - before[0]) + abs(after[1] - before[1]) > 0.01
+    assert page.run("page.drive.press") == "idle"
+
+
+def test_hidden_page_lets_go(page: Page, robot: Robot) -> None:
+    page.tap("#mode-drive")
+    page.push_stick()
+    page.run("dispatchEvent(new Event('blur'))")
+    assert page.run("page.drive.press") == "idle"
+    robot.ask("still", seconds=60)
+    page.touch("End")
+
+
+def test_stop_button_stops_everything_until_the_release(page: Page, robot: Robot) -> None:
+    page.touch("Start", *page.middle("#stop"))  # a finger that stays
+    robot.ask("stopped", value=True, seconds=60)
+    page.touch("End")
+    page.wait("document.querySelector('.banner.red button')")
+    page.tap(".banner.red button")
+    robot.ask("stopped", value=False, seconds=60)
+    page.wait("!document.querySelector('.banner.red')")
+
+
+def test_goal_is_set_by_press_drag_release_and_reached(page: Page) -> None:
+    page.tap("#mode-goal")
+    page.run("page.map.view.zoom(3, 195, 400); page.map.view.x = page.pose.x; page.map.view.y = page.pose.y; 0")
+    x, y = page.run("page.map.view.toScreen(1.4, 0.0)")
+    page.touch("Start", x, y)
+    page.touch("Move", x, y - 60)
+    page.touch("End")
+    page.wait("page.state.goal.place")
+    place = page.run("page.state.goal.place")
+    assert [round(each, 1) for each in place] == pytest.approx([1.4, 0.0, 1.6], abs=0.15)
+    page.wait("page.state.goal.state === 'reached'", 120)
+    page.run("page.map.fit()")
+
+
+def test_place_is_named_on_the_page_and_driven_to(page: Page, robot: Robot) -> None:
+    page.tap("#places")
+    page.wait("document.getElementById('place-here').checkVisibility()")
+    page.run("page.places.input.value = 'here'; document.getElementById('place-here').click(); 0")
+    page.wait("page.map.places.here")
+    here = page.run("[page.pose.x, page.pose.y]")
+    assert page.run("page.map.places.here.slice(0, 2)") == pytest.approx(here, abs=0.2)
+    page.run("page.sendPlace({t: 'name_place', place: 'door', x: 0.7, y: 0, yaw: 0}); 0")
+    page.wait("document.querySelector('#places-panel .go')?.textContent === 'door'")
+    (file,) = Path(robot.env["XDG_DATA_HOME"], "ubiquity_launches", "waypoints").glob("*.yaml")
+    assert '"door": [0.700, 0.000, 0.0]' in file.read_text()
+    page.tap("#places-panel .go")
+    page.wait("page.state.goal.place?.[0] === 0.7 && page.state.goal.state === 'reached'", 120)
+    assert abs(float(page.run("page.pose.x")) - 0.7) < 0.3
+    page.tap("#places")
+    for _ in range(2):  # the second press confirms
+        page.tap("#places-panel li button:last-child")
+    page.wait("!page.map.places.door")
+    assert "door" not in file.read_text()
+    page.tap("#places")
+
+
+def test_layers_are_switched_and_a_link_shows_the_same(page: Page) -> None:
+    page.run("document.getElementById('layers').click(); 0")
+    for name in ("local", "global", "particles", "plan"):
+        page.run(f"document.getElementById('layer-{name}').click(); 0")
+    page.wait("page.map.costs.local.tiles.size && page.map.costs.global.tiles.size")
+    page.wait("location.search.startsWith('?layers=scan,local,global,particles')")
+    page.run("globalThis.page = null; location.reload(); 0")
+    page.wait("globalThis.page?.map.costs.local.tiles.size && page.map.pose && page.state && page.drive.newest")
+    assert page.run("[...page.map.layers].sort().join()") == "global,local,particles,scan"
+    page.run("document.getElementById('layer-local').click(); 0")
+    page.run("history.replaceState(null, '', '/'); globalThis.page = null; location.reload(); 0")
+    page.wait("globalThis.page?.map.tiles.tiles.size && page.map.pose && page.state && page.drive.newest")
+    assert page.run("[...page.map.layers].sort().join()") == "plan,scan"
+
+
+def test_page_recovers_when_the_end_at_the_robot_is_killed_while_the_stick_is_held(page: Page, robot: Robot) -> None:
+    page.tap("#mode-drive")
+    page.push_stick()
+    (before,) = find_ends(robot)
+    os.kill(before, signal.SIGKILL)
+    robot.ask("still", seconds=60)
+    page.wait("page.drive.press === 'dead'")
+    page.wait("page.server.end === 'starting'")
+    assert "Connecting to the robot" in page.run("document.getElementById('banners').innerText")
+    page.wait("page.server.end === 'up' && page.poseAge < 0.3 && page.pose.linkAge < 0.3")
+    assert find_ends(robot) != [before]
+    assert page.run("page.drive.press") == "dead"  # until the stick is let go
+    assert robot.ask("still", seconds=60)
+    page.touch("End")
+    page.push_stick()
+    page.touch("End")
+    robot.ask("still", seconds=60)
+
+
+def find_ends(robot: Robot) -> list[int]:
+    """The processes at the robot's end of the page."""
+    return [
+        each.pid
+        for each in psutil.process_iter(["cmdline", "environ"])
+        if (each.info["environ"] or {}).get("ROS_MASTER_URI") == robot.env["ROS_MASTER_URI"]
+        and "ur_nodes.web.robot_end_node" in (each.info["cmdline"] or [])
+    ]
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_controls_have_names_and_fit_on_phone_and_desk(page: Page, scheme: str, tmp_path: Path) -> None:
+    browser = page.browser
+    browser.prefer(scheme)
+    page.wait("page.server.end === 'up' && page.poseAge < 0.3")
+    for size in (DESK, PHONE):
+        browser.resize(*size, phone=size == PHONE)
+        page.tap("#mode-drive")
+        (tmp_path / f"{scheme}-{size[0]}.png").write_bytes(browser.screenshot())
+        hidden = page.run(
+            "[...document.querySelectorAll('button, #stick')].filter((e) => e.checkVisibility())"
+            ".filter((e) => { const box = e.getBoundingClientRect(); return box.left < 0 || box.top < 0 || "
+            "box.right > innerWidth || box.bottom > innerHeight || "
+            "!e.contains(document.elementFromPoint(box.left + box.width / 2, box.top + box.height / 2)); })"
+            ".map((e) => e.id || e.textContent)"
+        )
+        assert hidden == []
+    tree = browser.ask("Accessibility.getFullAXTree")["nodes"]
+    nameless = [
+        node["role"]["value"]
+        for node in tree
+        if node.get("role", {}).get("value") == "button" and not node.get("name", {}).get("value")
+    ]
+    assert nameless == []

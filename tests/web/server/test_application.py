@@ -1,0 +1,194 @@
+"""The server with real connections: who is let in, and what is refused. No robot runs."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pytest
+from tests.ros_session import free_port
+
+aiohttp = pytest.importorskip("aiohttp", reason="aiohttp is not installed: requirements/web.lock")
+
+from aiohttp import web  # noqa: E402
+
+from ur.web.access.origin import make_origins  # noqa: E402
+from ur.web.access.roles import Role  # noqa: E402
+from ur.web.server.application import Application  # noqa: E402
+from ur.web.server.gate import Gate  # noqa: E402
+from ur.web.server.static_files import load_files  # noqa: E402
+from ur.web.wire.frames import Kind, Layer, key_of, points_frame  # noqa: E402
+
+DRIVE = "/ws/drive?tab=0123456789ab"
+GUARDED = ["/", "/main.js", "/api/me", "/ws/view", DRIVE]
+
+
+@dataclass
+class Server:
+    application: Application
+    gate: Gate
+    url: str
+    client: Any
+    log: list[str]
+
+    @property
+    def origin(self) -> dict[str, str]:
+        return {"Origin": self.url}
+
+    async def log_in(self, role: Role = Role.DRIVE) -> None:
+        async with self.client.post(
+            f"{self.url}/login", json={"token": self.gate.invite(role)}, headers=self.origin
+        ) as answer:
+            assert answer.status == 200
+            cookie = answer.headers["Set-Cookie"]
+            assert "HttpOnly" in cookie
+            assert "SameSite=Strict" in cookie
+
+    async def status(self, method: str, path: str, **headers: str) -> int:
+        async with self.client.request(method, self.url + path, headers=headers) as answer:
+            assert len(await answer.text()) < 5000 or answer.status == 200
+            return int(answer.status)
+
+
+@pytest.fixture
+async def server(tmp_path: Path) -> AsyncIterator[Server]:
+    port, log = free_port(), list[str]()
+    gate = Gate(make_origins((), port), tmp_path / "sessions.json", log.append)
+    environment = {"ROS_MASTER_URI": f"http://localhost:{free_port()}"}
+    application = Application(gate, load_files(), environment, "bob", log.append)
+    runner = web.AppRunner(application.build(), access_log=None)
+    await runner.setup()
+    await web.TCPSite(runner, "127.0.0.1", port).start()
+    jar = aiohttp.CookieJar(unsafe=True)
+    async with aiohttp.ClientSession(cookie_jar=jar) as client:
+        yield Server(application, gate, f"http://127.0.0.1:{port}", client, log)
+    await runner.cleanup()
+
+
+async def test_nothing_but_the_login_is_seen_without_a_session(server: Server) -> None:
+    for path in GUARDED:
+        assert await server.status("GET", path, **server.origin) == 403, path
+    for path in ("/api/stop", "/logout"):
+        assert await server.status("POST", path, **server.origin) == 403, path
+    for path in ("/login", "/login.js", "/style.css", "/texts.js"):
+        assert await server.status("GET", path) == 200, path
+
+
+async def test_other_hosts_and_origins_are_refused_even_with_a_session(server: Server) -> None:
+    await server.log_in()
+    for path in [*GUARDED, "/login"]:
+        assert await server.status("GET", path, Host="evil.example") == 421, path
+    for path in ("/ws/view", DRIVE):
+        assert await server.status("GET", path, Origin="http://evil.example") == 403
+        assert await server.status("GET", path) == 403
+    assert await server.status("POST", "/api/stop", Origin="http://evil.example") == 403
+    assert await server.status("POST", "/api/stop") == 403
+
+
+async def test_link_is_good_once_and_wrong_ones_are_limited(server: Server) -> None:
+    token = server.gate.invite(Role.DRIVE)
+    codes = []
+    for value in (token, token, "wrong", *["x"] * 20):
+        async with server.client.post(f"{server.url}/login", json={"token": value}, headers=server.origin) as answer:
+            codes.append(answer.status)
+    assert codes[:3] == [200, 403, 403]
+    assert codes[-1] == 429
+
+
+@pytest.mark.parametrize("body", ["", "[]", "{", '{"token": 3}', "[" * 1500, "x" * 5000])
+async def test_malformed_logins_are_refused_in_a_line(server: Server, body: str) -> None:
+    async with server.client.post(f"{server.url}/login", data=body, headers=server.origin) as answer:
+        assert answer.status in (400, 403, 413)
+        assert "Traceback" not in await answer.text()
+
+
+@pytest.mark.parametrize(
+    "path", ["/../serve.py", "/%2e%2e/serve.py", "/static/", "/x.js", "/.bashrc", "/main.js/", "//"]
+)
+async def test_only_files_of_the_page_are_served(server: Server, path: str) -> None:
+    await server.log_in()
+    assert await server.status("GET", path) in (403, 404)
+
+
+async def test_answers_forbid_scripts_and_frames_of_others(server: Server) -> None:
+    await server.log_in()
+    for path in ("/", "/login", "/x.js", "/api/me"):
+        async with server.client.get(server.url + path) as answer:
+            policy = answer.headers["Content-Security-Policy"]
+            assert "default-src 'none'" in policy
+            assert "unsafe" not in policy
+            assert answer.headers["X-Content-Type-Options"] == "nosniff"
+            assert answer.headers["Server"] == "ur"
+    for name, file in load_files().items():
+        if name.endswith(".html"):
+            assert b"<script>" not in file.plain
+            assert b" style=" not in file.plain
+            assert b"//" not in file.plain.replace(b"<!doctype", b""), name
+
+
+async def test_page_is_small_and_is_not_sent_twice(server: Server) -> None:
+    await server.log_in()
+    assert sum(len(file.packed) for file in load_files().values()) < 250_000
+    async with server.client.get(f"{server.url}/main.js") as answer:
+        tag = answer.headers["ETag"]
+    assert await server.status("GET", "/main.js", **{"If-None-Match": tag}) == 304
+
+
+async def test_role_that_looks_sees_the_robot_and_cannot_drive(server: Server) -> None:
+    await server.log_in(Role.LOOK)
+    assert await server.status("GET", DRIVE, **server.origin) == 403
+    assert await server.status("POST", "/api/stop", **server.origin) == 503  # allowed; no robot runs
+    async with server.client.ws_connect(f"{server.url}/ws/view", headers=server.origin) as socket:
+        frame = await socket.receive_bytes(timeout=30)
+        assert key_of(frame)[0] == Kind.SERVER
+        assert b'"no master"' in frame
+        await socket.send_str('{"t": "stop"}')
+        while (await socket.receive(timeout=30)).type is aiohttp.WSMsgType.BINARY:
+            pass
+        assert socket.close_code == aiohttp.WSCloseCode.POLICY_VIOLATION
+
+
+async def test_page_gets_only_the_layers_that_it_asks_for(server: Server) -> None:
+    await server.log_in()
+    assert await server.status("GET", "/ws/view?layers=../x", **server.origin) == 400
+    socket = await server.client.ws_connect(f"{server.url}/ws/view?layers=plan", headers=server.origin)
+    async with socket:
+        assert key_of(await socket.receive_bytes(timeout=30))[0] == Kind.SERVER  # it is one of the viewers now
+        for layer in (Layer.SCAN, Layer.GLOBAL, Layer.PLAN):
+            server.application.show(points_frame(layer, [(1.0, 2.0)]))
+        found = key_of(await socket.receive_bytes(timeout=30))
+        while found[0] == Kind.SERVER:
+            found = key_of(await socket.receive_bytes(timeout=30))
+        assert found[:2] == (Kind.POINTS, Layer.PLAN)
+
+
+async def test_page_that_sends_rubbish_is_closed(server: Server) -> None:
+    await server.log_in()
+    async with server.client.ws_connect(server.url + DRIVE, headers=server.origin) as socket:
+        assert (await socket.receive_json(timeout=30))["t"] == "hello"
+        for _ in range(30):
+            await socket.send_str('{"t": "stick"}')
+        assert (await socket.receive(timeout=30)).type is aiohttp.WSMsgType.CLOSE
+    async with server.client.ws_connect(server.url + DRIVE, headers=server.origin) as socket:
+        await socket.receive_json(timeout=30)
+        await socket.send_str("x" * 5000)
+        assert (await socket.receive(timeout=30)).type is aiohttp.WSMsgType.CLOSE
+    assert await server.status("GET", "/ws/drive?tab=../../x", **server.origin) == 400
+
+
+async def test_page_that_is_opened_again_replaces_its_older_connection(server: Server) -> None:
+    await server.log_in()
+    async with server.client.ws_connect(server.url + DRIVE, headers=server.origin) as first:
+        client = (await first.receive_json(timeout=30))["client"]
+        async with server.client.ws_connect(server.url + DRIVE, headers=server.origin) as second:
+            assert (await second.receive_json(timeout=30))["client"] == client
+            assert (await first.receive(timeout=30)).type is aiohttp.WSMsgType.CLOSE
+
+
+async def test_logout_ends_the_session(server: Server) -> None:
+    await server.log_in()
+    assert await server.status("GET", "/api/me") == 200
+    assert await server.status("POST", "/logout", **server.origin) == 200
+    assert await server.status("GET", "/api/me") == 403

@@ -1,0 +1,75 @@
+"""Malformed messages over real web sockets.
+
+More of them: UR_WEB_FUZZ=100000 ./test tests/web/server/test_fuzzed_messages.py
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import random
+from pathlib import Path
+from typing import Any
+
+import pytest
+from tests.fuzz.mutate import mutate
+from tests.ros_session import free_port
+
+aiohttp = pytest.importorskip("aiohttp", reason="aiohttp is not installed: requirements/web.lock")
+
+from aiohttp import web  # noqa: E402
+
+from ur.web.access.origin import make_origins  # noqa: E402
+from ur.web.access.roles import Role  # noqa: E402
+from ur.web.server.application import Application  # noqa: E402
+from ur.web.server.gate import Gate  # noqa: E402
+from ur.web.wire.requests import LONGEST, read_request  # noqa: E402
+
+COUNT = int(os.environ.get("UR_WEB_FUZZ", "300"))
+A_PAGE = 15  # messages of one connection: fewer than those after which it is closed
+WORDS = (b"NaN", b"1e999", b"-1", b"null", b"[", b"{", b'"', b"\\u0000", b"\x00", b"\xff", b"4294967296", b'"n":[1,2],')
+VALID: tuple[dict[str, Any], ...] = (
+    {"t": "alive", "n": [1, 2]},
+    {"t": "stick", "n": [1, 2], "hold": 1, "forward": 0.5, "turn": 0.1},
+    {"t": "goal", "n": [1, 2], "x": 1, "y": 2, "yaw": 0.5},
+    {"t": "go_to", "n": [1, 2], "place": "door"},
+    {"t": "name_place", "place": "door", "x": 1, "y": 2, "yaw": 0},
+    {"t": "lease", "n": [1, 2], "do": "take"},
+)
+
+
+@pytest.mark.timeout(max(60, COUNT // 10))
+async def test_only_requests_that_are_well_formed_reach_the_robot(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("ur.web.server.gate._REQUEST_RATE", 1e6)  # the test opens a page every few milliseconds
+    port, chance, log, passed = free_port(), random.Random(COUNT), list[str](), list[Any]()
+    gate = Gate(make_origins((), port), tmp_path / "sessions.json", log.append)
+    application = Application(gate, {}, {"ROS_MASTER_URI": f"http://localhost:{free_port()}"}, "bob", log.append)
+    monkeypatch.setattr(application.robot_end, "send", passed.append)
+    runner = web.AppRunner(application.build(), access_log=None)
+    await runner.setup()
+    await web.TCPSite(runner, "127.0.0.1", port).start()
+    url, seeds = f"http://127.0.0.1:{port}", [json.dumps(each).encode() for each in VALID]
+    async with aiohttp.ClientSession(cookie_jar=aiohttp.CookieJar(unsafe=True), headers={"Origin": url}) as client:
+        await (await client.post(f"{url}/login", json={"token": gate.invite(Role.DRIVE)})).release()
+        for page in range(0, COUNT, A_PAGE):
+            async with client.ws_connect(f"{url}/ws/drive?tab={page:08d}") as socket:
+                assert (await socket.receive_json(timeout=30))["t"] == "hello"
+                for _ in range(A_PAGE):
+                    data = mutate(seeds, WORDS, chance)[: LONGEST - 1]  # longer ones close the page
+                    if chance.random() < 0.2:
+                        await socket.send_bytes(data)
+                    else:
+                        await socket.send_str(data.decode("utf-8", "replace")[: LONGEST // 3])
+                await socket.send_str('{"t": "cancel"}')
+                await socket.ping()
+                await socket.close()
+        answer = await client.get(f"{url}/api/me")
+        assert (await answer.json())["role"] == "drive"
+    await runner.cleanup()
+    requests = [each["m"] for each in passed if "m" in each]
+    assert requests.count('{"t": "cancel"}') == len(range(0, COUNT, A_PAGE))  # each page is heard to its end
+    for each in requests:
+        assert read_request(each)
+    assert not any("Traceback" in line for line in log)

@@ -1,0 +1,47 @@
+"""The page's state in its address: `static/link_state.js`, run by Node.js."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import subprocess
+from typing import Any
+
+import pytest
+
+from ur.web.server.static_files import FOLDER
+from ur.web.wire.layers import LAYERS
+
+NODE = shutil.which("node")
+pytestmark = pytest.mark.skipif(NODE is None, reason="Node.js is not installed")
+
+
+def run(script: str) -> Any:
+    assert NODE is not None
+    source = (FOLDER / "link_state.js").read_text() + (
+        "const read = (text) => { const { layers, at, follow } = readLink(text);"
+        " return { layers: [...layers], at, follow, again: writeLink(readLink(text)) }; };\n"
+        f"console.log(JSON.stringify({script}));"
+    )
+    command = [NODE, "--input-type=module", "-"]
+    done = subprocess.run(command, input=source, capture_output=True, text=True, timeout=120, check=True)
+    return json.loads(done.stdout)
+
+
+def test_links_show_the_same_and_what_is_malformed_is_left_out() -> None:
+    assert run("LAYERS") == list(LAYERS)
+    texts = [
+        "",
+        "?layers=scan,local&at=1.5,-2.25,40&follow=1",
+        "?layers=",
+        "?layers=scan,drop,local,scan&at=1,2&follow=yes",
+        "?at=NaN,1e999,-Infinity",
+    ]
+    first, full, none, bad, wild = run(f"{json.dumps(texts)}.map(read)")
+    assert first == {"layers": ["scan", "plan"], "at": None, "follow": False, "again": ""}
+    assert full["layers"] == ["scan", "local"]
+    assert (full["at"], full["follow"]) == ([1.5, -2.25, 40], True)
+    assert full["again"] == "?layers=scan,local&follow=1&at=1.5,-2.25,40"
+    assert (none["layers"], none["again"]) == ([], "?layers=")
+    assert bad == {"layers": ["scan", "local"], "at": None, "follow": False, "again": "?layers=scan,local"}
+    assert wild["at"] is None
