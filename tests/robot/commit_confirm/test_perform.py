@@ -100,7 +100,7 @@ def test_change_that_was_taken_back_is_told_with_its_reason(way: Address) -> Non
     with pytest.raises(UserError) as caught:
         Network(answers).come_back()
     (problem,) = caught.value.diagnostics
-    assert problem.message == "rename bob to eve: the robot took it back: nobody confirmed it within 60 s"
+    assert problem.message == "rename bob to eve: the robot reverted the change: nobody confirmed it within 60 s"
     assert problem.rule == "taken-back"
     seen = [] if way == NEW else ["seen from here: no computer answers to this name"]
     assert [note.message for note in problem.notes] == seen
@@ -108,7 +108,7 @@ def test_change_that_was_taken_back_is_told_with_its_reason(way: Address) -> Non
 
 def test_robot_that_was_never_told_has_not_changed() -> None:
     network = Network({NEW: [AWAY], OLD: [Done(GONE, "other\nconfirmed\n\n", "")]})
-    with pytest.raises(UserError, match="nothing has changed"):
+    with pytest.raises(UserError, match="nothing was changed"):
         network.come_back()
 
 
@@ -117,8 +117,8 @@ def test_robot_that_is_not_seen_again_is_told_with_what_to_do() -> None:
     with pytest.raises(UserError) as caught:
         network.come_back()
     (problem,) = caught.value.diagnostics
-    assert "bob.local is not seen again" in problem.message
-    assert "goes back by itself" in (problem.help or "")
+    assert "bob.local has not answered" in problem.message
+    assert "reverts the change by itself" in (problem.help or "")
     assert network.now >= 60 + GRACE
 
 

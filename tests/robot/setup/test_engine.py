@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+import getpass
 import threading
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from ur.robot.setup import engine
 from ur.robot.setup.change import Change, Command
-from ur.robot.setup.engine import apply_change
+from ur.robot.setup.engine import apply_change, bring_about, plan_together
 from ur.robot.setup.facts import Facts, Request
+from ur.robot.setup.made import RECORD
+from ur.robot.setup.wanted import WantedLine
 from ur.robot.ssh.secret import Secret
-from ur.robot.ssh.shell import LocalShell
+from ur.robot.ssh.shell import Done, LocalShell
 from ur.source.diagnostic import UserError
 
 
@@ -85,3 +90,59 @@ def test_set_up_that_never_comes_to_an_end_is_ended(monkeypatch: pytest.MonkeyPa
             LocalShell(), lambda _: [restless], "pat", Request("pat"), root=False, report=lambda _change: None
         )
     assert restless.plans == engine.MOST_CHANGES
+
+
+FACTS = Facts("ros", "/home/ros", "robot", "", "", frozenset())
+
+
+@dataclass(frozen=True)
+class Item:
+    """A wanted state that is missing, of these files or packages."""
+
+    title: str
+    files: tuple[str, ...] = ()
+    packages: tuple[str, ...] = ()
+
+    def request(self, user: str) -> Request:
+        return Request(user, files=frozenset(self.files), packages=frozenset(self.packages))
+
+    def plan(self, facts: Facts) -> Change | None:  # noqa: ARG002 - of the protocol
+        return Change(self.title, "", ())
+
+    def undo(self, facts: Facts) -> Change | None:  # noqa: ARG002 - of the protocol
+        return None
+
+
+@pytest.mark.parametrize(
+    ("items", "together"),
+    [
+        ([Item("a", ("/a",)), Item("b", ("/b",)), Item("nothing")], ["a", "b", "nothing"]),
+        ([Item("a", ("~/x", RECORD)), Item("b", ("~/y", RECORD))], ["a", "b"]),
+        ([Item("a", ("/x",)), Item("b", ("/x",))], ["a"]),
+        ([Item("a", ("~/.ssh",)), Item("b", ("~/.ssh/key",))], ["a"]),
+        ([Item("a", ("~/.sshd",)), Item("b", ("~/.ssh",))], ["a", "b"]),
+        ([Item("a", ("/a",)), Item("b", (), ("rsync",)), Item("c", ("/c",))], ["a", "b"]),
+        ([Item("a", ("/base",)), Item("b", ("/b",))], ["a"]),
+    ],
+)
+def test_changes_are_made_together_unless_one_may_alter_another(items: list[Item], together: list[str]) -> None:
+    found = plan_together(items, FACTS, "ros", Request("ros", files=frozenset({"/base"})))
+    assert [change.title for change in found] == together
+
+
+def test_independent_changes_need_no_look_between_them_and_all_are_as_wanted(tmp_path: Path) -> None:
+    looks: list[str] = []
+
+    class Counting(LocalShell):
+        def run(self, script: str, **more: Any) -> Done:
+            looks.extend(["look"] if "mark end" in script else [])
+            return super().run(script, **more)
+
+    user = getpass.getuser()
+    names = ("a", "b", "c")
+    wanted = [WantedLine(name, str(tmp_path / name), name) for name in names]
+    _, count = bring_about(Counting(), lambda _: wanted, user, Request(user), root=False, report=lambda _: None)
+    assert count == 3
+    assert [(tmp_path / name).read_text() for name in names] == ["a\n", "b\n", "c\n"]
+    # At first it is not known what to look at: once for that, once before the changes, once after them.
+    assert len(looks) == 3

@@ -225,6 +225,16 @@ def take_back(home: Path, items: list[Wanted]) -> None:
             apply_change(LocalShell(), change)
 
 
+def test_missing_ssh_keygen_is_named_with_its_package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    change = WantedKeyPair("key", KEY, "pat@laptop").plan(replace(FACTS, files={KEY: ABSENT, f"{KEY}.pub": ABSENT}))
+    assert change is not None
+    for tool in ("bash", "sh"):
+        (tmp_path / tool).symlink_to(f"/bin/{tool}")
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with pytest.raises(UserError, match="openssh-client"):
+        apply_change(LocalShell(), change)
+
+
 def test_changes_bring_about_what_was_wanted_and_back(tmp_path: Path) -> None:
     (tmp_path / ".bashrc").write_bytes(b"# Latin-1 \xe9\nmine")
     items: list[Wanted] = [

@@ -35,7 +35,7 @@ def test_folder_is_private_and_goes_with_the_context(tmp_path: Path, monkeypatch
 
 def test_folder_that_cannot_be_made_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("TMPDIR", "/proc")
-    with pytest.raises(UserError, match="/proc: no folder can be made there"), private_folder():
+    with pytest.raises(UserError, match="/proc: cannot create a folder there"), private_folder():
         pass
 
 

@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
+import fcntl
 import getpass
 import os
 import socket
 import sys
 import time
-from collections.abc import Sequence
-from contextlib import ExitStack, nullcontext
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager, nullcontext
 
 import click
 
 from ur.cli.computer.doctor_report import Report, print_json, print_report, print_seen
+from ur.cli.robots.fleet import ALL, ask_passwords, choose_robots, is_fleet, print_json_of_each, run_for_each
 from ur.debian.root import describe_system, find_root
-from ur.request.environment import current_selection
+from ur.devices.model import Expected
+from ur.request.environment import PACKAGE, current_selection
 from ur.request.remote.connection import connect_robot, robot_address
 from ur.request.remote.master_nodes import list_nodes
+from ur.robot.base import load_base
+from ur.robot.devices import expected_devices
 from ur.robot.discovery.record import Record, load_records, records_folder
 from ur.robot.discovery.seen import Seen, load_seen, note_seen, seen_path
 from ur.robot.doctor.inspect import inspect_computer, inspect_pair, read_name
@@ -31,12 +36,14 @@ from ur.source.diagnostic import UserError
 from ur.source.progress_line import show_progress
 
 FIX_SECONDS = 600.0  # packages may have to be fetched
+Apply = Callable[[Sequence[tuple[str, Command]]], list[Finding]]
 LOOKS = 3  # after the fixes: names need a moment until everybody knows them
 PAUSE = 2.0
 
 
 @click.command("doctor")
-@click.argument("robot", required=False)
+@click.argument("robots", nargs=-1, metavar="[ROBOT ...]")
+@ALL
 @click.option("--fix", is_flag=True, help="Run the commands that can do no harm, then check again.")
 @click.option("--verbose", "-v", is_flag=True, help="Show every result, and the packages that differ.")
 @click.option("--json", "as_json", is_flag=True, help="Print the findings and their commands as JSON.")
@@ -46,13 +53,20 @@ PAUSE = 2.0
     metavar="FD",
     help="Read the robot's password from this file descriptor, if it refuses your key.",
 )
-def command(robot: str | None, fix: bool, verbose: bool, as_json: bool, password_from: int | None) -> int:
+def command(
+    robots: tuple[str, ...], every: bool, fix: bool, verbose: bool, as_json: bool, password_from: int | None
+) -> int:
     """Find what is wrong between this computer and a robot.
 
     Looks from both ends; each finding says what to do, as a command where there is one. ROBOT is a name, HOST or
-    USER@HOST; without it, the selected robot, or, when that is a simulated one, this computer alone. The exit code is 0
-    when all is well, 1 when something is wrong, 2 when the robot could not be reached.
+    USER@HOST; without it, the selected robot, or, when that is a simulated one, this computer alone. Several robots are
+    examined side by side, with a line for each. The exit code is 0 when all is well, 1 when something is wrong, 2 when
+    a robot could not be reached.
     """
+    chosen = choose_robots(robots, every=every)
+    if is_fleet(chosen, every=every):
+        return _examine_each(chosen, fix=fix, verbose=verbose, as_json=as_json, password_from=password_from)
+    robot = chosen[0] if chosen else None
     here = LocalShell(terminal=sys.stdin.isatty())
     if robot is None and current_selection(os.environ).simulated:
         return _examine_alone(here, fix=fix, as_json=as_json)
@@ -63,6 +77,18 @@ def command(robot: str | None, fix: bool, verbose: bool, as_json: bool, password
         except UserError as problem:
             return _explain_route(here, address, problem, as_json=as_json)
         return _examine(here, there, password, refused, fix=fix, verbose=verbose, as_json=as_json)
+
+
+def _examine_each(robots: Sequence[str], *, fix: bool, verbose: bool, as_json: bool, password_from: int | None) -> int:
+    passwords = ask_passwords(robots, password_from, "--password-from", root=fix)
+    options = [name for name, given in (("--fix", fix), ("--verbose", verbose), ("--json", as_json)) if given]
+
+    def make_argv(robot: str) -> list[str]:
+        return ["doctor", robot, *options, *(["--password-from", "0"] if passwords[robot] else [])]
+
+    if as_json:
+        return print_json_of_each("doctor", robots, make_argv, passwords)
+    return run_for_each("doctor", robots, make_argv, passwords=passwords, show="all" if verbose else "failed")
 
 
 def _examine(
@@ -83,18 +109,14 @@ def _examine(
         if verbose:
             print_seen(pair)
         print_report(report, fixable="" if fix else hint)
-    commands = [(finding.rule, each) for finding in report.findings for each in finding.commands if each.safe]
-    if fix and commands:
+
+    def apply(commands: Sequence[tuple[str, Command]]) -> list[Finding]:
         if any(each.where == "there" and each.root for _, each in commands):
             _find_sudo(there, password)
         _apply(commands, here, there, report, quiet=as_json)
-        report.findings = _inspect_again(here, there, report.findings)
-        if not as_json:
-            click.echo("after the fixes:")
-            print_report(report)
-    if as_json:
-        print_json(report)
-    return 1 if report.findings else 0
+        return _inspect_again(here, there, report.findings)
+
+    return _conclude(report, apply if fix else None, as_json=as_json)
 
 
 def _examine_alone(here: LocalShell, *, fix: bool, as_json: bool) -> int:
@@ -104,10 +126,22 @@ def _examine_alone(here: LocalShell, *, fix: bool, as_json: bool) -> int:
         click.echo(f"no robot is named or selected: this computer alone ({side.name})")
         click.echo(describe_system(find_root(os.environ)))
         print_report(report, fixable="" if fix else "ur doctor --fix")
-    commands = [(finding.rule, each) for finding in report.findings for each in finding.commands if each.safe]
-    if fix and commands:
+
+    def apply(commands: Sequence[tuple[str, Command]]) -> list[Finding]:
         _apply(commands, here, here, report, quiet=as_json)
-        report.findings = diagnose_alone(_inspect_alone(here))
+        return diagnose_alone(_inspect_alone(here))
+
+    return _conclude(report, apply if fix else None, as_json=as_json)
+
+
+def _conclude(report: Report, apply: Apply | None, *, as_json: bool) -> int:
+    """Run the commands that are safe, print what is left after them, and return the exit code.
+
+    `apply` runs commands, each with its rule, and returns the findings after them; None leaves everything as it is.
+    """
+    commands = [(finding.rule, each) for finding in report.findings for each in finding.commands if each.safe]
+    if apply and commands:
+        report.findings = apply(commands)
         if not as_json:
             click.echo("after the fixes:")
             print_report(report)
@@ -117,7 +151,7 @@ def _examine_alone(here: LocalShell, *, fix: bool, as_json: bool) -> int:
 
 
 def _enter(stack: ExitStack, address: Address, password_from: int | None) -> tuple[SshShell, Secret | None, bool]:
-    """Log in: by key, by password, or, where the name leads nowhere, at the address where the robot was seen last.
+    """Log in: by key, by password, or, where the name cannot be resolved, at the address where the robot was seen last.
 
     Returns the shell, the password if one was needed, and whether the key was refused. Raises UserError.
     """
@@ -179,6 +213,7 @@ def _inspect(here: LocalShell, there: SshShell, refused: bool) -> Pair:
             known=record is not None,
             robot_login=record is None or record.robot_login is not False,
             selected="" if selection.simulated else selection.robot,
+            expected=_expected(record),
         )
 
 
@@ -188,13 +223,13 @@ def _inspect_alone(here: LocalShell) -> Side:
 
 
 def _inspect_again(here: LocalShell, there: SshShell, before: Sequence[Finding]) -> list[Finding]:
-    mended = {finding.rule for finding in before if finding.fixable}
+    fixed = {finding.rule for finding in before if finding.fixable}
     for attempt in range(LOOKS):
         if attempt:
             with show_progress("waiting for the fixes to take effect"):
                 time.sleep(PAUSE)
         left = diagnose(_inspect(here, there, refused=False))
-        if not any(finding.rule in mended for finding in left):
+        if not any(finding.rule in fixed for finding in left):
             break
     return left
 
@@ -222,7 +257,10 @@ def _apply(commands: Sequence[tuple[str, Command]], here: Shell, there: Shell, r
         try:
             # On this computer sudo may ask for a password on the terminal.
             asks = each.root and each.where == "here"
-            with nullcontext() if asks else show_progress(f"running {each.line}"):
+            with (
+                _hold_computer() if each.where == "here" else nullcontext(),
+                nullcontext() if asks else show_progress(f"running {each.line}"),
+            ):
                 done = shell.run(each.line, root=each.root, timeout=FIX_SECONDS)
             said = (done.err or done.out).strip().splitlines()
             result = "done" if done.code == 0 else f"failed: {said[-1] if said else done.code}"
@@ -233,9 +271,27 @@ def _apply(commands: Sequence[tuple[str, Command]], here: Shell, there: Shell, r
             click.echo(f"  {rule}: {result}")
 
 
+@contextmanager
+def _hold_computer() -> Iterator[None]:
+    """Let other doctors of this user wait, who may be about to run the same command here."""
+    place = seen_path(os.environ).with_name("doctor.lock")
+    place.parent.mkdir(parents=True, exist_ok=True)
+    with place.open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        yield
+
+
 def _seen(pair: Pair) -> list[Seen]:
     addresses = sorted(pair.here.resolves & set(pair.there.addresses))
     return [Seen(pair.there.name, addresses[0], time.time())] if addresses else []
+
+
+def _expected(record: Record | None) -> tuple[Expected, ...]:
+    """The devices that the robot's base needs, as far as this computer has a description of it."""
+    try:
+        return expected_devices(load_base(PACKAGE, record.base, record.variant)) if record and record.base else ()
+    except UserError:
+        return ()
 
 
 def _record(name: str) -> Record | None:

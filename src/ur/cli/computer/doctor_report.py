@@ -42,11 +42,11 @@ def print_report(report: Report, *, fixable: str = "") -> None:
         for command in finding.commands:
             who = f"on {report.names[command.where]}{' (--fix)' if command.safe else ''}"
             click.echo(f"  {_style(printable(who), 'green')}: {printable_lines(command.typed)}")
-    mendable = sum(finding.fixable for finding in report.findings)
+    fixable_count = sum(finding.fixable for finding in report.findings)
     if not report.findings:
         click.echo("all is well")
-    elif mendable and fixable:
-        click.echo(f"{mendable} of {len(report.findings)} can be mended by: {fixable}")
+    elif fixable_count and fixable:
+        click.echo(f"{fixable_count} of {len(report.findings)} can be fixed by: {fixable}")
 
 
 def print_json(report: Report) -> None:

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Sequence
 
 import click
 
 from ur.cli.computer.setup import show_changes
 from ur.cli.robot_setup.guarded import PASSWORD_FROM, become_root, read_lines
+from ur.cli.robots.fleet import ALL, ask_passwords, choose_robots, is_fleet, run_for_each
 from ur.request.remote.connection import connect_robot, robot_address
 from ur.robot.boot.status import SCRIPT, describe_status, log_command, parse_status
 from ur.robot.boot.units import FOLDER, MASTER, PREFIX, Unit, is_unit_name, master_unit, program_unit
@@ -19,6 +21,9 @@ from ur.robot.setup.wanted import Wanted, WantedFile
 from ur.source.diagnostic import UserError, error
 
 _robot = click.option("--robot", help="Which robot. [default: the selected one]")
+_robots = click.option(
+    "--robot", "robots", multiple=True, help="Which robot; may be repeated. [default: the selected one]"
+)
 
 
 @click.group("boot", invoke_without_command=True)
@@ -32,22 +37,30 @@ def command(context: click.Context) -> None:
 
 
 @command.command("install", context_settings={"ignore_unknown_options": True, "allow_interspersed_args": False})
-@_robot
+@_robots
+@ALL
 @click.option("--name", help="The name of the service. [default: that of the launch file or program]")
 @PASSWORD_FROM
 @click.argument(
     "argv", nargs=-1, type=click.UNPROCESSED, metavar="[PACKAGE FILE.launch | PROGRAM | COMMAND] [ARG:=VALUE ...]"
 )
-def install(robot: str | None, name: str | None, password_from: int | None, argv: tuple[str, ...]) -> int:
+def install(
+    robots: tuple[str, ...], every: bool, name: str | None, password_from: int | None, argv: tuple[str, ...]
+) -> int:
     """Start a ROS master when the robot boots, and a launch file, program or command after it.
 
     Both wait for the robot's address; what ends is started again, after pauses that grow while it keeps ending. The
     launch file has to be on the robot: `ur sync` brings it. It is told what the robot knows of itself: base, variant,
-    that nothing is simulated. All run as the robot's user, with the environment of that user's login shell.
+    that nothing is simulated. All run as the robot's user, with the environment of that user's login shell. Several
+    robots are changed side by side, with a line for each.
     """
+    chosen = choose_robots(robots, every=every)
+    if is_fleet(chosen, every=every):
+        options = ["--name", name] if name else []
+        return _change_each("boot install", chosen, password_from, options, argv)
     from ur.request.remote.boot_command import bring_library, make_line, parse_request
 
-    address = robot_address(robot)
+    address = robot_address(chosen[0] if chosen else None)
     known_as = address.host.removesuffix(".local")
     request = parse_request(argv) if argv else None
     called = name or (request.name if request else MASTER)
@@ -80,13 +93,17 @@ def install(robot: str | None, name: str | None, password_from: int | None, argv
 
 
 @command.command("status")
-@_robot
-def status(robot: str | None) -> int:
+@_robots
+@ALL
+def status(robots: tuple[str, ...], every: bool) -> int:
     """Show what the robot starts when it boots, its state, and its last lines.
 
-    The exit code is 1 when one of them does not run.
+    Several robots are asked side by side. The exit code is 1 when one of the services does not run.
     """
-    with connect_robot(robot_address(robot)) as shell:
+    chosen = choose_robots(robots, every=every)
+    if is_fleet(chosen, every=every):
+        return run_for_each("boot status", chosen, lambda robot: ["boot", "status", "--robot", robot], show="all")
+    with connect_robot(robot_address(chosen[0] if chosen else None)) as shell:
         services = parse_status(shell.run(SCRIPT).out)
     lines = [line for service in services for line in describe_status(service)]
     click.echo("\n".join(lines) or "nothing is started at boot")
@@ -116,25 +133,41 @@ def log(robot: str | None, follow: bool, lines: int, name: str) -> int:
 
 
 @command.command("remove")
-@_robot
+@_robots
+@ALL
 @PASSWORD_FROM
 @click.argument("names", nargs=-1, metavar="[NAME ...]")
-def remove(robot: str | None, password_from: int | None, names: tuple[str, ...]) -> int:
+def remove(robots: tuple[str, ...], every: bool, password_from: int | None, names: tuple[str, ...]) -> int:
     """Stop boot services and start them no more; without NAME, all of them."""
     bad = [name for name in names if not is_unit_name(name) and name != MASTER]
     if bad:
         raise _bad_name(bad[0], "ur boot status")
+    chosen = choose_robots(robots, every=every)
+    if is_fleet(chosen, every=every):
+        return _change_each("boot remove", chosen, password_from, [], names)
     patterns = " ".join(f"{FOLDER}/{PREFIX}{name}.service" for name in names or ["*"])
     script = (
         f'for f in {patterns}; do [ -e "$f" ] || continue; u=${{f##*/}}; '
         'systemctl disable --now "$u" 2>&1; rm -f "$f"; echo "$u: removed"; done; systemctl daemon-reload'
     )
-    with connect_robot(robot_address(robot)) as shell:
+    with connect_robot(robot_address(chosen[0] if chosen else None)) as shell:
         become_root(shell, read_lines(password_from, "--password-from", 1)[0])
         done = shell.run(script, root=True)
     removed = [line for line in done.out.splitlines() if line.endswith(": removed")]
     click.echo("\n".join(removed) or "nothing to remove")
     return 0 if done.code == 0 else 1
+
+
+def _change_each(
+    command_name: str, robots: Sequence[str], password_from: int | None, options: Sequence[str], argv: Sequence[str]
+) -> int:
+    passwords = ask_passwords(robots, password_from, "--password-from", root=True)
+
+    def make_argv(robot: str) -> list[str]:
+        given = ["--password-from", "0"] if passwords[robot] else []
+        return [*command_name.split(), "--robot", robot, *options, *given, "--", *argv]
+
+    return run_for_each(command_name, robots, make_argv, passwords=passwords)
 
 
 def _wanted(unit: Unit) -> list[Wanted]:

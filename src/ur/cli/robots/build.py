@@ -13,6 +13,7 @@ from pathlib import Path
 
 import click
 
+from ur.cli.robots.fleet import ALL, choose_robots, is_fleet, run_for_each
 from ur.request.remote.connection import connect_robot, robot_address
 from ur.robot.deploy import build_attached
 from ur.robot.deploy.build import FACTS, Builder, build_command, check_builder, choose_jobs, parse_builder
@@ -24,23 +25,29 @@ END_SECONDS = 15.0  # longer than build_attached takes over all its steps
 
 
 @click.command("build")
-@click.argument("robot", required=False)
+@click.argument("robots", nargs=-1, metavar="[ROBOT ...]")
+@ALL
 @click.option("--packages", multiple=True, metavar="NAME", help="Build only this package; may be repeated.")
 @click.option("-j", "jobs", type=click.IntRange(1, 256), help="How many compilers at once. [default: as memory allows]")
-def command(robot: str | None, packages: tuple[str, ...], jobs: int | None) -> int:
-    """Build the catkin workspace here or on a robot.
+def command(robots: tuple[str, ...], every: bool, packages: tuple[str, ...], jobs: int | None) -> int:
+    """Build the catkin workspace here or on robots.
 
     ~/catkin_ws of this computer, or with ROBOT of that one, with catkin_make, or with catkin build where the workspace
-    was made with it. Prints what it says as it comes; Ctrl-C ends it, over there too. The exit code is that of the
-    build.
+    was made with it. Prints what it says as it comes; Ctrl-C ends it, over there too. Several robots build side by
+    side, with a line for each; what a build that failed has printed follows. The exit code is that of the build, the
+    highest of several.
     """
     names = [name for each in packages for name in each.replace(",", " ").split()]
-    if robot is None:
+    chosen = choose_robots(robots, every=every)
+    if is_fleet(chosen, every=every):
+        options = [*(word for name in names for word in ("--packages", name)), *(["-j", str(jobs)] if jobs else [])]
+        return run_for_each("build", chosen, lambda robot: ["build", robot, *options])
+    if not chosen:
         with show_progress("examining the workspace"):
             builder = _look(LocalShell(), here=True)
         line = _prepare(builder, names, jobs)
         return run_attached([sys.executable, "-I", build_attached.__file__, line])
-    with connect_robot(robot_address(robot)) as shell:
+    with connect_robot(robot_address(chosen[0])) as shell:
         builder = _look(shell, here=False)
         line = _prepare(builder, names, jobs)
         source = base64.b64encode(zlib.compress(Path(build_attached.__file__).read_bytes())).decode()

@@ -7,16 +7,17 @@ import os
 import sys
 import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from ur.cli.output import plain_text
+from ur.cli.robots.fleet import read_names
 from ur.request.remote.robot_poller import STARTING_PERIOD, RobotPoller
 from ur.request.requirements.python_packages import need
-from ur.robot.discovery.announcements import Browser
-from ur.robot.discovery.listing import Answer, Row, list_robots
+from ur.robot.discovery.announcements import Browser, Sighting
+from ur.robot.discovery.listing import Answer, Row, choose_rows, list_robots
 from ur.robot.discovery.record import load_records, records_folder
 from ur.robot.discovery.seen import Seen, load_seen, note_seen, seen_path
 from ur.source.printable import printable
@@ -31,44 +32,52 @@ Look = Callable[[], list[Row]]
 
 
 @click.command("robots")
+@click.argument("names", nargs=-1, metavar="[ROBOT ...]")
 @click.option("--watch", is_flag=True, help="Update the list until Ctrl-C.")
 @click.option(
     "--seconds", type=click.FloatRange(min=0.1), default=2.0, show_default=True, help="How long to listen, in s."
 )
 @click.option("--json", "as_json", is_flag=True, help="Print JSON; with --watch, a line whenever something changed.")
-def command(watch: bool, seconds: float, as_json: bool) -> int:
+def command(names: tuple[str, ...], watch: bool, seconds: float, as_json: bool) -> int:
     """List the robots on the network, and those known but away.
 
     Robots announce themselves once `ur robot setup` has set them up. `runs` is what the robot's ROS master knows and
     what it starts at boot; `clock` how far its clock is ahead of ours, or why that is not known. A robot that is just
-    starting is waited for, some seconds longer than `--seconds`. The exit code is 1 when nobody is there, or a robot
-    has a problem with its name.
+    starting is waited for, some seconds longer than `--seconds`. With ROBOTs only these are listed, as soon as all of
+    them have answered. The exit code is 1 when nobody is there, one of the ROBOTs is away, or a robot has a problem
+    with its name.
     """
+    wanted = read_names(names)
     need("zeroconf", "robot.lock")
     changed = threading.Event()
-    names = [record.name for record in load_records(records_folder(os.environ))]
+    names_here = [record.name for record in load_records(records_folder(os.environ))]
     memory = load_seen(seen_path(os.environ))
 
     def former(address: str) -> list[str]:
-        return [name for name in names if name in memory and memory[name].address == address]
+        return [name for name in names_here if name in memory and memory[name].address == address]
 
-    known = {*names, *memory}
+    known = {*names_here, *memory, *wanted}
     with Browser(changed.set, known) as browser, RobotPoller(browser, seconds, changed.set, former, known) as asked:
 
         def look() -> list[Row]:
             asked.ask(browser.sightings)
             remembered = load_seen(seen_path(os.environ))
-            return list_robots(browser.sightings, load_records(records_folder(os.environ)), asked.answers, remembered)
+            records = load_records(records_folder(os.environ))
+            return choose_rows(list_robots(browser.sightings, records, asked.answers, remembered), wanted)
 
         def settled() -> bool:
-            return asked.is_settled(browser.sightings)
+            return asked.is_settled(_among(browser.sightings, wanted))
+
+        def complete() -> bool:
+            there = {one.name for one in browser.sightings} | {one.host for one in browser.sightings}
+            return bool(wanted) and there.issuperset(wanted) and settled()
 
         try:
             if watch:
                 rows = _watch(look, changed, as_json)
             else:
                 with show_progress("listening for robots"):
-                    rows = _listen(look, changed, seconds, settled)
+                    rows = _listen(look, changed, seconds, settled, complete)
         finally:
             here = [one for one in browser.sightings if asked.answers.get(one.host, Answer()).answers]
             note_seen(seen_path(os.environ), [Seen(one.name, one.address, time.time()) for one in here])
@@ -77,7 +86,12 @@ def command(watch: bool, seconds: float, as_json: bool) -> int:
             _tell_left_out(*browser.left_out)
     if watch:
         return 0
-    return 1 if any(row.problem for row in rows) or not any(row.address for row in rows) else 0
+    found = all(row.address for row in rows) if wanted else any(row.address for row in rows)
+    return 1 if any(row.problem for row in rows) or not found else 0
+
+
+def _among(sightings: Sequence[Sighting], wanted: Collection[str]) -> list[Sighting]:
+    return [one for one in sightings if not wanted or one.name in wanted or one.host in wanted]
 
 
 def _show(rows: Sequence[Row], as_json: bool) -> None:
@@ -97,15 +111,21 @@ def _tell_left_out(misshapen: int, too_many: int) -> None:
         click.echo(f"note: {too_many} announcements of unknown robots are not listed: there are too many", err=True)
 
 
-def _listen(look: Look, changed: threading.Event, seconds: float, settled: Callable[[], bool]) -> list[Row]:
+def _listen(
+    look: Look,
+    changed: threading.Event,
+    seconds: float,
+    settled: Callable[[], bool],
+    complete: Callable[[], bool],
+) -> list[Row]:
     """The robots after as long as the user wants to listen, and until those that are there have answered.
 
-    Whoever announces itself is asked at once.
+    Whoever announces itself is asked at once. Nothing is waited for once the list is `complete`.
     """
     end = time.monotonic() + seconds
     last = end + SETTLE_SECONDS
     rows = look()
-    while (now := time.monotonic()) < end or (now < last and not settled()):
+    while ((now := time.monotonic()) < end or (now < last and not settled())) and not complete():
         changed.wait(end - now if now < end else STARTING_PERIOD)
         changed.clear()
         rows = look()

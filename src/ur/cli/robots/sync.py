@@ -14,7 +14,9 @@ from pathlib import Path
 
 import click
 
+from ur.cli.robots.fleet import ALL, choose_robots, is_fleet, run_for_each
 from ur.cli.robots.mount import read_mounts
+from ur.fleet.processes import answer_confirmed
 from ur.request.remote.connection import connect_robot, robot_address
 from ur.robot.sync.compare import compare
 from ur.robot.sync.memory import load_memory, memory_path, store_memory
@@ -29,6 +31,7 @@ from ur.source.progress_line import show_progress
 @click.command("sync")
 @click.argument("robot", required=False)
 @click.argument("paths", nargs=-1, metavar="[PATH ...]")
+@ALL
 @click.option("--to", "only_to", is_flag=True, help="Only from here to the robot.")
 @click.option("--from", "only_from", is_flag=True, help="Only from the robot to here.")
 @click.option(
@@ -36,28 +39,44 @@ from ur.source.progress_line import show_progress
 )
 @click.option("--dry-run", is_flag=True, help="Show what would be done, and change nothing.")
 @click.option("--yes", is_flag=True, help="Do not ask before changing.")
+@click.option(
+    "--agree-through", type=int, hidden=True, help="The socket to the `ur sync` that asks for several robots."
+)
 def command(
     robot: str | None,
     paths: tuple[str, ...],
+    every: bool,
     only_to: bool,
     only_from: bool,
     take: Side | None,
     dry_run: bool,
     yes: bool,
+    agree_through: int | None,
 ) -> int:
-    """Synchronise the workspaces of this computer and a robot.
+    """Synchronise the workspaces of this computer and robots.
 
     Both ways, between ~/catkin_ws/src here and there. Shows what it will do and asks. A file that was changed on both
     sides since the last sync is a conflict: it is named and left alone on both, until --take says for its PATH which
     one counts; the other one is kept. A deletion is carried over only when the other side has not changed the file.
     With PATHs, only these and what is below them. Not carried: .git, build, devel, __pycache__, and what .ursyncignore
     in the workspace names.
+
+    ROBOT may be several, joined by commas; with --all, every word is a PATH. They are synced side by side: first all
+    plans are made and shown, then one question is about all of them. What one robot brings reaches the others with the
+    next sync.
     """
+    if every and robot is not None:
+        paths, robot = (robot, *paths), None
     if only_to and only_from:
         raise click.UsageError("--to and --from cannot be used together; without them both directions are synced")
     if take and not paths:
         raise click.UsageError("--take is for the conflicts of PATHs, expected at least one ('.' is everything)")
-    address = robot_address(robot)
+    chosen = choose_robots([robot] if robot else [], every=every)
+    if is_fleet(chosen, every=every):
+        flags = (("--to", only_to), ("--from", only_from), ("--dry-run", dry_run))
+        options = [name for name, given in flags if given] + (["--take", take] if take else [])
+        return _sync_each(chosen, paths, options, dry_run=dry_run, yes=yes)
+    address = robot_address(chosen[0] if chosen else None)
     name = address.host.removesuffix(".local")
     root = Path.home() / WORKSPACE
     _check_mounts(root)
@@ -77,13 +96,14 @@ def command(
         click.echo("\n".join(map(printable, [*describe_plan(plan, name), summarise(plan, name)])))
         if dry_run:
             return 1 if plan.conflicts else 0
-        if plan.steps and not yes and not _agree():
+        if plan.steps and not yes and not _agree(agree_through):
             return 1
         outcome = carry_out(
             plan,
             look.pair,
             shell,
-            name=f"{socket.gethostname().split('.')[0]}-{getpass.getuser()}",
+            # Each robot has a folder of its own here, since several may be synced at once.
+            name=f"{socket.gethostname().split('.')[0]}-{getpass.getuser()}-{name}",
             stamp=time.strftime("%Y-%m-%d-%H%M%S"),
             progress=sys.stdout.isatty(),
             report=click.echo,
@@ -103,7 +123,27 @@ def _finish(plan: SyncPlan, outcome: Outcome) -> int:
     return 1 if left or plan.conflicts else 0
 
 
-def _agree() -> bool:
+def _sync_each(robots: Sequence[str], paths: Sequence[str], options: Sequence[str], *, dry_run: bool, yes: bool) -> int:
+    def make_argv(robot: str) -> list[str]:
+        through = [] if dry_run else ["--agree-through", "0"]
+        return ["sync", *options, *through, "--", robot, *paths]
+
+    return run_for_each(
+        "sync",
+        robots,
+        make_argv,
+        show="all" if dry_run else "failed",
+        question="" if dry_run else "make the changes of all robots?",
+        confirmed=yes,
+    )
+
+
+def _agree(through: int | None) -> bool:
+    if through is not None:
+        agreed = answer_confirmed(through)
+        if not agreed:
+            click.echo("nothing was changed")
+        return agreed
     if not sys.stdin.isatty():
         raise _problem("there is no terminal to ask on, so nothing was changed", "--yes makes these changes")
     if click.confirm("make these changes?", default=True):
@@ -129,7 +169,9 @@ def _check_mounts(root: Path) -> None:
     for mount in read_mounts():
         if root.resolve().is_relative_to(mount.target):
             whose = mount.source.partition(":")[0]
-            raise _problem(f"{mount.target} is a mounted folder of {whose}, expected files of here", "ur unmount ROBOT")
+            raise _problem(
+                f"{mount.target} is a mounted folder of {whose}, expected files of this computer", "ur unmount ROBOT"
+            )
 
 
 @contextmanager
@@ -141,7 +183,7 @@ def _alone(path: Path) -> Iterator[None]:
         lock = place.open("w")
     except OSError as problem:
         reason = (problem.strerror or str(problem)).lower()
-        raise _problem(f"{place}: {reason}", "mend that and run this again") from None
+        raise _problem(f"{place}: {reason}", "fix that and run this again") from None
     with lock:
         try:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)

@@ -66,7 +66,7 @@ def render_screen(samples: Sequence[Sample], names: Names, note: str, width: int
     text.append(f"   {_clock(latest.time)}   {len(samples)} s   Ctrl-C ends it\n", "dim")
     for (name, signals), colour in zip(radios, ("cyan", "magenta"), strict=False):
         link = latest.here if name == names[0] else latest.there
-        _section(text, f"signal at {name}", _link(link) if link else "not heard", colour)
+        _section(text, f"signal at {name}", _link(link) if link else "no signal", colour)
         _plot(text, plot(signals, *SIGNALS, wide, tall), ["-30 dBm", "-60 dBm", "-90 dBm"], colour)
     now = "no answer" if latest.latency is None else f"{latest.latency * 1000:.1f} ms"
     _section(text, "latency", now, "red" if latest.gap else "green")

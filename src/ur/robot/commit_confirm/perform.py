@@ -85,10 +85,10 @@ def hand_over(shell: Shell, order: Order, facts: Facts) -> None:
         said = (done.err or done.out).strip().splitlines()
         raise UserError(
             error(
-                f"{shell.place}: {change.title}: the robot could not prepare its way back, so nothing was changed: "
+                f"{shell.place}: {change.title}: the robot could not prepare to revert it, so nothing was changed: "
                 f"{said[-1] if said else f'exit code {done.code}'}",
                 rule="failed-change",
-                help="mend that and run this again",
+                help="fix that and run this again",
             )
         )
 
@@ -106,7 +106,7 @@ def _pending(place: str, said: str) -> UserError:
         error(
             f"{place}: '{title}', begun by {by}, is not finished, expected one change at a time",
             rule="change-pending",
-            help="it is confirmed or taken back by itself within a minute or two; then run this again",
+            help="it is confirmed or reverted within two minutes; then run this again",
         )
     )
 
@@ -162,10 +162,10 @@ def come_back(
                 return address if new else addresses.after[0]
     raise UserError(
         error(
-            f"{title}: {addresses.before.host} is not seen again {wait + GRACE:g} s after it began",
+            f"{title}: {addresses.before.host} has not answered within {wait + GRACE:g} s after the change began",
             rule="not-seen-again",
-            help="it goes back by itself; is this computer still in its network? if nothing else helps, switch the "
-            "robot off and on: it then starts as it was before",
+            help="the robot reverts the change by itself; is this computer still in its network? if nothing else "
+            "helps, switch the robot off and on: it then starts as it was before the change",
             notes=_seen(doubts.values()),
         )
     )
@@ -182,7 +182,7 @@ def _read(identity: str, done: Done) -> Ended | None:
 def _never_begun(title: str, address: Address) -> UserError:
     return UserError(
         error(
-            f"{title}: {address} was not told, and nothing has changed: the connection broke too early",
+            f"{title}: the connection to {address} broke before the change began; nothing was changed",
             rule="lost-connection",
             help="check the network (ur doctor), then run this again",
         )
@@ -192,9 +192,9 @@ def _never_begun(title: str, address: Address) -> UserError:
 def _taken_back(title: str, address: Address, ended: Ended, doubts: Sequence[str]) -> UserError:
     return UserError(
         error(
-            f"{title}: the robot took it back: {ended.reason}",
+            f"{title}: the robot reverted the change: {ended.reason}",
             rule="taken-back",
-            help=f"it is {address} as before, and nothing is lost; once the cause is mended, run this again",
+            help=f"the robot is {address} as before, and nothing is lost; fix the cause, then run this again",
             notes=_seen(doubts) if ended.reason.startswith(UNCONFIRMED) else (),
         )
     )

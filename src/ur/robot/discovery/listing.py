@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from ur.robot.discovery.announcements import Sighting
@@ -107,6 +107,15 @@ def list_robots(
         record = known.get(name, Record(name, "", ""))
         rows.append(Row(name, "", record.base, record.variant, seen=(memory or {}).get(name)))
     return rows
+
+
+def choose_rows(rows: Sequence[Row], names: Collection[str]) -> list[Row]:
+    """The rows of these robots, with an empty one for a robot that nobody knows; all rows where no names are given."""
+    if not names:
+        return [*rows]
+    chosen = [row for row in rows if row.name in names]
+    missing = sorted(set(names) - {row.name for row in chosen})
+    return [*chosen, *(Row(name, "") for name in missing)]
 
 
 def _row(one: Sighting, twice: bool, answer: Answer) -> Row:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import fcntl
 import json
-from collections.abc import Iterable, Mapping
-from contextlib import suppress
+import os
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager, suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -47,10 +49,22 @@ def note_seen(path: Path, robots: Iterable[Seen]) -> None:
     if not latest:
         return
     oldest = max(each.time for each in latest.values()) - KEPT
-    entries = {name: each for name, each in load_seen(path).items() if each.time >= oldest} | latest
-    text = json.dumps([asdict(each) for _, each in sorted(entries.items())])
-    with suppress(OSError):  # lost in a power cut, it is gathered again
+    with suppress(OSError), _hold(path):  # lost in a power cut, it is gathered again
+        entries = {name: each for name, each in load_seen(path).items() if each.time >= oldest} | latest
+        text = json.dumps([asdict(each) for _, each in sorted(entries.items())])
         replace_file(path, text, parents=True, lasting=False)
+
+
+@contextmanager
+def _hold(path: Path) -> Iterator[None]:
+    """Let other commands that note something wait. Raises OSError."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    folder = os.open(path.parent, os.O_RDONLY | os.O_DIRECTORY)
+    try:
+        fcntl.flock(folder, fcntl.LOCK_EX)
+        yield
+    finally:
+        os.close(folder)
 
 
 def describe_age(seconds: float) -> str:

@@ -8,6 +8,8 @@ from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
+from ur.devices.model import Expected
+from ur.robot.devices import inspect_devices
 from ur.robot.doctor.model import Advertised, Owner, Pair, Where
 from ur.robot.doctor.observe import STRICT, observe_script, parse_side
 from ur.robot.doctor.side import Side
@@ -55,6 +57,7 @@ def inspect_pair(
     known: bool = False,
     selected: str = "",
     robot_login: bool = True,
+    expected: tuple[Expected, ...] = (),
 ) -> Pair:
     """Inspect both computers at once. `selected` is the name of the selected robot; for the rest see Pair.
 
@@ -68,6 +71,7 @@ def inspect_pair(
         twins = {name: pool.submit(_resolve, here, f"{name}-2.local", TWIN_SECONDS) for name in (mine, other)}
         to_there = pool.submit(_reaches_there, there)
         to_here = pool.submit(_reaches_here, there, f"{mine}.local")
+        devices = pool.submit(inspect_devices, there)
         advertised = pool.submit(_advertised, here, there, nodes)
         sides = parse_side(left.result().out), parse_side(right.result().out)
     back = there.run(f"{STRICT} {quote(f'{sides[0].user}@{mine}.local')} true")
@@ -85,6 +89,8 @@ def inspect_pair(
         twins={name: found.result() for name, found in twins.items()},
         login=f"{there.address.user}@{other}.local",
         robot_login=robot_login,
+        devices=devices.result(),
+        expected=expected,
     )
 
 

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
+from ur.devices.model import Expected, Snapshot
 from ur.robot.doctor.side import Side
 from ur.robot.ssh.shell import quote
 
@@ -36,7 +37,7 @@ class Command:
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """Something that is wrong: its kind (a stable id), what is the matter, and advice or commands that cure it.
+    """Something that is wrong: its kind (a stable id), what is the matter, and advice or commands that fix it.
 
     The commands are meant one after the other.
     """
@@ -64,7 +65,7 @@ class Owner:
 
 @dataclass(frozen=True, slots=True)
 class Advertised:
-    """A node and the host in the address that it told the master, with what each computer takes that name for."""
+    """A node and the host in the address under which it is registered, with what each computer takes that name for."""
 
     node: str
     host: str
@@ -81,7 +82,8 @@ class Pair:
     a connection to a free port arrives. `key_refused`: the robot wanted a password although we have a key. `known`: the
     robot was set up from here. `selected`: `ur use` means it. `twins`: by host name, the addresses of a computer to
     which zeroconf gave the name with -2 since it was taken. `login`: USER@HOST by which the robot was reached.
-    `robot_login` is False where the user did not let the robot log in to this computer.
+    `robot_login` is False where the user did not let the robot log in to this computer. `devices` are the robot's,
+    `expected` those that its base needs.
     """
 
     here: Side
@@ -97,6 +99,8 @@ class Pair:
     twins: Mapping[str, frozenset[str]] = field(default_factory=dict)
     login: str = ""
     robot_login: bool = True
+    devices: Snapshot | None = None
+    expected: tuple[Expected, ...] = ()
 
     def sides(self) -> tuple[tuple[Where, Side, Side], tuple[Where, Side, Side]]:
         """Both: where each is, itself, and the other."""

@@ -84,7 +84,7 @@ def list_steps(address: Address, route: Route) -> list[Step]:
     open_port = route.port == "open"
     wrong_key = route.rule in ("changed-host-key", "unknown-host-key")
     steps = [
-        Step(f"name {address.host}", bool(route.resolves), ", ".join(route.resolves) or "leads nowhere"),
+        Step(f"name {address.host}", bool(route.resolves), ", ".join(route.resolves) or "not resolved"),
         # Some networks let no ping through: what answers at its port is there all the same.
         Step("answer to ping", route.ping or open_port, "" if route.ping else "none"),
         Step("port 22", open_port, {"silent": "no answer"}.get(route.port, route.port)),
@@ -106,7 +106,7 @@ def explain_route(address: Address, route: Route, seen: Seen | None, record: Rec
         last = f"; it was last seen at {seen.address}, {describe_age(now - seen.time)}" if seen else ""
         return Finding(
             "robot-not-found",
-            f"the name {host} leads nowhere{last}",
+            f"the name {host} cannot be resolved{last}",
             "is it on, and in the same network? was it renamed? 'ur robots' lists the robots that answer; "
             "at the robot itself: systemctl status avahi-daemon",
         )
@@ -115,7 +115,7 @@ def explain_route(address: Address, route: Route, seen: Seen | None, record: Rec
         line = "apt-get install -y openssh-server; systemctl enable --now ssh"
         return Finding(
             "no-ssh-server",
-            f"{host} ({where}) is there and runs no ssh server",
+            f"{host} ({where}) answers, but runs no ssh server",
             "at the robot itself:",
             (Command("there", line, root=True),),
         )

@@ -10,6 +10,7 @@ from functools import reduce
 
 from ur.robot.setup.change import Change, Command
 from ur.robot.setup.facts import Facts, Request, fact_script, parse_facts
+from ur.robot.setup.made import RECORD
 from ur.robot.setup.wanted import Wanted
 from ur.robot.ssh.secret import Secret
 from ur.robot.ssh.shell import Shell, quote
@@ -47,6 +48,35 @@ def plan_changes(wanted: Sequence[Wanted], facts: Facts) -> list[Change]:
     return [change for item in wanted if (change := item.plan(facts))]
 
 
+def plan_together(wanted: Sequence[Wanted], facts: Facts, user: str, base: Request) -> list[Change]:
+    """Plan the first changes, in order, that may follow one another without a new look at the computer.
+
+    They end before one that looks at a file which an earlier one changes, and after one that changes much, as packages
+    do, or something that is asked for in `base`, on which the wanted states themselves depend.
+    """
+    changes: list[Change] = []
+    changed: set[str] = set()
+    for item in wanted:
+        change = item.plan(facts)
+        if change is None:
+            continue
+        request = item.request(user)
+        paths = request.files - {RECORD}
+        if any(_overlap(path, other) for path in paths for other in changed):
+            break
+        changes.append(change)
+        changed |= paths
+        fetches = any(command.fetches for command in change.commands)
+        if request.packages or fetches or any(_overlap(path, other) for path in paths for other in base.files):
+            break
+    return changes
+
+
+def _overlap(path: str, other: str) -> bool:
+    """Return whether one of two paths is the other one, or a folder that it lies in."""
+    return path == other or path.startswith(f"{other}/") or other.startswith(f"{path}/")
+
+
 def plan_undo(wanted: Sequence[Wanted], facts: Facts) -> list[Change]:
     """Plan the changes that undo everything, last first."""
     return [change for item in reversed(wanted) if (change := item.undo(facts))]
@@ -74,7 +104,7 @@ def apply_change(
                 error(
                     f"{shell.place}: {change.title}: {reason}",
                     rule="failed-change",
-                    help="mend that and run this again: it goes on where it stopped",
+                    help="fix that and run this again: it continues where it stopped",
                 )
             )
 
@@ -92,30 +122,36 @@ def bring_about(
 ) -> tuple[Facts, int]:
     """Make a computer as wanted; the facts afterwards and how many changes it took.
 
-    `make` says what is wanted given the facts of `base`; `report` is told before each change. The computer is looked at
-    again after each change, since one may make the next one possible. Raises UserError when a change fails or does not
-    last.
+    `make` says what is wanted given the facts of `base`; `report` is told before each change. The changes are made in
+    order. The computer is looked at again before a change that an earlier one may have made another one, and at the
+    end. Raises UserError when a change fails or does not last.
     """
     made: list[Change] = []
+    asked = base
     while len(made) < MOST_CHANGES:
-        wanted = make(gather(shell, base, root=root))
-        facts = look(shell, wanted, user, base, root=root)
-        change = next((change for item in wanted if (change := item.plan(facts))), None)
-        if change is None:
+        facts = gather(shell, asked, root=root)
+        wanted = make(facts)
+        needed = reduce(Request.__or__, [item.request(user) for item in wanted], base)
+        if not asked.covers(needed):
+            asked = needed
+            facts = gather(shell, asked, root=root)
+        changes = plan_together(wanted, facts, user, base)
+        if not changes:
             if made:  # what was enabled or removed lasts, too
                 shell.run('sync -f / /etc /var "$HOME" 2>/dev/null || sync')
             return facts, len(made)
-        if change in made:
-            raise UserError(
-                error(
-                    f"{shell.place}: {change.title}: changed, and still not as wanted",
-                    rule="failed-change",
-                    help="look at its log there (journalctl), then run this again",
+        for change in changes:
+            if change in made:
+                raise UserError(
+                    error(
+                        f"{shell.place}: {change.title}: changed, and still not as wanted",
+                        rule="failed-change",
+                        help="look at its log there (journalctl), then run this again",
+                    )
                 )
-            )
-        report(change)
-        apply_change(shell, change, route=route, progress=progress)
-        made.append(change)
+            report(change)
+            apply_change(shell, change, route=route, progress=progress)
+            made.append(change)
     raise UserError(
         error(
             f"{shell.place}: {MOST_CHANGES} changes were made, and it is still not as wanted",

@@ -54,6 +54,15 @@ class Request:
             self.user, self.files | other.files, self.packages | other.packages, self.services | other.services
         )
 
+    def covers(self, other: Request) -> bool:
+        """Return whether the answer to this request holds all facts that the other one asks for."""
+        return (
+            self.user == other.user
+            and self.files >= other.files
+            and self.packages >= other.packages
+            and self.services >= other.services
+        )
+
 
 @dataclass(frozen=True, slots=True)
 class Facts:

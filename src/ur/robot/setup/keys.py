@@ -17,6 +17,11 @@ AUTHORIZED = "~/.ssh/authorized_keys"
 KNOWN_HOSTS = "~/.ssh/known_hosts"
 HOST_KEY = "/etc/ssh/ssh_host_ed25519_key.pub"
 
+_NEEDS_KEYGEN = (
+    "command -v ssh-keygen >/dev/null || "
+    "{ echo 'ssh-keygen is missing; to install it: sudo apt-get install openssh-client' >&2; exit 1; }; "
+)
+
 
 @dataclass(frozen=True, slots=True)
 class WantedKeyPair:
@@ -36,14 +41,15 @@ class WantedKeyPair:
         path = quote(facts.resolve(self.path))
         if private.text is None:
             script = (
-                f"set -e; {REPLACE}mkdir -p -m 700 $(dirname {path}); "
+                f"set -e; {_NEEDS_KEYGEN}{REPLACE}mkdir -p -m 700 $(dirname {path}); "
                 f"d=$(mktemp -d {path}.XXXXXX); trap 'rm -rf \"$d\"' EXIT; "
                 f'ssh-keygen -q -t ed25519 -N "" -C {quote(self.comment)} -f "$d/key"; '
                 f'replace "$d/key.pub" {path}.pub; replace "$d/key" {path}'
             )
             return Change(self.title, f"{self.path}: new key pair ({self.comment})", (Command(script),))
         if public.text is None:
-            script = f"{REPLACE}ssh-keygen -y -f {path} >{path}.pub.new && replace {path}.pub.new {path}.pub"
+            again = f"ssh-keygen -y -f {path} >{path}.pub.new && replace {path}.pub.new {path}.pub"
+            script = f"{_NEEDS_KEYGEN}{REPLACE}{again}"
             return Change(self.title, f"{self.path}.pub: made again from the private key", (Command(script),))
         if private.mode & 0o077:
             change = f"{self.path}: mode {private.mode:o} -> 600"

@@ -53,7 +53,7 @@ def hold_robot(shell: SshShell, who: str, report: Callable[[str], None]) -> Iter
         lines = Lines(keeper.stdout.fileno())
         word, _, rest = (lines.read(WAIT_SECONDS) or "").partition(" ")
         if word == "held":
-            report(f"{rest} is setting it up: waiting for the end of that")
+            report(f"{rest} is setting it up: waiting until that is done")
             word = lines.read(WAIT_SECONDS) or word
         if word == "held":
             raise UserError(
@@ -65,7 +65,11 @@ def hold_robot(shell: SshShell, who: str, report: Callable[[str], None]) -> Iter
             )
         if word == "failed":
             raise UserError(
-                error(f"{shell.place}: {LOCK_FILE}: {rest}", rule="failed-change", help="make room there: df tells")
+                error(
+                    f"{shell.place}: {LOCK_FILE}: {rest}",
+                    rule="failed-change",
+                    help="free space on the robot; df shows what is full",
+                )
             )
         if word != "mine":
             raise lost_connection(shell.place, "")

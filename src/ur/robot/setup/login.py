@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from ur.devices.model import Expected
 from ur.robot.setup.contact import note_contact
 from ur.robot.setup.robot_states import Robot
 from ur.robot.setup.wanted import Wanted
@@ -23,7 +24,7 @@ class Task:
     """One robot to be set up: where it is now, what it shall be, and the passwords that may be needed on the way.
 
     `current` is None when the user gave none: login by key, sudo without a password. `new` is None: the password stays.
-    `library` is the copy of this project that it gets, and what makes it run.
+    `library` is the copy of this project that it gets, and what makes it run; `devices` are those that its base needs.
 
     `host_key` is the one that logins insist on; None: this computer knows the robot's. At the `first_contact` the user
     has confirmed it just now, and the robot gets the new password only after it has accepted the present one. With
@@ -38,6 +39,7 @@ class Task:
     first_contact: bool = False
     robot_login: bool = False
     library: Sequence[Wanted] = ()
+    devices: tuple[Expected, ...] = ()
 
     @property
     def later(self) -> Address:

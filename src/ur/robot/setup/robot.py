@@ -58,7 +58,7 @@ def preview(task: Task, shell: SshShell, viewer: Viewer) -> list[Change]:
 
 def _wanted(task: Task, shell: SshShell, viewer: Viewer, facts: Facts) -> list[Wanted]:
     check_robot_system(shell.place, parse_os_release(facts.system))
-    return wanted_there(facts, task.robot, viewer, _password(task, shell), library=task.library)
+    return wanted_there(facts, task.robot, viewer, _password(task, shell), library=task.library, devices=task.devices)
 
 
 def set_up(task: Task, here: Shell, viewer: Viewer, report: Report, progress: Progress | None = None) -> int:

@@ -7,6 +7,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
 
+from ur.devices.model import Expected
+from ur.devices.observe import RULES_FILE
+from ur.devices.udev import RELOAD, write_rules
 from ur.robot.boot.units import master_unit
 from ur.robot.robot_file import ROBOT_FILE
 from ur.robot.setup.change import Change, Command
@@ -97,11 +100,18 @@ def base_request(user: str) -> Request:
 
 
 def wanted_there(
-    facts: Facts, robot: Robot, viewer: Viewer, password: WantedPassword | None, *, library: Sequence[Wanted] = ()
+    facts: Facts,
+    robot: Robot,
+    viewer: Viewer,
+    password: WantedPassword | None,
+    *,
+    library: Sequence[Wanted] = (),
+    devices: Sequence[Expected] = (),
 ) -> list[Wanted]:
     """The robot's wanted states, in the order of their making: the way in first, the name last.
 
-    `library` is the copy of this project that it is to have, and what makes it run.
+    `library` is the copy of this project that it is to have, and what makes it run; `devices` are those that its base
+    needs: they get stable names.
 
     The new name takes effect with the next boot. Until then, wherever this is interrupted, the robot answers to the old
     one; and from the first change on to the viewer's key.
@@ -125,6 +135,8 @@ def wanted_there(
         ),
         WantedService("time", "chrony.service"),
         WantedGroups("groups", GROUPS),
+        # Without udev, as in a container, the rules wait for nobody.
+        WantedFile("names of devices", RULES_FILE, write_rules(devices), then=f"{{ {RELOAD}; }} 2>/dev/null || :"),
         *robot_environment(),
         *own_keys(facts.user, robot.name, facts.file(HOST_KEY).text),
     ]

@@ -45,7 +45,9 @@ def private_folder() -> Iterator[Path]:
         if not name:
             raise UserError(
                 error(
-                    f"{base}: no folder can be made there", rule="no-folder", help=f"make room there: df {base} tells"
+                    f"{base}: cannot create a folder there",
+                    rule="no-folder",
+                    help=f"free space: df {base} shows how much is left",
                 )
             )
         yield Path(name)

@@ -334,7 +334,7 @@ _FAILURES = (
     (
         "Connection refused",
         "no-ssh",
-        "it is there and runs no ssh server",
+        "it answers, but runs no ssh server",
         "there: sudo apt-get install openssh-server",
     ),
 )

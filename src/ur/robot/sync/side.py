@@ -29,6 +29,7 @@ IGNORED = (
     *(".git", ".hg", ".svn", "build/", "devel/", ".catkin_tools/", "__pycache__/", "*.pyc", "*.pyo"),
     *(".venv/", ".cache/", ".mypy_cache/", ".pytest_cache/", ".ruff_cache/", "*~", ".*.sw?", ".#*"),
 )
+ATTEMPTS = 5
 Request = dict[str, Any]
 File = list[Any]
 
@@ -142,7 +143,13 @@ def _hash(path: str) -> str:
 def prepare(request: Request) -> Request:
     """Make the workspace `root` and the private folder `arriving`."""
     os.makedirs(request["root"], exist_ok=True)
-    os.makedirs(request["arriving"], mode=0o700, exist_ok=True)
+    for attempt in range(ATTEMPTS):
+        try:
+            os.makedirs(request["arriving"], mode=0o700, exist_ok=True)
+            break
+        except FileNotFoundError:  # a sync with another robot has just removed the folder that both lie in
+            if attempt == ATTEMPTS - 1:
+                raise
     return {}
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 from tests.robot.doctor.pairs import BOB, LAPTOP, NOBODY, PAIR, ROBOT, WIFI
 
+from ur.devices.model import Device, Expected, Holder, Snapshot
 from ur.robot.doctor.messages import Message
 from ur.robot.doctor.model import Advertised, Owner, Pair
 from ur.robot.doctor.rules import KINDS, diagnose, diagnose_alone
@@ -19,6 +20,7 @@ from ur.system.releases import System
 STOPPED = {"ssh.service": "active", "avahi-daemon.service": "inactive", "chrony.service": "active"}
 NO_CHRONY = {**STOPPED, "avahi-daemon.service": "active", "chrony.service": "inactive"}
 NO_SSH = {**NO_CHRONY, "chrony.service": "active", "ssh.service": "inactive", "ssh.socket": "inactive"}
+DEVICE = Device("/dev/ttyUSB0", "serial", "10c4:ea60", links=("/dev/rplidar",), mode=0o660, group="dialout")
 MASTER = {"ROS_MASTER_URI": "http://bob.local:11311"}
 OTHER = {"std_msgs/String.msg": Message("xyz", "/usr/share/std_msgs")}
 
@@ -75,6 +77,15 @@ CASES = [
     ("missing-package", there(packages={name: "1" for name in ROBOT.packages if name != "xauth"})),
     ("missing-package", here(packages={name: "1" for name in LAPTOP.packages if name != "sshfs"})),
     ("different-messages", there(messages=OTHER)),
+    *(
+        (rule, replace(PAIR, devices=snapshot, expected=(Expected("lidar", "serial", "/dev/rplidar", "rplidar"),)))
+        for rule, snapshot in (
+            ("missing-device", Snapshot("ros")),
+            ("device-without-name", Snapshot("ros", devices=(replace(DEVICE, links=()),))),
+            ("device-refused", Snapshot("ros", devices=(replace(DEVICE, allowed=False),))),
+            ("device-in-use", Snapshot("ros", devices=(replace(DEVICE, holders=(Holder(7, "agetty"),)),))),
+        )
+    ),
     ("unsupported-release", there(release=System("ubuntu", version="24.04", name="Ubuntu 24.04"))),
     ("unsupported-release", here(release=System("plan9", name="Plan 9"))),
 ]
@@ -222,3 +233,8 @@ def test_robot_whose_login_here_was_declined_is_not_asked_to_have_one() -> None:
     pair = replace(PAIR, way_back="Permission denied (publickey).")
     assert "no-login-there" in {finding.rule for finding in diagnose(pair)}
     assert "no-login-there" not in {finding.rule for finding in diagnose(replace(pair, robot_login=False))}
+
+
+def test_container_is_not_blamed_for_devices_that_its_host_does_not_pass_on() -> None:
+    expected = (Expected("base", "serial", "/dev/ttyAMA0", "pi-uart"),)
+    assert diagnose(replace(PAIR, devices=Snapshot("ros", container=True), expected=expected)) == []

@@ -3,7 +3,19 @@
 from __future__ import annotations
 
 from ur.robot.doctor.model import Finding, Pair
-from ur.robot.doctor.rules import clock, environment, login, machine, names, network, nodes, packages, services, wifi
+from ur.robot.doctor.rules import (
+    clock,
+    devices,
+    environment,
+    login,
+    machine,
+    names,
+    network,
+    nodes,
+    packages,
+    services,
+    wifi,
+)
 from ur.robot.doctor.rules.registry import Rule, SideRule
 from ur.robot.doctor.side import Side
 
@@ -18,6 +30,7 @@ RULES: tuple[Rule, ...] = (
     *wifi.RULES,
     *machine.RULES,
     *services.RULES,
+    *devices.RULES,
     *packages.RULES,
 )
 KINDS = {kind: meaning for rule in RULES for kind, meaning in rule.kinds.items()}

@@ -20,7 +20,7 @@ def check_robot(pair: Pair) -> Iterator[Finding]:
     for what, variables in _environments(side, ("for nodes that roslaunch starts", "in a terminal")):
         found = list(_check_variables(side, variables, what, f"http://{side.name}.local:11311", side))
         for rule, variable, message in found:
-            yield Finding(rule, message, _advice(side, variable), tuple(_mend(side, variable)))
+            yield Finding(rule, message, _advice(side, variable), tuple(_fix(side, variable)))
         if found:
             return
 
@@ -90,7 +90,7 @@ def _advice(side: Side, variable: str) -> str:
     return f"it is set in {', '.join(files)}; FILE.ur keeps the old text" if files else "~/.ros_setup is written again"
 
 
-def _mend(side: Side, variable: str) -> Iterator[Command]:
+def _fix(side: Side, variable: str) -> Iterator[Command]:
     yield from (_comment(file, variable, "there") for file in _files(side, variable))
     wanted = robot_setup_text()
     if side.ros_setup != wanted or not _files(side, variable):

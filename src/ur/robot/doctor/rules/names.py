@@ -39,7 +39,7 @@ def check_names(pair: Pair) -> Iterator[Finding]:
             missing = bool(side.packages) and "libnss-mdns" not in side.packages
             yield Finding(
                 "name-not-found",
-                f"{side.name} does not find {other.name}.local, so it gets no data from there",
+                f"{side.name} does not find {other.name}.local, so it gets no data from that computer",
                 "are both in one network, and does it let multicast through (port 5353)?",
                 (Command(where, INSTALL, root=True, safe=True),) if missing else (),
             )
@@ -49,7 +49,7 @@ def check_names(pair: Pair) -> Iterator[Finding]:
                 "name-is-wrong",
                 f"{side.name} takes {other.name}.local for {', '.join(sorted(wrong))}, "
                 f"expected {', '.join(other.addresses)}",
-                "the line of /etc/hosts that says so goes; /etc/hosts.ur keeps it",
+                "remove that line from /etc/hosts; /etc/hosts.ur keeps the old file",
                 (
                     Command(
                         where,
@@ -86,11 +86,13 @@ def duplicate(name: str, answers_to: str, address: str, user: str) -> Finding:
 
 
 RULES: tuple[Rule, ...] = (
-    SideRule({"avahi-not-running": "nobody makes `.local` names on one of the two"}, check_avahi),
+    SideRule(
+        {"avahi-not-running": "avahi, which provides `.local` names, does not run on one of the two"}, check_avahi
+    ),
     PairRule(
         {
-            "name-not-found": "a name leads nowhere",
-            "name-is-wrong": "a name leads to another address, by `/etc/hosts`",
+            "name-not-found": "a name cannot be resolved",
+            "name-is-wrong": "a name is resolved to the address of another computer, by `/etc/hosts`",
         },
         check_names,
     ),

@@ -1,4 +1,4 @@
-"""The names that running nodes told the master: nobody gets data from a node whose name leads nowhere."""
+"""The host names under which running nodes are registered: a node whose name cannot be resolved sends no data."""
 
 from __future__ import annotations
 

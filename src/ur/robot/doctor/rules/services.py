@@ -19,14 +19,14 @@ def check_services(where: Where, side: Side) -> Iterator[Finding]:
         boot = unit.name.removesuffix(".service").removeprefix(PREFIX) if unit.name.startswith(PREFIX) else ""
         if where == "here" and not boot and unit.name not in KEPT:
             continue
-        last = f"; it said last: {' / '.join(unit.last)}" if unit.last else ""
+        last = f"; its last output: {' / '.join(unit.last)}" if unit.last else ""
         if boot:
             yield Finding(
                 "failing-boot-service",
                 f"{side.name}: {unit.name}, started at boot, has ended and is started again "
                 f"(so far {unit.restarts} times){last}",
-                f"mend the program and install it again (ur boot install); what it says: journalctl -u {unit.name}; "
-                "or start it no more:",
+                f"fix the program and install it again (ur boot install); its output: journalctl -u {unit.name}; "
+                "or remove it:",
                 (Command("here", f"ur boot remove --robot {quote(side.name)} {quote(boot)}"),),
             )
         else:
@@ -34,7 +34,7 @@ def check_services(where: Where, side: Side) -> Iterator[Finding]:
             yield Finding(
                 "failed-service",
                 f"{side.name}: {unit.name} failed{last}",
-                f"what it says: journalctl -u {unit.name}",
+                f"its output: journalctl -u {unit.name}",
                 (Command(where, f"systemctl restart {name} || systemctl reset-failed {name}", root=True),),
             )
 
