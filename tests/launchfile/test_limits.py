@@ -232,3 +232,10 @@ def test_any_text_gives_a_plan(examples: int) -> None:
         dump_plan(plan, with_origins=True)
 
     survive()
+
+
+def test_included_folder_is_answered_with_the_files_in_it() -> None:
+    files: dict[str, str | bytes] = {"/launch/drive.launch.xml": _launch("")}
+    (found,) = _load(files | {"/main.launch": _launch('<include file="/launch"/>')}).diagnostics
+    assert found.rule == "missing-file"
+    assert found.help == "it contains drive.launch.xml"

@@ -11,6 +11,7 @@ from ur.debian.root import find_root
 from ur.robot.selection import Selection, load_selection, parse_selection, selection_path
 from ur.source.diagnostic import UserError
 from ur.source.project import launch_library, project_folder
+from ur.source.user_folders import user_folder
 
 REPOSITORY = project_folder()
 PACKAGE = launch_library()
@@ -33,7 +34,7 @@ def environment_changes(
     root = find_root(environment)
     path = environment.get("PATH", os.defpath)
     wanted = {
-        "ROS_PACKAGE_PATH": _in_front(str(package), environment.get("ROS_PACKAGE_PATH", ""), "/usr/share"),
+        "ROS_PACKAGE_PATH": _package_path(environment, package),
         "PATH": _in_front(str(package / "bin"), _in_front(root.programs, path) if root else path),
         MARK: str(selection),
     }
@@ -49,8 +50,12 @@ def environment_changes(
 
 def add_own_package(environment: Mapping[str, str], *, package: Path = PACKAGE) -> dict[str, str]:
     """A copy of `environment` in which our launch package is on ROS_PACKAGE_PATH."""
-    found = _in_front(str(package), environment.get("ROS_PACKAGE_PATH", ""), "/usr/share")
-    return {**environment, "ROS_PACKAGE_PATH": found}
+    return {**environment, "ROS_PACKAGE_PATH": _package_path(environment, package)}
+
+
+def own_packages(environment: Mapping[str, str]) -> str:
+    """The folder of the ROS packages that `ur get` has made, whether there is one or not."""
+    return f"{user_folder('XDG_DATA_HOME', environment)}/ubiquity_launches/packages"
 
 
 def apply_selection(selection: Selection) -> None:
@@ -75,6 +80,14 @@ def _marked(environment: Mapping[str, str]) -> Selection | None:
         return parse_selection(environment[MARK])
     except (KeyError, UserError):
         return None
+
+
+def _package_path(environment: Mapping[str, str], package: Path) -> str:
+    # What `ur get` has made comes last: a package of the system or a workspace takes its place.
+    found = _in_front(str(package), environment.get("ROS_PACKAGE_PATH", ""), "/usr/share")
+    made = own_packages(environment)
+    there = os.path.isdir(made)  # noqa: PTH112 - this runs at each Tab
+    return _in_front(found, "", made) if there and made not in found.split(os.pathsep) else found
 
 
 def _in_front(first: str, paths: str, last: str | None = None) -> str:

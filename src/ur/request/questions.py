@@ -16,7 +16,7 @@ from ur.launchfile.plan.model import NodeSpec, Plan
 from ur.launchfile.plan.names import join_names
 from ur.launchfile.query.items import all_nodes, find_node_file, list_files, list_nodes
 from ur.launchfile.world.system import SystemWorld
-from ur.request.environment import PACKAGE
+from ur.request.environment import PACKAGE, own_packages
 from ur.request.launch_request import LaunchRequest, make_request
 from ur.request.plan_files import complete_arguments, localisation_argument, show_findings, texts
 from ur.robot.selection import Selection
@@ -63,7 +63,7 @@ def answer(argv: Sequence[str], selection: Selection, query: tuple[str, str | No
 
 
 def make_world(shell: Mapping[str, str], *, anonymous: bool) -> SystemWorld:
-    """The computer as a shell sees it; our own package is found also where nothing names it.
+    """The computer as a shell sees it, with our own package and those that `ur get` has made.
 
     With `anonymous`, `$(anon name)` makes names; else it stays as it is written.
     """
@@ -71,6 +71,9 @@ def make_world(shell: Mapping[str, str], *, anonymous: bool) -> SystemWorld:
     path = environment.get("ROS_PACKAGE_PATH", "")
     if str(PACKAGE) not in path.split(os.pathsep):
         environment["ROS_PACKAGE_PATH"] = f"{path}{os.pathsep}{PACKAGE}"
+    made = own_packages(shell)
+    if os.path.isdir(made) and made not in path.split(os.pathsep):  # noqa: PTH112 - as in ur.request.environment
+        environment["ROS_PACKAGE_PATH"] += f"{os.pathsep}{made}"
     kind = SystemWorld if anonymous else _AsWritten
     return kind(environment, standard_input=lambda: sys.stdin.buffer.read())
 

@@ -10,7 +10,7 @@ from typing import IO, TYPE_CHECKING
 if TYPE_CHECKING:
     from PIL import Image
 
-MAX_PIXELS = 50_000_000  # a map of 350 m x 350 m at 0.05 m; its cells take some hundred MB while it is read
+MAX_PIXELS = 80_000_000  # a map of 440 m x 440 m at 0.05 m; its cells take some hundred MB while it is read
 # As map_server reads them with SDL_image. Pillow knows more, among them some that start a program (EPS).
 MAP_FORMATS = ("PNG", "PPM", "BMP", "GIF", "JPEG", "TIFF", "TGA", "PCX", "WEBP")
 

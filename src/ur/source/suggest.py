@@ -19,6 +19,12 @@ def did_you_mean(word: str, candidates: Iterable[str]) -> str | None:
     return _index_of(frozenset(candidates)).nearest(word)
 
 
+def get_command(package: str) -> str:
+    """The command that gets a package; with a placeholder for a text that is no name and could harm a shell."""
+    plain = package.isascii() and package.replace("_", "").replace("-", "").isalnum() and package[0] != "-"
+    return f"ur get {package if plain else 'PACKAGE'}"
+
+
 @lru_cache(maxsize=_MAX_LISTS)
 def _index_of(candidates: frozenset[str]) -> _Index:
     return _Index(candidates)

@@ -1,4 +1,4 @@
-"""Folders of a user for state, configuration and data: the XDG base directory specification."""
+"""Folders of a user for state, configuration, data and caches: the XDG base directory specification."""
 
 from __future__ import annotations
 
@@ -6,11 +6,17 @@ import os
 from collections.abc import Mapping
 from typing import Literal
 
-_DEFAULTS = {"XDG_STATE_HOME": ".local/state", "XDG_CONFIG_HOME": ".config", "XDG_DATA_HOME": ".local/share"}
+_DEFAULTS = {
+    "XDG_STATE_HOME": ".local/state",
+    "XDG_CONFIG_HOME": ".config",
+    "XDG_DATA_HOME": ".local/share",
+    "XDG_CACHE_HOME": ".cache",
+}
 
 
 def user_folder(
-    variable: Literal["XDG_STATE_HOME", "XDG_CONFIG_HOME", "XDG_DATA_HOME"], environment: Mapping[str, str]
+    variable: Literal["XDG_STATE_HOME", "XDG_CONFIG_HOME", "XDG_DATA_HOME", "XDG_CACHE_HOME"],
+    environment: Mapping[str, str],
 ) -> str:
     """Return the folder that an XDG variable names, or its default in the home folder.
 

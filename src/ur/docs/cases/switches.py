@@ -14,6 +14,7 @@ MAX_CHANGED = 3
 MAX_TRIES = 60
 _WORD = re.compile(r"[A-Za-z_]\w*")
 _LITERAL = re.compile(r"""['"]([^'"]*)['"]""")
+_ARGUMENT = re.compile(r"""\barg\(\s*['"](\w+)['"]\s*\)""")
 _OPPOSITE = {"true": "false", "false": "true", "1": "0", "0": "1"}
 _BASE = frozenset({"robot_base", "robot_variant"})
 
@@ -39,7 +40,7 @@ def _find_domains(conditions: Sequence[str], view: LaunchView) -> Mapping[str, t
     names: dict[str, None] = {}
     position = 0
     while position < len(texts):
-        for name in _WORD.findall(texts[position]):
+        for name in _find_names(texts[position]):
             elements = view.declared.get(name, ())
             if not elements or name in names or (name in _BASE and "robot_base" in view.declared):
                 continue
@@ -51,7 +52,7 @@ def _find_domains(conditions: Sequence[str], view: LaunchView) -> Mapping[str, t
         position += 1
         if position > 50:
             break
-    literals = dict.fromkeys(literal for text in texts for literal in _LITERAL.findall(text) if literal not in names)
+    literals = dict.fromkeys(literal for text in texts for literal in _LITERAL.findall(_ARGUMENT.sub("", text)))
     domains: dict[str, tuple[str, ...]] = {}
     for name in names:
         default = view.declared[name][0].attributes.get("default", "")
@@ -59,3 +60,8 @@ def _find_domains(conditions: Sequence[str], view: LaunchView) -> Mapping[str, t
         values = (opposite,) if opposite is not None else (*literals, "true", "false")
         domains[name] = tuple(value for value in values if value and value != default)
     return {name: values for name, values in domains.items() if values}
+
+
+def _find_names(text: str) -> list[str]:
+    """The words of a condition that may be arguments: a quoted one is, if it is that of `arg`."""
+    return [*_ARGUMENT.findall(text), *_WORD.findall(_LITERAL.sub("", text))]

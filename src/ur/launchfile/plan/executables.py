@@ -8,7 +8,7 @@ from ur.launchfile.plan.model import NodeSpec, Plan
 from ur.launchfile.syntax import Element
 from ur.launchfile.world.protocol import PackageNotFound, World
 from ur.source.diagnostic import Diagnostic, Note, error
-from ur.source.suggest import did_you_mean
+from ur.source.suggest import did_you_mean, get_command
 
 _LOCAL = frozenset({"localhost", "127.0.0.1", "::1"})
 
@@ -51,8 +51,11 @@ def _explain(node: NodeSpec, world: World) -> Diagnostic:
             f"package '{node.package}' of node {node.full_name} is not found, expected an installed one",
             element.value_span("pkg"),
             rule="unknown-package",
+            subject=node.package,
             notes=steps,
-            help=f"did you mean {near}?" if near else f"install {node.package}, or source its workspace's setup.bash",
+            help=f"did you mean {near}?"
+            if near
+            else f"{get_command(node.package)}, or source its workspace's setup.bash",
         )
     if files:
         help_ = f"make it executable: chmod +x {files[0]}"

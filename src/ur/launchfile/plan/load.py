@@ -7,10 +7,9 @@ from collections.abc import Sequence
 from ur.launchfile.plan.draft import Draft, TooMuch
 from ur.launchfile.plan.model import MachineSpec, Plan, TraceStep
 from ur.launchfile.plan.names import initial_namespace, read_assignments
-from ur.launchfile.plan.problems import Refused, refuse
+from ur.launchfile.plan.problems import refuse
 from ur.launchfile.plan.scope import Scope
-from ur.launchfile.plan.tags.arguments import warn_missing
-from ur.launchfile.plan.tags.body import check_launch_tag, resolve_body
+from ur.launchfile.plan.tags.body import resolve_file
 from ur.launchfile.plan.values.budget import Budget
 from ur.launchfile.syntax import LaunchFile
 from ur.launchfile.world.protocol import World
@@ -75,17 +74,8 @@ def _load_file(path: str, values: dict[str, str], arguments: Sequence[str], draf
         return
     if path != STANDARD_INPUT:
         draft.files[draft.world.absolute(path)] = None
-    for found in parsed.diagnostics:
-        draft.add_diagnostic(found, ())
-    if parsed.launch is None or parsed.diagnostics:
-        return
     scope = Scope(namespace, path, dict(values))
-    try:
-        check_launch_tag(parsed.launch, draft, None)
-    except Refused as refused:
-        draft.refuse(refused, None)
-    resolve_body(parsed.launch, draft, scope, None)
-    warn_missing(draft, scope)
+    resolve_file(parsed, draft, scope)
     declared.update(scope.declared)
 
 

@@ -9,10 +9,8 @@ from collections.abc import Mapping
 
 from ur.launchfile.plan.draft import Draft, TooMuch
 from ur.launchfile.plan.model import Plan
-from ur.launchfile.plan.problems import Refused
 from ur.launchfile.plan.scope import Scope
-from ur.launchfile.plan.tags.arguments import warn_missing
-from ur.launchfile.plan.tags.body import check_launch_tag, resolve_body
+from ur.launchfile.plan.tags.body import resolve_file
 from ur.launchfile.syntax import LaunchFile
 from ur.launchfile.world.protocol import World
 from ur.source.diagnostic import error
@@ -48,19 +46,9 @@ def _load(path: str, arguments: Mapping[str, str], draft: Draft, passes_all: boo
         reason = (problem.strerror or str(problem)).lower()
         draft.add_diagnostic(error(f"{path}: {reason}, expected a launch file", rule="missing-file"), ())
         return
-    for found in parsed.diagnostics:
-        draft.add_diagnostic(found, ())
-    if parsed.launch is None or parsed.diagnostics:
-        return
     scope = Scope(HERE, path, dict(arguments))
     scope.pass_all_args = passes_all
-    try:
-        check_launch_tag(parsed.launch, draft, None)
-    except Refused as refused:
-        draft.refuse(refused, None)
-    resolve_body(parsed.launch, draft, scope, None)
-    warn_missing(draft, scope)
-    if not passes_all:
+    if resolve_file(parsed, draft, scope) and not passes_all:
         _check_declared(path, arguments, draft, scope)
 
 

@@ -94,7 +94,8 @@ KNOWN_NODES: dict[str, Interface] = {
 KNOWN_IN_PACKAGE: dict[tuple[str, str], Interface] = {
     ("ubiquity_launches", "twist_mux"): _node(
         "cmd_vel_out ~active ~stopped ~challenge ~lease",
-        "joy_vel joy_vel_stamped key_vel key_vel_stamped nav_vel nav_vel_stamped pause_driving ~lease_request",
+        "joy_vel joy_vel_stamped key_vel key_vel_stamped web_vel web_vel_stamped nav_vel nav_vel_stamped pause_driving "
+        "~lease_request",
         "~stop ~release",
     ),
     ("ubiquity_launches", "teleop_node"): _node(

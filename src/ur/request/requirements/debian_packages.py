@@ -37,6 +37,14 @@ def install_debian(alternatives: Sequence[Sequence[str]], title: str, *, ask: bo
         run_installer(install, " ".join(missing), settings)
 
 
+def remove_debian(names: Sequence[str]) -> None:
+    """Remove Debian packages, and leave what else is installed. Raises UserError."""
+    command = "apt-get remove " + " ".join(names)
+    root = _root_prefix(names, command, ask=True, state="could not be removed")
+    settings = f"apt's sources, or try it by hand: sudo {command}"
+    run_installer([*root, *_APT, "remove", "-y", *names], " ".join(names), settings, "remove")
+
+
 def list_missing(names: Sequence[str]) -> list[str]:
     """List those of the Debian packages that are not installed."""
     import subprocess  # only where a program needs packages
@@ -47,28 +55,31 @@ def list_missing(names: Sequence[str]) -> list[str]:
     return [name for name in names if name not in installed]
 
 
-def _root_prefix(missing: Sequence[str], command: str, *, ask: bool) -> list[str]:
+def _root_prefix(
+    missing: Sequence[str], command: str, *, ask: bool, state: str = "are missing and could not be installed"
+) -> list[str]:
     """The arguments in front of a command that root has to run. Raises UserError when nobody here may become root."""
     import shutil
     import subprocess
 
     if find_root(os.environ) is not None:
-        raise _refusal(missing, "this Debian root is changed from outside only", install_command(missing))
+        outside = install_command(missing) if "install" in command.split() else f"ur debian shell, and there: {command}"
+        raise _refusal(missing, "this Debian root is changed from outside only", outside, state)
     environment = ["env", "DEBIAN_FRONTEND=noninteractive"]
     if os.geteuid() == 0:
         return environment
     sudo = shutil.which("sudo")
     if sudo is None:
-        raise _refusal(missing, "sudo is not installed", f"as root: {command}")
+        raise _refusal(missing, "sudo is not installed", f"as root: {command}", state)
     if subprocess.run([sudo, "-n", "true"], stdin=subprocess.DEVNULL, capture_output=True, check=False).returncode:
         if not ask or not sys.stdin.isatty():
-            raise _refusal(missing, "sudo asks for a password and there is no terminal", f"sudo {command}")
+            raise _refusal(missing, "sudo asks for a password and there is no terminal", f"sudo {command}", state)
         sys.stderr.write(f"Debian packages are missing ({' '.join(missing)}): sudo asks for your password\n")
         if subprocess.run([sudo, "-v"], check=False).returncode:
-            raise _refusal(missing, "sudo was refused", f"ask an administrator to run: {command}")
+            raise _refusal(missing, "sudo was refused", f"ask an administrator to run: {command}", state)
     return [sudo, *environment]
 
 
-def _refusal(missing: Sequence[str], reason: str, help_: str) -> UserError:
-    message = f"Debian packages {' '.join(missing)} are missing and could not be installed: {reason}"
+def _refusal(missing: Sequence[str], reason: str, help_: str, state: str) -> UserError:
+    message = f"Debian packages {' '.join(missing)} {state}: {reason}"
     return UserError(error(message, rule="no-package", help=help_))

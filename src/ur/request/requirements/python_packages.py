@@ -16,6 +16,7 @@ from ur.source.progress_line import show_progress
 from ur.source.project import project_folder, state_folder
 
 _PROBLEM = ("ERROR", "E: ")  # of pip, of apt-get
+_STEMS = {"install": "install", "remove": "remov"}
 
 
 def need(module: str, lock: str) -> None:
@@ -52,10 +53,11 @@ def _words(path: Path) -> list[str]:
     ]
 
 
-def run_installer(command: Sequence[str], missing: str, settings: str) -> None:
+def run_installer(command: Sequence[str], missing: str, settings: str, verb: str = "install") -> None:
     """Run pip or apt-get, with its progress on a terminal. Raises UserError when it fails.
 
-    `missing` is what it installs; `settings`, where people find out why that failed.
+    `missing` is what it installs, or with `verb` "remove" what it removes; `settings`, where people find out why that
+    failed.
     """
     import subprocess  # only for an installation
 
@@ -66,10 +68,10 @@ def run_installer(command: Sequence[str], missing: str, settings: str) -> None:
             command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
         )
     except OSError as problem:
-        raise _failure(missing, str(problem), help_) from None
+        raise _failure(missing, str(problem), help_, verb) from None
     said: list[str] = []
     assert process.stdout is not None
-    with process, show_progress(f"installing {missing}") as progress:
+    with process, show_progress(f"{_STEMS[verb]}ing {missing}") as progress:
         try:
             for line in filter(None, map(str.strip, process.stdout)):
                 said.append(line)
@@ -80,12 +82,12 @@ def run_installer(command: Sequence[str], missing: str, settings: str) -> None:
     if process.returncode:
         problems = [line for line in said if line.startswith(_PROBLEM)]
         reason = (problems or said or [f"exit code {process.returncode} of {command[0]}"])[-1]
-        raise _failure(missing, reason.removeprefix("ERROR: ").removeprefix("E: "), help_)
-    sys.stderr.write(f"installed in {time.monotonic() - began:.0f} s\n")
+        raise _failure(missing, reason.removeprefix("ERROR: ").removeprefix("E: "), help_, verb)
+    sys.stderr.write(f"{_STEMS[verb]}ed in {time.monotonic() - began:.0f} s\n")
 
 
-def _failure(missing: str, reason: str, help_: str) -> UserError:
-    return UserError(error(f"{missing} could not be installed: {reason}", rule="no-package", help=help_))
+def _failure(missing: str, reason: str, help_: str, verb: str) -> UserError:
+    return UserError(error(f"{missing} could not be {_STEMS[verb]}ed: {reason}", rule="no-package", help=help_))
 
 
 @contextmanager

@@ -45,6 +45,21 @@ def resolve_body(element: Element, draft: Draft, scope: Scope, machine: _Machine
     return machine
 
 
+def resolve_file(parsed: LaunchFile, draft: Draft, scope: Scope) -> bool:
+    """Resolve a file that nothing includes. Returns False where it cannot be resolved; the draft holds the reasons."""
+    for found in parsed.diagnostics:
+        draft.add_diagnostic(found, ())
+    if parsed.launch is None or parsed.diagnostics:
+        return False
+    try:
+        check_launch_tag(parsed.launch, draft, None)
+    except Refused as refused:
+        draft.refuse(refused, None)
+    resolve_body(parsed.launch, draft, scope, None)
+    warn_missing(draft, scope)
+    return True
+
+
 def check_launch_tag(launch: Element, draft: Draft, scope: Scope | None) -> None:
     """The attributes of `<launch>` itself: `deprecated`, and a condition that roslaunch reads and forgets."""
     if "if" in launch.attributes and "unless" in launch.attributes:

@@ -26,6 +26,7 @@ from ur.source.suggest import did_you_mean
 PARAM_ATTRIBUTES = ("name", "value", "type", "textfile", "binfile", "command")
 ROSPARAM_ATTRIBUTES = ("command", "ns", "file", "param", "subst_value")
 _SOURCES = ("value", "textfile", "binfile", "command")
+_LISTED = 8  # files of a folder that a message names
 
 
 def resolve_param(element: Element, draft: Draft, scope: Scope, *, force_private: bool = False) -> None:
@@ -119,11 +120,17 @@ def _read_file(path: str, element: Element, attribute: str, draft: Draft) -> byt
 
 
 def missing_file(path: str, problem: OSError, element: Element, attribute: str, draft: Draft) -> Refused:
-    """An exception to raise when a file cannot be read, with the name of one that is near."""
+    """An exception to raise when a file cannot be read, with the name of one that is near, or in that folder."""
     reason = (problem.strerror or str(problem)).lower()
     folder, _, name = path.rpartition("/")
-    near = did_you_mean(name, draft.world.list_folder(folder or "."))
-    help_ = f"did you mean {folder + '/' if folder else ''}{near}?" if near else "check the path, or create the file"
+    near = did_you_mean(name, (each for each in draft.world.list_folder(folder or ".") if each != name))
+    inside = sorted(draft.world.list_folder(path)) if path else []  # where it is a folder
+    if 0 < len(inside) <= _LISTED:
+        help_ = f"it contains {', '.join(inside)}"
+    elif near:
+        help_ = f"did you mean {folder + '/' if folder else ''}{near}?"
+    else:
+        help_ = "check the path, or create the file"
     return refuse(
         f"{path or 'an empty path'}: {reason}, expected a file",
         element.value_span(attribute),

@@ -25,7 +25,7 @@ from ur.launchfile.syntax.substitution import (
     parse_substitutions,
 )
 from ur.launchfile.world.protocol import PackageNotFound, World
-from ur.source.suggest import did_you_mean
+from ur.source.suggest import did_you_mean, get_command
 
 MAX_RESULT = 1024 * 1024
 
@@ -194,7 +194,7 @@ def find_path(package: str, path: str, start: int, end: int, world: World) -> st
         help_ = (
             f"did you mean {near}?"
             if near
-            else f"install {package}, or put the folder that holds it on ROS_PACKAGE_PATH (source its setup.bash)"
+            else f"{get_command(package)}, or put the folder that holds it on ROS_PACKAGE_PATH (source its setup.bash)"
         )
         raise SubstitutionProblem(
             f"package '{package}' is not found, expected an installed one",
