@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import re
 import shlex
+import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -37,6 +39,13 @@ def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def test_every_verb_has_a_page_and_no_page_is_left_over() -> None:
     assert set(PAGES) == set(COMMANDS)
+
+
+def test_no_help_needs_numpy_which_a_wheel_lacks_before_its_first_use() -> None:
+    load = f"from ur.cli.verbs import load_verb\n[load_verb(name) for name in {[*VERBS]}]"
+    verbs = f"import sys; sys.modules['numpy'] = None\n{load}"
+    done = subprocess.run([sys.executable, "-I", "-c", verbs], capture_output=True, text=True, timeout=60, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
 
 
 @pytest.mark.parametrize("name", COMMANDS)

@@ -33,6 +33,7 @@ esac
 KINDS = ("noise", "marks", "paths", "json", "numbers", "nothing", "twisted", "codes")
 COMMANDS = (
     "doctor eve",
+    "devices --robot eve --probe",
     "sync eve --yes",
     "build eve",
     "boot status --robot eve",

@@ -140,7 +140,7 @@ use 'a b'
 use robot.example.org
 debian install
 setup --undo --dry-run more
-robots more
+robots 'a b'
 shell
 shell --nonsense
 shell 'a b'
@@ -149,18 +149,33 @@ x --nonsense word
 x 'a b' word
 x -- -oProxyCommand=x word
 sync 'a b'
+sync --all
 sync --to --from carrot
 sync
 build
 build 'a b'
+build --all
+build --all bob
 mount
 mount 'a b'
 unmount nobody
 unmount 'a b'
 doctor 'a b'
+doctor bob,'e e'
 wifi 'a b'
+get
+get 'a b'
+get speed:=1
+get --undo rviz
+get --missing nowhere/at/all
+devices bob
+devices --robot 'a b'
+devices --rules --base mangi
+devices --rules --base magni --variant ldar
 robot setup
 robot setup 'a b'
+robot setup --all
+robot setup --all bob
 robot setup --from nothing.yaml
 robot setup --from robots.yaml
 robot setup --from list.yaml
@@ -199,6 +214,7 @@ boot install demo speed.launch sped:=1
 boot install --name 'a b' demo talker.launch
 boot log nothing
 boot remove nothing
+boot status --all
 boot remove
 maps show nothing
 maps import nothing.yaml
@@ -223,6 +239,11 @@ new base mangi --package src/demo --like nothing
 new base 1st
 new base small --package src/demo --mass -1
 new base small --package src/demo --width 0 --length 0.3
+new base small --package src/demo --from nothing.urdf
+new base small --package src/demo --from picture.png
+new base small --package src/demo --from src/demo/package.xml
+new base small --package src/demo --from src/demo/package.xml --lidar
+new base small --package src/demo --workspace own
 new package 1st
 new package Demo
 new package demo

@@ -22,12 +22,12 @@ from ur.source.suggest import did_you_mean
 
 # Tasks, the most frequent first. Each verb is in one of them; a test checks that.
 SECTIONS = {
-    "Drive": ("run", "list", "maps", "use"),
+    "Drive": ("run", "list", "web", "maps", "use"),
     "Launch": ("launch", "ps", "attach", "logs", "restart", "wait", "stop"),
     "Write": ("check", "new", "package", "format", "find", "docs", "graph", "explain"),
-    "This computer": ("setup", "completion", "env", "debian"),
+    "This computer": ("setup", "get", "completion", "env", "debian"),
     "Robots": (
-        *("robots", "robot", "image", "doctor", "wifi", "shell", "x", "boot"),
+        *("robots", "robot", "image", "doctor", "devices", "wifi", "shell", "x", "boot"),
         *("sync", "build", "mount", "unmount"),
     ),
 }

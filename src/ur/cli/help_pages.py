@@ -87,6 +87,13 @@ PAGES: Mapping[str, HelpPage] = {
             ("ur maps edit flat place door 1 2 90", "Name a place."),
         ),
     ),
+    "maps merge": HelpPage(
+        ("The map whose frame the new one has.", "The map that is laid on it."),
+        (
+            ("ur maps merge flat attic --as house", "Join two maps that share some floor."),
+            ("ur maps merge flat map-2026-11-01 --as flat-2", "Bring a map up to date with a later one."),
+        ),
+    ),
     "maps copy": HelpPage(
         (_MAP,),
         (
@@ -188,6 +195,7 @@ PAGES: Mapping[str, HelpPage] = {
         (
             ("ur new base rover --length 0.5 --width 0.4 --lidar", "Describe a robot with a lidar."),
             ("ur new base rover --like magni", "Begin with the parameter files of another base."),
+            ("ur new base rover --from rover.urdf --workspace ~/rover", "Read it from the description of a robot."),
         ),
     ),
     "new package": HelpPage(

@@ -13,6 +13,14 @@ ROBOT_PAGES: Mapping[str, HelpPage] = {
         (),
         (("ur setup", "Set this computer up."), ("ur setup --dry-run", "Show what that would change.")),
     ),
+    "web": HelpPage(
+        ("A robot, written as for 'ur use': ROBOT, or sim; the selected robot unless given.",),
+        (
+            ("ur web", "Serve the page of the selected robot and print a link to it."),
+            ("ur web --phone", "Let a phone in the same network open it; prints a QR code."),
+            ("ur web bob --look", "Make a link that may look but not drive."),
+        ),
+    ),
     "completion": HelpPage(
         ("bash, zsh or fish; this user's shell unless given.",),
         (
@@ -67,8 +75,8 @@ ROBOT_PAGES: Mapping[str, HelpPage] = {
         (('eval "$(ur env)"', "Make this shell follow the selection."), ("ur env", "Print what that sets.")),
     ),
     "robots": HelpPage(
-        (),
-        (("ur robots", "List the robots."), ("ur robots --watch", "Show them as they come and go.")),
+        ("Names of robots; all of them unless given.",),
+        (("ur robots", "List the robots."), ("ur robots bob eve", "List these two as soon as they have answered.")),
     ),
     "robot": HelpPage(
         (),
@@ -120,8 +128,29 @@ ROBOT_PAGES: Mapping[str, HelpPage] = {
         ),
     ),
     "doctor": HelpPage(
-        (_ROBOT,),
-        (("ur doctor", "Check the selected robot and this computer."), ("ur doctor bob", "Check another robot.")),
+        ("Robots: names, HOST or USER@HOST; the selected robot unless given.",),
+        (
+            ("ur doctor", "Check the selected robot and this computer."),
+            ("ur doctor bob eve", "Check two other robots, side by side."),
+            ("ur doctor --all", "Check every robot that was set up from this computer."),
+        ),
+    ),
+    "devices": HelpPage(
+        (),
+        (
+            ("ur devices", "List what is plugged into this computer."),
+            ("ur devices --robot bob", "List the robot's, and what its base lacks."),
+            ("ur devices --robot bob --probe", "Also ask lidars which model they are."),
+        ),
+    ),
+    "get": HelpPage(
+        ("Launch files, packages, or folders with launch files (a path with a /), and arguments of a launch file.",),
+        (
+            ("ur get my_robot bringup.launch", "Install what a launch file needs."),
+            ("ur get xacro --yes", "Install a package without a question."),
+            ("ur get --missing --dry-run", "Show what the workspace needs."),
+            ("ur get --undo", "Remove what was installed."),
+        ),
     ),
     "wifi": HelpPage(
         (_ROBOT,),
@@ -153,7 +182,7 @@ ROBOT_PAGES: Mapping[str, HelpPage] = {
         (),
         (
             ("ur boot status", "Show what the selected robot starts."),
-            ("ur boot status --robot bob", "Show what another one starts."),
+            ("ur boot status --all", "Show what every robot starts that was set up from here."),
         ),
     ),
     "boot log": HelpPage(
@@ -171,12 +200,23 @@ ROBOT_PAGES: Mapping[str, HelpPage] = {
         ),
     ),
     "sync": HelpPage(
-        (_ROBOT, "Files and folders of the workspace; everything unless given."),
-        (("ur sync bob --dry-run", "Show what would be copied."), ("ur sync bob", "Copy in both directions.")),
+        (
+            "A robot's name, HOST or USER@HOST, or several joined by commas; the selected robot unless given.",
+            "Files and folders of the workspace; everything unless given.",
+        ),
+        (
+            ("ur sync bob --dry-run", "Show what would be copied."),
+            ("ur sync bob", "Copy in both directions."),
+            ("ur sync bob,eve --to my_package", "Bring a package to two robots."),
+        ),
     ),
     "build": HelpPage(
-        ("A robot's name, HOST or USER@HOST; this computer unless given.",),
-        (("ur build", "Build the workspace of this computer."), ("ur build bob -j 2", "Build that of a robot.")),
+        ("Robots: names, HOST or USER@HOST; this computer unless given.",),
+        (
+            ("ur build", "Build the workspace of this computer."),
+            ("ur build bob -j 2", "Build that of a robot."),
+            ("ur build bob eve", "Build those of two robots, side by side."),
+        ),
     ),
     "mount": HelpPage(
         (_ROBOT,),

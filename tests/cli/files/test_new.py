@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import io
 import re
 from pathlib import Path
 
 import click
 import pytest
+import yaml
+from tests.robot.description.urdfs import MESHES, SMALL
 
 from ur.cli.files.new_parts import find_target
 from ur.cli.files.new_things import describe_observed
@@ -14,7 +17,8 @@ from ur.cli.main import main
 from ur.cli.verbs import load_verb
 from ur.new.model import Observed, Topic
 from ur.request.environment import PACKAGE as LIBRARY
-from ur.robot.base import read_base
+from ur.robot.base import load_base, read_base
+from ur.robot.base.search import find_base_package
 
 PACKAGE = ["new", "package", "my_robot", "--summary", "Mine.", "--maintainer", "A & B", "--email", "a@b.invalid"]
 
@@ -189,3 +193,81 @@ def test_the_launch_library_is_a_package_that_is_found_by_its_name(monkeypatch: 
 def test_summary_of_a_base_may_hold_any_character(summary: str, package: Path) -> None:
     assert main(["new", "base", "x", "--summary", summary]) == 0
     assert read_base(package / "bases" / "x" / "base.yaml", "x").summary == summary
+
+
+@pytest.fixture
+def small(tmp_path: Path) -> Path:
+    path = tmp_path / "small.urdf"
+    path.write_text(SMALL, encoding="utf-8")
+    return path
+
+
+def test_base_from_a_description_is_written_with_its_sources(
+    package: Path, small: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    speeds = ["--velocity", "0.22", "--angular-velocity", "1.5"]
+    assert main(["new", "base", "small", "--from", str(small), *speeds]) == 0
+    out, told = capsys.readouterr()
+    assert "wrote bases/small/base.yaml" in out
+    assert "read: mass 0.965 (sum of all links)" in told
+    assert "read: lidar base_scan (gazebo sensor on base_scan)" in told
+    assert "mass: 0.965 # sum of all links" in (package / "bases" / "small" / "base.yaml").read_text()
+    finds_nothing(capsys)
+
+
+def test_everything_that_a_description_lacks_is_named_at_once(
+    package: Path, small: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    small.write_text(
+        SMALL.replace('<mass value="0.8"/>', '<mass value="0"/>').replace("0.005", "0").replace('"0.1"', '"0"')
+    )
+    assert main(["new", "base", "small", "--from", str(small)]) == 2
+    told = capsys.readouterr().err
+    assert f"error: cannot read from '{small}': mass, velocity, angular velocity" in told
+    assert "help: add, with your robot's figures: --mass 6 --velocity 0.5 --angular-velocity 1.5" in told
+    assert not (package / "bases").exists()
+
+
+class Answers(io.StringIO):
+    """A terminal on which somebody has typed."""
+
+    def isatty(self) -> bool:
+        return True
+
+
+def test_terminal_is_asked_once_for_each_figure_that_is_not_read(
+    package: Path, small: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("sys.stdin", Answers("9\n0.4\n\n"))
+    assert main(["new", "base", "small", "--from", str(small)]) == 0
+    assert "invalid --velocity '9', expected a number from 0.05 to 0.6" in capsys.readouterr().err
+    limits = read_base(package / "bases" / "small" / "base.yaml", "small").limits
+    assert (limits.velocity, limits.angular_velocity) == (0.4, 1.5)
+
+
+def test_speed_that_cannot_be_stopped_in_time_is_refused(
+    package: Path, small: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["new", "base", "small", "--from", str(small), "--velocity", "2"]) == 2
+    told = capsys.readouterr().err
+    assert "invalid --velocity '2', expected a number from 0.05 to 0.6, so that the robot stops within 0.3 s" in told
+    assert not (package / "bases").exists()
+
+
+def test_base_in_a_workspace_of_its_own_is_found_by_its_name(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "meshes.urdf").write_text(MESHES, encoding="utf-8")
+    words = ["--from", str(tmp_path / "meshes.urdf"), "--workspace", str(tmp_path / "own")]
+    assert main(["new", "base", "meshes", *words]) == 0
+    assert f"export CMAKE_PREFIX_PATH={tmp_path / 'own'}:" in capsys.readouterr().err
+    folder = find_base_package(LIBRARY, "meshes", {"CMAKE_PREFIX_PATH": str(tmp_path / "own")})
+    base = load_base(folder, "meshes")
+    names = {path.relative_to(LIBRARY).parts[0] for path in LIBRARY.glob("n_*/params/stage.yaml")}
+    assert {path.relative_to(folder).parts[0] for path in folder.glob("n_*/params/meshes.yaml")} == names
+    costmap = yaml.safe_load((folder / "n_local_costmap" / "params" / "meshes.yaml").read_text())["costmap"]
+    assert [tuple(point) for point in costmap["footprint"]] == list(base.footprint)
+    given = yaml.safe_load((folder / "n_velocity_smoother" / "params" / "meshes.yaml").read_text())
+    assert given["speed_lim_v"] == base.limits.velocity
+    assert given["accel_lim_v"] * given["decel_factor"] <= base.limits.deceleration
+    assert main(["new", "base", "other", *words]) == 0, "a workspace holds several"

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     show_default=True,
     help="How findings are printed.",
 )
+@click.option("--no-cache", is_flag=True, help="Find everything again, and keep nothing for the next check.")
 @click.option("--explain", metavar="RULE", help="Print the page of a rule and check nothing.")
 def command(
     paths: tuple[str, ...],
@@ -37,6 +38,7 @@ def command(
     fix: bool,
     strict: bool,
     form: str,
+    no_cache: bool,
     explain: str | None,
 ) -> int:
     """Check launch files, YAML files and programs.
@@ -47,6 +49,8 @@ def command(
     Exit code: 0 when no error is found, 1 when there is one (with --strict: or a warning), 2 when the check could not
     run.
     """
+    from ur.check.cache.program import digest_program
+    from ur.check.cache.store import cache_folder, load_recall, name_cache, store_recall
     from ur.check.catalogue import choose_rules, find_rule, load_rules
     from ur.check.computer import make_world
     from ur.check.links import describe_left_out
@@ -62,10 +66,17 @@ def command(
     chosen = choose_rules(_words(select), _words(ignore))
     names, arguments = split_argv(paths)
     places, values = names or ["."], values_of(arguments)
+    program = "" if no_cache else digest_program()
+    cache = f"{cache_folder(os.environ)}/{name_cache([*map(os.path.abspath, places), *names], chosen, values)}"
 
     def check() -> Report:
+        recall = None if no_cache else load_recall(cache, program)
         with show_progress("finding launch files") as progress:
-            return check_paths(places, make_world(places, add_own_package(os.environ)), chosen, values, progress)
+            world = make_world(places, add_own_package(os.environ))
+            report = check_paths(places, world, chosen, values, progress, recall)
+        if recall is not None:
+            store_recall(recall, cache, program)
+        return report
 
     report = check()
     if fix:
