@@ -22,8 +22,8 @@ from ur_nodes.geometry.pose import Pose2
 from ur_nodes.teleop.mux.driver_text import DriverRequest
 from ur_nodes.teleop.mux.emergency import MuxRequest
 from ur_nodes.teleop.navigate.app import NavigateApp
-from ur_nodes.teleop.navigate.waypoints import WaypointStore
 from ur_nodes.teleop.navigator.model import GoalReport, GoalState, Snapshot
+from ur_nodes.teleop.navigator.waypoints import WaypointStore
 
 ROOT = Path(__file__).resolve().parents[1]
 MAP = ROOT / "ubiquity_launches/n_map_server/maps/maze.yaml"

@@ -15,8 +15,8 @@ from ur_nodes.exploration.floor import nearest_cell
 from ur_nodes.exploration.status import Status
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
+from ur_nodes.slam.matching.scan import make_scan
 from ur_nodes.slam.occupancy import OccupancyMap
-from ur_nodes.slam.scan import make_scan
 
 _STEP = 0.25  # m between two scans
 _SPEED = 0.5  # m/s

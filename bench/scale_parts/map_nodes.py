@@ -1,9 +1,9 @@
 """map_server, amcl and move_base on a building of one size: `python -m bench.scale_parts.map_nodes SIDE` prints JSON.
 
 A robot at rest beside them publishes odometry and scans. `plan`: seconds from the start of the three processes to the
-path to a goal about 15 m away, `accepted`: to the goal's acceptance. For each node its resident memory in MB (10^6
-bytes) 3 s after that, shared pages by share (`pss`) and whole (`rss`), its largest since the start (`peak`), and its
-processor time (`cpu`).
+path to a goal about 15 m away, `accepted`: to the goal's acceptance; the goal is sent again while there is no map. For
+each node its resident memory in MB (10^6 bytes) 3 s after that, shared pages by share (`pss`) and whole (`rss`), its
+largest since the start (`peak`), and its processor time (`cpu`).
 """
 
 from __future__ import annotations
@@ -116,6 +116,11 @@ def _measure(
         if accepted.is_set():
             result.setdefault("accepted", time.monotonic() - began)
         if handle.get_comm_state() == actionlib.CommState.DONE:
+            if "no map" in handle.get_goal_status_text() and time.monotonic() - sent < _PATIENCE:
+                accepted.clear()  # the map took longer than a goal waits for it
+                result.clear()
+                handle = client.send_goal(request, transition_cb=follow)
+                continue
             raise SystemExit(f"error: the goal ended without a path, expected one: {handle.get_goal_status_text()}")
         if time.monotonic() - sent > _PATIENCE:
             state = "the goal was accepted" if accepted.is_set() else "move_base did not answer the goal"
@@ -135,7 +140,25 @@ def _memory(pid: int) -> dict[str, float]:
     status = Path(f"/proc/{pid}/status").read_text(encoding="ascii").splitlines()
     lines = {line.split(":")[0]: int(line.split()[1]) * 1024 / 1e6 for line in (*rollup[1:], *status) if " kB" in line}
     times = psutil.Process(pid).cpu_times()
-    return {"pss": lines["Pss"], "rss": lines["VmRSS"], "peak": lines["VmHWM"], "cpu": times.user + times.system}
+    unseen = _unseen(pid)
+    return {
+        "pss": lines["Pss"] + unseen,
+        "rss": lines["VmRSS"],
+        "peak": lines["VmHWM"],
+        "cpu": times.user + times.system,
+    }
+
+
+def _unseen(pid: int) -> float:
+    """Memory (MB) of the process that no page table shows: pages of its memory files that it has not touched."""
+    total, counts = 0.0, False
+    for line in Path(f"/proc/{pid}/smaps").read_text(encoding="utf-8").splitlines():
+        words = line.split()
+        if not words[0].endswith(":"):
+            counts = "/memfd:" in line and words[1].endswith("s")
+        elif counts and words[0] in ("Size:", "Rss:"):
+            total += int(words[1]) * (1024 if words[0] == "Size:" else -1024) / 1e6
+    return total
 
 
 def _live(grid: Grid, place: Pose2) -> None:

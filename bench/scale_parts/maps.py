@@ -42,6 +42,7 @@ def measure_nodes(side: int) -> Iterator[Row]:
     size = float(side * side)
     yield Row("maps: first goal accepted", size, figures["accepted"], "s")
     yield Row("maps: first path", size, figures["plan"], "s")
+    yield Row("maps: processor until then and 3 s", size, sum(figures[node]["cpu"] for node in _NODES), "s")
     for kind in ("pss", "rss", "peak"):
         for node in _NODES:
             yield Row(f"maps: {node} {kind}", size, figures[node][kind], "MB")
@@ -55,7 +56,7 @@ def measure_plans(side: int, ways: Iterable[float], subject: str, *, by_way: boo
     from ur_nodes.costmap.costmap import Costmap, Inflation, costs_of_grid, inflate
     from ur_nodes.geometry.grid import Grid
     from ur_nodes.geometry.pose import Pose2
-    from ur_nodes.navigation.global_plan import NoPathError, PlanSettings, plan_path
+    from ur_nodes.navigation.planning.global_plan import NoPathError, PlanSettings, plan_path
 
     grid = Grid(make_building(side), RESOLUTION, Pose2(-side * RESOLUTION / 2, -side * RESOLUTION / 2, 0.0))
     inflation = Inflation(0.2, 0.55, 25.0)

@@ -127,7 +127,8 @@ def _fill_disk(network: Network, lengths: Lengths) -> None:
 
 def _unmount_small_disk(network: Network) -> None:
     network.robot.stop()
-    network.robot.machine.run(f"umount {network.robot.ros_home}").check()
+    # A program that was killed a moment ago may still have a file open there.
+    network.robot.machine.wait_for(f"umount {network.robot.ros_home}", deadline=20)
     network.restart()
 
 

@@ -10,7 +10,7 @@ from contextlib import contextmanager, suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from bench.stop_network_parts.computer import Computer, Waits
+from bench.stop_network_parts.computer import Computer, Waits, put_first
 from bench.stop_network_parts.lane import COMMANDERS, GOALS, Lane
 from bench.stop_network_parts.verdict import Moving, Verdict, is_at_rest, judge, simulate_base
 from tests.hosts.bench import boot, wait_until
@@ -116,7 +116,9 @@ class Network:
         pids["recorder"] = self.robot.order("recorder", lanes=[asdict(lane) for lane in self.lanes])
         if len(plain) < len(self.lanes):
             self.robot.order("navigation", base=_NAVIGATING_BASE)
-        self.waits.follow(self.robot.outer(pids))
+        numbers = self.robot.outer(pids)
+        put_first(numbers.values())
+        self.waits.follow(numbers)
 
     def start_laptop(self) -> None:
         """Start the commanders, in place of earlier ones."""

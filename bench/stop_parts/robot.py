@@ -183,7 +183,7 @@ class Robot:
 
     def waited(self, *, mux: bool) -> float:
         """How long simulator and `mux` have waited for a processor since they started, all threads together, s."""
-        return _waited(self._simulator) + (_waited(self.mux.pid) if mux else 0.0)
+        return waited(self._simulator) + (waited(self.mux.pid) if mux else 0.0)
 
     def _run(self, *command: str) -> int:
         process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=self._log, stderr=self._log)
@@ -232,7 +232,7 @@ def _static_transform(base: Any) -> Any:
     return TFMessage([link])
 
 
-def _waited(pid: int) -> float:
+def waited(pid: int) -> float:
     """Time on the run queue, by the kernel's schedstat (Documentation/scheduler/sched-stats.rst); 0 once it is dead."""
     total = 0
     for path in Path(f"/proc/{pid}/task").glob("*/schedstat"):

@@ -13,6 +13,8 @@ import psutil
 import pytest
 from tests.run.leftovers import find_processes, wait_nothing_left
 
+from ur.run.output.log_cut import MARK
+
 pytestmark = pytest.mark.ros
 
 
@@ -52,6 +54,24 @@ def test_nobody_reading_a_flood_does_not_hold_the_run_up(world: Any) -> None:
         assert run.process.poll() is None
     run.process.send_signal(signal.SIGINT)
     assert run.process.wait(60) == 0
+
+
+@pytest.mark.usefixtures("master")
+def test_log_file_of_a_flood_is_cut_and_keeps_the_newest_lines_in_order(world: Any) -> None:
+    world.environment["UR_LOG_MB"] = "0.5"
+    run = world.launch('<node pkg="little_nodes" type="flood" name="flood"/>')
+    run.until("[/flood] started")
+    log = next(Path(world.folder, "ros/log").glob("*/flood-*-stdout.log"))
+    with log.open("rb") as file:
+        while os.pread(file.fileno(), len(MARK), 0) != MARK:
+            assert run.process.poll() is None
+            run.read()
+    run.process.send_signal(signal.SIGINT)
+    assert run.wait() == 0
+    lines = [line for line in log.read_bytes().split(b"\n")[:-1] if not line.startswith(MARK)]
+    numbers = [int(line.split()[0]) for line in lines]
+    assert numbers[0] > 1
+    assert numbers == list(range(numbers[0], numbers[0] + len(numbers)))
 
 
 @pytest.mark.usefixtures("master")

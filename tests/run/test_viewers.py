@@ -61,7 +61,7 @@ def test_other_package_that_is_missing_is_no_viewer() -> None:
 
 def test_packages_that_debian_splits_are_named_as_debian_does() -> None:
     assert describe_install("topic_tools") == "sudo apt-get install topic-tools libtopic-tools-dev"
-    assert "ros-my-nodes or my-nodes" in describe_install("my_nodes")
+    assert describe_install("my_nodes").startswith("ur get my_nodes, or")
 
 
 @pytest.mark.parametrize("name", ["rviz_robot", "rviz_sonar", "rviz_local_costmap"])
