@@ -19,6 +19,7 @@ OTHERS = {
     "hosts": "tests of several computers together",
     "launchfile/fuzz": "broken launch files, also beside roslaunch",
     "tools": "tests of the programs in tools/",
+    "web/static": "modules of the page, which Node.js runs",
 }
 # Packages without a test file of their own, each with the place of its tests.
 ELSEWHERE = {

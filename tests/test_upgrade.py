@@ -16,7 +16,7 @@ from ur.robot.selection import Selection, load_selection, selection_path
 from ur.robot.sync.memory import Pair, load_memory, memory_path
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.teleop.navigate.waypoints import WaypointStore, name_of_map, waypoint_path
+from ur_nodes.teleop.navigator.waypoints import WaypointStore, name_of_map, waypoint_path
 
 STATE = Path(__file__).parent / "data/previous_version"
 BOB, EVE = Record("bob", "ros", "magni", "lidar"), Record("eve", "pi", "loki")

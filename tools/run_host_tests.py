@@ -61,8 +61,12 @@ def main(argv: Sequence[str]) -> int:
         print(__doc__)
         return 0
     again = "--again" in options
-    files = [name for name in options if not name.startswith("-") and Path(name.partition("::")[0]).exists()]
-    options = [name for name in options if name != "--again" and name not in files]
+    options = [_find_file(name) or name for name in options if name != "--again"]
+    files = [name for name in options if _find_file(name)]
+    options = [name for name in options if name not in files]
+    if unknown := [name for name in options if name.partition("::")[0].endswith(".py")]:
+        print(f'error: no test file "{unknown[0]}", expected one of tests/hosts/test_*.py', file=sys.stderr)
+        return 2
     files = files or [str(path.relative_to(ROOT)) for path in sorted((ROOT / "tests/hosts").glob("test_*.py"))]
     boots = any(Path(name).resolve().is_relative_to(ROOT / "tests/hosts") for name in files)
     if boots and (obstacle := find_obstacle()):
@@ -90,6 +94,16 @@ def main(argv: Sequence[str]) -> int:
     if interrupted:
         return 130
     return 0 if all(result.green for result in results) else 1
+
+
+def _find_file(name: str) -> str:
+    """Find the test file, with its ::test, that a word names by its path or by its name in tests/hosts; "" if none."""
+    path = name.partition("::")[0]
+    if name.startswith("-") or not path:
+        return ""
+    if Path(path).exists():
+        return name
+    return f"tests/hosts/{name}" if Path("tests/hosts", path).is_file() else ""
 
 
 def run_file(file: str, options: Sequence[str]) -> tuple[Result, bool]:

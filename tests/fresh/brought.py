@@ -7,75 +7,27 @@ trial prints what it has measured; the exit code is 1 when one has failed.
 
 from __future__ import annotations
 
-import contextlib
 import os
-import pty
 import re
-import select
 import signal
 import socket
-import statistics
 import subprocess
 import sys
 import tempfile
 import time
 import traceback
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
-UR = str(Path(__file__).resolve().parents[2] / "ur")
-SCRIPT = str(Path(__file__).resolve().parents[2] / "tools" / "debian_root.bash")
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT))
+
+from tests.fresh.brought_commands import INSIDE, PATIENCE, UR, inside, launch_file, processes, run, wait_for  # noqa: E402
+from tests.fresh.brought_runs import trial_interrupt, trial_kill, trial_start, trial_terminal  # noqa: E402
+
+SCRIPT = str(ROOT / "tools" / "debian_root.bash")
 DATA = Path(os.environ.get("XDG_DATA_HOME") or Path.home() / ".local/share") / "ubiquity_launches/debian-13"
-INSIDE = [UR, "debian", "shell"]
-NODES = 50
-PATIENCE = 120.0
 KILL_AT = (0.01, 0.05, 0.15, 0.3, 0.45, 0.6, 0.75, 0.9)  # of the time that it takes
-
-
-def run(*words: str, **changes: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        words, stdin=subprocess.DEVNULL, capture_output=True, text=True, check=False, env={**os.environ, **changes}
-    )
-
-
-def inside(line: str, **changes: str) -> subprocess.CompletedProcess[str]:
-    return run(*INSIDE, "bash", "-c", line, **changes)
-
-
-def wait_for(condition: Callable[[], object], what: str, seconds: float = PATIENCE) -> float:
-    began = time.monotonic()
-    while not condition():
-        assert time.monotonic() - began < seconds, f"{what}: not within {seconds:.0f} s"
-        time.sleep(0.02)
-    return time.monotonic() - began
-
-
-def processes(mark: str) -> list[int]:
-    """The processes whose command line has this mark."""
-    found = []
-    for each in Path("/proc").iterdir():
-        with contextlib.suppress(OSError):
-            if each.name.isdigit() and mark.encode() in (each / "cmdline").read_bytes():
-                found.append(int(each.name))
-    return [each for each in found if each != os.getpid()]
-
-
-@contextlib.contextmanager
-def launch_file(mark: str, nodes: int) -> Iterator[Path]:
-    """A launch file whose nodes sleep, and a package with their program."""
-    with tempfile.TemporaryDirectory(dir=Path.home()) as folder:
-        package = Path(folder) / "fifty"
-        package.mkdir()
-        (package / "package.xml").write_text(
-            "<package format='2'><name>fifty</name><version>0.1.0</version><description>d</description>"
-            "<maintainer email='a@b.c'>a</maintainer><license>BSD</license></package>"
-        )
-        (package / "doze").write_text('#!/bin/bash\nexec -a "$1" sleep 1000\n')
-        (package / "doze").chmod(0o755)
-        lines = "".join(f'<node pkg="fifty" type="doze" name="n{i}" args="{mark}"/>' for i in range(nodes))
-        (package / "fifty.launch").write_text(f"<launch>{lines}</launch>")
-        os.environ["ROS_PACKAGE_PATH"] = str(package)
-        yield package / "fifty.launch"
 
 
 def trial_identity() -> str:
@@ -115,112 +67,6 @@ def trial_files() -> str:
         assert owners == {os.getuid()}
     assert inside("touch /usr/bin/not-mine").returncode != 0
     return "files made inside belong to the user; /usr of the root cannot be written"
-
-
-def trial_terminal() -> str:
-    """Ctrl-C, Ctrl-Z, fg, bg and a new size of the terminal pass through."""
-    import fcntl
-    import struct
-    import termios
-
-    pid, terminal = pty.fork()
-    if pid == 0:
-        os.execvp("bash", ["bash", "--norc", "--noprofile", "-i"])
-    said = ""
-
-    def expect(pattern: str) -> None:
-        nonlocal said
-        end = time.monotonic() + PATIENCE
-        while not re.search(pattern, said):
-            assert time.monotonic() < end, (pattern, said)
-            if select.select([terminal], [], [], 0.2)[0]:
-                said += os.read(terminal, 65536).decode(errors="replace")
-        said = said[re.search(pattern, said).end() :]  # type: ignore[union-attr]
-
-    def type_in(text: str) -> None:
-        os.write(terminal, text.encode())
-
-    try:
-        type_in("PS1='rea''dy> '\n")
-        expect("ready> ")
-        program = 'trap "stty size" WINCH; echo sta""rted; while :; do read -r -t 0.1 x && echo got $x; done'
-        type_in(f"{UR} debian shell bash -c '{program}'\n")
-        expect("started")
-        type_in("one\n")
-        expect("got one")
-        fcntl.ioctl(terminal, termios.TIOCSWINSZ, struct.pack("HHHH", 33, 111, 0, 0))
-        expect("33 111")
-        type_in("\x1a")
-        expect("Stopped")
-        expect("ready> ")
-        type_in("jobs\n")
-        expect("Stopped")
-        type_in("fg\n")
-        time.sleep(0.3)
-        type_in("two\n")
-        expect("got two")
-        type_in("\x03")
-        expect("ready> ")
-        type_in("echo code=$?\n")
-        expect("code=130")
-    finally:
-        os.kill(pid, signal.SIGKILL)
-        os.close(terminal)
-        os.waitpid(pid, 0)
-    return "read, resize, Ctrl-Z, jobs, fg, Ctrl-C (code 130)"
-
-
-def trial_kill() -> str:
-    """After kill -9 of the process outside no node runs."""
-    mark = f"doze-{os.getpid()}"
-    with launch_file(mark, NODES) as path:
-        process = subprocess.Popen([UR, "launch", str(path)], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        wait_for(lambda: len(processes(mark)) >= NODES, f"{NODES} nodes")
-        process.kill()
-        process.wait()
-        time.sleep(2)
-        left = processes(mark)
-    assert not left, f"{len(left)} of {NODES} nodes still run 2 s after kill -9"
-    return f"{len(left)} of {NODES} nodes 2 s after kill -9"
-
-
-def trial_interrupt() -> str:
-    """Ctrl-C ends a run with its nodes; a second command sees and ends the run of a first."""
-    mark = f"doze2-{os.getpid()}"
-    with launch_file(mark, 3) as path:
-        process = subprocess.Popen([UR, "launch", str(path)], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        wait_for(lambda: len(processes(mark)) >= 3, "3 nodes")
-        assert "fifty" in run(UR, "ps").stdout
-        assert Path(f"/proc/{process.pid}/exe").readlink().name.startswith("python"), "it is another process"
-        other = inside(f"readlink /proc/{process.pid}/exe && readlink /proc/{process.pid}/cwd")
-        assert other.returncode == 0, f"a second command cannot inspect the first: {other.stderr}"
-        process.send_signal(signal.SIGINT)
-        code = process.wait(PATIENCE)
-        assert not processes(mark)
-        second = subprocess.Popen([UR, "launch", str(path)], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        wait_for(lambda: len(processes(mark)) >= 3, "3 nodes")
-        stopped = run(UR, "stop", "--all")
-        assert stopped.returncode == 0, stopped.stderr
-        second.wait(PATIENCE)
-        assert not processes(mark)
-    return f"SIGINT: exit code {code}; ur ps and ur stop from another command"
-
-
-def trial_start() -> str:
-    """Time of `ur launch --nodes` from outside, and of the same in the root already."""
-    with launch_file("doze", NODES) as path:
-        question = ["launch", "--nodes", str(path)]
-        outside, within = [], []
-        timed = f"s=$EPOCHREALTIME; {UR} {' '.join(question)} >/dev/null; e=$EPOCHREALTIME"
-        script = f"for i in 1 2 3; do {timed}; echo $(((${{e/./}}-${{s/./}}))); done"
-        for _ in range(7):
-            outside += [int(each) / 1000 for each in subprocess.check_output(["bash", "-c", script]).split()]
-            within += [int(each) / 1000 for each in inside(script).stdout.split()]
-    more = statistics.median(outside) - statistics.median(within)
-    least = min(outside) - min(within)
-    figures = f"outside {statistics.median(outside):.0f} ms, inside {statistics.median(within):.0f} ms"
-    assert min(more, least) <= 60, f"{figures}: {more:.0f} ms more (minimum: {least:.0f} ms more), expected at most 60"
-    return f"{figures}: {more:.0f} ms more (minimum: {least:.0f} ms more), median of {len(outside)}"
 
 
 def trial_device() -> str:
@@ -398,7 +244,24 @@ def trial_remove() -> str:
 
 
 TRIALS: dict[str, Callable[[], str]] = {
-    name.removeprefix("trial_"): value for name, value in list(globals().items()) if name.startswith("trial_")
+    trial.__name__.removeprefix("trial_"): trial
+    for trial in (
+        trial_identity,
+        trial_home,
+        trial_exit_codes,
+        trial_files,
+        trial_terminal,
+        trial_kill,
+        trial_interrupt,
+        trial_start,
+        trial_device,
+        trial_agent,
+        trial_environment,
+        trial_display,
+        trial_rviz,
+        trial_interruptions,
+        trial_remove,
+    )
 }
 
 

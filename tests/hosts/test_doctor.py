@@ -1,6 +1,6 @@
-"""`ur doctor` on a pair that was set up: silent on a healthy one; planted faults are named, and cured by what it says.
+"""`ur doctor` on a pair that was set up: silent on a healthy one; planted faults are named and fixed by its advice.
 
-A fault is cured either by `--fix` or by the commands that stand with the finding, typed as they are printed.
+A fault is fixed either by `--fix` or by the commands that stand with the finding, typed as they are printed.
 """
 
 from __future__ import annotations
@@ -76,7 +76,7 @@ def table(pair: Bench) -> Iterator[list[Row]]:
     yield rows
     for row in rows:
         sys.stdout.write("\n{:36} {:24} {}".format(*row))
-    sys.stdout.write(f"\n{len(rows)} faults named and cured\n")
+    sys.stdout.write(f"\n{len(rows)} faults named and fixed\n")
 
 
 def examine(pair: Bench, *options: str) -> Done:
@@ -131,7 +131,7 @@ def wait_until_well(pair: Bench) -> None:
 class Fault:
     """A fault: how it is planted (by root) on which computer, the finding that names it, and what is tidied away after.
 
-    `fix`: --fix cures it; otherwise the commands of the finding do, after what happened `meanwhile`.
+    `fix`: --fix fixes it; otherwise the commands of the finding do, after what happened `meanwhile`.
     """
 
     title: str
@@ -284,7 +284,7 @@ def test_way_to_a_robot_that_cannot_be_reached_is_gone_step_by_step(pair: Bench)
     laptop, robot = pair["laptop"], pair["robot"]
     unknown = laptop.run(f"{UR} doctor nobody", user="pat")
     assert unknown.code == 2
-    assert "NO name nobody.local: leads nowhere" in unknown.out
+    assert "NO name nobody.local: not resolved" in unknown.out
     robot.run("systemctl stop ssh.socket ssh.service").check()
     try:
         refused = laptop.run(f"{UR} doctor bob", user="pat")

@@ -98,7 +98,7 @@ def test_robot_of_another_release_is_set_up_and_runs_its_share(pair: Pair) -> No
     done = laptop.run(command, user="pat", stdin=f"ros\n{PASSWORD}\n", timeout=SECONDS).check()
     assert f"it fetches packages over this computer's connection ({HOST})" in done.out
     assert "NO" not in done.out
-    assert re.search(r"ok .*programs .*copy [0-9a-f]{7}", done.out), done.out
+    assert re.search(r"ok .*programs .*ur [0-9.]+ \(copy", done.out), done.out
     version = robot.run("bash -lc 'ur --version'", user="ros").check().out
     assert version.split()[:2] == laptop.run(f"{pair.ur} --version", user="pat").check().out.split()[:2]
 

@@ -203,9 +203,9 @@ def interrupt_two(laptop: Machine) -> None:
         process.stdin.write(f"ros\n{PASSWORD}\n")
         process.stdin.close()
         number = process.stdout.readline().strip()
-        for said in process.stdout:
-            if "packages" in said:
-                break
+        logs = ".local/state/ubiquity_launches/fleet"
+        for name in ("bob", "eve"):
+            laptop.wait_for(f"grep -q ^packages {logs}/robot_setup-{name}.log", user="pat", deadline=180)
         laptop.run(f"kill -INT {number}").check()
         process.stdout.read()
         assert process.wait(60) == 130

@@ -112,7 +112,7 @@ def hold_the_lock(laptop: Machine, robot: Machine) -> None:
         robot.wait_for("! flock -n /run/ubiquity-setup.lock true", deadline=60)
         done = set_up(laptop)
     assert done.code == 2
-    assert "bob: eve@other is setting it up: waiting for the end of that" in done.out
+    assert "bob: eve@other is setting it up: waiting until that is done" in done.out
     assert "is being set up already, by eve@other" in done.err
     assert done.err.count("error:") == 1
     robot.run("pkill -x sleep")
@@ -123,7 +123,7 @@ def start_two_at_once(laptop: Machine, robot: Machine) -> None:
     """The same command twice at the same time: the second waits, and spoils nothing."""
     line, answers = command("robot.local", "bob"), f"ros\n{PASSWORD}\n"
     robot.write("/usr/local/sbin/systemctl", SLOW, mode=0o755)
-    waiting = f"bob: pat@{laptop.name} is setting it up: waiting for the end of that"
+    waiting = f"bob: pat@{laptop.name} is setting it up: waiting until that is done"
     with ThreadPoolExecutor(1) as pool:
 
         def go_on(_: int) -> None:

@@ -67,7 +67,7 @@ def test_address_that_this_computer_does_not_reach_is_taken_back(pair: Bench) ->
     before = robot.run(SNAPSHOT).check().out
     done = ur(laptop, "network bob --address 10.88.0.99/24 --wait 5")
     assert done.code == 2
-    assert "the robot took it back: nobody confirmed it within 5 s" in done.err
+    assert "the robot reverted the change: nobody confirmed it within 5 s" in done.err
     assert robot.run(SNAPSHOT).check().out == before
     wait_settled(robot)
 
@@ -107,7 +107,7 @@ def test_network_that_refuses_the_password_leaves_the_robot_as_it_was(pair: Benc
     done = ur(laptop, "wifi bob --ssid Lab", "wrong-secret")
     robot.run("rm /root/refuse").check()
     assert done.code == 2
-    assert "join Lab: the robot took it back: Error: Secrets were required, but not provided." in done.err
+    assert "join Lab: the robot reverted the change: Error: Secrets were required, but not provided." in done.err
     wait_settled(robot)
     assert robot.run(SNAPSHOT).check().out == before
     assert find_written(robot, ("wrong-secret",)) == []

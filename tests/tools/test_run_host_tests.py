@@ -95,6 +95,13 @@ def test_file_is_run_again_with_other_options(tmp_path: Path, log: Path) -> None
     assert log.read_text() == "ran ran "
 
 
+def test_name_of_no_file_is_refused_before_anything_runs(tmp_path: Path, log: Path) -> None:
+    code, output = run(tmp_path, write(tmp_path, "good", GOOD), "test_nothing.py")
+    assert code == 2
+    assert '"test_nothing.py"' in output
+    assert not log.exists()
+
+
 def test_crash_ends_one_file_only(tmp_path: Path, log: Path) -> None:
     names = write(tmp_path, "crash", CRASH), write(tmp_path, "good", GOOD)
     code, output = run(tmp_path, *names)
