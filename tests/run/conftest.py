@@ -44,8 +44,9 @@ NODES = {
     "rospy.Publisher('chat', std_msgs.msg.String, queue_size=1)\nprint('up', flush=True)\nrospy.spin()\n",
 }
 # As the script `ur` starts it, on a terminal: a signal that comes before its first line waits for that, and none is
-# ignored because the tests run in the background or under nohup.
-BLOCKED = ("/usr/bin/env", "--block-signal=INT", "--default-signal=HUP,INT")
+# ignored because the tests run in the background or under nohup. env lets a signal through that --default-signal names
+# after --block-signal.
+BLOCKED = ("/usr/bin/env", "--default-signal=HUP,INT", "--block-signal=INT")
 MANIFEST = (
     '<package format="2"><name>little_nodes</name><version>0.0.1</version><description>For tests.</description>'
     '<maintainer email="nobody@example.invalid">Nobody</maintainer><license>BSD</license></package>'

@@ -115,7 +115,7 @@ def test_run_that_was_started_on_the_robot_itself_goes_on(world: Any) -> None:
     own = world.ur(
         "launch", "--detach", world.write(SLEEPER.replace('machine="bob" ', "").format("talk"), "own.launch")
     )
-    assert own.wait() == 0
+    assert own.wait() == 0, own.text
     runs = list_runs(world)
     request = request_of(world, ONE, "talk")
     began = ask(world, request)
