@@ -53,5 +53,6 @@ def _unknown(word: str, every: dict[str, Rule], option: str, groups: tuple[str, 
             f"{option} {word}: no such rule, expected an id{kinds}",
             rule="unknown-rule",
             help=f"did you mean {near}?" if near else "docs/reference/rules/index.md lists them",
+            subject=option,
         )
     )

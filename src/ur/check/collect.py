@@ -14,7 +14,7 @@ from ur.launchfile.address import join_addresses
 from ur.launchfile.syntax.ros2 import is_ros2_name
 from ur.launchfile.world import World
 from ur.launchfile.world.protocol import PackageNotFound
-from ur.source.diagnostic import Diagnostic, UserError, error
+from ur.source.diagnostic import Diagnostic, UserError, error, error_about
 from ur.source.file import SourceFile
 from ur.source.section import parse_section
 from ur.source.suggest import did_you_mean
@@ -78,8 +78,9 @@ def collect_targets(paths: Sequence[str], world: World) -> Targets:
         folders = {f"{folder}/bin" for folder in packages}
         if world.is_file(path) and not _can_be_checked(path, launch, yaml, folders, world):
             raise UserError(
-                error(
-                    f"{word}: not a launch file, YAML file or program of a package",
+                error_about(
+                    word,
+                    "not a launch file, YAML file or program of a package",
                     rule="unknown-file",
                     help="a program is a file in the folder bin of a package, a launch file contains <launch>",
                 )
@@ -152,8 +153,9 @@ def _explain_unusable(word: str, path: str, world: World) -> Diagnostic:
     near = did_you_mean(word, {f"{above}{slash}{entry}" for entry in world.list_folder(folder)})
     if not near and not slash:
         near = did_you_mean(word, world.package_names())
-    return error(
-        f"{word}: no such file, folder or package",
+    return error_about(
+        word,
+        "no such file, folder or package",
         rule="missing-file",
         help=f"did you mean {near}?" if near else f"'ls {shlex.quote(folder or '/')}' lists the files beside it",
     )

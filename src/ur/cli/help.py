@@ -82,6 +82,7 @@ def _show_program(name: str, *, known_verb: bool) -> None:
             f"unknown command {name!r}, expected a command of ur or a program",
             rule="unknown-verb",
             help=f"did you mean 'ur help {near}'?" if near else "'ur help' lists the verbs, 'ur list' the programs",
+            subject=name,
         )
     )
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from typing import TYPE_CHECKING
 
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, error_about
 from ur.source.printable import printable
 
 if TYPE_CHECKING:
@@ -37,4 +37,4 @@ def replace_file(path: str, text: str, doing: str = "written") -> None:
         replace(path, text)
     except OSError as problem:
         reason = (problem.strerror or str(problem)).lower()
-        raise UserError(error(f"{path}: cannot be {doing}: {reason}", rule="unwritable-file")) from None
+        raise UserError(error_about(path, f"cannot be {doing}: {reason}", rule="unwritable-file")) from None

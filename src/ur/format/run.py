@@ -12,7 +12,7 @@ from ur.format.prove import same_content, same_plans
 from ur.launchfile.syntax import LaunchFile, parse_launch_file
 from ur.launchfile.syntax.decode import decode_text
 from ur.launchfile.world import World
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, error, error_about
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,7 +39,7 @@ def format_file(path: str, data: bytes, world: World, package: Package | None = 
     before, encoding = decode_text(data)
     if encoding not in ("ascii", "utf-8") or not data.endswith(before.encode()):
         raise UserError(
-            error(f"{path}: not written in UTF-8, expected that", rule="not-utf-8", help="save it as UTF-8 first")
+            error_about(path, "not written in UTF-8, expected that", rule="not-utf-8", help="save it as UTF-8 first")
         )
     tree = _parse(path, before.removeprefix("\ufeff").replace("\r\n", "\n").replace("\r", "\n"))
     assert tree.root is not None

@@ -38,7 +38,9 @@ def find_launch_file(package: str, name: str, world: World) -> str:
     near = did_you_mean(name, names)
     expected = f"expected one of {_shorten(names)}" if names else "which has no launch file"
     help_ = f"did you mean {near}?" if near else None if names else "write one: ur new multi"
-    raise UserError(error(f"no file '{name}' in package '{package}', {expected}", rule="missing-file", help=help_))
+    raise UserError(
+        error(f"no file '{name}' in package '{package}', {expected}", rule="missing-file", help=help_, subject=name)
+    )
 
 
 def join_addresses(words: Sequence[str], world: World) -> list[str]:
@@ -103,10 +105,11 @@ def _explain(names: list[str], world: World) -> Diagnostic:
             f"no file '{name}' in package '{package}', expected a launch file",
             rule="missing-file",
             help=_near_launch_file(package, name, world),
+            subject=name,
         )
     near = did_you_mean(package, known)
     help_ = f"did you mean {near}?" if near else "install it, or source the setup.bash of its workspace"
-    return error(f"no package or file named '{package}'", rule="unknown-package", help=help_)
+    return error(f"no package or file named '{package}'", rule="unknown-package", help=help_, subject=package)
 
 
 def _near_launch_file(package: str, name: str, world: World) -> str | None:

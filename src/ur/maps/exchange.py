@@ -121,4 +121,6 @@ def _extract(archive: tarfile.TarFile, folder: Path) -> None:
 
 
 def _not_a_map(place: str, what: str) -> UserError:
-    return UserError(error(f"{place} is not a map that can be used: {what}", rule="bad-map", help="copy it again"))
+    return UserError(
+        error(f"{place} is not a map that can be used: {what}", rule="bad-map", help="copy it again", subject=place)
+    )

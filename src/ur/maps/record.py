@@ -142,4 +142,6 @@ def _number(found: Any, largest: float, least: float | None = None) -> float:
 
 
 def _bad(path: Path, what: str) -> UserError:
-    return UserError(error(f"'{path}': {what}", rule="bad-map", help="copy the map again, or delete it"))
+    return UserError(
+        error(f"'{path}': {what}", rule="bad-map", help="copy the map again, or delete it", subject=str(path))
+    )

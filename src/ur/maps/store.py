@@ -95,7 +95,12 @@ class MapStore:
         with self.claim(before):
             if self.path(after).exists():
                 raise UserError(
-                    error(f"map {after!r} exists, expected a name without a map", rule="map-exists", help="ur maps")
+                    error(
+                        f"map {after!r} exists, expected a name without a map",
+                        rule="map-exists",
+                        help="ur maps",
+                        subject=after,
+                    )
                 )
             was_latest = self.latest() == before
             self.path(before).rename(self.path(after))
@@ -131,7 +136,9 @@ class MapStore:
         target = self.path(name)
         if target.exists() and (target / PICTURE).exists():
             help_ = f"choose another name, or delete it: ur maps delete {name}"
-            raise UserError(error(f"map {name!r} exists, expected a new name", rule="map-exists", help=help_))
+            raise UserError(
+                error(f"map {name!r} exists, expected a new name", rule="map-exists", help=help_, subject=name)
+            )
         make_folder(str(self.folder))
         beside = self.folder / f"{_NEW}{os.urandom(4).hex()}"
         beside.mkdir()

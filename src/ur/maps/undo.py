@@ -44,6 +44,7 @@ def restore_state(store: MapStore, name: str, waypoints: Path, state: MapState, 
                     f"map {name!r} was changed by another program, expected the map of the last change here",
                     rule="not-undone",
                     help="open it again: ur maps edit",
+                    subject=name,
                 )
             )
         record = state.record

@@ -16,7 +16,7 @@ from xmlrpc.client import Fault, ServerProxy
 from xmlrpc.server import SimpleXMLRPCRequestHandler, SimpleXMLRPCServer
 
 from ur.new.model import Observed, Topic
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, error, error_about
 
 NAME = "/observed"
 _ASKED = frozenset({"getParam", "hasParam", "subscribeParam", "searchParam"})
@@ -47,8 +47,8 @@ def observe_node(
             if not listener.registered:
                 how = "never registered with its master" if node.poll() is None else f"ended with {node.returncode}"
                 raise UserError(
-                    error(
-                        f"{' '.join(command)}: {how}, expected a ROS node", rule="no-node", help="try it by hand first"
+                    error_about(
+                        " ".join(command), f"{how}, expected a ROS node", rule="no-node", help="try it by hand first"
                     )
                 )
             if node.poll() is not None:
@@ -199,7 +199,7 @@ def _start(command: Sequence[str], environment: Mapping[str, str]) -> subprocess
         )
     except OSError as problem:
         reason = (problem.strerror or str(problem)).lower()
-        raise UserError(error(f"{command[0]}: {reason}, expected a program", rule="no-program")) from None
+        raise UserError(error_about(command[0], f"{reason}, expected a program", rule="no-program")) from None
 
 
 def _end(process: subprocess.Popen[bytes]) -> None:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from ur.new.model import NewFile
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, error, error_about
 from ur.source.replace import sync_folder
 
 
@@ -20,6 +20,7 @@ def write_files(package: Path, files: Sequence[NewFile]) -> None:
                 f"{there[0]} is there already, expected a new name",
                 rule="file-exists",
                 help=f"look at {package / there[0]}",
+                subject=there[0],
             )
         )
     made: list[Path] = []
@@ -46,7 +47,7 @@ def write_files(package: Path, files: Sequence[NewFile]) -> None:
                 path.unlink(missing_ok=True)
         if isinstance(problem, OSError):
             reason = (problem.strerror or str(problem)).lower()
-            raise UserError(error(f"{problem.filename or package}: {reason}", rule="unwritable-file")) from None
+            raise UserError(error_about(problem.filename or package, f"{reason}", rule="unwritable-file")) from None
         raise
 
 

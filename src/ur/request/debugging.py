@@ -84,5 +84,6 @@ def _parse_tool(request: str, name: str) -> Tool:
             f"--debug {request}: no such debugger, expected one of {', '.join(TOOLS)}",
             rule="unknown-debugger",
             help=f"did you mean {near}?" if near else None,
+            subject=request,
         )
     )

@@ -123,5 +123,6 @@ def refuse_stray_names(files: LaunchFiles) -> None:
                 f"{name!r} is not an argument{known}",
                 rule="bad-argument",
                 help=f"did you mean {near}:=...?" if near else None if declared else f"leave {name} out",
+                subject=name,
             )
         )

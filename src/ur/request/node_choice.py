@@ -65,7 +65,7 @@ def choose_nodes(plan: Plan, only: Sequence[str], without: Sequence[str], prefix
     for text in prefixes:
         name, found, prefix = text.partition("=")
         if not found:
-            raise UserError(error(f"--prefix {text!r}, expected NODE=PREFIX", rule="bad-prefix"))
+            raise UserError(error(f"--prefix {text!r}, expected NODE=PREFIX", rule="bad-prefix", subject=text))
         before[find_node(plan, name).full_name] = prefix
     nodes = (
         replace(node, launch_prefix=before.get(node.full_name, node.launch_prefix))

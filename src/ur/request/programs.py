@@ -81,6 +81,7 @@ def find_program(library: Path, name: str, environment: Mapping[str, str]) -> Pr
                 f"unknown program {name!r}: package {package.name!r} is not on ROS_PACKAGE_PATH",
                 rule="unknown-program",
                 help=f'export ROS_PACKAGE_PATH="{package.parent}:$ROS_PACKAGE_PATH"',
+                subject=name,
             )
         )
     return choose_program(index.programs, name, index.problem)
@@ -112,6 +113,7 @@ def choose_program(programs: Sequence[Program], name: str, problem: str = "") ->
                 f"program {name!r} is in {names}, expected PACKAGE/PROGRAM",
                 rule="ambiguous-program",
                 help=" or ".join(f"ur run {each.package}/{each.name}" for each in found),
+                subject=name,
             )
         )
     if last.endswith((".launch", ".launch.xml", ".launch.py", ".launch.yaml", ".test")):
@@ -120,6 +122,7 @@ def choose_program(programs: Sequence[Program], name: str, problem: str = "") ->
                 f"{name!r} is the name of a launch file, expected the name of a program",
                 rule="unknown-program",
                 help=f"start a launch file: ur launch {shlex.quote(name)}; 'ur list' lists the programs",
+                subject=name,
             )
         )
     near = did_you_mean(bare, {each.name for each in programs})
@@ -131,6 +134,7 @@ def choose_program(programs: Sequence[Program], name: str, problem: str = "") ->
             f"unknown program {name!r}, expected one of {_describe(programs) or '(none)'}",
             rule="unknown-program",
             help=help_,
+            subject=name,
         )
     )
 

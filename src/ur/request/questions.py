@@ -105,6 +105,7 @@ def find_node(plan: Plan, name: str) -> NodeSpec:
             f"unknown node {name!r}, expected one of {', '.join(names) or '(none)'}",
             rule="unknown-node",
             help=f"did you mean {near}?" if near else None,
+            subject=name,
         )
     )
 

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, error, error_about
 from ur.source.user_folders import user_folder
 
 SIMULATION = "sim"
@@ -75,12 +75,12 @@ def load_selection(path: Path) -> Selection:
         return Selection()
     except (OSError, UnicodeDecodeError) as problem:
         reason = ((problem.strerror if isinstance(problem, OSError) else None) or "it is no text").lower()
-        raise UserError(error(f"{path}: cannot be read: {reason}", rule="bad-selection", help=_HELP)) from None
+        raise UserError(error_about(path, f"cannot be read: {reason}", rule="bad-selection", help=_HELP)) from None
     try:
         return parse_selection(text)
     except UserError as problem:
         message = problem.diagnostics[0].message
-        raise UserError(error(f"{path}: {message}", rule="bad-selection", help=_HELP)) from None
+        raise UserError(error_about(path, f"{message}", rule="bad-selection", help=_HELP)) from None
 
 
 _HELP = "'ur use sim' selects the simulated robot again"
@@ -97,7 +97,7 @@ def store_selection(path: Path, selection: Selection) -> None:
         replace_file(path, f"{selection}\n", parents=True)
     except OSError as problem:
         reason = (problem.strerror or str(problem)).lower()
-        raise UserError(error(f"{path}: cannot be written: {reason}", rule="bad-selection")) from None
+        raise UserError(error_about(path, f"cannot be written: {reason}", rule="bad-selection")) from None
 
 
 def _bad(text: str, reason: str, help: str | None = None) -> UserError:

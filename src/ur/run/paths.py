@@ -32,6 +32,7 @@ def make_run_folder(environment: Mapping[str, str], run_id: str) -> str:
                 f"log folder {folder} cannot be made: {reason}",
                 rule="bad-log-folder",
                 help="ROS_LOG_DIR chooses another place",
+                subject=str(folder),
             )
         ) from None
     latest = root / "latest"
@@ -53,7 +54,12 @@ def make_home(environment: Mapping[str, str]) -> str:
     except OSError as problem:
         reason = (problem.strerror or str(problem)).lower()
         raise UserError(
-            error(f"folder {home} cannot be made: {reason}", rule="bad-home", help="ROS_HOME chooses another place")
+            error(
+                f"folder {home} cannot be made: {reason}",
+                rule="bad-home",
+                help="ROS_HOME chooses another place",
+                subject=str(home),
+            )
         ) from None
     return str(home)
 

@@ -80,6 +80,6 @@ def error(
     return Diagnostic(Severity.ERROR, message, rule, span, notes, help, subject, kind, expected, reason)
 
 
-def error_about(subject: str, reason: str, *, rule: str, help: str | None = None) -> Diagnostic:
-    """An error without a place, whose message is the subject, a colon and the reason."""
-    return error(f"{subject}: {reason}", rule=rule, help=help, subject=subject, reason=reason)
+def error_about(subject: object, reason: str, *, rule: str, help: str | None = None) -> Diagnostic:
+    """An error without a place, whose message is the subject (a name or a path), a colon and the reason."""
+    return error(f"{subject}: {reason}", rule=rule, help=help, subject=str(subject), reason=reason)

@@ -8,7 +8,7 @@ from bisect import bisect_right
 from pathlib import Path
 from typing import NamedTuple
 
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, error_about
 from ur.source.suggest import did_you_mean
 
 MAX_BYTES = 64 * 1024 * 1024
@@ -41,14 +41,15 @@ class SourceFile:
             return cls(str(path), _read_file(str(path)).decode("utf-8"))
         except UnicodeDecodeError as problem:
             raise UserError(
-                error(f"{path}: byte {problem.start} is not UTF-8, expected {expected}", rule="unreadable-file")
+                error_about(path, f"byte {problem.start} is not UTF-8, expected {expected}", rule="unreadable-file")
             ) from None
         except OSError as problem:
             reason = (problem.strerror or str(problem)).lower()
             missing = isinstance(problem, FileNotFoundError)
             raise UserError(
-                error(
-                    f"{path}: {reason}, expected {expected}",
+                error_about(
+                    path,
+                    f"{reason}, expected {expected}",
                     rule="unreadable-file",
                     help=_suggest_sibling(Path(path)) if missing else None,
                 )

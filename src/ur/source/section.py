@@ -8,7 +8,7 @@ from typing import Any, NoReturn
 
 import yaml
 
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, error, error_about
 from ur.source.file import SourceFile, Span
 from ur.source.suggest import did_you_mean
 from ur.source.yaml_depth import check_depth, check_size
@@ -38,7 +38,9 @@ def parse_section(file: SourceFile, what: str) -> Section:
             error(f"not valid YAML, expected {what}: {text}", Span(file, start, start + 1), rule="bad-yaml")
         ) from None
     except (yaml.YAMLError, ValueError) as problem:  # ValueError: characters that are not UTF-8
-        raise UserError(error(f"{file.path}: not valid YAML, expected {what}: {problem}", rule="bad-yaml")) from None
+        raise UserError(
+            error_about(file.path, f"not valid YAML, expected {what}: {problem}", rule="bad-yaml")
+        ) from None
     if not isinstance(node, yaml.MappingNode):
         found = "an empty file" if node is None else f"a {_kind(node)}"
         raise UserError(

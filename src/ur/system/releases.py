@@ -10,7 +10,7 @@ from functools import cache
 from importlib.resources import files
 from typing import Literal, cast
 
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, error_about
 
 _ROBOTS = "Debian 12 or 13, or Raspberry Pi OS 12 or 13 (64 bits)"
 
@@ -131,8 +131,9 @@ def check_robot_system(place: str, system: System) -> None:
     """
     if reason := describe_lack(system):
         raise UserError(
-            error(
-                f"{place}: {reason}, expected {_ROBOTS}",
+            error_about(
+                place,
+                f"{reason}, expected {_ROBOTS}",
                 rule="unsupported-release",
                 help="flash an image of one of these",
             )

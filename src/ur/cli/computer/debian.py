@@ -66,6 +66,7 @@ def _change(*words: str) -> None:
                 f"'ur debian {words[0]}' cannot run inside the Debian root, expected a shell of this computer",
                 rule="inside-root",
                 help=f"in another terminal: {REPOSITORY}/ur debian {' '.join(words)}",
+                subject=words[0],
             )
         )
     _run_script(*words)

@@ -162,7 +162,7 @@ def _settle_site(repository: Repository, folder: Path, check: bool, progress: Pr
 def _prepare(folder: Path) -> None:
     # Only a folder that this verb has made is filled: other people's index.html must survive.
     from ur.docs.site.render import MANIFEST
-    from ur.source.diagnostic import UserError, error
+    from ur.source.diagnostic import UserError, error, error_about
 
     try:
         taken = any(folder.iterdir()) and not (folder / MANIFEST).is_file()
@@ -170,13 +170,14 @@ def _prepare(folder: Path) -> None:
         return
     except OSError as problem:
         reason = (problem.strerror or str(problem)).lower()
-        raise UserError(error(f"{folder}: {reason}, expected a folder", rule="unwritable-file")) from None
+        raise UserError(error_about(folder, f"{reason}, expected a folder", rule="unwritable-file")) from None
     if taken:
         raise UserError(
             error(
                 f"{folder} holds other files, expected an empty folder or a site that was made before",
                 rule="folder-in-use",
                 help=f"give a new folder: --site {folder}/site",
+                subject=str(folder),
             )
         )
 
@@ -203,7 +204,12 @@ def _write(path: Path, text: str, *, lasting: bool, follow: bool) -> None:
     except OSError as problem:
         reason = (problem.strerror or str(problem)).lower()
         raise UserError(
-            error(f"{path} cannot be written: {reason}", rule="unwritable-file", help="--output FILE writes elsewhere")
+            error(
+                f"{path} cannot be written: {reason}",
+                rule="unwritable-file",
+                help="--output FILE writes elsewhere",
+                subject=str(path),
+            )
         ) from None
 
 

@@ -154,12 +154,12 @@ def _write(text: str, output: str | None) -> int:
     if output is None:
         click.echo(text, nl=False)
         return 0
-    from ur.source.diagnostic import UserError, error
+    from ur.source.diagnostic import UserError, error_about
 
     try:
         Path(output).write_text(click.unstyle(text), encoding="utf-8")
     except OSError as problem:
         reason = (problem.strerror or str(problem)).lower()
-        raise UserError(error(f"{output}: {reason}, expected a file to write", rule="unwritable-file")) from None
+        raise UserError(error_about(output, f"{reason}, expected a file to write", rule="unwritable-file")) from None
     click.echo(f"wrote {output}", err=True)
     return 0

@@ -50,7 +50,7 @@ class _Done:
         """The target of a new package. Raises UserError when the folder exists."""
         folder = Path.cwd() / name
         if folder.exists():
-            raise UserError(error(f"{name} is there already, expected a new name", rule="file-exists"))
+            raise UserError(error(f"{name} is there already, expected a new name", rule="file-exists", subject=name))
         return Target(name, folder)
 
 

@@ -46,6 +46,7 @@ def ask(value: str | None, option: str, question: str, default: str | None = Non
                 f"{option} is required where there is no terminal to ask on",
                 rule="not-given",
                 help=f"give {option}: {question}",
+                subject=option,
             )
         )
     answer: str = click.prompt(question, default=default or None, type=str)
@@ -96,13 +97,17 @@ def find_program(package: str, kind: str) -> str:
     except PackageNotFound:
         near = did_you_mean(package, world.package_names())
         help_ = f"did you mean {near}?" if near else "install it, or source the setup.bash of its workspace"
-        raise UserError(error(f"unknown package '{package}'", rule="unknown-package", help=help_)) from None
+        raise UserError(
+            error(f"unknown package '{package}'", rule="unknown-package", help=help_, subject=package)
+        ) from None
     if found:
         return found[0]
     names = sorted(world.executable_names(package))
     near = did_you_mean(kind, names)
     help_ = f"did you mean {near}?" if near else f"there is {', '.join(names) or 'none'}"
-    raise UserError(error(f"no executable '{kind}' in package '{package}'", rule="missing-executable", help=help_))
+    raise UserError(
+        error(f"no executable '{kind}' in package '{package}'", rule="missing-executable", help=help_, subject=kind)
+    )
 
 
 def find_parts(names: Sequence[str], target: Target) -> list[Part]:
@@ -179,7 +184,9 @@ def check_like(library: Path, name: str, like: str | None) -> str | None:
     near = did_you_mean(like, known)
     help_ = f"did you mean {near}?" if near else None if known else "leave --like out"
     expected = f"expected one of {', '.join(known)}" if known else f"package '{name}' has no bases yet"
-    raise UserError(error(f"unknown base '{like}' for --like, {expected}", rule="unknown-base", help=help_))
+    raise UserError(
+        error(f"unknown base '{like}' for --like, {expected}", rule="unknown-base", help=help_, subject=like)
+    )
 
 
 def check_launch_file(target: Target, launch: str) -> None:
@@ -198,7 +205,9 @@ def read_topics(topics: Sequence[str]) -> list[tuple[str, str]]:
         name, _, kind = each.partition(":")
         if not name or not kind:
             help_ = f"for example --topic {name or 'scan'}:sensor_msgs/LaserScan"
-            raise UserError(error(f"invalid --topic '{each}', expected NAME:TYPE", rule="bad-value", help=help_))
+            raise UserError(
+                error(f"invalid --topic '{each}', expected NAME:TYPE", rule="bad-value", help=help_, subject=each)
+            )
         if kind not in DISPLAYS:
             near = did_you_mean(kind, DISPLAYS)
             message = f"unknown type '{kind}' for --topic {name}, expected one of {', '.join(sorted(DISPLAYS))}"

@@ -38,7 +38,9 @@ def make_parameters() -> list[click.Parameter]:
     def refuse(ctx: click.Context, param: click.Parameter, value: object) -> None:
         if value and not ctx.resilient_parsing:
             name = param.opts[0]
-            raise UserError(error(f"{name} is not for ur launch: {_REFUSED[name]}", rule="refused-option"))
+            raise UserError(
+                error(f"{name} is not for ur launch: {_REFUSED[name]}", rule="refused-option", subject=name)
+            )
 
     return [
         flag("--screen", help="Show the output of every node."),
@@ -129,7 +131,9 @@ def check_seconds(options: LaunchOptions) -> None:
         value = getattr(options, name)
         if value is not None and value != value:
             option = name.replace("_", "-")
-            raise UserError(error(f"--{option} nan, expected a number of seconds above 0", rule="bad-options"))
+            raise UserError(
+                error(f"--{option} nan, expected a number of seconds above 0", rule="bad-options", subject=option)
+            )
 
 
 class LaunchCommand(click.Command):

@@ -13,7 +13,7 @@ from ur.request.arguments import split_argv
 from ur.request.environment import PACKAGE, add_own_package, apply_selection, current_selection
 from ur.request.program_arguments import check_arguments
 from ur.request.programs import find_launch_file, find_program
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, error_about
 
 
 @click.command("run", context_settings={"ignore_unknown_options": True, "help_option_names": []})
@@ -41,7 +41,7 @@ def command(program: str, arguments: tuple[str, ...], **lease: bool) -> int:
     except OSError as problem:
         reason = (problem.strerror or str(problem)).lower()
         help_ = "its first line must name an interpreter, as '#!/bin/bash' does" if problem.errno == ENOEXEC else None
-        raise UserError(error(f"{found.path}: cannot be run: {reason}", rule="bad-program", help=help_)) from None
+        raise UserError(error_about(found.path, f"cannot be run: {reason}", rule="bad-program", help=help_)) from None
 
 
 command.params.extend(make_lease_options())

@@ -180,7 +180,7 @@ class _pid_file:  # noqa: N801 - used like a function: with _pid_file(path)
             except OSError as problem:
                 reason = (problem.strerror or str(problem)).lower()
                 raise UserError(
-                    error(f"--pid {self._path}: cannot be written: {reason}", rule="bad-pid-file")
+                    error(f"--pid {self._path}: cannot be written: {reason}", rule="bad-pid-file", subject=self._path)
                 ) from None
 
     def __exit__(self, *_: object) -> None:

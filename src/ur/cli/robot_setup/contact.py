@@ -13,7 +13,7 @@ from ur.robot.discovery.record import load_records, records_folder
 from ur.robot.setup.contact import COMPARE, Contact, meet, needs_answer
 from ur.robot.setup.login import Task
 from ur.robot.ssh.host_key import parse_fingerprint
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, error_about
 
 
 def read_fingerprint(text: str, option: str) -> str:
@@ -21,7 +21,7 @@ def read_fingerprint(text: str, option: str) -> str:
     try:
         return parse_fingerprint(text)
     except ValueError as problem:
-        raise UserError(error(f"{option}: {problem}", rule="bad-value", help=f"to see it, {COMPARE}")) from None
+        raise UserError(error_about(option, f"{problem}", rule="bad-value", help=f"to see it, {COMPARE}")) from None
 
 
 def confirm_host_key(task: Task, *, fingerprint: str = "", yes: bool = False, new_host_key: bool = False) -> Task:
@@ -48,8 +48,9 @@ def _ask(task: Task, contact: Contact) -> None:
     was = "another one was known before" if contact.state == "changed" else "not known to this computer"
     if not sys.stdin.isatty():
         raise UserError(
-            error(
-                f"{task.address}: its host key is {offered}, {was}, and there is no terminal to ask on",
+            error_about(
+                task.address,
+                f"its host key is {offered}, {was}, and there is no terminal to ask on",
                 rule="unconfirmed-host-key",
                 help=f"compare with the robot's own, {COMPARE}; then add --host-key {offered}, "
                 "or --yes in a network that you trust",
@@ -67,8 +68,9 @@ def _ask(task: Task, contact: Contact) -> None:
             return
         if answer.lower() in ("n", "no") or answer.startswith("SHA256:"):
             raise UserError(
-                error(
-                    f"{task.address}: its host key is not confirmed, and nothing was sent to it",
+                error_about(
+                    task.address,
+                    "its host key is not confirmed, and nothing was sent to it",
                     rule="unconfirmed-host-key",
                     help="another computer may answer to this name: use the robot's address, or connect it by cable",
                 )

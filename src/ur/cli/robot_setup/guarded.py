@@ -45,7 +45,9 @@ def read_lines(descriptor: int | None, option: str, count: int) -> list[str]:
         with os.fdopen(descriptor, encoding="utf-8") as stream:
             return [*stream.read().split("\n"), *[""] * count][:count]
     except (OSError, UnicodeDecodeError) as problem:
-        raise UserError(error(f"{option} {descriptor}: cannot be read: {problem}", rule="bad-descriptor")) from None
+        raise UserError(
+            error(f"{option} {descriptor}: cannot be read: {problem}", rule="bad-descriptor", subject=option)
+        ) from None
 
 
 def become_root(shell: SshShell, given: str) -> list[Secret]:

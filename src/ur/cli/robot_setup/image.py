@@ -24,7 +24,7 @@ from ur.robot.image.seed import Wish, hide_secrets, make_seed, present_host_key,
 from ur.robot.image.volume import run_tool
 from ur.robot.setup.change import Change, show_difference
 from ur.robot.ssh.host_key import HostKey
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, error, error_about
 from ur.source.progress_line import show_progress
 from ur.source.replace import replace_file
 from ur.system.releases import check_robot_system
@@ -97,7 +97,7 @@ def prepare(
         raise click.UsageError("--from FILE names robots and outputs: expected no --output, --name or --base beside it")
     source = Path(image)
     if not source.exists():
-        raise UserError(error(f"{image}: not found, expected an image or a device", rule="unreadable-file"))
+        raise UserError(error_about(image, "not found, expected an image or a device", rule="unreadable-file"))
     given = Given(name, base, variant, user, key, ssid, country, wifi_interface, timezone, locale)
     if undo:
         return _take_back(source, dry_run=dry_run, yes=yes)
@@ -170,12 +170,14 @@ def _opened(source: Path, target: Path | None) -> Iterator[tuple[Path, Commit, D
                 f"{source} is compressed ({packing}), expected a place for the unpacked image",
                 rule="packed-image",
                 help=f"add --output {plain if plain.endswith(('.img', '.raw')) else plain + '.img'}",
+                subject=str(source),
             )
         )
     if target and target.exists():
         raise UserError(
-            error(
-                f"{target}: is there already, expected the name of a new file",
+            error_about(
+                target,
+                "is there already, expected the name of a new file",
                 rule="existing-file",
                 help=f"remove it, or prepare it itself: ur image prepare {target}",
             )
@@ -258,7 +260,7 @@ def _remember(wish: Wish) -> None:
         replace_file(path, render_record(record), parents=True)
     except OSError as problem:
         reason = (problem.strerror or str(problem)).lower()
-        raise UserError(error(f"{path}: cannot be written: {reason}", rule="unwritable-file")) from None
+        raise UserError(error_about(path, f"cannot be written: {reason}", rule="unwritable-file")) from None
     if wish.host_key:
         know_host_key(wish.robot.name, wish.host_key)
 

@@ -18,7 +18,7 @@ from ur.robot.image.hashes import derive_network_key, hash_password, is_hash_of
 from ur.robot.image.seed import Wifi, Wish
 from ur.robot.setup.robot_states import Robot, is_robot_name
 from ur.robot.ssh.secret import Secret
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, error, error_about
 from ur.source.section import read_section
 
 _KEY = re.compile(r"(ssh-ed25519|ssh-rsa|ecdsa-sha2-\S+|sk-\S+) [A-Za-z0-9+/]+=*( .*)?")
@@ -66,11 +66,11 @@ def read_robots(path: Path, given: Given) -> list[tuple[Given, Path | None]]:
         item.finish()
     top.finish()
     if not found:
-        raise UserError(error(f"{path}: no robots, expected a list 'robots'", rule="bad-value"))
+        raise UserError(error_about(path, "no robots, expected a list 'robots'", rule="bad-value"))
     values = [str(each.name) for each, _ in found] + [str(output) for _, output in found]
     twice = next((value for value in values if values.count(value) > 1), None)
     if twice is not None:
-        raise UserError(error(f"{path}: {twice} is there twice, expected once", rule="bad-value"))
+        raise UserError(error_about(path, f"{twice} is there twice, expected once", rule="bad-value"))
     return found
 
 
@@ -109,7 +109,11 @@ def read_passwords(wish: Wish, descriptor: int | None) -> Passwords:
                 user, wifi, *_ = [*stream.read().split("\n"), "", ""]
         except (OSError, UnicodeDecodeError) as problem:
             raise UserError(
-                error(f"--passwords-from {descriptor}: cannot be read: {problem}", rule="bad-descriptor")
+                error(
+                    f"--passwords-from {descriptor}: cannot be read: {problem}",
+                    rule="bad-descriptor",
+                    subject="--passwords-from",
+                )
             ) from None
     elif sys.stdin.isatty():
         user = _ask_twice(f"password of {wish.user} (empty: none, the key alone)")
@@ -153,14 +157,23 @@ def _read_keys(given: str | None) -> tuple[str, ...]:
         lines = path.read_text(encoding="utf-8").splitlines()
     except (OSError, UnicodeDecodeError) as problem:
         reason = (getattr(problem, "strerror", "") or "not a text").lower()
-        raise UserError(error(f"{path}: cannot be read: {reason}, expected a key", rule="no-key", help=help)) from None
+        raise UserError(
+            error_about(path, f"cannot be read: {reason}, expected a key", rule="no-key", help=help)
+        ) from None
     keys = tuple(line.strip() for line in lines if line.strip() and not line.startswith("#"))
     if any("PRIVATE KEY" in key for key in keys):
         raise UserError(
-            error(f"{path} is a private key, expected the public half", rule="no-key", help=f"give --key {path}.pub")
+            error(
+                f"{path} is a private key, expected the public half",
+                rule="no-key",
+                help=f"give --key {path}.pub",
+                subject=str(path),
+            )
         )
     if not keys or not all(_KEY.fullmatch(key) for key in keys):
-        raise UserError(error(f"{path} holds no public ssh key, expected one a line", rule="no-key", help=help))
+        raise UserError(
+            error(f"{path} holds no public ssh key, expected one a line", rule="no-key", help=help, subject=str(path))
+        )
     return keys
 
 

@@ -19,7 +19,7 @@ from ur.cli.robot_setup.guarded import (
     say,
     show_plan,
 )
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, error_about
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -77,8 +77,8 @@ def network(
         profile = networks.profile(chosen.profile)
         if profile is None:
             raise UserError(
-                error(
-                    f"{chosen.name}: it is in no network ({chosen.state}), expected a device in use", rule="bad-device"
+                error_about(
+                    chosen.name, f"it is in no network ({chosen.state}), expected a device in use", rule="bad-device"
                 )
             )
         return plan_addressing(networks, profile, chosen, wanted)
@@ -139,8 +139,9 @@ def _find_device(shell: SshShell, networks: Networks, name: str | None) -> Devic
         check_managed(networks, shell.place, None)
         names = ", ".join(each.name for each in networks.devices if each.kind != "loopback")
         raise UserError(
-            error(
-                f"{shell.place}: {f'no network device {name!r}' if name else 'it is not clear which device is meant'}, "
+            error_about(
+                shell.place,
+                f"{f'no network device {name!r}' if name else 'it is not clear which device is meant'}, "
                 f"expected one of {names}",
                 rule="bad-device",
                 help="give --device",

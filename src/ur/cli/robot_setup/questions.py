@@ -21,7 +21,7 @@ from ur.robot.setup.robot_states import Robot, is_robot_name
 from ur.robot.ssh.host_key import parse_fingerprint
 from ur.robot.ssh.openssh import parse_address
 from ur.robot.ssh.secret import Secret
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, error, error_about
 from ur.source.section import Section, read_section
 
 PLAIN = "plain"
@@ -89,7 +89,7 @@ def read_tasks(path: Path) -> tuple[list[Task], dict[str, str]]:
     tasks = [_read_task(item) for item in items]
     top.finish()
     if not tasks:
-        raise UserError(error(f"{path}: no robots, expected a list 'robots'", rule="bad-value"))
+        raise UserError(error_about(path, "no robots, expected a list 'robots'", rule="bad-value"))
     return tasks, fingerprints
 
 
@@ -123,6 +123,7 @@ def check_names(tasks: Sequence[Task]) -> None:
                 error(
                     f"{name!r} is not a valid host name, expected up to 63 lower-case letters, digits and -",
                     rule="bad-name",
+                    subject=name,
                 )
             )
         if names.count(name) > 1 or name in (socket.gethostname().split(".")[0], "localhost", "sim"):
@@ -141,7 +142,11 @@ def read_passwords(
                 lines = [*stream.read().split("\n"), "", ""]
         except (OSError, UnicodeDecodeError) as problem:
             raise UserError(
-                error(f"--passwords-from {descriptor}: cannot be read: {problem}", rule="bad-descriptor")
+                error(
+                    f"--passwords-from {descriptor}: cannot be read: {problem}",
+                    rule="bad-descriptor",
+                    subject="--passwords-from",
+                )
             ) from None
         current, new = lines[:2]
     elif sys.stdin.isatty():

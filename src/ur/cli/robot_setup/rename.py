@@ -21,7 +21,7 @@ from ur.cli.robot_setup.guarded import (
     say,
     show_plan,
 )
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, error, error_about
 
 if TYPE_CHECKING:
     from ur.robot.commit_confirm.guarded import GuardedChange
@@ -53,7 +53,7 @@ def rename(robot: str, name: str, wait: int, password_from: int | None, dry_run:
     address = robot_address(robot)
     later = Address(address.user, f"{name}.local")
     if later.host == address.host:
-        raise UserError(error(f"the robot is already named '{robot}'", rule="bad-name"))
+        raise UserError(error(f"the robot is already named '{robot}'", rule="bad-name", subject=robot))
     (password,) = read_lines(password_from, "--password-from", 1)
     try:
         with connect_robot(address) as shell:
@@ -85,6 +85,7 @@ def check_name(name: str) -> None:
             error(
                 f"{name!r} is not a valid host name, expected up to 63 lower-case letters, digits and -",
                 rule="bad-name",
+                subject=name,
             )
         )
     if name in (socket.gethostname().split(".")[0], "localhost", "sim"):
@@ -137,6 +138,7 @@ def _check_free(there: Shell, here: Shell, name: str, facts: Facts) -> None:
                 f"{name}.local is another computer already ({', '.join(sorted(others))}), expected a free name",
                 rule="taken-name",
                 help="choose another name, or rename that one",
+                subject=name,
             )
         )
 
@@ -159,8 +161,9 @@ def _is_there(later: Address, before: Address) -> bool:
             continue
         if done.code:
             raise UserError(
-                error(
-                    f"{later}: a change of its name is not finished, expected one at a time",
+                error_about(
+                    later,
+                    "a change of its name is not finished, expected one at a time",
                     rule="change-pending",
                     help="nobody confirmed it: it is taken back by itself within a minute or two; then run this again",
                 )

@@ -10,7 +10,7 @@ import click
 
 from ur.cli.robot_setup.guarded import DRY_RUN, WAIT, read_lines, say
 from ur.cli.robot_setup.network import change_network, print_table
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, error_about
 from ur.source.suggest import did_you_mean
 
 if TYPE_CHECKING:
@@ -86,8 +86,9 @@ def _choose(networks: Networks, ssid: str, password: str, *, hidden: bool, band:
         near = did_you_mean(ssid, [each.ssid for each in networks.seen])
         reach = ", ".join(each.ssid for each in networks.seen[:8]) or "none"
         raise UserError(
-            error(
-                f"{ssid}: the robot sees no network of this name, expected one in reach: {reach}",
+            error_about(
+                ssid,
+                f"the robot sees no network of this name, expected one in reach: {reach}",
                 rule="unknown-network",
                 help=f"did you mean {near!r}?" if near else "a network that does not tell its name: --hidden",
             )
@@ -102,8 +103,9 @@ def _choose(networks: Networks, ssid: str, password: str, *, hidden: bool, band:
         return Wifi(ssid, None, "", hidden, band)
     if not password and seen and secured:
         raise UserError(
-            error(
-                f"{ssid}: it wants a password, and none is given",
+            error_about(
+                ssid,
+                "it wants a password, and none is given",
                 rule="missing-answer",
                 help="run this in a terminal, or give --passwords-from FD",
             )
@@ -122,8 +124,9 @@ def _refuse_wireless(place: str, networks: Networks) -> None:
     device = next((each for each in networks.devices if each.kind == "wifi"), None)
     check_managed(networks, place, device)
     raise UserError(
-        error(
-            f"{place}: it has no wireless device, expected one",
+        error_about(
+            place,
+            "it has no wireless device, expected one",
             rule="no-wifi",
             help="is its adapter plugged in, and is its driver there? 'ur robot network' shows what it has",
         )
@@ -139,8 +142,9 @@ def _find_known(networks: Networks, name: str) -> Profile:
         names = [each.ssid or each.name for each in networks.profiles if each.kind == "802-11-wireless"]
         near = did_you_mean(name, names)
         raise UserError(
-            error(
-                f"{name}: the robot knows no network of this name, expected one of: {', '.join(names) or 'none'}",
+            error_about(
+                name,
+                f"the robot knows no network of this name, expected one of: {', '.join(names) or 'none'}",
                 rule="unknown-network",
                 help=f"did you mean {near!r}?" if near else None,
             )

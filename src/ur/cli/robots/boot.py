@@ -123,7 +123,12 @@ def log(robot: str | None, follow: bool, lines: int, name: str) -> int:
     with connect_robot(address) as shell:
         if shell.run(f"[ -e {FOLDER}/{PREFIX}{name}.service ]").code:
             raise UserError(
-                error(f"{address.host} has no boot service {name!r}", rule="bad-name", help="ur boot status")
+                error(
+                    f"{address.host} has no boot service {name!r}",
+                    rule="bad-name",
+                    help="ur boot status",
+                    subject=address.host,
+                )
             )
     options = ["-o", "StrictHostKeyChecking=yes", "-o", "ConnectTimeout=10"]
     terminal = ["-t"] if follow and sys.stdin.isatty() else []

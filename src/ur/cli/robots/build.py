@@ -18,7 +18,7 @@ from ur.request.remote.connection import connect_robot, robot_address
 from ur.robot.deploy import build_attached
 from ur.robot.deploy.build import FACTS, Builder, build_command, check_builder, choose_jobs, parse_builder
 from ur.robot.ssh.shell import LocalShell, Shell, quote
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, error, error_about
 from ur.source.progress_line import show_progress
 
 END_SECONDS = 15.0  # longer than build_attached takes over all its steps
@@ -55,8 +55,9 @@ def command(robots: tuple[str, ...], every: bool, packages: tuple[str, ...], job
         done = run_attached([*shell.words, "--", shell.place, quote("python3", "-I", "-c", code, line)])
     if done == 255:
         raise UserError(
-            error(
-                f"{shell.place}: the connection is gone, and the build with it",
+            error_about(
+                shell.place,
+                "the connection is gone, and the build with it",
                 rule="lost-connection",
                 help="ur doctor",
             )
@@ -74,7 +75,11 @@ def _look(shell: Shell, *, here: bool) -> Builder:
 def _prepare(builder: Builder, names: Sequence[str], jobs: int | None) -> str:
     bad = [name for name in names if not name.replace("-", "").replace("_", "").isalnum()]
     if bad:
-        raise UserError(error(f"{bad[0]!r} is not the name of a package", rule="no-build", help="rospack list-names"))
+        raise UserError(
+            error(
+                f"{bad[0]!r} is not the name of a package", rule="no-build", help="rospack list-names", subject=bad[0]
+            )
+        )
     count, note = choose_jobs(builder, jobs)
     if note:
         click.echo(note, err=True)

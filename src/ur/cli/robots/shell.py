@@ -71,7 +71,9 @@ def _run_in_front(command: Sequence[str]) -> int:
         return running[0].wait()
     except FileNotFoundError:
         raise UserError(
-            error(f"{command[0]} is not installed here", rule="missing-program", help="run: ur setup")
+            error(
+                f"{command[0]} is not installed here", rule="missing-program", help="run: ur setup", subject=command[0]
+            )
         ) from None
     finally:
         for number, handler in zip(numbers, before, strict=True):

@@ -59,6 +59,7 @@ def check_robot(chosen: Selection, *, away: bool) -> str:
                 f"{chosen.robot}.local does not answer",
                 rule="unknown-robot",
                 help=_advise(chosen, near),
+                subject=chosen.robot,
             )
         )
     help_ = f"did you mean 'ur use {near}'?" if near and near != chosen.robot else "'ur robots' lists the robots"

@@ -21,7 +21,7 @@ from ur.robot.ssh.openssh import Address
 from ur.robot.wireless.meter import Meter
 from ur.robot.wireless.record import HEADER, write_row
 from ur.robot.wireless.sample import Sample
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, error, error_about
 from ur.source.progress_line import show_progress
 
 TICK = 1.0  # s
@@ -114,15 +114,20 @@ def _open_log(path: Path) -> TextIO:
         file = path.open("x", encoding="utf-8")
     except FileExistsError:
         raise UserError(
-            error(f"{path} is there already, expected a new file", rule="bad-log", help="give --log another name")
+            error(
+                f"{path} is there already, expected a new file",
+                rule="bad-log",
+                help="give --log another name",
+                subject=str(path),
+            )
         ) from None
     except OSError as problem:
         reason = (problem.strerror or str(problem)).lower()
-        raise UserError(error(f"{path}: cannot be written: {reason}", rule="bad-log")) from None
+        raise UserError(error_about(path, f"cannot be written: {reason}", rule="bad-log")) from None
     file.write(HEADER)
     return file
 
 
 def _unknown(address: Address) -> UserError:
     help = f"is it on, and in the same network? ur doctor {address.host} goes the way step by step"
-    return UserError(error(f"{address.host}: no computer answers to this name", rule="unknown-host", help=help))
+    return UserError(error_about(address.host, "no computer answers to this name", rule="unknown-host", help=help))

@@ -10,7 +10,7 @@ from ur.cli.robots.shell import run_ssh
 from ur.request.remote.connection import robot_address
 from ur.robot.ssh.openssh import STRICT, explain_failure
 from ur.robot.ssh.shell import quote, run_process
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, error, error_about
 from ur.source.progress_line import show_progress
 
 WINDOW = "xlogo"  # of x11-apps, which `ur robot setup` installs
@@ -57,4 +57,4 @@ def command(robot: str, argv: tuple[str, ...], check: bool) -> int:
         help_ = f"ur robot setup {address.host}"
     else:
         help_ = f"is the display here open to you? 'xauth list' and 'echo $DISPLAY'; then ur doctor {address.host}"
-    raise UserError(error(f"{address}: no window opened: {said}", rule="no-window", help=help_))
+    raise UserError(error_about(address, f"no window opened: {said}", rule="no-window", help=help_))

@@ -89,7 +89,9 @@ def connect(entry: RunEntry) -> RunClient:
     try:
         return connect_run(entry.folder)
     except RunGone:
-        raise UserError(error(f"run {entry.run} has ended just now", rule="unknown-run", help="ur ps")) from None
+        raise UserError(
+            error(f"run {entry.run} has ended just now", rule="unknown-run", help="ur ps", subject=entry.run)
+        ) from None
 
 
 def find_node_name(name: str, names: list[str]) -> str:
@@ -103,6 +105,7 @@ def find_node_name(name: str, names: list[str]) -> str:
             f"node {name!r} is not in this run, expected one of {', '.join(names) or '(none)'}",
             rule="unknown-node",
             help=f"did you mean {near}?" if near else None,
+            subject=name,
         )
     )
 

@@ -11,7 +11,7 @@ import click
 from ur.cli.runs.detached import describe_end, find_node_name, list_own_ended, list_own_runs
 from ur.run.record.ended import EndedRun, find_ended
 from ur.run.record.registry import find_run
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, error_about
 from ur.source.printable import printable
 
 
@@ -47,7 +47,7 @@ def show_ended(run: EndedRun, node: str | None, lines: int | None, *, only_path:
     except OSError as problem:
         if node is not None:
             reason = (problem.strerror or str(problem)).lower()
-            raise UserError(error(f"{path}: {reason}, expected a log file", rule="no-log")) from None
+            raise UserError(error_about(path, f"{reason}, expected a log file", rule="no-log")) from None
         found = [f"{printable(line)}\n".encode() for line in run.lines]
     sys.stdout.buffer.write(b"".join(found if lines is None else found[-lines:] if lines else []))
     sys.stdout.buffer.flush()

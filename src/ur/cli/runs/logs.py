@@ -14,7 +14,7 @@ from ur.run.clients.client import RunClient, iterate_events
 from ur.run.clients.protocol import NodeChanged, Synchronised
 from ur.run.output.log_follower import LogFollower
 from ur.run.record.registry import RunEntry
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, error_about
 
 POLL_PERIOD = 0.1  # s
 
@@ -94,5 +94,7 @@ def _show(path: Path, client: RunClient, lines: int | None, silent: str, *, foll
     except OSError as problem:
         reason = (problem.strerror or str(problem)).lower()
         raise UserError(
-            error(f"{path}: {reason}, expected a log file", rule="no-log", help="a node that never started has none")
+            error_about(
+                path, f"{reason}, expected a log file", rule="no-log", help="a node that never started has none"
+            )
         ) from None

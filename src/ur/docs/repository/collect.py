@@ -64,6 +64,7 @@ def collect_repository(path: str, world: World, progress: Progress = no_progress
                 f"{path} holds no launch file, expected a launch repository: a package or a folder of packages",
                 rule="no-launch-files",
                 help="launch files end in .launch or .launch.xml",
+                subject=path,
             )
         )
     packages = _complete(targets, root, cached)

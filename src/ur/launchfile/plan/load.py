@@ -13,7 +13,7 @@ from ur.launchfile.plan.tags.body import resolve_file
 from ur.launchfile.plan.values.budget import Budget
 from ur.launchfile.syntax import LaunchFile
 from ur.launchfile.world.protocol import World
-from ur.source.diagnostic import error
+from ur.source.diagnostic import error, error_about
 from ur.source.file import SourceFile, Span
 from ur.source.suggest import did_you_mean
 
@@ -67,7 +67,9 @@ def _load_file(path: str, values: dict[str, str], arguments: Sequence[str], draf
         near = did_you_mean(name, (each for each in draft.world.list_folder(folder or ".") if each != name))
         near = None if isinstance(problem, PermissionError) else near
         help_ = f"did you mean {folder}{slash}{near}?" if near else "give the path of a launch file that you may read"
-        draft.add_diagnostic(error(f"{path}: {reason}, expected a launch file", rule="missing-file", help=help_), ())
+        draft.add_diagnostic(
+            error_about(path, f"{reason}, expected a launch file", rule="missing-file", help=help_), ()
+        )
         return
     except ValueError as problem:
         draft.add_diagnostic(error(f"starting namespace: {problem}", rule="bad-name"), ())

@@ -13,7 +13,7 @@ from ur.launchfile.plan.scope import Scope
 from ur.launchfile.plan.tags.body import resolve_file
 from ur.launchfile.syntax import LaunchFile
 from ur.launchfile.world.protocol import World
-from ur.source.diagnostic import error
+from ur.source.diagnostic import error, error_about
 from ur.source.suggest import did_you_mean
 
 # A letter that no launch file uses: what starts with this is relative to where the file is included.
@@ -44,7 +44,7 @@ def _load(path: str, arguments: Mapping[str, str], draft: Draft, passes_all: boo
         parsed = draft.parse(path)
     except OSError as problem:
         reason = (problem.strerror or str(problem)).lower()
-        draft.add_diagnostic(error(f"{path}: {reason}, expected a launch file", rule="missing-file"), ())
+        draft.add_diagnostic(error_about(path, f"{reason}, expected a launch file", rule="missing-file"), ())
         return
     scope = Scope(HERE, path, dict(arguments))
     scope.pass_all_args = passes_all
@@ -62,6 +62,7 @@ def _check_declared(path: str, arguments: Mapping[str, str], draft: Draft, scope
                     f"argument '{name}' is passed, but {path} does not declare it",
                     rule="unknown-argument",
                     help=f"did you mean {near}?" if near else f"that file declares: {declared}",
+                    subject=name,
                 ),
                 (),
             )

@@ -63,6 +63,7 @@ def explain_name(
             f"{name} is no parameter, argument, remap or node of {', '.join(files)}",
             rule="unknown-name",
             help=f"did you mean {near}?" if near else "`ur launch --dump json FILE` shows all names",
+            subject=name,
         )
     )
 

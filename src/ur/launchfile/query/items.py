@@ -31,6 +31,7 @@ def find_node_file(plan: Plan, name: str) -> str:
             f"unknown node '{full_name}', expected one of {', '.join(names) or 'none'}",
             rule="unknown-node",
             help=f"did you mean {near}?" if near else None,
+            subject=full_name,
         )
     )
 

@@ -64,7 +64,9 @@ def refuse_second_master() -> None:
         master.get_run_id()
     except Unanswered:
         return
-    raise UserError(error(f"--core: a master runs already at {master.uri}", rule="second-master", help="ur ps"))
+    raise UserError(
+        error(f"--core: a master runs already at {master.uri}", rule="second-master", help="ur ps", subject=master.uri)
+    )
 
 
 def join_running(loaded: Loaded, report: Report) -> tuple[Plan, tuple[RunEntry, ...]]:
@@ -225,6 +227,7 @@ def _check_arguments(loaded: Loaded, decision: Decision, uri: str) -> None:
             f"{argument!r} is not possible: {robot} has {name} {value!r}",
             rule="robot-runs-already",
             help=f"{stop}; to join it leave {argument} out, or give bring_up:=false",
+            subject=argument,
         )
         for argument, name, value in _list_misfits(loaded, decision, uri)
     ]
@@ -268,7 +271,12 @@ def _explain_nothing_left(decision: Decision) -> UserError:
     names = ", ".join(each.name for each in decision.joined)
     if not runs:
         return UserError(
-            error(f"{names} run already, expected a node to start", rule="node-runs-already", help="rosnode list")
+            error(
+                f"{names} run already, expected a node to start",
+                rule="node-runs-already",
+                help="rosnode list",
+                subject=names,
+            )
         )
     return UserError(
         error(
@@ -289,5 +297,6 @@ def _await_owners(owners: Iterable[RunEntry], report: Report) -> None:
                     f"{entry.run} has ended, or has not started, while this program was to join it",
                     rule="run-gone",
                     help="ur ps --ended; then start this program again",
+                    subject=entry.run,
                 )
             )

@@ -32,7 +32,7 @@ from ur.run.remote.protocol import Answer, Client, Request, dump, parse_answer
 from ur.run.remote.share import END_SECONDS
 from ur.run.remote.start import START_SECONDS
 from ur.run.startup.machine_assignment import keep_nodes
-from ur.source.diagnostic import UserError, error, error_about
+from ur.source.diagnostic import UserError, error_about
 
 AGAIN_SECONDS = 0.5
 MARGIN = 30.0  # s more than what the robot itself waits for: login and network
@@ -195,8 +195,9 @@ def name_file(request: LaunchRequest, robot: str) -> list[str]:
         except (LookupError, OSError, ValueError):
             pass
     raise UserError(
-        error(
-            f"{names[0]}: part of it runs on {robot}, expected a launch file of a package, which {robot} has too",
+        error_about(
+            names[0],
+            f"part of it runs on {robot}, expected a launch file of a package, which {robot} has too",
             rule="robot-part",
             help=f"put it into a package in ~/catkin_ws/src; then: ur sync {robot}",
         )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ur.run.remote.protocol import Answer, Problem
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, error_about
 
 _MISSING = frozenset({"missing-file", "unknown-package"})  # of the command line: the launch file is not there
 
@@ -40,7 +40,7 @@ def explain_problem(robot: str, problem: Problem) -> UserError:
     if problem.rule in _MISSING and not problem.place:
         help_ = f"is it in the workspace of this computer? then: ur sync {robot}"
     place = f"{problem.place}: " if problem.place else ""
-    return UserError(error(f"{robot}: {place}{problem.message}", rule=problem.rule or "robot-part", help=help_))
+    return UserError(error_about(robot, f"{place}{problem.message}", rule=problem.rule or "robot-part", help=help_))
 
 
 def _explain_found(clients: Sequence[str]) -> str:

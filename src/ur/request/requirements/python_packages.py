@@ -87,7 +87,9 @@ def run_installer(command: Sequence[str], missing: str, settings: str, verb: str
 
 
 def _failure(missing: str, reason: str, help_: str, verb: str) -> UserError:
-    return UserError(error(f"{missing} could not be {_STEMS[verb]}ed: {reason}", rule="no-package", help=help_))
+    return UserError(
+        error(f"{missing} could not be {_STEMS[verb]}ed: {reason}", rule="no-package", help=help_, subject=missing)
+    )
 
 
 @contextmanager

@@ -29,6 +29,7 @@ def load_base(package: str | Path, name: str, variant: str = "") -> Base:
                 help=f"did you mean {near!r}?"
                 if near
                 else f"a base is a folder with a base.yaml in {path.parent.parent}",
+                subject=name,
             )
         )
     return read_base(path, name, variant)
@@ -49,6 +50,7 @@ def read_base(path: str | Path, name: str, variant: str = "") -> Base:
                 f"variant {variant!r} of base {name!r} is not known, {expected}",
                 rule="unknown-variant",
                 help=f"did you mean {near!r}?" if near else "leave the variant out for the plain base",
+                subject=variant,
             )
         )
     return read_whole(plain.merged(variants[variant]) if variant else plain, name, variant)

@@ -27,7 +27,7 @@ from ur.robot.setup.facts import Facts
 from ur.robot.ssh.openssh import Address, connect
 from ur.robot.ssh.secret import Secret
 from ur.robot.ssh.shell import Done, Shell
-from ur.source.diagnostic import Note, UserError, error
+from ur.source.diagnostic import Note, UserError, error, error_about
 
 GRACE = 90.0  # s after the robot's own limit: it makes the change, goes back, and its network comes up again
 PAUSE = 1.0
@@ -84,8 +84,9 @@ def hand_over(shell: Shell, order: Order, facts: Facts) -> None:
     if done.code:
         said = (done.err or done.out).strip().splitlines()
         raise UserError(
-            error(
-                f"{shell.place}: {change.title}: the robot could not prepare to revert it, so nothing was changed: "
+            error_about(
+                shell.place,
+                f"{change.title}: the robot could not prepare to revert it, so nothing was changed: "
                 f"{said[-1] if said else f'exit code {done.code}'}",
                 rule="failed-change",
                 help="fix that and run this again",
@@ -103,8 +104,9 @@ def refuse_pending(shell: Shell) -> None:
 def _pending(place: str, said: str) -> UserError:
     title, by = [*said.splitlines(), "another change", "somebody"][:2]
     return UserError(
-        error(
-            f"{place}: '{title}', begun by {by}, is not finished, expected one change at a time",
+        error_about(
+            place,
+            f"'{title}', begun by {by}, is not finished, expected one change at a time",
             rule="change-pending",
             help="it is confirmed or reverted within two minutes; then run this again",
         )
@@ -167,6 +169,7 @@ def come_back(
             help="the robot reverts the change by itself; is this computer still in its network? if nothing else "
             "helps, switch the robot off and on: it then starts as it was before the change",
             notes=_seen(doubts.values()),
+            subject=title,
         )
     )
 
@@ -181,8 +184,9 @@ def _read(identity: str, done: Done) -> Ended | None:
 
 def _never_begun(title: str, address: Address) -> UserError:
     return UserError(
-        error(
-            f"{title}: the connection to {address} broke before the change began; nothing was changed",
+        error_about(
+            title,
+            f"the connection to {address} broke before the change began; nothing was changed",
             rule="lost-connection",
             help="check the network (ur doctor), then run this again",
         )
@@ -196,6 +200,7 @@ def _taken_back(title: str, address: Address, ended: Ended, doubts: Sequence[str
             rule="taken-back",
             help=f"the robot is {address} as before, and nothing is lost; fix the cause, then run this again",
             notes=_seen(doubts) if ended.reason.startswith(UNCONFIRMED) else (),
+            subject=title,
         )
     )
 

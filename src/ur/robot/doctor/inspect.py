@@ -16,7 +16,7 @@ from ur.robot.doctor.side import Side
 from ur.robot.setup.verify import clock_offset
 from ur.robot.ssh.openssh import SshShell
 from ur.robot.ssh.shell import Shell, quote
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, error_about
 from ur.source.printable import printable
 
 LOOK_SECONDS = 90.0
@@ -99,8 +99,9 @@ def read_name(there: Shell) -> str:
     name = there.run("cat /proc/sys/kernel/hostname").out.strip().split(".")[0]
     if not _NAME.fullmatch(name):
         raise UserError(
-            error(
-                f"{there.place}: {printable(name[:40])!r} is not a host name, expected letters, digits and -",
+            error_about(
+                there.place,
+                f"{printable(name[:40])!r} is not a host name, expected letters, digits and -",
                 rule="no-facts",
                 help="is it the computer that you expect? Run this again; if it persists, report it",
             )
@@ -159,8 +160,9 @@ def _offset(here: Shell, there: Shell) -> float:
     strange = next((each for each in said if not _TIME.fullmatch(each)), None)
     if strange is not None:
         raise UserError(
-            error(
-                f"{there.place}: {printable(strange[:40])!r} is not a time, expected seconds since 1970",
+            error_about(
+                there.place,
+                f"{printable(strange[:40])!r} is not a time, expected seconds since 1970",
                 rule="no-facts",
                 help="is it the computer that you expect? Run this again; if it persists, report it",
             )

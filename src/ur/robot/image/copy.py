@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import IO, cast
 
 from ur.robot.image.content import identify_packing
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, error_about
 from ur.source.replace import sync_folder
 
 CHUNK = 1 << 20
@@ -64,7 +64,7 @@ def _copy(source: Path, beside: Path, progress: Progress) -> None:
             _copy_sparsely(_unpack(packed, source), packed, copy, progress)
     except _DAMAGE as problem:
         raise UserError(
-            error(f"{source}: is damaged: {str(problem).lower()}", rule="damaged-image", help="download it again")
+            error_about(source, f"is damaged: {str(problem).lower()}", rule="damaged-image", help="download it again")
         ) from None
     except OSError as problem:
         raise _unusable(beside.parent, "written", problem) from None
@@ -84,8 +84,9 @@ def _unpack(packed: IO[bytes], source: Path) -> IO[bytes]:
         images = [name for name in archive.namelist() if name.endswith((".img", ".raw"))]
         if len(images) != 1:
             raise UserError(
-                error(
-                    f"{source}: holds {len(images)} images, expected one file that ends in .img",
+                error_about(
+                    source,
+                    f"holds {len(images)} images, expected one file that ends in .img",
                     rule="unknown-image",
                     help="unpack it, then prepare what is in it",
                 )
@@ -93,8 +94,9 @@ def _unpack(packed: IO[bytes], source: Path) -> IO[bytes]:
         return archive.open(images[0])
     if kind == "zstd":
         raise UserError(
-            error(
-                f"{source}: is compressed with zstd, expected xz, gzip, bzip2, zip or none",
+            error_about(
+                source,
+                "is compressed with zstd, expected xz, gzip, bzip2, zip or none",
                 rule="unknown-image",
                 help=f"run: zstd -d {source}",
             )
@@ -124,4 +126,4 @@ def _remove_unfinished(target: Path) -> None:
 
 def _unusable(path: Path, doing: str, problem: OSError) -> UserError:
     reason = (problem.strerror or str(problem)).lower()
-    return UserError(error(f"{path}: cannot be {doing}: {reason}", rule="unwritable-file"))
+    return UserError(error_about(path, f"cannot be {doing}: {reason}", rule="unwritable-file"))

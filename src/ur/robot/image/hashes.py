@@ -42,6 +42,7 @@ def derive_network_key(password: Secret, network: str) -> str:
             error(
                 f"that cannot be the password of {network}, expected 8 to 63 letters, digits and signs of ASCII",
                 rule="bad-password",
+                subject=network,
             )
         )
     return hashlib.pbkdf2_hmac("sha1", text.encode(), network.encode(), 4096, 32).hex()

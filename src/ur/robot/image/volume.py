@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, error, error_about
 
 _SECONDS = 120.0
 _TOOLS = {"debugfs": "e2fsprogs", "openssl": "openssl"}
@@ -148,6 +148,7 @@ def run_tool(
                 f"{words[0]} is not installed here, needed to look into images",
                 rule="missing-program",
                 help=f"run: sudo apt-get install {package}",
+                subject=words[0],
             )
         ) from None
     except subprocess.TimeoutExpired:
@@ -161,7 +162,9 @@ def _quote(path: str) -> str:
 def _compare(path: str, found: bytes | None, wanted: bytes | None) -> None:
     if found != wanted:
         raise UserError(
-            error(f"{path}: what was written is not there afterwards", rule="failed-change", help="is its disk full?")
+            error_about(
+                path, "what was written is not there afterwards", rule="failed-change", help="is its disk full?"
+            )
         )
 
 

@@ -14,7 +14,7 @@ from ur.robot.setup.made import RECORD
 from ur.robot.setup.wanted import Wanted
 from ur.robot.ssh.secret import Secret
 from ur.robot.ssh.shell import Shell, quote
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, error_about
 
 MOST_CHANGES = 300  # of one set-up, which has some dozens: a computer that says something else each time ends it
 Make = Callable[[Facts], Sequence[Wanted]]
@@ -101,8 +101,9 @@ def apply_change(
             said = (done.err or done.out).strip().splitlines()
             reason = said[0] if said else f"exit code {done.code}"
             raise UserError(
-                error(
-                    f"{shell.place}: {change.title}: {reason}",
+                error_about(
+                    shell.place,
+                    f"{change.title}: {reason}",
                     rule="failed-change",
                     help="fix that and run this again: it continues where it stopped",
                 )
@@ -143,8 +144,9 @@ def bring_about(
         for change in changes:
             if change in made:
                 raise UserError(
-                    error(
-                        f"{shell.place}: {change.title}: changed, and still not as wanted",
+                    error_about(
+                        shell.place,
+                        f"{change.title}: changed, and still not as wanted",
                         rule="failed-change",
                         help="look at its log there (journalctl), then run this again",
                     )
@@ -153,8 +155,9 @@ def bring_about(
             apply_change(shell, change, route=route, progress=progress)
             made.append(change)
     raise UserError(
-        error(
-            f"{shell.place}: {MOST_CHANGES} changes were made, and it is still not as wanted",
+        error_about(
+            shell.place,
+            f"{MOST_CHANGES} changes were made, and it is still not as wanted",
             rule="failed-change",
             help="each check of it finds another state: ur doctor",
         )

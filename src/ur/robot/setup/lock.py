@@ -9,7 +9,7 @@ from contextlib import contextmanager, suppress
 from ur.robot.ssh.guard import Lines
 from ur.robot.ssh.openssh import ALIVE_SECONDS, SshShell, lost_connection
 from ur.robot.ssh.shell import quote
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, error, error_about
 
 LOCK_FILE = "/run/ubiquity-setup.lock"  # for root alone, and gone after a reboot
 WAIT_SECONDS = 30.0  # longer than SILENCE_SECONDS: the lock of somebody who was cut off is free by then
@@ -61,12 +61,14 @@ def hold_robot(shell: SshShell, who: str, report: Callable[[str], None]) -> Iter
                     f"{shell.place} is being set up already, by {rest}, expected one at a time",
                     rule="busy-robot",
                     help="wait until that is done, then run this again",
+                    subject=shell.place,
                 )
             )
         if word == "failed":
             raise UserError(
-                error(
-                    f"{shell.place}: {LOCK_FILE}: {rest}",
+                error_about(
+                    shell.place,
+                    f"{LOCK_FILE}: {rest}",
                     rule="failed-change",
                     help="free space on the robot; df shows what is full",
                 )

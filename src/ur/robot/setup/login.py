@@ -16,7 +16,7 @@ from ur.robot.ssh.guard import private_folder
 from ur.robot.ssh.host_key import HostKey, find_known_keys, pin_host_key
 from ur.robot.ssh.openssh import Address, SshShell, connect, host_key_options
 from ur.robot.ssh.secret import Secret
-from ur.source.diagnostic import UserError, error, error_about
+from ur.source.diagnostic import UserError, error_about
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,8 +110,9 @@ def _explain_refusal(task: Task, failure: UserError) -> UserError:
     if failure.diagnostics[0].rule != "refused" or not (task.first_contact and task.current and task.new):
         return failure
     return UserError(
-        error(
-            f"{task.address}: the login was refused; the new password was not sent",
+        error_about(
+            task.address,
+            "the login was refused; the new password was not sent",
             rule="refused",
             help="check user and present password; where an earlier run has changed it, that is the new one",
         )
@@ -129,8 +130,9 @@ def _enter_sudo(task: Task, shell: SshShell) -> None:
     unproven = task.first_contact and task.current and task.new and not shell.accepted
     if unproven and task.current and not is_password(shell, task.current):
         raise UserError(
-            error(
-                f"{shell.address}: it has another password than the given one, and is not sent the new one",
+            error_about(
+                shell.address,
+                "it has another password than the given one, and is not sent the new one",
                 rule="wrong-password",
                 help="give its present password; where an earlier run has changed it, that is the new one",
             )

@@ -25,7 +25,7 @@ from ur.robot.setup.wanted import Wanted, WantedFile
 from ur.robot.ssh.host_key import HostKey, find_known_keys
 from ur.robot.ssh.openssh import Address, SshShell, connect
 from ur.robot.ssh.shell import Shell, quote
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, error, error_about
 from ur.system.releases import check_robot_system, parse_os_release
 
 BOOT_SECONDS = 180.0
@@ -161,8 +161,9 @@ def wait_for_boot(
                 reason = problem.diagnostics[0].message
         time.sleep(PAUSE_SECONDS)
     raise UserError(
-        error(
-            f"{task.later}: not back {BOOT_SECONDS:g} s after its reboot: {reason}",
+        error_about(
+            task.later,
+            f"not back {BOOT_SECONDS:g} s after its reboot: {reason}",
             rule="no-boot",
             help="is it in the same network? then run this again: it goes on where it stopped",
         )
@@ -181,15 +182,16 @@ def _remember(task: Task, host: str, here: Shell, viewer: Viewer, facts: Facts, 
     host_key, public_key = facts.file(HOST_KEY).text, facts.file(KEY + ".pub").text
     if not host_key or not public_key:
         raise UserError(
-            error(f"{task.address}: it has no ssh keys after the set-up", rule="failed-change", help="ur doctor")
+            error_about(task.address, "it has no ssh keys after the set-up", rule="failed-change", help="ur doctor")
         )
 
     # What it reports becomes what this computer knows it by: the key with which it has answered, and no other.
     shown = frozenset([task.host_key]) if task.host_key else find_known_keys(host)
     if shown and HostKey(" ".join(host_key.split()[:2])) not in shown:
         raise UserError(
-            error(
-                f"{task.address}: it reports another host key than the one with which it answers",
+            error_about(
+                task.address,
+                "it reports another host key than the one with which it answers",
                 rule="wrong-host-key",
                 help="at the robot itself: sudo systemctl restart ssh; then run this again",
             )
@@ -248,5 +250,6 @@ def _check_robot(task: Task, shell: SshShell) -> None:
                 f"{task.later.host} is another computer already ({', '.join(sorted(others))}), expected a free name",
                 rule="taken-name",
                 help="choose another name, or rename that one",
+                subject=task.later.host,
             )
         )

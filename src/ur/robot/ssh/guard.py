@@ -14,7 +14,7 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, error_about
 
 SOCKET_BYTES = 60  # of a folder's path, so that a socket inside still has an address, unix(7)
 _FOLDER = """\
@@ -44,8 +44,9 @@ def private_folder() -> Iterator[Path]:
         name = guard.stdout.readline().strip()
         if not name:
             raise UserError(
-                error(
-                    f"{base}: cannot create a folder there",
+                error_about(
+                    base,
+                    "cannot create a folder there",
                     rule="no-folder",
                     help=f"free space: df {base} shows how much is left",
                 )

@@ -48,6 +48,7 @@ def parse_address(text: str, default_user: str) -> Address:
             error(
                 f"{text!r} is not an address, expected HOST or USER@HOST, for instance ros@robot.local",
                 rule="bad-address",
+                subject=text,
             )
         )
     return Address(user, host if "." in host or ":" in host else f"{host}.local")

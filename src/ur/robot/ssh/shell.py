@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from ur.robot.ssh.secret import Secret
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, error, error_about
 
 MOST_BYTES = 1 << 26  # of what a command prints: a list of all packages has some hundred kilobytes
 _CHUNK = 1 << 16
@@ -67,7 +67,7 @@ class LocalShell:
         done = run_process(command, stdin=stdin, timeout=timeout, what=what, own_session=False)
         if done.code and done.err.startswith("sudo:"):
             reason = done.err.splitlines()[0].removeprefix("sudo: ")
-            raise UserError(error(f"{self.place}: sudo refused: {reason}", rule="no-root", help=_NO_ROOT))
+            raise UserError(error_about(self.place, f"sudo refused: {reason}", rule="no-root", help=_NO_ROOT))
         return done
 
 
@@ -96,22 +96,26 @@ def run_process(
         )
     except ValueError as problem:  # a null byte in an argument
         raise UserError(
-            error(f"{what}: {problem}", rule="bad-argument", help="is a name or an answer in it what you expect?")
+            error_about(what, f"{problem}", rule="bad-argument", help="is a name or an answer in it what you expect?")
         ) from None
     except FileNotFoundError:
         raise UserError(
             error(
-                f"{command[0]} is not installed here, needed for {what}", rule="missing-program", help="run: ur setup"
+                f"{command[0]} is not installed here, needed for {what}",
+                rule="missing-program",
+                help="run: ur setup",
+                subject=command[0],
             )
         ) from None
     try:
         out, err = _exchange(process, text.encode(errors="surrogateescape"), time.monotonic() + timeout)
     except TimeoutError:
-        raise UserError(error(f"{what}: no answer within {timeout:g} s", rule="no-answer", help=_LATE)) from None
+        raise UserError(error_about(what, f"no answer within {timeout:g} s", rule="no-answer", help=_LATE)) from None
     except OverflowError:
         raise UserError(
-            error(
-                f"{what}: the answer has more than {MOST_BYTES >> 20} MB, and no end",
+            error_about(
+                what,
+                f"the answer has more than {MOST_BYTES >> 20} MB, and no end",
                 rule="endless-answer",
                 help="is it the computer that you expect? Look at it: ur shell",
             )

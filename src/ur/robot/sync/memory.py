@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from ur.robot.sync.model import Agreed, File
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, error_about
 from ur.source.replace import replace_file
 from ur.source.user_folders import user_folder
 
@@ -57,7 +57,7 @@ def store_memory(path: Path, memory: Memory) -> None:
         replace_file(path, json.dumps({"version": VERSION, "pair": pair, "agreed": rows}), parents=True)
     except OSError as problem:
         reason = (problem.strerror or str(problem)).lower()
-        raise UserError(error(f"{path}: cannot be written: {reason}", rule="no-memory")) from None
+        raise UserError(error_about(path, f"cannot be written: {reason}", rule="no-memory")) from None
 
 
 def known_files(agreed: Mapping[str, Agreed], side: str) -> dict[str, tuple[int, int, str]]:

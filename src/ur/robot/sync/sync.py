@@ -18,7 +18,7 @@ from ur.robot.sync import side as side_program
 from ur.robot.sync.compare import agree, drop_ignored
 from ur.robot.sync.memory import Memory, Pair, known_files
 from ur.robot.sync.model import SIDES, Manifest, Side, Step, SyncPlan, check_path, read_files
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, error, error_about
 
 WORKSPACE = "catkin_ws/src"
 _SECONDS = 1800.0  # a first look reads every file
@@ -75,8 +75,8 @@ def look_at(shell: SshShell, root: Path, last: Memory | None) -> Look:
         if not answers[place.side].has_rsync:
             who = "this computer" if place.side == "here" else shell.place
             raise UserError(
-                error(
-                    f"{who}: rsync is not installed", rule="missing-program", help="there: sudo apt-get install rsync"
+                error_about(
+                    who, "rsync is not installed", rule="missing-program", help="there: sudo apt-get install rsync"
                 )
             )
     patterns = [*answers["here"].ignored, *answers["there"].ignored]
@@ -164,7 +164,9 @@ def _ask(place: Place, request: Mapping[str, Any]) -> Any:
     except (ValueError, RecursionError):
         reason = (done.err.strip().splitlines() or [f"exit code {done.code}"])[-1]
         raise UserError(
-            error(f"{place.shell.place}: its workspace cannot be read: {reason}", rule="failed-sync", help="ur doctor")
+            error_about(
+                place.shell.place, f"its workspace cannot be read: {reason}", rule="failed-sync", help="ur doctor"
+            )
         ) from None
 
 
@@ -210,5 +212,5 @@ def _run_rsync(
     # 23 and 24: some files changed or vanished meanwhile. They are missed when the rest is put in its place.
     if process.returncode not in (0, 23, 24):
         lines = said.decode(errors="replace").strip().splitlines() or [f"exit code {process.returncode}"]
-        raise UserError(error(f"{shell.place}: rsync: {lines[0]}", rule="failed-sync", help="ur doctor"))
+        raise UserError(error_about(shell.place, f"rsync: {lines[0]}", rule="failed-sync", help="ur doctor"))
     sys.stdout.flush()

@@ -96,6 +96,7 @@ def plan_debugging(target: Target, tool: Tool, tools: DebugTools, port: int) -> 
                 f"--debug {target.name}=pudb: pudb needs a terminal, and there is no terminal, tmux or display here",
                 rule="no-place-to-debug",
                 help=f"--debug {target.name}=debugpy waits for a debugger elsewhere",
+                subject=target.name,
             )
         )
     return _run_in_terminal(target.name, python_prefix(target, ("-m", "pudb")), terminal, tools)
@@ -158,6 +159,7 @@ def _check_kind(target: Target, tool: Tool) -> None:
             f"--debug {target.name}={tool}: {target.name} is {what[target.kind]}, expected {expected}",
             rule="wrong-debugger",
             help=f"--debug {target.name}{other}" if other else f"--prefix '{target.name}=bash -x' shows what it does",
+            subject=target.name,
         )
     )
 
@@ -170,5 +172,6 @@ def _check_installed(name: str, tool: Tool, tools: DebugTools) -> None:
             f"--debug {name}={tool}: {tool} is not installed",
             rule="no-debugger",
             help=install_command(PACKAGES[tool]),
+            subject=name,
         )
     )

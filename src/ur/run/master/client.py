@@ -115,6 +115,7 @@ def parse_master_uri(uri: str) -> Master:
                 f"ROS_MASTER_URI: {uri!r}, expected http://HOST:PORT",
                 rule="bad-master-uri",
                 help="an IPv6 address stands in brackets: http://[::1]:11311" if host.count(":") > 1 else "unset it",
+                subject=uri,
             )
         )
     return Master(uri, host[1:-1] if literal else host, int(port))

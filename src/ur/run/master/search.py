@@ -114,5 +114,6 @@ def _no_master(master: Master, problem: Unanswered) -> UserError:
             f"no ROS master answers at {master.uri}: {problem}",
             rule="no-master",
             help="is the robot on and in this network? 'ur use sim' selects the simulated robot",
+            subject=master.uri,
         )
     )

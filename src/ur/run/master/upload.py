@@ -11,7 +11,7 @@ from ur.run.master.client import Master
 from ur.run.master.parameters import CommandParameters, plain_values
 from ur.run.master.xml_rpc import Refused, Unanswered
 from ur.run.supervisor.events import Event, ParametersSet, SetupFailed, Unregistered
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, error_about
 
 
 def upload_parameters(
@@ -49,7 +49,7 @@ def _dump_parameters(master: Master, name: str, file: str) -> None:
         Path(file).write_text(yaml.safe_dump(master.call("getParam", name)), encoding="utf-8")
     except OSError as problem:
         reason = (problem.strerror or str(problem)).lower()
-        raise UserError(error(f"{file}: parameters cannot be written: {reason}", rule="bad-dump")) from None
+        raise UserError(error_about(file, f"parameters cannot be written: {reason}", rule="bad-dump")) from None
 
 
 def remove_registrations(master: Master, names: list[str]) -> Event:

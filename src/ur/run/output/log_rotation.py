@@ -39,6 +39,7 @@ def read_bounds(environment: Mapping[str, str]) -> LogBounds:
                 f"{BOUND_VARIABLE} is '{text}', expected the largest size of a log file in MB, at least 0.1",
                 rule="bad-log-bound",
                 help=f"unset {BOUND_VARIABLE}, which means {_DEFAULT_MB}",
+                subject=BOUND_VARIABLE,
             )
         )
     return LogBounds(round(bound * 1e6), round(bound * 1e6) * _FILES)

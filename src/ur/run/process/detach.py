@@ -8,7 +8,7 @@ import sys
 from collections.abc import Callable
 
 from ur.run.record.registry import RunEntry
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, error_about
 
 Detach = Callable[[RunEntry], None]
 
@@ -48,7 +48,7 @@ def open_run_log(entry: RunEntry) -> int:
         return os.open(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND | os.O_CLOEXEC, 0o644)
     except OSError as problem:
         reason = (problem.strerror or str(problem)).lower()
-        raise UserError(error(f"{path}: cannot be written: {reason}", rule="bad-log-folder")) from None
+        raise UserError(error_about(path, f"cannot be written: {reason}", rule="bad-log-folder")) from None
 
 
 def _detach(entry: RunEntry, writer: int) -> None:

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, fields
 
 from ur.run.record.computer import Computer
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, error, error_about
 from ur.source.suggest import did_you_mean
 from ur.source.user_folders import user_folder
 
@@ -133,13 +133,16 @@ def find_run(runs: Iterable[RunEntry], word: str | None) -> RunEntry:
     names = ", ".join(run.run for run in (matching or runs))
     if matching:
         what = "several runs" if word is None else f"{word!r} is the name of several runs"
-        raise UserError(error(f"{what}: {names}, expected one of them", rule="several-runs", help="ur ps lists them"))
+        raise UserError(
+            error_about(what, f"{names}, expected one of them", rule="several-runs", help="ur ps lists them")
+        )
     near = did_you_mean(str(word), [run.run for run in runs] + [run.title for run in runs])
     raise UserError(
         error(
             f"run {word!r} is not there, expected one of {names}",
             rule="unknown-run",
             help=f"did you mean {near!r}?" if near else "ur ps lists them",
+            subject=str(word),
         )
     )
 

@@ -152,7 +152,9 @@ def _free_port() -> int:
 
 def _taken(port: int, problem: OSError) -> UserError:
     reason = (problem.strerror or str(problem)).lower()
-    return UserError(error(f"port {port}: {reason}", rule="no-port", help="choose another one with --port"))
+    return UserError(
+        error(f"port {port}: {reason}", rule="no-port", help="choose another one with --port", subject=f"port {port}")
+    )
 
 
 def _has_browser() -> bool:
