@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt, uniform_filter1d
 from skimage.graph import route_through_array
+from textual.widgets import Input
 
 from ur_nodes.geometry.grid import Grid, load_map
 from ur_nodes.geometry.pose import Pose2
@@ -114,6 +115,8 @@ async def take_screenshot(size: tuple[int, int], light: bool) -> str:
             store.remember(name, place)
         app = NavigateApp(StillNavigator(make_snapshot()), lambda _: store, title="maze", light=light)
         async with app.run_test(size=size) as pilot:
+            for line in app.query(Input):
+                line.cursor_blink = False
             await pilot.pause(0.5)
             picture = app.export_screenshot(title="keyboard_navigate", simplify=True)
     picture = re.sub(r"@font-face \{.*?\}\s*", "", picture, flags=re.DOTALL)  # a picture loads nothing from elsewhere

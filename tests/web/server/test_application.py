@@ -58,7 +58,7 @@ async def server(tmp_path: Path) -> AsyncIterator[Server]:
     gate = Gate(make_origins((), port), tmp_path / "sessions.json", log.append)
     environment = {"ROS_MASTER_URI": f"http://localhost:{free_port()}"}
     application = Application(gate, load_files(), environment, "bob", log.append)
-    runner = web.AppRunner(application.build(), access_log=None)
+    runner = web.AppRunner(application.build(), access_log=None, shutdown_timeout=1.0)
     await runner.setup()
     await web.TCPSite(runner, "127.0.0.1", port).start()
     jar = aiohttp.CookieJar(unsafe=True)

@@ -47,7 +47,7 @@ async def test_only_requests_that_are_well_formed_reach_the_robot(
     gate = Gate(make_origins((), port), tmp_path / "sessions.json", log.append)
     application = Application(gate, {}, {"ROS_MASTER_URI": f"http://localhost:{free_port()}"}, "bob", log.append)
     monkeypatch.setattr(application.robot_end, "send", passed.append)
-    runner = web.AppRunner(application.build(), access_log=None)
+    runner = web.AppRunner(application.build(), access_log=None, shutdown_timeout=1.0)
     await runner.setup()
     await web.TCPSite(runner, "127.0.0.1", port).start()
     url, seeds = f"http://127.0.0.1:{port}", [json.dumps(each).encode() for each in VALID]
