@@ -63,7 +63,7 @@ def test_every_launch_file_and_program_is_in_it() -> None:
 
 
 def test_everything_in_the_library_can_be_turned_on_by_something() -> None:
-    # What the documents call "off unless told otherwise" in every file would be dead.
+    # What the documents call "off by default" in every file would be dead.
     (package,) = document_folder(LIBRARY).packages
     for doc in package.launch_files:
         for tree in doc.trees:

@@ -126,7 +126,7 @@ def test_dry_run_shows_differences_and_changes_nothing(place: Place) -> None:
 def test_undo_takes_the_seed_away(place: Place) -> None:
     place.prepare("ubuntu.img")
     out, _ = place.run("ubuntu.img", "--undo")
-    assert "taken back" in out
+    assert "reverted" in out
     assert read_fat(place.image, "user-data") == "#cloud-config\npassword: ubuntu\n"
     assert list_fat(place.image) == {"user-data", "meta-data", "network-config", "cmdline.txt", "config.txt"}
 

@@ -56,7 +56,7 @@ def command(dry_run: bool, undo: bool, only_mine: bool, yes: bool) -> int:
             apply_change(shell, change)
     else:
         bring_about(shell, want, user, base, root=False, report=_report)
-    click.echo("taken back; open a new terminal" if undo else "this computer is set up; open a new terminal to use it")
+    click.echo("reverted; open a new terminal" if undo else "this computer is set up; open a new terminal to use it")
     return 0
 
 

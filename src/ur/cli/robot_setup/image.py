@@ -146,7 +146,7 @@ def _take_back(source: Path, *, dry_run: bool, yes: bool) -> int:
             _confirm(device, writes, yes=yes)
             with show_progress(f"writing {source}"):
                 commit(writes)
-            _say("taken back")
+            _say("reverted")
     return 0
 
 

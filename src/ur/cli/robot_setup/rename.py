@@ -165,7 +165,7 @@ def _is_there(later: Address, before: Address) -> bool:
                     later,
                     "a change of its name is not finished, expected one at a time",
                     rule="change-pending",
-                    help="nobody confirmed it: it is taken back by itself within a minute or two; then run this again",
+                    help="nobody confirmed it: the robot reverts it within two minutes; then run this again",
                 )
             )
         if done.out.strip() == later.host.removesuffix(".local"):

@@ -31,7 +31,7 @@ def write_trees(page: Page, trees: Sequence[TreeDoc], title: str, key: str) -> N
 def _write_item(page: Page, item: TreeItem, depth: int, left: int) -> int:
     if left <= 0:
         return left
-    off = "off unless told otherwise: " if item.kind == "off" else ""
+    off = "off by default: " if item.kind == "off" else ""
     note = f" — {off}{inline(item.note)}" if item.note else ""
     page.line(f"{'  ' * depth}- {_describe(page, item)}{note}")
     left -= 1

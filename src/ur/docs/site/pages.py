@@ -192,7 +192,7 @@ class Pages:
 
 
 def _note(item: TreeItem) -> str:
-    return ("off unless told otherwise: " if item.kind == "off" else "") + inline(item.note)
+    return ("off by default: " if item.kind == "off" else "") + inline(item.note)
 
 
 def _cases_of(groups: object) -> tuple[Case, ...]:

@@ -22,7 +22,7 @@ class GuardedChange:
 
     `wanted`: files that will be different. `also_kept`: files and folders that `live` touches, absolute; what lies in
     /run is not restored after a boot. `live` makes the running robot follow the new files; when it fails, everything is
-    taken back. `back` makes it follow the restored ones; `early` the same while it boots, before its network. Scripts
+    reverted. `back` makes it follow the restored ones; `early` the same while it boots, before its network. Scripts
     run as root and hold no secrets. `words` tell people what `live` does.
     """
 

@@ -24,7 +24,7 @@ def check_avahi(where: Where, side: Side) -> Iterator[Finding]:
         installed = not side.packages or "avahi-daemon" in side.packages
         yield Finding(
             "avahi-not-running",
-            f"{side.name}: avahi-daemon does not run, so nobody finds {side.name}.local",
+            f"{side.name}: avahi-daemon does not run, so {side.name}.local does not resolve",
             commands=(Command(where, START if installed else INSTALL, root=True, safe=True),),
         )
 
