@@ -95,7 +95,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         "ur_nodes.navigation",
         "ur_nodes.teleop.mux",
     ),
-    "ur_nodes.teleop.map_view": ("ur_nodes.geometry", "ur_nodes.teleop.navigator"),
+    "ur_nodes.teleop.map_view": ("ur.maps", "ur_nodes.geometry", "ur_nodes.teleop.navigator"),
     "ur_nodes.teleop.navigate": (
         "ur.source",
         "ur.maps",
@@ -108,6 +108,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         "ur_nodes.teleop.terminal",
     ),
     "ur_nodes.teleop.keyboard": (
+        "ur.maps",
         "ur.source",
         "ur_nodes.geometry",
         "ur_nodes.rosio",

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ur.maps.viewport import Viewport
 from ur.source.ansi import RESET
 from ur.worlds.cells import look_up
 from ur.worlds.map_file import OCCUPIED, UNKNOWN, MapImage
@@ -18,50 +18,10 @@ FREE_PIXEL, WALL_PIXEL = _FREE, _WALL
 """Values of pixels; others are unknown."""
 _COLOURS = (234, 239, 252)  # of the palette of 256
 _LETTERS = " .#"
-_FINEST, _COARSEST = 0.005, 5.0  # m per pixel
 _MOST_SAMPLES = 8  # a side, of a pixel
 
 
-@dataclass(frozen=True, slots=True)
-class View:
-    """The part of a map on a screen: the point (m) in the middle, m per pixel, size in pixels. Rows go down, y up."""
-
-    x: float
-    y: float
-    scale: float
-    width: int
-    height: int
-
-    def to_map(self, column: float, row: float) -> tuple[float, float]:
-        """The point (m) at a place on the screen, in pixels from the top left corner."""
-        return self.x + (column - self.width / 2) * self.scale, self.y - (row - self.height / 2) * self.scale
-
-    def to_pixel(self, x: float, y: float) -> tuple[float, float]:
-        """Column and row of a point (m); it may be off the screen."""
-        return (x - self.x) / self.scale + self.width / 2, (self.y - y) / self.scale + self.height / 2
-
-    def zoomed(self, factor: float, about: tuple[float, float]) -> View:
-        """`factor` times as large; the point `about` stays where it is."""
-        scale = min(max(self.scale / factor, _FINEST), _COARSEST)
-        share = scale / self.scale
-        x, y = about[0] + (self.x - about[0]) * share, about[1] + (self.y - about[1]) * share
-        return replace(self, x=x, y=y, scale=scale)
-
-    def showing(self, point: tuple[float, float]) -> View:
-        """The same where the point is on the screen; else moved so that it is in the middle."""
-        column, row = self.to_pixel(*point)
-        inside = 0 <= column < self.width and 0 <= row < self.height
-        return self if inside else replace(self, x=point[0], y=point[1])
-
-
-def fit_view(bounds: tuple[float, float, float, float], width: int, height: int) -> View:
-    """The view that just shows a box (left, bottom, right, top in m)."""
-    left, bottom, right, top = bounds
-    scale = max((right - left) / max(width, 1), (top - bottom) / max(height, 1)) * 1.04
-    return View((left + right) / 2, (bottom + top) / 2, min(max(scale, _FINEST), _COARSEST), width, height)
-
-
-def look_at(image: MapImage, view: View) -> NDArray[np.uint8]:
+def look_at(image: MapImage, view: Viewport) -> NDArray[np.uint8]:
     """The pixels (view.height, view.width) of a map. One with a wall anywhere in it shows a wall."""
     finer = min(_MOST_SAMPLES, max(1, math.ceil(view.scale / image.resolution)))
     at = (np.arange(finer) + 0.5) / finer

@@ -15,8 +15,9 @@ from textual.strip import Strip
 from textual.widget import Widget
 from textual.widgets import Input, Static
 
-from ur.maps.drawing import FREE_PIXEL, WALL_PIXEL, View, fit_view, look_at
+from ur.maps.drawing import FREE_PIXEL, WALL_PIXEL, look_at
 from ur.maps.editing import EditSession
+from ur.maps.viewport import Viewport, fit_viewport, show_point, zoom_viewport
 from ur.screen.app import FullScreenApp
 from ur.screen.query import ask_background, is_light
 from ur.source.diagnostic import UserError
@@ -44,7 +45,7 @@ class MapCanvas(Widget, can_focus=False):
         self._image: MapImage = session.image()
         self._places = session.places()
         self._strips: list[Strip] = []
-        self.view: View | None = None
+        self.view: Viewport | None = None
         left, bottom, right, top = self._image.bounds
         self.cursor = ((left + right) / 2, (bottom + top) / 2)
 
@@ -55,13 +56,13 @@ class MapCanvas(Widget, can_focus=False):
 
     def fit(self) -> None:
         """Show the whole map."""
-        self.view = fit_view(self._image.bounds, self.size.width, 2 * self.size.height)
+        self.view = fit_viewport(self._image.bounds, self.size.width, 2 * self.size.height)
         self.draw()
 
     def zoom(self, factor: float) -> None:
         """Zoom about the cursor."""
         if self.view:
-            self.view = self.view.zoomed(factor, self.cursor)
+            self.view = zoom_viewport(self.view, factor, *self.view.to_pixel(*self.cursor))
             self.draw()
 
     def move(self, columns: int, rows: int) -> None:
@@ -69,7 +70,7 @@ class MapCanvas(Widget, can_focus=False):
         if self.view:
             x, y = self.cursor
             self.cursor = (x + columns * self.view.scale, y - rows * self.view.scale)
-            self.view = self.view.showing(self.cursor)
+            self.view = show_point(self.view, *self.cursor)
             self.draw()
 
     def on_resize(self) -> None:

@@ -6,10 +6,10 @@ from typing import Any
 
 import rospy
 
+from ur.maps.viewport import Viewport
 from ur.source.diagnostic import UserError
 from ur_nodes.rosio.grid_message import GridMessage, grid_of_message
 from ur_nodes.teleop.keyboard.map_panel import GrowingMap, draw_map_lines, follow, prepare_map
-from ur_nodes.teleop.map_view.viewport import Viewport
 from ur_nodes.teleop.navigator.model import Snapshot
 from ur_nodes.teleop.navigator.robot_state_node import RobotState
 

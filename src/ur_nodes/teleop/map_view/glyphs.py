@@ -6,10 +6,10 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
+from ur.maps.viewport import Viewport
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.teleop.map_view.palette import Colour, Palette
 from ur_nodes.teleop.map_view.picture import ROBOT_LENGTH, SMALL_ROBOT
-from ur_nodes.teleop.map_view.viewport import Viewport
 from ur_nodes.teleop.navigator.model import Snapshot
 
 _ARROWS = "→↗↑↖←↙↓↘"

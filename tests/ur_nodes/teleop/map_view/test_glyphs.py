@@ -5,10 +5,10 @@ from dataclasses import replace
 
 import pytest
 
+from ur.maps.viewport import Viewport
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.teleop.map_view.glyphs import Glyph, place_glyphs, scale_bar
 from ur_nodes.teleop.map_view.palette import DARK
-from ur_nodes.teleop.map_view.viewport import Viewport
 from ur_nodes.teleop.navigator.model import GoalReport, GoalState, Snapshot
 
 

@@ -7,11 +7,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from ur.maps.viewport import Viewport
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.teleop.map_view.palette import DARK, DARK_16, Palette
 from ur_nodes.teleop.map_view.picture import draw_map, draw_overlay, index_grid
-from ur_nodes.teleop.map_view.viewport import Viewport
 from ur_nodes.teleop.navigator.model import Snapshot
 
 

@@ -1,4 +1,4 @@
-"""The part of the map that the screen shows. A pixel is half a terminal cell: cells are about twice as high as wide."""
+"""The part of a map that a screen shows. A pixel is half a terminal cell: cells are about twice as high as wide."""
 
 from __future__ import annotations
 
@@ -48,6 +48,12 @@ def zoom_viewport(view: Viewport, factor: float, column: float | None = None, ro
 def pan_viewport(view: Viewport, columns: float, rows: float) -> Viewport:
     """Move the view right and down by so many pixels."""
     return replace(view, x=view.x + columns * view.scale, y=view.y - rows * view.scale)
+
+
+def show_point(view: Viewport, x: float, y: float) -> Viewport:
+    """The same where a map point is on the screen; else moved so that the point is in the middle."""
+    column, row = view.to_pixel(x, y)
+    return view if 0 <= column < view.width and 0 <= row < view.height else replace(view, x=x, y=y)
 
 
 def resize_viewport(view: Viewport, width: int, height: int) -> Viewport:
