@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import sys
 import threading
-from collections import deque
 
 import numpy as np
 import rospy
@@ -24,15 +23,12 @@ from ur_nodes.localisation.amcl_output_node import Outputs
 from ur_nodes.localisation.amcl_settings import read_settings
 from ur_nodes.localisation.likelihood import make_field
 from ur_nodes.localisation.localiser import Localiser
-from ur_nodes.rosio.frames import Frames
 from ur_nodes.rosio.freed_memory import return_large_arrays
 from ur_nodes.rosio.geometry import pose_of_message
 from ur_nodes.rosio.grid_message import GridMessage, GridService, grid_of_message
 from ur_nodes.rosio.parameters import Parameters
+from ur_nodes.rosio.scan_queue import SILENCE, ScanQueue
 from ur_nodes.rosio.shell import run_node
-
-LONGEST_QUEUE = 30  # scans that wait for their transform
-SILENCE = 15.0  # s without an update before the log reports it, and again after as long
 
 
 class AmclNode:
@@ -48,11 +44,9 @@ class AmclNode:
         self._places = 0  # that fit, as reported last
         self._mounts: dict[str, Mount] = {}
         self._beams: tuple[tuple[int, float, float], np.ndarray] | None = None
-        self._scans: deque[LaserScan] = deque(maxlen=LONGEST_QUEUE)
-        self._news = threading.Condition()  # guards _scans
         self._work = threading.RLock()  # guards the localiser
-        self._frames = Frames(self._wake, ignored=frozenset((settings.odom_frame,)))
-        rospy.Subscriber("scan", LaserScan, self._take_scan, queue_size=2, tcp_nodelay=True)
+        self._queue = ScanQueue(settings.odom_frame, settings.base_frame, frozenset((settings.odom_frame,)))
+        rospy.Subscriber("scan", LaserScan, self._queue.add, queue_size=2, tcp_nodelay=True)
         rospy.Subscriber("initialpose", PoseWithCovarianceStamped, self._take_pose, queue_size=2)
         rospy.Service("global_localization", Empty, self._answer_global)
         rospy.Service("request_nomotion_update", Empty, self._answer_update)
@@ -125,7 +119,7 @@ class AmclNode:
 
     def _moved_since(self, stamp: rospy.Time) -> Pose2:
         """Return the robot's motion since a stamp; none when the odometry does not reach back so far."""
-        before, now = self._odometry(stamp), self._odometry(rospy.Time(0))
+        before, now = self._queue.odometry(stamp), self._queue.odometry(rospy.Time(0))
         if stamp.is_zero() or not before or not now:
             return Pose2(0.0, 0.0, 0.0)
         return before.inverse().compose(now)
@@ -145,44 +139,13 @@ class AmclNode:
 
     # -- scans -----------------------------------------------------------------------------------------------------
 
-    def _take_scan(self, message: LaserScan) -> None:
-        with self._news:
-            self._scans.append(message)
-            self._news.notify()
-
-    def _wake(self) -> None:
-        if self._scans:
-            with self._news:
-                self._news.notify()
-
     def _run(self) -> None:
         if not self._settings.use_map_topic:
             self._fetch_map()
-        quiet_since = rospy.get_time()
-        while not rospy.is_shutdown():
-            ready = self._next_scan()
-            now = rospy.get_time()
-            if ready:
-                quiet_since = now
-                self._use_scan(*ready)
-            elif not 0.0 <= now - quiet_since <= SILENCE:
-                quiet_since = now
-                self._explain_silence()
+        self._queue.serve(self._use_scan)
 
-    def _next_scan(self) -> tuple[LaserScan, Pose2] | None:
-        """The newest scan whose odometry is known, after at most 1 s; older ones are dropped with it."""
-        with self._news:
-            for index in range(len(self._scans) - 1, -1, -1):
-                odometry = self._odometry(self._scans[index].header.stamp)
-                if odometry:
-                    scan = self._scans[index]
-                    for _ in range(index + 1):
-                        self._scans.popleft()
-                    return scan, odometry
-            self._news.wait(1.0)
-        return None
-
-    def _use_scan(self, scan: LaserScan, odometry: Pose2) -> None:
+    def _use_scan(self, scan: LaserScan, odometry: Pose2 | None) -> None:
+        assert odometry, "there is always an odometry's frame"
         mount = self._mount(scan.header.frame_id.lstrip("/"))
         with self._work:
             if not mount:
@@ -228,24 +191,11 @@ class AmclNode:
 
     def _mount(self, frame: str) -> Mount | None:
         if frame not in self._mounts:
-            found = self._frames.find(self._settings.base_frame, frame, rospy.Time(0))
+            found = self._queue.frames.find(self._settings.base_frame, frame, rospy.Time(0))
             if not found:
                 return None
             self._mounts[frame] = mount_of_pose(found)
         return self._mounts[frame]
-
-    def _odometry(self, stamp: rospy.Time) -> Pose2 | None:
-        found = self._frames.find(self._settings.odom_frame, self._settings.base_frame, stamp)
-        return found.planar() if found else None
-
-    def _explain_silence(self) -> None:
-        settings = self._settings
-        if not self._scans:
-            rospy.logwarn("no scan on %s for %g s, expected some each second", rospy.resolve_name("scan"), SILENCE)
-        elif not self._odometry(rospy.Time(0)):
-            rospy.logwarn("no transform from %s to %s, expected one", settings.base_frame, settings.odom_frame)
-        else:
-            rospy.logwarn("the stamps of %s and tf do not meet, expected one clock", rospy.resolve_name("scan"))
 
 
 def _call_static_map() -> OccupancyGrid | None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import sys
 import threading
-from collections import deque
 
 import numpy as np
 import rospy
@@ -17,9 +16,9 @@ from std_msgs.msg import Float64
 from ur_nodes.geometry.laser import Mount, directions_of_beams, mount_of_pose
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.rosio.ending import quiet_at_end
-from ur_nodes.rosio.frames import Frames
 from ur_nodes.rosio.geometry import transform_message
 from ur_nodes.rosio.parameters import Parameters
+from ur_nodes.rosio.scan_queue import SILENCE, ScanQueue
 from ur_nodes.rosio.shell import run_node
 from ur_nodes.slam.gmapping_settings import read_settings
 from ur_nodes.slam.map_output_node import MapOutput
@@ -30,10 +29,8 @@ from ur_nodes.slam.slip import SlipWatch
 from ur_nodes.slam.storage.map_storage_node import MapStorage, StorageSettings, read_storage_settings
 from ur_nodes.slam.tracker import Tracker
 
-LONGEST_QUEUE = 30  # scans that wait for their transform
 MOST_PLACES = 3  # that a message names
 SLIP_SILENCE = 30.0  # s between two reports of wheels that slip
-SILENCE = 15.0  # s without an update before the log says so, and again after as long
 
 
 class SlamGmappingNode:
@@ -48,19 +45,17 @@ class SlamGmappingNode:
         self._correction: Pose2 | None = None  # of the odometry's frame in the map, or of the robot without odometry
         self._mounts: dict[str, Mount] = {}
         self._beams: tuple[tuple[int, float, float], np.ndarray] | None = None
-        self._scans: deque[LaserScan] = deque(maxlen=LONGEST_QUEUE)
         self._count = 0
         self._located, self._lost, self._places = True, False, 0  # as reported last
         self._slip = SlipWatch()
         self._last: Pose2 | None = None  # odometry at the last scan
-        self._news = threading.Condition()  # guards _scans
         self._child = settings.odom_frame or settings.base_frame
         self._broadcaster = tf2_ros.TransformBroadcaster()
         self._entropy = rospy.Publisher("~entropy", Float64, queue_size=1, latch=True)
         self._output = MapOutput(settings, self._state)
         if storage:
             self._store(storage)
-        self._frames = Frames(self._wake, ignored=frozenset((self._child,)))
+        self._queue = ScanQueue(settings.odom_frame, settings.base_frame, frozenset((self._child,)))
         rospy.Subscriber("scan", LaserScan, self._take_scan, queue_size=2, tcp_nodelay=True)
         for name, run in (("scans", self._run), ("map", self._draw), ("transform", self._broadcast)):
             threading.Thread(target=quiet_at_end(run), name=name, daemon=True).start()
@@ -71,39 +66,10 @@ class SlamGmappingNode:
         self._count += 1
         if self._count % self._settings.throttle_scans:
             return
-        with self._news:
-            self._scans.append(message)
-            self._news.notify()
-
-    def _wake(self) -> None:
-        if self._scans:
-            with self._news:
-                self._news.notify()
+        self._queue.add(message)
 
     def _run(self) -> None:
-        quiet_since = rospy.get_time()
-        while not rospy.is_shutdown():
-            ready = self._next_scan()
-            now = rospy.get_time()
-            if ready:
-                quiet_since = now
-                self._use_scan(*ready)
-            elif not 0.0 <= now - quiet_since <= SILENCE:
-                quiet_since = now
-                self._explain_silence()
-
-    def _next_scan(self) -> tuple[LaserScan, Pose2 | None] | None:
-        """The newest scan whose odometry is known, after at most 1 s; older ones are dropped with it."""
-        with self._news:
-            for index in range(len(self._scans) - 1, -1, -1):
-                odometry = self._odometry(self._scans[index].header.stamp)
-                if odometry or not self._settings.odom_frame:
-                    scan = self._scans[index]
-                    for _ in range(index + 1):
-                        self._scans.popleft()
-                    return scan, odometry
-            self._news.wait(1.0)
-        return None
+        self._queue.serve(self._use_scan)
 
     def _use_scan(self, message: LaserScan, odometry: Pose2 | None) -> None:
         mount = self._mount(message.header.frame_id.lstrip("/"))
@@ -186,17 +152,11 @@ class SlamGmappingNode:
 
     def _mount(self, frame: str) -> Mount | None:
         if frame not in self._mounts:
-            found = self._frames.find(self._settings.base_frame, frame, rospy.Time(0))
+            found = self._queue.frames.find(self._settings.base_frame, frame, rospy.Time(0))
             if not found:
                 return None
             self._mounts[frame] = mount_of_pose(found)
         return self._mounts[frame]
-
-    def _odometry(self, stamp: rospy.Time) -> Pose2 | None:
-        if not self._settings.odom_frame:
-            return None
-        found = self._frames.find(self._settings.odom_frame, self._settings.base_frame, stamp)
-        return found.planar() if found else None
 
     def _broadcast(self) -> None:
         """Publish the transform from the map, again and again, as of the last scan."""
@@ -233,15 +193,6 @@ class SlamGmappingNode:
     def _draw(self) -> None:
         while _sleep(self._settings.map_update_interval):
             self._output.publish()
-
-    def _explain_silence(self) -> None:
-        settings, topic = self._settings, rospy.resolve_name("scan")
-        if not self._scans:
-            rospy.logwarn("no scan on %s for %g s; is the lidar driver running?", topic, SILENCE)
-        elif not self._odometry(rospy.Time(0)):
-            rospy.logwarn("no transform from %s to %s, expected one", settings.base_frame, settings.odom_frame)
-        else:
-            rospy.logwarn("%s and tf timestamps do not overlap; do all nodes use the same clock?", topic)
 
 
 def entropy(estimate: Estimate) -> float:
