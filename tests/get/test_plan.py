@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import pytest
 
 from ur.get.computer import load_tables
+from ur.get.hints import read_hints
 from ur.get.index import merge_indexes, parse_index, read_dependencies
 from ur.get.missing import named_packages
 from ur.get.model import Missing
@@ -112,7 +113,7 @@ class Nothing:
     def read_rosdep(self) -> tuple[str, str]:
         return "", "no table"
 
-    def read_indexes(self) -> tuple[tuple[tuple[str, str], ...], str]:
+    def read_indexes(self, _names: Sequence[str]) -> tuple[tuple[tuple[str, str], ...], str]:
         return (), "no index"
 
     def show_candidates(self, _names: Sequence[str]) -> None:
@@ -129,3 +130,42 @@ def test_missing_tables_are_reported_and_what_needs_none_is_still_planned() -> N
     assert made.notes == ("no table", "no index")
     assert [step.way for step in made.steps] == ["unknown", "pypi"]
     assert "note: no index\n" in render_plan(made)
+
+
+def test_repository_without_source_is_replaced_by_that_of_its_releases() -> None:
+    index = parse_index("""\
+repositories:
+  sim:
+    release:
+      packages: [sim_gazebo]
+      tags: {release: 'release/indigo/{package}/{version}'}
+      url: https://example.org/sim-release.git
+      version: 1.2.0-0
+""")
+    found = index.repositories["sim_gazebo"]
+    assert (found.url, found.version, found.distribution) == (
+        "https://example.org/sim-release.git", "release/indigo/sim_gazebo/1.2.0-0", "indigo",
+    )  # fmt: skip
+
+
+def test_sources_are_asked_in_order_index_then_files_then_table_then_ros_2() -> None:
+    old = parse_index(INDEX)
+    newer = parse_index(INDEX.replace("[amcl", "[tracker, only_new, amcl"), "humble")
+    hints = tuple(read_hints("a.repos", "repositories: {tracker: {type: git, url: 'https://example.org/t.git'}}"))
+    tables = Tables({}, {}, index=old, hints=hints, known={"lost": hints[0]}, ros2=newer)
+    made = make_plan([Missing(name) for name in ("amcl", "tracker", "lost", "only_new")], tables, bool)
+    assert {step.missing.package: step.reason for step in made.steps} == {
+        "amcl": "",
+        "tracker": "no index has it; a file of this folder names it",
+        "lost": "no index has it",
+        "only_new": "only in ROS 2 humble, and has to be ported to ROS 1",
+    }
+    assert "only_new: https://example.org/navigation.git; only in ROS 2 humble" in render_plan(made)
+
+
+def test_misspelt_package_gets_a_suggestion_and_a_private_one_the_file_that_names_it() -> None:
+    tables = Tables({}, {}, index=parse_index(INDEX), names=frozenset({"my_robot_bringup"}))
+    missing = [Missing("my_robot_bringpu", named_in="a.launch"), Missing("secret", named_in="demo/b.launch")]
+    reasons = [step.reason for step in make_plan(missing, tables, bool).steps]
+    assert reasons[0] == "no package has this name, which a.launch names; did you mean my_robot_bringup?"
+    assert "which demo/b.launch names: it is private or withdrawn, ask its author" in reasons[1]

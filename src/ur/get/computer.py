@@ -6,11 +6,14 @@ import os
 import subprocess
 import tempfile
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from functools import lru_cache
 from pathlib import Path
 from typing import Protocol
 
-from ur.get.index import MAX_INDEX, Index, merge_indexes, parse_index
-from ur.get.model import Missing
+from ur.get.hints import load_sources
+from ur.get.index import MAX_INDEX, NEWEST, ROS2, Index, merge_indexes, parse_index
+from ur.get.model import Missing, Repository
 from ur.get.plan import Tables, make_plan
 from ur.get.tables import Candidate, all_names, parse_candidates, parse_table
 from ur.source.diagnostic import UserError, error
@@ -20,9 +23,11 @@ from ur.source.user_folders import user_folder
 ROSDEP = Path("/usr/share/python3-rosdep2/debian.yaml")  # of Debian's package python3-rosdep2
 INDEX = "https://raw.githubusercontent.com/ros/rosdistro/master/{}/distribution.yaml"
 DISTRIBUTIONS = (
-    "noetic",
+    NEWEST,
     "melodic",
+    "lunar",
     "kinetic",
+    "jade",
     "indigo",
     "hydro",
     "groovy",
@@ -37,10 +42,10 @@ class Sources(Protocol):
         """The text of rosdep's table, and a note; the text is "" where there is none."""
         ...
 
-    def read_indexes(self) -> tuple[tuple[tuple[str, str], ...], str]:
-        """Older distributions' names and the texts of their indexes, the newest first, and a note.
+    def read_indexes(self, names: Sequence[str], /) -> tuple[tuple[tuple[str, str], ...], str]:
+        """Those distributions' names and the texts of their indexes, in order, and a note.
 
-        The name is "" for noetic and for an index that was asked for.
+        The name is "" for noetic and for an index that was asked for: these are given in place of DISTRIBUTIONS.
         """
         ...
 
@@ -53,9 +58,16 @@ class Sources(Protocol):
         ...
 
 
-def load_tables(missing: Iterable[Missing], sources: Sources, distribution: str = "") -> tuple[Tables, tuple[str, ...]]:
-    """Read the tables for these packages, and notes on what is not here; the index only where one needs it.
+def load_tables(
+    missing: Iterable[Missing],
+    sources: Sources,
+    distribution: str = "",
+    hints: Sequence[Repository] = (),
+    names: Iterable[str] = (),
+) -> tuple[Tables, tuple[str, ...]]:
+    """Read the tables for these packages, and notes on what is not here; the indexes only where one needs them.
 
+    `hints` are the repositories that files name, `names` the packages that are here, for a misspelt one.
     Raises UserError: an index that was asked for cannot be read.
     """
     wanted = tuple(missing)
@@ -68,19 +80,21 @@ def load_tables(missing: Iterable[Missing], sources: Sources, distribution: str 
     except ValueError as problem:
         note = f"rosdep's table cannot be used: {problem}"
     notes += [note] if note else []
-    names = all_names(packages, rosdep, distribution)
-    candidates = sources.show_candidates(names)
-    installed = sources.list_installed(names)
-    tables = Tables(rosdep, candidates, installed, None, distribution)
+    debian = all_names(packages, rosdep, distribution)
+    tables = Tables(rosdep, sources.show_candidates(debian), sources.list_installed(debian), None, distribution)
     if make_plan(wanted, tables, bool).steps_by("unknown"):
-        index, note = _load_index(sources)
-        tables = Tables(rosdep, candidates, installed, index, distribution)
+        tables = replace(tables, hints=tuple(hints), known=load_sources(), names=frozenset(names))
+        index, note = _load_index(sources, DISTRIBUTIONS)
+        tables = replace(tables, index=index)
+        if index is not None and not note and make_plan(wanted, tables, bool).steps_by("unknown"):
+            newer, note = _load_index(sources, ROS2)
+            tables = replace(tables, ros2=newer)
         notes += [note] if note else []
     return tables, tuple(notes)
 
 
-def _load_index(sources: Sources) -> tuple[Index | None, str]:
-    texts, note = sources.read_indexes()
+def _load_index(sources: Sources, names: Sequence[str]) -> tuple[Index | None, str]:
+    texts, note = sources.read_indexes(names)
     indexes = []
     for distribution, text in texts:
         index, problem = _parse(text, distribution)
@@ -89,6 +103,7 @@ def _load_index(sources: Sources) -> tuple[Index | None, str]:
     return merge_indexes(indexes) if indexes else None, note
 
 
+@lru_cache(maxsize=16)  # a bench asks again for each repository
 def _parse(text: str, distribution: str) -> tuple[Index | None, str]:
     try:
         return parse_index(text, distribution), ""
@@ -115,12 +130,12 @@ class ThisComputer:
             return text, ""
         return "", f"without rosdep's table (python3-rosdep2: {reason}) only apt's names were compared"
 
-    def read_indexes(self) -> tuple[tuple[tuple[str, str], ...], str]:
+    def read_indexes(self, names: Sequence[str]) -> tuple[tuple[tuple[str, str], ...], str]:
         """See Sources. Raises UserError: a file that was asked for and cannot be read."""
         if self._files:
-            return tuple(("", _read_given(path)) for path in self._files), ""
+            return tuple(("", _read_given(path)) for path in self._files if names[0] == NEWEST), ""
         found: list[tuple[str, str]] = []
-        for name in DISTRIBUTIONS:
+        for name in names:
             kept, address = self._cache / f"{name}.yaml", INDEX.format(name)
             text = _read(kept)
             if not text:
@@ -133,7 +148,7 @@ class ThisComputer:
                 if text:
                     _keep(kept, text)
             if text:
-                found.append((name if name != DISTRIBUTIONS[0] else "", text))
+                found.append((name if name != NEWEST else "", text))
         return tuple(found), ""
 
     def show_candidates(self, names: Sequence[str]) -> Mapping[str, Candidate] | None:

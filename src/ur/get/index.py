@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import xml.etree.ElementTree as ET
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -15,6 +16,9 @@ from ur.get.model import PACKAGE_NAME, Repository
 MAX_INDEX = 64 * 1024 * 1024  # bytes; the cache of noetic with all package.xml has 8 MB
 _URL = re.compile(r"https?://[A-Za-z0-9][\w.:@~%+-]*(/[\w.@~%+-]+)*/?")
 _WORD = re.compile(r"[A-Za-z0-9_][A-Za-z0-9._/+-]*")
+_TAG = re.compile(r"release/([a-z]+)/")
+NEWEST = "noetic"  # the last distribution of ROS 1
+ROS2 = ("humble", "jazzy", "foxy", "rolling")  # asked last, for a package that ROS 1 has never had
 _DEPENDS = ("depend", "exec_depend", "run_depend", "build_depend", "build_export_depend", "buildtool_depend")
 
 
@@ -29,8 +33,9 @@ class Index:
 def parse_index(text: str, distribution: str = "") -> Index:
     """Read a distribution file (REP 143) or the cache that rosdistro makes of one.
 
-    `distribution` is noted in its repositories. Repositories that have no source, or whose address is not a plain one,
-    are left out. Raises ValueError.
+    `distribution` is noted in its repositories; "" stands for the one that most of its tags name, and for noetic. A
+    repository without a source is replaced by the one that its releases are made in. Repositories whose address is not
+    a plain one are left out. Raises ValueError.
     """
     if len(text) > MAX_INDEX:
         raise ValueError(f"more than {MAX_INDEX:,} characters, expected a distribution file")
@@ -47,6 +52,7 @@ def parse_index(text: str, distribution: str = "") -> Index:
         repositories = file.get("repositories") if isinstance(file, dict) else None
         if isinstance(repositories, dict):
             known = True
+            distribution = distribution or _name_of(repositories)
             for name, entry in repositories.items():
                 found.update(_read_repository(name, entry, distribution))
     if not known:
@@ -90,20 +96,56 @@ def _read_all(xmls: Mapping[Any, Any]) -> dict[str, tuple[str, ...]]:
     return found
 
 
+def _name_of(repositories: Mapping[Any, Any]) -> str:
+    """The distribution that most tags of releases name; "" for noetic, and where they name none."""
+    names = Counter(
+        found[1]
+        for entry in repositories.values()
+        if isinstance(entry, dict) and (found := _TAG.match(_release_tag(entry.get("release"))))
+    )
+    name = names.most_common(1)[0][0] if names else ""
+    return "" if name == NEWEST else name
+
+
+def _release_tag(release: object) -> str:
+    tags = release.get("tags") if isinstance(release, dict) else None
+    tag = tags.get("release") if isinstance(tags, dict) else None
+    return tag if isinstance(tag, str) else ""
+
+
 def _read_repository(name: object, entry: object, distribution: str) -> dict[str, Repository]:
     if not isinstance(name, str) or not isinstance(entry, dict) or not _WORD.fullmatch(name) or "/" in name:
         return {}
-    source = entry.get("source") or entry.get("doc")  # a package that is no longer built may have only the latter
-    if not isinstance(source, dict):
-        return {}
-    kind, url = source.get("type"), source.get("url")
-    version = str(source.get("version", ""))
-    if kind not in ("git", "hg", "svn") or not isinstance(url, str) or not _URL.fullmatch(url):
-        return {}
-    if version and (not _WORD.fullmatch(version) or ".." in version):
-        return {}
-    repository = Repository(name, kind, url, version, distribution)
     release = entry.get("release")
     packages = release.get("packages") if isinstance(release, dict) else None
-    names = packages if isinstance(packages, list) else [name]
-    return {each: repository for each in names if isinstance(each, str) and PACKAGE_NAME.fullmatch(each)}
+    listed = packages if isinstance(packages, list) else [name]
+    names = [each for each in listed if isinstance(each, str) and PACKAGE_NAME.fullmatch(each)]
+    # A package that is no longer built may have only a `doc`.
+    source = make_repository(name, entry.get("source") or entry.get("doc"), distribution)
+    if source is not None:
+        return dict.fromkeys(names, source)
+    if entry.get("source") or entry.get("doc") or not isinstance(release, dict):
+        return {}
+    template = _release_tag(release).replace("{version}", str(release.get("version", "")))
+    tagged = {
+        each: make_repository(
+            each,
+            {"type": "git", "url": release.get("url"), "version": template.replace("{package}", each)},
+            distribution,
+        )
+        for each in names
+    }
+    return {each: repository for each, repository in tagged.items() if repository is not None}
+
+
+def make_repository(name: str, source: object, distribution: str = "") -> Repository | None:
+    """A repository of the keys `type`, `url` and `version`; None where one of them could harm a shell."""
+    if not isinstance(source, dict) or not _WORD.fullmatch(name) or "/" in name:
+        return None
+    kind, url = source.get("type"), source.get("url")
+    version = str(source.get("version") or "")
+    if kind not in ("git", "hg", "svn") or not isinstance(url, str) or not _URL.fullmatch(url):
+        return None
+    if version and (not _WORD.fullmatch(version) or ".." in version):
+        return None
+    return Repository(name, kind, url, version, distribution)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 
 from ur.get.index import read_dependencies
 from ur.get.model import PACKAGE_NAME, Missing
@@ -48,9 +48,12 @@ def named_packages(text: str) -> frozenset[str]:
     return frozenset(name for name in names if PACKAGE_NAME.fullmatch(name))
 
 
-def missing_of_names(names: Iterable[str], world: World) -> tuple[Missing, ...]:
-    """Those of the packages that are not installed, sorted."""
-    return tuple(Missing(name) for name in sorted(set(names)) if not is_installed(name, world))
+def missing_of_names(names: Iterable[str] | Mapping[str, str], world: World) -> tuple[Missing, ...]:
+    """Those of the packages that are not installed, sorted; a mapping holds the files that name them."""
+    files = names if isinstance(names, Mapping) else {}
+    return tuple(
+        Missing(name, named_in=files.get(name, "")) for name in sorted(set(names)) if not is_installed(name, world)
+    )
 
 
 def dependencies_of(package_xmls: Iterable[str]) -> Iterator[str]:

@@ -27,10 +27,14 @@ class Repository:
 
 @dataclass(frozen=True, slots=True)
 class Missing:
-    """A package that is not installed. `program` is set where only this program of an installed package is missing."""
+    """A package that is not installed. `program` is set where only this program of an installed package is missing.
+
+    `named_in` is a file that names it, where that is known.
+    """
 
     package: str
     program: str = ""
+    named_in: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,7 +43,7 @@ class Step:
 
     `names` are Debian packages, or PyPI's project; `repository` is set for "source". `needs` are the packages that it
     depends on and that are missing as well; None where nobody knows its package.xml before it is here. `reason` says
-    for "unknown" why there is no way.
+    for "unknown" why there is no way, and for "source" what is special about its repository.
     """
 
     missing: Missing

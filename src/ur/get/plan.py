@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
-from ur.get.index import Index
-from ur.get.model import PACKAGE_NAME, GetPlan, Missing, Step
+from ur.get.hints import find_hint, find_related_hint
+from ur.get.index import ROS2, Index
+from ur.get.model import PACKAGE_NAME, GetPlan, Missing, Repository, Step
 from ur.get.tables import PYPI, SPLIT, Candidate, possible_names
 
 NO_INDEX = "no index of sources is here"
+ONLY_ROS2 = "only in ROS 2 {}, and has to be ported to ROS 1"
+_NEAR = 0.93  # likeness of a misspelt name; related packages have similar ones, too
 
 
 @dataclass(frozen=True, slots=True)
@@ -18,7 +21,9 @@ class Tables:
 
     `rosdep`: Debian names by ROS package. `candidates`: the packages that apt can install among those that were asked
     about; None where there is no apt, and rosdep's table is believed. `installed`: names of Debian packages.
-    `index`: sources; None where there is none. `distribution`: that of packages.ros.org, "" without it.
+    `index`: sources; None where there is none. `distribution`: that of packages.ros.org, "" without it. `hints`: the
+    repositories that files of a folder name. `known`: repositories of packages that no index has. `ros2`: the index of
+    ROS 2. `names`: packages that are here.
     """
 
     rosdep: Mapping[str, tuple[str, ...]]
@@ -26,6 +31,10 @@ class Tables:
     installed: frozenset[str] = frozenset()
     index: Index | None = None
     distribution: str = ""
+    hints: tuple[Repository, ...] = ()
+    known: Mapping[str, Repository] = field(default_factory=dict)
+    ros2: Index | None = None
+    names: frozenset[str] = frozenset()
 
 
 def make_plan(
@@ -50,14 +59,39 @@ def _find_way(missing: Missing, tables: Tables, is_there: Callable[[str], bool])
         return Step(missing, "pypi", (PYPI[package],))
     if missing.program:
         return Step(missing, "unknown", reason=f"{package} is installed and has no program {missing.program}")
-    if tables.index is None:
-        return Step(missing, "unknown", reason=f"no package of this release has it, and {NO_INDEX}")
-    repository = tables.index.repositories.get(package)
+    repository, origin = _find_source(package, tables)
     if repository is None:
-        return Step(missing, "unknown", reason="neither this release nor the index of ROS has it: ask its author")
-    depends = tables.index.dependencies.get(package)
+        return Step(missing, "unknown", reason=_explain(missing, tables))
+    depends = None if origin or tables.index is None else tables.index.dependencies.get(package)
     needs = None if depends is None else tuple(name for name in depends if not is_there(name))
-    return Step(missing, "source", repository=repository, needs=needs)
+    return Step(missing, "source", repository=repository, needs=needs, reason=origin)
+
+
+def _find_source(package: str, tables: Tables) -> tuple[Repository | None, str]:
+    # The index first: a list of somebody's workspace may name a fork of his. A name that is only like it comes late.
+    indexed = tables.index.repositories.get(package) if tables.index else None
+    if indexed and indexed.distribution not in ROS2:
+        return indexed, ""
+    if hint := find_hint(package, tables.hints):
+        return hint, "no index has it; a file of this folder names it"
+    if package in tables.known:
+        return tables.known[package], "no index has it"
+    if hint := find_related_hint(package, tables.hints):
+        return hint, "no index has it; by its name it belongs to a repository that a file of this folder names"
+    newer = indexed or (tables.ros2.repositories.get(package) if tables.ros2 else None)
+    return newer, ONLY_ROS2.format(newer.distribution) if newer else ""
+
+
+def _explain(missing: Missing, tables: Tables) -> str:
+    place = f", which {missing.named_in} names" if missing.named_in else ""
+    if tables.index is None:
+        return f"no package of this release has it{place}, and {NO_INDEX}"
+    from difflib import get_close_matches  # seldom needed
+
+    near = get_close_matches(missing.package, {*tables.names, *tables.index.repositories}, 1, _NEAR)
+    if near:
+        return f"no package has this name{place}; did you mean {near[0]}?"
+    return f"neither this release nor an index of ROS has it{place}: it is private or withdrawn, ask its author"
 
 
 def _debian_names(package: str, tables: Tables) -> tuple[str, ...]:

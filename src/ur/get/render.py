@@ -54,7 +54,10 @@ def _sources(steps: tuple[Step, ...]) -> Iterator[str]:
         else:
             needs = f"it also needs {', '.join(step.needs)}" if step.needs else "all that it needs is installed"
         old = step.repository.distribution
-        needs = f"last in ROS {old}, and may need changes for noetic; {needs}" if old else needs
+        if step.reason:
+            needs = f"{step.reason}; {needs}"
+        elif old:
+            needs = f"last in ROS {old}, and may need changes for noetic; {needs}"
         yield f"  {_name(step)}: {step.repository.url}; {needs}"
         commands.setdefault(clone_command(step.repository), f"{WORKSPACE}/src/{step.repository.name}")
     yield f"these commands put them into {WORKSPACE} and build them:"

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from ur.get.hints import LISTS, TEXTS, read_hints
 from ur.get.index import read_dependencies
 from ur.get.missing import is_installed, missing_of_names, missing_of_plan, named_packages
-from ur.get.model import PACKAGE_NAME, Missing
+from ur.get.model import PACKAGE_NAME, Missing, Repository
 from ur.launchfile.plan.load import load_plan
 from ur.launchfile.world.system import SystemWorld
 from ur.request.launch_request import make_request
@@ -24,11 +25,16 @@ _SKIPPED = frozenset({".git", ".hg", ".svn", "build", "devel", "node_modules"})
 
 @dataclass(frozen=True, slots=True)
 class Needs:
-    """Missing packages, a test for packages that are there, and notes on what could not be read."""
+    """Missing packages, a test for packages that are there, and notes on what could not be read.
+
+    `hints` are the repositories that the files of folders name, and `names` the packages that are there.
+    """
 
     missing: tuple[Missing, ...]
     is_there: Callable[[str], bool]
     notes: tuple[str, ...] = ()
+    hints: tuple[Repository, ...] = ()
+    names: tuple[str, ...] = ()
 
 
 def find_needs(words: Sequence[str], environment: Mapping[str, str]) -> Needs:
@@ -43,10 +49,12 @@ def find_needs(words: Sequence[str], environment: Mapping[str, str]) -> Needs:
         )
     found: dict[str, Missing] = {}
     notes: tuple[str, ...] = ()
+    hints: tuple[Repository, ...] = ()
     for word in words:
         if "/" in word or word in (".", ".."):
             needs = folder_needs([word], environment)
             world, notes = SystemWorld(_with_folders([word], environment)), (*notes, *needs.notes)
+            hints += needs.hints
             found.update((each.package, each) for each in needs.missing)
         elif not PACKAGE_NAME.fullmatch(word):
             message = f"{word!r} is neither a launch file nor the name of a package"
@@ -56,7 +64,8 @@ def find_needs(words: Sequence[str], environment: Mapping[str, str]) -> Needs:
             found.update((each.package, each) for each in missing_of_names(_dependencies(text), world))
         else:
             found[word] = Missing(word)
-    return Needs(tuple(found.values()), lambda name: is_installed(name, world), notes)
+    names = tuple(world.package_names())
+    return Needs(tuple(found.values()), lambda name: is_installed(name, world), notes, hints, names)
 
 
 def folder_needs(
@@ -71,16 +80,24 @@ def folder_needs(
             message = f"folder {folder!r} does not exist, expected one with launch files"
             raise UserError(error(message, rule="missing-file", help="ur get --missing FOLDER"))
     world = SystemWorld(_with_folders(folders, environment))
-    names: set[str] = set()
-    for count, path in enumerate(_list_texts(folders)):
+    names: dict[str, str] = {}
+    hints: list[Repository] = []
+    for count, (folder, path) in enumerate(_list_texts(folders)):
         if count % 50 == 0:
             progress(f"{count} files read")
         text = _read(path)
-        if path.name != "package.xml":
-            names |= named_packages(text)
-        elif manifests:
-            names.update(_dependencies(text))
-    return Needs(missing_of_names(names, world), lambda name: is_installed(name, world))
+        found: Iterable[str] = ()
+        if path.name == "package.xml":
+            found = _dependencies(text) if manifests else ()
+        elif path.name.endswith(_TEXTS):
+            found = named_packages(text)
+        else:
+            hints += read_hints(path.name, text)
+        for name in found:
+            names.setdefault(name, str(path.relative_to(folder)))
+    missing = missing_of_names(names, world)
+    here = tuple(world.package_names())
+    return Needs(missing, lambda name: is_installed(name, world), hints=tuple(hints), names=here)
 
 
 def _file_needs(words: Sequence[str], world: SystemWorld) -> Needs:
@@ -91,14 +108,18 @@ def _file_needs(words: Sequence[str], world: SystemWorld) -> Needs:
         ("unknown-package", "missing-executable")
     ]  # fmt: skip
     notes = (f"not everything was read: {others[0].message}",) if others else ()
-    return Needs(missing_of_plan(plan, world), lambda name: is_installed(name, world), notes)
+    missing = missing_of_plan(plan, world)
+    names = tuple(world.package_names()) if missing else ()
+    return Needs(missing, lambda name: is_installed(name, world), notes, names=names)
 
 
-def _list_texts(folders: Sequence[str]) -> Iterator[Path]:
+def _list_texts(folders: Sequence[str]) -> Iterator[tuple[str, Path]]:
     for folder in folders:
         for place, below, files in os.walk(folder):
             below[:] = sorted(name for name in below if name not in _SKIPPED)
-            yield from (Path(place, name) for name in sorted(files) if name.endswith(_TEXTS) or name == "package.xml")
+            for name in sorted(files):
+                if name.endswith(_TEXTS) or name == "package.xml" or LISTS.fullmatch(name) or TEXTS.fullmatch(name):
+                    yield folder, Path(place, name)
 
 
 def _with_folders(folders: Sequence[str], environment: Mapping[str, str]) -> dict[str, str]:

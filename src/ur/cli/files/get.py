@@ -84,7 +84,8 @@ def _find_plan(words: Sequence[str], index: Sequence[str], *, missing: bool) -> 
     with show_progress("reading what is needed") as progress:
         needs = _find_needs(words, missing=missing, progress=progress)
         progress("looking for packages")
-        tables, notes = load_tables(needs.missing, ThisComputer(os.environ, index), _distribution())
+        computer = ThisComputer(os.environ, index)
+        tables, notes = load_tables(needs.missing, computer, _distribution(), needs.hints, needs.names)
     return make_plan(needs.missing, tables, needs.is_there, (*needs.notes, *notes) if needs.missing else needs.notes)
 
 
