@@ -145,3 +145,26 @@ def test_bad_description_is_refused_with_its_link_or_joint(text: str, message: s
         read(text)
     assert message in str(caught.value)
     assert str(caught.value).startswith("robot.urdf: ")
+
+
+def test_cliff_sensor_is_no_lidar() -> None:
+    floor = SMALL.replace('name="lds"', 'name="cliff_sensor_left"').replace("<max>3.5</max>", "<max>0.15</max>")
+    sources = {sensor.kind: sensor.source for sensor in read(floor).sensors}
+    assert sources["lidar"] == "link base_scan, by its name"
+    other = floor.replace("base_scan", "cliff_left_link")
+    assert not read(other).has_lidar
+
+
+def test_lidar_that_the_file_lacks_is_put_on_top_and_one_that_it_has_is_left_out_when_asked(tmp_path: Path) -> None:
+    bare = SMALL.replace("base_scan", "cliff_left_link").replace("<max>3.5</max>", "<max>0.15</max>")
+    added = read_base_figures(parse_urdf(bare, "robot.urdf"), SPEEDS, lidar=True)
+    path = tmp_path / "base.yaml"
+    path.write_text(write_base_file(added, "A robot.", "robot.urdf"), encoding="utf-8")
+    base = read_base(path, "robot")
+    assert base.lidar is not None
+    assert (base.lidar.frame, base.lidar.pose[2] > base.height) == ("laser", True)
+    assert not read_base_figures(parse_urdf(SMALL, "robot.urdf"), SPEEDS, lidar=False).has_lidar
+
+
+def test_blank_and_byte_order_mark_before_the_declaration_are_no_fault() -> None:
+    assert parse_urdf("\ufeff \n" + SMALL, "robot.urdf").name == "small"

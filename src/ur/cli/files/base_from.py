@@ -64,28 +64,47 @@ def next_step(place: Place, name: str) -> str:
 
 
 def describe_base(
-    source: Path, summary: str | None, figures: Mapping[str, float | None], *, lidar: bool, raspicam: bool
+    source: Path, summary: str | None, figures: Mapping[str, float | None], *, lidar: bool | None, raspicam: bool
 ) -> str:
     """The text of the base.yaml that follows from a description. Raises UserError.
 
-    Prints what was read; asks once for everything that was not.
+    Prints what was read; asks once for everything that was not. `lidar` says whether it has one; None if the file does.
     """
     from ur.robot.description.base_text import write_base_file
     from ur.robot.description.parse import parse_urdf
     from ur.robot.description.reading import read_base_figures
     from ur.robot.description.xacro import read_description
 
-    if lidar or raspicam:
-        message = "--lidar and --raspicam have no effect with --from, which reads the sensors from the file"
-        raise UserError(error(message, rule="bad-value", help="add them to the base.yaml that is written"))
+    if raspicam:
+        message = "--raspicam has no effect with --from, which reads the camera from the file"
+        raise UserError(error(message, rule="bad-value", help="add it to the base.yaml that is written"))
     given = {key: _check(key, value) for key, value in figures.items() if value is not None}
-    description = parse_urdf(read_description(source, os.environ, lambda: _list_packages(source)), str(source))
-    reading = read_base_figures(description, given)
+    expanded = read_description(source, os.environ, lambda: _list_packages(source))
+    description = parse_urdf(expanded.text, str(source))
+    reading = read_base_figures(description, given, lidar=lidar)
     click.echo(_describe(reading), err=True, nl=False)
+    if expanded.missing:
+        names = " ".join(expanded.missing)
+        click.echo(f"note: left out, since their packages are not here: files of {names} (ur get {names})", err=True)
+    if lidar is None and not reading.has_lidar:
+        lidar = _ask_for_lidar(reading)
     while reading.open:
-        given |= _ask_for(source, reading)
-        reading = read_base_figures(description, given)
+        given |= _ask_for(source, reading, lidar)
+        reading = read_base_figures(description, given, lidar=lidar)
+    if lidar is not None:
+        reading = read_base_figures(description, given, lidar=lidar)
     return write_base_file(reading, summary or f"Robot {reading.name or source.stem}.", source.name)
+
+
+def _ask_for_lidar(reading: Reading) -> bool | None:
+    """The answer of a person; None without a terminal, and then the robot has none."""
+    if sys.stdin.isatty():
+        return click.confirm(
+            "the file has no lidar, which the way to a goal needs: add a usual one on top?", default=True
+        )
+    if not reading.open:
+        click.echo("note: the file has no lidar, which the way to a goal needs; --lidar adds a usual one", err=True)
+    return None
 
 
 def _list_packages(source: Path) -> dict[str, str]:
@@ -103,12 +122,14 @@ def _list_packages(source: Path) -> dict[str, str]:
     return {name: world.find_package(name) for name in world.package_names()}
 
 
-def _ask_for(source: Path, reading: Reading) -> dict[str, float]:
+def _ask_for(source: Path, reading: Reading, lidar: bool | None) -> dict[str, float]:
     """The open figures, from a person; without a terminal all of them are named in one error."""
     if sys.stdin.isatty():
         return {key: _prompt(key) for key in reading.open}
-    names = ", ".join(key.replace("_", " ") for key in reading.open)
+    asks = lidar is None and not reading.has_lidar
+    names = ", ".join([*(key.replace("_", " ") for key in reading.open), *(["a lidar"] if asks else [])])
     options = " ".join(f"--{key.replace('_', '-')} {_ordinary(key):g}" for key in reading.open)
+    options += " --lidar (or --no-lidar)" if asks else ""
     message = f"cannot read from '{source}': {names}"
     raise UserError(error(message, rule="not-given", help=f"add, with your robot's figures: {options}"))
 

@@ -162,7 +162,7 @@ def new_program(name: str | None, summary: str | None, package: str | None, laun
 @click.option("--wheel-separation", type=float, help="Between the middles of the two driven wheels, in m.")
 @click.option("--velocity", type=float, help="The highest, in m/s.")
 @click.option("--angular-velocity", type=float, help="The highest, in rad/s.")
-@click.option("--lidar", is_flag=True, help="It has a lidar.")
+@click.option("--lidar/--no-lidar", default=None, help="It has a lidar. [default: as FILE says]")
 @click.option("--raspicam", is_flag=True, help="It has a Raspberry Pi camera.")
 @click.option("--like", metavar="BASE", help="Copy the parameter files of this base; without it of stage, if there.")
 @click.option("--from", "source", metavar="FILE", help="Read the figures from this URDF or xacro file.")
@@ -170,7 +170,7 @@ def new_program(name: str | None, summary: str | None, package: str | None, laun
     "--workspace", metavar="FOLDER", help="Write it into a folder of its own, which extends ubiquity_launches."
 )
 def new_base(
-    name: str | None, summary: str | None, package: str | None, lidar: bool, raspicam: bool, like: str | None,
+    name: str | None, summary: str | None, package: str | None, lidar: bool | None, raspicam: bool, like: str | None,
     source: str | None, workspace: str | None, **figures: float | None,
 ) -> int:  # fmt: skip
     """Write a base: bases/NAME/base.yaml, its URDF, and a parameter file wherever others have one.
@@ -188,7 +188,7 @@ def new_base(
         text = describe_base(Path(source), summary, figures, lidar=lidar, raspicam=raspicam)
     else:
         summary = ask(summary, "--summary", "What it is, in one line")
-        text = write_base(base_request(name, summary, figures, lidar=lidar, raspicam=raspicam))
+        text = write_base(base_request(name, summary, figures, lidar=bool(lidar), raspicam=raspicam))
     beside = urdf_files(place.target, name, text, like, place.library, place.url)
     files = place.place_files([NewFile(f"bases/{name}/base.yaml", text), *beside])
     return show_done(place.target, files, next_step(place, name))

@@ -27,7 +27,7 @@ def parse_urdf(text: str, path: str) -> Description:
     if re.search(r"<!(DOCTYPE|ENTITY)", text):
         _fail(path, "has a document type, expected a URDF without one", "remove <!DOCTYPE ...> and its entities")
     try:
-        root = ElementTree.fromstring(text)  # noqa: S314 - without a document type there are no entities
+        root = ElementTree.fromstring(text.lstrip("\ufeff \t\r\n"))  # noqa: S314 - without a document type there are no entities
     except (ElementTree.ParseError, ValueError) as problem:
         _fail(path, f"not well-formed XML, expected a URDF: {problem}")
     if root.tag != "robot":

@@ -14,7 +14,7 @@ from ur.robot.base.outline import Point, is_inside
 from ur.robot.description.drive import Drive, find_drive
 from ur.robot.description.model import Description
 from ur.robot.description.outlines import draw_outline, measure_extent
-from ur.robot.description.pose import Pose
+from ur.robot.description.pose import Pose, make_pose
 from ur.robot.description.sensing import FoundSensor, find_sensors, list_extra_sensors
 
 BRAKING = 0.13  # s from full speed to rest, so that a robot stops within 0.3 s of its last command
@@ -67,11 +67,19 @@ class Reading:
     sensors: tuple[FoundSensor, ...]
     notes: tuple[str, ...]
 
+    @property
+    def has_lidar(self) -> bool:
+        """True for a robot with a lidar."""
+        return any(sensor.kind == "lidar" for sensor in self.sensors)
 
-def read_base_figures(description: Description, given: Mapping[str, float]) -> Reading:
-    """Read what a description says of a base; `given` figures (names of QUESTIONS) are taken instead."""
+
+def read_base_figures(description: Description, given: Mapping[str, float], *, lidar: bool | None = None) -> Reading:
+    """Read what a description says of a base; `given` figures (names of QUESTIONS) are taken instead.
+
+    With `lidar` True a robot of which the description names no lidar gets a usual one on top; with False it has none.
+    """
     drive = find_drive(description)
-    sensors = find_sensors(description)
+    sensors = tuple(each for each in find_sensors(description) if lidar is not False or each.kind != "lidar")
     wheels = {wheel.joint.child for wheel in drive.wheels}
     figures = {key: Figure(value, "given") for key, value in given.items()}
     _read_wheels(description, drive, figures)
@@ -89,6 +97,9 @@ def read_base_figures(description: Description, given: Mapping[str, float]) -> R
     if len({round(wheel.x, 3) for wheel in drive.wheels}) > 1:
         notes.append("several driven axles (skid steer): simulated as two driven wheels between them")
     extra = list_extra_sensors(description, sensors)
+    placed = tuple(replace(each, pose=_moved(each.pose, origin)) for each in sensors)
+    if lidar and not any(each.kind == "lidar" for each in sensors):
+        placed = (_add_lidar(description, figures, outline), *placed)
     if extra:
         notes.append(f"left out, since a base has one sensor of a kind: {', '.join(extra)}")
     return Reading(
@@ -98,7 +109,7 @@ def read_base_figures(description: Description, given: Mapping[str, float]) -> R
         outline,
         inner,
         supports,
-        tuple(replace(each, pose=_moved(each.pose, origin)) for each in sensors),
+        placed,
         tuple(notes),
     )
 
@@ -260,6 +271,14 @@ def _centre(outline: Sequence[Point]) -> Point:
         cross = ax * by - bx * ay
         total, x, y = total + cross, x + (ax + bx) * cross, y + (ay + by) * cross
     return x / (3.0 * total), y / (3.0 * total)
+
+
+def _add_lidar(description: Description, figures: Mapping[str, Figure], outline: Sequence[Point]) -> FoundSensor:
+    names = {link.name for link in description.links}
+    frame = next(name for name in ("laser", "lidar", "top_laser", "laser_of_ur") if name not in names)
+    x = _centre(outline)[0] if outline else 0.0
+    height = figures["height"].value if "height" in figures else 0.3
+    return FoundSensor("lidar", frame, frame, make_pose((x, 0.0, height + 0.05), (0.0, 0.0, 0.0)), "given: on top")
 
 
 def _moved(pose: Pose, origin: tuple[float, float, float]) -> Pose:

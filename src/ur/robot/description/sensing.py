@@ -15,6 +15,7 @@ Kind = Literal["lidar", "camera", "imu", "sonar"]
 
 _OPTICAL = re.compile(r"optical", re.IGNORECASE)
 _SONAR = re.compile(r"sonar|ultra_?so(und|nic)|(^|_)us_?\d|hc_?sr04", re.IGNORECASE)
+_DOWNWARDS = re.compile(r"cliff|wall|drop|bumper", re.IGNORECASE)  # rays of some centimetres, to the floor or a wall
 _NAMES: Mapping[Kind, re.Pattern[str]] = {
     "sonar": _SONAR,
     "lidar": re.compile(r"lidar|laser|hokuyo|velodyne|(^|_)(lds|lms|sick|scan|scanner|utm|urg)(_|\d|$)", re.IGNORECASE),
@@ -88,6 +89,9 @@ def _kind(sensor: GazeboSensor) -> Kind | None:
     if kind in ("sonar", "ultrasonic"):
         return "sonar"
     if kind in ("ray", "gpu_ray", "lidar", "gpu_lidar"):
+        reach = sensor.figure("range_max")
+        if _DOWNWARDS.search(name) or (reach is not None and reach < 0.5):
+            return None
         narrow = "_range" in sensor.plugin or _SONAR.search(name)
         return "sonar" if narrow else "lidar"
     if kind in ("camera", "depth", "depth_camera", "multicamera", "wideanglecamera", "rgbd", "rgbd_camera"):
