@@ -73,7 +73,7 @@ class Driver:
         return localised and self.truth is not None and self._client.wait_for_server(rospy.Duration(0.1))
 
     def drive(self, goal: Goal, obstacle: str = "", limit: float = 180.0) -> Drive:
-        """Send one goal and wait for its end. With `obstacle`, the name of one, it is put in the way meanwhile."""
+        """Send one goal and wait for its end, at most `limit` s of ROS time. `obstacle` comes in the way."""
         assert self.truth is not None
         with self._lock:
             self._errors, self._length, self._last = [], 0.0, self.truth
@@ -91,7 +91,7 @@ class Driver:
         self._client.send_goal(message, done_cb=lambda *_: done.set())
         if obstacle:
             self._place_obstacle(obstacle, way)
-        ended = done.wait(limit)
+        ended = _wait(done, began + limit)
         seconds = rospy.get_time() - began
         if not ended:
             self._client.cancel_goal()
@@ -168,3 +168,10 @@ class Driver:
 
     def _take_collisions(self, message: Int32) -> None:
         self.collisions = message.data
+
+
+def _wait(done: threading.Event, deadline: float) -> bool:
+    while not done.wait(0.5):
+        if rospy.get_time() > deadline:
+            return False
+    return True

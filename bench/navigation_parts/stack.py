@@ -16,6 +16,7 @@ from typing import Any
 import psutil
 
 from ur.robot.base import Base, load_base
+from ur.robot.base.search import find_base_package
 
 ROOT = Path(__file__).resolve().parents[2]
 MAPS = ROOT / "ubiquity_launches" / "n_map_server" / "maps"
@@ -54,7 +55,7 @@ def find_upstream() -> tuple[Peers, list[str]]:
 def load_robot(name: str) -> Base:
     """`BASE[:VARIANT]`. Raises UserError: there is none."""
     base, _, variant = name.partition(":")
-    return load_base(ROOT / "ubiquity_launches", base, variant)
+    return load_base(find_base_package(ROOT / "ubiquity_launches", base, os.environ), base, variant)
 
 
 class Stack:

@@ -6,6 +6,17 @@ the start at the origin), any heading. Then rounded and written down.
 
 from __future__ import annotations
 
+import math
+
+import numpy as np
+from bench.navigation_parts.geodesic import free_cells
+from scipy.ndimage import label
+
+from ur_nodes.costmap.footprint import Footprint
+from ur_nodes.geometry.grid import Grid
+
+_ROOM = 0.05  # m beside the farthest corner of a robot that turns
+
 Goal = tuple[float, float, float]
 
 GOALS: dict[str, tuple[Goal, ...]] = {
@@ -37,3 +48,24 @@ GOALS: dict[str, tuple[Goal, ...]] = {
 
 OBSTACLE_GOALS = (1, 4, 7)
 """The goals (from 0) during which an obstacle appears on the way, with --obstacles."""
+
+
+def fit_goals(goals: tuple[Goal, ...], grid: Grid, footprint: Footprint) -> tuple[Goal, ...]:
+    """Move goals at which the robot cannot turn, or to which it cannot get from the origin, to the next such place.
+
+    Goals of robots that are no larger than those which the goals were drawn for stay as they are.
+    """
+    free = free_cells(grid, footprint.circumscribed + _ROOM)
+    pieces, _ = label(free_cells(grid, footprint.inscribed + _ROOM))
+    start = pieces[tuple(grid.cells_of_points(np.zeros(2)))]
+    places = grid.points_of_cells(np.argwhere(free & (pieces == start) & (start > 0)))
+    if not len(places):
+        return goals
+    fitted = []
+    for x, y, heading in goals:
+        distances = np.hypot(*(places - (x, y)).T)
+        nearest = int(distances.argmin())
+        if distances[nearest] > math.sqrt(0.5) * grid.resolution + 1e-6:
+            x, y = (round(float(value), 2) for value in places[nearest])
+        fitted.append((x, y, heading))
+    return tuple(fitted)
