@@ -8,18 +8,20 @@ from dataclasses import replace
 from ur.launchfile.plan.model import Plan
 from ur.request.launch_request import LaunchRequest
 from ur.request.options import LaunchOptions, Report
-from ur.request.plan_files import Loaded, load_request
+from ur.request.plan_files import Inspect, Loaded, load_request
 from ur.source.diagnostic import UserError, error
 
 
-def load_chosen(request: LaunchRequest, report: Report) -> Loaded:
+def load_chosen(request: LaunchRequest, report: Report, inspect: Inspect | None = None) -> Loaded:
     """Load a request, and apply the options that choose nodes; errors in the files are printed.
+
+    `inspect` is given the errors before.
 
     Raises UserError, as `load_request` does, and for nodes that options name wrongly.
     """
     if request.options.core:
         return Loaded(request, Plan((), (), (), (), (), ("core",)))
-    loaded = load_request(request)
+    loaded = load_request(request, inspect)
     if loaded.plan is None:
         return loaded
     return replace(loaded, plan=apply_options(loaded.plan, request.options, report))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import socket
 import sys
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -24,6 +24,9 @@ from ur.source.file import SourceFile, Span
 
 if TYPE_CHECKING:
     from ur.request.bases.base_argument import FileBase
+
+
+Inspect = Callable[[Iterable[Diagnostic]], None]
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,8 +64,8 @@ def complete_arguments(request: LaunchRequest, *, local: bool) -> tuple[Argument
     return (*given, *selected_arguments(selection, declared, values_of(given), local=local))
 
 
-def load_request(request: LaunchRequest) -> Loaded:
-    """Load the plan of a request; errors in it are then on standard error.
+def load_request(request: LaunchRequest, inspect: Inspect | None = None) -> Loaded:
+    """Load the plan of a request; errors in it are then on standard error. `inspect` is given them before.
 
     Arguments about the robot that are declared and not given come from the selection; not so for a robot's share
     of a run (`part`): its arguments are complete, and `part` is a machine that the file need not define: this computer.
@@ -91,6 +94,8 @@ def load_request(request: LaunchRequest) -> Loaded:
     findings = plan.diagnostics
     if any(node.terminal for node in plan.nodes):
         findings = tuple(map(_harden, findings))
+    if inspect is not None:
+        inspect(findings)
     show_findings(findings)
     if bases and values.get("simulate") == "false" and not remote:
         from ur.request.bases.driver_packages import check_drivers

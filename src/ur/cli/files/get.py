@@ -55,6 +55,11 @@ def command(
     return _undo(yes=yes, dry_run=dry_run) if undo else _get(words, index, missing=missing, yes=yes, dry_run=dry_run)
 
 
+def get_packages(names: Sequence[str]) -> int:
+    """Do what `ur get NAME...` does, and return its exit code. Raises UserError."""
+    return _get(names, (), missing=False, yes=False, dry_run=False)
+
+
 def _get(words: Sequence[str], index: Sequence[str], *, missing: bool, yes: bool, dry_run: bool) -> int:
     from ur.get.install import install
     from ur.get.record import record_path

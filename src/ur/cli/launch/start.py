@@ -38,18 +38,15 @@ def run_launch(
     host = start_host()  # its start overlaps with the reading of the launch file
     stack = ExitStack()
     try:
+        from ur.cli.launch.missing import load_with_packages
         from ur.request.joining.join import Joined, join
-        from ur.request.joining.running import follow_world, lock_launch, refuse_second_master
-        from ur.request.launch_request import make_request
-        from ur.request.node_choice import load_chosen
-        from ur.request.plan_files import make_world
+        from ur.request.joining.running import lock_launch, refuse_second_master
         from ur.request.requirements.preparation import prepare_world
         from ur.request.run_options import make_run_options
         from ur.run.launch import run_plan
 
         lock = lock_launch(options, stack, reporter.report)
-        request = follow_world(make_request(argv, make_world(), selection, options))
-        loaded = load_chosen(request, reporter.report)
+        request, loaded = load_with_packages(argv, selection, options, reporter)
         plan = loaded.plan
         if plan is None:
             _write_findings(loaded.findings, options)
