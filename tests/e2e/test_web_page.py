@@ -179,7 +179,7 @@ def test_goal_is_set_by_press_drag_release_and_reached(page: Page) -> None:
 def test_place_is_named_on_the_page_and_driven_to(page: Page, robot: Robot) -> None:
     page.tap("#places")
     page.wait("document.getElementById('place-here').checkVisibility()")
-    page.run("page.places.input.value = 'here'; document.getElementById('place-here').click(); 0")
+    page.run("document.getElementById('place-name').value = 'here'; document.getElementById('place-here').click(); 0")
     page.wait("page.map.places.here")
     here = page.run("[page.pose.x, page.pose.y]")
     assert page.run("page.map.places.here.slice(0, 2)") == pytest.approx(here, abs=0.2)

@@ -4,6 +4,14 @@
 import { LAYERS, keepLink } from "./link_state.js";
 import { TEXTS } from "./texts.js";
 
+/** @type {import("./panels.js").Panel} */
+export const LAYER_PANEL = {
+  name: "layers",
+  label: TEXTS.layers,
+  icon: "M12 3l9 5-9 5-9-5zM3 13l9 5 9-5",
+  make: (box, page) => void new LayerPanel(box, page.map, () => page.socket.reopen()),
+};
+
 export class LayerPanel {
   /** @param {HTMLElement} box @param {import("./map_view.js").MapView} map @param {() => void} onChange */
   constructor(box, map, onChange) {

@@ -1,13 +1,82 @@
 // @ts-check
-/** Panels beside the map, of which one is open at most. */
+/**
+ * Panels beside the map, of which one is open at most, and the buttons that open them.
+ *
+ * A panel is a module of its own, named in `panel_list.js`: nothing else of the page has to know it.
+ */
 
-const NAMES = ["places", "layers"];
+import { make, makeButton } from "./elements.js";
+import { TEXTS } from "./texts.js";
 
-/** Open a panel, or close it. @param {string} name its button's id */
-export function togglePanel(name) {
-  for (const each of NAMES) {
-    const panel = /** @type {HTMLElement} */ (document.getElementById(`${each}-panel`));
-    panel.hidden = each !== name || !panel.hidden;
-    document.getElementById(each)?.setAttribute("aria-expanded", String(!panel.hidden));
+/**
+ * `icon`: path of a drawing of 24 by 24 units. `wide`: for tables; it covers most of the map.
+ * `make` fills the empty box; `show` is called with true when the panel opens, and with false when it closes.
+ * @typedef {{show?: (open: boolean) => void}} PanelPart
+ * @typedef {{name: string, label: string, icon: string, wide?: boolean,
+ *   make: (box: HTMLElement, page: import("./main.js").Page) => PanelPart | void}} Panel
+ */
+
+const SVG = "http://www.w3.org/2000/svg";
+
+export class Panels {
+  /** @param {HTMLElement} bar the buttons' box @param {readonly Panel[]} list @param {import("./main.js").Page} page */
+  constructor(bar, list, page) {
+    bar.setAttribute("aria-label", TEXTS.panels);
+    /** @type {Map<string, {box: HTMLElement, button: HTMLButtonElement, part: PanelPart}>} */
+    this.panels = new Map();
+    for (const panel of list) {
+      const button = makePanelButton(panel, () => this.toggle(panel.name));
+      bar.append(button);
+      const box = make("aside", "", panel.wide ? "panel wide" : "panel");
+      box.id = `${panel.name}-panel`;
+      box.setAttribute("aria-label", panel.label);
+      box.hidden = true;
+      bar.after(box);
+      const part = panel.make(box, page) ?? {};
+      this.panels.set(panel.name, { box, button, part });
+    }
+    addEventListener("keydown", (event) => event.key === "Escape" && this.close());
   }
+
+  /** The name of the open panel, or "". */
+  get open() {
+    for (const [name, { box }] of this.panels) if (!box.hidden) return name;
+    return "";
+  }
+
+  /** Open a panel, or close it. @param {string} name */
+  toggle(name) {
+    const shown = name === this.open ? "" : name;
+    for (const [each, { box, button, part }] of this.panels) {
+      const changes = box.hidden === (each === shown);
+      box.hidden = each !== shown;
+      button.setAttribute("aria-expanded", String(!box.hidden));
+      if (changes) part.show?.(!box.hidden);
+    }
+    document.body.dataset.panel = shown;
+  }
+
+  /** Close the panel that is open, and have its button focused again. */
+  close() {
+    const found = this.panels.get(this.open);
+    if (!found) return;
+    this.toggle(this.open);
+    found.button.focus();
+  }
+}
+
+/** @param {Panel} panel @param {() => void} act */
+function makePanelButton(panel, act) {
+  const button = makeButton("", act, panel.label);
+  button.id = panel.name;
+  button.title = panel.label;
+  button.setAttribute("aria-expanded", "false");
+  button.setAttribute("aria-controls", `${panel.name}-panel`);
+  const svg = document.createElementNS(SVG, "svg");
+  svg.setAttribute("viewBox", "0 0 24 24");
+  const path = document.createElementNS(SVG, "path");
+  path.setAttribute("d", panel.icon);
+  svg.append(path);
+  button.append(svg);
+  return button;
 }

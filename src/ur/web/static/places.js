@@ -2,10 +2,32 @@
 /** The list of the map's places: drive to one, name the robot's, delete one. */
 
 import { TEXTS } from "./texts.js";
+import { KIND, readJson } from "./wire.js";
 
 /** @typedef {{named: boolean, places: Record<string, [number, number, number]>, problem: string}} PlaceList */
 
 const SURE_TIME = 4000; // ms to press "delete" again
+
+/** @type {import("./panels.js").Panel} */
+export const PLACE_PANEL = {
+  name: "places",
+  label: TEXTS.places,
+  icon: "M12 21c4-5 6-8 6-11a6 6 0 0 0-12 0c0 3 2 6 6 11zM10 10a2 2 0 1 0 4 0a2 2 0 1 0-4 0",
+  make: (box, page) => {
+    const places = new PlacePanel(
+      box,
+      page.mayDrive,
+      (message) => page.sendPlace(message),
+      () => (page.poseAge < 2 ? (page.pose ?? null) : null),
+    );
+    page.frames.on(KIND.PLACES, (frame) => {
+      const found = readJson(frame);
+      places.show(found);
+      page.map.places = found.places;
+      page.map.request();
+    });
+  },
+};
 
 export class PlacePanel {
   /**

@@ -22,6 +22,7 @@ export const TEXTS = {
   zoomOut: "Zoom out",
   follow: "Follow the robot",
   fit: "Show the whole map",
+  panels: "Panels",
   layers: "Layers",
   layerNames: {
     scan: "Lidar",

@@ -1,0 +1,27 @@
+// @ts-check
+/** Elements of the page, found and made. */
+
+/** The element with an id, which the page has. @param {string} id @returns {HTMLElement} */
+export const element = (id) => /** @type {HTMLElement} */ (document.getElementById(id));
+
+/**
+ * Make an element with a text and a class.
+ * @template {keyof HTMLElementTagNameMap} K
+ * @param {K} tag @param {string} [text] @param {string} [className]
+ * @returns {HTMLElementTagNameMap[K]}
+ */
+export function make(tag, text = "", className = "") {
+  const made = document.createElement(tag);
+  if (text) made.textContent = text;
+  if (className) made.className = className;
+  return made;
+}
+
+/** Make a button. @param {string} text @param {() => void} act @param {string} [label] for screen readers, where the text does not say it */
+export function makeButton(text, act, label = "") {
+  const button = make("button", text);
+  button.type = "button";
+  if (label) button.ariaLabel = label;
+  button.addEventListener("click", act);
+  return button;
+}

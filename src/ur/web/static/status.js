@@ -1,0 +1,89 @@
+// @ts-check
+/** The state of robot and connection in words: header, banners, and the line about the goal. */
+
+import { Banners, describeDriver, describeDriving, describeLink } from "./banners.js";
+import { element } from "./elements.js";
+import { TEXTS } from "./texts.js";
+
+const NOTE_TIME = 5000; // ms
+const OVER = ["none", "reached", "stopped", "failed"];
+
+export class Status {
+  /** @param {import("./main.js").Page} page */
+  constructor(page) {
+    this.page = page;
+    this.banners = new Banners(element("banners"));
+    this.note = { text: "", until: 0 };
+    this.stopAsked = false;
+    this.goalSeen = "";
+    element("empty").textContent = TEXTS.waitingForMap;
+    element("goal-cancel").textContent = TEXTS.cancel;
+    element("goal-cancel").addEventListener("click", () => page.drive?.send({ t: "cancel" }));
+    element("goal-resume").textContent = TEXTS.resume;
+    element("goal-resume").addEventListener("click", () => page.drive?.request({ t: "resume" }));
+    setInterval(() => this.refresh(), 200);
+  }
+
+  /** Show a line for some seconds. @param {string} text */
+  say(text) {
+    this.note = { text, until: performance.now() + NOTE_TIME };
+    this.refresh();
+  }
+
+  /** Show a state of the robot. @param {any} state */
+  show(state) {
+    if (state.mux.stopped || state.mux.problem) this.stopAsked = false;
+    const goal = state.goal;
+    const over = OVER.includes(goal.state);
+    if (over && goal.state !== "none" && this.goalSeen === `${goal.number}`) {
+      this.say([TEXTS.goalStates[/** @type {"reached"} */ (goal.state)], goal.text].filter(Boolean).join(": "));
+    }
+    this.goalSeen = over ? "" : `${goal.number}`;
+    element("goal").hidden = over;
+    const left = goal.left === null ? "" : TEXTS.left(goal.left);
+    const words = [TEXTS.goalStates[/** @type {"driving"} */ (goal.state)], goal.text || left];
+    element("goal-text").textContent = words.filter(Boolean).join(", ");
+    element("goal-cancel").hidden = !this.page.mayDrive;
+    element("goal-resume").hidden = !this.page.mayDrive || goal.state !== "asking";
+    element("battery").textContent = describeBattery(state.battery);
+    this.refresh();
+  }
+
+  refresh() {
+    const { page } = this;
+    const { state, drive, map, pose } = page;
+    const link = describeLink({ age: page.socket.age, server: page.server, pose: pose ?? null, poseAge: page.poseAge });
+    const old = link.length > 0;
+    /** @type {import("./banners.js").Banner[]} */
+    const banners = [...link];
+    if (state?.mux.stopped) {
+      const release = { label: TEXTS.release, act: () => void drive?.send({ t: "release" }) };
+      banners.unshift({ text: TEXTS.emergency, red: true, buttons: page.mayDrive ? [release] : [] });
+    } else if (this.stopAsked) banners.unshift({ text: TEXTS.stopAsked, red: true });
+    if (state?.mux.problem) banners.unshift({ text: state.mux.problem, red: true });
+    if (!old && state) {
+      const request = (/** @type {string} */ action) => void drive?.request({ t: "lease", do: action });
+      banners.push(...describeDriver(state.lease, drive?.client ?? "", page.mayDrive, request));
+      if (state.missing.length && page.mode !== "drive") banners.push({ text: TEXTS.missing(state.missing[0]) });
+    }
+    if (drive?.press === "dead") banners.push({ text: TEXTS.over[/** @type {"late"} */ (drive.why)] });
+    if (this.note.until > performance.now()) banners.push({ text: this.note.text });
+    this.banners.show(banners);
+    element("dot").classList.toggle("up", !old);
+    element("empty").hidden = map.tiles.grid !== null || old;
+    element("driver").textContent = old ? "" : describeDriving(state, drive?.client ?? "");
+    element("speed").textContent = pose && !old ? TEXTS.speed(pose.speed) : "";
+    if (map.old !== old) {
+      map.old = old;
+      map.request();
+    }
+    page.showStick();
+  }
+}
+
+/** @param {{share: number | null, volts: number | null} | null} battery */
+function describeBattery(battery) {
+  if (battery === null) return "";
+  if (battery.share !== null) return TEXTS.battery(battery.share);
+  return battery.volts ? `${battery.volts} V` : "";
+}
