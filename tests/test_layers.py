@@ -33,7 +33,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "ur.format": ("ur.source", "ur.launchfile", "ur.check"),
     "ur.run": ("ur.source", "ur.debian", "ur.launchfile", "ur.robot", "ur.system"),
     "ur.screen": ("ur.source",),
-    "ur.web": ("ur.source",),
+    "ur.web": ("ur.source", "ur.run"),
     "ur.tui": ("ur.source", "ur.run", "ur.screen"),
     "ur.request": ("ur.source", "ur.debian", "ur.launchfile", "ur.robot", "ur.maps", "ur.worlds", "ur.run"),
     "ur.request.arguments": (),

@@ -39,6 +39,11 @@ def apply_options(plan: Plan, options: LaunchOptions, report: Report) -> Plan:
             report("warning", f"--local: {names} for {each.machine.name} ({each.machine.address}) left out")
     if options.only or options.except_ or options.prefix:
         plan = choose_nodes(plan, options.only, options.except_, options.prefix)
+    if options.no_terminal:
+        left_out = [node.full_name for node in plan.nodes if node.terminal]
+        plan = replace(plan, nodes=tuple(node for node in plan.nodes if not node.terminal))
+        if left_out:
+            report("info", f"--no-terminal: {', '.join(left_out)} left out")
     for node in plan.nodes if options.required else ():
         if node.respawn:
             message = f"--required: {node.full_name} is to be respawned, expected a node that may end"

@@ -47,6 +47,7 @@ class LaunchOptions:
     sigterm_timeout: float | None = None
     only: Sequence[str] = ()
     except_: Sequence[str] = ()
+    no_terminal: bool = False
     prefix: Sequence[str] = ()
     debug: Sequence[str] = ()
     detach: bool = False

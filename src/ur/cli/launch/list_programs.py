@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import sys
 from collections.abc import Sequence
@@ -19,7 +20,8 @@ _DIM, _PLAIN = "\x1b[2m", "\x1b[0m"
 
 
 @click.command("list")
-def command() -> int:
+@click.option("--json", "as_json", is_flag=True, help="Print JSON, with the arguments of each program.")
+def command(as_json: bool) -> int:
     """List the programs that `ur run` knows.
 
     They are the executables `bin/ur_*` of every package on ROS_PACKAGE_PATH. A line in brackets says what the base of
@@ -28,7 +30,15 @@ def command() -> int:
     index = index_programs(PACKAGE, add_own_package(os.environ))
     if index.problem:
         sys.stderr.write(f"warning: only the programs of {PACKAGE.name} are listed: {printable(index.problem)}\n")
-    sys.stdout.write(render_list(index.programs, _selected_base(), colour=shows_colour(sys.stdout)))
+    base = _selected_base()
+    if as_json:
+        from ur.cli.launch.program_json import describe_programs
+
+        lack = (lambda program: _lack(program, base)) if base else (lambda _: "")
+        described = describe_programs(index.programs, os.environ, lack)
+        sys.stdout.write(json.dumps(described, indent=2) + "\n")
+    else:
+        sys.stdout.write(render_list(index.programs, base, colour=shows_colour(sys.stdout)))
     sys.stdout.flush()
     return 0
 

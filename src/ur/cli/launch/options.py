@@ -48,6 +48,7 @@ def make_parameters() -> list[click.Parameter]:
         flag("--required", help="End the run with the first node that ends."),
         click.Option(["--only"], multiple=True, metavar="NODE", help="Start only this node; may be repeated."),
         click.Option(["--except", "except_"], multiple=True, metavar="NODE", help="Do not start this node."),
+        flag("--no-terminal", help="Leave out nodes that need the terminal, for example with --detach."),
         click.Option(
             ["--prefix"], multiple=True, metavar="NODE=PREFIX", help="Put a program in front: 'talker=gdb --args'."
         ),

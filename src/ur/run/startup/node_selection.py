@@ -106,7 +106,7 @@ def find_terminals(nodes: Sequence[NodeSpec], *, detached: bool) -> list[Diagnos
                 f"{node.full_name} needs the terminal, which a detached run does not have",
                 node.origin.span,
                 rule="detached-terminal",
-                help="leave --detach out, or this node: --except " + node.full_name,
+                help="leave --detach out, or these nodes: --no-terminal",
             )
             for node in wanting
         ]

@@ -17,6 +17,7 @@ from ur.web.access.roles import Role
 from ur.web.server.drivers import Drivers
 from ur.web.server.gate import SESSION, Gate, demand_drive
 from ur.web.server.robot_end import RobotEnd
+from ur.web.server.run_pages import RunPages
 from ur.web.server.static_files import StaticFile
 from ur.web.server.viewers import Viewers, limit_buffer
 from ur.web.wire.layers import read_layers
@@ -57,6 +58,7 @@ class Application:
         self._gate, self._files, self._robot, self._log = gate, files, robot, log
         self._viewers = Viewers()
         self._drivers = Drivers(self._send)
+        self._runs = RunPages(environment, log)
         self.robot_end = RobotEnd(environment, self.show, self._drivers.take, self._on_start, self._announce, log)
 
     def build(self) -> web.Application:
@@ -72,6 +74,7 @@ class Application:
                 web.post("/api/stop", self._stop),
                 web.get("/ws/view", self._view),
                 web.get("/ws/drive", self._drive),
+                *self._runs.routes(),
                 web.get("/{name:[a-z_]+\\.[a-z]+}", self._serve_file),
             ]
         )
@@ -88,10 +91,11 @@ class Application:
 
     async def _close(self, _app: web.Application) -> None:
         """End all web sockets, so that the end of the server waits for none."""
-        sockets = [*self._viewers.sockets(), *self._drivers.sockets()]
+        sockets = [*self._viewers.sockets(), *self._drivers.sockets(), *self._runs.sockets()]
         closing = [asyncio.create_task(each.close(code=WSCloseCode.GOING_AWAY)) for each in sockets]
         if closing:
             await asyncio.wait(closing, timeout=_CLOSE_LIMIT)
+        await self._runs.close()
 
     async def _announce_often(self) -> None:
         while True:

@@ -25,3 +25,8 @@ export function makeButton(text, act, label = "") {
   button.addEventListener("click", act);
   return button;
 }
+
+/** Whether keys belong to a control: what is typed there drives nothing. @param {EventTarget | null} target */
+export function takesKeys(target) {
+  return target instanceof HTMLInputElement || target instanceof HTMLSelectElement;
+}

@@ -3,13 +3,14 @@
 
 import { labelControls, showMode } from "./controls.js";
 import { DriveSocket, tabId } from "./drive_socket.js";
-import { element } from "./elements.js";
+import { element, takesKeys } from "./elements.js";
 import { FrameHandlers, showOnMap } from "./frames.js";
 import { Gestures } from "./gestures.js";
 import { keepLink, listLayers, openLink } from "./link_state.js";
 import { MapView } from "./map_view.js";
 import { PANELS } from "./panel_list.js";
 import { Panels } from "./panels.js";
+import { RUNS } from "./run_socket.js";
 import { Status } from "./status.js";
 import { Stick } from "./stick.js";
 import { TEXTS } from "./texts.js";
@@ -59,6 +60,7 @@ export class Page {
       () => location.replace("/login"),
     );
     this.status = new Status(this);
+    this.runs = RUNS;
     this.panels = new Panels(element("panels"), PANELS, this);
     setInterval(() => keepLink(this.map), 1000);
     addEventListener("keydown", (event) => this.key(event));
@@ -149,7 +151,7 @@ export class Page {
 
   /** @param {KeyboardEvent} event */
   key(event) {
-    if (takesText(event.target) || event.ctrlKey || event.metaKey || event.altKey) return;
+    if (takesKeys(event.target) || event.ctrlKey || event.metaKey || event.altKey) return;
     if (event.code === "Space" && !event.repeat) {
       event.preventDefault();
       this.stop();
@@ -166,11 +168,6 @@ export class Page {
   say(text) {
     this.status.say(text);
   }
-}
-
-/** Keys belong to what is typed into. @param {EventTarget | null} target */
-function takesText(target) {
-  return target instanceof HTMLInputElement || target instanceof HTMLSelectElement || target instanceof HTMLTextAreaElement;
 }
 
 async function start() {

@@ -1,8 +1,11 @@
 // @ts-check
 /** All panels, in the order of their buttons. */
 
+import { DOCTOR_PANEL } from "./doctor_panel.js";
 import { LAYER_PANEL } from "./layers.js";
 import { PLACE_PANEL } from "./places.js";
+import { PROGRAM_PANEL } from "./program_panel.js";
+import { RUN_PANEL } from "./run_panel.js";
 
 /** @type {readonly import("./panels.js").Panel[]} */
-export const PANELS = [PLACE_PANEL, LAYER_PANEL];
+export const PANELS = [PLACE_PANEL, LAYER_PANEL, PROGRAM_PANEL, RUN_PANEL, DOCTOR_PANEL];

@@ -32,10 +32,20 @@ export class Panels {
       box.setAttribute("aria-label", panel.label);
       box.hidden = true;
       bar.after(box);
+      if (panel.wide) box.append(this.makeHead(panel.label));
       const part = panel.make(box, page) ?? {};
       this.panels.set(panel.name, { box, button, part });
     }
     addEventListener("keydown", (event) => event.key === "Escape" && this.close());
+  }
+
+  /** The title of a wide panel, which covers the buttons on a phone. @param {string} label */
+  makeHead(label) {
+    const head = make("div", "", "row head");
+    const close = makeButton("\u00d7", () => this.close(), TEXTS.close);
+    close.className = "close";
+    head.append(make("h2", label), close);
+    return head;
   }
 
   /** The name of the open panel, or "". */

@@ -54,6 +54,9 @@ export class Status {
     const { state, drive, map, pose } = page;
     const link = describeLink({ age: page.socket.age, server: page.server, pose: pose ?? null, poseAge: page.poseAge });
     const old = link.length > 0;
+    if (page.server?.end === "no master" && page.mayDrive && link.length && page.panels.open !== "programs") {
+      link[0].buttons = [{ label: TEXTS.programs, act: () => page.panels.toggle("programs") }];
+    }
     /** @type {import("./banners.js").Banner[]} */
     const banners = [...link];
     if (state?.mux.stopped) {

@@ -1,6 +1,8 @@
 // @ts-check
 /** The stick for a thumb, and the keys that do the same. It springs back: what is not held does not drive. */
 
+import { takesKeys } from "./elements.js";
+
 const DEAD = 0.12; // share of the radius that counts as the middle
 const KEYS = /** @type {Record<string, [number, number]>} */ ({
   ArrowUp: [1, 0], ArrowDown: [-1, 0], ArrowLeft: [0, 1], ArrowRight: [0, -1],
@@ -80,7 +82,7 @@ export class Stick {
 
   /** @param {KeyboardEvent} event @param {boolean} pressed */
   key(event, pressed) {
-    const known = event.code in KEYS && !(event.target instanceof HTMLInputElement);
+    const known = event.code in KEYS && !takesKeys(event.target);
     if (!known || !this.enabled || event.ctrlKey || event.metaKey || event.altKey) return;
     event.preventDefault();
     if (event.repeat) return;

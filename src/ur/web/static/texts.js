@@ -58,7 +58,7 @@ export const TEXTS = {
   lost: (age) => `No connection to the server. What you see is ${seconds(age)} old.`,
   connecting: "Connecting ...",
   /** @param {string} robot */
-  noMaster: (robot) => `Nothing runs on the ${robot}. Start a program, for example: ur run keyboard_navigate`,
+  noMaster: (robot) => `Nothing runs on the ${robot}. Start a program.`,
   starting: "Connecting to the robot ...",
   /** @param {number} age */
   silent: (age) =>
@@ -104,6 +104,80 @@ export const TEXTS = {
   }),
   speed: /** @param {number} speed */ (speed) => `${Math.abs(speed) < 0.005 ? "0.00" : speed.toFixed(2)} m/s`,
   battery: /** @param {number} share */ (share) => `${Math.round(100 * share)} %`,
+  close: "Close",
+  loading: "Loading ...",
+  noAnswer: "No connection to the server: nothing was done.",
+  programs: "Programs",
+  start: "Start",
+  /** @param {string} name */
+  started: (name) => `${name} started.`,
+  startingProgram: "Starting ...",
+  whatItStarts: "What it starts",
+  startsNodes: "It starts these nodes:",
+  /** @param {string} name */
+  graphOf: (name) => `What ${name} includes and starts; the list below names the nodes`,
+  why: "Why?",
+  /** @param {string} name */
+  whyNode: (name) => `Why ${name} is started`,
+  /** @param {number} count */
+  moreArguments: (count) => `${count} more arguments`,
+  /** @param {string} value */
+  byDefault: (value) => (value ? `${value} (default)` : "default"),
+  required: "required",
+  nodes: "Nodes",
+  nodeColumns: ["Node", "State", "Use", ""],
+  run: "Run",
+  /** @param {string} title @param {number} since */
+  runName: (title, since) => `${title.replace(/^m_/, "")}, since ${clock(since)}`,
+  noRuns: "Nothing runs. Start a program.",
+  endRun: "End",
+  /** @param {string} cause */
+  runEnds: (cause) => (cause ? `Ends: ${cause}` : "Ends ..."),
+  /** @param {number} age */
+  robotLost: (age) => `No connection to the robot for ${seconds(age)}.`,
+  endedRuns: "Ended",
+  /** @param {string} title @param {number} when @param {number | null} code @param {string} cause */
+  endedRun: (title, when, code, cause) =>
+    `${title.replace(/^m_/, "")}, ${clock(when)}: ${cause || (code ? `exit code ${code}` : "ended")}`,
+  restart: "Restart",
+  stopNode: "Stop",
+  startNode: "Start",
+  /** @param {string} name */
+  restartNode: (name) => `Restart ${name}`,
+  /** @param {string} name */
+  stopNodeOf: (name) => `Stop the node ${name}`,
+  /** @param {string} name */
+  startNodeOf: (name) => `Start ${name}`,
+  nodeStates: {
+    up: "up",
+    running: "not ready",
+    waiting: "waiting",
+    starting: "starting",
+    stopping: "stopping",
+    ended: "ended",
+    held: "stopped",
+  },
+  bySignal: /** @param {number} number */ (number) => `signal ${number}`,
+  withCode: /** @param {number} code */ (code) => `exit code ${code}`,
+  restartIn: /** @param {number} time */ (time) => `again in ${time} s`,
+  restarted: /** @param {number} count */ (count) => (count === 1 ? "restarted once" : `restarted ${count} times`),
+  /** @param {number} cores @param {number} bytes */
+  usage: (cores, bytes) => `${Math.round(100 * cores)} % \u00b7 ${Math.round(bytes / 1e6)} MB`,
+  log: "Log",
+  logOf: "Show the log of",
+  logFrom: "Show lines from this severity on",
+  allNodes: "all nodes",
+  levels: { debug: "everything", info: "info and above", warning: "warnings and errors", error: "errors" },
+  noLines: "No line.",
+  doctor: "Doctor",
+  diagnosing: "Examining this computer and the robot ...",
+  again: "Examine again",
+  /** @param {number} count */
+  findings: (count) => (count ? `${count} ${count === 1 ? "problem" : "problems"} found.` : "All is well."),
+  /** @param {string} where */
+  commandOn: (where) => `Type on ${where}:`,
+  /** @param {string} where */
+  commandFix: (where) => `Type on ${where}, or run "ur doctor --fix":`,
   loggingIn: "Logging in ...",
   noToken: "Open the link that 'ur web' has printed.",
   loginFailed: "This link was used before, or is too old. Start 'ur web' again for a new one.",

@@ -1,0 +1,54 @@
+"""Programs as JSON: what each does, what the selected robot lacks for it, and the arguments of its launch file."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+from ur.request.programs import Program, find_launch_file
+from ur.source.diagnostic import UserError
+
+
+def describe_programs(
+    programs: Sequence[Program], environment: Mapping[str, str], lack: Callable[[Program], str]
+) -> list[dict[str, Any]]:
+    """Describe programs as objects for `ur list --json`.
+
+    `name` is what `ur run` takes, `launch_file` its path or "" for a program that reads its arguments itself, `lack`
+    what the selected robot lacks, `problem` why its arguments are not known. Each of `arguments` has `name`, `doc`,
+    `default` (null: it has to be given) and `values`, those that are known, each with `text` and `help`.
+    """
+    names = [program.name for program in programs]
+    return [_describe(program, names.count(program.name) > 1, environment, lack(program)) for program in programs]
+
+
+def _describe(program: Program, ambiguous: bool, environment: Mapping[str, str], lack: str) -> dict[str, Any]:
+    from ur.request.program_arguments import read_program_arguments
+
+    path = find_launch_file(program)
+    problem = ""
+    arguments: list[dict[str, Any]] = []
+    try:
+        for each in read_program_arguments(path, environment) if path is not None else ():
+            values = _list_values(each.name, each.default, environment)
+            arguments.append({"name": each.name, "doc": each.doc, "default": each.default, "values": values})
+    except UserError as found:
+        problem = str(found)
+    return {
+        "name": f"{program.package}/{program.name}" if ambiguous else program.name,
+        "package": program.package,
+        "summary": program.summary,
+        "launch_file": str(path or ""),
+        "lack": lack,
+        "problem": problem,
+        "arguments": arguments,
+    }
+
+
+def _list_values(name: str, default: str | None, environment: Mapping[str, str]) -> list[dict[str, str]]:
+    from ur.cli.computer.completing import list_values
+
+    found = [{"text": each.text, "help": each.help} for each in list_values(name, {}, environment)]
+    if not found and (default or "").lower() in ("true", "false"):
+        return [{"text": "true", "help": ""}, {"text": "false", "help": ""}]
+    return found

@@ -1,0 +1,136 @@
+"""Programs for the page: their list, the start of one, and what their launch files do, by commands of `ur`."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from ur.source.printable import printable_lines
+from ur.web.runs.commands import Commands, Done
+from ur.web.wire.run_requests import StartProgram
+
+_FRESH = 20.0  # s for which a list is taken for current
+_READING = 30.0  # s that a command gets that reads files only
+_STARTING = 120.0
+_DIAGNOSING = 120.0
+
+
+class ProgramsError(Exception):
+    """A command did not do what it was to do; the text says why, for people."""
+
+
+class Programs:
+    """Answers questions about programs. Each raises ProgramsError."""
+
+    def __init__(self, commands: Commands) -> None:
+        self._commands = commands
+        self._listed: tuple[float, list[dict[str, Any]]] | None = None
+        self._finding: tuple[float, dict[str, Any]] | None = None
+
+    async def list_all(self) -> list[dict[str, Any]]:
+        """List all programs with their arguments, as `ur list --json` does, without paths."""
+        return [
+            {name: value for name, value in each.items() if name != "launch_file"} | {"file": bool(each["launch_file"])}
+            for each in await self._read_list()
+        ]
+
+    async def start(self, request: StartProgram) -> str:
+        """Start a program that runs on without this server; returns the id of its run."""
+        program = await self._find(request.program)
+        arguments = _check_arguments(program, request.arguments)
+        done = await self._commands.run(
+            "run", program["name"], "--detach", "--no-terminal", *arguments, limit=_STARTING
+        )
+        run = done.out.strip().rpartition("\n")[2]
+        if done.code != 0 or not run:
+            raise ProgramsError(_explain(done, f"program {program['name']} did not start"))
+        return run
+
+    async def draw(self, program: str, arguments: Mapping[str, str]) -> str:
+        """Draw what the launch file of a program includes and starts, as SVG."""
+        found = await self._find(program)
+        done = await self._commands.run(
+            "graph", *_address(found), *_check_arguments(found, arguments), "--as", "svg", limit=_READING
+        )
+        if not done.out.startswith("<svg"):
+            raise ProgramsError(_explain(done, "the launch file cannot be drawn"))
+        return done.out
+
+    async def list_nodes(self, program: str, arguments: Mapping[str, str]) -> list[str]:
+        """List the nodes that a program starts."""
+        found = await self._find(program)
+        words = _check_arguments(found, arguments)
+        done = await self._commands.run("launch", *_address(found), *words, "--nodes", limit=_READING)
+        if done.code != 0:
+            raise ProgramsError(_explain(done, "the launch file cannot be read"))
+        return [line for line in done.out.splitlines() if line.startswith("/")]
+
+    async def explain(self, program: str, arguments: Mapping[str, str], node: str) -> str:
+        """Explain why the launch file of a program starts a node, as lines of text."""
+        found = await self._find(program)
+        words = _check_arguments(found, arguments)
+        done = await self._commands.run("explain", *_address(found), *words, node, limit=_READING)
+        if done.code != 0:
+            raise ProgramsError(_explain(done, f"{node} cannot be explained"))
+        return printable_lines(done.out)
+
+    async def diagnose(self) -> dict[str, Any]:
+        """The findings of the doctor about this computer and the selected robot; nothing is changed."""
+        if self._finding is not None and time.monotonic() - self._finding[0] < _FRESH:
+            return self._finding[1]
+        done = await self._commands.run("doctor", "--json", limit=_DIAGNOSING)
+        found = _parse(done, "the doctor found out nothing")
+        if not isinstance(found, dict):
+            raise ProgramsError("the doctor found out nothing")
+        self._finding = (time.monotonic(), found)
+        return found
+
+    async def _read_list(self) -> list[dict[str, Any]]:
+        if self._listed is None or time.monotonic() - self._listed[0] > _FRESH:
+            done = await self._commands.run("list", "--json", limit=_READING)
+            self._listed = (time.monotonic(), _parse(done, "the programs cannot be listed"))
+        return self._listed[1]
+
+    async def _find(self, name: str) -> dict[str, Any]:
+        for program in await self._read_list():
+            if program["name"] == name:
+                return program
+        raise ProgramsError(f"unknown program {name!r}, expected one of the list")
+
+
+def _address(program: Mapping[str, Any]) -> Sequence[str]:
+    if not program["launch_file"]:
+        raise ProgramsError(f"program {program['name']} has no launch file")
+    return (str(program["launch_file"]),)
+
+
+def _check_arguments(program: Mapping[str, Any], given: Mapping[str, str]) -> list[str]:
+    """Arguments as words `NAME:=VALUE`. Raises ProgramsError: one that the program does not have, or one is missing."""
+    known = {each["name"]: each for each in program["arguments"]}
+    unknown = [name for name in given if name not in known]
+    if unknown:
+        raise ProgramsError(f"unknown argument {unknown[0]!r} of program {program['name']}")
+    missing = [name for name, each in known.items() if each["default"] is None and not given.get(name)]
+    if missing:
+        raise ProgramsError(f"argument {missing[0]!r} is missing, expected a value")
+    return [f"{name}:={value}" for name, value in given.items()]
+
+
+def _parse(done: Done, otherwise: str) -> Any:
+    try:
+        return json.loads(done.out)
+    except (ValueError, RecursionError):
+        raise ProgramsError(_explain(done, otherwise)) from None
+
+
+def _explain(done: Done, otherwise: str) -> str:
+    """The reason for people: the first error that a command printed with its help, or `otherwise`."""
+    if done.late:
+        return f"{otherwise}: it took too long"
+    lines = printable_lines(done.err).splitlines()
+    first = next((index for index, line in enumerate(lines) if "error: " in line), None)
+    if first is None:
+        return "\n".join([otherwise, *lines[-5:]])
+    return "\n".join(lines[first : first + 6])

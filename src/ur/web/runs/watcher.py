@@ -1,0 +1,157 @@
+"""The runs of this computer, watched over their sockets while a page shows them."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from ur.run.clients.client import RunClient, RunGone, connect_run
+from ur.run.clients.protocol import (
+    Notice,
+    OutputLine,
+    RestartNode,
+    RunCommand,
+    StartNode,
+    StopNode,
+    StopRun,
+    Synchronised,
+    Watch,
+    find_severity,
+)
+from ur.run.record.computer import read_computer
+from ur.run.record.ended import list_ended
+from ur.run.record.registry import RunEntry, list_runs
+from ur.web.runs.log_lines import LogLines, read_tail
+from ur.web.runs.model import RunView, begin_view, describe_runs, take_event
+from ur.web.wire.run_requests import ChangeNode
+
+_PERIOD = 1.0  # s between two looks for runs
+_COMMANDS: Mapping[str, Callable[[str], RunCommand]] = {"start": StartNode, "stop": StopNode, "restart": RestartNode}
+
+
+class _Watched:
+    """A run with its connection."""
+
+    def __init__(self, entry: RunEntry, client: RunClient) -> None:
+        self.view: RunView = begin_view(entry)
+        self.client = client
+        self.lines = LogLines()
+
+
+class RunWatcher:
+    """Follows every run while `hold` is in effect. `changed` is called when there is something new."""
+
+    def __init__(self, environment: Mapping[str, str], changed: Callable[[], None]) -> None:
+        self._environment, self._changed = environment, changed
+        self._watched: dict[str, _Watched] = {}
+        self._holders = 0
+        self._task: asyncio.Task[None] | None = None
+        self._ended: tuple[Any, ...] = ()
+
+    def hold(self) -> None:
+        """Another page shows runs."""
+        self._holders += 1
+        if self._task is None:
+            self._task = asyncio.create_task(self._run())
+
+    def let_go(self) -> None:
+        """A page shows them no more; without any, all connections are closed."""
+        self._holders -= 1
+        if self._holders == 0:
+            self.close()
+
+    def close(self) -> None:
+        """Close all connections; the runs go on."""
+        if self._task is not None:
+            self._task.cancel()
+            self._task = None
+        for run in list(self._watched):
+            self._drop(run)
+
+    def describe(self) -> dict[str, Any]:
+        """The state of all runs for a page."""
+        return describe_runs([each.view for each in self._watched.values()], self._ended)
+
+    def lines(self) -> Mapping[str, LogLines]:
+        """The last lines of each run."""
+        return {run: each.lines for run, each in self._watched.items()}
+
+    def end_run(self, run: str, who: str) -> str:
+        """Have a run ended; returns why that is not possible, or ""."""
+        watched = self._watched.get(run)
+        if watched is None:
+            return f"run {run} has ended"
+        watched.client.send(StopRun(f"asked by the page of {who}"))
+        return ""
+
+    def change_node(self, request: ChangeNode) -> str:
+        """Have a node started, stopped or restarted; returns why that is not possible, or ""."""
+        watched = self._watched.get(request.run)
+        if watched is None:
+            return f"run {request.run} has ended"
+        node = watched.view.nodes.get(request.node)
+        if node is None:
+            return f"run {request.run} has no node {request.node}"
+        if node.changed.core:
+            return f"{request.node} belongs to the master, and takes no commands"
+        watched.client.send(_COMMANDS[request.action](request.node))
+        return ""
+
+    async def _run(self) -> None:
+        while True:
+            self._look()
+            await asyncio.sleep(_PERIOD)
+
+    def _look(self) -> None:
+        computer, uid = read_computer(), os.getuid()
+        entries = {entry.run: entry for entry in list_runs(self._environment, uid, computer)}
+        for run in self._watched.keys() - entries.keys():
+            self._drop(run)
+        for run in entries.keys() - self._watched.keys():
+            self._follow(entries[run])
+        ended = tuple(list_ended(self._environment, uid, computer))
+        if ended != self._ended:
+            self._ended = ended
+            self._changed()
+
+    def _follow(self, entry: RunEntry) -> None:
+        try:
+            client = connect_run(entry.folder)
+        except RunGone:
+            return
+        watched = self._watched[entry.run] = _Watched(entry, client)
+        asyncio.get_running_loop().add_reader(client.fileno(), self._receive, watched)
+        self._changed()
+
+    def _receive(self, watched: _Watched) -> None:
+        events = watched.client.receive()
+        if events is None:
+            self._drop(watched.view.entry.run)
+            return
+        for event in events:
+            if isinstance(event, OutputLine):
+                watched.lines.add(event.name, event.severity, event.text)
+            elif isinstance(event, Notice):
+                for line in event.text.splitlines():
+                    watched.lines.add("", event.severity or "info", line)
+            else:
+                watched.view = take_event(watched.view, event)
+                if isinstance(event, Synchronised):
+                    self._read_back(watched)
+        self._changed()
+
+    def _read_back(self, watched: _Watched) -> None:
+        """Take what the nodes have printed so far, then ask for what they print from now on."""
+        for name, node in watched.view.nodes.items():
+            for line in read_tail(node.changed.log) if node.changed.log else ():
+                watched.lines.add(name, find_severity(line), line)
+        watched.client.send(Watch(output=True, stats=True, readiness=True))
+
+    def _drop(self, run: str) -> None:
+        watched = self._watched.pop(run, None)
+        if watched is not None:
+            asyncio.get_running_loop().remove_reader(watched.client.fileno())
+            watched.client.close()
+            self._changed()
