@@ -22,7 +22,9 @@ from ur.web.server.static_files import load_files  # noqa: E402
 from ur.web.wire.frames import Kind, Layer, key_of, points_frame  # noqa: E402
 
 DRIVE = "/ws/drive?tab=0123456789ab"
-GUARDED = ["/", "/main.js", "/api/me", "/ws/view", DRIVE]
+RUNS = "/ws/runs"
+PROGRAMS = ["/api/programs", "/api/graph", "/api/nodes", "/api/explain", "/api/doctor"]
+GUARDED = ["/", "/main.js", "/api/me", "/ws/view", DRIVE, RUNS, *PROGRAMS]
 
 
 @dataclass
@@ -80,7 +82,7 @@ async def test_other_hosts_and_origins_are_refused_even_with_a_session(server: S
     await server.log_in()
     for path in [*GUARDED, "/login"]:
         assert await server.status("GET", path, Host="evil.example") == 421, path
-    for path in ("/ws/view", DRIVE):
+    for path in ("/ws/view", DRIVE, RUNS):
         assert await server.status("GET", path, Origin="http://evil.example") == 403
         assert await server.status("GET", path) == 403
     assert await server.status("POST", "/api/stop", Origin="http://evil.example") == 403

@@ -23,7 +23,10 @@ from ur.web.access.origin import make_origins  # noqa: E402
 from ur.web.access.roles import Role  # noqa: E402
 from ur.web.server.application import Application  # noqa: E402
 from ur.web.server.gate import Gate  # noqa: E402
+from ur.web.server.run_pages import RunPages  # noqa: E402
+from ur.web.wire import run_requests  # noqa: E402
 from ur.web.wire.requests import LONGEST, read_request  # noqa: E402
+from ur.web.wire.run_requests import read_run_request  # noqa: E402
 
 COUNT = int(os.environ.get("UR_WEB_FUZZ", "300"))
 A_PAGE = 15  # messages of one connection: fewer than those after which it is closed
@@ -72,4 +75,56 @@ async def test_only_requests_that_are_well_formed_reach_the_robot(
     assert requests.count('{"t": "cancel"}') == len(range(0, COUNT, A_PAGE))  # each page is heard to its end
     for each in requests:
         assert read_request(each)
+    assert not any("Traceback" in line for line in log)
+
+
+RUN_WORDS = (*WORDS, b"$(eval 1)", b":=", b"--detach", b"../", b"\\n", b'"arguments":{}', b"4294967295")
+PATHS = ("graph", "nodes", "explain")
+VALID_RUNS: tuple[dict[str, Any], ...] = (
+    {"t": "start", "n": 1, "id": 1, "program": "make_map", "arguments": {"world": "office", "x": "1.0"}},
+    {"t": "node", "n": 1, "id": 2, "run": "m_make_map.12", "node": "/amcl", "do": "restart"},
+    {"t": "end", "n": 1, "id": 3, "run": "m_make_map.12"},
+)
+
+
+@pytest.mark.timeout(max(60, COUNT // 10))
+async def test_only_run_requests_that_are_well_formed_are_carried_out(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("ur.web.server.gate._REQUEST_RATE", 1e6)
+    for name in ("_RATE", "_BURST"):
+        monkeypatch.setattr(f"ur.web.server.run_pages.{name}", 1e6)
+    done: list[Any] = []
+    monkeypatch.setattr(RunPages, "_carry_out", lambda *given: done.append(given[3]))
+    port, chance, log = free_port(), random.Random(COUNT), list[str]()
+    gate = Gate(make_origins((), port), tmp_path / "sessions.json", log.append)
+    environment = {"ROS_MASTER_URI": f"http://localhost:{free_port()}", "HOME": str(tmp_path)}
+    runner = web.AppRunner(Application(gate, {}, environment, "bob", log.append).build(), access_log=None)
+    await runner.setup()
+    await web.TCPSite(runner, "127.0.0.1", port).start()
+    url, seeds = f"http://127.0.0.1:{port}", [json.dumps(each).encode() for each in VALID_RUNS]
+    async with aiohttp.ClientSession(cookie_jar=aiohttp.CookieJar(unsafe=True), headers={"Origin": url}) as client:
+        await (await client.post(f"{url}/login", json={"token": gate.invite(Role.DRIVE)})).release()
+        for _ in range(0, COUNT, A_PAGE):
+            async with client.ws_connect(f"{url}/ws/runs") as socket:
+                assert await socket.receive_json(timeout=30) == {"t": "beat", "n": 1}
+                for _ in range(A_PAGE):
+                    data = mutate(seeds, RUN_WORDS, chance)[: run_requests.LONGEST // 3]
+                    if chance.random() < 0.2:
+                        await socket.send_bytes(data)
+                    else:
+                        await socket.send_str(data.decode("utf-8", "replace"))
+                await socket.send_str(json.dumps(VALID_RUNS[2]))
+                await socket.close()
+        bad = ("program=--x", "program=a&arguments=[]", "program=a&arguments={", "x=%00")
+        for query in (*(f"{path}?{each}" for path in PATHS for each in bad), "explain?program=a&node=../x"):
+            answer = await client.get(f"{url}/api/{query}")
+            assert answer.status == 400, query
+            assert "Traceback" not in await answer.text()
+    await runner.cleanup()
+    last = read_run_request(json.dumps(VALID_RUNS[2])).request
+    assert done.count(last) >= len(range(0, COUNT, A_PAGE))  # each page is heard to its end
+    for each in done:
+        assert type(each) in (run_requests.StartProgram, run_requests.ChangeNode, run_requests.EndRun)
+        assert "$(" not in str(each)
     assert not any("Traceback" in line for line in log)

@@ -54,13 +54,12 @@ def read_tail(path: str) -> list[str]:
     """Return the last lines of a log file, at most 16 KiB; none where it cannot be read."""
     try:
         descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
-    except OSError:
-        return []
-    with os.fdopen(descriptor, "rb") as file:
         try:
             size = os.fstat(descriptor).st_size
-            file.seek(max(0, size - _TAIL))
-            lines = file.read(_TAIL).decode("utf-8", "replace").splitlines()
-        except OSError:
-            return []
+            data = os.pread(descriptor, _TAIL, max(0, size - _TAIL))
+        finally:
+            os.close(descriptor)
+    except OSError:
+        return []
+    lines = data.decode("utf-8", "replace").splitlines()
     return lines[1:] if size > _TAIL else lines

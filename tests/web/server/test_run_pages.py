@@ -1,0 +1,95 @@
+"""Requests about runs over a real web socket: who may send them, and which are too old. No run is active."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from tests.ros_session import free_port
+
+aiohttp = pytest.importorskip("aiohttp", reason="aiohttp is not installed: requirements/web.lock")
+
+from aiohttp import web  # noqa: E402
+
+from ur.web.access.origin import make_origins  # noqa: E402
+from ur.web.access.roles import Role  # noqa: E402
+from ur.web.server import run_pages  # noqa: E402
+from ur.web.server.application import Application  # noqa: E402
+from ur.web.server.gate import Gate  # noqa: E402
+
+
+class Server:
+    def __init__(self, gate: Gate, url: str, client: Any) -> None:
+        self.gate, self.url, self.client = gate, url, client
+
+    async def connect(self, role: Role = Role.DRIVE) -> Any:
+        headers = {"Origin": self.url}
+        token = {"token": self.gate.invite(role)}
+        await (await self.client.post(f"{self.url}/login", json=token, headers=headers)).release()
+        return await self.client.ws_connect(f"{self.url}/ws/runs", headers=headers)
+
+
+@pytest.fixture
+async def server(tmp_path: Path) -> AsyncIterator[Server]:
+    port = free_port()
+    gate = Gate(make_origins((), port), tmp_path / "sessions.json", lambda _: None)
+    environment = {"ROS_MASTER_URI": f"http://localhost:{free_port()}", "HOME": str(tmp_path)}
+    runner = web.AppRunner(Application(gate, {}, environment, "bob", lambda _: None).build(), access_log=None)
+    await runner.setup()
+    await web.TCPSite(runner, "127.0.0.1", port).start()
+    async with aiohttp.ClientSession(cookie_jar=aiohttp.CookieJar(unsafe=True)) as client:
+        yield Server(gate, f"http://127.0.0.1:{port}", client)
+    await runner.cleanup()
+
+
+async def ask(socket: Any, **message: Any) -> dict[str, Any]:
+    await socket.send_json({"id": 1, **message})
+    while (found := await socket.receive_json(timeout=30))["t"] != "answer":
+        pass
+    return dict(found)
+
+
+END = {"t": "end", "run": "demo.7"}
+
+
+async def test_page_gets_beat_and_state_and_an_answer(server: Server) -> None:
+    async with await server.connect() as socket:
+        assert await socket.receive_json(timeout=30) == {"t": "beat", "n": 1}
+        assert await socket.receive_json(timeout=30) == {"t": "runs", "runs": [], "ended": []}
+        answer = await ask(socket, **END, n=1)
+        assert (answer["id"], answer["ok"], answer["text"]) == (1, False, "run demo.7 has ended")
+        change = {"t": "node", "run": "demo.7", "node": "/talk", "do": "stop"}
+        assert (await ask(socket, **change, n=1))["text"] == "run demo.7 has ended"
+
+
+async def test_role_that_looks_sees_runs_and_changes_nothing(server: Server) -> None:
+    async with await server.connect(Role.LOOK) as socket:
+        assert (await socket.receive_json(timeout=30))["t"] == "beat"
+        answer = await ask(socket, **END, n=1)
+        assert not answer["ok"]
+        assert "may look" in answer["text"]
+
+
+async def test_request_that_has_waited_is_not_carried_out(server: Server, monkeypatch: pytest.MonkeyPatch) -> None:
+    async with await server.connect() as socket:
+        await socket.receive_json(timeout=30)
+        assert "too slow" in (await ask(socket, **END, n=77))["text"]  # a beat that was never sent
+        monkeypatch.setattr(run_pages, "OLDEST", 0.0)
+        assert "too slow" in (await ask(socket, **END, n=1))["text"]
+
+
+async def test_page_that_sends_too_much_is_closed(server: Server) -> None:
+    async with await server.connect() as socket:
+        for _ in range(100):
+            await socket.send_json({**END, "n": 1, "id": 1})
+        while not socket.closed:
+            await socket.receive(timeout=30)
+        assert socket.close_code == aiohttp.WSCloseCode.POLICY_VIOLATION
+
+
+async def test_server_ends_at_once_while_pages_show_runs(server: Server) -> None:
+    sockets = [await server.connect() for _ in range(3)]
+    await asyncio.gather(*(each.receive_json(timeout=30) for each in sockets))
