@@ -115,7 +115,7 @@ class Processes:
     def _begin(self, index: int) -> None:
         job, output = self._jobs[index], self.outputs[index]
         ours, theirs = socket.socketpair() if job.asks else (None, None)
-        argv = [*_ends_with_us(), *job.argv]
+        argv = [*end_with_us(), *job.argv]
         try:
             process = subprocess.Popen(
                 argv,
@@ -214,6 +214,6 @@ def _close(child: _Child) -> None:
         child.questions.close()
 
 
-def _ends_with_us() -> list[str]:
+def end_with_us() -> list[str]:
     """The words in front of a command that is interrupted when this process is killed: prctl(2), PR_SET_PDEATHSIG."""
     return ["setpriv", "--pdeathsig", "INT", "--"] if shutil.which("setpriv") else []

@@ -19,7 +19,8 @@ from ur.source.diagnostic import UserError, error_about
 @click.command("run", context_settings={"ignore_unknown_options": True, "help_option_names": []})
 @click.argument("program")
 @click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metavar="[NAME:=VALUE]...")
-def command(program: str, arguments: tuple[str, ...], **lease: bool) -> int:
+@click.option("--web", is_flag=True, help="Serve the page of 'ur web' while the program runs.")
+def command(program: str, arguments: tuple[str, ...], web: bool, **lease: bool) -> int:
     """Run a program on the selected robot.
 
     `ur list` says which programs there are, and `ur run PROGRAM --help` describes the arguments of one. What follows
@@ -35,6 +36,10 @@ def command(program: str, arguments: tuple[str, ...], **lease: bool) -> int:
         return 0
     apply_selection(current_selection(os.environ))
     check_arguments(found, split_argv(arguments)[1], os.environ)
+    if web:
+        from ur.cli.launch.run_web import run_with_page
+
+        return run_with_page(program, [*options, *arguments])
     sys.stdout.flush()
     try:
         os.execv(found.path, [str(found.path), *options, *arguments])  # noqa: S606 - a program, not a shell command

@@ -12,7 +12,7 @@ import socket
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -55,8 +55,10 @@ def state_folder() -> Path:
     return Path(user_folder("XDG_STATE_HOME", os.environ), "ubiquity_launches", "web")
 
 
-async def serve(options: Options, report: Callable[[str], None]) -> None:
-    """Serve until SIGINT, SIGTERM or SIGHUP. `report` prints lines for the user.
+async def serve(
+    options: Options, report: Callable[[str], None], until: Callable[[], Awaitable[object]] | None = None
+) -> None:
+    """Serve until SIGINT, SIGTERM or SIGHUP, or until what `until` makes is done. `report` prints lines for the user.
 
     Raises UserError: no port is free, or a page for phones is wanted and there is no network.
     """
@@ -90,11 +92,20 @@ async def serve(options: Options, report: Callable[[str], None]) -> None:
             report("everybody in this network can read what the page and the robot say: use a network that you trust")
         elif options.browser and _has_browser():
             opened = _open(folder / f"open-{os.getpid()}.html", link)
-        await ended.wait()
+        await _wait_first(ended.wait, *((until,) if until is not None else ()))
     finally:
         if opened is not None:
             opened.unlink(missing_ok=True)
         await runner.cleanup()
+
+
+async def _wait_first(*waits: Callable[[], Awaitable[object]]) -> None:
+    """Wait until one of these is done."""
+    tasks = [asyncio.ensure_future(each()) for each in waits]
+    await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
+    for task in tasks:
+        task.cancel()
+    await asyncio.gather(*tasks, return_exceptions=True)
 
 
 class _Log:
