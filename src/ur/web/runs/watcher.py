@@ -72,7 +72,9 @@ class RunWatcher:
 
     def describe(self) -> dict[str, Any]:
         """The state of all runs for a page."""
-        return describe_runs([each.view for each in self._watched.values()], self._ended)
+        return describe_runs(
+            sorted((each.view for each in self._watched.values()), key=lambda view: view.entry.started), self._ended
+        )
 
     def lines(self) -> Mapping[str, LogLines]:
         """The last lines of each run."""
@@ -109,8 +111,9 @@ class RunWatcher:
         entries = {entry.run: entry for entry in list_runs(self._environment, uid, computer)}
         for run in self._watched.keys() - entries.keys():
             self._drop(run)
-        for run in entries.keys() - self._watched.keys():
-            self._follow(entries[run])
+        for run, entry in entries.items():
+            if run not in self._watched:
+                self._follow(entry)
         ended = tuple(list_ended(self._environment, uid, computer))
         if ended != self._ended:
             self._ended = ended

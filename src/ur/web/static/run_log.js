@@ -94,7 +94,7 @@ export class RunLog {
 /** @param {Line} line */
 function makeLine({ node, severity, text }) {
   const row = make("div", "", severity === "fatal" ? "error" : severity);
-  if (node) row.append(make("b", `${node.slice(1)} `));
+  if (node) row.append(make("b", `${node.replace(/^\//, "")} `));
   row.append(text);
   return row;
 }

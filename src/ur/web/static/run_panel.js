@@ -90,7 +90,7 @@ class RunPanel {
     if (!row) {
       row = this.body.insertRow();
       row.id = id;
-      const head = make("th", node.name.slice(1));
+      const head = make("th", node.name.replace(/^\//, ""));
       head.scope = "row";
       row.append(head, ...[1, 2, 3].map(() => make("td")));
       if (this.mayDrive && !node.core) {

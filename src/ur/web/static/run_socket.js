@@ -2,6 +2,7 @@
 /** The web socket of programs and runs: their state and log, and requests. It is open while a panel shows them. */
 
 const FIRST_PAUSE = 250; // ms
+const UNUSED = 5000; // ms after which a connection that no panel uses is closed
 const LONGEST_PAUSE = 3000;
 const SILENT = 4000; // ms after which a connection is taken for dead; the server sends a beat each second
 
@@ -42,7 +43,7 @@ export class RunSocket {
   use(shown) {
     this.users += shown ? 1 : -1;
     if (this.users > 0 && !this.socket) this.open();
-    else if (this.users === 0) this.drop();
+    else if (this.users === 0) setTimeout(() => this.users === 0 && this.drop(), UNUSED);
   }
 
   /** Send a request, and wait for its answer. @param {Record<string, unknown>} message @returns {Promise<Answer | null>} null: not sent, or no answer */
