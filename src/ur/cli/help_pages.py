@@ -263,7 +263,13 @@ PAGES: Mapping[str, HelpPage] = {
 LAUNCH_GROUPS: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("Run and output", ("--detach", "--wait", "--timeout-ready", "--screen", "--log", "--plain", "--calm", "--json",
                         "-v", "--timings")),
-    ("Nodes", ("--only", "--except", "--prefix", "--debug", "--required", "--respawn-limit", "--local", "--replace")),
+    (
+        "Nodes",
+        (
+            *("--only", "--except", "--no-terminal", "--prefix", "--debug", "--required", "--respawn-limit"),
+            *("--local", "--replace"),
+        ),
+    ),
     ("Where somebody else drives the robot", ("--watch", "--ask", "--take-over", "--unattended")),
     ("Answer a question, and start nothing", ("--dry-run", "--ros-args", "--nodes", "--files", "--find-node", "--args",
                                               "--dump-params", "--dump", "--with-origins", "--no-commands")),
