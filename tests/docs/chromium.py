@@ -70,6 +70,11 @@ class Chromium:
             self.ask(f"{domain}.enable")
         return self
 
+    def kill(self) -> None:
+        """End it at once, as a crash does."""
+        os.killpg(self._process.pid, 9)
+        self._process.wait(timeout=60)
+
     def __exit__(
         self, kind: type[BaseException] | None, problem: BaseException | None, trace: TracebackType | None
     ) -> None:

@@ -242,6 +242,27 @@ def find_ends(robot: Robot) -> list[int]:
     ]
 
 
+def test_killed_browser_leaves_nothing_driving(
+    page: Page, robot: Robot, server: tuple[int, Path], tmp_path: Path
+) -> None:
+    site = f"http://localhost:{server[0]}"
+    (cookie,) = page.browser.ask("Network.getCookies", urls=[site])["cookies"]
+    page.run("page.drive.request({ t: 'lease', do: 'release' }); 0")
+    assert PROGRAM is not None
+    with Chromium(PROGRAM, tmp_path) as browser:
+        browser.resize(*PHONE, phone=True)
+        browser.ask("Emulation.setTouchEmulationEnabled", enabled=True)
+        browser.ask("Network.setCookie", name=cookie["name"], value=cookie["value"], url=site, httpOnly=True)
+        browser.open(f"{site}/")
+        other = Page(browser)
+        other.wait("globalThis.page?.map.pose && page.state && page.drive.newest")
+        other.tap("#mode-drive")
+        other.push_stick()
+        browser.kill()
+    robot.ask("still", seconds=60)
+    page.wait("page.poseAge < 0.3 && Math.abs(page.pose.speed) < 0.005")
+
+
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_controls_have_names_and_fit_on_phone_and_desk(page: Page, scheme: str, tmp_path: Path) -> None:
     browser = page.browser

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from typing import Any
+
 from ur.run.clients.protocol import (
     LinkChanged,
     NodeChanged,
@@ -18,7 +20,7 @@ ENTRY = RunEntry("demo.7", 7, 1, "demo", "http://localhost:11311", "/secret/log"
 RUNNING = NodeChanged("/talk", "running", pid=8, log="/secret/talk.log", program="/secret/talk", folder="/secret")
 
 
-def show(*events: RunEvent) -> dict[str, object]:
+def show(*events: RunEvent) -> dict[str, Any]:
     view = begin_view(ENTRY)
     for event in events:
         view = take_event(view, event)
@@ -29,7 +31,7 @@ def show(*events: RunEvent) -> dict[str, object]:
 def test_node_is_shown_with_state_readiness_and_use() -> None:
     used = StatsSampled((NodeStats("/talk", 0.25, 1000), NodeStats("/other", 1.0, 1)))
     run = show(RUNNING, NodeReadiness("/talk", False, ("no topic",)), used, Synchronised())
-    (node,) = run["nodes"]  # type: ignore[misc]  # of the test
+    (node,) = run["nodes"]
     assert (node["name"], node["state"], node["pid"]) == ("/talk", "running", 8)
     assert (node["ready"], node["missing"], node["cpu"], node["memory"]) == (False, ["no topic"], 0.25, 1000)
     assert run["known"]
@@ -42,7 +44,7 @@ def test_paths_of_this_computer_are_not_shown() -> None:
 def test_another_process_of_a_node_begins_anew() -> None:
     ready = NodeReadiness("/talk", True)
     again = NodeChanged("/talk", "running", pid=9, restarts=1)
-    (node,) = show(RUNNING, ready, again)["nodes"]  # type: ignore[misc]  # of the test
+    (node,) = show(RUNNING, ready, again)["nodes"]
     assert (node["ready"], node["cpu"], node["restarts"]) == (False, None, 1)
 
 
