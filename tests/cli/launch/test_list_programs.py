@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import socket
 from pathlib import Path
 
@@ -62,3 +63,19 @@ def test_programs_are_grouped_by_package_where_others_have_some(
     own, theirs = capsys.readouterr().out.split("\n\n")
     assert own.startswith("ubiquity_launches:\n  ")
     assert theirs.split() == ["my_robot:", "wander", "Let", "a", "robot", "wander."]
+
+
+def test_programs_are_listed_as_json_with_their_arguments(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["use", "sim:botvac:botvac50"]) == 0
+    capsys.readouterr()
+    assert main(["list", "--json"]) == 0
+    programs = {each["name"]: each for each in json.loads(capsys.readouterr().out)}
+    assert programs["rviz_sonar"]["lack"] == "botvac:botvac50 has no sonars"
+    navigate = programs["keyboard_navigate"]
+    assert navigate["launch_file"].endswith("m_keyboard_navigate.launch.xml")
+    assert navigate["problem"] == ""
+    arguments = {each["name"]: each for each in navigate["arguments"]}
+    assert arguments["robot_base"]["default"] == "botvac"
+    assert [each["text"] for each in arguments["world"]["values"]] == ["maze", "office"]
+    assert [each["text"] for each in arguments["bring_up"]["values"]] == ["true", "false"]
+    assert arguments["x"]["doc"]
