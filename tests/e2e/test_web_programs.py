@@ -163,6 +163,7 @@ def picture(page: Page, folder: Path, name: str) -> None:
 def test_program_is_started_with_an_argument_and_its_nodes_are_seen(page: Page, site: Site, tmp_path: Path) -> None:
     page.wait("document.querySelector('.banner button')")  # nothing runs: the page offers the programs
     page.run("document.querySelector('.banner button').click(); 0")
+    page.wait("document.querySelector('#program-keyboard_navigate summary')", 120)
     page.click("#program-keyboard_navigate summary")
     field = "document.getElementById('program-keyboard_navigate-world')"
     page.wait(f"{field}?.checkVisibility()")

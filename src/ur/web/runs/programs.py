@@ -12,7 +12,7 @@ from ur.web.runs.commands import Commands, Done
 from ur.web.wire.run_requests import StartProgram
 
 _FRESH = 20.0  # s for which a list is taken for current
-_READING = 30.0  # s that a command gets that reads files only
+_READING = 60.0  # s that a command gets that reads files only
 _STARTING = 120.0
 _DIAGNOSING = 120.0
 
