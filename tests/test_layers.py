@@ -131,6 +131,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         "ur_nodes.teleop.navigator",
     ),
     "ur_nodes.pictures": ("ur.source", "ur_nodes.rosio"),
+    "ur_nodes.camera": ("ur.source", "ur.devices", "ur_nodes.pictures", "ur_nodes.rosio"),
     "ur_nodes.motion.ramp": ("ur.robot.base",),
     "ur_nodes.motion.challenge": ("ur_nodes.rosio",),
     "ur_nodes.motion.lease": ("ur.source", "ur_nodes.rosio", "ur_nodes.motion.challenge"),

@@ -1,0 +1,98 @@
+"""Opens the camera that a user wants, and finds it again after it was unplugged."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from ur.devices.model import Device, Snapshot
+from ur_nodes.camera.capture import V4l2Camera
+from ur_nodes.camera.choice import Choice, choose_camera, describe_choice, explain_failure
+from ur_nodes.camera.device_file import KernelDeviceFile, OpenDevice
+from ur_nodes.camera.inspection import inspect_cameras, is_raspberry
+from ur_nodes.camera.libcamera import LibcameraCamera
+from ur_nodes.camera.model import CameraError, PictureSource, Settings
+
+_INSPECT_EVERY = 10.0  # s, while the device files are the same
+
+
+@dataclass(frozen=True, slots=True)
+class System:
+    """What a finder needs of the computer; tests replace parts of it."""
+
+    open_device: OpenDevice = KernelDeviceFile
+    open_libcamera: Callable[[int, Settings], PictureSource] = LibcameraCamera
+    inspect: Callable[[], Snapshot] = inspect_cameras
+    is_raspberry: Callable[[], bool] = is_raspberry
+    clock: Callable[[], float] = time.monotonic
+    devices: Path = Path("/dev")
+
+
+class CameraFinder:
+    """Opens one camera. Once it has been open, only the same camera is opened again, in any port that it has then."""
+
+    def __init__(self, settings: Settings, wanted: str = "", number: int = 0, system: System | None = None) -> None:
+        """For `wanted` and `number` see `choose_camera`."""
+        self._settings, self._wanted, self._number = settings, wanted, number
+        self._system = system or System()
+        self._snapshot = Snapshot()
+        self._inspected: tuple[float, object] | None = None
+        self._own: Device | None = None
+        self.description = ""
+
+    def open(self) -> PictureSource:
+        """Open the camera; `description` names it then. Raises CameraError, which explains why that is not possible."""
+        self._inspect()
+        choice = self._choose()
+        if not choice.path:
+            source = self._system.open_libcamera(choice.number, self._settings)
+        else:
+            source = self._open_device(choice)
+        self._own = choice.device
+        self.description = describe_choice(choice)
+        return source
+
+    def _choose(self) -> Choice:
+        own = self._own
+        if own is None or not own.usb or self._wanted.startswith("/"):
+            return choose_camera(self._snapshot, self._wanted, self._number, raspberry=self._system.is_raspberry())
+        for device in self._snapshot.devices:
+            if device.kind == "camera" and _is_same(device, own):
+                return Choice(device.path, self._number, device)
+        raise CameraError(
+            f"the camera {describe_choice(Choice(own.path, 0, own))} was unplugged",
+            "plug it in; this node goes on by itself. For another camera start the node again",
+        )
+
+    def _open_device(self, choice: Choice) -> PictureSource:
+        try:
+            return V4l2Camera(self._system.open_device(choice.path), choice.path, self._settings)
+        except OSError as problem:
+            raise explain_failure(self._snapshot, choice.path, problem) from None
+
+    def _inspect(self) -> None:
+        now, files = self._system.clock(), _list_files(self._system.devices)
+        if self._inspected and self._inspected[1] == files and now - self._inspected[0] < _INSPECT_EVERY:
+            return
+        self._snapshot = self._system.inspect()
+        self._inspected = (now, files)
+
+
+def _is_same(device: Device, own: Device) -> bool:
+    if (device.usb, device.serial) != (own.usb, own.serial):
+        return False
+    return bool(own.serial) or device.port == own.port
+
+
+def _list_files(folder: Path) -> Sequence[tuple[str, int, int]]:
+    """The device files of cameras, with what changes when one is plugged in or its permissions change."""
+    found = []
+    for path in sorted(folder.glob("video*")):
+        try:
+            state = path.stat()
+        except OSError:
+            continue
+        found.append((path.name, state.st_ino, state.st_ctime_ns))
+    return found

@@ -1,0 +1,149 @@
+"""Pictures of libcamera, for cameras on the ribbon of a Raspberry Pi: a process of its own takes them.
+
+picamera2 belongs to the Python of the system and is built for its NumPy; that of this project is another one.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import select
+import subprocess
+import time
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from ur.source.printable import printable
+from ur_nodes.camera.formats import trim_jpeg
+from ur_nodes.camera.libcamera_program import HEAD
+from ur_nodes.camera.model import Adjustments, CameraError, Frame, Mode, Settings
+
+COMMAND = ("/usr/bin/python3", "-I", str(Path(__file__).with_name("libcamera_program.py")))
+_START_SECONDS = 20.0
+_LARGEST = 64 << 20  # bytes of a picture
+
+
+class LibcameraCamera:
+    """A PictureSource. Not for two threads at once."""
+
+    def __init__(self, number: int, settings: Settings, command: Sequence[str] = COMMAND) -> None:
+        """Start taking pictures with the camera of this number, from 0. Raises CameraError."""
+        pipe = subprocess.PIPE
+        try:
+            self._process = subprocess.Popen(
+                [*command, json.dumps(describe_request(number, settings))],
+                stdin=pipe,
+                stdout=pipe,
+                stderr=subprocess.DEVNULL,
+            )
+        except OSError as problem:
+            reason = f"libcamera needs {command[0]}, which cannot be started: {problem.strerror}"
+            raise CameraError(reason, waits=False) from None
+        assert self._process.stdout is not None
+        self._output = self._process.stdout.fileno()
+        self._data = b""
+        try:
+            told = self._read_greeting()
+            size = int(told["width"]), int(told["height"])
+        except (CameraError, KeyError, TypeError, ValueError) as problem:
+            self.close()
+            if isinstance(problem, CameraError):
+                raise
+            raise CameraError("libcamera's process answered nonsense", "start it anew") from None
+        name = printable(str(told.get("camera", "camera")))
+        self._mode = Mode(name, f"libcamera {number}", *size, settings.rate, "JPEG", passed_on=True)
+
+    @property
+    def mode(self) -> Mode:
+        """See PictureSource."""
+        return self._mode
+
+    def read(self, seconds: float, *, wanted: bool = True) -> Frame | None:
+        """See PictureSource."""
+        end, newest = time.monotonic() + seconds, None
+        while True:
+            while (found := self._next_frame(wanted=wanted)) is not None:
+                newest = found
+            left = 0.0 if newest else end - time.monotonic()
+            if not self._fill(max(0.0, left)):
+                return newest
+
+    def close(self) -> None:
+        """See PictureSource."""
+        for stream in (self._process.stdin, self._process.stdout):
+            if stream:
+                with contextlib.suppress(OSError):
+                    stream.close()
+        try:
+            self._process.wait(timeout=3.0)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            self._process.wait()
+
+    def _read_greeting(self) -> dict[str, Any]:
+        end = time.monotonic() + _START_SECONDS
+        while b"\n" not in self._data:
+            if not self._fill(max(0.0, end - time.monotonic())):
+                raise CameraError(f"libcamera did not start the camera within {_START_SECONDS:.0f} s")
+        line, _, self._data = self._data.partition(b"\n")
+        told = json.loads(line)
+        if not isinstance(told, dict):
+            raise TypeError
+        if "error" in told:
+            raise CameraError(printable(str(told["error"])), printable(str(told.get("help", ""))))
+        return told
+
+    def _fill(self, seconds: float) -> bool:
+        """Read more; False when nothing came within that time. Raises CameraError when the process has ended."""
+        if not select.select([self._output], [], [], seconds)[0]:
+            return False
+        data = os.read(self._output, 1 << 20)
+        if not data:
+            raise CameraError("libcamera's process has ended", "is the ribbon of the camera in place?")
+        self._data += data
+        return True
+
+    def _next_frame(self, *, wanted: bool) -> Frame | None:
+        if len(self._data) < HEAD.size:
+            return None
+        length, taken = HEAD.unpack_from(self._data)
+        if not 0 < length <= _LARGEST:
+            raise CameraError("libcamera's process sent nonsense")
+        if len(self._data) < HEAD.size + length:
+            return None
+        data, self._data = self._data[HEAD.size : HEAD.size + length], self._data[HEAD.size + length :]
+        jpeg = trim_jpeg(data) if wanted else b""
+        return None if jpeg is None else Frame(min(max(0.0, time.monotonic() - taken), 1.0), jpeg)
+
+
+def describe_request(number: int, settings: Settings) -> dict[str, Any]:
+    """The request as libcamera_program.py takes it."""
+    return {
+        "number": number,
+        "width": settings.width,
+        "height": settings.height,
+        "rate": settings.rate,
+        "quality": settings.quality,
+        "flip_horizontally": settings.flip_horizontally,
+        "flip_vertically": settings.flip_vertically,
+        "controls": list_controls(settings.adjustments),
+    }
+
+
+def list_controls(adjustments: Adjustments) -> dict[str, Any]:
+    """Controls of libcamera: brightness from -1 to 1, 1 for other things as they are, exposure in microseconds."""
+    found: dict[str, Any] = {}
+    if adjustments.brightness is not None:
+        found["Brightness"] = adjustments.brightness / 50.0 - 1.0
+    for name, value in (
+        ("Contrast", adjustments.contrast),
+        ("Saturation", adjustments.saturation),
+        ("Sharpness", adjustments.sharpness),
+    ):
+        if value is not None:
+            found[name] = 1.0 + value / 100.0
+    if adjustments.shutter_speed:
+        found["ExposureTime"] = adjustments.shutter_speed
+    return found

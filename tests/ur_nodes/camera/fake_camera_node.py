@@ -1,0 +1,88 @@
+"""raspicam_node with cameras that are not there. A line on standard input unplugs one and plugs it in: `unplug 0`.
+
+Arguments: the number of cameras, pictures a second, and a file with the JPEG that they take; with a second topic as the
+fourth argument their pictures are those of that topic instead. The rest is for the node.
+"""
+
+from __future__ import annotations
+
+import sys
+import tempfile
+import threading
+from pathlib import Path
+
+import rospy
+from sensor_msgs.msg import CompressedImage
+from tests.ur_nodes.camera.fake_device import FakeCamera, FakeFile
+
+from ur.devices.model import Device, Snapshot
+from ur_nodes.camera.finder import System
+from ur_nodes.camera.raspicam_node import main
+
+
+class Computer:
+    """The cameras that are plugged in, by their paths."""
+
+    def __init__(self, count: int, rate: float, picture: str, folder: Path) -> None:
+        film = (Path(picture).read_bytes(),) if picture else ()
+        self._cameras = [FakeCamera(rate=rate if film else 0.0, film=film) for _ in range(count)]
+        self._folder = folder
+        for number in range(count):
+            self.plug(number)
+
+    def plug(self, number: int) -> None:
+        self._cameras[number].plug()
+        (self._folder / f"video{2 * number}").touch()
+
+    def unplug(self, number: int) -> None:
+        (self._folder / f"video{2 * number}").unlink()
+        self._cameras[number].unplug()
+
+    def busy(self, number: int) -> None:
+        """Another program streams."""
+        self._cameras[number].user = "another program"
+
+    def feed(self, message: CompressedImage) -> None:
+        for camera in self._cameras:
+            camera.feed(message.data)
+
+    def open(self, path: str) -> FakeFile:
+        return self._cameras[int(path.removeprefix("/dev/video")) // 2].open(path)
+
+    def inspect(self) -> Snapshot:
+        found = [
+            Device(f"/dev/video{2 * n}", "camera", "046d:082d", f"A{n}", "Logitech", "C920", "uvcvideo", f"1-{n}")
+            for n, camera in enumerate(self._cameras)
+            if camera.plugged
+        ]
+        return Snapshot("pat", devices=tuple(found))
+
+
+def obey(computer: Computer) -> None:
+    for line in sys.stdin:
+        word, number = line.split()
+        getattr(computer, word)(int(number))
+
+
+def run() -> int:
+    count, rate, picture, topic = sys.argv[1:5]
+    del sys.argv[1:5]
+    with tempfile.TemporaryDirectory() as folder:
+        computer = Computer(int(count), float(rate), picture, Path(folder))
+        threading.Thread(target=obey, args=(computer,), daemon=True).start()
+        if topic:  # subscribed to by the node's own connection to the master, once there is one
+            threading.Thread(target=subscribe, args=(topic, computer), daemon=True).start()
+        system = System(
+            open_device=computer.open, inspect=computer.inspect, is_raspberry=lambda: False, devices=Path(folder)
+        )
+        return main(system)
+
+
+def subscribe(topic: str, computer: Computer) -> None:
+    while not rospy.core.is_initialized():
+        threading.Event().wait(0.05)
+    rospy.Subscriber(topic, CompressedImage, computer.feed, queue_size=1, buff_size=1 << 24)
+
+
+if __name__ == "__main__":
+    sys.exit(run())
