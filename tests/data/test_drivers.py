@@ -27,7 +27,7 @@ PUBLISHED: dict[tuple[str, str], dict[str, str]] = {
     ("stage_ros", "stageros"): {"odom": "nav_msgs/Odometry", "base_scan": "sensor_msgs/LaserScan"},
     ("pi_sonar", "pi_sonar"): {"/sonars": "sensor_msgs/Range"},
     ("rplidar_ros", "rplidarNode"): {"scan": "sensor_msgs/LaserScan"},
-    ("raspicam_node", "raspicam_node"): {
+    ("ubiquity_launches", "raspicam_node"): {
         "~image": "sensor_msgs/Image",
         "~image/compressed": "sensor_msgs/CompressedImage",
         "~camera_info": "sensor_msgs/CameraInfo",

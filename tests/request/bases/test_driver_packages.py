@@ -32,10 +32,10 @@ def find_problems(world: SystemWorld, **values: str) -> tuple[Diagnostic, ...]:
 @pytest.mark.parametrize(
     ("base", "variant", "packages"),
     [
-        ("magni", "", ["ubiquity_motor", "pi_sonar", "raspicam_node"]),
-        ("magni", "lidar", ["ubiquity_motor", "pi_sonar", "raspicam_node", "rplidar_ros"]),
-        ("loki", "", ["loki_base_node", "raspicam_node"]),
-        ("botvac", "", ["neato_node", "raspicam_node"]),
+        ("magni", "", ["ubiquity_motor", "pi_sonar"]),
+        ("magni", "lidar", ["ubiquity_motor", "pi_sonar", "rplidar_ros"]),
+        ("loki", "", ["loki_base_node"]),
+        ("botvac", "", ["neato_node"]),
         ("botvac", "xv11", ["neato_node"]),
         ("stage", "", ["stage_ros"]),
     ],

@@ -92,6 +92,9 @@ KNOWN_NODES: dict[str, Interface] = {
 
 # Where a package's own node says more than the upstream node whose name it bears.
 KNOWN_IN_PACKAGE: dict[tuple[str, str], Interface] = {
+    ("ubiquity_launches", "raspicam_node"): _node(
+        "~image ~image/compressed ~camera_info", "", "~set_camera_info ~start_capture ~stop_capture"
+    ),
     ("ubiquity_launches", "twist_mux"): _node(
         "cmd_vel_out ~active ~stopped ~challenge ~lease",
         "joy_vel joy_vel_stamped key_vel key_vel_stamped web_vel web_vel_stamped nav_vel nav_vel_stamped pause_driving "
