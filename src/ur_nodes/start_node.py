@@ -9,6 +9,7 @@ from importlib.util import find_spec
 from ur.source.project import project_folder
 
 _NEEDS = {
+    "calibrate_camera": ("camera.calibration", ("cv2",)),
     "fiducial_detect": ("vision", ("cv2",)),
     "fiducial_slam": ("vision", ("cv2", "gtsam")),
     "slam_gmapping": ("slam", ("gtsam",)),

@@ -20,7 +20,7 @@ _INSPECT_EVERY = 10.0  # s, while the device files are the same
 
 @dataclass(frozen=True, slots=True)
 class System:
-    """What a finder needs of the computer; tests replace parts of it."""
+    """The parts of the computer that a finder needs; tests replace some of them."""
 
     open_device: OpenDevice = KernelDeviceFile
     open_libcamera: Callable[[int, Settings], PictureSource] = LibcameraCamera

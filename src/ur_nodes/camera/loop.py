@@ -16,11 +16,11 @@ _REPEAT = 30.0  # s between two reports of the same reason
 
 
 class Consumer(Protocol):
-    """Whoever gets the pictures; called in the loop's thread."""
+    """Takes the pictures; called in the loop's thread."""
 
     @property
     def wanted(self) -> bool:
-        """Whether somebody wants pictures now."""
+        """True while somebody wants pictures."""
 
     def begin(self, mode: Mode) -> None:
         """A camera was opened."""

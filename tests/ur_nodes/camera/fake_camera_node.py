@@ -1,7 +1,7 @@
 """raspicam_node with cameras that are not there. A line on standard input unplugs one and plugs it in: `unplug 0`.
 
-Arguments: the number of cameras, pictures a second, and a file with the JPEG that they take; with a second topic as the
-fourth argument their pictures are those of that topic instead. The rest is for the node.
+Arguments: the number of cameras, pictures a second, a JPEG that they take, or a folder of them, and a topic whose
+pictures they take instead if the file is ''. The rest is for the node.
 """
 
 from __future__ import annotations
@@ -19,12 +19,14 @@ from ur.devices.model import Device, Snapshot
 from ur_nodes.camera.finder import System
 from ur_nodes.camera.raspicam_node import main
 
+HOLD = 15  # pictures that a camera takes of each file
+
 
 class Computer:
     """The cameras that are plugged in, by their paths."""
 
     def __init__(self, count: int, rate: float, picture: str, folder: Path) -> None:
-        film = (Path(picture).read_bytes(),) if picture else ()
+        film = [path.read_bytes() for path in list_pictures(picture) for _ in range(HOLD)] if picture else []
         self._cameras = [FakeCamera(rate=rate if film else 0.0, film=film) for _ in range(count)]
         self._folder = folder
         for number in range(count):
@@ -56,6 +58,10 @@ class Computer:
             if camera.plugged
         ]
         return Snapshot("pat", devices=tuple(found))
+
+
+def list_pictures(picture: str) -> list[Path]:
+    return sorted(Path(picture).glob("*.jpg")) if Path(picture).is_dir() else [Path(picture)]
 
 
 def obey(computer: Computer) -> None:

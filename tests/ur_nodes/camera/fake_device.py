@@ -10,6 +10,7 @@ import threading
 import time
 from collections import deque
 from collections.abc import Mapping, Sequence
+from typing import TypeVar
 
 import numpy as np
 from PIL import Image
@@ -17,6 +18,7 @@ from PIL import Image
 from ur_nodes.camera import abi
 from ur_nodes.pictures.decode import Pixels
 
+Item = TypeVar("Item")
 Sizes = Sequence[tuple[int, int]]
 BUFFER_LENGTH = 1 << 20
 
@@ -238,7 +240,7 @@ class FakeFile:
         self._camera.user = None
 
 
-def pick(items: Sequence[object], index: int) -> object:
+def pick(items: Sequence[Item], index: int) -> Item:
     """As the kernel answers enumerations: EINVAL beyond the end."""
     if index >= len(items):
         raise OSError(errno.EINVAL, os.strerror(errno.EINVAL))

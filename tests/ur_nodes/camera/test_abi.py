@@ -23,11 +23,10 @@ STRUCTURES = {
     abi.ControlQuery: "v4l2_queryctrl",
 }
 # Members that the kernel keeps in a structure or union of theirs.
-INNER = {
+INNER: dict[tuple[type[ctypes.Structure], str], str] = {
     (abi.CaptureParameters, "numerator"): "timeperframe.numerator",
     (abi.CaptureParameters, "denominator"): "timeperframe.denominator",
 }
-ALIGNMENT = {"_align"}
 REQUESTS = ["QUERYCAP", "ENUM_FMT", "S_FMT", "REQBUFS", "QUERYBUF", "QBUF", "DQBUF", "STREAMON", "STREAMOFF", "S_PARM"]
 REQUESTS += ["G_CTRL", "S_CTRL", "QUERYCTRL", "ENUM_FRAMESIZES"]
 CONSTANTS = {

@@ -7,8 +7,9 @@ import pytest
 from tests.ur_nodes.camera.fake_device import FakeCamera, FakeFile
 
 from ur.devices.model import Device, Snapshot
+from ur_nodes.camera.capture import V4l2Camera
 from ur_nodes.camera.finder import CameraFinder, System
-from ur_nodes.camera.model import CameraError, Settings
+from ur_nodes.camera.model import CameraError, PictureSource, Settings
 
 
 class Computer:
@@ -107,18 +108,10 @@ def test_ribbon_camera_is_opened_by_libcamera(computer: Computer) -> None:
     computer.plug("/dev/video0", "")
     computer.devices["/dev/video0"] = Device("/dev/video0", "camera", driver="unicam")
 
-    def open_libcamera(number: int, settings: Settings) -> FakeLibcamera:
+    def open_libcamera(number: int, settings: Settings) -> PictureSource:
         opened.append((number, settings.width))
-        return FakeLibcamera()
+        return V4l2Camera(FakeCamera().open(""), "", settings)
 
     system = replace(computer.system, open_libcamera=open_libcamera)
     CameraFinder(Settings(width=320), system=system).open()
     assert opened == [(0, 320)]
-
-
-class FakeLibcamera:
-    mode = None
-
-    def read(self, seconds: float, *, wanted: bool = True) -> None: ...
-
-    def close(self) -> None: ...

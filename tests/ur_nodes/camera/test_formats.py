@@ -27,21 +27,21 @@ def make_pixels() -> Pixels:
 def pack(pixels: Pixels, fourcc: str) -> bytes:
     """As a camera packs it, by ITU-R BT.601 with full range."""
     if fourcc in ("RGB3", "BGR3"):
-        return (pixels if fourcc == "RGB3" else pixels[:, :, ::-1]).tobytes()
+        return bytes((pixels if fourcc == "RGB3" else pixels[:, :, ::-1]).tobytes())
     r, g, b = (pixels[:, :, each].astype(float) for each in range(3))
     y = 0.299 * r + 0.587 * g + 0.114 * b
     u, v = 128 + 0.564 * (b - y), 128 + 0.713 * (r - y)
     y, u, v = (np.clip(each.round(), 0, 255).astype(np.uint8) for each in (y, u, v))
     if fourcc == "GREY":
-        return y.tobytes()
+        return bytes(y.tobytes())
     if fourcc in ("YUYV", "UYVY"):
         cells = (y[:, 0::2], u[:, 0::2], y[:, 1::2], v[:, 0::2])
         order = (0, 1, 2, 3) if fourcc == "YUYV" else (1, 0, 3, 2)
-        return np.stack([cells[each] for each in order], axis=2).tobytes()
+        return bytes(np.stack([cells[each] for each in order], axis=2).tobytes())
     small_u, small_v = u[0::2, 0::2], v[0::2, 0::2]
     if fourcc == "NV12":
-        return y.tobytes() + np.stack([small_u, small_v], axis=2).tobytes()
-    return y.tobytes() + small_u.tobytes() + small_v.tobytes()
+        return bytes(y.tobytes() + np.stack([small_u, small_v], axis=2).tobytes())
+    return bytes(y.tobytes() + small_u.tobytes() + small_v.tobytes())
 
 
 @pytest.mark.parametrize("fourcc", ["YUYV", "UYVY", "NV12", "YU12", "RGB3", "BGR3"])

@@ -72,6 +72,7 @@ KNOWN_NODES: dict[str, Interface] = {
     ),
     "raspicam_node": _node("~image ~image/compressed ~camera_info", "", "~start_capture ~stop_capture"),
     "robot_localization": _node("odometry/filtered tf", "odom imu"),
+    "calibrate_camera": _node("", "", calls="raspicam_node/set_camera_info"),
     "ekf_localization_node": _node("odometry/filtered tf", "set_pose tf"),
     "robot_pose_ekf": _node("~odom_combined tf", "odom imu_data vo"),
     "robot_state_publisher": _node("tf tf_static", "joint_states"),

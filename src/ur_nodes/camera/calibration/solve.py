@@ -1,0 +1,100 @@
+"""The calibration of a camera from views of a chessboard, with how far it can be trusted."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ur_nodes.camera.calibration.board import Board
+from ur_nodes.camera.calibration.coverage import View, list_tilts
+from ur_nodes.camera.calibration_file import Calibration
+
+LARGEST_ERROR = 1.0  # pixels
+FEWEST_TILTS = 2
+LARGEST_DEVIATION = 0.01  # of the focal lengths, relative
+_OUTLIER = 3.0  # times the median of the views' errors
+
+
+@dataclass(frozen=True, slots=True)
+class Result:
+    """A calibration and how far it can be trusted.
+
+    `error` is its reprojection error (root mean square, pixels), `deviation` the relative standard deviation of its
+    focal lengths; `used` of `given` views were used. `tilts` is the number of ways in which the board was tilted:
+    without tilts the focal length cannot be told from the distance.
+    """
+
+    calibration: Calibration
+    error: float
+    deviation: float
+    used: int
+    given: int
+    tilts: int
+
+    @property
+    def problem(self) -> str:
+        """A sentence on why it should not be used and what to do; '' for a good one."""
+        if self.error > LARGEST_ERROR:
+            return (
+                f"the reprojection error is {self.error:.2f} pixels, expected at most {LARGEST_ERROR:g}:"
+                " glue the board on something flat, hold it still, and begin again"
+            )
+        if self.tilts < FEWEST_TILTS:
+            return "the board was not tilted enough: begin again, and tilt it to all sides, by 30 to 45 degrees"
+        if self.deviation > LARGEST_DEVIATION:
+            return (
+                f"the focal length is uncertain by {100 * self.deviation:.1f} %, expected at most"
+                f" {100 * LARGEST_DEVIATION:g} %: begin again, and tilt the board more, by 30 to 45 degrees"
+            )
+        return ""
+
+
+def solve(views: Sequence[View], board: Board, name: str) -> Result | None:
+    """Calibrate from at least three views of pictures of one size; None where that has no solution.
+
+    Views with an error far above that of others, as of a moved board, are left out.
+    """
+    import cv2
+
+    kept = list(views)
+    if len(kept) < 3:
+        return None
+    try:
+        found = _solve(kept, board)
+        errors = np.ravel(found[7])
+        good = [view for view, error in zip(kept, errors, strict=True) if error <= _OUTLIER * np.median(errors)]
+        if 3 <= len(good) < len(kept):
+            kept, found = good, _solve(good, board)
+    except cv2.error:
+        return None
+    error, matrix, distortion, deviations = float(found[0]), found[1], np.ravel(found[2])[:5], np.ravel(found[5])
+    if not np.isfinite(matrix).all() or not np.isfinite(distortion).all() or matrix[0, 0] <= 0.0:
+        return None
+    size = views[0].width, views[0].height
+    projection = np.zeros((3, 4))
+    projection[:, :3] = cv2.getOptimalNewCameraMatrix(matrix, distortion, size, 0.0)[0]
+    calibration = Calibration(
+        name,
+        *size,
+        "plumb_bob",
+        tuple(map(float, distortion)),
+        tuple(map(float, matrix.ravel())),
+        tuple(map(float, np.eye(3).ravel())),
+        tuple(map(float, projection.ravel())),
+    )
+    tilts = {face for view in kept for face in list_tilts(view, board)}
+    deviation = float(max(deviations[0] / matrix[0, 0], deviations[1] / matrix[1, 1]))
+    return Result(calibration, error, deviation, len(kept), len(views), len(tilts))
+
+
+def _solve(views: Sequence[View], board: Board) -> Any:
+    import cv2
+
+    points = [board.points.astype(np.float32)] * len(views)
+    corners = [view.corners.astype(np.float32).reshape(-1, 1, 2) for view in views]
+    size = views[0].width, views[0].height
+    # The third radial coefficient of ordinary lenses is lost in noise.
+    return cv2.calibrateCameraExtended(points, corners, size, None, None, flags=cv2.CALIB_FIX_K3)

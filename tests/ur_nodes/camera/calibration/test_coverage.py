@@ -1,0 +1,87 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ur_nodes.camera.calibration.board import Board, Floats, draw_page
+from ur_nodes.camera.calibration.coverage import (
+    View,
+    advise,
+    is_novel,
+    is_still,
+    list_tilts,
+    measure_coverage,
+)
+
+BOARD = Board(5, 4)
+
+
+def make_view(x: float = 320.0, y: float = 240.0, size: float = 200.0, narrow: str = "") -> View:
+    """A board in the picture whose edge `narrow` is shorter than the opposite one."""
+    u, v = np.meshgrid(np.linspace(-0.5, 0.5, BOARD.columns), np.linspace(-0.4, 0.4, BOARD.rows))
+    shrink = {"left": 1 + 0.3 * u, "right": 1 - 0.3 * u, "top": 1 + 0.3 * v, "bottom": 1 - 0.3 * v}.get(narrow, 1.0)
+    across, along = (u * shrink, v) if narrow in ("top", "bottom") else (u, v * shrink)
+    corners: Floats = np.stack([x + size * across, y + size * along], axis=-1).reshape(-1, 2)
+    return View(corners, 640, 480)
+
+
+def test_without_views_everything_is_missing() -> None:
+    coverage = measure_coverage([], BOARD)
+    assert len(coverage.missing_cells) == 12
+    assert coverage.share == 0.0
+    assert advise(coverage) == "hold the board at the top left of the picture"
+
+
+def test_cells_are_covered_where_corners_are() -> None:
+    coverage = measure_coverage([make_view(60.0, 60.0, 80.0)], BOARD)
+    assert (0, 0) not in coverage.missing_cells
+    assert len(coverage.missing_cells) == 11
+    assert "left of the middle" in advise(coverage)
+
+
+@pytest.mark.parametrize("edge", ["left", "right", "top", "bottom"])
+@pytest.mark.parametrize("turned", [False, True])
+def test_edge_that_is_farther_away_is_recognised_however_the_board_is_turned(edge: str, turned: bool) -> None:
+    view = make_view(narrow=edge)
+    assert list_tilts(View(view.corners[::-1] if turned else view.corners, 640, 480), BOARD) == (edge,)
+    assert list_tilts(make_view(), BOARD) == ()
+
+
+def test_view_is_new_when_it_is_elsewhere_or_tilted() -> None:
+    view = make_view()
+    assert not is_novel(make_view(325.0), [view], BOARD)
+    assert is_novel(make_view(500.0), [view], BOARD)
+    assert is_novel(make_view(narrow="left"), [view], BOARD)
+    assert is_novel(make_view(size=320.0), [view], BOARD)
+
+
+def test_board_is_still_when_its_corners_stay() -> None:
+    assert is_still(make_view(), make_view(321.0))
+    assert not is_still(make_view(), make_view(330.0))
+    assert not is_still(make_view(), None)
+
+
+def test_advice_goes_from_places_to_tilts_to_more_views() -> None:
+    everywhere = [make_view(x, y, 240.0) for x in (130, 320, 510) for y in (100, 240, 380)]
+    coverage = measure_coverage(everywhere, BOARD)
+    assert advise(coverage) == "tilt the board: its left edge away from the camera"
+    tilted = [*everywhere, *(make_view(narrow=edge) for edge in ("left", "right", "top", "bottom"))]
+    assert advise(measure_coverage(tilted, BOARD)).startswith("2 more views")
+    done = measure_coverage([*tilted, make_view(), make_view()], BOARD)
+    assert done.is_complete
+    assert advise(done) == ""
+    assert done.share == 1.0
+
+
+def test_page_has_a_square_for_each_second_field_in_its_true_size() -> None:
+    page = draw_page(Board())
+    assert page.count("<rect") == 1 + 32
+    assert 'width="297mm" height="210mm"' in page
+    assert 'width="25" height="25"' in page
+
+
+def test_printed_page_of_the_launch_library_is_the_default_board() -> None:
+    page = Path(__file__).parents[4] / "ubiquity_launches" / "n_calibrate_camera" / "chessboard.svg"
+    assert page.read_text() == draw_page(Board())
