@@ -108,8 +108,8 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         "ur_nodes.teleop.terminal",
     ),
     "ur_nodes.teleop.keyboard": (
-        "ur.maps",
         "ur.source",
+        "ur.maps",
         "ur_nodes.geometry",
         "ur_nodes.rosio",
         "ur_nodes.motion",

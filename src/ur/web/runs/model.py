@@ -86,7 +86,7 @@ def take_event(view: RunView, event: RunEvent) -> RunView:
 
 
 def describe_runs(views: Sequence[RunView], ended: Sequence[EndedRun]) -> dict[str, Any]:
-    """What a page gets: active runs, oldest first, and those that have ended, latest first."""
+    """The runs that a page shows: active ones, oldest first, and those that have ended, latest first."""
     return {
         "t": "runs",
         "runs": [_describe_run(view) for view in views],
