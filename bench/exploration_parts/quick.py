@@ -11,7 +11,7 @@ from bench.exploration_parts.truth import Truth
 from skimage.graph import MCP_Geometric
 
 from ur_nodes.exploration.explorer import Explorer, ExplorerSettings, GoalEnd, Inputs
-from ur_nodes.exploration.floor import nearest_cell
+from ur_nodes.exploration.search.floor import nearest_cell
 from ur_nodes.exploration.status import Status
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2

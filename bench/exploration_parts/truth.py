@@ -9,7 +9,7 @@ from bench.navigation_parts.geodesic import free_cells
 from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt
 
-from ur_nodes.exploration.floor import drive_distances, nearest_cell
+from ur_nodes.exploration.search.floor import drive_distances, nearest_cell
 from ur_nodes.geometry.grid import Grid
 
 _BEAMS = 360

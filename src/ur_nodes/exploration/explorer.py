@@ -8,13 +8,14 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ur_nodes.exploration.choice import Weights, choose_viewpoint
-from ur_nodes.exploration.floor import Floor, read_floor
-from ur_nodes.exploration.frontiers import Frontier, find_frontiers, unknown_behind
 from ur_nodes.exploration.memory import Memory
 from ur_nodes.exploration.reasons import Reason, at, explain_unreachable
+from ur_nodes.exploration.search.choice import Weights, choose_viewpoint
+from ur_nodes.exploration.search.corners import CornerSettings, Places, sort_corners
+from ur_nodes.exploration.search.floor import Floor, read_floor
+from ur_nodes.exploration.search.frontiers import Frontier, find_frontiers, unknown_behind
+from ur_nodes.exploration.search.viewpoints import DISTANCES, Viewpoint, find_viewpoint, next_viewpoint
 from ur_nodes.exploration.status import State, Status
-from ur_nodes.exploration.viewpoints import DISTANCES, Viewpoint, find_viewpoint
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
 
@@ -27,7 +28,7 @@ class ExplorerSettings:
     """Lengths in m, times in s. `radius` of the robot; `room`: goals have so much, where they can, to turn there.
 
     `settle`: how long there must be nothing left before the end. `patience`: how long frontiers that failed are waited
-    for. `attempts` at a frontier that navigation gave up.
+    for. `attempts` at a frontier that navigation gave up. `corners`: frontiers that come last, or are left out.
     """
 
     radius: float
@@ -38,6 +39,7 @@ class ExplorerSettings:
     patience: float = 15.0
     attempts: int = 2
     weights: Weights = field(default_factory=Weights)
+    corners: CornerSettings = field(default_factory=CornerSettings)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -198,7 +200,7 @@ class Explorer:
                 blocked.append((frontier, refused))
                 continue
             looks = self._memory.find(frontier.place).looks
-            viewpoint = _viewpoint_after(floor, frontier, looks, settings.room)
+            viewpoint = next_viewpoint(floor, frontier, looks, settings.room)
             if viewpoint is not None:
                 seen.append(viewpoint)
             elif looks and find_viewpoint(floor, frontier, DISTANCES[1]) is not None:
@@ -223,12 +225,13 @@ class Explorer:
     def _choose(self, inputs: Inputs, view: _View, cancel: bool) -> Outputs:
         pursuit = self._pursuit
         kept = pursuit.viewpoint.frontier.place if pursuit else None
-        best = choose_viewpoint(view.floor, view.viewpoints, self._settings.weights, kept)
+        places = self._places(view)
+        best = choose_viewpoint(view.floor, places.now, self._settings.weights, kept)
         if best is None:
             return self._finish(inputs, view, cancel)
         self._empty_since = None
-        frontiers = tuple(each.frontier for each in view.viewpoints)
-        blocked = tuple(frontier for frontier, _ in view.blocked)
+        frontiers = tuple(each.frontier for each in places.ahead)
+        blocked = (*(frontier for frontier, _ in view.blocked), *(each.frontier for each in places.left_out))
         status = self._status("exploring", inputs)
         if (
             pursuit is not None
@@ -240,6 +243,10 @@ class Explorer:
         self._pursuit = _Pursuit(best, best.way, inputs.now)
         return Outputs(status, goal=best.pose, frontiers=frontiers, blocked=blocked)
 
+    def _places(self, view: _View) -> Places:
+        kept = self._pursuit.viewpoint.frontier.place if self._pursuit else None
+        return sort_corners(view.viewpoints, view.floor.known, self._settings.corners, kept)
+
     def _finish(self, inputs: Inputs, view: _View, cancel: bool) -> Outputs:
         """Nothing is left to look at: wait for a moment, try again what failed, then end."""
         cancel = cancel or self._pursuit is not None
@@ -248,7 +255,8 @@ class Explorer:
             self._empty_since = inputs.now
         waited = inputs.now - self._empty_since
         retriable = [reason for _, reason in view.blocked if reason.kind in ("failed", "obstacle")]
-        blocked = tuple(frontier for frontier, _ in view.blocked)
+        left_out = (each.frontier for each in self._places(view).left_out)
+        blocked = (*(frontier for frontier, _ in view.blocked), *left_out)
         if waited < (self._settings.patience if retriable else self._settings.settle):
             status = self._status("exploring", inputs)
             clear = bool(retriable) and not self._cleared and waited > self._settings.settle
@@ -281,32 +289,19 @@ class Explorer:
         seconds = now - self._began if self._began is not None else 0.0
         if view is None:
             return Status(state=state, way=self._way, seconds=seconds, reason=reason)
-        frontiers = tuple(each.frontier for each in view.viewpoints)
+        places = self._places(view)
+        frontiers = tuple(each.frontier for each in places.ahead)
         return Status(
             state=state,
             reachable=len(frontiers),
             unknown=unknown_behind(view.floor, frontiers),
-            known=float(np.count_nonzero(view.floor.free)) * view.floor.resolution**2,
+            known=view.floor.known,
             way=self._way,
             seconds=seconds,
             unreachable=tuple(dict.fromkeys(reason.text for _, reason in view.blocked)),
+            corners=tuple(at(each.frontier.place) for each in places.left_out),
             reason=reason,
         )
-
-
-def _viewpoint_after(floor: Floor, frontier: Frontier, looks: int, room: float) -> Viewpoint | None:
-    """A place to see the frontier from, after so many that showed nothing new."""
-    for reach in DISTANCES[looks:]:
-        for whole, clearance in (
-            (False, room + floor.resolution),
-            (False, 0.0),
-            (True, room + floor.resolution),
-            (True, 0.0),
-        ):
-            found = find_viewpoint(floor, frontier, reach, clearance, whole=whole, facing=looks > 0)
-            if found is not None:
-                return found
-    return None
 
 
 def _near(a: Pose2, b: Pose2) -> bool:

@@ -1,4 +1,4 @@
-"""Frontiers as markers, as upstream's `explore_lite` shows them: blue ones are left, red ones are given up."""
+"""Frontiers as markers, as upstream's `explore_lite` shows them: blue ones are left, red ones are given up or left out."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from geometry_msgs.msg import Point
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 
-from ur_nodes.exploration.floor import Floor
-from ur_nodes.exploration.frontiers import Frontier
+from ur_nodes.exploration.search.floor import Floor
+from ur_nodes.exploration.search.frontiers import Frontier
 
 _LEFT, _GIVEN_UP = ColorRGBA(0.0, 0.0, 1.0, 1.0), ColorRGBA(1.0, 0.0, 0.0, 1.0)
 

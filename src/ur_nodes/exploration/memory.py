@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ur_nodes.exploration.floor import Floor
-from ur_nodes.exploration.frontiers import Frontier
 from ur_nodes.exploration.reasons import Reason
+from ur_nodes.exploration.search.floor import Floor
+from ur_nodes.exploration.search.frontiers import Frontier
 
 _SAME = 0.6  # m: frontiers nearer than this are one and the same
 _AROUND = 1.0  # m: a change of the map this near to a frontier makes it worth another attempt

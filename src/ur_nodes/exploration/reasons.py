@@ -8,8 +8,8 @@ from typing import Literal
 import numpy as np
 from skimage.graph import MCP_Geometric
 
-from ur_nodes.exploration.floor import Floor
-from ur_nodes.exploration.frontiers import Frontier
+from ur_nodes.exploration.search.floor import Floor
+from ur_nodes.exploration.search.frontiers import Frontier
 
 Kind = Literal["narrow", "obstacle", "behind", "apart", "unseen", "failed"]
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ur_nodes.costmap.footprint_parameters_node import read_footprint
-from ur_nodes.exploration.choice import Weights
 from ur_nodes.exploration.explorer import ExplorerSettings
+from ur_nodes.exploration.search.choice import Weights
+from ur_nodes.exploration.search.corners import CornerSettings
 from ur_nodes.rosio.parameters import Parameters
 
 
@@ -42,6 +43,7 @@ def read_settings() -> ExploreSettings:
             smallest_frontier=own.number("min_frontier_size", 0.3, minimum=0.05, maximum=10.0),
             progress_timeout=own.number("progress_timeout", 30.0, minimum=1.0, maximum=3600.0),
             patience=own.number("patience", 15.0, minimum=0.0, maximum=3600.0),
+            corners=CornerSettings() if not own.boolean("explore_corners", False) else CornerSettings(left_out=0.0),
             weights=Weights(
                 distance=own.number("potential_scale", 1.0, minimum=0.0, maximum=1e3),
                 gain=own.number("gain_scale", 0.1, minimum=0.0, maximum=1e3),

@@ -10,7 +10,7 @@ State = Literal["starting", "exploring", "paused", "complete", "incomplete", "st
 
 ENDED: tuple[State, ...] = ("complete", "incomplete", "stopped")
 _LONGEST = 65536  # characters of a status; what comes from a network is checked
-_SHOWN = 4  # unreachable frontiers in a line
+_SHOWN = 4  # unreachable frontiers, and corners, in a line
 
 
 @dataclass(frozen=True, slots=True)
@@ -18,6 +18,7 @@ class Status:
     """The state of an exploration. Areas in m2, `way` in m, `seconds` since the begin.
 
     `reachable` frontiers are left, and about `unknown` of floor; each of `unreachable` is a clause that says why.
+    `corners` are places that hide so little that nobody drives there.
     `reason` says why it is paused or has ended; `saved` is the name of the map once it is stored.
     """
 
@@ -28,6 +29,7 @@ class Status:
     way: float = 0.0
     seconds: float = 0.0
     unreachable: tuple[str, ...] = ()
+    corners: tuple[str, ...] = ()
     reason: str = ""
     saved: str = ""
 
@@ -50,10 +52,11 @@ def read_status(text: str) -> Status | None:
     """The status in a message; None when it is not one."""
     try:
         fields = json.loads(text[:_LONGEST])
-        status = Status(**{**fields, "unreachable": tuple(fields["unreachable"])})
-    except (ValueError, TypeError, KeyError, RecursionError):
+        lists = {"unreachable": tuple(fields["unreachable"]), "corners": tuple(fields.get("corners", ()))}
+        status = Status(**{**fields, **lists})
+    except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
         return None
-    texts = (status.state, status.reason, status.saved, *status.unreachable)
+    texts = (status.state, status.reason, status.saved, *status.unreachable, *status.corners)
     numbers = (status.reachable, status.unknown, status.known, status.way, status.seconds)
     good = all(isinstance(each, str) for each in texts) and all(isinstance(each, (int, float)) for each in numbers)
     return status if good and status.state in (*ENDED, "starting", "exploring", "paused") else None
@@ -75,18 +78,27 @@ def describe_status(status: Status) -> str:
 def describe_end(status: Status) -> str:
     """The clause about why an exploration has ended."""
     if status.state == "complete":
-        return f"the map is complete: 0 frontiers reachable{_blocked(status)}"
+        return f"the map is complete: 0 frontiers reachable{_left_out(status)}{_blocked(status)}"
     head = "stopped" if status.state == "stopped" else "the map is not complete"
     left = f"; {_count(status.reachable, 'frontier')} left, about {status.unknown:.0f} m2 unknown"
     return f"{head}: {status.reason}{left}{_blocked(status)}"
 
 
+def _left_out(status: Status) -> str:
+    if not status.corners:
+        return ""
+    return f"; {_count(len(status.corners), 'corner')} left out: {_some(status.corners)}"
+
+
 def _blocked(status: Status) -> str:
     if not status.unreachable:
         return ""
-    more = len(status.unreachable) - _SHOWN
-    shown = ", ".join(status.unreachable[:_SHOWN]) + (f", and {more} more" if more > 0 else "")
-    return f"; {len(status.unreachable)} unreachable: {shown}"
+    return f"; {len(status.unreachable)} unreachable: {_some(status.unreachable)}"
+
+
+def _some(texts: tuple[str, ...]) -> str:
+    more = len(texts) - _SHOWN
+    return ", ".join(texts[:_SHOWN]) + (f", and {more} more" if more > 0 else "")
 
 
 def _count(number: int, noun: str) -> str:

@@ -5,6 +5,7 @@ import pytest
 from tests.ur_nodes.exploration.drawn import ROOM, box, draw, place
 
 from ur_nodes.exploration.explorer import Explorer, ExplorerSettings, GoalEnd, Inputs, Outputs
+from ur_nodes.exploration.search.corners import CornerSettings
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
 
@@ -23,12 +24,25 @@ KNOWN = ROOM.replace("...........?", "......#?????")
 DOOR = place(8, 4.5)
 SHUT = box(DOOR.x - 0.1, DOOR.y - 0.45, DOOR.x + 0.1, DOOR.y + 0.45)
 
+CORNER = """
+###########
+#.........#
+#.........#
+#.........#
+#.........?
+#.........#
+#.........#
+#.........#
+###########
+"""
+"""A room whose right wall has a hole of 0.4 m, which is not seen."""
+
 
 class Run:
     """An explorer with a clock: each step is a second and, unless told otherwise, a new map."""
 
-    def __init__(self, text: str = ROOM, radius: float = 0.2) -> None:
-        self.explorer = Explorer(ExplorerSettings(radius=radius))
+    def __init__(self, text: str = ROOM, radius: float = 0.2, corners: CornerSettings | None = None) -> None:
+        self.explorer = Explorer(ExplorerSettings(radius=radius, corners=corners or CornerSettings()))
         self.now = 0.0
         self.grid: Grid = draw(text)
         self.robot = place(3, 4)
@@ -81,6 +95,21 @@ def test_narrow_door_is_named_at_the_end() -> None:
     assert end.status.state == "complete"
     assert len(end.status.unreachable) == 1
     assert end.status.unreachable[0].startswith("too narrow at (3.")
+
+
+def test_corner_that_hides_little_is_left_out_and_named_at_the_end() -> None:
+    end = Run(CORNER).until_the_end()
+    assert end.status.state == "complete"
+    assert end.status.reachable == 0
+    assert end.status.corners == ("(3.98, 1.78)",)
+    assert len(end.blocked) == 1
+
+
+def test_corner_is_driven_to_when_all_are_asked_for() -> None:
+    out = Run(CORNER, corners=CornerSettings(left_out=0.0)).step()
+    assert out.goal is not None
+    assert out.status.reachable == 1
+    assert out.status.corners == ()
 
 
 def test_frontier_that_is_in_sight_and_stays_unseen_is_explained_by_the_narrow_door() -> None:

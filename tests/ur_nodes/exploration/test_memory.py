@@ -4,10 +4,10 @@ from dataclasses import replace
 
 from tests.ur_nodes.exploration.drawn import ROOM, draw, place
 
-from ur_nodes.exploration.floor import read_floor
-from ur_nodes.exploration.frontiers import find_frontiers
 from ur_nodes.exploration.memory import Memory
 from ur_nodes.exploration.reasons import Reason
+from ur_nodes.exploration.search.floor import read_floor
+from ur_nodes.exploration.search.frontiers import find_frontiers
 
 FAILED = Reason("failed", (4.9, 2.0), "at (4.90, 2.00): no path")
 

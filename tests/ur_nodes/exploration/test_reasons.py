@@ -3,9 +3,9 @@ from __future__ import annotations
 import numpy as np
 from tests.ur_nodes.exploration.drawn import ROOM, box, draw, place
 
-from ur_nodes.exploration.floor import read_floor
-from ur_nodes.exploration.frontiers import find_frontiers
 from ur_nodes.exploration.reasons import Reason, explain_unreachable
+from ur_nodes.exploration.search.floor import read_floor
+from ur_nodes.exploration.search.frontiers import find_frontiers
 from ur_nodes.geometry.grid import Grid
 
 GLASS = "?????????\n#######??\n#....#..?\n#....#..?\n#######??\n?????????"

@@ -8,7 +8,7 @@ BLOCKED = ("behind the glass or through a gap at (1.00, 2.00)", "too narrow at (
 
 
 def test_status_survives_its_way_as_json() -> None:
-    status = Status("exploring", 3, 12.5, 40.0, 17.0, 65.0, BLOCKED, "", "/maps/flat.yaml")
+    status = Status("exploring", 3, 12.5, 40.0, 17.0, 65.0, BLOCKED, ("(1.00, 2.00)",), "", "/maps/flat.yaml")
     assert read_status(write_status(status)) == status
 
 
@@ -22,6 +22,7 @@ def test_status_survives_its_way_as_json() -> None:
         '{"state": "gone", "unreachable": []}',
         '{"state": "exploring", "unreachable": [3]}',
         '{"state": "exploring", "unreachable": [], "way": "far"}',
+        '{"state": "exploring", "unreachable": [], "corners": [3]}',
         '{"state": "exploring", "unreachable": [], "more": 1}',
         '{"state": ["exploring"], "unreachable": []}',
     ],
@@ -40,6 +41,13 @@ def test_end_is_explained_with_what_cannot_be_reached() -> None:
     assert line == (
         "the map is complete: 0 frontiers reachable; 2 unreachable: behind the glass or through a gap at (1.00, 2.00), "
         "too narrow at (3.00, 4.00): 0.31 m < 0.46 m; 40 m2 known, 17 m driven in 1:05 min"
+    )
+
+
+def test_end_names_the_corners_that_are_left_out() -> None:
+    line = describe_status(Status("complete", corners=("(1.00, 2.00)",), unreachable=BLOCKED))
+    assert line.startswith(
+        "the map is complete: 0 frontiers reachable; 1 corner left out: (1.00, 2.00); 2 unreachable: "
     )
 
 

@@ -5,8 +5,8 @@ from dataclasses import replace
 import pytest
 from tests.ur_nodes.exploration.drawn import ROOM, draw, place
 
-from ur_nodes.exploration.floor import Floor, read_floor
-from ur_nodes.exploration.frontiers import Frontier, find_frontiers, unknown_behind
+from ur_nodes.exploration.search.floor import Floor, read_floor
+from ur_nodes.exploration.search.frontiers import Frontier, find_frontiers, unknown_behind
 from ur_nodes.geometry.grid import Grid
 
 

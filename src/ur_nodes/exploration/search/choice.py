@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ur_nodes.exploration.floor import Floor, drive_distances
-from ur_nodes.exploration.viewpoints import Viewpoint
+from ur_nodes.exploration.search.floor import Floor, drive_distances
+from ur_nodes.exploration.search.viewpoints import Viewpoint
 
 _MOST = 9  # places of a tour: the nearest ones
 _COARSE = 0.2  # m, side of the cells that ways between places are measured on

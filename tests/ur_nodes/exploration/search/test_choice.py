@@ -3,10 +3,10 @@ from __future__ import annotations
 import numpy as np
 from tests.ur_nodes.exploration.drawn import draw, place
 
-from ur_nodes.exploration.choice import Weights, choose_viewpoint
-from ur_nodes.exploration.floor import Floor, read_floor
-from ur_nodes.exploration.frontiers import Frontier
-from ur_nodes.exploration.viewpoints import Viewpoint
+from ur_nodes.exploration.search.choice import Weights, choose_viewpoint
+from ur_nodes.exploration.search.floor import Floor, read_floor
+from ur_nodes.exploration.search.frontiers import Frontier
+from ur_nodes.exploration.search.viewpoints import Viewpoint
 from ur_nodes.geometry.pose import Pose2
 
 HALL = "####################\n#..................#\n#..................#\n####################"

@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 from tests.ur_nodes.exploration.drawn import ROOM, box, draw, place
 
-from ur_nodes.exploration.floor import nearest_cell, read_floor
+from ur_nodes.exploration.search.floor import nearest_cell, read_floor
 
 
 def test_robot_gets_through_a_door_only_where_it_fits() -> None:

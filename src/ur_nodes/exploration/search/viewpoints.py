@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt
 
-from ur_nodes.exploration.floor import Cell, Floor
-from ur_nodes.exploration.frontiers import Frontier
+from ur_nodes.exploration.search.floor import Cell, Floor
+from ur_nodes.exploration.search.frontiers import Frontier
 from ur_nodes.geometry.pose import Pose2
 
 DISTANCES = (1.0, 0.5, 0.25, 2.5)
@@ -64,6 +64,20 @@ def find_viewpoint(
     turned = facing and (to_x, to_y) != (x, y)
     yaw = math.atan2(to_y - y, to_x - x) if turned else _arrival(floor, (row, column))
     return Viewpoint(Pose2(x, y, yaw), (row, column), float(floor.distance[row, column]), frontier)
+
+
+def next_viewpoint(floor: Floor, frontier: Frontier, looks: int, room: float) -> Viewpoint | None:
+    """A place to see the frontier from, after so many that showed nothing new; None when there is no further one.
+
+    Places with `room` m around them come first: there the robot can turn.
+    """
+    wide = room + floor.resolution
+    for reach in DISTANCES[looks:]:
+        for whole, clearance in ((False, wide), (False, 0.0), (True, wide), (True, 0.0)):
+            found = find_viewpoint(floor, frontier, reach, clearance, whole=whole, facing=looks > 0)
+            if found is not None:
+                return found
+    return None
 
 
 def _arrival(floor: Floor, cell: Cell) -> float:

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import binary_dilation, binary_opening, distance_transform_edt, find_objects, label
 
-from ur_nodes.exploration.floor import Floor
+from ur_nodes.exploration.search.floor import Floor
+from ur_nodes.exploration.search.walls import continue_walls
 
 _SPECKLE = 3  # cells: unknown places narrower than this are gaps between two beams, not rooms
 _DEPTH = 2.0  # m: unknown space so far behind a frontier is its gain
@@ -42,13 +43,14 @@ def frontier_cells(floor: Floor) -> NDArray[np.bool_]:
 def find_frontiers(floor: Floor, smallest: float) -> tuple[Frontier, ...]:
     """The frontiers of at least `smallest` m, the longest first."""
     edge = frontier_cells(floor)
+    walls = floor.occupied | continue_walls(floor)
     groups, _ = label(edge, np.ones((3, 3), bool))
     found: list[Frontier] = []
     for number, box in enumerate(find_objects(groups), start=1):
         cells = np.argwhere(groups[box] == number) + np.array([part.start for part in box])
         if len(cells) * floor.resolution < smallest:
             continue
-        found.extend(_frontier(floor, piece) for piece in _cut(cells, floor.resolution))
+        found.extend(_frontier(floor, piece, walls) for piece in _cut(cells, floor.resolution))
     return tuple(sorted(found, key=lambda each: (-each.size, each.place)))
 
 
@@ -73,18 +75,38 @@ def _cut(cells: NDArray[np.intp], resolution: float) -> list[NDArray[np.intp]]:
     return [*_cut(cells[half], resolution), *_cut(cells[~half], resolution)]
 
 
-def _frontier(floor: Floor, cells: NDArray[np.intp]) -> Frontier:
+def _frontier(floor: Floor, cells: NDArray[np.intp], walls: NDArray[np.bool_]) -> Frontier:
     middle = cells[int(np.argmin(np.hypot(*(cells - cells.mean(axis=0)).T)))]
+    size = len(cells) * floor.resolution
+    gain = min(_hidden_floor(floor, cells, walls), size**2)  # a narrow gap hides a corner, not a room
+    x, y = floor.points_of_cells(middle)
+    return Frontier(cells, middle, (float(x), float(y)), size, gain)
+
+
+def _hidden_floor(floor: Floor, cells: NDArray[np.intp], walls: NDArray[np.bool_]) -> float:
+    """The unknown floor (m2) near the cells of a frontier that the robot's disc may cover when it drives on there.
+
+    `walls` (height, width): the occupied cells, and those where a wall probably goes on.
+    """
     reach = math.ceil(_DEPTH / floor.resolution)
     low = np.maximum(cells.min(axis=0) - reach, 0)
     high = np.minimum(cells.max(axis=0) + reach + 1, floor.shape)
     box = (slice(low[0], high[0]), slice(low[1], high[1]))
-    seeds = np.ones((high - low).tolist(), bool)
-    seeds[tuple((cells - low).T)] = False
-    close = distance_transform_edt(seeds) * floor.resolution <= _DEPTH
-    # Connected through unknown space: what lies behind a wall is no gain.
-    groups, _ = label((floor.unknown[box] & close) | ~seeds)
-    mine = np.unique(groups[tuple((cells - low).T)])
-    gain = float((np.isin(groups, mine) & floor.unknown[box]).sum()) * floor.resolution**2
-    x, y = floor.points_of_cells(middle)
-    return Frontier(cells, middle, (float(x), float(y)), len(cells) * floor.resolution, gain)
+    away = np.ones((high - low).tolist(), bool)
+    away[tuple((cells - low).T)] = False
+    apart = distance_transform_edt(away) * floor.resolution
+    hidden = floor.unknown[box] & (apart <= _DEPTH)
+    begin = floor.reachable[box] & (apart <= floor.radius + 3 * floor.resolution)
+    if not begin.any():  # the robot does not get there; what it would find is measured all the same
+        return float(np.count_nonzero(_connected(hidden & ~walls[box], ~away) & hidden)) * floor.resolution**2
+    centres = distance_transform_edt(~walls[box]) * floor.resolution > floor.radius
+    reached = _connected(hidden & centres, begin)
+    covered = distance_transform_edt(~reached) * floor.resolution <= floor.radius
+    return float(np.count_nonzero(covered & hidden)) * floor.resolution**2
+
+
+def _connected(mask: NDArray[np.bool_], begin: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """The cells (height, width) of a mask that are connected to those of `begin`, and the latter."""
+    groups, _ = label(mask | begin)
+    found: NDArray[np.bool_] = np.isin(groups, np.unique(groups[begin]))
+    return found

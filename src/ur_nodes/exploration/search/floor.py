@@ -52,6 +52,11 @@ class Floor(CellFrame):
         reached: NDArray[np.bool_] = np.isfinite(self.distance)
         return reached
 
+    @property
+    def known(self) -> float:
+        """The known free floor, m2."""
+        return float(np.count_nonzero(self.free)) * self.resolution**2
+
     def cell(self, x: float, y: float) -> Cell:
         """The cell of a place; may lie outside."""
         row, column = self.cells_of_points(np.array((x, y)))

@@ -4,9 +4,9 @@ import math
 
 from tests.ur_nodes.exploration.drawn import ROOM, draw, place
 
-from ur_nodes.exploration.floor import read_floor
-from ur_nodes.exploration.frontiers import find_frontiers
-from ur_nodes.exploration.viewpoints import find_viewpoint
+from ur_nodes.exploration.search.floor import read_floor
+from ur_nodes.exploration.search.frontiers import find_frontiers
+from ur_nodes.exploration.search.viewpoints import find_viewpoint
 
 CORNER = "??????#\n#####.#\n#.....#\n#.....#\n#######"
 

@@ -1,0 +1,64 @@
+"""Corners: frontiers that hide little. They are left to the end, and the least of them are left out."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from ur_nodes.exploration.search.viewpoints import Viewpoint
+
+_SAME = 1.0  # m: a frontier so near to the pursued one is the same, after the map has changed
+_PURSUED = 0.5  # of the limit: what is pursued becomes a corner later, so that the robot does not turn back and forth
+
+
+@dataclass(frozen=True, slots=True)
+class CornerSettings:
+    """A frontier with less than `area` m2 behind it, or less than `share` of the known floor, is a corner.
+
+    `left_out`: corners may be left out that hide so much of the known floor together, as a share; 0: none is.
+    """
+
+    area: float = 0.3
+    share: float = 0.005
+    left_out: float = 0.02
+
+
+@dataclass(frozen=True, slots=True)
+class Places:
+    """Viewpoints by what they can show: `now`, those that are chosen from; `later`, after these; and `left_out`."""
+
+    now: tuple[Viewpoint, ...]
+    later: tuple[Viewpoint, ...] = ()
+    left_out: tuple[Viewpoint, ...] = ()
+
+    @property
+    def ahead(self) -> tuple[Viewpoint, ...]:
+        """All that will be driven to."""
+        return self.now + self.later
+
+
+def sort_corners(
+    viewpoints: Sequence[Viewpoint], known: float, settings: CornerSettings, kept: tuple[float, float] | None = None
+) -> Places:
+    """Sort viewpoints on a map with `known` m2 of floor; `kept` (m) is the frontier that the robot drives to.
+
+    `now` is empty where nothing is left that is worth the way.
+    """
+    least = max(settings.area, settings.share * known)
+
+    def worth(each: Viewpoint) -> bool:
+        pursued = kept is not None and math.dist(each.frontier.place, kept) < _SAME
+        return each.frontier.gain >= (_PURSUED * least if pursued else least)
+
+    rooms = tuple(each for each in viewpoints if worth(each))
+    corners = sorted((each for each in viewpoints if not worth(each)), key=lambda each: each.frontier.gain)
+    left_out: list[Viewpoint] = []
+    hidden = 0.0
+    for each in corners:
+        hidden += each.frontier.gain
+        if hidden > settings.left_out * known:
+            break
+        left_out.append(each)
+    visited = tuple(corners[len(left_out) :])
+    return Places(rooms, visited, tuple(left_out)) if rooms else Places(visited, (), tuple(left_out))

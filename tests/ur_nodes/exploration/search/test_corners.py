@@ -1,0 +1,47 @@
+from __future__ import annotations
+
+import numpy as np
+
+from ur_nodes.exploration.search.corners import CornerSettings, sort_corners
+from ur_nodes.exploration.search.frontiers import Frontier
+from ur_nodes.exploration.search.viewpoints import Viewpoint
+from ur_nodes.geometry.pose import Pose2
+
+SETTINGS = CornerSettings(area=0.3, share=0.005, left_out=0.02)
+
+
+def view(gain: float, x: float = 0.0) -> Viewpoint:
+    cell = np.array([0, 0])
+    return Viewpoint(Pose2(x, 0.0, 0.0), (0, 0), 1.0, Frontier(cell[None], cell, (x, 0.0), 0.5, gain))
+
+
+def test_corners_come_after_rooms() -> None:
+    room, corner = view(2.0), view(0.25)
+    places = sort_corners((corner, room), 10.0, SETTINGS)
+    assert places.now == (room,)
+    assert places.later == (corner,)
+    assert sort_corners((corner,), 10.0, SETTINGS).now == (corner,)
+
+
+def test_smallest_corners_are_left_out_as_far_as_they_hide_little() -> None:
+    corners = [view(gain) for gain in (0.2, 0.1, 0.15, 0.25)]
+    places = sort_corners(corners, 23.0, SETTINGS)
+    assert places.left_out == (corners[1], corners[2], corners[0])
+    assert places.ahead == (corners[3],)
+
+
+def test_no_corner_is_left_out_when_all_are_asked_for() -> None:
+    corner = view(0.01)
+    assert sort_corners((corner,), 100.0, CornerSettings(left_out=0.0)).now == (corner,)
+
+
+def test_in_a_large_flat_more_counts_as_a_corner() -> None:
+    assert sort_corners((view(0.4),), 50.0, SETTINGS).left_out == ()
+    assert len(sort_corners((view(0.4),), 100.0, SETTINGS).left_out) == 1
+
+
+def test_frontier_that_is_driven_to_becomes_a_corner_later() -> None:
+    here, there = view(0.2), view(0.2, 5.0)
+    places = sort_corners((here, there), 60.0, SETTINGS, kept=(0.3, 0.0))
+    assert places.now == (here,)
+    assert places.left_out == (there,)
