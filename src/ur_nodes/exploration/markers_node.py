@@ -1,4 +1,4 @@
-"""Frontiers as markers, as upstream's `explore_lite` shows them: blue ones are left, red ones are given up or left out."""
+"""Frontiers as markers, as upstream's `explore_lite` shows them: blue ones are left, red ones given up or left out."""
 
 from __future__ import annotations
 
