@@ -48,8 +48,9 @@ def _ends(floor: Floor) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
     row, column = np.indices(floor.shape, dtype=np.float64)
 
     def mean(values: NDArray[np.float64]) -> NDArray[np.float64]:
-        sums: NDArray[np.float64] = uniform_filter(values * wall, side, mode="constant")[floor.occupied]
-        return sums / shares
+        sums = uniform_filter(values * wall, side, mode="constant")[floor.occupied]
+        means: NDArray[np.float64] = sums / shares
+        return means
 
     shares = uniform_filter(wall, side, mode="constant")[floor.occupied]
     middle = np.column_stack((mean(row), mean(column)))
