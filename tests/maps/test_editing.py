@@ -12,6 +12,8 @@ from ur.maps.editing import EditSession
 from ur.maps.picture_file import write_picture
 from ur.maps.store import PICTURE, MapStore
 from ur.source.diagnostic import UserError
+from ur.worlds.cells import look_up
+from ur.worlds.map_file import read_map
 
 VALUES = np.zeros((40, 60), np.int8)
 VALUES[[0, -1]] = VALUES[:, [0, -1]] = 100
@@ -52,7 +54,7 @@ def test_change_of_another_program_is_not_undone(session: EditSession, tmp_path:
     other = EditSession(MapStore(tmp_path / "maps"), "flat", tmp_path / "waypoints" / "flat.yaml")
     for point in ((1.0, 1.0), (2.0, 1.5)):
         other.mark(*point)
-    other.draw("keep-out")
+    other.zone("keep-out")
     changed = session.image()
     with pytest.raises(UserError, match="changed by another program"):
         session.undo()
@@ -68,3 +70,27 @@ def test_refused_change_leaves_map_marks_and_undo_as_they_were(session: EditSess
         session.place("../x", 0.0, 0.0)
     with pytest.raises(UserError, match="no change to undo"):
         session.undo()
+
+
+def test_zones_leave_the_picture_alone_move_with_the_map_and_are_undone(session: EditSession, tmp_path: Path) -> None:
+    before, folder = session.image(), tmp_path / "maps" / "flat"
+    for point in ((0.0, 0.0), (1.0, 0.5)):
+        session.mark(*point)
+    assert session.zone("keep-out") == "zone keep-out: keep out, 0.5 square metres"
+    for point in ((2.0, 1.0), (3.0, 1.0), (3.0, 2.0)):
+        session.mark(*point)
+    assert session.zone("speed", 40) == "zone slow: at most 40 % of the highest speed, 0.5 square metres"
+    assert np.array_equal(session.image().values, before.values)
+    mask = read_map(folder / "speed_mask.yaml")
+    assert look_up(mask, mask.values, np.array((2.9, 1.2)), 0) == 40
+    session.set_origin(1.0, 0.0)
+    assert session.zones()[0].points[0] == (-1.0, 0.0)
+    assert session.delete_zone(-0.5, 0.2) == "zone keep-out is deleted"
+    assert not (folder / "keepout_mask.yaml").exists()
+    with pytest.raises(UserError, match=r"no zone at \(-0\.50, 0\.20\)"):
+        session.delete_zone(-0.5, 0.2)
+    for _ in range(3):
+        session.undo()
+    assert [zone.name for zone in session.zones()] == ["keep-out"]
+    assert (folder / "keepout_mask.yaml").exists()
+    assert not (folder / "speed_mask.yaml").exists()

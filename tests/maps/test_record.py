@@ -6,11 +6,23 @@ from typing import Any
 
 import pytest
 
-from ur.maps.record import Edit, MapRecord, parse_record, read_record, render_record
+from ur.maps.record import Edit, MapRecord, Zone, parse_record, read_record, render_record
 from ur.source.diagnostic import UserError
 
 RECORD = MapRecord(
-    "magni lidar", 1e9, 2e9, 3, 0.05, 0.25, "graph_2.npz", ("scans_1.npz",), (Edit("wall", ((0.0, 0.0), (1.0, 2.5))),)
+    "magni lidar",
+    1e9,
+    2e9,
+    3,
+    0.05,
+    0.25,
+    "graph_2.npz",
+    ("scans_1.npz",),
+    (Edit("wall", ((0.0, 0.0), (1.0, 2.5))),),
+    (
+        Zone("stairs", "keep-out", ((0.0, 0.0), (1.0, 2.5), (2.0, 0.0))),
+        Zone("hall", "speed", ((0.0, 0.0), (1.0, 2.5), (2.0, 0.0)), 40),
+    ),
 )
 
 
@@ -37,6 +49,14 @@ def test_map_without_a_record_has_an_empty_one(tmp_path: Path) -> None:
         {"edits": [{"kind": "erase", "points": [[0, 0], [1, 1]]}]},
         {"edits": [{"kind": "wall", "points": [[0, 0], [1, "2"]]}]},
         {"edits": [[]]},
+        {"zones": [[]]},
+        {"zones": [{"name": "../x", "kind": "keep-out", "points": [[0, 0], [1, 1], [1, 0]]}]},
+        {"zones": [{"name": "a", "kind": "explode", "points": [[0, 0], [1, 1], [1, 0]]}]},
+        {"zones": [{"name": "a", "kind": "keep-out", "points": [[0, 0], [1, 1]]}]},
+        {"zones": [{"name": "a", "kind": "keep-out", "points": [[0, 0], [1, 1]] * 60}]},
+        {"zones": [{"name": "a", "kind": "speed", "percent": 0, "points": [[0, 0], [1, 1], [1, 0]]}]},
+        {"zones": [{"name": "a", "kind": "speed", "percent": True, "points": [[0, 0], [1, 1], [1, 0]]}]},
+        {"zones": [{"name": "a", "kind": "speed", "percent": 100, "points": [[0, 0], [1, 1], [1, 0]]}]},
     ],
 )
 def test_record_that_makes_no_sense_is_refused(change: dict[str, Any]) -> None:

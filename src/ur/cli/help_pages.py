@@ -78,13 +78,15 @@ PAGES: Mapping[str, HelpPage] = {
     "maps edit": HelpPage(
         (
             _MAP,
-            "The change: rotate, origin, erase, wall, keep-out or place.",
-            "Its numbers, in metres and degrees; before them the name of a place.",
+            "The change: rotate, origin, erase, wall, keep-out, zone or place.",
+            "Its numbers, in metres and degrees; before them the name of a place or zone.",
         ),
         (
             ("ur maps edit flat rotate", "Turn a map so that its walls lie along the axes."),
             ("ur maps edit flat erase 1.5 2 2.5 3", "Erase what stands in a rectangle."),
             ("ur maps edit flat wall 0 0 0 2.5", "Draw a wall."),
+            ("ur maps edit flat zone stairs keep-out 1 2 3 4", "Keep out of a rectangle."),
+            ("ur maps edit flat zone hall 40 5 0 9 3", "Drive at 40 % of the highest speed there."),
             ("ur maps edit flat place door 1 2 90", "Name a place."),
         ),
     ),

@@ -13,6 +13,7 @@ from ur.maps.picture_file import write_picture
 from ur.maps.record import MOST_EDITS, MOST_POINTS, Edit, EditKind
 from ur.maps.scan_file import encode_graph, read_graph
 from ur.maps.store import MapStore
+from ur.maps.zone_mask import write_masks
 from ur.source.diagnostic import UserError, error
 from ur.source.replace import replace_file
 from ur.source.section import read_section
@@ -58,7 +59,7 @@ def propose(store: MapStore, name: str) -> float:
 
 
 def move_map(store: MapStore, name: str, motion: Origin, waypoints: Path) -> None:
-    """Move a map in its frame: points p become motion * p. Its edits and waypoints move with it.
+    """Move a map in its frame: points p become motion * p. Its edits, zones and waypoints move with it.
 
     Raises UserError, or OSError.
     """
@@ -84,6 +85,8 @@ def move_map(store: MapStore, name: str, motion: Origin, waypoints: Path) -> Non
             replace_file(store.path(name) / moved.graph, encode_graph(graph))
         store.write_record(name, moved)
         _write(store, name, image, origin)
+        if record.zones:
+            write_masks(store.path(name), moved.zones, read_map(store.picture(name)))
         if places:
             write_places(waypoints, name, move_places(places, motion))
         if record.graph:

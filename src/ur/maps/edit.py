@@ -21,7 +21,9 @@ Origin = tuple[float, float, float]
 _FINEST = math.radians(0.1)  # of a proposal
 
 
-class _Frame(CellFrame):
+class Lattice(CellFrame):
+    """The cells of a map without their values: `shape` (rows, columns), m, and the pose of the corner (m, m, rad)."""
+
     __slots__ = ("_shape", "origin", "resolution")
 
     def __init__(self, shape: tuple[int, int], resolution: float, origin: Origin) -> None:
@@ -31,6 +33,7 @@ class _Frame(CellFrame):
 
     @property
     def shape(self) -> tuple[int, int]:
+        """The numbers of rows and columns."""
         return self._shape
 
 
@@ -42,11 +45,11 @@ def apply_edits(values: Values, resolution: float, origin: Origin, edits: Sequen
     if not edits:
         return values
     height, width = values.shape
-    frame = _Frame((height, width), resolution, origin)
+    frame = Lattice((height, width), resolution, origin)
     result: Values = values.copy()
     for edit in edits:
         points = np.array(edit.points, np.float64)
-        inside = _line(frame, points) if edit.kind == "wall" else _polygon(frame, points)
+        inside = _line(frame, points) if edit.kind == "wall" else fill_polygon(frame, points)
         if edit.kind == "erase":
             inside &= result > FREE
             result[inside] = FREE
@@ -56,9 +59,10 @@ def apply_edits(values: Values, resolution: float, origin: Origin, edits: Sequen
 
 
 def move_record(record: MapRecord, motion: Origin) -> MapRecord:
-    """Move the edits of a record by a pose (m, m, rad): points p become motion * p."""
+    """Move the edits and zones of a record by a pose (m, m, rad): points p become motion * p."""
     edits = (replace(each, points=tuple(move_point(p, motion) for p in each.points)) for each in record.edits)
-    return replace(record, edits=tuple(edits))
+    zones = (replace(each, points=tuple(move_point(p, motion) for p in each.points)) for each in record.zones)
+    return replace(record, edits=tuple(edits), zones=tuple(zones))
 
 
 def move_graph(graph: StoredGraph, motion: Origin) -> StoredGraph:
@@ -82,7 +86,7 @@ def turn_values(values: Values, resolution: float, origin: Origin, motion: Origi
     For maps without scans: walls are kept, one cell thicker at most. Raises ValueError where the result is too large.
     """
     height, width = values.shape
-    frame = _Frame((height, width), resolution, origin)
+    frame = Lattice((height, width), resolution, origin)
     left, bottom, right, top = frame.bounds
     corners = [move_point(corner, motion) for corner in ((left, bottom), (right, bottom), (left, top), (right, top))]
     low, high = np.min(corners, axis=0), np.max(corners, axis=0)
@@ -111,7 +115,7 @@ def propose_turn(values: Values, resolution: float, origin: Origin) -> float:
     The better one is that with the sharper profiles: sums of walls along rows and columns. 0 for a map without walls.
     """
     height, width = values.shape
-    frame = _Frame((height, width), resolution, origin)
+    frame = Lattice((height, width), resolution, origin)
     cells = np.argwhere(values == OCCUPIED)
     if len(cells) < 10:
         return 0.0
@@ -142,13 +146,13 @@ def _inverse(motion: Origin) -> Origin:
     return -c * motion[0] - s * motion[1], s * motion[0] - c * motion[1], -motion[2]
 
 
-def _take(frame: _Frame, values: Values, points: NDArray[np.float64]) -> Values:
+def _take(frame: CellFrame, values: Values, points: NDArray[np.float64]) -> Values:
     from ur.worlds.cells import look_up
 
     return np.array(look_up(frame, values, points, UNKNOWN))
 
 
-def _line(frame: _Frame, points: NDArray[np.float64]) -> NDArray[np.bool_]:
+def _line(frame: CellFrame, points: NDArray[np.float64]) -> NDArray[np.bool_]:
     marked = np.zeros(frame.shape, np.bool_)
     for start, end in pairwise(points):
         count = min(1_000_000, math.ceil(float(np.hypot(*(end - start))) / (0.4 * frame.resolution)) + 1)
@@ -158,8 +162,8 @@ def _line(frame: _Frame, points: NDArray[np.float64]) -> NDArray[np.bool_]:
     return marked
 
 
-def _polygon(frame: _Frame, points: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """The cells whose centres lie in a polygon, by the even-odd rule."""
+def fill_polygon(frame: CellFrame, points: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Mark the cells (height, width) whose centres lie in a polygon (n, 2), m, by the even-odd rule."""
     corners = frame.fractions_of_points(points) - 0.5  # row, column of centres
     marked = np.zeros(frame.shape, np.bool_)
     low = np.clip(np.floor(corners.min(axis=0)).astype(int), 0, frame.shape)

@@ -8,9 +8,11 @@ from pathlib import Path
 
 from ur.maps.change import Point, add_edit, make_edit, move_map, name_place, propose, read_places
 from ur.maps.edit import Origin
-from ur.maps.record import EditKind, MapRecord
+from ur.maps.record import EditKind, MapRecord, Zone, ZoneKind
 from ur.maps.store import MapStore
 from ur.maps.undo import MapState, read_state, restore_state
+from ur.maps.zone_mask import is_inside
+from ur.maps.zones import delete_zone, describe_zone, fresh_zone_name, make_zone, put_zone
 from ur.source.diagnostic import UserError, error
 from ur.worlds.map_file import MapImage, read_map
 
@@ -54,12 +56,33 @@ class EditSession:
         self.marks = ()
 
     def draw(self, kind: EditKind) -> str:
-        """Draw with the points: a wall along them, or an area inside of them; two are corners of a rectangle."""
+        """Draw with the points: a wall along them, or erase inside of them; two are corners of a rectangle."""
         edit = make_edit(kind, list(self.marks))
         with _Noting(self, kind):
             count = add_edit(self._store, self.name, edit)
         self.marks = ()
         return f"{kind}: {count} cells changed"
+
+    def zones(self) -> tuple[Zone, ...]:
+        """Read the zones."""
+        return self._store.record(self.name).zones
+
+    def zone(self, kind: ZoneKind, percent: int = 0) -> str:
+        """Make a zone of the points, two are corners of a rectangle, under a name that is free."""
+        zone = make_zone(fresh_zone_name(kind, self.zones()), kind, self.marks, percent)
+        with _Noting(self, f"zone {zone.name}"):
+            put_zone(self._store, self.name, zone, self.image())
+        self.marks = ()
+        return describe_zone(zone)
+
+    def delete_zone(self, x: float, y: float) -> str:
+        """Delete the zone that holds a point; of several the one that was made last."""
+        found = [each.name for each in self.zones() if is_inside((x, y), each.points)]
+        if not found:
+            raise UserError(error(f"no zone at ({x:.2f}, {y:.2f}), expected a point in one", rule="unknown-zone"))
+        with _Noting(self, f"zone {found[-1]} deleted"):
+            delete_zone(self._store, self.name, found[-1], self.image())
+        return f"zone {found[-1]} is deleted"
 
     def rotate(self) -> str:
         """Turn the map so that its walls lie along the axes."""

@@ -11,6 +11,7 @@ from ur.maps.picture_file import shades, write_picture
 from ur.maps.record import LARGEST, RECORD, read_record
 from ur.maps.scan_file import read_graph, read_scans
 from ur.maps.store import PICTURE, MapStore
+from ur.maps.zones import draw_masks
 from ur.source.diagnostic import UserError, error
 from ur.source.replace import replace_file
 from ur.worlds.map_file import MapImage, read_map
@@ -47,6 +48,7 @@ def unpack_map(data: bytes, folder: Path, place: str) -> None:
     except Exception as problem:  # damaged archives raise whatever zlib and tarfile think of
         raise _not_a_map(place, str(problem)[:80]) from None
     check_map(folder, place)
+    draw_masks(folder)
 
 
 def check_map(folder: Path, place: str) -> None:
@@ -75,6 +77,7 @@ def import_picture(store: MapStore, source: Path, name: str) -> MapImage:
                 if _FILE.fullmatch(path.name) and path.is_file() and path.stat().st_size <= _MOST_UNPACKED:
                     replace_file(folder / path.name, path.read_bytes())
             check_map(folder, f"'{source}'")
+            draw_masks(folder)
         return read_map(store.picture(name))
     image = read_map(source)
     with store.arriving(name) as folder:

@@ -17,6 +17,14 @@ LARGEST = 4_000_000  # bytes of a record
 MOST_EDITS = 10_000
 MOST_POINTS = 1000  # of an edit
 MOST_FILES = 1000
+MOST_ZONES = 200
+MOST_CORNERS = 100  # of a zone
+LEAST_PERCENT = 5
+
+ZoneKind = Literal["keep-out", "speed"]
+_ZONE_KINDS: tuple[ZoneKind, ...] = get_args(ZoneKind)
+ZONE_NAME = re.compile(r"\w[\w.-]{0,39}")
+"""Names of zones."""
 
 EditKind = Literal["erase", "wall", "keep-out"]
 _KINDS: tuple[EditKind, ...] = get_args(EditKind)
@@ -35,11 +43,25 @@ class Edit:
 
 
 @dataclass(frozen=True, slots=True)
+class Zone:
+    """An area with a name that the robot keeps out of, or drives slowly in: `percent` of its highest speed.
+
+    `points` are the corners of a polygon, x, y in m in the frame of the map. `percent` of a keep-out zone is 0.
+    """
+
+    name: str
+    kind: ZoneKind
+    points: tuple[tuple[float, float], ...]
+    percent: int = 0
+
+
+@dataclass(frozen=True, slots=True)
 class MapRecord:
     """`robot` is the robot that made the map; `made` and `changed` are seconds since 1970.
 
     `graph` and `scans` name files beside the record, '' and () where a map has no scans; `keyframes` is their number.
-    `edits` are applied in order to the picture that is drawn from the scans.
+    `edits` are applied in order to the picture that is drawn from the scans. `zones` are not in the picture:
+    localisation does not see them.
     """
 
     robot: str = ""
@@ -51,6 +73,7 @@ class MapRecord:
     graph: str = ""
     scans: tuple[str, ...] = ()
     edits: tuple[Edit, ...] = ()
+    zones: tuple[Zone, ...] = ()
 
 
 def render_record(record: MapRecord) -> str:
@@ -102,7 +125,30 @@ def _record(found: Mapping[str, Any]) -> MapRecord:
         graph=graph,
         scans=scans,
         edits=tuple(_edit(each) for each in _items(found.get("edits", []), MOST_EDITS)),
+        zones=tuple(read_zone(each) for each in _items(found.get("zones", []), MOST_ZONES)),
     )
+
+
+def read_zone(found: Any) -> Zone:
+    """The zone that a value of JSON describes, as `dataclasses.asdict` writes it; it may come from anywhere.
+
+    Raises ValueError or TypeError, with a clause that says what was expected.
+    """
+    if not isinstance(found, dict):
+        raise TypeError("a zone, expected a mapping")
+    name = _text(found.get("name"))
+    if not ZONE_NAME.fullmatch(name):
+        raise ValueError("the name of a zone, expected at most 40 letters, digits, '_', '-' and '.'")
+    kind = next((each for each in _ZONE_KINDS if each == found.get("kind")), None)
+    if kind is None:
+        raise ValueError(f"a zone, expected one of {', '.join(_ZONE_KINDS)}")
+    percent = found.get("percent", 0)
+    if kind == "speed" and not (type(percent) is int and LEAST_PERCENT <= percent < 100):
+        raise ValueError(f"the speed of a zone, expected {LEAST_PERCENT} to 99 percent")
+    points = _points(found.get("points", []), MOST_CORNERS)
+    if len(points) < 3:
+        raise ValueError(f"{len(points)} corners of a zone, expected at least 3")
+    return Zone(name, kind, points, percent if kind == "speed" else 0)
 
 
 def _edit(found: Any) -> Edit:
@@ -111,13 +157,18 @@ def _edit(found: Any) -> Edit:
     kind = next((each for each in _KINDS if each == found.get("kind")), None)
     if kind is None:
         raise ValueError(f"an edit, expected one of {', '.join(_KINDS)}")
-    points = []
-    for each in _items(found.get("points", []), MOST_POINTS):
-        x, y = (_number(value, 1e6) for value in _items(each, 2))
-        points.append((x, y))
+    points = _points(found.get("points", []), MOST_POINTS)
     if len(points) < (2 if kind == "wall" else 3):
         raise ValueError(f"{len(points)} points of an edit, expected more")
-    return Edit(kind, tuple(points))
+    return Edit(kind, points)
+
+
+def _points(found: Any, most: int) -> tuple[tuple[float, float], ...]:
+    points = []
+    for each in _items(found, most):
+        x, y = (_number(value, 1e6) for value in _items(each, 2))
+        points.append((x, y))
+    return tuple(points)
 
 
 def _items(found: Any, most: int) -> list[Any]:

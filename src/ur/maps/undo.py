@@ -9,6 +9,7 @@ from ur.maps.change import next_graph_name
 from ur.maps.picture_file import write_picture
 from ur.maps.record import MapRecord
 from ur.maps.store import MapStore
+from ur.maps.zone_mask import write_masks
 from ur.source.diagnostic import UserError, error
 from ur.source.replace import replace_file
 from ur.worlds.map_file import MapImage, read_map
@@ -54,6 +55,8 @@ def restore_state(store: MapStore, name: str, waypoints: Path, state: MapState, 
         store.write_record(name, record)
         image = state.image
         write_picture(store.path(name) / "map", image.values, image.resolution, image.origin)
+        if now.zones or record.zones:
+            write_masks(store.path(name), record.zones, image)
         if state.waypoints is not None:
             replace_file(waypoints, state.waypoints)
         else:

@@ -51,18 +51,33 @@ def test_map_is_edited_by_commands(plan: Path, tmp_path: Path, capsys: pytest.Ca
         ["origin", "1", "-0.5"],
         ["place", "door", "2", "1", "90"],
         ["rotate", "-3.2"],
+        ["keep-out", "0", "0", "1", "0.5"],
+        ["zone", "hall", "40", "0", "0", "1", "0.5"],
+        ["zone", "hall", "delete"],
     ):
         assert main(["maps", "edit", "flat", *words]) == 0
-    assert capsys.readouterr().out.splitlines()[-4:] == [
+    assert capsys.readouterr().out.splitlines()[-7:] == [
         "flat: wall: 6 cells changed",
         "flat: (1, -0.5) is (0, 0) now",
         "flat: door is at 2 1 90",
         "flat: turned by -3.2 degrees",
+        "flat: zone keep-out: keep out, 0.5 square metres",
+        "flat: zone hall: at most 40 % of the highest speed, 0.5 square metres",
+        "flat: zone hall is deleted",
     ]
     assert "door: [2.053, 0.887, 86.8]" in (tmp_path / "data/ubiquity_launches/waypoints/flat.yaml").read_text(
         encoding="utf-8"
     )
-    for words in (["explode"], ["rotate", "much"], ["rotate", "nan"], ["wall", "1"], ["place", "1", "2"]):
+    for words in (
+        ["explode"],
+        ["rotate", "much"],
+        ["rotate", "nan"],
+        ["wall", "1"],
+        ["place", "1", "2"],
+        ["zone", "hall"],
+    ):
+        assert main(["maps", "edit", "flat", *words]) == 2
+    for words in (["zone", "hall", "delete"], ["zone", "hall", "fast", "0", "0", "1", "1"], ["keep-out", "0", "0"]):
         assert main(["maps", "edit", "flat", *words]) == 2
 
 

@@ -15,7 +15,7 @@ from ur.maps.waypoint_path import waypoint_path
 from ur.source.ansi import is_plain
 from ur.source.diagnostic import UserError, error
 
-_HELP = "ur maps edit NAME rotate|origin|erase|wall|keep-out|place NUMBERS"
+_HELP = "ur maps edit NAME rotate|origin|erase|wall|keep-out|zone|place NUMBERS"
 
 
 @click.command("edit", context_settings={"ignore_unknown_options": True})
@@ -23,14 +23,18 @@ _HELP = "ur maps edit NAME rotate|origin|erase|wall|keep-out|place NUMBERS"
 @click.argument("change", required=False)
 @click.argument("values", nargs=-1, metavar="[VALUE ...]")
 def edit(name: str, change: str | None, values: tuple[str, ...]) -> int:
-    """Change a map: turn it, erase what was a person, draw walls and areas to keep out of, name places.
+    """Change a map: turn it, erase what was a person, draw walls and zones, name places.
 
     Without CHANGE the terminal shows the map, and its keys change it; `u` there undoes.
 
     Numbers are metres in the frame of the map, and degrees. `rotate` turns the map about (0, 0), without a number so
-    that its walls lie along the axes; `origin X Y` makes a point (0, 0). `erase` and `keep-out` take two corners of a
+    that its walls lie along the axes; `origin X Y` makes a point (0, 0). `erase` takes two corners of a
     rectangle, or the corners of a polygon; `wall` takes the points of a line. `place PLACE X Y [ANGLE]` names a place
     for keyboard_navigate. What make_map adds later is drawn below these changes.
+
+    `keep-out` makes a zone that navigation keeps out of, and that localisation does not see; its corners are those of
+    `erase`. `zone ZONE keep-out X Y ...` gives it a name, `zone ZONE PERCENT X Y ...` limits the speed in it to a
+    share of the highest, `zone ZONE delete` deletes it. A robot that navigates obeys at once.
     """
     store = own_store(os.environ)
     name = store.resolve(name)
@@ -86,6 +90,38 @@ def _draw(kind: EditKind) -> Callable[[MapStore, str, Sequence[str]], str]:
     return draw
 
 
+def _keep_out(store: MapStore, name: str, values: Sequence[str]) -> str:
+    from ur.maps.zones import fresh_zone_name
+
+    _numbers(values, "keep-out X Y X Y ...", range(4, 2001, 2))
+    return _zone(store, name, (fresh_zone_name("keep-out", store.record(name).zones), "keep-out", *values))
+
+
+def _zone(store: MapStore, name: str, values: Sequence[str]) -> str:
+    from ur.maps.zones import delete_zone, describe_zone, make_zone, put_zone
+    from ur.worlds.map_file import read_map
+
+    form = "zone ZONE keep-out|PERCENT X Y X Y ..., or zone ZONE delete"
+    if len(values) < 2:
+        raise _bad(f"{len(values)} values, expected {form}")
+    title, rule, *rest = values
+    plan = read_map(store.picture(name))
+    if rule == "delete":
+        _numbers(rest, "zone ZONE delete", (0,))
+        delete_zone(store, name, title, plan)
+        return f"zone {title} is deleted"
+    numbers = _numbers(rest, form, range(4, 2001, 2))
+    points = list(zip(numbers[::2], numbers[1::2], strict=True))
+    if rule == "keep-out":
+        zone = make_zone(title, "keep-out", points)
+    elif rule.isascii() and rule.isdigit() and len(rule) < 4:
+        zone = make_zone(title, "speed", points, int(rule))
+    else:
+        raise _bad(f"{rule!r}, expected {form}")
+    put_zone(store, name, zone, plan)
+    return describe_zone(zone)
+
+
 def _place(store: MapStore, name: str, values: Sequence[str]) -> str:
     from ur.maps.change import PLACE, name_place
 
@@ -102,7 +138,8 @@ _CHANGES: dict[str, Callable[[MapStore, str, Sequence[str]], str]] = {
     "origin": _origin,
     "erase": _draw("erase"),
     "wall": _draw("wall"),
-    "keep-out": _draw("keep-out"),
+    "keep-out": _keep_out,
+    "zone": _zone,
     "place": _place,
 }
 

@@ -17,6 +17,7 @@ from textual.widgets import Input, Static
 
 from ur.maps.drawing import FREE_PIXEL, WALL_PIXEL, look_at
 from ur.maps.editing import EditSession
+from ur.maps.record import Zone
 from ur.maps.viewport import Viewport, fit_viewport, show_point, zoom_viewport
 from ur.screen.app import FullScreenApp
 from ur.screen.query import ask_background, is_light
@@ -24,13 +25,15 @@ from ur.source.diagnostic import UserError
 from ur.worlds.map_file import MapImage
 
 _HELP = (
-    "arrows, Shift: move   Space: mark   w: wall   e: erase   k: keep out   p: name a place   "
-    "r: walls along the axes   o: origin here   u: undo   + - 0: zoom   Esc: forget marks   q: quit"
+    "arrows, Shift: move   Space: mark   w: wall   e: erase   k: keep out   s: slow   x: delete zone   "
+    "p: name a place   r: walls along the axes   o: origin here   u: undo   + - 0: zoom   Esc: forget marks   q: quit"
 )
 _FAST = 8  # pixels, with Shift
 _DARK = {WALL_PIXEL: "#d0d0d0", FREE_PIXEL: "#303030"}, "#121212"
 _LIGHT = {WALL_PIXEL: "#202020", FREE_PIXEL: "#ffffff"}, "#b8b8b8"
 _CURSOR, _MARK, _PLACE = "#ffd700", "#ff5f5f", "#d7afff"
+_ZONES = {"keep-out": "#e03131", "speed": "#e8a50a"}
+_SLOW = 50  # percent
 
 
 class MapCanvas(Widget, can_focus=False):
@@ -43,7 +46,7 @@ class MapCanvas(Widget, can_focus=False):
         self._session = session
         self._colours, self._unknown = _LIGHT if light else _DARK
         self._image: MapImage = session.image()
-        self._places = session.places()
+        self._places, self._zones = session.places(), session.zones()
         self._strips: list[Strip] = []
         self.view: Viewport | None = None
         left, bottom, right, top = self._image.bounds
@@ -51,7 +54,7 @@ class MapCanvas(Widget, can_focus=False):
 
     def read(self) -> None:
         """Read the map again, after a change."""
-        self._image, self._places = self._session.image(), self._session.places()
+        self._image, self._places, self._zones = self._session.image(), self._session.places(), self._session.zones()
         self.draw()
 
     def fit(self) -> None:
@@ -90,6 +93,8 @@ class MapCanvas(Widget, can_focus=False):
             return
         pixels = look_at(self._image, view)
         over: dict[tuple[int, int], tuple[str, str]] = {}
+        for zone in self._zones:
+            self._outline(zone, view, over)
         for title, (x, y, _) in self._places.items():
             column, row = view.to_pixel(x, y)
             for offset, letter in enumerate(f"•{title}"):
@@ -107,6 +112,19 @@ class MapCanvas(Widget, can_focus=False):
         if y >= len(self._strips):
             return Strip([Segment(" " * self.size.width, Style.null())])
         return self._strips[y]
+
+    def _outline(self, zone: Zone, view: View, over: dict[tuple[int, int], tuple[str, str]]) -> None:
+        """Draw the edge and the name of a zone."""
+        colour = _ZONES[zone.kind]
+        corners = np.array([view.to_pixel(*point) for point in zone.points])
+        for start, end in zip(corners, np.roll(corners, -1, axis=0), strict=True):
+            steps = min(4 * (view.width + view.height), int(np.abs(end - start).max()) + 2)
+            for column, row in (start + np.linspace(0.0, 1.0, steps)[:, None] * (end - start)).tolist():
+                over[int(row) // 2, int(column)] = ("▒", colour)
+        text = zone.name if zone.kind == "keep-out" else f"{zone.name} {zone.percent} %"
+        column, row = corners.mean(axis=0).tolist()
+        for offset, letter in enumerate(text):
+            over[int(row) // 2, int(column) - len(text) // 2 + offset] = (letter, colour)
 
     def _strip(self, pair: np.ndarray, line: int, over: dict[tuple[int, int], tuple[str, str]]) -> Strip:
         segments = []
@@ -212,7 +230,7 @@ def run_editor(session: EditSession) -> int:
 
 def _mark(app: EditApp) -> str:
     app.session.mark(*app.canvas.cursor)
-    return "marked; w: wall, e: erase, k: keep out"
+    return "marked; w: wall, e: erase, k: keep out, s: slow"
 
 
 def _clear(app: EditApp) -> str:
@@ -244,7 +262,9 @@ _ACTIONS: dict[str, Callable[[EditApp], str]] = {
     "escape": _clear,
     "w": lambda app: app.session.draw("wall"),
     "e": lambda app: app.session.draw("erase"),
-    "k": lambda app: app.session.draw("keep-out"),
+    "k": lambda app: app.session.zone("keep-out"),
+    "s": lambda app: app.session.zone("speed", _SLOW),
+    "x": lambda app: app.session.delete_zone(*app.canvas.cursor),
     "r": lambda app: app.session.rotate(),
     "o": lambda app: app.session.set_origin(*app.canvas.cursor),
     "u": lambda app: app.session.undo(),

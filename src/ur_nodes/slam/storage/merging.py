@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 from ur.maps.edit import move_record
 from ur.maps.record import MapRecord
 from ur.maps.store import MapStore, own_store
+from ur.maps.zones import draw_masks, join_zones
 from ur.source.diagnostic import Diagnostic, UserError, error
 from ur.source.render import render_human
 
@@ -92,8 +93,10 @@ def merge_stored(store: MapStore, first: str, second: str, name: str) -> dict[st
             resolution=records[0].resolution,
             threshold=records[0].threshold,
             edits=(*records[0].edits, *moved.edits),
+            zones=join_zones(records[0].zones, moved.zones),
         )
         MapWriter(folder, record).write(drawn.grid(), state.poses, state.edges, state.scans)
+        draw_masks(folder)
     return {"name": name, "keyframes": len(state.poses), "links": merged.links, "place": list(merged.place)}
 
 
