@@ -1,4 +1,4 @@
-"""The global costmap: the map, what the scan has seen that the map does not know, and slopes round both."""
+"""The global costmap: the map, its keep-out zones, what the scan has seen besides, and slopes round all of them."""
 
 from __future__ import annotations
 
@@ -23,6 +23,9 @@ from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.geometry.sparse_array import sparse_twins, sparse_zeros
 
+_STRIP = 1 << 17  # cells that are looked at together
+_FORBIDDEN = 100  # in a mask
+
 
 class MapCostmap:
     """Costs over a whole map, kept up to date where something changes: a byte a cell, and another where it does.
@@ -39,6 +42,9 @@ class MapCostmap:
         costs = costs_of_grid(grid, lethal=lethal, track_unknown=track_unknown)
         plain, self._costs = sparse_twins(inflate(costs, grid.resolution, inflation))
         self._plain = Costmap(plain, grid.resolution, grid.origin)
+        self._static = self._plain
+        self._zones: Costmap | None = None
+        self._zone_box: Box | None = None  # holds all of the zones
         self._occupied: NDArray[np.bool_] = sparse_zeros(costs.shape, bool)
         self._marked: Box | None = None  # holds all of _occupied
         self._near = _disc(known / grid.resolution)
@@ -47,8 +53,18 @@ class MapCostmap:
 
     @property
     def static(self) -> Costmap:
+        """The costs of the map with its keep-out zones, without what was seen."""
+        return self._static
+
+    @property
+    def walls(self) -> Costmap:
         """The costs of the map alone."""
         return self._plain
+
+    @property
+    def zones(self) -> Costmap | None:
+        """The keep-out zones as obstacles (254); None where there are none."""
+        return self._zones
 
     @property
     def costmap(self) -> Costmap:
@@ -67,6 +83,30 @@ class MapCostmap:
             self._marked = joined(self._marked, box)
             self._refresh(box)
         return box is not None
+
+    def forbid(self, mask: Grid | None) -> None:
+        """Keep out of the cells for which a mask has 100, in place of those of before; None: of none.
+
+        They are obstacles for planning. What the scan sees in them is marked and cleared as elsewhere.
+        """
+        before, self._zones, self._zone_box = self._zone_box, None, None
+        self._static = self._plain
+        box = None if mask is None else self._box_of(mask)
+        if mask is not None and box is not None:
+            zones = sparse_zeros(self._plain.shape, np.uint8)
+            rows, columns = box
+            step = max(1, _STRIP // (columns.stop - columns.start))
+            for low in range(rows.start, rows.stop, step):
+                part = slice(low, min(low + step, rows.stop)), columns
+                cells = np.moveaxis(np.mgrid[part], 0, -1)
+                zones[part][mask.values_at(self._plain.points_of_cells(cells), outside=0) == _FORBIDDEN] = LETHAL
+            self._zones, self._zone_box = Costmap(zones, self._plain.resolution, self._plain.origin), box
+            static = self._plain.costs.copy()
+            inflate_window(static, self._fixed, self._plain.resolution, self._inflation, box)
+            self._static = Costmap(static, self._plain.resolution, self._plain.origin)
+        for changed in (before, box):
+            if changed is not None:
+                self._refresh(changed)
 
     def clear(self, keep: Pose2 | None = None, distance: float = 0.0) -> None:
         """Forget what the scan has seen, everywhere or outside a square of half side `distance` round a place."""
@@ -93,11 +133,27 @@ class MapCostmap:
         self.changes += 1
 
     def _merged(self, box: Box) -> NDArray[np.uint8]:
-        """The costs in a box before inflation. Slopes of the map count as free: they come back with its walls."""
-        plain = self._plain.costs[box]
-        result = np.where((plain == LETHAL) | (plain == UNKNOWN), plain, np.uint8(0))
+        """The costs in a box before inflation."""
+        result = self._fixed(box)
         result[self._occupied[box]] = LETHAL
         return result
+
+    def _fixed(self, box: Box) -> NDArray[np.uint8]:
+        """Those of map and zones. Slopes of the map count as free: they come back with its walls."""
+        plain = self._plain.costs[box]
+        result: NDArray[np.uint8] = np.where((plain == LETHAL) | (plain == UNKNOWN), plain, np.uint8(0))
+        if self._zones is not None:
+            result[self._zones.costs[box] == LETHAL] = LETHAL
+        return result
+
+    def _box_of(self, mask: Grid) -> Box | None:
+        """The rows and columns of the map that a mask may cover; None: none."""
+        corners = np.array([(row, column) for row in (0, mask.height) for column in (0, mask.width)]) - 0.5
+        cells = self._plain.fractions_of_points(mask.points_of_cells(corners))
+        low = np.clip(np.floor(cells.min(axis=0)), 0, self._plain.shape).astype(int).tolist()
+        high = np.clip(np.ceil(cells.max(axis=0)), 0, self._plain.shape).astype(int).tolist()
+        empty = low[0] >= high[0] or low[1] >= high[1]
+        return None if empty else (slice(low[0], high[0]), slice(low[1], high[1]))
 
     def _is_known(self, cells: NDArray[np.intp]) -> NDArray[np.bool_]:
         """True (n) for cells (n, 2) that are an obstacle of the map or near one."""

@@ -1,8 +1,9 @@
-"""The node `map_server`: a map file as the latched topic `map` and the service `static_map`."""
+"""The node `map_server`: a map file as the latched topic `map` and the service `static_map`, and its zones."""
 
 from __future__ import annotations
 
 import sys
+from pathlib import Path
 
 import rospy
 from nav_msgs.msg import MapMetaData, OccupancyGrid
@@ -11,6 +12,7 @@ from nav_msgs.srv import GetMapRequest
 from ur.source.diagnostic import UserError
 from ur.source.render import render_human
 from ur_nodes.geometry.grid import Grid, load_map
+from ur_nodes.mapping.zone_server_node import ZoneServer
 from ur_nodes.rosio.freed_memory import return_large_arrays
 from ur_nodes.rosio.grid_message import GridResponse, GridService, grid_message, metadata_message
 from ur_nodes.rosio.parameters import Parameters
@@ -21,11 +23,12 @@ USAGE = "usage: map_server FILE.yaml\n"
 
 
 class MapServer:
-    """Offers one grid in the frame `~frame_id` (default `map`) until it ends."""
+    """Offers one grid in the frame `~frame_id` (default `map`), and the zones of its file, until it ends."""
 
-    def __init__(self, grid: Grid) -> None:
+    def __init__(self, grid: Grid, file: Path) -> None:
         now = rospy.Time.now()
-        self._message = grid_message(grid, Parameters().text("frame_id", "map"), now)
+        frame = Parameters().text("frame_id", "map")
+        self._message = grid_message(grid, frame, now)
         self._service = rospy.Service("static_map", GridService, self._answer)
         self._metadata = rospy.Publisher("map_metadata", MapMetaData, queue_size=1, latch=True)
         self._metadata.publish(metadata_message(grid, now))
@@ -33,6 +36,7 @@ class MapServer:
         self._map = rospy.Publisher("map", OccupancyGrid, queue_size=0, latch=True, subscriber_listener=sent)
         sent.publisher = self._map
         self._map.publish(self._message)
+        self._zones = ZoneServer(file, grid, frame)
 
     def _answer(self, _request: GetMapRequest) -> GridResponse:
         return GridResponse(self._message)
@@ -56,7 +60,7 @@ def main() -> int:
         return 2
 
     servers: list[MapServer] = []
-    return run_node("map_server", lambda: servers.append(MapServer(grid)))
+    return run_node("map_server", lambda: servers.append(MapServer(grid, Path(arguments[0]))))
 
 
 if __name__ == "__main__":

@@ -44,7 +44,7 @@ def make_plan(
     request: GetPlanRequest,
     frames: TransformTree,
     settings: MoveBaseSettings,
-    costs: tuple[Costmap, Costmap] | None,
+    costs: tuple[Costmap, Costmap, Costmap | None] | None,
     here: Pose2 | None,
 ) -> GetPlanResponse:
     """The answer of `~make_plan`: a path without poses, and a line in the log, where there is none.

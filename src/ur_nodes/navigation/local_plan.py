@@ -80,14 +80,14 @@ class Step:
     blocked: bool = False
 
 
-def make_reference(points: Points, limits: Limits, overrun: float = 0.6) -> ReferencePath:
-    """Make a path of evenly spaced points (n, 2), n >= 2."""
+def make_reference(points: Points, limits: Limits, shares: Floats | None = None, overrun: float = 0.6) -> ReferencePath:
+    """Make a path of evenly spaced points (n, 2), n >= 2; `shares` (n) of the speed limit are allowed at them."""
     spacing = float(np.hypot(*(points[1] - points[0])))
     angle = float(headings(points)[max(0, len(points) - 4)])
     extra = np.arange(1, math.ceil(overrun / max(spacing, 0.01)) + 1)[:, None] * spacing
     longer = np.concatenate((points, points[-1] + extra * (math.cos(angle), math.sin(angle))))
     angles = headings(longer)
-    speeds = np.concatenate((speed_profile(points, limits), np.zeros(len(extra))))
+    speeds = np.concatenate((speed_profile(points, limits, shares), np.zeros(len(extra))))
     normals = np.stack((-np.sin(angles), np.cos(angles)), axis=-1)
     return ReferencePath(longer, normals, speeds, spacing, len(points) - 1, (math.cos(angle), math.sin(angle)))
 

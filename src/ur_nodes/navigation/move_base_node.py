@@ -122,6 +122,7 @@ class MoveBase:
                 answer=answer,
                 trouble=trouble,
                 path_blocked=self._path_blocked,
+                speed_mask=self._world.zones.speed,
             )
         )
         self._apply(out)

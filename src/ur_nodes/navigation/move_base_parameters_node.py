@@ -50,7 +50,8 @@ class MoveBaseSettings:
     """Everything `move_base` reads from the parameter server, but for `attendance.Settings`.
 
     A command is sent `repeats` times a control period, with the mux's challenge if `stamped`. A goal that has ended is
-    in the status list for `status_kept` seconds, so that a client that was cut off learns how it ended.
+    in the status list for `status_kept` seconds, so that a client that was cut off learns how it ended. The topics of
+    masks of zones may be empty.
     """
 
     base_frame: str
@@ -63,6 +64,8 @@ class MoveBaseSettings:
     lethal: int
     track_unknown: bool
     map_topic: str
+    keep_out_topic: str
+    speed_topic: str
     reset_distance: float
     mux: str
     repeats: int
@@ -93,6 +96,8 @@ def read_settings() -> MoveBaseSettings:
         lethal=static.integer("lethal_cost_threshold", 65, minimum=1),
         track_unknown=static.boolean("track_unknown_space", world.boolean("track_unknown_space", True)),
         map_topic=static.text("map_topic", "map"),
+        keep_out_topic=world.below("keepout_filter").text("mask_topic", "keepout_filter_mask"),
+        speed_topic=world.below("speed_filter").text("mask_topic", "speed_filter_mask"),
         reset_distance=top.number("conservative_reset_dist", 3.0, minimum=0.0),
         mux=top.text("mux", "cmd_vel_mux"),
         repeats=max(1, round(commands * navigator.period)),

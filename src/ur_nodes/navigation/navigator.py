@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 from ur_nodes.costmap.costmap import Costmap
 from ur_nodes.costmap.footprint import Footprint
+from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2, wrap_angle
 from ur_nodes.navigation.local_plan import (
     FollowSettings,
@@ -19,7 +20,7 @@ from ur_nodes.navigation.local_plan import (
 from ur_nodes.navigation.navigator_step import Ending, Inputs, NavigatorSettings, Outputs, Phase, PlanAnswer
 from ur_nodes.navigation.planning.path_geometry import Points, nearest_index
 from ur_nodes.navigation.recovery import Behaviour, Recovery, move_to_recover
-from ur_nodes.navigation.speed_profile import Limits, approach, turn_rate
+from ur_nodes.navigation.speed_profile import Limits, approach, speed_shares, turn_rate
 
 
 @dataclass(slots=True)
@@ -32,6 +33,7 @@ class _Run:
     path: Points | None = None
     reference: ReferencePath | None = None
     reference_odom: Pose2 | None = None
+    speed_mask: Grid | None = None
     index: int = 0
     asked: float | None = None
     last_asked: float = -math.inf
@@ -135,7 +137,7 @@ class Navigator:
         return Outputs(command=self._braked(run), plan=self._may_ask(run, inputs.now, 0.5))
 
     def _drive(self, run: _Run, motion: Motion, local: Costmap, inputs: Inputs) -> Outputs:
-        reference = self._reference_in_odom(run, inputs.odom)
+        reference = self._reference_in_odom(run, inputs)
         pose = motion.pose
         run.index = nearest_index(reference.points, pose.x, pose.y, run.index, min(run.index + 40, reference.end + 1))
         end_x, end_y = reference.points[reference.end]
@@ -233,10 +235,13 @@ class Navigator:
         waiting = run.asked is not None and now - run.asked < 10.0
         return not waiting and now - run.last_asked >= least
 
-    def _reference_in_odom(self, run: _Run, odom: Pose2) -> ReferencePath:
-        if run.reference is None or run.reference_odom != odom:
+    def _reference_in_odom(self, run: _Run, inputs: Inputs) -> ReferencePath:
+        odom, mask = inputs.odom, inputs.speed_mask
+        if run.reference is None or run.reference_odom != odom or run.speed_mask is not mask:
             assert run.path is not None
-            run.reference, run.reference_odom = make_reference(odom.transform_points(run.path), self._limits), odom
+            shares = speed_shares(mask, run.path)
+            run.reference = make_reference(odom.transform_points(run.path), self._limits, shares)
+            run.reference_odom, run.speed_mask = odom, mask
         return run.reference
 
     def _braked(self, run: _Run) -> tuple[float, float]:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from enum import Enum
 
 from ur_nodes.costmap.costmap import Costmap
+from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.navigation.local_plan import Motion
 from ur_nodes.navigation.planning.path_geometry import Points
@@ -64,7 +65,8 @@ class Inputs:
 
     `motion` is in the odometry frame, `odom` the pose of the map in that frame, `local` the costmap round the robot in
     that frame. `trouble` is the reason why the robot must not move, '' when it may. `path_blocked`: the map with all
-    obstacles shows an obstacle on the path that is being followed.
+    obstacles shows an obstacle on the path that is being followed. `speed_mask`: percentages of the speed limit, on
+    the map.
     """
 
     now: float
@@ -74,6 +76,7 @@ class Inputs:
     answer: PlanAnswer | None = None
     trouble: str = ""
     path_blocked: bool = False
+    speed_mask: Grid | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ur_nodes.geometry.grid import Grid
 from ur_nodes.navigation.planning.path_geometry import Points, curvatures
 
 
@@ -22,17 +23,30 @@ class Limits:
     backward: float = 0.1
 
 
-def speed_profile(points: Points, limits: Limits) -> NDArray[np.float64]:
+def speed_shares(mask: Grid | None, points: Points) -> NDArray[np.float64] | None:
+    """The shares (n) of the speed limit that are allowed at points (n, 2) in m, from a mask of percentages.
+
+    Cells that are 0, unknown or 100, and what lies beyond the mask, allow all of it. None without a mask.
+    """
+    if mask is None:
+        return None
+    percent = mask.values_at(points, outside=0).astype(np.float64)
+    shares: NDArray[np.float64] = np.where((percent > 0.0) & (percent < 100.0), percent / 100.0, 1.0)
+    return shares
+
+
+def speed_profile(points: Points, limits: Limits, shares: NDArray[np.float64] | None = None) -> NDArray[np.float64]:
     """The greatest speed (n) in m/s at each point of an evenly spaced path (n, 2) that ends at rest.
 
-    Bounded by the speed limit, by turn / curvature, and by braking in time with 0.85 of the acceleration for what
-    comes later. Speeding up is left to the controller.
+    Bounded by the speed limit, or the share (n) of it that is allowed at a point, by turn / curvature, and by braking
+    in time with 0.85 of the acceleration for what comes later. Speeding up is left to the controller.
     """
     if len(points) < 2:
         return np.zeros(len(points))
     spacing = float(np.hypot(*(points[1] - points[0])))
     bend = np.abs(curvatures(points, 3))
-    speeds = np.minimum(limits.speed, 0.95 * limits.turn / np.maximum(bend, 1e-6))
+    allowed = limits.speed if shares is None else shares * limits.speed
+    speeds = np.minimum(allowed, 0.95 * limits.turn / np.maximum(bend, 1e-6))
     speeds[-1] = 0.0
     # v[i]^2 <= v[i+1]^2 + 2 a ds, for all later points at once: a running minimum of v^2 + 2 a s from the end.
     climb = 2.0 * 0.85 * limits.acceleration * spacing * np.arange(len(points))

@@ -20,6 +20,7 @@ from ur_nodes.geometry.pose import Pose2
 from ur_nodes.geometry.transform_tree import ExtrapolationError, TransformError
 from ur_nodes.navigation.local_plan import Motion
 from ur_nodes.navigation.move_base_parameters_node import MoveBaseSettings
+from ur_nodes.navigation.zone_masks_node import ZoneMasks
 from ur_nodes.rosio.frames import Frames
 from ur_nodes.rosio.grid_message import GridMessage, grid_of_message
 
@@ -29,6 +30,9 @@ _SLACK = 0.02  # s by which the newest odometry may be older than a scan
 
 LOCALISER_SILENCE = 3.0
 """How old (s) the newest transform from the odometry frame to the map may be."""
+
+
+_NOTHING = Costmap(np.zeros((1, 1), np.uint8), 1.0, Pose2(0.0, 0.0, 0.0))
 
 
 class _Place(NamedTuple):
@@ -54,6 +58,8 @@ class WorldView:
         self._scan: LaserScan | None = None
         self._used: float | None = None
         self._new_maps: deque[MapCostmap | str] = deque(maxlen=1)  # or why it cannot be used
+        self.zones = ZoneMasks(settings.keep_out_topic, settings.speed_topic)
+        self._laid = False
         rospy.Subscriber(settings.map_topic, GridMessage, self._take_map, queue_size=1)
         self._ranges: deque[Range] = deque(maxlen=_WAITING)
         if settings.local.scan:
@@ -69,6 +75,8 @@ class WorldView:
         elif new is not None:
             self.world = new
             self.maps += 1
+        if self.zones.take_change() or new is not None:
+            self._forbid()
         source, scan = self._settings.local.scan, self._scan
         if source is None:
             self._lay_map()
@@ -88,6 +96,10 @@ class WorldView:
         except TransformError:
             return
         self._used = stamp
+        place = self.odom()
+        if self._laid and self.world is not None and place is not None:
+            self.local.lay(robot.newest, self.world.zones or _NOTHING, place)
+            self._laid = self.world.zones is not None
         sensor, beams = level_beams(mount, _beams(scan, inf_is_valid=source.inf_is_valid))
         self.local.update(robot.newest, robot.in_odom.compose(sensor), beams)
         if self.world is not None and robot.in_map is not None:
@@ -155,9 +167,14 @@ class WorldView:
         self._ranges.clear()
         self.local.clear()
 
-    def costmaps(self) -> tuple[Costmap, Costmap] | None:
-        """The costs of the whole map: with obstacles, which change with the next update, and of the map alone."""
-        return (self.world.costmap, self.world.static) if self.world else None
+    def costmaps(self) -> tuple[Costmap, Costmap, Costmap | None] | None:
+        """The costs of the whole map: with obstacles, which change with the next update, without, and zones alone."""
+        return (self.world.costmap, self.world.static, self.world.zones) if self.world else None
+
+    def _forbid(self) -> None:
+        if self.world is not None:
+            self.world.forbid(self.zones.keep_out)
+            self._laid = self._laid or self.world.zones is not None
 
     def _lay_map(self) -> None:
         robot, place = self._robot_in_odom(), self.odom()
@@ -182,7 +199,7 @@ class WorldView:
         if robot.in_map is None:
             return
         sensor = robot.in_map.compose(mount)
-        beams = without_walls(beams, sensor, self.world.static)
+        beams = without_walls(beams, sensor, self.world.walls)
         self.local.update(robot.newest, robot.in_odom.compose(mount), beams)
         self.world.update(sensor, beams)
 

@@ -130,3 +130,28 @@ def test_map_costmap_takes_a_wall_seen_from_a_wrong_pose_for_the_wall() -> None:
     assert costmap.costmap.costs_at(np.array((1.5, 1.501))) == LETHAL, "near the robot it stays"
     costmap.clear()
     assert (costmap.costmap.costs == costmap.static.costs).all()
+
+
+def test_zone_is_an_obstacle_of_the_plan_until_it_is_taken_away() -> None:
+    grid = Grid(np.zeros((60, 60), np.int8), 0.05, HERE)
+    costmap = MapCostmap(grid, Ranges(2.5, 3.0), INFLATION, lethal=65, track_unknown=True)
+    free = costmap.costmap.costs.copy()
+    mask = Grid(np.full((20, 10), 100, np.int8), 0.1, Pose2(1.0, 2.0, -math.pi / 2))  # turned, and of larger cells
+    costmap.forbid(mask)
+    inside, beside = np.array((2.0, 1.6)), np.array((2.0, 0.9))
+    for costs in (costmap.static, costmap.costmap):
+        assert costs.costs_at(inside) == LETHAL
+        assert costs.costs_at(beside) == 253
+    assert costmap.walls.costs_at(inside) == 0
+    assert costmap.zones is not None
+    assert int((costmap.zones.costs == LETHAL).sum()) == 40 * 20
+    assert costmap.update(Pose2(0.5, 1.5, 0.0), one_beam(0.0, 0.6)), "what is seen in a zone is marked as elsewhere"
+    assert costmap.update(Pose2(0.5, 1.5, 0.0), one_beam(0.0, 2.0, hit=False))
+    assert costmap.costmap.costs_at(inside) == LETHAL, "no ray clears a zone"
+    costmap.forbid(Grid(np.full((5, 5), 100, np.int8), 0.1, Pose2(0.1, 0.1, 0.0)))
+    assert costmap.costmap.costs_at(inside) == 0
+    assert costmap.costmap.costs_at(np.array((0.3, 0.3))) == LETHAL
+    costmap.forbid(Grid(np.full((5, 5), 100, np.int8), 0.1, Pose2(50.0, 50.0, 0.0)))
+    assert costmap.zones is None
+    assert (costmap.costmap.costs == free).all()
+    assert (costmap.static.costs == free).all()

@@ -80,6 +80,8 @@ class ClosedLoop:
     error: float = 0.0
     seed: int = 1
     odom: Pose2 = ODOM
+    keep_out: Grid | None = None
+    speed_mask: Grid | None = None
 
     def __post_init__(self) -> None:
         self.footprint: Footprint = footprint_of_outline(self.outline, self.grid.resolution, 0.01)
@@ -87,6 +89,7 @@ class ClosedLoop:
         self.plan_settings = replace(self.plan_settings, room=self.footprint.circumscribed + self.grid.resolution)
         inflation = Inflation(self.footprint.inscribed, 0.55, self.scaling)
         self.global_costs = MapCostmap(self.grid, Ranges(2.5, 3.0), inflation, lethal=65, track_unknown=True)
+        self.global_costs.forbid(self.keep_out)
         self.local_costs = RollingCostmap(4.0, self.grid.resolution, Ranges(2.5, 3.0), inflation)
         self.world = self.grid.values >= 65
         self.navigator = Navigator(self.settings, self.limits, self.follow, self.footprint)
@@ -115,7 +118,16 @@ class ClosedLoop:
             path = self.navigator.path
             blocked = path is not None and not path_is_free(self.global_costs.costmap, path)
             out = self.navigator.step(
-                Inputs(self.now, motion, self._odom_of_map(), self.local_costs.occupied(), answer, "", blocked)
+                Inputs(
+                    self.now,
+                    motion,
+                    self._odom_of_map(),
+                    self.local_costs.occupied(),
+                    answer,
+                    "",
+                    blocked,
+                    self.speed_mask,
+                )
             )
             answer = None
             if out.log:
@@ -178,6 +190,8 @@ class ClosedLoop:
         beams = beams_of_scan(ranges, -math.pi, math.tau / 360, 0.12, 5.0, inf_is_valid=True)
         self.global_costs.update(self.pose, beams)
         here = self.odom.compose(self.pose)
+        if self.global_costs.zones is not None:
+            self.local_costs.lay(here, self.global_costs.zones, self.odom)
         self.local_costs.update(here, here, beams)
 
     def _move(self, dt: float) -> None:

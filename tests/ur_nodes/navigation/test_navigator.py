@@ -47,6 +47,30 @@ def test_navigator_drives_fast_and_straight_in_the_open() -> None:
     assert drive.seconds < 1.15 * drive.length / 0.5
 
 
+def test_navigator_keeps_out_of_a_zone_that_no_sensor_sees() -> None:
+    grid = Grid(np.zeros((200, 200), np.int8), 0.05, Pose2(-2.0, -5.0, 0.0))
+    zone = Grid(np.full((40, 20), 100, np.int8), 0.05, Pose2(2.0, -0.7, 0.0))  # across the straight line
+    drive = ClosedLoop(grid, keep_out=zone).drive(Pose2(6.0, 0.0, 0.0))
+    check(drive, Pose2(6.0, 0.0, 0.0))
+    x, y = drive.trace[:, 0], drive.trace[:, 1]
+    assert abs(y).max() > 0.8, "round it"
+    inside = (x > 2.0) & (x < 3.0) & (y > -0.7) & (y < 1.3)
+    assert not inside.any()
+    near = (x > 1.85) & (x < 3.15) & (y > -0.84) & (y < 1.44)
+    assert not near.any(), "nor with its outline"
+
+
+def test_navigator_slows_down_before_a_speed_zone_and_goes_on_after_it() -> None:
+    grid = Grid(np.zeros((200, 200), np.int8), 0.05, Pose2(-2.0, -5.0, 0.0))
+    zone = Grid(np.full((40, 40), 30, np.int8), 0.05, Pose2(2.0, -1.0, 0.0))
+    drive = ClosedLoop(grid, speed_mask=zone).drive(Pose2(6.0, 0.0, 0.0))
+    check(drive, Pose2(6.0, 0.0, 0.0))
+    x, speed = drive.trace[1:, 0], drive.speeds[1:, 0]
+    assert speed[(x > 2.05) & (x < 4.0)].max() <= 0.3 * LIMITS.speed + 0.01
+    assert speed[x < 1.5].max() > 0.45
+    assert speed[x > 4.2].max() > 0.45
+
+
 def test_navigator_stands_a_localisation_that_trembles() -> None:
     drive = ClosedLoop(two_rooms(), error=0.02).drive(Pose2(3.0, -1.0, 1.57))
     check(drive, Pose2(3.0, -1.0, 1.57))
