@@ -198,6 +198,39 @@ def test_place_is_named_on_the_page_and_driven_to(page: Page, robot: Robot) -> N
     page.tap("#places")
 
 
+def test_zone_that_is_drawn_on_the_page_is_kept_out_of(page: Page, robot: Robot) -> None:
+    page.run("page.map.fit(); page.map.view.zoom(2, 195, 400); 0")
+    page.tap("#zones")
+    page.wait("document.getElementById('zone-draw').checkVisibility()")
+    page.tap("#zone-draw")
+    page.run("Object.assign(page.map.view, {x: page.pose.x, y: page.pose.y - 1.5}); 0")
+    here = page.run("[page.pose.x, page.pose.y]")
+    goal = page.run("(() => { const {x, y} = page.pose; return x < 0.7 ? [x + 0.9, y] : [x - 0.9, y]; })()")
+    side = 1 if goal[0] > here[0] else -1
+    for dx, dy in ((0.35, -0.4), (0.75, -0.4), (0.75, 0.4), (0.35, 0.4)):  # between the robot and the goal
+        x, y = page.run(f"page.map.view.toScreen({here[0] + side * dx}, {here[1] + dy})")
+        page.touch("Start", x, y)
+        page.touch("End")
+    page.wait("page.panels.panels.get('zones').box.querySelector('#zone-done').disabled === false")
+    page.tap("#zone-done")
+    page.wait("document.querySelector('#zones-panel li')?.textContent.startsWith('keep-out: keep out')")
+    (file,) = Path(robot.env["XDG_DATA_HOME"], "ubiquity_launches", "zones").glob("*/keepout_mask.yaml")
+    assert "mode: raw" in file.read_text()
+    inside = [here[0] + side * 0.55, here[1]]
+    page.tap("#zones")
+    page.run(f"page.setMode('goal'); page.point({{x: {inside[0]}, y: {inside[1]}, yaw: 0}}); 0")
+    page.wait("document.getElementById('banners').innerText.includes('in a keep-out zone')", 60)
+    page.tap("#zones")
+    for _ in range(2):  # the second press confirms
+        page.tap("#zones-panel li button:last-child")
+    page.wait("!document.querySelector('#zones-panel li')")
+    assert not file.exists()
+    page.tap("#zones")
+    page.run(f"page.setMode('goal'); page.point({{x: {goal[0]}, y: {goal[1]}, yaw: 0}}); 0")
+    page.wait("page.state.goal.state === 'reached' && !document.getElementById('banners').innerText", 120)
+    page.run("page.map.fit(); 0")
+
+
 def test_layers_are_switched_and_a_link_shows_the_same(page: Page) -> None:
     page.run("document.getElementById('layers').click(); 0")
     for name in ("local", "global", "particles", "plan"):

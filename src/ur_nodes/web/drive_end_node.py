@@ -19,6 +19,7 @@ from ur.web.wire.requests import (
     Alive,
     BadRequestError,
     Cancel,
+    DeleteZone,
     Emergency,
     ForgetPlace,
     Goal,
@@ -27,6 +28,7 @@ from ur.web.wire.requests import (
     LeaseWish,
     LetGo,
     NamePlace,
+    PutZone,
     Request,
     Resume,
     Stick,
@@ -45,6 +47,7 @@ from ur_nodes.web.heard import Heard, age_of_answer, hear
 from ur_nodes.web.page_lease import PageLease, may_drive, step_page, wish
 from ur_nodes.web.places import Places
 from ur_nodes.web.stick import StickState, Verdict, end_stick, expire_stick, let_go, step_stick
+from ur_nodes.web.zone_link_node import ZoneLink
 
 VELOCITIES = "web_vel_stamped"
 _PROGRAM = "web"
@@ -73,13 +76,14 @@ class DriveEnd:
         topics: NavigationTopics,
         link: MuxLink,
         places: Places,
+        zones: ZoneLink,
         limits: tuple[float, float],
         reply: Reply,
         announce: Callable[[Stamp], None],
     ) -> None:
         """`announce` passes a challenge on to all pages."""
         self._topics, self._link, self._places, self._limits = topics, link, places, limits
-        self._reply, self._announce = reply, announce
+        self._reply, self._announce, self._zones = reply, announce, zones
         self._lock = threading.RLock()
         self._heard = Heard()
         self._heard_at = float("-inf")
@@ -147,6 +151,10 @@ class DriveEnd:
             if client in self._pages:
                 self._reply(client, _change_places(self._places, request))
             return
+        if isinstance(request, (PutZone, DeleteZone)):
+            if client in self._pages:
+                self._change_zones(client, request)
+            return
         with self._lock:
             page = self._pages.get(client)
             if page is not None:
@@ -172,8 +180,19 @@ class DriveEnd:
                 self._reply(client, {"t": "refused", "what": "go_to", "why": "no place"})
             else:
                 self._navigate(client, page, Goal(request.answers, *place), now)
-        elif not isinstance(request, (NamePlace, ForgetPlace)):
+        elif not isinstance(request, (NamePlace, ForgetPlace, PutZone, DeleteZone)):
             self._navigate(client, page, request, now)
+
+    def _change_zones(self, client: str, request: PutZone | DeleteZone) -> None:
+        what = "put_zone" if isinstance(request, PutZone) else "delete_zone"
+
+        def answer(problem: str) -> None:
+            self._reply(
+                client, {"t": "refused", "what": what, "why": problem} if problem else {"t": "done", "what": what}
+            )
+
+        if not self._zones.change(request, answer):
+            answer("no zones")
 
     def _drive(self, client: str, page: _Page, command: Stick, now: float) -> None:
         age = age_of_answer(self._heard, command.answers, now)

@@ -29,6 +29,7 @@ from ur_nodes.web.drive_end_node import DriveEnd
 from ur_nodes.web.places import Places
 from ur_nodes.web.robot_facts_node import RobotFacts
 from ur_nodes.web.view_end_node import ViewEnd
+from ur_nodes.web.zone_link_node import ZoneLink
 
 _MASTER_EVERY = 2.0  # s
 _TICK = 0.1  # s
@@ -42,8 +43,9 @@ class RobotEnd:
         self._sending = threading.Lock()
         names = Names()
         topics, mux, facts, places = NavigationTopics(names), MuxLink(names.mux), RobotFacts(), Places()
-        self._drives = DriveEnd(names.mux, topics, mux, places, facts.limits, self._reply, self._announce)
-        self._views = ViewEnd(topics, mux, self._drives, facts, places, self._send_frame)
+        zones = ZoneLink(rospy.get_name())
+        self._drives = DriveEnd(names.mux, topics, mux, places, zones, facts.limits, self._reply, self._announce)
+        self._views = ViewEnd(topics, mux, self._drives, facts, places, zones, self._send_frame)
         self._run_id = rospy.get_param("/run_id", "")
         rospy.on_shutdown(self._drives.leave_all)
         for target in (self._read_view, self._read_drive, self._watch):

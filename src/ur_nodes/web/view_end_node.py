@@ -36,6 +36,7 @@ from ur_nodes.web.place_file_node import PlaceFile
 from ur_nodes.web.places import Places
 from ur_nodes.web.robot_facts_node import RobotFacts
 from ur_nodes.web.tiles import Tiles, cut_tiles
+from ur_nodes.web.zone_link_node import ZoneLink
 
 _PERIOD = 1.0 / 15.0  # s between two poses
 _SCAN_EVERY = 2  # poses to a scan
@@ -55,12 +56,15 @@ class ViewEnd:
         drive: DriveEnd,
         facts: RobotFacts,
         places: Places,
+        zones: ZoneLink,
         send: Send,
     ) -> None:
         self._topics, self._mux, self._drive, self._facts, self._send = topics, mux, drive, facts, send
         self._places, self._place_file = places, PlaceFile(places)
         self._layers = ExtraLayers(topics.robot.place, send)
+        self._zones = zones
         self._places_sent: dict[str, Any] = {}
+        self._zones_sent: dict[str, Any] = {}
         self._viewers = 0
         self._tiles = Tiles()
         self._grid: Grid | None = None
@@ -117,6 +121,10 @@ class ViewEnd:
             if places != self._places_sent:
                 self._places_sent = places
                 self._send(json_frame(Kind.PLACES, places))
+            zones = self._zones.describe()
+            if zones != self._zones_sent:
+                self._zones_sent = zones
+                self._send(json_frame(Kind.ZONES, zones))
 
     def _send_pose(self, seen: Snapshot, now: float) -> None:
         x, y, yaw = seen.pose or (math.nan, math.nan, math.nan)

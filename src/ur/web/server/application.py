@@ -24,12 +24,14 @@ from ur.web.wire.layers import read_layers
 from ur.web.wire.requests import (
     LONGEST,
     BadRequestError,
+    DeleteZone,
     Emergency,
     ForgetPlace,
     Goal,
     GoTo,
     LeaseWish,
     NamePlace,
+    PutZone,
     Stick,
     read_request,
 )
@@ -40,6 +42,7 @@ _STATUS_EVERY = 0.5  # s
 _CLOSE_LIMIT = 0.5  # s for pages to take leave
 _MOST_BAD = 20  # malformed messages of one page
 _RATE, _BURST = 150.0, 150.0  # messages of one page, a second
+_LOGGED = (DeleteZone, Emergency, ForgetPlace, GoTo, LeaseWish, NamePlace, PutZone)
 _TAB = re.compile(r"[0-9a-z]{8,32}", re.ASCII)
 
 
@@ -225,6 +228,6 @@ class Application:
                 hold = request.hold
             elif isinstance(request, Goal):
                 self._log(f"{who}: goal {request.x:.2f} {request.y:.2f} {request.yaw:.2f}")
-            elif isinstance(request, (Emergency, ForgetPlace, GoTo, LeaseWish, NamePlace)):
+            elif isinstance(request, _LOGGED):
                 self._log(f"{who}: {message.data}")
             self._send({"page": client, "m": message.data})

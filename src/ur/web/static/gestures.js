@@ -3,6 +3,7 @@
 
 const DRAG = 16; // pixels from which on a drag gives a heading
 const ZOOM_STEP = 1.4;
+const TAP = 8; // pixels that a finger may move while it taps
 
 export class Gestures {
   /**
@@ -16,6 +17,10 @@ export class Gestures {
     this.points = points;
     this.onPoint = onPoint;
     this.onPan = onPan;
+    /** Called with the point of the map that is tapped, where somebody wants taps. @type {((x: number, y: number) => void) | null} */
+    this.onTap = null;
+    /** @type {[number, number] | null} */
+    this.tapped = null;
     /** @type {Map<number, [number, number]>} */
     this.fingers = new Map();
     /** @type {{x: number, y: number, left: number, top: number} | null} */
@@ -34,7 +39,7 @@ export class Gestures {
   /** Forget what was begun. */
   drop() {
     this.fingers.clear();
-    this.pressed = null;
+    this.pressed = this.tapped = null;
     if (this.map.pointed) {
       this.map.pointed = null;
       this.map.request();
@@ -48,7 +53,8 @@ export class Gestures {
     this.fingers.set(event.pointerId, [event.offsetX, event.offsetY]);
     this.pressed = null;
     this.map.pointed = null;
-    if (this.fingers.size === 1 && this.points()) {
+    this.tapped = this.onTap && this.fingers.size === 1 ? [event.offsetX, event.offsetY] : null;
+    if (this.fingers.size === 1 && !this.onTap && this.points()) {
       const [x, y] = this.map.view.toPlane(event.offsetX, event.offsetY);
       this.pressed = { x, y, left: event.offsetX, top: event.offsetY };
       this.map.pointed = { x, y, yaw: this.headingThere(x, y) };
@@ -61,6 +67,10 @@ export class Gestures {
     const before = this.fingers.get(event.pointerId);
     if (!before) return;
     const { view } = this.map;
+    if (this.tapped) {
+      if (Math.hypot(event.offsetX - this.tapped[0], event.offsetY - this.tapped[1]) < TAP) return;
+      this.tapped = null;
+    }
     if (this.pressed) {
       this.map.pointed = this.placeAt(event);
     } else if (this.fingers.size === 1) {
@@ -87,10 +97,13 @@ export class Gestures {
   up(event, meant) {
     if (!this.fingers.delete(event.pointerId)) return;
     const place = this.pressed && meant ? this.placeAt(event) : null;
+    const tapped = meant ? this.tapped : null;
+    this.tapped = null;
     this.pressed = null;
     this.map.pointed = null;
     this.map.request();
     if (place) this.onPoint(place);
+    if (tapped) this.onTap?.(...this.map.view.toPlane(...tapped));
   }
 
   /** @param {PointerEvent} event */

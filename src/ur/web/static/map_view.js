@@ -31,6 +31,8 @@ export class MapView {
     this.outline = [];
     /** x, y, yaw by name. @type {Record<string, [number, number, number]>} */
     this.places = {};
+    /** Draw more on the map, below the robot. @type {((context: CanvasRenderingContext2D, view: View, colours: Record<string, string>) => void)[]} */
+    this.painters = [];
     this.follow = false;
     this.old = false;
     this.fitted = false;
@@ -48,7 +50,7 @@ export class MapView {
 
   readColours() {
     const style = getComputedStyle(document.documentElement);
-    for (const name of ["unknown", "free", "wall", "scan", "plan", "goal", "place", "local", "global", "particles", "robot", "robot-edge"]) {
+    for (const name of ["unknown", "free", "wall", "scan", "plan", "goal", "place", "keep-out", "slow", "local", "global", "particles", "robot", "robot-edge"]) {
       this.colours[name] = style.getPropertyValue(`--map-${name}`).trim();
     }
     this.tiles.setColours(this.colours.unknown, this.colours.free, this.colours.wall);
@@ -121,6 +123,7 @@ export class MapView {
     this.tiles.draw(context, view);
     context.globalAlpha = this.old ? 0.4 : 1;
     for (const [name, tiles] of Object.entries(this.costs)) if (this.layers.has(name)) tiles.draw(context, view);
+    for (const paint of this.painters) paint(context, view, colours);
     if (this.layers.has("particles")) this.drawPoints(this.particles, colours.particles);
     if (this.layers.has("plan")) this.drawPlan();
     if (this.layers.has("scan")) this.drawPoints(this.scan, colours.scan);

@@ -42,6 +42,29 @@ export const TEXTS = {
   removePlace: (name) => `Delete the place ${name}`,
   /** @param {string} name */
   driveTo: (name) => `Drive to ${name}`,
+  zones: {
+    title: "Zones",
+    name: "Name of the zone",
+    kind: "Rule of the zone",
+    keepOut: "Keep out",
+    /** @param {number} percent */
+    slow: (percent) => `At most ${percent} % speed`,
+    draw: "Draw a zone",
+    undo: "Undo",
+    done: "Done",
+    cancel: "Cancel",
+    none: "This map has no zones yet.",
+    notServed: "Zones need a program that navigates on a map.",
+    /** @param {number} corners */
+    help: (corners) =>
+      corners < 3 ? "Tap the corners of the zone on the map." : "Tap more corners, or press Done.",
+    /** @param {string} name @param {number} percent */
+    row: (name, percent) => `${name}: ${percent ? `at most ${percent} % speed` : "keep out"}`,
+    /** @param {string} name @param {number} percent */
+    label: (name, percent) => (percent ? `${name} ${percent} %` : name),
+    /** @param {string} name */
+    remove: (name) => `Delete the zone ${name}`,
+  },
   stick: "Stick",
   map: "Map with the robot",
   lookOnly: "You may look and stop the robot, not drive.",
@@ -94,6 +117,7 @@ export const TEXTS = {
     full: "Not named: this map has 200 places, expected fewer.",
     "no map": "Not named: the map has no name yet.",
     "no place": "Not sent: the map has no place of this name any more.",
+    "no zones": "Not changed: no map server that has zones runs.",
     "no mux": "Not sent: the robot takes no commands of the page.",
   },
   sources: /** @type {Record<string, string>} */ ({

@@ -1,7 +1,7 @@
 // @ts-check
 /** Frames of the server, decoded: see `ur.web.wire.frames`, which writes them. Little endian. */
 
-export const KIND = { SERVER: 0, STATE: 1, POSE: 2, POINTS: 3, GRID: 4, TILE: 5, PLACES: 6 };
+export const KIND = { SERVER: 0, STATE: 1, POSE: 2, POINTS: 3, GRID: 4, TILE: 5, PLACES: 6, ZONES: 16 };
 export const LAYER = { MAP: 1, SCAN: 2, PLAN: 3, GLOBAL: 4, LOCAL: 5, PARTICLES: 6 };
 export const TILE = 256;
 const UNIT = 0.005;

@@ -43,6 +43,7 @@ class Kind(IntEnum):
     GRID = 4
     TILE = 5
     PLACES = 6
+    ZONES = 16
 
 
 class Layer(IntEnum):

@@ -15,8 +15,11 @@ Stamp = tuple[int, int]
 LONGEST_NAME = 64
 """Characters of the longest name of a place."""
 LeaseAction = Literal["acquire", "take", "ask", "grant", "release"]
-LONGEST = 512
+LONGEST = 1024
 """Characters of the longest request."""
+
+MOST_CORNERS = 32
+"""Corners of a zone."""
 
 _FARTHEST = 1e5  # m
 _MOST = 2**32
@@ -82,6 +85,25 @@ class ForgetPlace:
 
 
 @dataclass(frozen=True, slots=True)
+class PutZone:
+    """Make a zone, or change the one that has the name. `percent` of the highest speed; 0 for a keep-out zone.
+
+    `corners` are x, y in m in the map frame.
+    """
+
+    zone: str
+    percent: int
+    corners: tuple[tuple[float, float], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class DeleteZone:
+    """Delete a zone."""
+
+    zone: str
+
+
+@dataclass(frozen=True, slots=True)
 class InitialPose:
     """The robot is here, in the map frame."""
 
@@ -126,6 +148,8 @@ Request = (
     | GoTo
     | NamePlace
     | ForgetPlace
+    | PutZone
+    | DeleteZone
     | InitialPose
     | Cancel
     | Resume
@@ -185,11 +209,21 @@ def _pose(value: Mapping[str, Any]) -> tuple[float, float, float]:
     return _number(value, "x", _FARTHEST), _number(value, "y", _FARTHEST), _number(value, "yaw", 7.0)
 
 
-def _name(value: Mapping[str, Any]) -> str:
-    name = value.get("place")
+def _name(value: Mapping[str, Any], key: str = "place") -> str:
+    name = value.get(key)
     if not isinstance(name, str) or not 0 < len(name) <= LONGEST_NAME or not name.isprintable():
-        raise BadRequestError(f"place: expected a name of at most {LONGEST_NAME} characters")
+        raise BadRequestError(f"{key}: expected a name of at most {LONGEST_NAME} characters")
     return name
+
+
+def _put_zone(value: Mapping[str, Any]) -> PutZone:
+    percent, found = value.get("percent"), value.get("corners")
+    if type(percent) is not int or not 0 <= percent < 100:
+        raise BadRequestError("percent: expected a whole number from 0 to 99")
+    if not isinstance(found, list) or len(found) % 2 or not 6 <= len(found) <= 2 * MOST_CORNERS:
+        raise BadRequestError(f"corners: expected x, y, x, y, ... of 3 to {MOST_CORNERS} corners")
+    numbers = [_number({"corners": each}, "corners", _FARTHEST) for each in found]
+    return PutZone(_name(value, "zone"), percent, tuple(zip(numbers[::2], numbers[1::2], strict=True)))
 
 
 def _lease(value: Mapping[str, Any]) -> LeaseWish:
@@ -209,6 +243,8 @@ _READERS: Mapping[str, Callable[[Mapping[str, Any]], Request]] = {
     "go_to": lambda value: GoTo(_stamp(value), _name(value)),
     "name_place": lambda value: NamePlace(_name(value), *_pose(value)),
     "forget_place": lambda value: ForgetPlace(_name(value)),
+    "put_zone": _put_zone,
+    "delete_zone": lambda value: DeleteZone(_name(value, "zone")),
     "pose": lambda value: InitialPose(_stamp(value), *_pose(value)),
     "cancel": lambda _: Cancel(),
     "resume": lambda value: Resume(_stamp(value)),

@@ -1,0 +1,232 @@
+// @ts-check
+/** Zones of the map: areas to keep out of, and areas to drive slowly in. Shown, drawn corner by corner, deleted. */
+
+import { make, makeButton } from "./elements.js";
+import { TEXTS } from "./texts.js";
+import { KIND, readJson } from "./wire.js";
+
+/**
+ * `percent` of the highest speed, 0: keep out; corners in m.
+ * @typedef {{name: string, percent: number, corners: [number, number][]}} Zone
+ * @typedef {{served: boolean, zones: Zone[], problem: string}} ZoneList
+ */
+
+const SURE_TIME = 4000; // ms to press "delete" again
+const MOST_CORNERS = 32;
+const NEAR = 24; // pixels from the first corner at which a tap closes the area
+
+/** @type {import("./panels.js").Panel} */
+export const ZONE_PANEL = {
+  name: "zones",
+  label: TEXTS.zones.title,
+  icon: "M4 8l8-4 8 5-2 10-11 1zM7 12l9 5M6 16l6 3M9 8l9 5",
+  make: (box, page) => {
+    const panel = new ZonePanel(box, page);
+    page.frames.on(KIND.ZONES, (frame) => panel.take(readJson(frame)));
+    return { show: (open) => !open && panel.cancel() };
+  },
+};
+
+export class ZonePanel {
+  /** @param {HTMLElement} box @param {import("./main.js").Page} page */
+  constructor(box, page) {
+    this.box = box;
+    this.page = page;
+    /** @type {ZoneList} */
+    this.found = { served: false, zones: [], problem: "" };
+    /** Corners of the zone that is being drawn. @type {[number, number][] | null} */
+    this.corners = null;
+    this.note = make("p");
+    this.list = make("ul");
+    this.form = make("form", "", "stacked");
+    this.name = make("input");
+    this.name.id = "zone-name";
+    this.name.placeholder = this.name.ariaLabel = TEXTS.zones.name;
+    this.name.maxLength = 40;
+    this.name.autocomplete = "off";
+    this.name.autocapitalize = "off";
+    this.kind = make("select");
+    this.kind.id = "zone-kind";
+    this.kind.ariaLabel = TEXTS.zones.kind;
+    for (const percent of [0, 20, 40, 60, 80]) {
+      const option = make("option", percent ? TEXTS.zones.slow(percent) : TEXTS.zones.keepOut);
+      option.value = String(percent);
+      this.kind.append(option);
+    }
+    this.kind.addEventListener("change", () => page.map.request());
+    this.draw = makeButton(TEXTS.zones.draw, () => this.begin());
+    this.draw.id = "zone-draw";
+    this.undo = makeButton(TEXTS.zones.undo, () => this.back());
+    this.done = make("button", TEXTS.zones.done);
+    this.done.id = "zone-done";
+    this.stop = makeButton(TEXTS.zones.cancel, () => this.cancel());
+    const row = make("div", "", "row");
+    row.append(this.draw, this.undo, this.stop, this.done);
+    this.form.append(this.name, this.kind, row);
+    this.form.addEventListener("submit", (event) => (event.preventDefault(), this.finish()));
+    box.append(make("h2", TEXTS.zones.title), this.note, this.list, this.form);
+    page.map.painters.push((context, view, colours) => this.paint(context, view, colours));
+    this.refresh();
+  }
+
+  /** @param {ZoneList} found */
+  take(found) {
+    this.found = found;
+    this.list.replaceChildren(...found.zones.map((zone) => this.makeRow(zone)));
+    this.refresh();
+    this.page.map.request();
+  }
+
+  refresh() {
+    const { found, corners } = this;
+    const drawing = corners !== null;
+    const help = drawing
+      ? TEXTS.zones.help(corners.length)
+      : found.problem || (!found.served ? TEXTS.zones.notServed : found.zones.length ? "" : TEXTS.zones.none);
+    this.note.textContent = help;
+    this.note.hidden = !help;
+    this.list.hidden = drawing;
+    this.form.hidden = !this.page.mayDrive || !found.served;
+    this.draw.hidden = drawing;
+    this.undo.hidden = this.stop.hidden = this.done.hidden = !drawing;
+    this.undo.disabled = !corners?.length;
+    this.done.disabled = (corners?.length ?? 0) < 3;
+    this.box.classList.toggle("low", drawing); // the map has to be seen
+    this.page.gestures.onTap = drawing ? (x, y) => this.add(x, y) : null;
+  }
+
+  /** @param {Zone} zone */
+  makeRow(zone) {
+    const row = make("li");
+    const swatch = make("span", "", `swatch ${zone.percent ? "slow" : "keep-out"}`);
+    const text = make("span", TEXTS.zones.row(zone.name, zone.percent), "grow");
+    row.append(swatch, text);
+    if (!this.page.mayDrive) return row;
+    let sureUntil = -Infinity;
+    const remove = makeButton(TEXTS.remove, () => {
+      if (performance.now() < sureUntil) {
+        this.send({ t: "delete_zone", zone: zone.name });
+        return;
+      }
+      sureUntil = performance.now() + SURE_TIME;
+      remove.textContent = TEXTS.sure;
+      setTimeout(() => (remove.textContent = TEXTS.remove), SURE_TIME);
+    }, TEXTS.zones.remove(zone.name));
+    row.append(remove);
+    return row;
+  }
+
+  begin() {
+    this.page.setMode("look");
+    this.corners = [];
+    this.refresh();
+    this.page.map.canvas.focus();
+  }
+
+  /** @param {number} x @param {number} y m */
+  add(x, y) {
+    const { corners } = this;
+    if (!corners) return;
+    const { view } = this.page.map;
+    if (corners.length > 2 && Math.hypot(corners[0][0] - x, corners[0][1] - y) * view.scale < NEAR) {
+      this.finish();
+      return;
+    }
+    if (corners.length < MOST_CORNERS) corners.push([round(x), round(y)]);
+    this.changed();
+  }
+
+  back() {
+    this.corners?.pop();
+    this.changed();
+  }
+
+  cancel() {
+    this.corners = null;
+    this.changed();
+  }
+
+  changed() {
+    this.refresh();
+    this.page.map.request();
+  }
+
+  finish() {
+    const { corners } = this;
+    if (!corners || corners.length < 3) return;
+    const percent = Number(this.kind.value);
+    const zone = this.name.value.trim() || freeName(percent ? "slow" : "keep-out", this.found.zones);
+    if (!this.send({ t: "put_zone", zone, percent, corners: corners.flat() })) return;
+    this.name.value = "";
+    this.name.blur();
+    this.cancel();
+  }
+
+  /** @param {Record<string, unknown>} message */
+  send(message) {
+    const sent = this.page.drive?.send(message) ?? false;
+    if (!sent) this.page.say(TEXTS.refused.late);
+    return sent;
+  }
+
+  /** @param {CanvasRenderingContext2D} context @param {import("./view.js").View} view @param {Record<string, string>} colours */
+  paint(context, view, colours) {
+    for (const zone of this.found.zones) {
+      const colour = colours[zone.percent ? "slow" : "keep-out"];
+      outline(context, view, zone.corners, colour, true);
+      if (view.scale < 12) continue;
+      const count = zone.corners.length;
+      const middle = [0, 1].map((axis) => zone.corners.reduce((sum, corner) => sum + corner[axis], 0) / count);
+      const [x, y] = view.toScreen(middle[0], middle[1]);
+      context.font = "600 12px system-ui, sans-serif";
+      context.textAlign = "center";
+      context.lineJoin = "round";
+      context.lineWidth = 4;
+      context.strokeStyle = colours["robot-edge"];
+      const text = TEXTS.zones.label(zone.name, zone.percent);
+      context.strokeText(text, x, y + 4);
+      context.fillStyle = colour;
+      context.fillText(text, x, y + 4);
+      context.textAlign = "start";
+    }
+    if (this.corners?.length) {
+      const colour = colours[Number(this.kind.value) ? "slow" : "keep-out"];
+      outline(context, view, this.corners, colour, this.corners.length > 2);
+      for (const corner of this.corners) {
+        context.beginPath();
+        context.arc(...view.toScreen(...corner), 6, 0, 2 * Math.PI);
+        context.fillStyle = colour;
+        context.fill();
+      }
+    }
+  }
+}
+
+/**
+ * @param {CanvasRenderingContext2D} context @param {import("./view.js").View} view
+ * @param {[number, number][]} corners @param {string} colour @param {boolean} closed
+ */
+function outline(context, view, corners, colour, closed) {
+  context.beginPath();
+  for (const corner of corners) context.lineTo(...view.toScreen(...corner));
+  if (closed) context.closePath();
+  context.strokeStyle = context.fillStyle = colour;
+  context.lineWidth = 2;
+  context.stroke();
+  if (!closed) return;
+  context.globalAlpha *= 0.2;
+  context.fill();
+  context.globalAlpha /= 0.2;
+}
+
+/** @param {string} stem @param {Zone[]} zones */
+function freeName(stem, zones) {
+  const taken = new Set(zones.map((zone) => zone.name));
+  for (let number = 1; ; number++) {
+    const name = number === 1 ? stem : `${stem}-${number}`;
+    if (!taken.has(name)) return name;
+  }
+}
+
+/** @param {number} metres to centimetres */
+const round = (metres) => Math.round(100 * metres) / 100;
