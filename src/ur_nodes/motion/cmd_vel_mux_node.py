@@ -5,14 +5,14 @@ from __future__ import annotations
 import sys
 
 import rospy
-from std_msgs.msg import Bool, String
+from std_msgs.msg import Bool, Float32, String
 from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 
 from ur.robot.base import load_base
 from ur.source.project import launch_library
 from ur_nodes.motion.admission.admission_node import AdmissionRunner
 from ur_nodes.motion.challenge.freshness import FRESHNESS
-from ur_nodes.motion.mux import Event, MuxSettings, MuxState, Release, Stop, start_mux
+from ur_nodes.motion.mux import Event, LimitSpeed, MuxSettings, MuxState, Release, Stop, start_mux
 from ur_nodes.motion.mux_runner_node import MuxRunner, make_clock
 from ur_nodes.motion.ramp import axes_of
 from ur_nodes.motion.sources import read_locks, read_sources
@@ -20,6 +20,8 @@ from ur_nodes.rosio.parameters import Parameters
 from ur_nodes.rosio.shell import run_node
 
 _SEEN = "~emergency_stop"  # on the parameter server, so that an emergency outlives this process
+_LIMIT = "~speed_limit_percent"  # likewise
+_LEAST = 5.0  # percent
 
 
 class MuxNode:
@@ -33,7 +35,11 @@ class MuxNode:
         if stopped:
             rospy.logwarn("emergency stop is still on; call %s to end it", rospy.resolve_name("~release"))
         clock = make_clock()
-        self._runner = MuxRunner(start_mux(settings, stopped=stopped), "cmd_vel_out", clock, self._publish_state)
+        share = _read_share(rospy.get_param(_LIMIT, 100.0)) or 1.0
+        self._limit = rospy.Publisher("~speed_limit_in_force", Float32, queue_size=1, latch=True)
+        self._limit.publish(100.0 * share)
+        state = start_mux(settings, stopped=stopped, share=share)
+        self._runner = MuxRunner(state, "cmd_vel_out", clock, self._publish_state)
         self._admission = AdmissionRunner(
             settings,
             self._runner.handle,
@@ -42,6 +48,7 @@ class MuxNode:
             lease_timeout=own.number("lease_timeout", 3.0, minimum=1.0, maximum=60.0),
             steady=clock.steady,
         )
+        rospy.Subscriber("~speed_limit", Float32, self._on_limit, queue_size=1)
         rospy.Service("~stop", Trigger, self._on_stop)
         rospy.Service("~release", Trigger, self._on_release)
 
@@ -62,9 +69,28 @@ class MuxNode:
         hint = f"; {', '.join(waiting)} may drive after a pause" if waiting else ""
         return TriggerResponse(success=True, message="stopped" if stopped else f"released{hint}")
 
+    def _on_limit(self, message: Float32) -> None:
+        """Limit all sources to a percentage of the base's speeds, as Nav2 does with `speed_limit`; 0: no limit."""
+        share = _read_share(message.data)
+        if share is None:
+            rospy.logwarn("speed limit of %g percent ignored, expected %g to 100, or 0 for none", message.data, _LEAST)
+            return
+        self._runner.handle(LimitSpeed(share))
+        rospy.set_param(_LIMIT, 100.0 * share)
+        self._limit.publish(100.0 * share)
+
     def _publish_state(self, state: MuxState) -> None:
         self._active.publish(state.active_name)
         self._stopped.publish(state.stopped)
+
+
+def _read_share(percent: object) -> float | None:
+    """The share of a percentage; None for what is none."""
+    if not isinstance(percent, (int, float)) or isinstance(percent, bool):
+        return None
+    if percent == 0.0:
+        return 1.0
+    return float(percent) / 100.0 if _LEAST <= percent <= 100.0 else None
 
 
 def start() -> None:

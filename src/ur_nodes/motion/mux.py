@@ -110,7 +110,14 @@ class Release:
     """The emergency is over. Sources that ask for motion at this moment stay shut out until they pause."""
 
 
-Event = Command | LockMessage | Stop | Release
+@dataclass(frozen=True, slots=True)
+class LimitSpeed:
+    """Follow commands with at most this share (0 to 1) of what the base can do, until the next one."""
+
+    share: float
+
+
+Event = Command | LockMessage | Stop | Release | LimitSpeed
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,7 +132,10 @@ class Received:
 
 @dataclass(frozen=True, slots=True)
 class MuxState:
-    """All that is known. Times are those given to `step`; `next_at` is when to call it next, infinite when silent."""
+    """All that is known. Times are those given to `step`; `next_at` is when to call it next, infinite when silent.
+
+    `share` of the base's speeds is allowed.
+    """
 
     settings: MuxSettings
     received: tuple[Received, ...]
@@ -137,6 +147,7 @@ class MuxState:
     zeros_left: int = 0
     next_at: float = math.inf
     now: float = -math.inf
+    share: float = 1.0
 
     @property
     def active_name(self) -> str:
@@ -144,13 +155,14 @@ class MuxState:
         return IDLE if self.active is None else self.settings.sources[self.active].name
 
 
-def start_mux(settings: MuxSettings, *, stopped: bool = False) -> MuxState:
-    """Return the initial state: silent, no input yet."""
+def start_mux(settings: MuxSettings, *, stopped: bool = False, share: float = 1.0) -> MuxState:
+    """Return the initial state: silent, no input yet; `share` of the base's speeds is allowed."""
     return MuxState(
         settings,
         tuple(Received() for _ in settings.sources),
         tuple((False, -math.inf) for _ in settings.locks),
         stopped,
+        share=share,
     )
 
 
@@ -173,7 +185,7 @@ def step(state: MuxState, event: Event | None, now: float) -> tuple[MuxState, Ve
 
 def _forget(state: MuxState, now: float) -> MuxState:
     """Forget inputs from before time was set back: they have no age any more."""
-    fresh = start_mux(state.settings, stopped=state.stopped)
+    fresh = start_mux(state.settings, stopped=state.stopped, share=state.share)
     if state.output.still and math.isinf(state.next_at):
         return fresh
     return replace(fresh, output=state.output, output_at=now, zeros_left=state.settings.zeros, next_at=now)
@@ -192,6 +204,8 @@ def _take(state: MuxState, event: Event | None, now: float) -> MuxState:
         return replace(state, locks=tuple(locks))
     if isinstance(event, Stop):
         return replace(state, stopped=True)
+    if isinstance(event, LimitSpeed):
+        return replace(state, share=max(0.0, min(1.0, event.share)) if math.isfinite(event.share) else state.share)
     if isinstance(event, Release) and state.stopped:
         pairs = zip(state.settings.sources, state.received, strict=True)
         barred = tuple(replace(each, barred=now - each.moved_at <= source.timeout) for source, each in pairs)
@@ -242,7 +256,7 @@ def _is_locked(lock: Lock, message: tuple[bool, float], now: float) -> bool:
 def _send(state: MuxState, now: float) -> tuple[MuxState, Velocity]:
     settings = state.settings
     received = Received() if state.active is None else state.received[state.active]
-    wanted = received.velocity
+    wanted = _slowed(received.velocity, state.share, settings)
     left = settings.stop_time - settings.lag - (now - received.at)  # s, until the robot has to be at rest
     seconds = max(0.0, min(settings.period, now - state.output_at))
     output = Velocity(
@@ -253,6 +267,15 @@ def _send(state: MuxState, now: float) -> tuple[MuxState, Velocity]:
     zeros_left = (state.zeros_left if state.output == STILL else settings.zeros) - 1 if rests else settings.zeros
     state = replace(state, output=output, output_at=now, zeros_left=zeros_left)
     return replace(state, next_at=_next_output(state, wanted, left, now)), output
+
+
+def _slowed(wanted: Velocity, share: float, settings: MuxSettings) -> Velocity:
+    """The velocity with at most this share of the base's speeds, on the same curve."""
+    if share >= 1.0 or wanted.still:
+        return wanted
+    parts = (abs(wanted.forward) / settings.forward.speed, abs(wanted.turn) / settings.turn.speed)
+    factor = min(1.0, share / max(parts))
+    return Velocity(factor * wanted.forward, factor * wanted.turn)
 
 
 def _follow(value: float, target: float, axis: Axis, left: float, seconds: float) -> float:

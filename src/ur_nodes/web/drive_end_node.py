@@ -11,10 +11,8 @@ from typing import Any
 
 import rospy
 from geometry_msgs.msg import Twist, TwistStamped, Vector3
-from std_msgs.msg import String, Time
+from std_msgs.msg import Float32, String, Time
 
-from ur.source.diagnostic import UserError
-from ur.source.printable import printable
 from ur.web.wire.requests import (
     Alive,
     BadRequestError,
@@ -27,6 +25,7 @@ from ur.web.wire.requests import (
     InitialPose,
     LeaseWish,
     LetGo,
+    LimitSpeed,
     NamePlace,
     PutZone,
     Request,
@@ -45,7 +44,7 @@ from ur_nodes.teleop.mux.link_node import MuxLink
 from ur_nodes.teleop.navigator.navigation_topics_node import NavigationTopics
 from ur_nodes.web.heard import Heard, age_of_answer, hear
 from ur_nodes.web.page_lease import PageLease, may_drive, step_page, wish
-from ur_nodes.web.places import Places
+from ur_nodes.web.places import Places, change_places
 from ur_nodes.web.stick import StickState, Verdict, end_stick, expire_stick, let_go, step_stick
 from ur_nodes.web.zone_link_node import ZoneLink
 
@@ -91,6 +90,7 @@ class DriveEnd:
         self._pages: dict[str, _Page] = {}
         self._numbers = itertools.count(1)
         self._velocities = rospy.Publisher(VELOCITIES, TwistStamped, queue_size=1, tcp_nodelay=True)
+        self._speed_limit = rospy.Publisher(f"{mux}/speed_limit", Float32, queue_size=1)
         self._requests = rospy.Publisher(f"{mux}/lease_request", String, queue_size=5, tcp_nodelay=True)
         rospy.Subscriber(f"{mux}/lease", String, self._on_lease, queue_size=1, tcp_nodelay=True)
         rospy.Subscriber(f"{mux}/challenge", Time, self._on_challenge, queue_size=1, tcp_nodelay=True)
@@ -149,7 +149,7 @@ class DriveEnd:
             return
         if isinstance(request, (NamePlace, ForgetPlace)):
             if client in self._pages:
-                self._reply(client, _change_places(self._places, request))
+                self._reply(client, change_places(self._places, request))
             return
         if isinstance(request, (PutZone, DeleteZone)):
             if client in self._pages:
@@ -172,6 +172,8 @@ class DriveEnd:
             self._renew(client, replace(page, lease=wish(page.lease, request.action, now)), request.answers, now)
         elif isinstance(request, Emergency):
             self._link.ask("stop" if request.stop else "release")
+        elif isinstance(request, LimitSpeed):
+            self._speed_limit.publish(float(request.percent))
         elif isinstance(request, Cancel):
             self._topics.cancel_goals()
         elif isinstance(request, GoTo):
@@ -287,18 +289,3 @@ class DriveEnd:
             self._heard = hear(self._heard, stamp, self._heard_at)
         self._announce(stamp)
         self.expire()
-
-
-def _change_places(places: Places, request: NamePlace | ForgetPlace) -> Mapping[str, Any]:
-    """Change the file of places; the answer for the page."""
-    what = "name_place" if isinstance(request, NamePlace) else "forget_place"
-    try:
-        if isinstance(request, NamePlace):
-            places.remember(request.place, Pose2(request.x, request.y, request.yaw))
-        else:
-            places.forget(request.place)
-    except ValueError as problem:
-        return {"t": "refused", "what": what, "why": str(problem)}
-    except UserError as problem:
-        return {"t": "refused", "what": what, "why": printable(str(problem))[:300]}
-    return {"t": "done", "what": what}

@@ -10,6 +10,7 @@ from typing import Any
 
 from ur.source.diagnostic import UserError
 from ur.source.printable import printable
+from ur.web.wire.requests import ForgetPlace, NamePlace
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.teleop.navigator.waypoints import WAYPOINT_NAME, WaypointStore, name_of_map, waypoint_path
@@ -125,3 +126,18 @@ def _stamp_of(path: Path) -> tuple[int, ...]:
 
 def _is_shown(name: str) -> bool:
     return 0 < len(name) <= _LONGEST_NAME and name.isprintable()
+
+
+def change_places(places: Places, request: NamePlace | ForgetPlace) -> Mapping[str, Any]:
+    """Change the file of places as a page asks; the answer for the page."""
+    what = "name_place" if isinstance(request, NamePlace) else "forget_place"
+    try:
+        if isinstance(request, NamePlace):
+            places.remember(request.place, Pose2(request.x, request.y, request.yaw))
+        else:
+            places.forget(request.place)
+    except ValueError as problem:
+        return {"t": "refused", "what": what, "why": str(problem)}
+    except UserError as problem:
+        return {"t": "refused", "what": what, "why": printable(str(problem))[:300]}
+    return {"t": "done", "what": what}

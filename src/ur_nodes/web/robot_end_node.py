@@ -45,7 +45,7 @@ class RobotEnd:
         topics, mux, facts, places = NavigationTopics(names), MuxLink(names.mux), RobotFacts(), Places()
         zones = ZoneLink(rospy.get_name())
         self._drives = DriveEnd(names.mux, topics, mux, places, zones, facts.limits, self._reply, self._announce)
-        self._views = ViewEnd(topics, mux, self._drives, facts, places, zones, self._send_frame)
+        self._views = ViewEnd(topics, mux, self._drives, facts, places, zones, names.mux, self._send_frame)
         self._run_id = rospy.get_param("/run_id", "")
         rospy.on_shutdown(self._drives.leave_all)
         for target in (self._read_view, self._read_drive, self._watch):

@@ -12,6 +12,7 @@ import numpy as np
 import rospy
 from numpy.typing import NDArray
 from sensor_msgs.msg import BatteryState
+from std_msgs.msg import Float32
 
 from ur.source.printable import printable
 from ur.web.wire.frames import (
@@ -57,6 +58,7 @@ class ViewEnd:
         facts: RobotFacts,
         places: Places,
         zones: ZoneLink,
+        mux_name: str,
         send: Send,
     ) -> None:
         self._topics, self._mux, self._drive, self._facts, self._send = topics, mux, drive, facts, send
@@ -71,7 +73,9 @@ class ViewEnd:
         self._path: NDArray[np.float64] | None = None
         self._state: dict[str, Any] = {}
         self._battery: dict[str, Any] | None = None
+        self._limit: int | None = None
         self._awake = threading.Event()
+        rospy.Subscriber(f"{mux_name}/speed_limit_in_force", Float32, self._on_limit, queue_size=1)
         rospy.Subscriber("battery_state", BatteryState, self._on_battery, queue_size=1)
         threading.Thread(target=self._run, name="view", daemon=True).start()
 
@@ -164,7 +168,12 @@ class ViewEnd:
             },
             "spread": None if seen.spread is None else round(seen.spread, 2),
             "battery": self._battery,
+            "limit": self._limit,
         }
+
+    @quiet_at_end
+    def _on_limit(self, message: Any) -> None:
+        self._limit = round(message.data) if 0.0 < message.data <= 100.0 else None
 
     @quiet_at_end
     def _on_battery(self, message: Any) -> None:

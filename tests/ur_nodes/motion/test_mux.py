@@ -14,6 +14,7 @@ from ur_nodes.motion.mux import (
     STILL,
     Command,
     Event,
+    LimitSpeed,
     Lock,
     LockMessage,
     MuxSettings,
@@ -277,3 +278,27 @@ def test_command_that_is_delayed_between_admission_and_mux_does_not_move_the_bas
     run.handle(Command(KEYBOARD, AHEAD, at=0.6))
     run.until(3.0)
     assert all(velocity.still for _, velocity, _ in run.sent)
+
+
+def test_speed_limit_slows_every_source_on_the_same_curve_until_it_is_lifted(run: Run) -> None:
+    run.handle(LimitSpeed(0.4))
+    run.drive(KEYBOARD, Velocity(0.5, 0.5), 1.0, rate=30.0)
+    assert (run.last.forward, run.last.turn) == pytest.approx((0.2, 0.2))
+    run.drive(JOYSTICK, Velocity(0.0, -9.0), 1.0, rate=30.0)
+    assert run.last.turn == pytest.approx(-0.4)
+    run.handle(LimitSpeed(math.nan))
+    run.drive(KEYBOARD, Velocity(0.1, 0.1), 1.0, rate=30.0)
+    assert (run.last.forward, run.last.turn) == pytest.approx((0.1, 0.1)), "slower commands are followed as they are"
+    run.handle(LimitSpeed(7.0))
+    run.drive(KEYBOARD, Velocity(7.0, 0.0), 1.5, rate=30.0)
+    assert run.last.forward == pytest.approx(FORWARD.speed), "never above the limit of the base"
+
+
+def test_speed_limit_that_is_lowered_while_driving_brakes_within_the_limits(run: Run) -> None:
+    run.drive(KEYBOARD, AHEAD, 1.0, rate=30.0)
+    run.handle(LimitSpeed(0.2))
+    run.drive(KEYBOARD, AHEAD, 1.0, rate=30.0)
+    assert run.last.forward == pytest.approx(0.1)
+    for (before, first, _), (after, second, _) in pairwise(run.sent):
+        assert first.forward - second.forward <= FORWARD.slow_down * (after - before) + 1e-9
+    assert start_mux(SETTINGS, share=0.2).share == 0.2

@@ -30,6 +30,7 @@ from ur.web.wire.requests import (
     Goal,
     GoTo,
     LeaseWish,
+    LimitSpeed,
     NamePlace,
     PutZone,
     Stick,
@@ -42,7 +43,7 @@ _STATUS_EVERY = 0.5  # s
 _CLOSE_LIMIT = 0.5  # s for pages to take leave
 _MOST_BAD = 20  # malformed messages of one page
 _RATE, _BURST = 150.0, 150.0  # messages of one page, a second
-_LOGGED = (DeleteZone, Emergency, ForgetPlace, GoTo, LeaseWish, NamePlace, PutZone)
+_LOGGED = (DeleteZone, Emergency, ForgetPlace, GoTo, LeaseWish, LimitSpeed, NamePlace, PutZone)
 _TAB = re.compile(r"[0-9a-z]{8,32}", re.ASCII)
 
 

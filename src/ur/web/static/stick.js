@@ -112,7 +112,7 @@ export class Stick {
 }
 
 /** Nothing near the middle, and finer there than outside. @param {number} share */
-function shape(share) {
+export function shape(share) {
   const size = Math.max(0, Math.abs(share) - DEAD) / (1 - DEAD);
   return Math.sign(share) * size * (0.4 + 0.6 * size);
 }

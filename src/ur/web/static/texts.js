@@ -42,6 +42,15 @@ export const TEXTS = {
   removePlace: (name) => `Delete the place ${name}`,
   /** @param {string} name */
   driveTo: (name) => `Drive to ${name}`,
+  speedLimit: {
+    title: "Speed limit",
+    help: "Nothing drives faster, neither by hand nor to a goal.",
+    none: "The mux of this robot takes no speed limit.",
+    /** @param {number} percent @param {number} speed */
+    value: (percent, speed) => `${percent} %${speed ? `, ${speed.toFixed(2)} m/s` : ""}`,
+    /** @param {string} name */
+    gamepad: (name) => `Gamepad: ${name}. Press Drive, then use its left stick; B stops everything.`,
+  },
   zones: {
     title: "Zones",
     name: "Name of the zone",

@@ -21,6 +21,9 @@ LONGEST = 1024
 MOST_CORNERS = 32
 """Corners of a zone."""
 
+LEAST_LIMIT = 10
+"""Percent: the lowest speed limit of a page."""
+
 _FARTHEST = 1e5  # m
 _MOST = 2**32
 
@@ -140,6 +143,13 @@ class Emergency:
     stop: bool
 
 
+@dataclass(frozen=True, slots=True)
+class LimitSpeed:
+    """Let nothing drive faster than this percentage of the base's highest speeds."""
+
+    percent: int
+
+
 Request = (
     Alive
     | Stick
@@ -155,6 +165,7 @@ Request = (
     | Resume
     | LeaseWish
     | Emergency
+    | LimitSpeed
 )
 
 
@@ -226,6 +237,13 @@ def _put_zone(value: Mapping[str, Any]) -> PutZone:
     return PutZone(_name(value, "zone"), percent, tuple(zip(numbers[::2], numbers[1::2], strict=True)))
 
 
+def _limit(value: Mapping[str, Any]) -> LimitSpeed:
+    percent = value.get("percent")
+    if type(percent) is not int or not LEAST_LIMIT <= percent <= 100:
+        raise BadRequestError(f"percent: expected a whole number from {LEAST_LIMIT} to 100")
+    return LimitSpeed(percent)
+
+
 def _lease(value: Mapping[str, Any]) -> LeaseWish:
     action = value.get("do")
     if not isinstance(action, str) or action not in ("acquire", "take", "ask", "grant", "release"):
@@ -249,6 +267,7 @@ _READERS: Mapping[str, Callable[[Mapping[str, Any]], Request]] = {
     "cancel": lambda _: Cancel(),
     "resume": lambda value: Resume(_stamp(value)),
     "lease": _lease,
+    "limit": _limit,
     "stop": lambda _: Emergency(stop=True),
     "release": lambda _: Emergency(stop=False),
 }

@@ -1,0 +1,57 @@
+// @ts-check
+/** The speed limit, which the robot keeps whoever drives, and the gamepad. */
+
+import { make } from "./elements.js";
+import { Gamepads } from "./gamepad.js";
+import { TEXTS } from "./texts.js";
+import { KIND, readJson } from "./wire.js";
+
+const LEAST = 10; // percent
+
+/** @type {import("./panels.js").Panel} */
+export const SPEED_PANEL = {
+  name: "speed",
+  label: TEXTS.speedLimit.title,
+  icon: "M4 18a9 9 0 1 1 16 0M12 15l5-6M11 15a1 1 0 1 0 2 0a1 1 0 1 0-2 0",
+  make: (box, page) => {
+    const note = make("p");
+    const label = make("label", "", "stacked");
+    const value = make("span");
+    const slider = make("input");
+    slider.type = "range";
+    slider.id = "speed-limit";
+    [slider.min, slider.max, slider.step] = [String(LEAST), "100", "5"];
+    slider.ariaLabel = TEXTS.speedLimit.title;
+    label.append(value, slider);
+    const pads = make("p");
+    box.append(make("h2", TEXTS.speedLimit.title), note, label, pads);
+    const show = (/** @type {number} */ percent) => {
+      const top = page.state?.robot.limits[0] ?? 0;
+      value.textContent = TEXTS.speedLimit.value(percent, (percent / 100) * top);
+      slider.ariaValueText = value.textContent;
+    };
+    slider.addEventListener("input", () => show(Number(slider.value)));
+    slider.addEventListener("change", () => {
+      if (!page.drive?.send({ t: "limit", percent: Number(slider.value) })) page.say(TEXTS.refused.late);
+    });
+    page.frames.on(KIND.STATE, (frame) => {
+      const { limit } = readJson(frame);
+      slider.disabled = !page.mayDrive || limit === null;
+      note.textContent = limit === null ? TEXTS.speedLimit.none : TEXTS.speedLimit.help;
+      if (document.activeElement !== slider || slider.disabled) slider.value = String(limit ?? 100);
+      if (document.activeElement !== slider) show(limit ?? 100);
+    });
+    if (page.drive === null) return;
+    const { drive } = page;
+    page.gamepads = new Gamepads(
+      () => page.mode === "drive",
+      (forward, turn) => page.push(forward, turn),
+      () => drive.letGo(),
+      () => void page.stop(),
+      () => drive.press !== "idle",
+    );
+    const name = () => (pads.textContent = page.gamepads?.names.map(TEXTS.speedLimit.gamepad).join(" ") ?? "");
+    addEventListener("gamepadconnected", name);
+    addEventListener("gamepaddisconnected", name);
+  },
+};
