@@ -40,7 +40,7 @@ class RobotEnd:
 
     def __init__(self, view: socket.socket, drive: socket.socket) -> None:
         self._view, self._drive = view, drive
-        self._sending = threading.Lock()
+        self._sending, self._showing = threading.Lock(), threading.Lock()
         names = Names()
         topics, mux, facts, places = NavigationTopics(names), MuxLink(names.mux), RobotFacts(), Places()
         zones = ZoneLink(rospy.get_name())
@@ -52,7 +52,8 @@ class RobotEnd:
             threading.Thread(target=target, name=target.__name__, daemon=True).start()
 
     def _send_frame(self, frame: bytes) -> None:
-        self._view.sendall(LENGTH.pack(len(frame)) + frame)
+        with self._showing:
+            self._view.sendall(LENGTH.pack(len(frame)) + frame)
 
     def _reply(self, client: str, answer: Mapping[str, Any]) -> None:
         self._write({"page": client, "m": answer})

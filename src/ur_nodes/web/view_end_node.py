@@ -6,6 +6,7 @@ import math
 import threading
 import time
 from collections.abc import Callable, Collection
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -31,6 +32,7 @@ from ur_nodes.teleop.mux.emergency import MuxView
 from ur_nodes.teleop.mux.link_node import MuxLink
 from ur_nodes.teleop.navigator.model import GoalReport, Snapshot, distance_left
 from ur_nodes.teleop.navigator.navigation_topics_node import NavigationTopics
+from ur_nodes.web.camera_node import CameraView
 from ur_nodes.web.drive_end_node import DriveEnd
 from ur_nodes.web.layers_node import ExtraLayers
 from ur_nodes.web.place_file_node import PlaceFile
@@ -64,7 +66,7 @@ class ViewEnd:
         self._topics, self._mux, self._drive, self._facts, self._send = topics, mux, drive, facts, send
         self._places, self._place_file = places, PlaceFile(places)
         self._layers = ExtraLayers(topics.robot.place, send)
-        self._zones = zones
+        self._zones, self._camera = zones, CameraView(self._send_picture)
         self._places_sent: dict[str, Any] = {}
         self._zones_sent: dict[str, Any] = {}
         self._viewers = 0
@@ -83,7 +85,12 @@ class ViewEnd:
         """Note how many pages look, and at which layers: without any, only what changes rarely is sent."""
         self._viewers = viewers
         self._layers.want(layers)
+        self._camera.want(wanted=Layer.CAMERA in layers)
         self._awake.set()
+
+    def _send_picture(self, frame: bytes) -> None:
+        with suppress(OSError):  # the end: the thread of poses reports it
+            self._send(frame)
 
     @quiet_at_end
     def _run(self) -> None:
@@ -114,6 +121,7 @@ class ViewEnd:
             self._path = seen.path
             self._send(points_frame(Layer.PLAN, [] if seen.path is None else _thin(seen.path).tolist()))
         self._layers.step(now)
+        self._camera.step(now)
         if count % _SCAN_EVERY == 0:
             if self._viewers:
                 self._send(points_frame(Layer.SCAN, [] if seen.scan is None else _thin(seen.scan).tolist()))

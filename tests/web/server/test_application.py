@@ -166,6 +166,23 @@ async def test_page_gets_only_the_layers_that_it_asks_for(server: Server) -> Non
         assert found[:2] == (Kind.POINTS, Layer.PLAN)
 
 
+async def test_camera_has_a_socket_of_its_own_and_waits_for_the_page(server: Server) -> None:
+    await server.log_in(Role.LOOK)
+    assert await server.status("GET", "/ws/camera", Origin="http://evil.example") == 403
+    async with server.client.ws_connect(f"{server.url}/ws/camera", headers=server.origin) as socket:
+        await server.until(lambda: server.application.shows_camera)
+        frames = [camera_frame(float(number), b"jpeg") for number in range(10)]
+        server.application.show(frames[0])
+        got = [await socket.receive_bytes(timeout=30)]
+        server.application.show(frames[1])
+        got.append(await socket.receive_bytes(timeout=30))
+        for frame in frames[2:]:
+            server.application.show(frame)
+        await socket.send_str("shown")
+        got.append(await socket.receive_bytes(timeout=30))
+    assert got == [frames[0], frames[1], frames[9]]
+
+
 async def test_page_that_sends_rubbish_is_closed(server: Server) -> None:
     await server.log_in()
     async with server.client.ws_connect(server.url + DRIVE, headers=server.origin) as socket:

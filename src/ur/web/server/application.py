@@ -14,12 +14,14 @@ from aiohttp import WSCloseCode, WSMsgType, web
 
 from ur.web.access.rate import draw, make_bucket
 from ur.web.access.roles import Role
+from ur.web.server.cameras import Cameras
 from ur.web.server.drivers import Drivers
 from ur.web.server.gate import SESSION, Gate, demand_drive
 from ur.web.server.robot_end import RobotEnd
 from ur.web.server.run_pages import RunPages
 from ur.web.server.static_files import StaticFile
 from ur.web.server.viewers import Viewers, limit_buffer
+from ur.web.wire.frames import Kind, Layer, key_of
 from ur.web.wire.layers import read_layers
 from ur.web.wire.requests import (
     LONGEST,
@@ -62,6 +64,7 @@ class Application:
         self._gate, self._files, self._robot, self._log = gate, files, robot, log
         self._viewers = Viewers()
         self._drivers = Drivers(self._send)
+        self._cameras = Cameras()
         self._runs = RunPages(environment, log)
         self.robot_end = RobotEnd(environment, self.show, self._drivers.take, self._on_start, self._announce, log)
 
@@ -78,6 +81,7 @@ class Application:
                 web.post("/api/stop", self._stop),
                 web.get("/ws/view", self._view),
                 web.get("/ws/drive", self._drive),
+                web.get("/ws/camera", self._show_camera),
                 *self._runs.routes(),
                 web.get("/{name:[a-z_]+\\.[a-z]+}", self._serve_file),
             ]
@@ -95,7 +99,12 @@ class Application:
 
     async def _close(self, _app: web.Application) -> None:
         """End all web sockets, so that the end of the server waits for none."""
-        sockets = [*self._viewers.sockets(), *self._drivers.sockets(), *self._runs.sockets()]
+        sockets = [
+            *self._viewers.sockets(),
+            *self._drivers.sockets(),
+            *self._cameras.sockets(),
+            *self._runs.sockets(),
+        ]
         closing = [asyncio.create_task(each.close(code=WSCloseCode.GOING_AWAY)) for each in sockets]
         if closing:
             await asyncio.wait(closing, timeout=_CLOSE_LIMIT)
@@ -112,7 +121,10 @@ class Application:
 
     def show(self, frame: bytes) -> None:
         """Pass a frame on to all pages. Raises ValueError: it is none."""
-        self._viewers.put(frame)
+        if key_of(frame)[0] == Kind.CAMERA:
+            self._cameras.put(frame)
+        else:
+            self._viewers.put(frame)
 
     def _on_start(self) -> None:
         self._viewers.forget()
@@ -120,7 +132,8 @@ class Application:
         self._look()
 
     def _look(self) -> None:
-        self.robot_end.look(len(self._viewers), self._viewers.layers())
+        camera = {Layer.CAMERA} if self._cameras.any_open() else set()
+        self.robot_end.look(len(self._viewers), self._viewers.layers() | camera)
 
     def _send(self, message: Mapping[str, Any]) -> None:
         self.robot_end.send(message)
@@ -185,6 +198,13 @@ class Application:
             self._viewers.remove(viewer)
             self._look()
             sending.cancel()
+        return socket
+
+    async def _show_camera(self, request: web.Request) -> web.WebSocketResponse:
+        socket = web.WebSocketResponse(heartbeat=_HEARTBEAT, compress=False, max_msg_size=64)
+        await socket.prepare(request)
+        limit_buffer(request)
+        await self._cameras.serve(socket, self._look)
         return socket
 
     async def _drive(self, request: web.Request) -> web.WebSocketResponse:

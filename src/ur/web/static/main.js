@@ -59,6 +59,8 @@ export class Page {
       (frame) => this.frames.take(frame),
       () => location.replace("/login"),
     );
+    /** @type {import("./camera.js").CameraPanel | null} */
+    this.camera = null;
     /** @type {import("./gamepad.js").Gamepads | null} */
     this.gamepads = null;
     this.status = new Status(this);

@@ -42,6 +42,12 @@ export const TEXTS = {
   removePlace: (name) => `Delete the place ${name}`,
   /** @param {string} name */
   driveTo: (name) => `Drive to ${name}`,
+  camera: {
+    title: "Camera",
+    picture: "Picture of the robot's camera",
+    waiting: "Waiting for a picture. No camera publishes one yet.",
+    old: "No new picture: the camera or the connection paused.",
+  },
   speedLimit: {
     title: "Speed limit",
     help: "Nothing drives faster, neither by hand nor to a goal.",

@@ -5,7 +5,7 @@ export const KIND = { SERVER: 0, STATE: 1, POSE: 2, POINTS: 3, GRID: 4, TILE: 5,
 export const LAYER = { MAP: 1, SCAN: 2, PLAN: 3, GLOBAL: 4, LOCAL: 5, PARTICLES: 6 };
 export const TILE = 256;
 const UNIT = 0.005;
-const HEAD = 6;
+export const HEAD = 6;
 
 /**
  * @typedef {{x: number, y: number, yaw: number, speed: number, turn: number, age: number, linkAge: number}} Pose

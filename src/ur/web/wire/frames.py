@@ -17,6 +17,7 @@ from typing import Any
 
 _KEY = struct.Struct("<BBhh")
 _POSE = struct.Struct("<7f")
+_STAMP = struct.Struct("<d")
 _ANCHOR = struct.Struct("<2f")
 _GRID = struct.Struct("<I4f2i2I")
 _GENERATION = struct.Struct("<I")
@@ -44,6 +45,7 @@ class Kind(IntEnum):
     TILE = 5
     PLACES = 6
     ZONES = 16
+    CAMERA = 17
 
 
 class Layer(IntEnum):
@@ -56,6 +58,7 @@ class Layer(IntEnum):
     GLOBAL = 4
     LOCAL = 5
     PARTICLES = 6
+    CAMERA = 16
 
 
 Key = tuple[int, int, int, int]
@@ -110,6 +113,11 @@ def pose_frame(sample: PoseSample) -> bytes:
     """The frame of a pose."""
     numbers = (sample.x, sample.y, sample.yaw, sample.speed, sample.turn, sample.age, sample.link_age)
     return _KEY.pack(Kind.POSE, 0, 0, 0) + _POSE.pack(*numbers)
+
+
+def camera_frame(stamp: float, jpeg: bytes) -> bytes:
+    """The frame of a picture that was taken at `stamp`, seconds since 1970."""
+    return _KEY.pack(Kind.CAMERA, Layer.CAMERA, 0, 0) + _STAMP.pack(stamp) + jpeg
 
 
 def points_frame(layer: Layer, points: Sequence[Sequence[float]]) -> bytes:

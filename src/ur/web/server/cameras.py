@@ -1,0 +1,70 @@
+"""Pages that show the camera: a web socket each, so that pictures never delay map or motion."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+from contextlib import suppress
+
+from aiohttp import WSMsgType, web
+
+_IN_FLIGHT = 2  # pictures that a page has not confirmed
+
+
+class _Page:
+    def __init__(self, socket: web.WebSocketResponse) -> None:
+        self.socket = socket
+        self.newest: bytes | None = None
+        self.credit = _IN_FLIGHT
+        self.due = asyncio.Event()
+
+    async def run(self) -> None:
+        with suppress(ConnectionError):
+            while not self.socket.closed:
+                if self.newest is None or self.credit == 0:
+                    self.due.clear()
+                    await self.due.wait()
+                    continue
+                frame, self.newest = self.newest, None
+                self.credit -= 1
+                await self.socket.send_bytes(frame)
+
+
+class Cameras:
+    """All pages that show the camera. Each gets the newest picture when it has shown the ones before."""
+
+    def __init__(self) -> None:
+        self._pages: set[_Page] = set()
+
+    def any_open(self) -> bool:
+        """Return whether any page shows the camera."""
+        return bool(self._pages)
+
+    def put(self, frame: bytes) -> None:
+        """Have a picture sent, in place of an older one."""
+        for page in self._pages:
+            page.newest = frame
+            page.due.set()
+
+    def sockets(self) -> list[web.WebSocketResponse]:
+        """List the web sockets of all pages."""
+        return [each.socket for each in self._pages]
+
+    async def serve(self, socket: web.WebSocketResponse, on_change: Callable[[], None]) -> None:
+        """Send pictures until the page is gone. Each text of the page confirms a picture.
+
+        `on_change` is called when the page has come, and when it is gone.
+        """
+        page = _Page(socket)
+        self._pages.add(page)
+        on_change()
+        sending = asyncio.create_task(page.run())
+        try:
+            async for message in socket:
+                if message.type is WSMsgType.TEXT:
+                    page.credit = min(_IN_FLIGHT, page.credit + 1)
+                    page.due.set()
+        finally:
+            self._pages.discard(page)
+            on_change()
+            sending.cancel()
