@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import AsyncIterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,7 +20,7 @@ from ur.web.access.roles import Role  # noqa: E402
 from ur.web.server.application import Application  # noqa: E402
 from ur.web.server.gate import Gate  # noqa: E402
 from ur.web.server.static_files import load_files  # noqa: E402
-from ur.web.wire.frames import Kind, Layer, key_of, points_frame  # noqa: E402
+from ur.web.wire.frames import Kind, Layer, camera_frame, key_of, points_frame  # noqa: E402
 
 DRIVE = "/ws/drive?tab=0123456789ab"
 RUNS = "/ws/runs"
@@ -166,11 +167,15 @@ async def test_page_gets_only_the_layers_that_it_asks_for(server: Server) -> Non
         assert found[:2] == (Kind.POINTS, Layer.PLAN)
 
 
-async def test_camera_has_a_socket_of_its_own_and_waits_for_the_page(server: Server) -> None:
+async def test_camera_has_a_socket_of_its_own_and_waits_for_the_page(
+    server: Server, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    come = asyncio.Event()
+    monkeypatch.setattr(server.application.robot_end, "look", lambda _, layers: Layer.CAMERA in layers and come.set())
     await server.log_in(Role.LOOK)
     assert await server.status("GET", "/ws/camera", Origin="http://evil.example") == 403
     async with server.client.ws_connect(f"{server.url}/ws/camera", headers=server.origin) as socket:
-        await server.until(lambda: server.application.shows_camera)
+        await come.wait()
         frames = [camera_frame(float(number), b"jpeg") for number in range(10)]
         server.application.show(frames[0])
         got = [await socket.receive_bytes(timeout=30)]
