@@ -171,7 +171,12 @@ async def test_camera_has_a_socket_of_its_own_and_waits_for_the_page(
     server: Server, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     come = asyncio.Event()
-    monkeypatch.setattr(server.application.robot_end, "look", lambda _, layers: Layer.CAMERA in layers and come.set())
+
+    def look(_viewers: int, layers: frozenset[Layer]) -> None:
+        if Layer.CAMERA in layers:
+            come.set()
+
+    monkeypatch.setattr(server.application.robot_end, "look", look)
     await server.log_in(Role.LOOK)
     assert await server.status("GET", "/ws/camera", Origin="http://evil.example") == 403
     async with server.client.ws_connect(f"{server.url}/ws/camera", headers=server.origin) as socket:
