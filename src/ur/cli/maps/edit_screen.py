@@ -113,7 +113,7 @@ class MapCanvas(Widget, can_focus=False):
             return Strip([Segment(" " * self.size.width, Style.null())])
         return self._strips[y]
 
-    def _outline(self, zone: Zone, view: View, over: dict[tuple[int, int], tuple[str, str]]) -> None:
+    def _outline(self, zone: Zone, view: Viewport, over: dict[tuple[int, int], tuple[str, str]]) -> None:
         """Draw the edge and the name of a zone."""
         colour = _ZONES[zone.kind]
         corners = np.array([view.to_pixel(*point) for point in zone.points])
