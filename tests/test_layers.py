@@ -122,10 +122,12 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "ur_nodes.web": (
         "ur.source",
         "ur.robot.base",
+        "ur.maps",
         "ur.web.wire",
         "ur_nodes.geometry",
         "ur_nodes.motion",
         "ur_nodes.navigation",
+        "ur_nodes.pictures",
         "ur_nodes.rosio",
         "ur_nodes.teleop.mux",
         "ur_nodes.teleop.navigator",

@@ -15,7 +15,7 @@ ALWAYS = {Layer.NONE, Layer.MAP}
         (None, {Layer.SCAN, Layer.PLAN}),
         ("", set()),
         ("local", {Layer.LOCAL}),
-        ("scan,plan,local,global,particles", set(Layer) - ALWAYS),
+        ("scan,plan,local,global,particles", set(Layer) - ALWAYS - {Layer.CAMERA}),  # which has a socket of its own
     ],
 )
 def test_page_gets_what_it_names_besides_the_map(text: str | None, layers: set[Layer]) -> None:
