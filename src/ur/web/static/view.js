@@ -41,7 +41,7 @@ export class View {
   /** Show a rectangle: left, low, right, high. @param {number[]} bounds */
   fit(bounds) {
     const [left, low, right, high] = bounds;
-    const room = [Math.max(50, this.width - 40), Math.max(50, this.height - 190)];
+    const room = [Math.max(50, this.width - 112), Math.max(50, this.height - 190)]; // between the controls
     const scale = Math.min(room[0] / Math.max(0.5, right - left), room[1] / Math.max(0.5, high - low));
     this.scale = Math.min(NEAREST, Math.max(FARTHEST, scale));
     this.x = (left + right) / 2;

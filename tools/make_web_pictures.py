@@ -1,0 +1,118 @@
+"""Make the pictures of the page of `ur web`, in docs/images, from the real page of a simulated robot. Needs Chromium.
+
+Usage: tools/make_web_pictures.py. It drives to a goal, and writes web_phone.png and web_desk.png when the robot is on
+its way, and first_drive.png: the page on a phone beside the terminal (docs/images/keyboard_navigate.svg).
+"""
+
+from __future__ import annotations
+
+import base64
+import io
+import os
+import re
+import subprocess
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from PIL import Image
+from tests.docs.chromium import Chromium, find_chromium
+from tests.ros_session import free_port
+
+ROOT = Path(__file__).resolve().parents[1]
+IMAGES = ROOT / "docs" / "images"
+PHONE, DESK = (390, 844), (1200, 750)
+GOAL = "g 12.1 7.65 90"  # that of tools/make_screenshot.py
+LIMIT = 120.0  # s
+COLOURS = 96
+_SHOWN = "globalThis.page?.map.tiles.tiles.size && page.map.pose && page.map.scan.length > 50 && page.drive.newest"
+_THERE = "page.map.plan?.length > 1 && page.pose.x > 13.2 && page.pose.y < 1.5"  # where the terminal's robot is
+
+
+def main() -> None:
+    """Write the pictures."""
+    program = find_chromium()
+    if program is None:
+        raise SystemExit("error: Chromium is not installed; apt-get install chromium-headless-shell")
+    with tempfile.TemporaryDirectory() as name, _robot(Path(name)) as (link, drive):
+        _take_pictures(program, Path(name), link, drive)
+
+
+def _take_pictures(program: str, folder: Path, link: str, drive: Callable[[str], None]) -> None:
+    with Chromium(program, folder / "chromium") as browser:
+        browser.resize(*PHONE, phone=True)
+        browser.open(link)
+        _wait(lambda: browser.run(f"Boolean({_SHOWN})"), "the page shows no robot")
+        drive(GOAL)
+        _wait(lambda: browser.run(f"Boolean({_THERE})"), "the robot is not on its way")
+        phone = browser.screenshot()
+        _save(phone, IMAGES / "web_phone.png")
+        browser.resize(*DESK)
+        time.sleep(1.0)  # one more picture of the map
+        _save(browser.screenshot(), IMAGES / "web_desk.png")
+        beside = folder / "beside.html"
+        beside.write_text(_page_beside_terminal(phone))
+        browser.resize(1260, 690)
+        browser.open(beside.as_uri())
+        _save(browser.screenshot(), IMAGES / "first_drive.png")
+
+
+@contextmanager
+def _robot(folder: Path) -> Iterator[tuple[str, Callable[[str], None]]]:
+    """A simulated robot and its page: the link, and a function that gives keyboard_navigate a command."""
+    kept = {name: value for name, value in os.environ.items() if not name.startswith(("ROS", "WAYLAND", "DISPLAY"))}
+    environment = {**kept, "HOME": str(folder), "ROS_MASTER_URI": f"http://localhost:{free_port()}"}
+    run = subprocess.Popen(
+        [ROOT / "ur", "run", "keyboard_navigate", "simulate:=true"],
+        env=environment, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True,
+    )  # fmt: skip
+    log = folder / "web.log"
+    with log.open("w") as output:
+        command = [str(ROOT / "ur"), "web", "--port", str(free_port()), "--no-browser"]
+        web = subprocess.Popen(command, env=environment, stdin=subprocess.DEVNULL, stdout=output)
+    try:
+        _wait(lambda: "login#" in log.read_text(), "ur web prints no link")
+        found = re.search(r"http\S+", log.read_text())
+        assert found
+        assert run.stdin
+        stdin = run.stdin
+
+        def drive(command: str) -> None:
+            stdin.write(f"{command}\n")
+            stdin.flush()
+
+        yield found[0], drive
+    finally:
+        for process in (web, run):
+            process.terminate()
+            process.wait()
+
+
+def _wait(condition: Callable[[], bool], otherwise: str) -> None:
+    end = time.monotonic() + LIMIT
+    while not condition():
+        if time.monotonic() > end:
+            raise SystemExit(f"error: {otherwise} within {LIMIT:g} s")
+        time.sleep(0.1)
+
+
+def _page_beside_terminal(phone: bytes) -> str:
+    terminal = (IMAGES / "keyboard_navigate.svg").read_text(encoding="utf-8")
+    source = f"data:image/png;base64,{base64.b64encode(phone).decode()}"
+    return (
+        "<!doctype html><style>body{margin:20px;display:flex;gap:24px;align-items:center;background:#fff}"
+        "svg{width:900px;height:auto}img{height:590px;border:5px solid #222;border-radius:26px}</style>"
+        f"{terminal}<img src='{source}' alt=''>"
+    )
+
+
+def _save(png: bytes, path: Path) -> None:
+    picture = Image.open(io.BytesIO(png)).convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE)
+    picture.save(path, optimize=True)
+    print(f"{path.relative_to(ROOT)}: {path.stat().st_size // 1024} kB")
+
+
+if __name__ == "__main__":
+    main()
