@@ -21,6 +21,7 @@ from ur_nodes.geometry.pose import Pose2
 
 _SAME_GOAL = 0.4  # m: a place nearer than this to the present goal is not worth a new one
 _EXPLAINED_FOR = 10.0  # s
+_NEWS = 0.5  # m2 of floor that the map must grow by to count as progress
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,6 +113,7 @@ class Explorer:
         self._cleared = False
         self._retried = False
         self._way = 0.0
+        self._known, self._way_of_news = 0.0, 0.0  # m2 at the last progress, and the way until then
         self._last: Pose2 | None = None
 
     def step(self, inputs: Inputs) -> Outputs:
@@ -192,6 +194,8 @@ class Explorer:
         self._version = inputs.version
         floor = read_floor(inputs.grid, inputs.robot, settings.radius, inputs.obstacles)
         self._memory = self._memory.refresh(floor)
+        if floor.known > self._known + _NEWS:
+            self._known, self._way_of_news = floor.known, self._way
         seen: list[Viewpoint] = []
         blocked: list[tuple[Frontier, Reason]] = []
         for frontier in find_frontiers(floor, settings.smallest_frontier):
@@ -226,7 +230,8 @@ class Explorer:
         pursuit = self._pursuit
         kept = pursuit.viewpoint.frontier.place if pursuit else None
         places = self._places(view)
-        best = choose_viewpoint(view.floor, places.now, self._settings.weights, kept)
+        weights = self._settings.weights
+        best = choose_viewpoint(view.floor, places.now, replace(weights, keep=weights.keep + self._idle_way), kept)
         if best is None:
             return self._finish(inputs, view, cancel)
         self._empty_since = None
@@ -245,7 +250,15 @@ class Explorer:
 
     def _places(self, view: _View) -> Places:
         kept = self._pursuit.viewpoint.frontier.place if self._pursuit else None
-        return sort_corners(view.viewpoints, view.floor.known, self._settings.corners, kept)
+        return sort_corners(view.viewpoints, view.floor.known, self._settings.corners, kept, self._idle_way)
+
+    @property
+    def _idle_way(self) -> float:
+        """The way (m) since the map last grew. The longer it is, the more the robot keeps to where it drives.
+
+        Gains change with each map: it could turn back and forth between two places for ever.
+        """
+        return self._way - self._way_of_news
 
     def _finish(self, inputs: Inputs, view: _View, cancel: bool) -> Outputs:
         """Nothing is left to look at: wait for a moment, try again what failed, then end."""

@@ -10,6 +10,7 @@ from ur_nodes.exploration.search.viewpoints import Viewpoint
 
 _SAME = 1.0  # m: a frontier so near to the pursued one is the same, after the map has changed
 _PURSUED = 0.5  # of the limit: what is pursued becomes a corner later, so that the robot does not turn back and forth
+_SOON = 3.0  # m: after a way so long without news what is pursued becomes no corner at all
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,9 +40,15 @@ class Places:
 
 
 def sort_corners(
-    viewpoints: Sequence[Viewpoint], known: float, settings: CornerSettings, kept: tuple[float, float] | None = None
+    viewpoints: Sequence[Viewpoint],
+    known: float,
+    settings: CornerSettings,
+    kept: tuple[float, float] | None = None,
+    idle_way: float = 0.0,
 ) -> Places:
     """Sort viewpoints on a map with `known` m2 of floor; `kept` (m) is the frontier that the robot drives to.
+
+    `idle_way` (m): how far it has driven since the map last grew.
 
     `now` is empty where nothing is left that is worth the way.
     """
@@ -49,7 +56,8 @@ def sort_corners(
 
     def worth(each: Viewpoint) -> bool:
         pursued = kept is not None and math.dist(each.frontier.place, kept) < _SAME
-        return each.frontier.gain >= (_PURSUED * least if pursued else least)
+        limit = 0.0 if idle_way > _SOON else _PURSUED * least
+        return each.frontier.gain >= (limit if pursued else least)
 
     rooms = tuple(each for each in viewpoints if worth(each))
     corners = sorted((each for each in viewpoints if not worth(each)), key=lambda each: each.frontier.gain)
