@@ -84,6 +84,7 @@ function makePanelButton(panel, act) {
   button.setAttribute("aria-controls", `${panel.name}-panel`);
   const svg = document.createElementNS(SVG, "svg");
   svg.setAttribute("viewBox", "0 0 24 24");
+  svg.setAttribute("aria-hidden", "true"); // the button has the name
   const path = document.createElementNS(SVG, "path");
   path.setAttribute("d", panel.icon);
   svg.append(path);
