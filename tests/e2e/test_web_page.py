@@ -246,6 +246,26 @@ def test_layers_are_switched_and_a_link_shows_the_same(page: Page) -> None:
     assert page.run("[...page.map.layers].sort().join()") == "plan,scan"
 
 
+def test_map_is_never_empty_while_its_size_changes(page: Page) -> None:
+    corner = page.run(
+        """new Promise((done) => {
+          const { canvas, context } = page.map;
+          let seen = 0;
+          const observer = new ResizeObserver(() => {  // after the map's own, before the frame is shown
+            seen += 1;
+            if (seen === 1) canvas.style.width = "50%";
+            else {
+              observer.disconnect();
+              canvas.style.width = "";
+              done([...context.getImageData(5, canvas.height / 2, 1, 1).data]);
+            }
+          });
+          observer.observe(canvas);
+        })"""
+    )
+    assert max(corner[:3]) > 0
+
+
 def test_page_recovers_when_the_end_at_the_robot_is_killed_while_the_stick_is_held(page: Page, robot: Robot) -> None:
     page.tap("#mode-drive")
     page.push_stick()

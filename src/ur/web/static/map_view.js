@@ -42,7 +42,7 @@ export class MapView {
     /** @type {Record<string, string>} */
     this.colours = {};
     this.due = false;
-    new ResizeObserver(() => this.resize()).observe(canvas);
+    new ResizeObserver(() => (this.resize(), this.draw())).observe(canvas); // it was emptied: the next frame would be black
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.readColours());
     this.readColours();
     this.resize();
