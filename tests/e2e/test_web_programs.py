@@ -130,8 +130,9 @@ def navigation(site: Site) -> None:
 
 
 @pytest.fixture
-def talk(navigation: None, site: Site) -> None:
-    """The program that prints lines, the younger of two runs."""
+def both(site: Site) -> None:
+    """A robot that navigates, and the program that prints lines, the younger of two runs."""
+    site.ensure("keyboard_navigate", "world:=office")
     site.ensure("talk", "word:=cat<i>")
 
 
@@ -205,7 +206,8 @@ def test_program_is_started_with_an_argument_and_its_nodes_are_seen(page: Page, 
     assert b"world:=office" in Path(f"/proc/{pid[0]}/cmdline").read_bytes()
 
 
-def test_log_is_read_and_filtered_and_a_node_is_restarted(navigation: None, page: Page, tmp_path: Path) -> None:
+@pytest.mark.usefixtures("navigation")
+def test_log_is_read_and_filtered_and_a_node_is_restarted(page: Page, tmp_path: Path) -> None:
     page.open("programs")
     page.run("document.getElementById('program-talk').open = true; 0")
     page.wait("document.getElementById('program-talk-word')?.required")
@@ -243,7 +245,8 @@ def node(name: str) -> str:
     return f"page.runs.state?.runs.flatMap((e) => e.nodes).find((e) => e.name === '{name}')"
 
 
-def test_page_shows_the_truth_after_the_server_was_killed(talk: None, page: Page, site: Site) -> None:
+@pytest.mark.usefixtures("both")
+def test_page_shows_the_truth_after_the_server_was_killed(page: Page, site: Site) -> None:
     page.open("runs")
     page.wait(f"{node('/amcl')}?.ready", 120)
     page.wait("document.getElementById('log').innerText.includes('an error')")
@@ -296,7 +299,8 @@ def test_controls_of_panels_have_names(page: Page) -> None:
         assert nameless == [], panel
 
 
-def test_run_is_ended_after_a_second_press(talk: None, page: Page, site: Site) -> None:
+@pytest.mark.usefixtures("both")
+def test_run_is_ended_after_a_second_press(page: Page, site: Site) -> None:
     page.open("runs")
     for left in (1, 0):
         page.click("#run-end")
