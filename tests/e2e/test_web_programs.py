@@ -302,6 +302,7 @@ def test_controls_of_panels_have_names(page: Page) -> None:
 @pytest.mark.usefixtures("both")
 def test_run_is_ended_after_a_second_press(page: Page, site: Site) -> None:
     page.open("runs")
+    page.wait("page.runs.state?.runs.length === 2")
     for left in (1, 0):
         page.click("#run-end")
         page.click("#run-end")
