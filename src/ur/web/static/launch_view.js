@@ -33,6 +33,7 @@ export class LaunchView {
     /** @type {string[]} */
     const names = JSON.parse(nodes.text);
     this.nodes.replaceChildren(...names.map((name) => this.makeRow(name, values)));
+    this.box.scrollIntoView(); // it is below the form, which may fill the panel
   }
 
   /** Show a picture as an image: no script in it could run. @param {string} svg */

@@ -90,7 +90,8 @@ class RunPanel {
     if (!row) {
       row = this.body.insertRow();
       row.id = id;
-      const head = make("th", node.name.replace(/^\//, ""));
+      const head = make("th");
+      for (const part of node.name.replace(/^\//, "").match(/[^_/]*[_/]?/g) ?? []) head.append(part, make("wbr"));
       head.scope = "row";
       row.append(head, ...[1, 2, 3].map(() => make("td")));
       if (this.mayDrive && !node.core) {
