@@ -3,6 +3,7 @@
 
 const NEAREST = 400; // pixels a metre
 const FARTHEST = 1;
+const BESIDE = 58; // pixels: the bars of buttons left and right
 
 export class View {
   constructor() {
@@ -41,7 +42,7 @@ export class View {
   /** Show a rectangle: left, low, right, high. @param {number[]} bounds */
   fit(bounds) {
     const [left, low, right, high] = bounds;
-    const room = [Math.max(50, this.width - 112), Math.max(50, this.height - 190)]; // between the controls
+    const room = [Math.max(50, this.width - 2 * BESIDE), Math.max(50, this.height - 190)];
     const scale = Math.min(room[0] / Math.max(0.5, right - left), room[1] / Math.max(0.5, high - low));
     this.scale = Math.min(NEAREST, Math.max(FARTHEST, scale));
     this.x = (left + right) / 2;
