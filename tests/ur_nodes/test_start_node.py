@@ -17,4 +17,4 @@ def test_missing_libraries_are_named_with_the_command_that_installs_them(
 
 def test_unknown_node_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
     assert start_node.main(["fiducials"]) == 2
-    assert "expected one of fiducial_detect, fiducial_slam, slam_gmapping" in capsys.readouterr().err
+    assert "expected one of calibrate_camera, fiducial_detect, fiducial_slam, slam_gmapping" in capsys.readouterr().err

@@ -8,8 +8,6 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import click
-
 from ur.request.options import LaunchOptions, Reporter
 from ur.robot.selection import Selection
 from ur.source.diagnostic import Diagnostic
@@ -75,6 +73,8 @@ def make_xacro() -> None:
 
 def offer(options: LaunchOptions, names: Iterable[str]) -> bool:
     """Ask whether `ur get` should look for packages, and run it; True once one has been installed."""
+    import click
+
     from ur.get.model import PACKAGE_NAME
     from ur.source.suggest import get_command
 

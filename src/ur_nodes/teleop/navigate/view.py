@@ -103,6 +103,8 @@ class NavigateView(FullScreenApp[None]):
 
     def _look(self) -> None:
         """Take a snapshot; draw when it differs."""
+        if not self.query("#message"):  # the screen is being closed
+            return
         snapshot = self._navigator.snapshot()
         if snapshot.grid is not None and (self._snapshot.grid is not snapshot.grid):
             self._snapshot = snapshot
