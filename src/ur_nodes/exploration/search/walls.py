@@ -15,7 +15,7 @@ _FEWEST = 5  # cells of a wall whose direction is known
 _STRAIGHT = 0.1  # variance across a wall, as a share of that along it, at most
 _AT_END = 0.3  # of `_AROUND`: how far the middle of the cells near an end lies away from it, at least
 CONTINUED = 2.0
-"""How far (m) a wall is continued."""
+"""The length (m) by which a wall is continued."""
 
 
 def continue_walls(floor: Floor, length: float = CONTINUED) -> NDArray[np.bool_]:
