@@ -13,6 +13,7 @@ from scipy.spatial import cKDTree
 from ur_nodes.geometry.grid import FREE, OCCUPIED
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.slam.map_state import MapState
+from ur_nodes.slam.matching.correlative import finish
 from ur_nodes.slam.occupancy import OccupancyMap
 from ur_nodes.slam.pose_graph.edge import Edge
 from ur_nodes.slam.pose_graph.graph import PoseGraph
@@ -126,7 +127,7 @@ class _Merger:
             before = self._links
             for number in [waiting.pop() for _ in range(min(_BATCH, len(waiting)))]:
                 groups = self._groups(number)
-                links = [verify_group(group, number, self._graph.poses, self._scans) for group in groups]
+                links = [finish(verify_group(group, number, self._graph.poses, self._scans)) for group in groups]
                 known = any(group.spread < _KNOWN and self._gap(group.anchor, number) < _NEAR for group in groups)
                 expected += known
                 fitting += known and any(links)

@@ -1,4 +1,4 @@
-"""The occupancy grid of keyframes: what their beams hit, and what they passed on the way.
+"""The occupancy grid of keyframes: the walls that their beams hit, and what they passed on the way.
 
 Each keyframe's share is kept as the pose that it was drawn at, so that it can be taken out and drawn anew once the
 graph has moved it. Where a map was continued, the keyframes of the later drive count many times those before, so that
@@ -17,6 +17,7 @@ from ur_nodes.geometry.grid import FREE, OCCUPIED, UNKNOWN, Grid
 from ur_nodes.geometry.pose import Pose2, wrap_angle
 from ur_nodes.slam.matching.scan import Scan
 from ur_nodes.slam.matching.surface import Floats
+from ur_nodes.slam.wall_points import wall_points
 
 _MARGIN = 1.0  # m that the map grows beyond what was seen
 _PACE = 0.5  # of a cell: between two samples of a beam
@@ -91,8 +92,7 @@ class OccupancyMap:
         misses = _placed(pose, scan.misses.astype(np.float64))
         far = np.hypot(*(hits - origin).T) > self._reach
         ends = np.vstack((hits, misses))
-        hits = hits[~far]
-        struck = self._cells(hits)
+        struck = self._cells(_placed(pose, wall_points(scan, 0.5 * self._resolution)[~far]))
         passed = self._cells(_samples(origin, ends, len(far), self._reach, self._resolution))
         everything = np.vstack((struck, passed, self._cells(origin[None])))
         low, high = everything.min(axis=0), everything.max(axis=0)

@@ -32,6 +32,23 @@ def test_thin_wall_that_is_seen_at_a_small_angle_is_kept() -> None:
     assert np.mean(drawn.grid().values_at(places) == OCCUPIED) > 0.95
 
 
+def test_edges_of_drawn_walls_lie_on_their_surfaces_wherever_these_are_in_a_cell() -> None:
+    errors = []
+    for place in np.arange(0.0, 0.05, 0.005):
+        walls = walls_of(box(-2.0, -2.0, 2.0 + place, 2.0))
+        poses = [Pose2(0.1 * n, 0.05 * n, 0.0) for n in range(6)]
+        drawn = OccupancyMap()
+        drawn.update(poses, [scan_at(walls, pose, 0.01, seed) for seed, pose in enumerate(poses)])
+        grid = drawn.grid()
+        for y in np.arange(-1.0, 1.0, 0.05):
+            beam = np.arange(1.5, 2.4, 0.05)
+            wall = grid.values_at(np.column_stack((beam, np.full(len(beam), y)))) == OCCUPIED
+            column = grid.cells_of_points(np.array((beam[int(wall.argmax())], y)))[1]
+            errors.append(grid.origin.x + column * grid.resolution - (2.0 + place))
+    assert abs(np.mean(errors)) < 0.005
+    assert np.abs(errors).max() < 0.045
+
+
 def test_person_who_has_gone_is_forgotten() -> None:
     pose = Pose2(0.02, 0.02, 0.0)
     person = np.vstack((ROOM, walls_of(box(2.0, -0.2, 2.3, 0.2))))

@@ -1,31 +1,41 @@
 """Find a scan on a map without a good guess: all poses of a window, from coarse to fine, and none left out.
 
 Sources: Olson, Real-time correlative scan matching, 2009; Hess et al., Real-time loop closure in 2D lidar SLAM, 2016
-(branch and bound). The bounds are those of the latter; all poses of a level are scored at once.
+(branch and bound). The bounds are those of the latter, for blocks of turns as well as of shifts; all blocks of a level
+are scored at once.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Generator
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import distance_transform_edt
 
 from ur_nodes.geometry.pose import Pose2, wrap_angle
 from ur_nodes.slam.matching.surface import Floats
 
 _CELL = 0.05  # m
 _SPREAD = 1.2  # cells: a point that lies so far from a wall scores exp(-1/2)
-_MARGIN = 6  # cells round the walls
+_REACH = 5  # cells from a wall beyond which a point scores nothing
 _LEVELS = 5
-_WIDEST = 30000  # poses of a level; the least likely ones beyond are dropped
+_SWING = (0, 0, 1, 2, 4)  # cells at each level that points may move while a block is turned
+_MOST_TURNS = (1, 1, 2, 4, 8)  # turns of a block at each level
+_WIDEST = 30000  # blocks of a level; the least likely ones beyond are dropped
 _TOP_OF_PLACES, _WIDEST_OF_PLACES = 2, 120000  # likewise for a window that holds many rooms
-_BLOCK = 2048  # poses that are scored at a time, for the sake of memory
-_DIVE = 24  # poses that are followed down first, for a score to hold the others against
-_KEPT = 0.8  # of the best score: poses that are followed up, for the sake of rivals
+_BATCH = 256  # blocks that are scored at a time, for the sake of caches
+_UNIT = 4096  # blocks between two pauses
+_DIVE = 24  # blocks that are followed down first, for a score to hold the others against
+_KEPT = 0.8  # of the best score: blocks that are followed up, for the sake of rivals
 _APART = (0.6, 0.25)  # m, rad: farther from the best pose, another one is a different place
+_FULL = 200.0  # of a point on a wall, in the tables
+
+T = TypeVar("T")
+Work = Generator[int, None, T]
+"""A computation in small parts: each `next` does one, and yields its cost as a number of blocks that were scored."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,83 +56,180 @@ class Found:
 
 
 class Pyramid:
-    """Distances to walls in cells of `cell` m; each further level holds the best of 2 x 2 windows of the one before."""
+    """Nearness to walls in cells of `cell` m; each further level bounds that of all poses of larger blocks."""
 
     def __init__(self, walls: Floats, cell: float = _CELL) -> None:
         """From points (n, 2) on walls, m; at least one."""
         self.cell = cell
-        border = cell * (_MARGIN + 2**_LEVELS)
-        self._low: Floats = walls.min(axis=0) - border
-        size = np.ceil((walls.max(axis=0) + border - self._low) / cell).astype(int) + 1
-        empty = np.ones((size[1], size[0]), dtype=bool)
-        columns, rows = np.floor((walls - self._low) / cell).astype(np.intp).T
-        empty[rows, columns] = False
-        distances = distance_transform_edt(empty)
-        level = np.exp(-0.5 * np.square(distances / _SPREAD)).astype(np.float32)
-        self.levels = [level]
+        border = _REACH + 2**_LEVELS
+        self.low: Floats = walls.min(axis=0) - border * cell
+        columns, rows = np.floor((walls - self.low) / cell).astype(np.intp).T
+        width, height = int(columns.max()) + border + 1, int(rows.max()) + border + 1
+        cells = rows * width + columns
+        level = np.zeros(height * width, np.uint8)
+        span = np.arange(-_REACH, _REACH + 1)
+        squares = np.square(span)[:, None] + np.square(span)
+        for number in np.argsort(squares, axis=None)[::-1].tolist():  # the nearest wall is written last
+            row, column = divmod(number, len(span))
+            value = round(_FULL * math.exp(-0.5 * squares[row, column] / _SPREAD**2))
+            level[cells + (row - _REACH) * width + (column - _REACH)] = value
+        windows = [level.reshape(height, width)]  # each holds for a cell the best of 2^k x 2^k cells from there on
         for number in range(_LEVELS - 1):
-            level = _best_of_windows(level, 2**number)
-            self.levels.append(level)
+            windows.append(_best_of(windows[-1], 2**number))
+        self.levels = [_widened(window, swing) for window, swing in zip(windows, _SWING, strict=True)]
 
-    def score(
-        self, level: int, poses: NDArray[np.intp], turned: NDArray[np.float32], corner: Floats
-    ) -> NDArray[np.float32]:
-        """The scores (n) of poses (n, 3) as column, row and number of a turn; at higher levels upper bounds.
 
-        `turned` (turns, m, 2) are the points in cells, turned; `corner` (2) is where pose 0, 0 lies, m.
-        """
-        if len(poses) > _BLOCK:
-            parts = [poses[first : first + _BLOCK] for first in range(0, len(poses), _BLOCK)]
-            return np.concatenate([self.score(level, part, turned, corner) for part in parts])
-        table = self.levels[level]
-        height, width = table.shape
-        base = ((corner - self._low) / self.cell).astype(np.float32)
-        cells = np.floor(turned[poses[:, 2]] + base).astype(np.int32)
-        columns = np.clip(cells[..., 0] + poses[:, 0, None].astype(np.int32), 0, width - 1)
-        rows = np.clip(cells[..., 1] + poses[:, 1, None].astype(np.int32), 0, height - 1)
-        scores: NDArray[np.float32] = table.ravel().take(rows * width + columns).mean(axis=1)
+class _Table:
+    """Scores blocks of one level for the points of a scan: shifts of 2^level cells, and `turns` turns."""
+
+    def __init__(self, pyramid: Pyramid, level: int, turned: Floats, cells: int, turns: int) -> None:
+        """`turned` (blocks of turns, m, 2) are the points in cells of the pyramid, shifted by up to `cells`."""
+        places = np.floor(turned).astype(np.intp)
+        low = places.min(axis=(0, 1))
+        width, height = (places.max(axis=(0, 1)) - low + cells + 1).tolist()
+        values = np.zeros((height, width), np.uint8)
+        known = pyramid.levels[level]
+        (left, to_left), (below, to_below) = ((max(0, at), max(0, -at)) for at in low.tolist())
+        part = known[below : below + max(0, height - to_below), left : left + max(0, width - to_left)]
+        values[to_below : to_below + part.shape[0], to_left : to_left + part.shape[1]] = part
+        self._values = values.ravel()
+        self._width, self._turns = width, turns
+        self._first = (places[..., 1] - low[1]) * width + (places[..., 0] - low[0])
+
+    def score(self, blocks: NDArray[np.intp]) -> NDArray[np.float32]:
+        """The scores (n) of blocks (n, 3) as column, row and number of the first turn: bounds of its poses' scores."""
+        shifts = blocks[:, 1] * self._width + blocks[:, 0]
+        groups = blocks[:, 2] // self._turns
+        sums = np.empty(len(blocks), np.uint32)
+        for first in range(0, len(blocks), _BATCH):
+            part = slice(first, first + _BATCH)
+            index = self._first[groups[part]]
+            index += shifts[part, None]
+            self._values.take(index).sum(axis=1, dtype=np.uint32, out=sums[part])
+        scores: NDArray[np.float32] = sums.astype(np.float32) / np.float32(_FULL * max(1, self._first.shape[1]))
         return scores
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Ranked:
-    """Poses (n, 3) of a window as column, row and number of a turn, with their scores (n).
+class _Poses:
+    """The poses of a window, as column, row and number of a turn, and the same in blocks at each level up to `top`."""
 
-    `corner` (2) is where column and row 0 lie, m; `angles` are the turns, `step` rad apart.
-    """
+    def __init__(self, pyramid: Pyramid, points: Floats, guess: Pose2, window: Window, top: int = _LEVELS - 1) -> None:
+        cell = pyramid.cell
+        lengths = np.hypot(*points.T)
+        far = float(np.quantile(lengths, 0.9)) if len(points) else 0.0
+        step = cell / max(far, 20.0 * cell)
+        reach = math.ceil(window.shift / cell)
+        top = min(top, max(0, int(math.log2(max(1, 2 * reach))) - 1))
+        self._turns = _turns_of_blocks(float(lengths.max(initial=0.0)) * step / cell)[: top + 1]
+        half = math.ceil(window.turn / step)
+        count = -(-(2 * half + 1) // self._turns[top]) * self._turns[top]
+        self._angles = np.asarray(guess.yaw + np.arange(-half, count - half) * step, np.float64)
+        self._corner = np.array((guess.x, guess.y)) - reach * cell
+        self._cell, self._step = cell, step
+        side = np.arange(0, 2 * reach + 1, 2**top)
+        self._tables = []
+        for level, number in enumerate(self._turns):
+            middle = self._angles[::number, None] + 0.5 * (number - 1) * step
+            c, s = np.cos(middle), np.sin(middle)
+            turned = np.stack((c * points[:, 0] - s * points[:, 1], s * points[:, 0] + c * points[:, 1]), axis=-1)
+            turned += self._corner - pyramid.low
+            self._tables.append(_Table(pyramid, level, turned / cell, int(side[-1]) + 2**top, number))
+        grids = np.meshgrid(np.arange(0, count, self._turns[top]), side, side, indexing="ij")
+        self._blocks = np.column_stack([each.ravel() for each in reversed(grids)])
+        self._bounds = np.zeros(len(self._blocks), np.float32)
 
-    poses: NDArray[np.intp]
-    scores: NDArray[np.float32]
-    corner: Floats
-    angles: Floats
-    step: float
-    cell: float
+    def pose(self, place: NDArray[np.intp]) -> Pose2:
+        """The pose (m, rad) with this column, row and number of a turn (3)."""
+        x, y = (self._corner + self._cell * place[:2]).tolist()
+        return Pose2(x, y, wrap_angle(float(self._angles[place[2]])))
 
-    def pose(self, number: int) -> Pose2:
-        column, row, turn = self.poses[number]
-        place = self.corner + self.cell * np.array((column, row))
-        return Pose2(float(place[0]), float(place[1]), wrap_angle(float(self.angles[turn])))
-
-    def apart(self, number: int) -> NDArray[np.bool_]:
-        """Tell for each pose (n) whether it is a place other than that of pose `number`."""
-        shift = np.hypot(*(self.poses[:, :2] - self.poses[number, :2]).T) * self.cell
-        swing = np.remainder(np.abs(self.poses[:, 2] - self.poses[number, 2]) * self.step, 2.0 * math.pi)
+    def apart(self, poses: NDArray[np.intp], place: NDArray[np.intp]) -> NDArray[np.bool_]:
+        """Tell for each pose (n, 3) whether it is a place other than that of a pose (3)."""
+        shift = np.hypot(*(poses[:, :2] - place[:2]).T) * self._cell
+        swing = np.remainder(np.abs(poses[:, 2] - place[2]) * self._step, 2.0 * math.pi)
         found: NDArray[np.bool_] = (shift > _APART[0]) | (np.minimum(swing, 2.0 * math.pi - swing) > _APART[1])
         return found
+
+    def prepare(self) -> Work[None]:
+        """Score the largest blocks; this comes first."""
+        self._bounds = yield from self._score(len(self._tables) - 1, self._blocks)
+
+    def dive(self) -> float:
+        """A score that is reached: the best below the most promising blocks."""
+        blocks, bounds = self._blocks, self._bounds
+        for level in range(len(self._tables) - 1, 0, -1):
+            blocks = self._expand(blocks[np.argsort(bounds)[-_DIVE:]], level)
+            bounds = self._tables[level - 1].score(blocks)
+        return float(bounds.max())
+
+    def above(
+        self, least: float, widest: int = _WIDEST, other_than: NDArray[np.intp] | None = None
+    ) -> Work[tuple[NDArray[np.intp], NDArray[np.float32]]]:
+        """The poses (n, 3) that score at least so much, and their scores (n); only other places than that of a pose."""
+        blocks, bounds = self._blocks, self._bounds
+        for level in range(len(self._tables) - 1, -1, -1):
+            kept = np.flatnonzero(bounds >= least)
+            if other_than is not None:
+                kept = kept[self._reaches_beyond(blocks[kept], level, other_than)]
+            if level and len(kept) > widest // 4:
+                kept = kept[np.argpartition(bounds[kept], -(widest // 4))[-(widest // 4) :]]
+            blocks, bounds = blocks[kept], bounds[kept]
+            if level:
+                blocks = self._expand(blocks, level)
+                bounds = yield from self._score(level - 1, blocks)
+        return blocks, bounds
+
+    def _score(self, level: int, blocks: NDArray[np.intp]) -> Work[NDArray[np.float32]]:
+        parts = [np.zeros(0, np.float32)]
+        for first in range(0, len(blocks), _UNIT):
+            parts.append(self._tables[level].score(blocks[first : first + _UNIT]))
+            yield len(parts[-1])
+        return np.concatenate(parts)
+
+    def _reaches_beyond(self, blocks: NDArray[np.intp], level: int, place: NDArray[np.intp]) -> NDArray[np.bool_]:
+        """Tell for each block (n, 3) whether some of its poses are a place other than that of a pose (3)."""
+        ends = np.array((2**level, 2**level, self._turns[level])) - 1
+        farthest = np.maximum(np.abs(blocks - place), np.abs(blocks + ends - place))
+        return self.apart(farthest, np.zeros(3, np.intp))
+
+    def _expand(self, blocks: NDArray[np.intp], level: int) -> NDArray[np.intp]:
+        half, turns = 2 ** (level - 1), self._turns
+        parts = [(x, y, t) for t in range(0, turns[level], turns[level - 1]) for x in (0, half) for y in (0, half)]
+        expanded: NDArray[np.intp] = (blocks[:, None] + np.array(parts)).reshape(-1, 3)
+        return expanded
 
 
 def search(pyramid: Pyramid, points: Floats, guess: Pose2, window: Window, floor: float = 0.3) -> Found | None:
     """Find the pose with the best score in a window about a guess; None when none reaches `floor`.
 
-    `points` (m, 2) are in the frame of the scan; a hundred or two suffice.
+    `points` (m, 2) are in the frame of the scan; a hundred or two suffice. Rivals with less than 0.8 of the score
+    count as none.
     """
-    ranked = _rank(pyramid, points, guess, window, floor)
-    if not len(ranked.scores) or float(ranked.scores.max()) < floor:
+    return finish(search_slowly(pyramid, points, guess, window, floor))
+
+
+def search_slowly(
+    pyramid: Pyramid, points: Floats, guess: Pose2, window: Window, floor: float = 0.3
+) -> Work[Found | None]:
+    """Do the same as `search`, with pauses."""
+    within = _Poses(pyramid, points, guess, window)
+    yield from within.prepare()
+    poses, scores = yield from within.above(max(floor, within.dive()))
+    if not len(scores):
         return None
-    winner = int(np.argmax(ranked.scores))
-    apart = ranked.apart(winner)
-    rival = float(ranked.scores[apart].max()) if apart.any() else 0.0
-    return Found(ranked.pose(winner), float(ranked.scores[winner]), rival)
+    winner, score = poses[int(np.argmax(scores))], float(scores.max())
+    rivals = (yield from within.above(_KEPT * score, other_than=winner))[1]
+    return Found(within.pose(winner), score, float(rivals.max(initial=0.0)))
+
+
+def finish(work: Work[T]) -> T:
+    """Do all parts of a computation at once."""
+    try:
+        while True:
+            next(work)
+    except StopIteration as end:
+        result: T = end.value
+        return result
 
 
 def search_places(
@@ -132,82 +239,44 @@ def search_places(
 
     Scores below 0.8 of the best one are left out. `points` as for `search`.
     """
-    ranked = _rank(pyramid, points, guess, window, floor, _TOP_OF_PLACES, _WIDEST_OF_PLACES)
-    left = ranked.scores >= floor
+    within = _Poses(pyramid, points, guess, window, _TOP_OF_PLACES)
+    finish(within.prepare())
+    best = max(floor, within.dive())
+    poses, scores = finish(within.above(max(floor, _KEPT * best), _WIDEST_OF_PLACES))
+    left = np.ones(len(scores), np.bool_)
     found: list[tuple[Pose2, float]] = []
     while len(found) < most and left.any():
-        winner = int(np.argmax(np.where(left, ranked.scores, -1.0)))
-        found.append((ranked.pose(winner), float(ranked.scores[winner])))
-        left &= ranked.apart(winner)
+        winner = int(np.argmax(np.where(left, scores, -1.0)))
+        found.append((within.pose(poses[winner]), float(scores[winner])))
+        left &= within.apart(poses, poses[winner])
     return found
 
 
-def _rank(
-    pyramid: Pyramid,
-    points: Floats,
-    guess: Pose2,
-    window: Window,
-    floor: float,
-    top: int = _LEVELS - 1,
-    widest: int = _WIDEST,
-) -> _Ranked:
-    """Score the poses of a window that may reach `floor` and 0.8 of the best score; `top` is the first level."""
-    cell = pyramid.cell
-    far = float(np.quantile(np.hypot(*points.T), 0.9)) if len(points) else 0.0
-    step = cell / max(far, 20.0 * cell)
-    turns = np.arange(-math.ceil(window.turn / step), math.ceil(window.turn / step) + 1) * step
-    angles = np.asarray(guess.yaw + turns, np.float64)
-    c, s = np.cos(angles)[:, None], np.sin(angles)[:, None]
-    turned = np.stack((c * points[:, 0] - s * points[:, 1], s * points[:, 0] + c * points[:, 1]), axis=-1)
-    scaled = (turned / cell).astype(np.float32)
-    reach = math.ceil(window.shift / cell)
-    corner = np.array((guess.x, guess.y)) - reach * cell
-    top = min(top, max(0, int(math.log2(max(1, 2 * reach))) - 1))
-    side = np.arange(0, 2 * reach + 1, 2**top)
-    grids = np.meshgrid(side, side, np.arange(len(angles)), indexing="ij")
-    poses = np.column_stack([each.ravel() for each in grids])
-    bounds = pyramid.score(top, poses, scaled, corner)
-    best = max(floor, _dive(pyramid, top, poses, bounds, scaled, corner))
-    for level in range(top, 0, -1):
-        poses = _expand(_likely(poses, bounds, _KEPT * best, widest // 4), level)
-        bounds = pyramid.score(level - 1, poses, scaled, corner)
-    return _Ranked(poses, bounds, corner, angles, step, cell)
+def _turns_of_blocks(swing: float) -> list[int]:
+    """The turns of a block at each level: no point leaves it, of which a turn moves the farthest by `swing` cells."""
+    turns = []
+    for most, free in zip(_MOST_TURNS, _SWING, strict=True):
+        while most > 1 and 0.5 * (most - 1) * swing > free:
+            most //= 2
+        turns.append(most)
+    return turns
 
 
-def _dive(
-    pyramid: Pyramid,
-    top: int,
-    poses: NDArray[np.intp],
-    bounds: NDArray[np.float32],
-    turned: NDArray[np.float32],
-    corner: Floats,
-) -> float:
-    """A score that is reached: the best below the most promising poses."""
-    for level in range(top, 0, -1):
-        first = np.argsort(bounds)[-_DIVE:]
-        poses = _expand(poses[first], level)
-        bounds = pyramid.score(level - 1, poses, turned, corner)
-    return float(bounds.max())
-
-
-def _likely(poses: NDArray[np.intp], bounds: NDArray[np.float32], least: float, most: int) -> NDArray[np.intp]:
-    kept = np.flatnonzero(bounds >= least)
-    if len(kept) > most:
-        kept = kept[np.argpartition(bounds[kept], -most)[-most:]]
-    return poses[kept]
-
-
-def _expand(poses: NDArray[np.intp], level: int) -> NDArray[np.intp]:
-    half = 2 ** (level - 1)
-    corners = np.array(((0, 0, 0), (half, 0, 0), (0, half, 0), (half, half, 0)))
-    expanded: NDArray[np.intp] = (poses[:, None] + corners).reshape(-1, 3)
-    return expanded
-
-
-def _best_of_windows(level: NDArray[np.float32], step: int) -> NDArray[np.float32]:
+def _best_of(level: NDArray[np.uint8], step: int) -> NDArray[np.uint8]:
     """For each cell the best of itself and those `step` to the right, above and both."""
-    best: NDArray[np.float32] = level.copy()
+    best: NDArray[np.uint8] = level.copy()
     np.maximum(best[:, :-step], level[:, step:], out=best[:, :-step])
     right = best.copy()
     np.maximum(best[:-step], right[step:], out=best[:-step])
     return best
+
+
+def _widened(level: NDArray[np.uint8], swing: int) -> NDArray[np.uint8]:
+    """For each cell the best of those `swing` to the four sides; with windows at least twice as wide none is missed."""
+    if not swing:
+        return level
+    wide = np.zeros_like(level)
+    wide[:, swing:-swing] = np.maximum(level[:, : -2 * swing], level[:, 2 * swing :])
+    result = np.zeros_like(level)
+    np.maximum(wide[: -2 * swing], wide[2 * swing :], out=result[swing:-swing])
+    return result

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +14,7 @@ from ur_nodes.slam.matching.surface import Floats, Surface, surface_of_points
 MOST_POINTS = 400
 """Beams that are matched; scans with more are thinned."""
 
+_BETWEEN = 100  # numbers between the beams of two lidars
 _MOST_NUMBERS = 65535  # of beams, as they are stored
 
 
@@ -77,6 +79,20 @@ def make_scan(
     misses = directions[beyond] * free @ rotation.T + offset
     stored = np.minimum(numbers, _MOST_NUMBERS).astype(np.uint16)
     return restore_scan(points.astype(np.float32), stored, misses.astype(np.float32), offset)
+
+
+def join_scans(scans: Sequence[Scan]) -> Scan:
+    """Join scans, at least one, of several lidars of one robot at one time; its origin is the mean of theirs."""
+    if len(scans) == 1:
+        return scans[0]
+    numbers, first = [], 0
+    for scan in scans:  # beams of two lidars are no neighbours
+        numbers.append(scan.numbers.astype(np.intp) + first)
+        first = int(numbers[-1].max(initial=first)) + _BETWEEN
+    stored = np.minimum(np.concatenate(numbers), _MOST_NUMBERS).astype(np.uint16)
+    hits = np.concatenate([scan.hits for scan in scans])
+    misses = np.concatenate([scan.misses for scan in scans])
+    return restore_scan(hits, stored, misses, np.mean([scan.origin for scan in scans], axis=0))
 
 
 def restore_scan(

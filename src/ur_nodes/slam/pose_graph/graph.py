@@ -61,9 +61,10 @@ class PoseGraph:
         self._new_factors.add(gtsam.BetweenFactorPose2(before, after, gtsam.Pose2(*relative), model))
         self._edges.append(Edge(before, after, relative, covariance, robust))
         shift, turn = float(covariance[0, 0] + covariance[1, 1]), float(covariance[2, 2])
-        known = self._best.get((before, after))
+        ends = min(before, after), max(before, after)
+        known = self._best.get(ends)
         if known is None or shift + _TURN * turn < known[0] + _TURN * known[1]:
-            self._best[before, after] = (shift, turn, math.hypot(relative.x, relative.y))
+            self._best[ends] = (shift, turn, math.hypot(relative.x, relative.y))
             self._tables = None
 
     @property
@@ -109,12 +110,14 @@ class PoseGraph:
         """
         if self._tables is None:
             count = len(self.poses)
-            rows, columns = np.array(list(self._best), np.int32).reshape(-1, 2).T
+            ends = np.array(list(self._best), np.int32).reshape(-1, 2)
             costs = np.maximum(np.array(list(self._best.values())).reshape(-1, 3), 1e-12)
-            self._tables = [csr_array((values, (rows, columns)), shape=(count, count)) for values in costs.T]
+            rows, columns = np.vstack((ends, ends[:, ::-1])).T  # both directions, so that no search turns them round
+            both = np.vstack((costs, costs)).T
+            self._tables = [csr_array((values, (rows, columns)), shape=(count, count)) for values in both]
         most = (limit * limit, np.inf, np.inf)
         shift, turn, length = (
-            dijkstra(table, directed=False, indices=number, limit=far)
+            dijkstra(table, directed=True, indices=number, limit=far)
             for table, far in zip(self._tables, most, strict=True)
         )
         known = np.isfinite(shift)

@@ -6,12 +6,16 @@ from collections import deque
 from collections.abc import Sequence
 
 from ur_nodes.geometry.pose import Pose2
+from ur_nodes.slam.matching.correlative import Work
 from ur_nodes.slam.matching.scan import Scan
 from ur_nodes.slam.pose_graph.graph import PoseGraph
 from ur_nodes.slam.pose_graph.loops import LEAST_NOISE, RECENT, Group, Link, agree, find_groups, verify_group
 
 _LONGEST = 20.0  # m: places that are less certain are not looked at
-_BACKLOG = 2  # places that may wait to be looked at when a keyframe is made
+_BACKLOG = 2  # keyframes that may wait when another one is made
+_PART = 8000  # blocks of poses that are scored with a scan
+_MOST_PARTS = 5  # times as many where more keyframes wait
+_END = 4000  # as much as these takes a match
 _DOUBTFUL = 24  # keyframes for which a loop waits for confirmation
 
 
@@ -38,40 +42,69 @@ class Confirmation:
 
 
 class LoopCloser:
-    """Adds links to a pose graph where keyframes were taken at places that were mapped before."""
+    """Adds links to a pose graph where keyframes were taken at places that were mapped before.
+
+    To look at a place may take longer than there is between two scans, so it is done in parts, one with each scan.
+    """
 
     def __init__(self, graph: PoseGraph, scans: Sequence[Scan]) -> None:
         """`scans` are those of the graph's keyframes."""
         self._graph, self._scans = graph, scans
-        self._work: deque[tuple[int, Group]] = deque()
+        self._waiting: deque[int] = deque()  # keyframes
+        self._groups: deque[tuple[int, Group]] = deque()  # places of the keyframe whose turn it is
+        self._look: Work[Link | None] | None = None  # at one of them
         self._doubtful = Confirmation(_DOUBTFUL)
         self.loops = 0
 
     def look_round(self, number: int) -> bool:
         """Plan to look for the place of a new keyframe; returns whether poses have changed, as `step` does."""
-        changed = False
-        while len(self._work) > _BACKLOG:
-            changed |= self._look()
-        spread = self._graph.spread_from(number, _LONGEST)
-        groups = find_groups(self._graph.poses, number, spread, number - RECENT)
-        self._work.extend((number, group) for group in groups)
-        return changed
+        self._waiting.append(number)
+        return len(self._waiting) > _BACKLOG and self.step()
 
     def step(self) -> bool:
-        """Look at one place, or go on with the poses that follow from the last link; whether poses have changed."""
-        if self._graph.unsettled:
-            self._graph.step()
-            return True
-        return bool(self._work) and self._look()
+        """Go on with the poses that follow from the last link, then look at places for a while; whether any changed."""
+        parts = min(_MOST_PARTS, 1 + len(self._waiting) // (_BACKLOG + 1))
+        changed = False
+        if not self._look:  # which needs poses that stay
+            for _ in range(parts):
+                if self._graph.unsettled:
+                    self._graph.step()
+                    changed = True
+            if self._graph.unsettled:
+                return changed
+        left = _PART * parts
+        while left > 0 and (self._look or self._choose()):
+            assert self._look is not None
+            try:
+                left -= next(self._look)
+            except StopIteration as end:
+                self._look = None
+                left -= _END
+                if self._add(end.value):
+                    return True
+        return changed
 
     def forget(self) -> None:
         """Forget the places that wait."""
-        self._work.clear()
+        self._waiting.clear()
+        self._groups.clear()
+        self._look = None
         self._doubtful = Confirmation(_DOUBTFUL)
 
-    def _look(self) -> bool:
-        number, group = self._work.popleft()
-        link = verify_group(group, number, self._graph.poses, self._scans)
+    def _choose(self) -> bool:
+        """Begin to look at the next place; False: there is none."""
+        while self._waiting and not self._groups:
+            number = self._waiting.popleft()
+            spread = self._graph.spread_from(number, _LONGEST)
+            groups = find_groups(self._graph.poses, number, spread, number - RECENT)
+            self._groups.extend((number, group) for group in groups)
+        if not self._groups:
+            return False
+        number, group = self._groups.popleft()
+        self._look = verify_group(group, number, self._graph.poses, self._scans)
+        return True
+
+    def _add(self, link: Link | None) -> bool:
         links = self._doubtful.confirm(link, self._graph.poses) if link else []
         for each in links:
             self._graph.add_edge(each.before, each.after, each.relative, each.covariance + LEAST_NOISE, robust=True)

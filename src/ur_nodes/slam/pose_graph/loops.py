@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ur_nodes.geometry.pose import Pose2, wrap_angle
-from ur_nodes.slam.matching.correlative import Pyramid, Window, search
+from ur_nodes.slam.matching.correlative import Pyramid, Window, Work, search_slowly
 from ur_nodes.slam.matching.local_map import LocalMap
 from ur_nodes.slam.matching.match import Match, match_surface
 from ur_nodes.slam.matching.scan import Scan
@@ -31,6 +31,7 @@ _LEAST_SCORE = 0.55
 _RIVAL = 0.85  # of the best score: another place that fits as well
 _LEAST_AGREEMENT = 0.6
 _MOST_CONTRADICTION = 0.15
+_COST_OF_MAP = 4000  # as much as to score so many blocks of poses: a local map, or a match
 _THROUGH = 0.3  # m: a beam that passes a wall by so much contradicts it
 
 
@@ -79,8 +80,11 @@ def find_groups(
     return [group for _, group in sorted(groups, key=lambda each: each[0])[:most]]
 
 
-def verify_group(group: Group, number: int, poses: Sequence[Pose2], scans: Sequence[Scan]) -> Link | None:
-    """Match the scan of a keyframe to a group; None when it was not taken there, or may have been taken elsewhere."""
+def verify_group(group: Group, number: int, poses: Sequence[Pose2], scans: Sequence[Scan]) -> Work[Link | None]:
+    """Match the scan of a keyframe to a group; None when it was not taken there, or may have been taken elsewhere.
+
+    The poses must not change meanwhile.
+    """
     placed = [(poses[member], scans[member].surface) for member in group.members]
     target = LocalMap(placed)
     scan, guess = scans[number], poses[number]
@@ -89,10 +93,12 @@ def verify_group(group: Group, number: int, poses: Sequence[Pose2], scans: Seque
     if not sure:
         window = Window(min(_WIDEST.shift, 3.0 * group.spread + 0.2), min(_WIDEST.turn, group.spread + 0.1))
         points = scan.surface.points[:: max(1, len(scan.surface) // _POINTS)]
-        found = search(Pyramid(target.surface.points), points, guess, window, _LEAST_SCORE)
+        yield _COST_OF_MAP
+        found = yield from search_slowly(Pyramid(target.surface.points), points, guess, window, _LEAST_SCORE)
         if found is None or found.rival > _RIVAL * found.score:
             return None
         start = found.pose
+    yield _COST_OF_MAP
     match = match_surface(target, scan.surface, start)
     if not _fits(match, start, target, scan):
         return None

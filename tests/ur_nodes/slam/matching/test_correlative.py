@@ -1,12 +1,14 @@
 from __future__ import annotations
 
+import itertools
 import math
 
+import numpy as np
 import pytest
 from tests.ur_nodes.slam.rooms import CORRIDOR, ROOM, Floats, scan_at
 
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.slam.matching.correlative import Found, Pyramid, Window, search
+from ur_nodes.slam.matching.correlative import Found, Pyramid, Window, search, search_slowly
 
 HERE = Pose2(0.0, 0.0, 0.0)
 
@@ -34,3 +36,28 @@ def test_two_places_fit_in_a_corridor() -> None:
 def test_nothing_is_found_where_the_scan_fits_nowhere() -> None:
     pyramid = Pyramid(scan_at(CORRIDOR, HERE).surface.points)
     assert search(pyramid, scan_at(ROOM, HERE).surface.points[::3], HERE, Window(0.5, 0.2), 0.9) is None
+
+
+def test_no_pose_of_the_window_is_better_than_the_one_found() -> None:
+    pyramid = Pyramid(scan_at(ROOM, HERE).surface.points)
+    points = scan_at(ROOM, Pose2(0.31, -0.22, 0.17), 0.01).surface.points[::3]
+    found = search(pyramid, points, HERE, Window(0.6, 0.3))
+    assert found is not None
+    shifts, turns = np.arange(-0.6, 0.601, 0.05), np.arange(-0.3, 0.301, 0.02)
+    others = [score_of(pyramid, points, Pose2(x, y, yaw)) for x, y, yaw in itertools.product(shifts, shifts, turns)]
+    assert found.score == pytest.approx(score_of(pyramid, points, found.pose), abs=0.02)
+    assert found.score >= max(others) - 0.03
+
+
+def score_of(pyramid: Pyramid, points: Floats, pose: Pose2) -> float:
+    columns, rows = np.floor((pose.transform_points(points) - pyramid.low) / pyramid.cell).astype(int).T
+    level = np.pad(pyramid.levels[0], 100)
+    return float(level[rows + 100, columns + 100].mean() / level.max())
+
+
+def test_wide_search_is_done_in_parts_of_bounded_size() -> None:
+    pyramid = Pyramid(scan_at(ROOM, HERE).surface.points)
+    points = scan_at(ROOM, Pose2(1.2, 0.4, 0.4), 0.01).surface.points
+    parts = list(search_slowly(pyramid, points, HERE, Window(8.0, 0.5)))
+    assert sum(parts) > 5000
+    assert max(parts) < 5000
