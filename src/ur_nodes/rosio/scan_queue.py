@@ -9,6 +9,7 @@ from collections.abc import Callable
 import rospy
 from sensor_msgs.msg import LaserScan
 
+from ur_nodes.geometry.laser import Mount, mount_of_pose
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.rosio.frames import Frames
 
@@ -25,6 +26,7 @@ class ScanQueue:
     def __init__(self, odom_frame: str, base_frame: str, ignored: frozenset[str] = frozenset()) -> None:
         """`ignored` are the children of transforms that the node itself sends."""
         self._odom_frame, self._base_frame = odom_frame, base_frame
+        self._mounts: dict[str, Mount] = {}
         self._scans: deque[LaserScan] = deque(maxlen=LONGEST_QUEUE)
         self._news = threading.Condition()  # guards _scans
         self.frames = Frames(self._wake, ignored=ignored)
@@ -35,6 +37,15 @@ class ScanQueue:
             return None
         found = self.frames.find(self._odom_frame, self._base_frame, stamp)
         return found.planar() if found else None
+
+    def mount(self, frame: str) -> Mount | None:
+        """The mount of a lidar by its frame, which does not move on the robot; None while it is not known."""
+        if frame not in self._mounts:
+            found = self.frames.find(self._base_frame, frame, rospy.Time(0))
+            if not found:
+                return None
+            self._mounts[frame] = mount_of_pose(found)
+        return self._mounts[frame]
 
     def add(self, message: LaserScan) -> None:
         """Take a scan in; of more than LONGEST_QUEUE the oldest goes."""

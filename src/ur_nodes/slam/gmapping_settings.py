@@ -18,6 +18,7 @@ class GmappingSettings:
 
     `odom_frame` is '' where there is no odometry. `max_range` is 0 where the scan's own limit holds, `max_usable` where
     all of that is drawn; `edges` (xmin, ymin, xmax, ymax) is the least size of the map; None: what was seen.
+    `other_scans` are the topics of further lidars.
     """
 
     mapper: MapperSettings
@@ -33,6 +34,7 @@ class GmappingSettings:
     edges: tuple[float, float, float, float] | None
     transform_publish_period: float
     tf_delay: float
+    other_scans: tuple[str, ...]
 
 
 def read_settings(parameters: Parameters) -> GmappingSettings:
@@ -59,6 +61,7 @@ def read_settings(parameters: Parameters) -> GmappingSettings:
         edges=_edges(p),
         transform_publish_period=period,
         tf_delay=p.number("tf_delay", period, minimum=0.0),
+        other_scans=tuple(p.text("other_scans", "").split()),
     )
 
 

@@ -14,7 +14,7 @@ from ur_nodes.slam.matching.local_map import LocalMap
 from ur_nodes.slam.matching.match import Match, match_surface
 from ur_nodes.slam.matching.scan import Scan
 from ur_nodes.slam.matching.surface import Floats
-from ur_nodes.slam.odometry_model import OdometryModel
+from ur_nodes.slam.odometry_model import OdometryModel, with_turn
 from ur_nodes.slam.pose_graph.edge import Edge
 from ur_nodes.slam.pose_graph.graph import PoseGraph
 from ur_nodes.slam.pose_graph.loop_closer import LoopCloser
@@ -36,6 +36,7 @@ _CLEAR = 0.8  # agreement with which a scan can do so
 _UNCHANGED = (0.95, 0.02)  # least agreement and most contradiction of a place that has not
 _CERTAIN = 0.03  # m: matches that teach, and that replace odometry
 _REFERRED = np.diag(np.square((0.01, 0.01, 0.004)))  # of a match to an old keyframe, m and rad
+_GYRO_NOISE = (0.004, 0.02)  # rad, rad per rad: of a heading between two scans
 _UNKNOWN_MOTION = np.diag(np.square((0.1, 0.1, 0.15)))  # a scan later, without odometry
 
 
@@ -53,7 +54,8 @@ class Estimate:
 
     `agreement` (0..1) is the share of the scan that lies on the map; `located`: whether it was enough. `contradicted`:
     little of the scan lies on the map, and its beams pass through walls. `still`: the robot has not moved since the
-    scan before, so that this one was not matched. `step` is the motion since then where the scan shows it for certain.
+    scan before, so that this one was not matched. `step` is the motion since then where the scan shows it for certain,
+    `wheels` the same motion by odometry, its lasting errors corrected.
     """
 
     pose: Pose2
@@ -63,6 +65,7 @@ class Estimate:
     contradicted: bool = False
     still: bool = False
     step: Pose2 | None = None
+    wheels: Pose2 | None = None
 
 
 class Mapper:
@@ -87,6 +90,7 @@ class Mapper:
         self._leg = Pose2(0.0, 0.0, 0.0)  # of the scan where it became the reference
         self._step = Pose2(0.0, 0.0, 0.0)  # between the last two scans
         self._odometry: Pose2 | None = None  # at the last scan
+        self._heading: float | None = None  # there
         self._leg_odometry: Pose2 | None = None  # there
         self._motion_noise = np.zeros((3, 3))  # of odometry since
         self._estimate: Estimate | None = None
@@ -140,7 +144,7 @@ class Mapper:
         self._reference = other._reference + first
         self._first = min(self._first, first)
         self._relative, self._leg, self._step = other._relative, other._leg, other._step
-        self._odometry, self._leg_odometry = other._odometry, other._leg_odometry
+        self._odometry, self._leg_odometry, self._heading = other._odometry, other._leg_odometry, other._heading
         self._motion_noise = other._motion_noise
         self._graph.optimise()
         self._changed = True
@@ -150,12 +154,16 @@ class Mapper:
         self._estimate = Estimate(self._pose(), last.covariance, last.agreement, located=True)
         return self._estimate
 
-    def add_scan(self, scan: Scan, odometry: Pose2 | None = None) -> Estimate:
-        """Take the next scan, with the pose of the robot in the frame of its odometry if there is any."""
+    def add_scan(self, scan: Scan, odometry: Pose2 | None = None, heading: float | None = None) -> Estimate:
+        """Take the next scan, with the pose of the robot in the frame of its odometry if there is any.
+
+        `heading` (rad, from any begin) counts instead of that of the odometry where two scans in a row have one.
+        """
         if not self.scans:
-            return self._begin(scan, odometry)
+            return self._begin(scan, odometry, heading)
         assert self._estimate is not None
-        motion, noise, still = self._predict(odometry)
+        wheels, noise, still = self._predict(odometry)
+        motion, noise = self._turn(wheels, noise, heading)
         before = self._pose()
         guess = before.compose(motion)
         if still:
@@ -166,7 +174,7 @@ class Mapper:
         located = match.agreement >= _LOST
         pose = match.pose if located else guess
         self._step = before.inverse().compose(pose)
-        self._odometry = odometry
+        self._odometry, self._heading = odometry, heading
         self._motion_noise = self._motion_noise + noise
         self._relative = self._graph.poses[self._reference].inverse().compose(pose)
         contradicted = self._is_contradicted(scan, match)
@@ -177,13 +185,14 @@ class Mapper:
         shown = match.agreement >= _POOR and not contradicted and _spread(match.covariance) < _CERTAIN
         step = self._step if shown else None
         return self._remember(
-            Estimate(self._pose(), match.covariance, match.agreement, located, contradicted, step=step)
+            Estimate(self._pose(), match.covariance, match.agreement, located, contradicted, False, step, wheels)
         )
 
-    def _begin(self, scan: Scan, odometry: Pose2 | None) -> Estimate:
+    def _begin(self, scan: Scan, odometry: Pose2 | None, heading: float | None) -> Estimate:
         self._graph.add_pose(Pose2(0.0, 0.0, 0.0))
         self.scans.append(scan)
         self._odometry = self._leg_odometry = odometry
+        self._heading = heading
         self._changed = True
         return self._remember(Estimate(Pose2(0.0, 0.0, 0.0), LEAST_NOISE, 1.0, located=True))
 
@@ -203,6 +212,16 @@ class Mapper:
         reported = self._odometry.inverse().compose(odometry)
         still = math.hypot(reported.x, reported.y) < _STILL[0] and abs(reported.yaw) < _STILL[1]
         return self._model.correct(reported), self._model.covariance(reported), still
+
+    def _turn(self, motion: Pose2, noise: Floats, heading: float | None) -> tuple[Pose2, Floats]:
+        """A predicted motion and its covariance with the turn that the heading shows, if it is known."""
+        if heading is None or self._heading is None or self._odometry is None:
+            return motion, noise
+        turn = heading - self._heading
+        exact = noise.copy()
+        exact[2] = exact[:, 2] = 0.0
+        exact[2, 2] = min(noise[2, 2], (_GYRO_NOISE[0] + _GYRO_NOISE[1] * abs(turn)) ** 2)
+        return with_turn(motion, turn), exact
 
     # -- the pose on the map round the robot -----------------------------------------------------------------------
 

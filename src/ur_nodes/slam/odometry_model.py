@@ -26,11 +26,9 @@ class OdometryModel:
         """The motion that most likely lies behind one that odometry reports."""
         scale, turn, drift = self._errors
         way = math.hypot(motion.x, motion.y)
-        yaw = motion.yaw * (1.0 + turn) + drift * way
-        half = 0.5 * (yaw - motion.yaw)  # the chord lies halfway between both headings
-        c, s = math.cos(half), math.sin(half)
         factor = 1.0 + scale
-        return Pose2(factor * (c * motion.x - s * motion.y), factor * (s * motion.x + c * motion.y), yaw)
+        longer = Pose2(factor * motion.x, factor * motion.y, motion.yaw)
+        return with_turn(longer, motion.yaw * (1.0 + turn) + drift * way)
 
     def covariance(self, motion: Pose2) -> Floats:
         """Of a corrected motion, (3, 3) in its own frame: what is random, and what was not learned yet."""
@@ -56,3 +54,10 @@ class OdometryModel:
             return  # the wheels slipped, or the scan was matched wrongly
         self._errors = self._errors + gain @ surprise
         self._covariance = (np.eye(3) - gain @ rows) @ before
+
+
+def with_turn(motion: Pose2, yaw: float) -> Pose2:
+    """The motion of the same length on an arc that turns by `yaw` rad."""
+    half = 0.5 * (yaw - motion.yaw)  # the chord lies halfway between both headings
+    c, s = math.cos(half), math.sin(half)
+    return Pose2(c * motion.x - s * motion.y, s * motion.x + c * motion.y, yaw)

@@ -10,26 +10,26 @@ import numpy as np
 import rospy
 import tf2_ros
 from geometry_msgs.msg import TransformStamped
-from sensor_msgs.msg import LaserScan
+from sensor_msgs.msg import Imu, LaserScan
 from std_msgs.msg import Float64
 
-from ur_nodes.geometry.laser import Mount, directions_of_beams, mount_of_pose
+from ur_nodes.geometry.difference import describe_places
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.rosio.ending import quiet_at_end
 from ur_nodes.rosio.geometry import transform_message
 from ur_nodes.rosio.parameters import Parameters
-from ur_nodes.rosio.scan_queue import SILENCE, ScanQueue
+from ur_nodes.rosio.scan_queue import ScanQueue
 from ur_nodes.rosio.shell import run_node
 from ur_nodes.slam.gmapping_settings import read_settings
+from ur_nodes.slam.gyro import Headings
+from ur_nodes.slam.lidars_node import Lidars
 from ur_nodes.slam.map_output_node import MapOutput
 from ur_nodes.slam.map_state import MapState
 from ur_nodes.slam.mapper import Estimate
-from ur_nodes.slam.matching.scan import Scan, make_scan
 from ur_nodes.slam.slip import SlipWatch
 from ur_nodes.slam.storage.map_storage_node import MapStorage, StorageSettings, read_storage_settings
 from ur_nodes.slam.tracker import Tracker
 
-MOST_PLACES = 3  # that a message names
 SLIP_SILENCE = 30.0  # s between two reports of wheels that slip
 
 
@@ -43,11 +43,12 @@ class SlamGmappingNode:
         self._mapper = Tracker(settings.mapper)
         self._work = threading.Lock()  # guards the mapper and the correction
         self._correction: Pose2 | None = None  # of the odometry's frame in the map, or of the robot without odometry
-        self._mounts: dict[str, Mount] = {}
-        self._beams: tuple[tuple[int, float, float], np.ndarray] | None = None
         self._count = 0
         self._located, self._lost, self._places = True, False, 0  # as reported last
         self._slip = SlipWatch()
+        self._turns = threading.Lock()  # guards the yaw rates
+        self._headings = Headings()
+        self._by_gyro = self._gyro_wrong = False  # as reported last
         self._last: Pose2 | None = None  # odometry at the last scan
         self._child = settings.odom_frame or settings.base_frame
         self._broadcaster = tf2_ros.TransformBroadcaster()
@@ -56,6 +57,8 @@ class SlamGmappingNode:
         if storage:
             self._store(storage)
         self._queue = ScanQueue(settings.odom_frame, settings.base_frame, frozenset((self._child,)))
+        self._lidars = Lidars(settings, self._queue, settings.other_scans)
+        rospy.Subscriber("imu", Imu, self._take_imu, queue_size=100, tcp_nodelay=True)
         rospy.Subscriber("scan", LaserScan, self._take_scan, queue_size=2, tcp_nodelay=True)
         for name, run in (("scans", self._run), ("map", self._draw), ("transform", self._broadcast)):
             threading.Thread(target=quiet_at_end(run), name=name, daemon=True).start()
@@ -72,20 +75,20 @@ class SlamGmappingNode:
         self._queue.serve(self._use_scan)
 
     def _use_scan(self, message: LaserScan, odometry: Pose2 | None) -> None:
-        mount = self._mount(message.header.frame_id.lstrip("/"))
-        if not mount:
-            rospy.logwarn_throttle(
-                SILENCE, f"no transform from {message.header.frame_id} to {self._settings.base_frame}, expected one"
-            )
+        scan = self._lidars.scan(message, odometry)
+        if scan is None:
             return
-        scan = self._scan(message, mount)
         first = not self._mapper.scans
+        with self._turns:
+            heading = self._headings.at(message.header.stamp.to_sec(), odometry) if odometry else None
         with self._work:
-            estimate = self._mapper.add_scan(scan, odometry)
+            estimate = self._mapper.add_scan(scan, odometry, heading)
             known = estimate.pose.compose(odometry.inverse()) if odometry else estimate.pose
             self._correction = None if self._mapper.lost else known
         self._report(estimate)
         self._watch_wheels(estimate, odometry)
+        if odometry:
+            self._watch_gyro(estimate)
         self._entropy.publish(Float64(entropy(estimate)))
         if first:
             self._output.publish()
@@ -118,6 +121,28 @@ class SlamGmappingNode:
                 "{:.2f} m and {:.0f} degrees; the map follows the scans".format(*_sizes(slip.reported, slip.shown)),
             )
 
+    def _take_imu(self, message: Imu) -> None:
+        if message.angular_velocity_covariance[0] == -1.0:  # sensor_msgs/Imu: there are no yaw rates
+            return
+        rotation = self._lidars.rotation(message.header.frame_id.lstrip("/"))
+        rates = message.angular_velocity
+        if rotation is None or not all(map(math.isfinite, (rates.x, rates.y, rates.z))):
+            return
+        with self._turns:
+            self._headings.gyro.add(message.header.stamp.to_sec(), float(rotation[2] @ (rates.x, rates.y, rates.z)))
+
+    def _watch_gyro(self, estimate: Estimate) -> None:
+        if not estimate.still:
+            self._headings.judge(None if self._mapper.lost else estimate.step, estimate.wheels)
+        if self._headings.trusted != self._by_gyro:
+            self._by_gyro = self._headings.trusted
+            source = f"the gyroscope on {rospy.resolve_name('imu')} turns" if self._by_gyro else "the wheels turn"
+            rospy.loginfo("%s as the scans show: the robot's turns come from there", source)
+        if self._headings.contradicted and not self._gyro_wrong:
+            self._gyro_wrong = True
+            topic = rospy.resolve_name("imu")
+            rospy.logwarn("the yaw rates on %s contradict the scans and are not used; is its frame right?", topic)
+
     def _report_search(self, estimate: Estimate) -> None:
         if not self._mapper.lost:
             rospy.loginfo("found again at (%.2f, %.2f)", *estimate.pose[:2])
@@ -127,36 +152,11 @@ class SlamGmappingNode:
             rospy.logwarn("lost: looking for the place on the map; drive slowly through places that are mapped")
         places = self._mapper.candidates()
         if len(places) not in (0, self._places):
-            shown = ", ".join(f"({place.x:.2f}, {place.y:.2f})" for place in places[:MOST_PLACES])
-            rospy.logwarn("%d places on the map fit: %s; drive to where they differ", len(places), shown)
+            grid = self._output.draw(self._state())
+            rospy.logwarn("%s", describe_places(grid, places, "drive to another room"))
         self._places = len(places)
 
-    def _scan(self, message: LaserScan, mount: Mount) -> Scan:
-        key = (len(message.ranges), message.angle_min, message.angle_increment)
-        if not self._beams or self._beams[0] != key:
-            self._beams = (key, directions_of_beams(*key))
-        settings = self._settings
-        far = min(settings.max_range or math.inf, message.range_max)
-        # As upstream: beams without an echo are free floor only where less than the lidar's range is to be used.
-        free = settings.max_usable if settings.max_usable < far else 0.0
-        return make_scan(
-            np.array(message.ranges, dtype=np.float32),
-            self._beams[1],
-            (message.range_min, far),
-            mount.rotation[:2, :2],
-            mount.offset[:2],
-            free,
-        )
-
     # -- frames ----------------------------------------------------------------------------------------------------
-
-    def _mount(self, frame: str) -> Mount | None:
-        if frame not in self._mounts:
-            found = self._queue.frames.find(self._settings.base_frame, frame, rospy.Time(0))
-            if not found:
-                return None
-            self._mounts[frame] = mount_of_pose(found)
-        return self._mounts[frame]
 
     def _broadcast(self) -> None:
         """Publish the transform from the map, again and again, as of the last scan."""

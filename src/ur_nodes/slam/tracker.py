@@ -81,17 +81,17 @@ class Tracker:
         self._on_map = True
         self._begin_search()
 
-    def add_scan(self, scan: Scan, odometry: Pose2 | None = None) -> Estimate:
+    def add_scan(self, scan: Scan, odometry: Pose2 | None = None, heading: float | None = None) -> Estimate:
         """Take the next scan as `Mapper.add_scan` does. While `lost`, the estimate is not located."""
         self._count += 1
         if self.lost:
-            return self._search(scan, odometry)
-        estimate = self._mapper.add_scan(scan, odometry)
+            return self._search(scan, odometry, heading)
+        estimate = self._mapper.add_scan(scan, odometry, heading)
         if not estimate.contradicted:
             self._apart, self._doubts = None, 0
             return estimate
         self._apart = self._apart or Mapper(self._settings, first=self._count - 1)
-        self._apart.add_scan(scan, odometry)
+        self._apart.add_scan(scan, odometry, heading)
         self._doubts += not estimate.still
         if self._doubts < _DOUBTS:
             return estimate
@@ -106,10 +106,10 @@ class Tracker:
     def _forget_hypotheses(self) -> None:
         self._hypotheses, self._searched = Hypotheses(on_map=self._on_map), 0
 
-    def _search(self, scan: Scan, odometry: Pose2 | None) -> Estimate:
+    def _search(self, scan: Scan, odometry: Pose2 | None, heading: float | None) -> Estimate:
         assert self._whole is not None
         apart = self._apart = self._apart or Mapper(self._settings, first=self._count - 1)
-        estimate = apart.add_scan(scan, odometry)
+        estimate = apart.add_scan(scan, odometry, heading)
         if not estimate.still:
             self._doubts = self._doubts + 1 if estimate.contradicted else 0
         if self._doubts >= _DOUBTS or self._searched >= _MOST_APART:  # carried elsewhere again

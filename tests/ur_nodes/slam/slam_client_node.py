@@ -14,7 +14,7 @@ from geometry_msgs.msg import Quaternion, TransformStamped
 from nav_msgs.msg import MapMetaData, OccupancyGrid
 from nav_msgs.srv import GetMap
 from scipy.spatial import cKDTree
-from sensor_msgs.msg import LaserScan
+from sensor_msgs.msg import Imu, LaserScan
 from std_msgs.msg import Float64
 from tests.json_client import answer_requests, claim_output
 from tf2_msgs.msg import TFMessage
@@ -36,9 +36,9 @@ class Client:
     """A robot in the maze that moves only when told; every scan waits until it has been used."""
 
     def __init__(self, child: str, mount: str = "") -> None:
-        """`child` is the frame whose transform from the map is expected; `mount` may be `upside-down`."""
+        """`child` is the frame whose transform from the map is expected; `mount`: `upside-down`, or two `halves`."""
         self._child = child
-        self._upside_down = mount == "upside-down"
+        self._upside_down, self._halves = mount == "upside-down", mount == "halves"
         self._base = load_base(PACKAGE, "stage", "")
         world = read_world(PACKAGE / "n_simulator" / "worlds" / "maze.yaml")
         self._simulation = Simulation(world, self._base, seed=1)
@@ -51,6 +51,8 @@ class Client:
         self._tf = rospy.Publisher("/tf", TFMessage, queue_size=100)
         self._static = rospy.Publisher("/tf_static", TFMessage, queue_size=1, latch=True)
         self._scan = rospy.Publisher("scan", LaserScan, queue_size=5)
+        self._rear = rospy.Publisher("rear_scan", LaserScan, queue_size=5)
+        self._imu = rospy.Publisher("imu", Imu, queue_size=50)
         rospy.Subscriber("/tf", TFMessage, self._take_tf, queue_size=100)
         rospy.Subscriber("slam_gmapping/entropy", Float64, self._take_entropy, queue_size=100)
         assert self._base.lidar
@@ -63,7 +65,8 @@ class Client:
 
     def drive(self, linear: float, angular: float, seconds: float) -> float:
         """Drive; the distance (m) between the true pose and the published one at the end."""
-        self._wait(lambda: self._scan.get_num_connections() > 0 and self._tf.get_num_connections() > 0)
+        used = (self._scan, self._tf, *((self._rear, self._imu) if self._halves else ()))
+        self._wait(lambda: all(each.get_num_connections() > 0 for each in used))
         end = self._simulation.time + seconds
         while self._simulation.time < end:
             self._simulation.command(0, linear, angular)
@@ -103,11 +106,22 @@ class Client:
         while self._used == before:  # the node may not be connected yet: publish it again
             stamp = rospy.Time.now()
             self._tf.publish(TFMessage([transform("odom", "base_footprint", odometry, stamp)]))
-            self._scan.publish(self._message(ranges, stamp))
+            if self._halves:
+                self._publish_gyro(stamp)
+                self._rear.publish(self._message(hide(ranges, front=True), stamp))
+                self._scan.publish(self._message(hide(ranges, front=False), stamp))
+            else:
+                self._scan.publish(self._message(ranges, stamp))
             with self._news:
                 self._news.wait_for(lambda: self._used != before, 1.0)
             if rospy.get_time() > deadline:
                 raise TimeoutError("the scan was not used")
+
+    def _publish_gyro(self, stamp: rospy.Time) -> None:
+        message = Imu()
+        message.header.frame_id, message.header.stamp = "laser", stamp
+        message.angular_velocity.z = self._simulation.odometry(0).velocity[1]
+        self._imu.publish(message)
 
     def _message(self, ranges: list[float], stamp: rospy.Time) -> LaserScan:
         lidar = self._base.lidar
@@ -153,6 +167,13 @@ class Client:
             if rospy.get_time() > end:
                 raise TimeoutError("nothing subscribes scan")
             rospy.sleep(0.02)
+
+
+def hide(ranges: list[float], *, front: bool) -> list[float]:
+    """The scan of a lidar all round that something hides the front, or the rear, of."""
+    quarter = len(ranges) // 4
+    kept = set(range(quarter, 3 * quarter)) if not front else {*range(quarter), *range(3 * quarter, len(ranges))}
+    return [distance if index in kept else math.inf for index, distance in enumerate(ranges)]
 
 
 def transform(parent: str, child: str, pose: Pose2, stamp: rospy.Time) -> TransformStamped:

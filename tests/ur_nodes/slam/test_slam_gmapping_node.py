@@ -72,6 +72,23 @@ def test_map_is_made_with_a_lidar_that_hangs_upside_down_and_is_turned(tmp_path:
 
 @pytest.mark.ros
 @pytest.mark.long
+def test_map_is_made_with_two_lidars_that_see_half_each_and_a_gyroscope(tmp_path: Path) -> None:
+    ros = session(tmp_path, "odom", "halves")
+    try:
+        arguments = ("_base_frame:=base_footprint", "_other_scans:=rear_scan")
+        slam = ros.start(str(SLAM), "__name:=slam_gmapping", *arguments)
+        assert ros.ask("drive", linear=0.0, angular=0.8, seconds=9.0) < 0.03
+        assert ros.ask("map")["occupied"] > 100
+        slam.send_signal(signal.SIGINT)
+        log = "".join(slam.communicate(timeout=60))
+        assert "Traceback" not in log
+        assert "no scan on rear_scan" not in log
+    finally:
+        ros.close()
+
+
+@pytest.mark.ros
+@pytest.mark.long
 def test_robot_that_is_carried_elsewhere_while_it_maps_is_found_and_nothing_is_mapped_double(ros: RosSession) -> None:
     slam = ros.start(str(SLAM), "__name:=slam_gmapping", "_base_frame:=base_footprint", "_map_update_interval:=1")
     ros.ask("drive", linear=0.0, angular=0.8, seconds=3.0)

@@ -19,7 +19,7 @@ from ur_nodes.geometry.grid import Grid
 from ur_nodes.rosio.parameters import Parameters
 from ur_nodes.slam.map_state import MapState
 from ur_nodes.slam.storage.convert import load_poses
-from ur_nodes.slam.storage.writer import MapWriter
+from ur_nodes.slam.storage.writer import MapWriter, pause_before_next
 
 SILENCE = 30.0  # s between two reports of the same problem
 
@@ -114,9 +114,12 @@ class MapStorage:
             return []
 
     def _run(self) -> None:
+        pause = self._settings.every
         while not rospy.core.is_shutdown_requested():
-            time.sleep(self._settings.every)
+            time.sleep(pause)
+            began = time.monotonic()
             self._report(self.save())
+            pause = pause_before_next(self._settings.every, time.monotonic() - began)
 
     def _report(self, problem: str) -> None:
         if problem and time.monotonic() - self._complained > SILENCE:

@@ -1,5 +1,8 @@
 from __future__ import annotations
 
+import multiprocessing
+import time
+from multiprocessing.connection import Connection
 from pathlib import Path
 
 import numpy as np
@@ -18,8 +21,9 @@ from ur_nodes.slam.matching.scan import Scan
 from ur_nodes.slam.pose_graph.edge import Edge
 from ur_nodes.slam.storage import writer as module
 from ur_nodes.slam.storage.convert import load_poses
-from ur_nodes.slam.storage.writer import MapWriter
+from ur_nodes.slam.storage.writer import MapWriter, pause_before_next
 
+SAVED_EVERY = 2  # keyframes, 2.5 s apart
 GRID = Grid(np.zeros((4, 4), np.int8), 0.05, Pose2(-1.0, 0.0, 0.0))
 
 
@@ -100,6 +104,51 @@ def test_power_that_fails_at_any_point_leaves_a_whole_map(tmp_path: Path, monkey
     assert points == 5
     assert len(load_poses(tmp_path, read_record(tmp_path))[0]) == 4
     assert len(list(tmp_path.iterdir())) == 5
+
+
+def test_pause_leaves_time_for_two_saves() -> None:
+    assert pause_before_next(5.0, 0.0) == 5.0
+    assert pause_before_next(5.0, 1.0) == 3.0
+    assert pause_before_next(5.0, 4.0) == 4.0
+
+
+def map_until_killed(folder: Path, turns: Connection) -> None:
+    """Continue the map in a folder, a keyframe every 2.5 s of a clock of its own; announce each, and wait to go on."""
+    writer = MapWriter(folder, read_record(folder) if (folder / "map.yaml").is_file() else MapRecord())
+    count = writer.record.keyframes
+    poses, edges, scans = keyframes(count + 100)
+    for number in range(count + 1, len(scans)):
+        turns.send(number)
+        if number % SAVED_EVERY == 0:
+            writer.write(GRID, poses[:number], edges[: number - 1], scans[:number])
+        turns.recv()
+
+
+@pytest.mark.long
+def test_program_that_is_killed_at_twenty_points_loses_at_most_five_seconds_each_time(tmp_path: Path) -> None:
+    random = np.random.default_rng(0)
+    context = multiprocessing.get_context("fork")
+    made = kept = 0
+    for _ in range(20):
+        here, there = context.Pipe()
+        process = context.Process(target=map_until_killed, args=(tmp_path, there))
+        process.start()
+        there.close()
+        last = kept + int(random.integers(SAVED_EVERY, 3 * SAVED_EVERY))
+        while (made := here.recv()) < last:
+            here.send(None)
+        time.sleep(float(random.uniform(0.0, 0.02)))  # to be anywhere in a save
+        process.kill()
+        process.join()
+        here.close()
+        record = read_record(tmp_path)
+        poses, edges, scans = load_poses(tmp_path, record)
+        assert len(poses) == len(scans) == len(edges) + 1
+        assert read_map(tmp_path / "map.yaml").width == 4
+        assert max(kept, made - SAVED_EVERY) <= len(poses) <= made
+        kept = len(poses)
+    MapWriter(tmp_path, read_record(tmp_path)).write(GRID, *keyframes(kept))
+    assert len(list(tmp_path.glob("*.npz"))) == 1 + -(-kept // CHUNK)
 
 
 def test_edits_are_drawn_into_each_picture(tmp_path: Path) -> None:
