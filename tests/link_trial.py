@@ -92,6 +92,14 @@ class LinkTrial:
     def count(self, topic: str, since: float) -> int:
         return sum(each.topic == topic and each.came >= since for each in list(self.arrivals))
 
+    def threads(self, topic: str) -> int:
+        """The threads of the process that receives a topic, at its newest message."""
+        return next(each.threads for each in reversed(list(self.arrivals)) if each.topic == topic)
+
+    def keeps_to(self, topic: str, most: int) -> bool:
+        """Whether the process that receives a topic has no more threads than so many."""
+        return self.threads(topic) <= most
+
     def oldest(self, since: float) -> float:
         """The greatest age (s) of a message of a stream that came after `since`."""
         ages = [
