@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import sys
 import threading
 
@@ -15,10 +14,10 @@ from sensor_msgs.msg import LaserScan
 from std_srvs.srv import Empty, EmptyRequest, EmptyResponse
 
 from ur.source.diagnostic import UserError
+from ur_nodes.geometry.difference import describe_places
 from ur_nodes.geometry.grid import Grid
-from ur_nodes.geometry.laser import Mount, directions_of_beams, mount_of_pose, points_of_ranges
+from ur_nodes.geometry.laser import Mount, directions_of_beams, points_of_ranges
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.localisation.ambiguity import find_difference, name_direction
 from ur_nodes.localisation.amcl_output_node import Outputs
 from ur_nodes.localisation.amcl_settings import read_settings
 from ur_nodes.localisation.likelihood import make_field
@@ -42,7 +41,6 @@ class AmclNode:
         self._localiser: Localiser | None = None
         self._grid: Grid | None = None  # that it works on
         self._places = 0  # that fit, as reported last
-        self._mounts: dict[str, Mount] = {}
         self._beams: tuple[tuple[int, float, float], np.ndarray] | None = None
         self._work = threading.RLock()  # guards the localiser
         self._queue = ScanQueue(settings.odom_frame, settings.base_frame, frozenset((settings.odom_frame,)))
@@ -146,7 +144,7 @@ class AmclNode:
 
     def _use_scan(self, scan: LaserScan, odometry: Pose2 | None) -> None:
         assert odometry, "there is always an odometry's frame"
-        mount = self._mount(scan.header.frame_id.lstrip("/"))
+        mount = self._queue.mount(scan.header.frame_id.lstrip("/"))
         with self._work:
             if not mount:
                 rospy.logwarn_throttle(
@@ -168,15 +166,8 @@ class AmclNode:
         if len(places) == self._places:
             return
         if places:
-            shown = ", ".join(f"({place.x:.2f}, {place.y:.2f})" for place in places)
             assert self._grid
-            nearest = find_difference(self._grid, *places[:2])
-            if nearest:
-                where = f"{math.hypot(*nearest):.1f} m {name_direction(*nearest)}"
-                advice = f"the first two differ {where} of the robot: drive there"
-            else:
-                advice = "the map is the same round them: place the robot by hand"
-            rospy.logwarn("%d places on the map fit: %s; %s", len(places), shown, advice)
+            rospy.logwarn("%s", describe_places(self._grid, places, "place the robot by hand"))
         else:
             rospy.loginfo("only one place on the map fits now")
         self._places = len(places)
@@ -188,14 +179,6 @@ class AmclNode:
         low, high = self._settings.laser_limits
         limits = (max(low, scan.range_min), min(high, scan.range_max) if high > 0.0 else scan.range_max)
         return points_of_ranges(np.array(scan.ranges, dtype=np.float32), self._beams[1], limits, mount)
-
-    def _mount(self, frame: str) -> Mount | None:
-        if frame not in self._mounts:
-            found = self._queue.frames.find(self._settings.base_frame, frame, rospy.Time(0))
-            if not found:
-                return None
-            self._mounts[frame] = mount_of_pose(found)
-        return self._mounts[frame]
 
 
 def _call_static_map() -> OccupancyGrid | None:

@@ -1,11 +1,14 @@
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
 import pytest
+from PIL import Image
 from tests.ros_session import RosSession
 
 ROOT = Path(__file__).parents[3]
@@ -69,6 +72,38 @@ def test_amcl_follows_the_robot_and_finds_it_after_a_kidnapping_and_a_restart(ro
     ros.start(str(AMCL), "__name:=amcl", *(p for p in PARAMETERS if not p.startswith("_initial")))
     errors = ros.ask("drive", steps=5, distance=0.04, turn=0.0)  # from x = 0.6 m, not from the origin
     assert max(errors) < 0.1
+
+
+@pytest.mark.ros
+@pytest.mark.long
+def test_amcl_names_places_that_look_alike_and_what_tells_them_apart(tmp_path: Path) -> None:
+    values = np.full((84, 204), 254, np.uint8)
+    values[:2] = values[-2:] = values[:, :2] = values[:, 101:103] = values[:, -2:] = 0
+    values[20:40, 20:30] = values[20:40, 121:131] = 0  # a cupboard in each of two rooms
+    values[8:12, 109:113] = 0  # and a box behind the second one
+    Image.fromarray(values[::-1]).save(tmp_path / "rooms.png")
+    rooms = tmp_path / "rooms.yaml"
+    rooms.write_text(
+        "image: rooms.png\nresolution: 0.05\norigin: [0.0, 0.0, 0.0]\nnegate: 0\noccupied_thresh: 0.65\n"
+        "free_thresh: 0.25\n"
+    )
+    ros = RosSession(
+        tmp_path, (sys.executable, "-m", "tests.ur_nodes.localisation.localisation_client_node", str(rooms))
+    )
+    try:
+        ros.start(str(MAP_SERVER), str(rooms))
+        amcl = ros.start(str(AMCL), "__name:=amcl", *PARAMETERS)
+        ros.ask("teleport", x=3.0, y=3.0, yaw=0.0)
+        ros.ask("drive", steps=1, distance=0.0, turn=0.1)
+        ros.ask("search")
+        ros.ask("drive", steps=12, distance=0.0, turn=0.1)
+        log = ros.stop(amcl)
+    finally:
+        ros.close()
+    expected = (
+        r"2 places on the map fit: \S+ \S+, \S+ \S+; the first two differ 3\.\d m [a-z ]+ of the robot: drive there"
+    )
+    assert re.search(expected, log), log
 
 
 @pytest.mark.ros
