@@ -66,12 +66,11 @@ def describe_status(status: Status) -> str:
     """One line about a status."""
     if status.state == "starting":
         return f"waiting: {status.reason}" if status.reason else "waiting for the map"
-    done = f"{status.known:.0f} m2 known, {status.way:.0f} m driven in {_clock(status.seconds)}"
+    done = describe_done(status)
     if status.state == "paused":
         return f"paused: {status.reason}; {done}"
     if status.state == "exploring":
-        left = f"{_count(status.reachable, 'frontier')} left, about {status.unknown:.0f} m2 unknown"
-        return f"{done}; {left}{_blocked(status)}"
+        return f"{done}; {describe_left(status)}{_blocked(status)}"
     return f"{describe_end(status)}; {done}"
 
 
@@ -80,8 +79,22 @@ def describe_end(status: Status) -> str:
     if status.state == "complete":
         return f"the map is complete: 0 frontiers reachable{_left_out(status)}{_blocked(status)}"
     head = "stopped" if status.state == "stopped" else "the map is not complete"
-    left = f"; {_count(status.reachable, 'frontier')} left, about {status.unknown:.0f} m2 unknown"
-    return f"{head}: {status.reason}{left}{_blocked(status)}"
+    return f"{head}: {status.reason}; {describe_left(status)}{_blocked(status)}"
+
+
+def describe_done(status: Status) -> str:
+    """The clause about the known floor and the way driven."""
+    return f"{status.known:.0f} m2 known, {status.way:.0f} m driven in {_clock(status.seconds)}"
+
+
+def describe_left(status: Status) -> str:
+    """The clause about the frontiers that are left."""
+    return f"{_count(status.reachable, 'frontier')} left, about {status.unknown:.0f} m2 unknown"
+
+
+def describe_blocked(status: Status) -> str:
+    """The clause about frontiers that cannot be reached; empty for none."""
+    return f"{len(status.unreachable)} unreachable: {_some(status.unreachable)}" if status.unreachable else ""
 
 
 def _left_out(status: Status) -> str:
@@ -91,9 +104,8 @@ def _left_out(status: Status) -> str:
 
 
 def _blocked(status: Status) -> str:
-    if not status.unreachable:
-        return ""
-    return f"; {len(status.unreachable)} unreachable: {_some(status.unreachable)}"
+    text = describe_blocked(status)
+    return f"; {text}" if text else ""
 
 
 def _some(texts: tuple[str, ...]) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -82,6 +82,7 @@ class ClosedLoop:
     odom: Pose2 = ODOM
     keep_out: Grid | None = None
     speed_mask: Grid | None = None
+    share: Callable[[Pose2], float] = lambda _: 1.0
 
     def __post_init__(self) -> None:
         self.footprint: Footprint = footprint_of_outline(self.outline, self.grid.resolution, 0.01)
@@ -127,6 +128,7 @@ class ClosedLoop:
                     "",
                     blocked,
                     self.speed_mask,
+                    self.share(self.pose),
                 )
             )
             answer = None

@@ -85,6 +85,20 @@ def test_failed_goal_and_malformed_line_exit_with_1(environment: Environment) ->
     assert reached.startswith("g 1 1: reached")
 
 
+def test_end_of_the_reader_ends_the_batch_without_a_word(environment: Environment) -> None:
+    reader, output = os.pipe()
+    os.close(reader)
+    try:
+        lines = "g 2 3\n" * 50
+        done = subprocess.run(
+            [NAVIGATE], input=lines, env=environment, text=True, stdout=output, stderr=subprocess.PIPE, timeout=120
+        )
+    finally:
+        os.close(output)
+    assert done.stderr == ""
+    assert done.returncode == 128 + signal.SIGPIPE
+
+
 def test_what_does_not_come_is_named_after_the_limit(environment: Environment) -> None:
     done = run_piped(NAVIGATE, "g 1 1\n", environment, "map:=nowhere", "move_base/status:=no", "_start_timeout:=8.0")
     assert done.returncode == 2

@@ -68,14 +68,24 @@ def describe_feed(feed: Feed, publishers: int, now: float) -> str:
 
 
 def draw_picture_screen(
-    picture: Pixels | None, status: str, columns: int, rows: int, *, rich: bool, notice: str = ""
+    picture: Pixels | None,
+    status: str,
+    columns: int,
+    rows: int,
+    *,
+    rich: bool,
+    notice: str = "",
+    advice: tuple[str, str] | None = None,
 ) -> list[str]:
     """`rows` lines of `columns` cells: the picture in the middle, the status below it.
 
-    The picture is at most `columns` wide and 2 * (rows - 1) high. `rich`: the terminal knows 24-bit colours. `notice`
+    The picture is at most `columns` wide and 2 * (rows - 1) high; with `advice`, a line above the status and what is at
+    its right end, 2 * (rows - 2). `rich`: the terminal knows 24-bit colours. `notice`
     is text that is wrapped and shown in the middle, in place of the picture's lines there.
     """
-    room = rows - 1
+    first = [advice] if advice and rows > 2 else []
+    bars = [_draw_bar(*each, columns) for each in (*first, (status, "q quits"))]
+    room = rows - len(bars)
     lines = [] if picture is None else _draw_cells(picture, columns, rich=rich)
     body = _centre(lines, room)
     if notice:
@@ -83,9 +93,13 @@ def draw_picture_screen(
         words = ["", *(f"  {line}" for line in textwrap.wrap(notice, width)), ""][:room]
         above = (room - len(words)) // 2
         body[above : above + len(words)] = words
-    right = "q quits "
-    left = f" {status}"[: max(0, columns - len(right) - 1)]
-    return [*body, f"{REVERSE}{left}{' ' * max(0, columns - len(left) - len(right))}{right[:columns]}{RESET}"]
+    return [*body, *bars]
+
+
+def _draw_bar(text: str, end: str, columns: int) -> str:
+    right = f"{end} " if end else ""
+    left = f" {text}"[: max(0, columns - len(right) - 1)]
+    return f"{REVERSE}{left}{' ' * max(0, columns - len(left) - len(right))}{right[:columns]}{RESET}"
 
 
 def _centre(lines: list[str], room: int) -> list[str]:

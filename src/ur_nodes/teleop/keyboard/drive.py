@@ -13,7 +13,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
-from ur_nodes.teleop.mux.emergency import MuxRequest
 from ur_nodes.teleop.terminal.keys import KITTY_RELEASE_FLAGS, FocusLost, Key, KeyEvent, KittyFlags
 
 FIRST_HOLD = 0.6
@@ -56,7 +55,6 @@ SPEED_KEYS: dict[str, tuple[float, float]] = {
     "e": (1.0, 1.1),
     "c": (1.0, 0.9),
 }
-EMERGENCY_KEYS: dict[str, MuxRequest] = {"space": "stop", "r": "release"}
 
 
 class Motion(NamedTuple):
@@ -134,13 +132,6 @@ def step_drive(state: DriveState, event: KeyEvent | None, now: float) -> tuple[D
     if state.zeros_left:
         return replace(state, zeros_left=state.zeros_left - 1), STILL
     return state, None
-
-
-def mux_request_of(event: KeyEvent) -> MuxRequest | None:
-    """Return the request to the mux that a key makes; None for any other key."""
-    if not isinstance(event, Key) or event.action != "press" or event.ctrl:
-        return None
-    return EMERGENCY_KEYS.get(event.name)
 
 
 def motion_of(state: DriveState) -> Motion:

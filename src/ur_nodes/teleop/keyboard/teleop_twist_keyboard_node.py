@@ -21,9 +21,9 @@ from ur_nodes.teleop.keyboard.commander_node import (
     make_commander,
     wait_for_listener,
 )
-from ur_nodes.teleop.keyboard.drive import STILL, DriveSettings, mux_request_of, start_drive, step_drive
+from ur_nodes.teleop.keyboard.drive import STILL, DriveSettings, start_drive, step_drive
 from ur_nodes.teleop.keyboard.drive_screen import describe_drive, draw_drive_screen, draw_map_screen, map_room
-from ur_nodes.teleop.keyboard.map_feed_node import MapFeed
+from ur_nodes.teleop.map_view.map_feed_node import MapFeed
 from ur_nodes.teleop.mux.driver_text import (
     clock_time,
     describe_lost,
@@ -32,9 +32,9 @@ from ur_nodes.teleop.mux.driver_text import (
     may_command,
     name_holder,
 )
-from ur_nodes.teleop.mux.emergency import Emergency
+from ur_nodes.teleop.mux.emergency import Emergency, mux_request_of
 from ur_nodes.teleop.mux.link_node import MuxLink
-from ur_nodes.teleop.navigator.map_saving_node import SAVE_KEY, MapSaving, call_save
+from ur_nodes.teleop.navigator.map_saving_node import MapSaving, asks_to_save, call_save
 from ur_nodes.teleop.terminal.foreground_node import run_in_foreground
 from ur_nodes.teleop.terminal.keys import Key, KeyEvent, decode_keys
 from ur_nodes.teleop.terminal.raw import Terminal, own_terminal
@@ -174,7 +174,7 @@ def _pass_on(event: KeyEvent, commander: Commander, mux: Emergency, saving: MapS
         mux.ask(mux_request)
     if (request := driver_request_of(event)) is not None:
         commander.request(request)
-    if saving and isinstance(event, Key) and event.name == SAVE_KEY and event.action == "press" and not event.ctrl:
+    if saving and asks_to_save(event):
         saving.ask()
 
 

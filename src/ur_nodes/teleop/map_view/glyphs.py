@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from ur.maps.viewport import Viewport
@@ -28,6 +28,22 @@ class Glyph:
     text: str
     colour: Colour
     behind: Colour | None = None  # None: what the pixels show
+
+
+@dataclass(frozen=True, slots=True)
+class Mark:
+    """A character at a point of the map (m): something of interest, or, with `blocked`, something out of reach."""
+
+    x: float
+    y: float
+    text: str
+    blocked: bool = False
+
+
+def place_marks(marks: Sequence[Mark], view: Viewport, palette: Palette) -> list[Glyph]:
+    """The marks that lie in the view."""
+    found = ((mark, _cell(view, Pose2(mark.x, mark.y, 0.0))) for mark in marks)
+    return [Glyph(*cell, m.text, palette.scan if m.blocked else palette.label) for m, cell in found if cell]
 
 
 def place_glyphs(

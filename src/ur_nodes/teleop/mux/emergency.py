@@ -5,7 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal, Protocol
 
+from ur_nodes.teleop.terminal.keys import Key, KeyEvent
+
 MuxRequest = Literal["stop", "release"]
+
+EMERGENCY_KEYS: dict[str, MuxRequest] = {"space": "stop", "r": "release"}
 
 _IDLE = "idle"
 
@@ -32,6 +36,13 @@ class Emergency(Protocol):
 
     def ask(self, request: MuxRequest) -> None:
         """Stop everything that drives, or release the emergency stop."""
+
+
+def mux_request_of(event: KeyEvent) -> MuxRequest | None:
+    """Return the request to the mux that a key makes; None for any other key."""
+    if not isinstance(event, Key) or event.action != "press" or event.ctrl:
+        return None
+    return EMERGENCY_KEYS.get(event.name)
 
 
 def view_of(connected: bool, stopped: bool | None, active: str, asked: MuxRequest | None, problem: str) -> MuxView:

@@ -22,7 +22,7 @@ from ur_nodes.teleop.navigator.model import Snapshot
 from ur_nodes.teleop.navigator.navigation_topics_node import Names
 from ur_nodes.teleop.navigator.ros_navigator_node import RosNavigator
 from ur_nodes.teleop.navigator.waypoints import WaypointStore, name_of_map, waypoint_path
-from ur_nodes.teleop.terminal.foreground_node import run_in_foreground
+from ur_nodes.teleop.terminal.foreground_node import BROKEN_PIPE_EXIT_CODE, drop_output, run_in_foreground
 
 _NAME = "keyboard_navigate"
 
@@ -145,7 +145,8 @@ def _run_batch(
     """Run commands line by line; `attended`: a person types them on a terminal that cannot draw."""
     lines = LineReader(0, ended)
     urgent = lines.take_urgent if attended else None
-    around = BatchContext(_write_out, _write_err, time.monotonic, ended.wait, urgent, save)
+    output = _Output(ended)
+    around = BatchContext(output.write, _write_err, time.monotonic, ended.wait, urgent, save)
     if attended:
         around.out(f"{_NAME}: one command a line; ? lists them, s stops, e is the emergency stop, q quits")
     try:
@@ -160,17 +161,32 @@ def _run_batch(
         while (store := store_for(navigator.snapshot())) is None:
             if ended.wait(0.1):
                 return 128 + signal.SIGINT
-        return run_batch(lines, navigator, store, limits, around)
+        code = run_batch(lines, navigator, store, limits, around)
+        return BROKEN_PIPE_EXIT_CODE if output.lost else code
     except InterruptedBatchError as interrupt:
+        if output.lost:
+            return BROKEN_PIPE_EXIT_CODE
         around.err(f"error: {_NAME}: interrupted{f', {interrupt}' if str(interrupt) else ''}")
         return 1
     finally:
         ended.wait(0.1)  # let the last message leave before the connections close
 
 
-def _write_out(line: str) -> None:
-    sys.stdout.write(line + "\n")
-    sys.stdout.flush()
+class _Output:
+    """Standard output; when nobody reads it any more, the batch is to end, and with it a goal that is driven to."""
+
+    def __init__(self, ended: threading.Event) -> None:
+        self._ended = ended
+        self.lost = False
+
+    def write(self, line: str) -> None:
+        try:
+            sys.stdout.write(line + "\n")
+            sys.stdout.flush()
+        except BrokenPipeError:
+            self.lost = True
+            drop_output()
+            self._ended.set()
 
 
 def _write_err(line: str) -> None:

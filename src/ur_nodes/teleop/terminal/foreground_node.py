@@ -22,6 +22,8 @@ from ur_nodes.rosio.connections import bound_connections
 from ur_nodes.rosio.log_errors import report_log_errors, say_nothing
 from ur_nodes.rosio.shell import silence_terminal
 
+BROKEN_PIPE_EXIT_CODE = 128 + signal.SIGPIPE
+
 
 def run_in_foreground(name: str, body: Callable[[threading.Event], int]) -> int:
     """Register as `name` and call `body(ended)` in this thread; its result is the exit code.
@@ -29,6 +31,7 @@ def run_in_foreground(name: str, body: Callable[[threading.Event], int]) -> int:
     `ended` is set by SIGINT, SIGTERM, SIGHUP and by the master asking for shutdown: the body returns soon after.
     Without a master, or after a UserError: one clear line on standard error and exit code 2. After any other
     exception, also of another thread: one line that names the file with the traceback, and `crash.EXIT_CODE`.
+    When nobody reads the output any more: nothing is printed, and the exit code is that of SIGPIPE, 141.
     When a new node of the same name takes this one's place: one line, and exit code 1. rospy never writes on the
     terminal.
     """
@@ -61,12 +64,22 @@ def run_in_foreground(name: str, body: Callable[[threading.Event], int]) -> int:
     except UserError as problem:
         sys.stderr.write(render_human(problem.diagnostics))
         return 2
+    except BrokenPipeError:
+        drop_output()
+        return BROKEN_PIPE_EXIT_CODE
     except Exception as problem:
         report = write_crash_report(problem, name, [Path(rospkg.get_log_dir())])
         sys.stderr.write(describe_crash(problem, name, report) + "\n")
         return EXIT_CODE
     finally:
         rospy.signal_shutdown("the program ended")
+
+
+def drop_output() -> None:
+    """Let what is still written to standard output vanish, so that Python does not fail to flush it at the end."""
+    nothing = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nothing, 1)
+    os.close(nothing)
 
 
 def collect_thread_crashes() -> list[BaseException]:

@@ -34,6 +34,13 @@ def test_screen_has_the_size_of_the_terminal(columns: int, rows: int) -> None:
     assert all(len(line) <= columns for line in lines)
 
 
+def test_advice_has_a_line_of_its_own_above_the_status() -> None:
+    lines = bare(draw_picture_screen(None, "4 views", 40, 5, rich=True, advice=("tilt the board", "c calibrates")))
+    assert lines[-2] == " tilt the board" + " " * 12 + "c calibrates "
+    assert lines[-1].split() == ["4", "views", "q", "quits"]
+    assert [len(lines), *map(len, lines[-2:])] == [5, 40, 40]
+
+
 def test_status_is_the_last_line_and_says_how_to_leave() -> None:
     lines = bare(draw_picture_screen(None, "waiting", 40, 5, rich=True))
     assert lines[-1].startswith(" waiting")

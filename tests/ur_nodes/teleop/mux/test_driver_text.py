@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 
 from ur_nodes.motion.lease.view import Conduct, LeaseView
-from ur_nodes.teleop.keyboard.drive import DIRECTIONS, EMERGENCY_KEYS, SPEED_KEYS
+from ur_nodes.teleop.keyboard.drive import DIRECTIONS, SPEED_KEYS
 from ur_nodes.teleop.mux.driver_text import (
     DRIVER_KEYS,
     clock_time,
@@ -12,6 +12,7 @@ from ur_nodes.teleop.mux.driver_text import (
     line_of,
     may_command,
 )
+from ur_nodes.teleop.mux.emergency import EMERGENCY_KEYS
 from ur_nodes.teleop.terminal.keys import Key
 
 SINCE = 1_800_000_000.0

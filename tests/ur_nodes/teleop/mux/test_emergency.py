@@ -2,8 +2,14 @@ from __future__ import annotations
 
 import pytest
 
-from ur_nodes.teleop.keyboard.drive import mux_request_of
-from ur_nodes.teleop.mux.emergency import MuxRequest, MuxView, describe_emergency, describe_refusal, view_of
+from ur_nodes.teleop.mux.emergency import (
+    MuxRequest,
+    MuxView,
+    describe_emergency,
+    describe_refusal,
+    mux_request_of,
+    view_of,
+)
 from ur_nodes.teleop.terminal.keys import FocusLost, Key, KeyEvent
 
 

@@ -1,15 +1,17 @@
-"""The map that grows beside the keys: topics and tf to lines on a terminal, drawn a few times a second."""
+"""The map that grows: topics and tf to lines on a terminal, drawn a few times a second."""
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Sequence
+from typing import Any, Protocol
 
 import rospy
 
 from ur.maps.viewport import Viewport
 from ur.source.diagnostic import UserError
 from ur_nodes.rosio.grid_message import GridMessage, grid_of_message
-from ur_nodes.teleop.keyboard.map_panel import GrowingMap, draw_map_lines, follow, prepare_map
+from ur_nodes.teleop.map_view.glyphs import Mark
+from ur_nodes.teleop.map_view.growing_map import GrowingMap, draw_map_lines, follow, prepare_map
 from ur_nodes.teleop.navigator.model import Snapshot
 from ur_nodes.teleop.navigator.robot_state_node import RobotState
 
@@ -17,10 +19,21 @@ _EVERY = 0.25  # s between two pictures: drawing must not keep velocities waitin
 _LOGGED_EVERY = 10.0  # s
 
 
+class Additions(Protocol):
+    """Adds what a program knows besides the map and the robot."""
+
+    def add(self, snapshot: Snapshot) -> Snapshot:
+        """The snapshot with goal and path."""
+
+    def marks(self) -> Sequence[Mark]:
+        """Characters to draw on the map."""
+
+
 class MapFeed:
     """Subscribes to `map`, `scan` and tf. `lines` is called by one thread."""
 
-    def __init__(self, map_frame: str, base_frame: str, *, colour: bool) -> None:
+    def __init__(self, map_frame: str, base_frame: str, *, colour: bool, additions: Additions | None = None) -> None:
+        self._additions = additions
         self._colour = colour
         self._map: GrowingMap | None = None
         self._view: Viewport | None = None
@@ -34,9 +47,12 @@ class MapFeed:
         if size == (columns, rows) and 0.0 <= now - drawn_at < _EVERY:
             return lines
         snapshot = Snapshot(pose=self._robot.pose(), scan=self._robot.scan())
+        marks: Sequence[Mark] = ()
+        if self._additions:
+            snapshot, marks = self._additions.add(snapshot), self._additions.marks()
         growing = self._map
         self._view = follow(self._view, growing, snapshot, columns, rows)
-        lines = draw_map_lines(growing, snapshot, self._view, colour=self._colour)
+        lines = draw_map_lines(growing, snapshot, self._view, colour=self._colour, marks=marks)
         self._shown = (now, (columns, rows), lines)
         return lines
 

@@ -7,7 +7,7 @@ import numpy as np
 from ur.source.ansi import strip_styles
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.teleop.keyboard.map_panel import draw_map_lines, follow, prepare_map
+from ur_nodes.teleop.map_view.growing_map import draw_map_lines, follow, prepare_map
 from ur_nodes.teleop.navigator.model import Snapshot
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -11,7 +12,7 @@ from ur.maps.viewport import Viewport, fit_viewport
 from ur.source.ansi import RESET
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.teleop.map_view.cells import Run, cells_of_pixels
-from ur_nodes.teleop.map_view.glyphs import place_glyphs, scale_bar
+from ur_nodes.teleop.map_view.glyphs import Mark, place_glyphs, place_marks, scale_bar
 from ur_nodes.teleop.map_view.palette import DARK, Colour
 from ur_nodes.teleop.map_view.picture import GridIndex, draw_map, draw_overlay, index_grid
 from ur_nodes.teleop.navigator.model import Snapshot
@@ -59,10 +60,19 @@ def follow(view: Viewport | None, growing: GrowingMap | None, snapshot: Snapshot
     return Viewport(pose.x, pose.y, _COARSEST, columns, 2 * rows)
 
 
-def draw_map_lines(growing: GrowingMap | None, snapshot: Snapshot, view: Viewport, *, colour: bool) -> list[str]:
-    """Draw map, scan and robot: `view.height` / 2 lines of `view.width` characters. Without `colour` walls are `#`."""
+def draw_map_lines(
+    growing: GrowingMap | None, snapshot: Snapshot, view: Viewport, *, colour: bool, marks: Sequence[Mark] = ()
+) -> list[str]:
+    """Draw map, path, scan, marks and robot: `view.height` / 2 lines of `view.width` characters.
+
+    Without `colour` walls are `#`.
+    """
     picture = draw_overlay(draw_map(growing.index if growing else None, view, DARK), snapshot, view, DARK)
-    glyphs = [*place_glyphs(snapshot, {}, None, view, DARK), *scale_bar(view, DARK)]
+    glyphs = [
+        *place_marks(marks, view, DARK),
+        *place_glyphs(snapshot, {}, None, view, DARK),
+        *scale_bar(view, DARK),
+    ]
     write = _colours if colour else _letters
     return [
         "".join(write(run) for run in line) + (RESET if colour else "") for line in cells_of_pixels(picture, glyphs)
