@@ -28,7 +28,7 @@ from ur_nodes.rosio.shell import run_node
 
 _NAME = "costmap_node"
 _WAITING = 100  # messages that are not worked in yet
-_PATIENCE = 5.0  # s
+_PATIENCE = 10.0  # s: on a small computer a base starts later than this node
 _ODOMETRY_PATIENCE = 0.5  # s for which data wait for the odometry of their time
 
 

@@ -60,7 +60,7 @@ class MoveBase:
         self._shown = 0
         self._worker = PlanWorker(self._settings.planner, self._on_plan)
         self._watch = GoalWatch(self._settings.mux, watch)
-        self._output = VelocityOutput(self._watch.link, stamped=self._settings.stamped)
+        self._output = VelocityOutput(self._watch.link, self._settings.mux, stamped=self._settings.stamped)
         self._action_goal = rospy.Publisher("move_base/goal", MoveBaseActionGoal, queue_size=1)
         rospy.Subscriber("move_base_simple/goal", PoseStamped, self._on_simple_goal, queue_size=1)
         rospy.Subscriber(f"{self._settings.mux}/stopped", Bool, self._on_stopped, queue_size=1)
@@ -123,6 +123,7 @@ class MoveBase:
                 trouble=trouble,
                 path_blocked=self._path_blocked,
                 speed_mask=self._world.zones.speed,
+                share=self._output.share,
             )
         )
         self._apply(out)

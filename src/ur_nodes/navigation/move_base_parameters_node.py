@@ -168,7 +168,7 @@ def _planner(top: Parameters, footprint: Footprint, resolution: float) -> PlanSe
         factor=weights.number("cost_factor", 0.3, minimum=0.0),
         allow_unknown=navfn.boolean("allow_unknown", True),
         tolerance=navfn.number("default_tolerance", 0.0, minimum=0.0),
-        nudge=0.6 * top.below("DWAPlannerROS").number("xy_goal_tolerance", 0.1, minimum=0.02),
+        nudge=0.5 * top.below("DWAPlannerROS").number("xy_goal_tolerance", 0.1, minimum=0.02),
         room=footprint.circumscribed + resolution,
     )
 

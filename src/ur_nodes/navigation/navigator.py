@@ -20,7 +20,7 @@ from ur_nodes.navigation.local_plan import (
 from ur_nodes.navigation.navigator_step import Ending, Inputs, NavigatorSettings, Outputs, Phase, PlanAnswer
 from ur_nodes.navigation.planning.path_geometry import Points, nearest_index
 from ur_nodes.navigation.recovery import Behaviour, Recovery, move_to_recover
-from ur_nodes.navigation.speed_profile import Limits, approach, speed_shares, turn_rate
+from ur_nodes.navigation.speed_profile import Limits, approach, limit_speeds, speed_shares, turn_rate
 
 
 @dataclass(slots=True)
@@ -53,7 +53,8 @@ class Navigator:
         self, settings: NavigatorSettings, limits: Limits, follow: FollowSettings, footprint: Footprint
     ) -> None:
         self._settings = settings
-        self._limits = limits
+        self._limits = self._highest = limits
+        self._share = 1.0
         self._follow = follow
         self._footprint = footprint
         self._run: _Run | None = None
@@ -83,6 +84,9 @@ class Navigator:
         run = self._run
         if run is None:
             return Outputs()
+        if inputs.share != self._share:
+            self._share, self._limits = inputs.share, limit_speeds(self._highest, inputs.share)
+            run.reference = None
         stopped = self._check_trouble(run, inputs)
         if stopped is not None:
             return stopped

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +21,12 @@ class Limits:
     acceleration: float
     turn_acceleration: float
     backward: float = 0.1
+
+
+def limit_speeds(limits: Limits, share: float) -> Limits:
+    """The limits with a share (0 to 1) of the speeds; accelerations stay."""
+    speeds = (share * limits.speed, share * limits.turn, share * limits.backward)
+    return replace(limits, speed=speeds[0], turn=speeds[1], backward=speeds[2])
 
 
 def speed_shares(mask: Grid | None, points: Points) -> NDArray[np.float64] | None:

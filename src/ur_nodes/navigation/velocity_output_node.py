@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import rospy
 from geometry_msgs.msg import Twist
+from std_msgs.msg import Float32
 
 from ur_nodes.motion.challenge.challenge_node import ChallengeLink, FreshPublisher
 
@@ -13,14 +14,20 @@ class VelocityOutput:
 
     Commands go out stamped with the newest challenge, which bounds their age, as soon as the mux has subscribed to
     them; from then on never plain. A base without our mux has no subscriber there and gets plain ones. This node drives
-    for whoever holds the lease, so that its commands name no client.
+    for whoever holds the lease, so that its commands name no client. `share` (0 to 1) is how much of the base's
+    speeds the mux lets through: a plan for more would not be kept.
     """
 
-    def __init__(self, link: ChallengeLink, *, stamped: bool) -> None:
+    def __init__(self, link: ChallengeLink, mux: str, *, stamped: bool) -> None:
         """`stamped` false: plain commands always."""
+        self.share = 1.0
+        rospy.Subscriber(f"{mux}/speed_limit_in_force", Float32, self._on_limit, queue_size=1)
         self._plain = rospy.Publisher("cmd_vel", Twist, queue_size=1, tcp_nodelay=True)
         self._stamped = FreshPublisher("cmd_vel", link) if stamped else None
         self._to_mux = False
+
+    def _on_limit(self, message: Float32) -> None:
+        self.share = message.data / 100.0 if 0.0 < message.data <= 100.0 else 1.0
 
     def send(self, speed: float, turn: float) -> None:
         """Publish a command, m/s and rad/s. Without a fresh challenge there is none: the robot stops."""

@@ -14,7 +14,7 @@ from ur_nodes.navigation.local_plan import FollowSettings, Motion
 from ur_nodes.navigation.navigator import Navigator
 from ur_nodes.navigation.navigator_step import Ending, Inputs, NavigatorSettings, Outputs, Phase, PlanAnswer
 from ur_nodes.navigation.recovery import SEQUENCE, Behaviour
-from ur_nodes.navigation.speed_profile import Limits
+from ur_nodes.navigation.speed_profile import Limits, limit_speeds
 
 STRAIGHT = np.stack((np.arange(0.0, 3.01, 0.05), np.zeros(61)), axis=-1)
 HOME = Pose2(0.0, 0.0, 0.0)
@@ -69,6 +69,18 @@ def test_navigator_slows_down_before_a_speed_zone_and_goes_on_after_it() -> None
     assert speed[(x > 2.05) & (x < 4.0)].max() <= 0.3 * LIMITS.speed + 0.01
     assert speed[x < 1.5].max() > 0.45
     assert speed[x > 4.2].max() > 0.45
+
+
+def test_navigator_plans_with_the_speed_that_the_mux_allows_and_brakes_gently_to_it() -> None:
+    grid = Grid(np.zeros((200, 200), np.int8), 0.05, Pose2(-2.0, -5.0, 0.0))
+    drive = ClosedLoop(grid, share=lambda pose: 0.3 if 2.0 < pose.x < 4.0 else 1.0).drive(Pose2(6.0, 0.0, 1.0))
+    check(drive, Pose2(6.0, 0.0, 1.0))
+    x, speed = drive.trace[1:, 0], drive.speeds[1:, 0]
+    assert speed[(x > 2.5) & (x < 3.9)].max() <= 0.3 * LIMITS.speed + 1e-9
+    assert speed[x < 1.9].max() > 0.45
+    assert speed[x > 4.5].max() > 0.45
+    limited = ClosedLoop(grid, share=lambda _: 0.3).drive(Pose2(1.0, 0.0, 3.0))
+    check(limited, Pose2(1.0, 0.0, 3.0), limit_speeds(LIMITS, 0.3))
 
 
 def test_navigator_stands_a_localisation_that_trembles() -> None:
