@@ -81,6 +81,22 @@ def test_noise_is_no_answer() -> None:
     assert parse_answers("{") == {}
 
 
+def test_device_that_is_unplugged_while_it_is_asked_ends_the_question() -> None:
+    ours, theirs = os.openpty()
+    tty.setraw(theirs)
+    path = os.ttyname(theirs)
+
+    def unplug() -> None:
+        os.read(ours, 1)
+        os.close(theirs)
+        os.close(ours)
+
+    worker = threading.Thread(target=unplug)
+    worker.start()
+    assert ask(path, "rplidar") == "cannot be asked: it was unplugged"
+    worker.join()
+
+
 def test_device_in_use_is_not_asked() -> None:
     lidar = Device("/dev/ttyUSB0", "serial", "10c4:ea60")
     used = Device("/dev/ttyUSB1", "serial", "10c4:ea60", holders=(Holder(1, "rplidarNode"),))

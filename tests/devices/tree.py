@@ -3,7 +3,12 @@
 from __future__ import annotations
 
 import os
+import shutil
 from pathlib import Path
+
+from ur.devices.observe import device_script
+from ur.robot.ssh.secret import Secret
+from ur.robot.ssh.shell import Done, LocalShell
 
 
 class Tree:
@@ -41,6 +46,12 @@ class Tree:
         if video:
             self._show(interface, "video4linux", video, name=name, index="0")
 
+    def unplug(self, port: str, tty: str) -> None:
+        """Unplug a serial device, after its stand-in."""
+        (self.root / "sys/class/tty" / tty).unlink()
+        (self.root / "sys/bus/usb/devices" / port).unlink()
+        shutil.rmtree(self.root / "sys/devices/usb1" / port)
+
     def solder(self, tty: str, *, kind: str = "32") -> None:
         """Add a serial port of the board itself."""
         folder = self.root / "sys/devices/platform" / tty
@@ -71,3 +82,19 @@ class Tree:
         (self.root / "sys/class" / group).mkdir(exist_ok=True)
         (self.root / "sys/class" / group / node).symlink_to(folder)
         (self.root / "dev" / node).write_text("")
+
+
+class TreeShell:
+    """A shell of the computer of a tree: scripts that look at devices or ask them see only those."""
+
+    place = "the computer of the tree"
+
+    def __init__(self, tree: Tree) -> None:
+        self._root = str(tree.root)
+
+    def run(self, script: str, *, root: bool = False, stdin: str | Secret = "", timeout: float = 60.0) -> Done:
+        inside = (
+            device_script(self._root) if script == device_script() else script.replace('"/dev/', f'"{self._root}/dev/')
+        )
+        done = LocalShell().run(inside, root=root, stdin=stdin, timeout=timeout)
+        return Done(done.code, done.out.replace(self._root, ""), done.err.replace(self._root, ""))

@@ -9,6 +9,7 @@ The argument is a JSON list of [path, kind of question, baud rate]. Prints a JSO
 
 from __future__ import annotations
 
+import errno
 import fcntl
 import json
 import os
@@ -18,6 +19,7 @@ import termios
 import time
 import tty
 from collections.abc import Callable
+from contextlib import suppress
 
 WAIT = 1.5  # s
 PACKET = 22  # bytes of an XV-11
@@ -31,7 +33,8 @@ def main() -> None:
             try:
                 answers[path] = ask(path, kind, baud)
             except OSError as problem:
-                answers[path] = f"cannot be opened: {problem.strerror}"
+                state = "cannot be opened" if problem.filename else "cannot be asked"
+                answers[path] = f"{state}: {problem.strerror}"
     sys.stdout.write(json.dumps(answers) + "\n")
 
 
@@ -50,8 +53,9 @@ def ask(path: str, kind: str, baud: int) -> str:
             termios.tcflush(line, termios.TCIOFLUSH)
             return {"rplidar": _ask_rplidar, "neato": _ask_neato, "xv11": _hear_xv11}[kind](line)
         finally:
-            termios.tcsetattr(line, termios.TCSANOW, before)
-            fcntl.ioctl(line, termios.TIOCNXCL)
+            with suppress(OSError, termios.error):  # unplugged
+                termios.tcsetattr(line, termios.TCSANOW, before)
+                fcntl.ioctl(line, termios.TIOCNXCL)
     except termios.error as problem:
         raise OSError(*problem.args) from None
     finally:
@@ -107,7 +111,10 @@ def _read(line: int, done: Callable[[bytes], bool]) -> bytes:
     end, data = time.monotonic() + WAIT, b""
     while (left := end - time.monotonic()) > 0 and not done(data) and len(data) < 65536:
         if select.select([line], [], [], left)[0]:
-            data += os.read(line, 4096)
+            more = os.read(line, 4096)
+            if not more:
+                raise OSError(errno.ENODEV, "it was unplugged")
+            data += more
     return data
 
 

@@ -8,6 +8,7 @@ from collections.abc import Iterable
 from ur.robot.base import Wheels
 
 HOLD = 0.5  # s; a driver that reads its bumpers five times a second may take that long to report one again
+PLAUSIBLE = 50.0  # m/s and rad/s; no base that is driven here moves like that
 LONGEST_GAP = 0.5  # s without odometry, after which it is not known how far the wheels turned
 
 
@@ -40,8 +41,13 @@ class WheelStates:
         self.angles = (0.0, 0.0)
         self.speeds = (0.0, 0.0)
 
-    def update(self, forward: float, turn: float, time: float) -> None:
-        """The base moves at m/s and rad/s at a time (s). Differential drive: v +- w b / 2 at the rims."""
+    def update(self, forward: float, turn: float, time: float) -> bool:
+        """The base moves at m/s and rad/s at a time (s). Differential drive: v +- w b / 2 at the rims.
+
+        Returns False, and changes nothing, for speeds beyond PLAUSIBLE or no numbers: the driver misread its line.
+        """
+        if not (abs(forward) <= PLAUSIBLE and abs(turn) <= PLAUSIBLE):
+            return False
         across = turn * self._wheels.separation / 2.0
         speeds = ((forward - across) / self._wheels.radius, (forward + across) / self._wheels.radius)
         gap = time - self._time if self._time is not None else 0.0
@@ -52,3 +58,4 @@ class WheelStates:
             )
             self.angles = (left, right)
         self.speeds, self._time = speeds, time
+        return True

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from typing import Any
 
@@ -20,6 +21,12 @@ from ur_nodes.rosio.parameters import Parameters
 from ur_nodes.rosio.shell import run_node
 
 _LOOK_RATE = 10.0  # Hz
+_WARN_EVERY = 10.0  # s
+_QUATERNION_ERROR = 0.01
+_BAD_ODOMETRY = (
+    "odometry is left out, expected finite numbers, a unit quaternion and speeds that a robot can have:"
+    " does the driver read its serial line at the right baud rate, without noise?"
+)
 
 
 class OdometryAdapter:
@@ -34,9 +41,11 @@ class OdometryAdapter:
 
     def _on_odometry(self, odometry: Odometry) -> None:
         stamp, twist = odometry.header.stamp, odometry.twist.twist
+        if not _is_pose(odometry) or not self._wheels.update(twist.linear.x, twist.angular.z, stamp.to_sec()):
+            rospy.logwarn_throttle(_WARN_EVERY, f"{rospy.resolve_name('odom')}: {_BAD_ODOMETRY}")
+            return
         if self._tf:
             self._tf.publish(TFMessage([_transform(odometry)]))
-        self._wheels.update(twist.linear.x, twist.angular.z, stamp.to_sec())
         self._message.header.stamp = stamp
         self._message.position, self._message.velocity = self._wheels.angles, self._wheels.speeds
         self._joints.publish(self._message)
@@ -73,6 +82,12 @@ class BumperAdapter:
     def _publish_bumpers(self, _event: Any) -> None:
         for name, pressed in self._states.changes(rospy.get_time()).items():
             self._topics[name].publish(pressed)
+
+
+def _is_pose(odometry: Odometry) -> bool:
+    place, rotation = odometry.pose.pose.position, odometry.pose.pose.orientation
+    length = math.hypot(rotation.x, rotation.y, rotation.z, rotation.w)
+    return math.isfinite(place.x) and math.isfinite(place.y) and abs(length - 1.0) < _QUATERNION_ERROR
 
 
 def _transform(odometry: Odometry) -> TransformStamped:

@@ -3,8 +3,13 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
+from typing import Any
 
 import pytest
+from tests.devices.stand_ins.firmwares import RplidarA1
+from tests.devices.stand_ins.serial_stand_in import SerialStandIn
+from tests.devices.tree import Tree, TreeShell
 
 from ur.cli.main import main
 from ur.cli.robots import devices
@@ -41,3 +46,63 @@ def test_list_for_programs_names_device_and_stable_name(capsys: pytest.CaptureFi
     assert run("--json") == 0
     (found,) = json.loads(capsys.readouterr().out)["devices"]
     assert (found["path"], found["stable"], found["usb"]) == ("/dev/ttyUSB0", "/dev/rplidar", "10c4:ea60")
+
+
+@pytest.fixture
+def computer(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Tree:
+    """A computer whose devices are stand-ins, in place of this one."""
+    tree = Tree(tmp_path)
+    monkeypatch.setattr(devices, "LocalShell", lambda: TreeShell(tree))
+    monkeypatch.setenv("COLUMNS", "300")
+    return tree
+
+
+def plug_lidar(computer: Tree, tty: str, *, firmware: tuple[int, int] = (1, 29), **faults: Any) -> SerialStandIn:
+    """Plug an RPLIDAR in, with the name that our udev rules give it."""
+    computer.plug("1-1.2", "10c4:ea60", serial="0001", tty=tty)
+    (computer.root / "dev" / tty).unlink()
+    computer.link("rplidar", tty)
+    return SerialStandIn(computer.root / "dev" / tty, RplidarA1(firmware), **{"baud": 115200, **faults})
+
+
+def ask_lidar(capsys: pytest.CaptureFixture[str]) -> tuple[str, str | None]:
+    """The state of the lidar that the base needs, and what the device answered."""
+    run("--probe", "--json", "--base", "magni", "--variant", "lidar")
+    found = json.loads(capsys.readouterr().out)
+    state = next(each for each in found["expected"] if each["path"] == "/dev/rplidar")
+    answer = next((each["answer"] for each in found["devices"] if each["path"] == state["device"]), None)
+    return state["state"], answer
+
+
+def test_unplugged_lidar_is_missing_and_ready_again_behind_another_device_file(
+    computer: Tree, capsys: pytest.CaptureFixture[str]
+) -> None:
+    answer = "RPLIDAR model 1.8, firmware 1.29, number 000102030405060708090A0B0C0D0E0F"
+    with plug_lidar(computer, "ttyUSB0"):
+        assert ask_lidar(capsys) == ("ready", answer)
+    computer.unplug("1-1.2", "ttyUSB0")
+    (computer.root / "dev/rplidar").unlink()
+    assert ask_lidar(capsys) == ("missing", None)
+    with plug_lidar(computer, "ttyUSB1"):
+        assert ask_lidar(capsys) == ("ready", answer)
+        run("--probe")
+        assert "/dev/ttyUSB1" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("faults", "said"),
+    [
+        ({"noise": b"\x00\xa5\x5a\xff"}, "RPLIDAR model 1.8, firmware 1.29"),
+        ({"firmware": (1, 17)}, "RPLIDAR model 1.8, firmware 1.17"),
+        ({"baud": 256000}, "probably Slamtec RPLIDAR A1, A2 or A3"),
+    ],
+    ids=["noise", "old firmware", "wrong baud rate"],
+)
+def test_lidar_with_a_fault_is_named_by_its_answer_or_said_not_to_answer(
+    computer: Tree, capsys: pytest.CaptureFixture[str], faults: dict[str, Any], said: str
+) -> None:
+    with plug_lidar(computer, "ttyUSB0", **faults):
+        run("--probe")
+        out = capsys.readouterr().out
+    assert said in out
+    assert ("no answer that is known" in out) == ("baud" in faults)

@@ -76,14 +76,17 @@ def make_xv11_packet(index: int, distance: int) -> bytes:
 
 
 READ, WRITE, RESPONSE = 0xA, 0xB, 0xC
-FIRMWARE_VERSION, BOTH_SPEED_SET = 0x22, 0x2A
+FIRMWARE_VERSION, BOTH_SPEED_SET, BOTH_ODOM = 0x22, 0x2A, 0x30
 
 
 class MagniMotors:
-    """Answers reads of registers and keeps writes; what has a wrong checksum is ignored."""
+    """Answers reads of registers and keeps writes; what has a wrong checksum is ignored.
 
-    def __init__(self, firmware: int = 35) -> None:
-        self.registers = {FIRMWARE_VERSION: firmware, BOTH_SPEED_SET: 0}
+    A read of the odometry has what the wheels turned since the last one: `ticks` each.
+    """
+
+    def __init__(self, firmware: int = 35, *, ticks: int = 0) -> None:
+        self.registers = {FIRMWARE_VERSION: firmware, BOTH_SPEED_SET: 0, BOTH_ODOM: ticks << 16 | ticks & 0xFFFF}
         self.writes = 0
         self._data = b""
 

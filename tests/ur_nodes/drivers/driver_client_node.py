@@ -19,12 +19,13 @@ class Client:
     def __init__(self) -> None:
         self.arrived = threading.Condition()
         self.heard: dict[str, list[Any]] = {}
-        self.sensor = get_message_class("neato_node/Sensor")  # made for the test
+        self.sensor = get_message_class("neato_node/Sensor")  # made for the tests that need it
         self.publishers = {
             "odom": rospy.Publisher("/odom", Odometry, queue_size=10),
             "driver/scan": rospy.Publisher("/driver/scan", LaserScan, queue_size=10),
-            "sensor": rospy.Publisher("/sensor", self.sensor, queue_size=10),
         }
+        if self.sensor:
+            self.publishers["sensor"] = rospy.Publisher("/sensor", self.sensor, queue_size=10)
 
     def listen(self, topics: list[str]) -> None:
         kinds = {"joint_states": JointState, "scan": LaserScan, "tf": TFMessage}

@@ -61,6 +61,15 @@ def test_speeds_are_those_of_the_last_odometry() -> None:
     assert states.angles == (0.0, 0.0)
 
 
+@pytest.mark.parametrize(("forward", "turn"), [(math.nan, 0.0), (0.0, math.inf), (-1e300, 0.0), (0.0, 60.0)])
+def test_odometry_that_no_base_can_have_turns_no_wheel(forward: float, turn: float) -> None:
+    states = WheelStates(WHEELS)
+    assert states.update(0.5, 0.0, 10.0)
+    assert not states.update(forward, turn, 10.1)
+    assert states.update(0.5, 0.0, 10.2)
+    assert states.angles == pytest.approx((0.2 * 0.5 / WHEELS.radius,) * 2)
+
+
 @pytest.mark.parametrize("gap", [LONGEST_GAP * 2, -1.0, 0.0])
 def test_gap_in_odometry_turns_no_wheel(gap: float) -> None:
     states = WheelStates(WHEELS)

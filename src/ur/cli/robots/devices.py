@@ -103,6 +103,8 @@ def _print_table(name: str, snapshot: Snapshot, answers: Mapping[str, str]) -> N
     unknown = "nobody" if snapshot.complete else f"nobody ({snapshot.user})"
     for each in devices:
         what = answers.get(each.path) or describe_device(each)
+        if answers.get(each.path) == "":
+            what += "; no answer that is known"
         holders = ", ".join(f"{holder.program} ({holder.pid})" for holder in each.holders)
         may = plain_text("yes") if each.allowed else plain_text(f"no: group {each.group}", "red")
         table.add_row(

@@ -1,0 +1,78 @@
+"""Make docs/reference/hardware.md: robots and sensors, what one command brings, and how it was tried.
+
+From `src/ur/devices/supported.py`, the table of known devices and the bases. A test compares the committed page.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from ur.devices.known import find_rows
+from ur.devices.supported import SUPPORTED, Supported
+
+ROOT = Path(__file__).resolve().parents[1]
+PAGE = ROOT / "docs" / "reference" / "hardware.md"
+_HEAD = """# Robots and sensors
+
+Made by `tools/make_hardware_page.py`: edit `src/ur/devices/supported.py` or the table of known devices instead.
+
+Nobody has tried any of this on the hardware itself.
+*Stand-in* means that, in a test, a program speaks the device's public protocol or stands for its interface.
+*Simulator* means that the simulated robot was tried, not its drivers.
+*Description* means that a test reads a description of this kind; the makers' own description is in no test.
+*Drives* were made once, with `bench/navigation`, by the simulated base that `ur new base` wrote; no test repeats them.
+What no test tries is in the last column.
+See [find devices](../how-to/devices.md) for their names, and [get packages](../how-to/get-packages.md) for drivers.
+
+## What one command brings
+
+"""
+
+
+def make_page() -> str:
+    """The page as Markdown."""
+    rows = [
+        (each.name, each.command, each.brings, each.by_hand, _tell_trials(each), each.untried) for each in SUPPORTED
+    ]
+    heads = ("robot or sensor", "command", "what it brings", "left to do by hand", "tried", "not tried")
+    known = [(each.name, _list_bases(each), _list_devices(each)) for each in SUPPORTED if each.devices or each.bases]
+    tests = [
+        (each.name, trial.way, trial.subject, f"`{trial.test.replace('::', '` `')}`")
+        for each in SUPPORTED
+        for trial in each.trials
+    ]
+    parts = [_HEAD, _table(heads, rows), "\n## How they are known\n\n"]
+    parts += [_table(("robot or sensor", "base files", "USB id or device: stable name"), known)]
+    parts += ["\n## Tests\n\n", _table(("robot or sensor", "tried with", "subject", "test"), tests)]
+    return "".join(parts)
+
+
+def _ways(each: Supported) -> list[str]:
+    return list(dict.fromkeys(trial.way for trial in each.trials))
+
+
+def _tell_trials(each: Supported) -> str:
+    return "; ".join([*_ways(each), *([f"drives: {each.drives}"] if each.drives else [])]) or "not tried"
+
+
+def _list_bases(each: Supported) -> str:
+    return ", ".join(f"`{base}`" for base in each.bases) or "none"
+
+
+def _list_devices(each: Supported) -> str:
+    rows = [row for name in each.devices for row in find_rows(name)]
+    names = [
+        f"`{row.match}`" + (f": `/dev/{row.stable}`" if row.stable else "") + ("" if row.sure else " (a guess)")
+        for row in rows
+    ]
+    return ", ".join(names) or "none"
+
+
+def _table(heads: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> str:
+    lines = [heads, tuple("---" for _ in heads), *rows]
+    return "".join(f"| {' | '.join(line)} |\n" for line in lines)
+
+
+if __name__ == "__main__":
+    PAGE.write_text(make_page(), encoding="utf-8")
