@@ -16,7 +16,8 @@ from sensor_msgs.srv import SetCameraInfo
 from ur.source.ansi import is_plain
 from ur.source.diagnostic import UserError, error
 from ur_nodes.camera.calibration.board import Board
-from ur_nodes.camera.calibration.session import Session, describe, draw_overlay
+from ur_nodes.camera.calibration.coverage import advise
+from ur_nodes.camera.calibration.session import Session, describe, describe_progress, draw_overlay
 from ur_nodes.camera.calibration.solve import Result, solve
 from ur_nodes.camera.camera_info_message import make_camera_info
 from ur_nodes.pictures.decode import BadPictureError, Pixels, decode_picture, fit_picture
@@ -111,10 +112,11 @@ def show_session(
         columns, rows = terminal.size()
         if fresh is not None:
             session.look(fresh)
-            picture = fit_picture(draw_overlay(fresh, session), columns, 2 * (rows - 1))
-        status = f"{describe(session)}   c calibrates now" if len(session.views) >= _FEWEST else describe(session)
+            picture = fit_picture(draw_overlay(fresh, session), columns, 2 * max(1, rows - 2))
         notice = pictures.explain_silence()
-        terminal.show(draw_picture_screen(picture, status, columns, rows, rich=rich, notice=notice))
+        advice = advise(session.coverage), "c calibrates" if len(session.views) >= _FEWEST else ""
+        status = describe_progress(session)
+        terminal.show(draw_picture_screen(picture, status, columns, rows, rich=rich, notice=notice, advice=advice))
         data = terminal.read(_PAUSE)
         if data is None:
             return False

@@ -60,10 +60,14 @@ class Session:
 
 
 def describe(session: Session) -> str:
-    """Progress in one line."""
+    """Progress and advice in one line."""
+    return f"{describe_progress(session)}   {advise(session.coverage) or 'complete'}"
+
+
+def describe_progress(session: Session) -> str:
+    """The share that is done, the number of views, and what became of the last picture."""
     coverage = session.coverage
-    advice = advise(coverage) or "complete"
-    return f"{100 * coverage.share:3.0f} %   {coverage.views} of {ENOUGH_VIEWS} views   {session.event}   {advice}"
+    return f"{100 * coverage.share:3.0f} %   {coverage.views} of {ENOUGH_VIEWS} views   {session.event}"
 
 
 def draw_overlay(pixels: Pixels, session: Session) -> Pixels:

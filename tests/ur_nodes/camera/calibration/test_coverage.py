@@ -7,6 +7,8 @@ import pytest
 
 from ur_nodes.camera.calibration.board import Board, Floats, draw_page
 from ur_nodes.camera.calibration.coverage import (
+    CELLS,
+    Coverage,
     View,
     advise,
     is_novel,
@@ -14,6 +16,7 @@ from ur_nodes.camera.calibration.coverage import (
     list_tilts,
     measure_coverage,
 )
+from ur_nodes.teleop.camera.picture_screen import draw_picture_screen
 
 BOARD = Board(5, 4)
 
@@ -85,3 +88,12 @@ def test_page_has_a_square_for_each_second_field_in_its_true_size() -> None:
 def test_printed_page_of_the_launch_library_is_the_default_board() -> None:
     page = Path(__file__).parents[4] / "ubiquity_launches" / "n_calibrate_camera" / "chessboard.svg"
     assert page.read_text() == draw_page(Board())
+
+
+def test_advice_fits_beside_its_key_on_a_terminal_of_80_columns() -> None:
+    cells = [Coverage(frozenset({(column, row)}), (), 3) for column in range(CELLS[0]) for row in range(CELLS[1])]
+    tilts = [Coverage(frozenset(), (face,), 3) for face in ("left", "right", "top", "bottom")]
+    for coverage in (*cells, *tilts, Coverage(frozenset(), (), 3)):
+        advice = advise(coverage)
+        (line, _) = draw_picture_screen(None, "", 80, 3, rich=False, advice=(advice, "c calibrates"))[1:]
+        assert f" {advice} " in line
