@@ -70,7 +70,7 @@ class RobotEnd:
 
     def _read_view(self) -> None:
         for message in _read_lines(self._view):
-            self._views.look(int(message.get("viewers", 0)), message.get("layers", []))
+            self._views.look(int(message.get("viewers", 0)), message.get("layers", []), message.get("plots", []))
         rospy.signal_shutdown("the server is gone")
 
     def _read_drive(self) -> None:

@@ -32,13 +32,16 @@ from ur_nodes.teleop.mux.emergency import MuxView
 from ur_nodes.teleop.mux.link_node import MuxLink
 from ur_nodes.teleop.navigator.model import GoalReport, Snapshot, distance_left
 from ur_nodes.teleop.navigator.navigation_topics_node import NavigationTopics
-from ur_nodes.web.camera_node import CameraView
 from ur_nodes.web.drive_end_node import DriveEnd
-from ur_nodes.web.layers_node import ExtraLayers
+from ur_nodes.web.layers.camera_node import CameraView
+from ur_nodes.web.layers.layers_node import ExtraLayers
+from ur_nodes.web.layers.overlays_node import Overlays
+from ur_nodes.web.layers.plots_node import PlotFeed
+from ur_nodes.web.layers.tiles import Tiles, cut_tiles
+from ur_nodes.web.layers.topic_list_node import list_topics
 from ur_nodes.web.place_file_node import PlaceFile
 from ur_nodes.web.places import Places
 from ur_nodes.web.robot_facts_node import RobotFacts
-from ur_nodes.web.tiles import Tiles, cut_tiles
 from ur_nodes.web.zone_link_node import ZoneLink
 
 _PERIOD = 1.0 / 15.0  # s between two poses
@@ -67,6 +70,10 @@ class ViewEnd:
         self._places, self._place_file = places, PlaceFile(places)
         self._layers = ExtraLayers(topics.robot.place, send)
         self._zones, self._camera = zones, CameraView(self._send_picture)
+        self._overlays = Overlays(topics.robot.place, send, list_topics)
+        self._plots = PlotFeed(send, list_topics)
+        self._mux_name = mux_name
+        self._sources: list[str] = []
         self._places_sent: dict[str, Any] = {}
         self._zones_sent: dict[str, Any] = {}
         self._viewers = 0
@@ -81,10 +88,12 @@ class ViewEnd:
         rospy.Subscriber("battery_state", BatteryState, self._on_battery, queue_size=1)
         threading.Thread(target=self._run, name="view", daemon=True).start()
 
-    def look(self, viewers: int, layers: Collection[int]) -> None:
-        """Note how many pages look, and at which layers: without any, only what changes rarely is sent."""
+    def look(self, viewers: int, layers: Collection[int], plots: Collection[str]) -> None:
+        """Note how many pages look, and at what: without any, only what changes rarely is sent."""
         self._viewers = viewers
         self._layers.want(layers)
+        self._overlays.want(layers, watched=viewers > 0)
+        self._plots.want(plots, shown=Layer.PLOTS in layers)
         self._camera.want(wanted=Layer.CAMERA in layers)
         self._awake.set()
 
@@ -121,6 +130,8 @@ class ViewEnd:
             self._path = seen.path
             self._send(points_frame(Layer.PLAN, [] if seen.path is None else _thin(seen.path).tolist()))
         self._layers.step(now)
+        self._overlays.step(now)
+        self._plots.step(now)
         self._camera.step(now)
         if count % _SCAN_EVERY == 0:
             if self._viewers:
@@ -177,11 +188,15 @@ class ViewEnd:
             "spread": None if seen.spread is None else round(seen.spread, 2),
             "battery": self._battery,
             "limit": self._limit,
+            "bumpers": self._overlays.pressed(),
+            "sources": self._sources,
         }
 
     @quiet_at_end
     def _on_limit(self, message: Any) -> None:
         self._limit = round(message.data) if 0.0 < message.data <= 100.0 else None
+        if not self._sources:  # the mux has its parameters by now
+            self._sources = list_sources(rospy.get_param(f"{self._mux_name}/topics", None))
 
     @quiet_at_end
     def _on_battery(self, message: Any) -> None:
@@ -190,6 +205,15 @@ class ViewEnd:
             "volts": round(message.voltage, 1) if math.isfinite(message.voltage) else None,
             "charging": message.power_supply_status == BatteryState.POWER_SUPPLY_STATUS_CHARGING,
         }
+
+
+def list_sources(topics: object) -> list[str]:
+    """The names of a mux's sources from its parameter `topics`, the most urgent first; none where it is malformed."""
+    if not isinstance(topics, list) or not all(isinstance(each, dict) for each in topics):
+        return []
+    known = [(each.get("priority"), each.get("name")) for each in topics[:20]]
+    good = [(urgency, name) for urgency, name in known if isinstance(urgency, int) and isinstance(name, str)]
+    return [printable(name)[:40] for _, name in sorted(good, key=lambda each: -each[0])]
 
 
 def _goal(goal: GoalReport, left: float | None) -> dict[str, Any]:

@@ -1,11 +1,15 @@
 from __future__ import annotations
 
+import subprocess
 import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 
-from ur.request.requirements.python_packages import need_all
+from ur.request.requirements import python_packages
+from ur.request.requirements.python_packages import need_all, run_installer
 from ur.source.diagnostic import UserError
 
 # Stands in for pip: makes the module whose name is in the requirements file, or fails as pip does.
@@ -62,3 +66,20 @@ def test_copy_of_somebody_else_is_not_changed(tmp_path: Path) -> None:
     (tmp_path / ".cache").write_text("")  # in the way of the folder
     with pytest.raises(UserError, match="expected a copy of this project that is yours to write to"):
         need_all(["missing_module"], "x.lock", "a module", folder=tmp_path)
+
+
+def test_ctrl_c_ends_an_installation_that_runs_as_root(monkeypatch: pytest.MonkeyPatch) -> None:
+    @contextmanager
+    def show_progress(_text: str) -> Iterator[Callable[[str], None]]:
+        def interrupt(_line: str) -> None:
+            raise KeyboardInterrupt
+
+        yield interrupt
+
+    def refuse(_process: object) -> None:
+        raise PermissionError(1, "Operation not permitted")
+
+    monkeypatch.setattr(python_packages, "show_progress", show_progress)
+    monkeypatch.setattr(subprocess.Popen, "terminate", refuse)
+    with pytest.raises(KeyboardInterrupt):
+        run_installer(["echo", "begun"], "something", "nothing")

@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 
 from ur.web.access.browsers import name_device
-from ur.web.access.origin import allows_host, allows_origin, make_origins
+from ur.web.access.origin import allows_host, allows_origin, allows_viewer, make_origins, read_origin
 from ur.web.access.rate import draw, make_bucket
 
 ORIGINS = make_origins(["bob.local", "192.168.1.7", "fe80::1"], 8090)
@@ -68,3 +68,41 @@ def test_devices_have_names_that_people_know() -> None:
     assert name_device("Mozilla/5.0 (Linux; Android 14; Pixel 8)") == "Android"
     assert name_device("Mozilla/5.0 (X11; Linux x86_64)") == "Linux"
     assert name_device(None) == "a browser"
+
+
+@pytest.mark.parametrize(
+    ("origin", "allowed"),
+    [
+        (None, True),  # a program
+        ("https://app.foxglove.dev", True),
+        ("file://", True),
+        ("http://localhost:8080", True),
+        ("http://robot.local:8090", True),
+        ("https://viewer.example", True),
+        ("http://evil.example", False),
+        ("http://app.foxglove.dev", False),
+        ("https://app.foxglove.dev.evil.example", False),
+        ("http://localhost.evil.example", False),
+        ("https://localhost:8080@evil.example", False),
+        ("null", False),
+        ("", False),
+    ],
+)
+def test_known_viewers_and_those_of_this_computer_are_origins(origin: str | None, allowed: bool) -> None:
+    assert allows_viewer("robot.local:8090", origin, {"https://viewer.example"}) is allowed
+
+
+@pytest.mark.parametrize(
+    ("text", "origin"),
+    [
+        ("https://Viewer.example/", "https://viewer.example"),
+        ("http://10.0.0.2:8080", "http://10.0.0.2:8080"),
+        ("viewer.example", None),
+        ("https://viewer.example/page", None),
+        ("file://", None),
+        ("https://", None),
+        ("", None),
+    ],
+)
+def test_origin_that_a_person_wrote_is_read_as_browsers_send_it(text: str, origin: str | None) -> None:
+    assert read_origin(text) == origin

@@ -8,8 +8,10 @@ from ur.web.access.roles import (
     Ledger,
     Role,
     add_token,
+    add_viewer,
     end_session,
     find_session,
+    find_viewer,
     note_use,
     read_sessions,
     use_token,
@@ -72,3 +74,23 @@ def test_names_of_sessions_are_one_line() -> None:
     assert found is not None
     assert found[1].name.isprintable()
     assert len(found[1].name) <= 40
+
+
+def test_viewer_link_is_good_again_and_again_and_is_no_session() -> None:
+    ledger, secret = add_viewer(Ledger(), Role.LOOK, "Foxglove")
+    found = find_viewer(ledger, secret)
+    assert found is not None
+    assert (found[1].role, found[1].name) == (Role.LOOK, "Foxglove")
+    assert find_viewer(ledger, secret) == found
+    assert find_session(ledger, secret, 0.0) is None
+    assert use_token(ledger, secret, "x", 0.0)[1] is None
+    for wrong in ("", "x", None, 3, secret + "x"):
+        assert find_viewer(ledger, wrong) is None
+    assert find_viewer(read_sessions(write_sessions(ledger)), secret) is None  # it ends with the server
+
+
+def test_logins_leave_viewer_links_alone() -> None:
+    ledger, secret = add_viewer(Ledger(), Role.DRIVE, "Foxglove")
+    ledger, token = add_token(ledger, Role.DRIVE, 0.0)
+    ledger, session = use_token(ledger, token, "a phone", 0.0)
+    assert find_viewer(end_session(ledger, session), secret) is not None

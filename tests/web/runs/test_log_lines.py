@@ -3,7 +3,7 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from ur.web.runs.log_lines import LogLines, read_tail
+from ur.web.runs.log_lines import LogLines, read_lines
 
 
 def test_page_continues_where_it_was_and_learns_what_it_has_missed() -> None:
@@ -26,16 +26,20 @@ def test_colours_are_removed_and_control_characters_shown() -> None:
     assert len(line.text) == 1000
 
 
-def test_tail_of_a_log_begins_with_a_whole_line(tmp_path: Path) -> None:
+def test_tail_of_a_log_begins_and_ends_with_a_whole_line_and_is_continued_there(tmp_path: Path) -> None:
     log = tmp_path / "log"
-    log.write_text("".join(f"line {number}\n" for number in range(10000)))
-    tail = read_tail(str(log))
+    log.write_text("".join(f"line {number}\n" for number in range(10000)) + "begun")
+    tail, end = read_lines(str(log))
     assert tail[-1] == "line 9999"
     assert tail[0] == f"line {10000 - len(tail)}"
+    with log.open("a") as file:
+        file.write(" and ended\nmore")
+    assert read_lines(str(log), end)[0] == ["begun and ended"]
+    log.write_text("anew\n")
+    assert read_lines(str(log), end)[0] == ["anew"]
 
 
-def test_tail_of_what_is_no_file_is_empty(tmp_path: Path) -> None:
+def test_what_is_no_file_has_no_lines(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe")
-    assert read_tail(str(tmp_path / "missing")) == []
-    assert read_tail(str(tmp_path / "pipe")) == []
-    assert read_tail(str(tmp_path)) == []
+    for path in (tmp_path / "missing", tmp_path / "pipe", tmp_path):
+        assert read_lines(str(path)) == ([], 0)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import AsyncIterator
+from contextlib import AsyncExitStack
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -20,7 +21,7 @@ from ur.web.access.roles import Role  # noqa: E402
 from ur.web.server.application import Application  # noqa: E402
 from ur.web.server.gate import Gate  # noqa: E402
 from ur.web.server.static_files import load_files  # noqa: E402
-from ur.web.wire.frames import Kind, Layer, camera_frame, key_of, points_frame  # noqa: E402
+from ur.web.wire.frames import Kind, Layer, camera_frame, json_frame, key_of, points_frame  # noqa: E402
 
 DRIVE = "/ws/drive?tab=0123456789ab"
 RUNS = "/ws/runs"
@@ -172,7 +173,7 @@ async def test_camera_has_a_socket_of_its_own_and_waits_for_the_page(
 ) -> None:
     come = asyncio.Event()
 
-    def look(_viewers: int, layers: frozenset[Layer]) -> None:
+    def look(_viewers: int, layers: frozenset[Layer], _plots: frozenset[str]) -> None:
         if Layer.CAMERA in layers:
             come.set()
 
@@ -190,7 +191,10 @@ async def test_camera_has_a_socket_of_its_own_and_waits_for_the_page(
             server.application.show(frame)
         await socket.send_str("shown")
         got.append(await socket.receive_bytes(timeout=30))
-    assert got == [frames[0], frames[1], frames[9]]
+        assert got == [frames[0], frames[1], frames[9]]
+        for _ in range(100):
+            await socket.send_str("shown")
+        assert (await socket.receive(timeout=30)).type is aiohttp.WSMsgType.CLOSE
 
 
 async def test_page_that_sends_rubbish_is_closed(server: Server) -> None:
@@ -221,3 +225,53 @@ async def test_logout_ends_the_session(server: Server) -> None:
     assert await server.status("GET", "/api/me") == 200
     assert await server.status("POST", "/logout", **server.origin) == 200
     assert await server.status("GET", "/api/me") == 403
+
+
+async def test_plots_of_all_pages_are_asked_for_once_and_only_they_get_the_numbers(
+    server: Server, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: list[tuple[int, bool, list[str]]] = []
+
+    def look(viewers: int, layers: frozenset[Layer], plots: frozenset[str]) -> None:
+        asked.append((viewers, Layer.PLOTS in layers, sorted(plots)))
+
+    monkeypatch.setattr(server.application.robot_end, "look", look)
+    await server.log_in(Role.LOOK)
+    view = f"{server.url}/ws/view?layers="
+    assert await server.status("GET", "/ws/view?plots=odom", **server.origin) == 400
+    async with AsyncExitStack() as stack:
+        sockets = [
+            await stack.enter_async_context(server.client.ws_connect(view + plots, headers=server.origin))
+            for plots in ("", "&plots=/a:x,/b:y", "&plots=/a:x")
+        ]
+        assert asked == [(1, False, []), (2, True, ["/a:x", "/b:y"]), (3, True, ["/a:x", "/b:y"])]
+        values = json_frame(Kind.VALUES, {"t": 1.0, "v": {"/a:x": 2.0}}, Layer.PLOTS)
+        after = json_frame(Kind.ZONES, {})  # less urgent
+        server.application.show(values)
+        server.application.show(after)
+        for socket, plots in zip(sockets, (False, True, True), strict=True):
+            got: list[bytes] = []
+            while after not in got:  # the state of the server comes in between
+                got.append(await socket.receive_bytes(timeout=30))
+            assert (values in got) is plots
+
+
+async def test_server_ends_although_a_cancellation_is_lost(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    gate = Gate(make_origins((), free_port()), tmp_path / "sessions.json", lambda _: None)
+    application = Application(gate, load_files(), {}, "bob", lambda _: None)
+    lost = 0
+
+    async def run() -> None:
+        nonlocal lost
+        try:
+            await asyncio.Event().wait()
+        except asyncio.CancelledError:
+            lost += 1
+        await asyncio.Event().wait()
+
+    monkeypatch.setattr(application.robot_end, "run", run)
+    runner = web.AppRunner(application.build(), access_log=None)
+    await runner.setup()
+    await asyncio.sleep(0)
+    await asyncio.wait_for(runner.cleanup(), 60.0)
+    assert lost == 1

@@ -11,6 +11,7 @@ import pytest
 
 from ur.web.server.static_files import FOLDER
 from ur.web.wire.layers import LAYERS
+from ur.web.wire.plots import MOST_PLOTS
 
 NODE = shutil.which("node")
 pytestmark = pytest.mark.skipif(NODE is None, reason="Node.js is not installed")
@@ -19,8 +20,9 @@ pytestmark = pytest.mark.skipif(NODE is None, reason="Node.js is not installed")
 def run(script: str) -> Any:
     assert NODE is not None
     source = (FOLDER / "link_state.js").read_text() + (
-        "const read = (text) => { const { layers, at, follow } = readLink(text);"
-        " return { layers: [...layers], at, follow, again: writeLink(readLink(text)) }; };\n"
+        "const read = (text) => { const { layers, at, follow, plots } = readLink(text);"
+        " const again = writeLink(readLink(text));"
+        " return { layers: [...layers], at, follow, plots: plots && [...plots], again }; };\n"
         f"console.log(JSON.stringify({script}));"
     )
     command = [NODE, "--input-type=module", "-"]
@@ -30,6 +32,7 @@ def run(script: str) -> Any:
 
 def test_links_show_the_same_and_what_is_malformed_is_left_out() -> None:
     assert run("LAYERS") == list(LAYERS)
+    assert run("SWITCHES") == [*LAYERS, "trail"]
     texts = [
         "",
         "?layers=scan,local&at=1.5,-2.25,40&follow=1",
@@ -38,10 +41,30 @@ def test_links_show_the_same_and_what_is_malformed_is_left_out() -> None:
         "?at=NaN,1e999,-Infinity",
     ]
     first, full, none, bad, wild = run(f"{json.dumps(texts)}.map(read)")
-    assert first == {"layers": ["scan", "plan"], "at": None, "follow": False, "again": ""}
+    assert first == {"layers": ["scan", "plan"], "at": None, "follow": False, "plots": None, "again": ""}
     assert full["layers"] == ["scan", "local"]
     assert (full["at"], full["follow"]) == ([1.5, -2.25, 40], True)
     assert full["again"] == "?layers=scan,local&follow=1&at=1.5,-2.25,40"
     assert (none["layers"], none["again"]) == ([], "?layers=")
-    assert bad == {"layers": ["scan", "local"], "at": None, "follow": False, "again": "?layers=scan,local"}
+    assert (bad["layers"], bad["at"], bad["follow"]) == (["scan", "local"], None, False)
+    assert bad["again"] == "?layers=scan,local"
     assert wild["at"] is None
+
+
+def test_link_holds_the_plots_while_they_are_shown() -> None:
+    plots = ["/odom:twist.twist.linear.x", "/a/b:data"]
+    many = ",".join(f"/a{number}:x" for number in range(20))
+    texts = [
+        f"?plots={','.join(plots)}",
+        "?plots=",
+        f"?plots={plots[0]},odom:x,/a,<b>",
+        f"?plots={many}",
+        "?layers=trail",
+    ]
+    two, none, bad, full, trail = run(f"{json.dumps(texts)}.map(read)")
+    assert (two["plots"], two["again"]) == (plots, texts[0])
+    assert (none["plots"], none["again"]) == ([], "?plots=")
+    assert bad["plots"] == plots[:1]
+    assert len(full["plots"]) == MOST_PLOTS
+    assert run("listLayers(new Set(['trail', 'scan']))") == "scan", "the trail is the page's own"
+    assert trail["layers"] == ["trail"]

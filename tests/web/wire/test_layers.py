@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 
 from ur.web.wire.frames import Layer
-from ur.web.wire.layers import read_layers
+from ur.web.wire.layers import LAYERS, read_layers
 from ur.web.wire.requests import BadRequestError
 
 ALWAYS = {Layer.NONE, Layer.MAP}
@@ -15,7 +15,7 @@ ALWAYS = {Layer.NONE, Layer.MAP}
         (None, {Layer.SCAN, Layer.PLAN}),
         ("", set()),
         ("local", {Layer.LOCAL}),
-        ("scan,plan,local,global,particles", set(Layer) - ALWAYS - {Layer.CAMERA}),  # which has a socket of its own
+        (",".join(LAYERS), set(Layer) - ALWAYS - {Layer.CAMERA, Layer.PLOTS}),  # which are asked for otherwise
     ],
 )
 def test_page_gets_what_it_names_besides_the_map(text: str | None, layers: set[Layer]) -> None:
@@ -24,5 +24,5 @@ def test_page_gets_what_it_names_besides_the_map(text: str | None, layers: set[L
 
 @pytest.mark.parametrize("text", ["scan,", "SCAN", "tile", " scan", "scan\n", "scan," * 1000, "\0"])
 def test_other_texts_are_refused_in_a_line(text: str) -> None:
-    with pytest.raises(BadRequestError, match=r"^layers: expected some of scan,plan,local,global,particles$"):
+    with pytest.raises(BadRequestError, match=r"^layers: expected some of scan,plan,local,global,particles,"):
         read_layers(text)

@@ -7,7 +7,7 @@ import importlib
 import sys
 import time
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -16,6 +16,7 @@ from ur.source.progress_line import show_progress
 from ur.source.project import project_folder, state_folder
 
 _PROBLEM = ("ERROR", "E: ")  # of pip, of apt-get
+_NO_ROOM = ("No space left", "enough free space")
 _STEMS = {"install": "install", "remove": "remov"}
 
 
@@ -77,11 +78,14 @@ def run_installer(command: Sequence[str], missing: str, settings: str, verb: str
                 said.append(line)
                 progress(line)
         except KeyboardInterrupt:
-            process.terminate()
+            with suppress(PermissionError):  # it is root's: Ctrl-C on a terminal has reached it, too
+                process.terminate()
             raise
     if process.returncode:
         problems = [line for line in said if line.startswith(_PROBLEM)]
         reason = (problems or said or [f"exit code {process.returncode} of {command[0]}"])[-1]
+        if any(text in reason for text in _NO_ROOM):
+            help_ = "make room on the disk (df -h shows where there is none), then run this again"
         raise _failure(missing, reason.removeprefix("ERROR: ").removeprefix("E: "), help_, verb)
     sys.stderr.write(f"{_STEMS[verb]}ed in {time.monotonic() - began:.0f} s\n")
 

@@ -7,11 +7,13 @@ sites). Programs may send no Origin, so it is demanded where something changes o
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 
 _HOST = re.compile(r"(\[[0-9A-Fa-f:.]{2,45}\]|[0-9A-Za-z.-]{1,253})(?::(\d{1,5}))?", re.ASCII)
 LOOPBACK = frozenset({"localhost", "127.0.0.1", "[::1]"})
+VIEWER_ORIGINS = frozenset({"https://app.foxglove.dev", "file://"})
+"""Origins of the pages of Foxglove, and of desktop programs whose page is a file of theirs (Lichtblick)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,6 +48,23 @@ def allows_host(origins: Origins, host: str | None, address: str = "") -> bool:
 def allows_origin(host: str | None, origin: str | None) -> bool:
     """Return whether an Origin header is that of our own page, which was loaded from this Host, which is allowed."""
     return host is not None and origin is not None and origin == f"http://{host}"
+
+
+def allows_viewer(host: str | None, origin: str | None, others: Collection[str] = ()) -> bool:
+    """Return whether an Origin header is that of a viewer: our own page, a known one, `others`, or of this computer.
+
+    Programs that are no browser send none. The secret of the link is demanded besides, of all of them.
+    """
+    if origin is None or allows_origin(host, origin) or origin in VIEWER_ORIGINS or origin in others:
+        return True
+    found = _HOST.fullmatch(origin.removeprefix("http://"))
+    return origin.startswith("http://") and found is not None and found[1].lower() in LOOPBACK
+
+
+def read_origin(text: str) -> str | None:
+    """An origin as browsers send it, from what a person wrote; None for what is none."""
+    scheme, _, rest = text.strip().lower().rstrip("/").partition("://")
+    return f"{scheme}://{rest}" if scheme in ("http", "https") and _HOST.fullmatch(rest) else None
 
 
 def _bracket(name: str) -> str:

@@ -1,13 +1,16 @@
 """Roles, tokens and sessions: who may look, who may drive.
 
 A *token* is what a link carries: it is good for one login within its lifetime. A login makes a *session*, whose secret
-is the page's cookie. Of both only a hash is kept. All times are seconds since 1970.
+is the page's cookie. Viewers that keep no cookie (Foxglove, Lichtblick) connect again and again with one address: it
+carries the secret of a *viewer link*, which ends with the server. Of all three only a hash is kept. All times are
+seconds since 1970.
 """
 
 from __future__ import annotations
 
 import hashlib
 import json
+import math
 import secrets
 from dataclasses import asdict, dataclass, field, replace
 from enum import Enum
@@ -43,10 +46,11 @@ class Grant:
 
 @dataclass(frozen=True, slots=True)
 class Ledger:
-    """The tokens and sessions that are valid, by the hash of their secret, oldest first."""
+    """The tokens, sessions and viewer links that are valid, by the hash of their secret, oldest first."""
 
     tokens: dict[str, Grant] = field(default_factory=dict)
     sessions: dict[str, Grant] = field(default_factory=dict)
+    viewers: dict[str, Grant] = field(default_factory=dict)
 
 
 def add_token(ledger: Ledger, role: Role, now: float) -> tuple[Ledger, str]:
@@ -62,13 +66,31 @@ def use_token(ledger: Ledger, token: object, name: str, now: float) -> tuple[Led
     grant = ledger.tokens.get(key) if key else None
     if grant is None or now > grant.until:
         return ledger, None
-    secret = secrets.token_urlsafe(32)
     tokens = {each: value for each, value in ledger.tokens.items() if each != key}
+    return open_session(replace(ledger, tokens=tokens), grant.role, name, now)
+
+
+def open_session(ledger: Ledger, role: Role, name: str, now: float) -> tuple[Ledger, str]:
+    """The ledger with a new session, and the session's secret."""
+    secret = secrets.token_urlsafe(32)
     sessions = {
         **_valid(ledger.sessions, now),
-        hash_secret(secret): Grant(grant.role, now + SESSION_LIFE, clean_name(name)),
+        hash_secret(secret): Grant(role, now + SESSION_LIFE, clean_name(name)),
     }
-    return Ledger(tokens, dict(list(sessions.items())[-_MOST_SESSIONS:])), secret
+    return replace(ledger, sessions=dict(list(sessions.items())[-_MOST_SESSIONS:])), secret
+
+
+def add_viewer(ledger: Ledger, role: Role, name: str) -> tuple[Ledger, str]:
+    """A ledger with a new viewer link, and its secret. The link does not end by itself."""
+    secret = secrets.token_urlsafe(18)
+    return replace(ledger, viewers={**ledger.viewers, hash_secret(secret): Grant(role, math.inf, name)}), secret
+
+
+def find_viewer(ledger: Ledger, secret: object) -> tuple[str, Grant] | None:
+    """The id of a viewer link, which is no secret, and what it grants; None for a secret that is not valid."""
+    key = _key(secret)
+    grant = ledger.viewers.get(key) if key else None
+    return (session_id(key), grant) if grant is not None else None
 
 
 def find_session(ledger: Ledger, secret: object, now: float) -> tuple[str, Grant] | None:

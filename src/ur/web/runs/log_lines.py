@@ -50,16 +50,23 @@ class LogLines:
         return first, [self._lines[skipped + index] for index in range(min(most, self._next - first))]
 
 
-def read_tail(path: str) -> list[str]:
-    """Return the last lines of a log file, at most 16 KiB; none where it cannot be read."""
+def read_lines(path: str, offset: int = 0) -> tuple[list[str], int]:
+    """Return the whole lines of a log file from an offset on, and the offset at which they end.
+
+    At most the last 16 KiB, from a whole line on; none where the file cannot be read.
+    """
     try:
         descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
         try:
             size = os.fstat(descriptor).st_size
-            data = os.pread(descriptor, _TAIL, max(0, size - _TAIL))
+            begin = offset if 0 < offset <= size else 0  # a file that has become shorter begins anew
+            cut = size - begin > _TAIL
+            begin = size - _TAIL if cut else begin
+            data = os.pread(descriptor, _TAIL, begin)
         finally:
             os.close(descriptor)
     except OSError:
-        return []
-    lines = data.decode("utf-8", "replace").splitlines()
-    return lines[1:] if size > _TAIL else lines
+        return [], 0
+    whole = data[: data.rfind(b"\n") + 1]
+    lines = whole.decode("utf-8", "replace").splitlines()
+    return lines[1:] if cut else lines, begin + len(whole)

@@ -14,17 +14,18 @@ from ur.run.clients.protocol import (
     RestartNode,
     RunCommand,
     StartNode,
+    StatsSampled,
     StopNode,
     StopRun,
     Synchronised,
     Watch,
-    find_severity,
 )
 from ur.run.record.computer import read_computer
 from ur.run.record.ended import list_ended
 from ur.run.record.registry import RunEntry, list_runs
-from ur.web.runs.log_lines import LogLines, read_tail
+from ur.web.runs.log_lines import LogLines
 from ur.web.runs.model import RunView, begin_view, describe_runs, take_event
+from ur.web.runs.read_back import ReadBack
 from ur.web.wire.run_requests import ChangeNode
 
 _PERIOD = 1.0  # s between two looks for runs
@@ -38,6 +39,11 @@ class _Watched:
         self.view: RunView = begin_view(entry)
         self.client = client
         self.lines = LogLines()
+        self.read_back = ReadBack(self.lines.add)
+
+    def logs(self) -> dict[str, str]:
+        """The log files of the nodes, by node."""
+        return {name: node.changed.log for name, node in self.view.nodes.items() if node.changed.log}
 
 
 class RunWatcher:
@@ -135,22 +141,18 @@ class RunWatcher:
             return
         for event in events:
             if isinstance(event, OutputLine):
-                watched.lines.add(event.name, event.severity, event.text)
+                watched.read_back.take(event.name, event.severity, event.text)
             elif isinstance(event, Notice):
                 for line in event.text.splitlines():
                     watched.lines.add("", event.severity or "info", line)
             else:
                 watched.view = take_event(watched.view, event)
                 if isinstance(event, Synchronised):
-                    self._read_back(watched)
+                    watched.read_back.begin(watched.logs())
+                    watched.client.send(Watch(output=True, stats=True, readiness=True))
+                elif isinstance(event, StatsSampled):  # sent to whom `Watch` has reached
+                    watched.read_back.confirm(watched.logs())
         self._changed()
-
-    def _read_back(self, watched: _Watched) -> None:
-        """Take what the nodes have printed so far, then ask for what they print from now on."""
-        for name, node in watched.view.nodes.items():
-            for line in read_tail(node.changed.log) if node.changed.log else ():
-                watched.lines.add(name, find_severity(line), line)
-        watched.client.send(Watch(output=True, stats=True, readiness=True))
 
     def _drop(self, run: str) -> None:
         watched = self._watched.pop(run, None)

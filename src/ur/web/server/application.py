@@ -15,14 +15,16 @@ from aiohttp import WSCloseCode, WSMsgType, web
 from ur.web.access.rate import draw, make_bucket
 from ur.web.access.roles import Role
 from ur.web.server.cameras import Cameras
-from ur.web.server.drivers import Drivers
-from ur.web.server.gate import SESSION, Gate, demand_drive
+from ur.web.server.drivers import Driver, Drivers
+from ur.web.server.gate import SESSION, VIEWER_PATH, Gate, demand_drive
 from ur.web.server.robot_end import RobotEnd
 from ur.web.server.run_pages import RunPages
 from ur.web.server.static_files import StaticFile
+from ur.web.server.viewer_gate import ViewerGate
 from ur.web.server.viewers import Viewers, limit_buffer
 from ur.web.wire.frames import Kind, Layer, key_of
 from ur.web.wire.layers import read_layers
+from ur.web.wire.plots import read_plots
 from ur.web.wire.requests import (
     LONGEST,
     BadRequestError,
@@ -43,6 +45,7 @@ _LONGEST_BODY = 2048
 _HEARTBEAT = 5.0  # s between pings of a web socket
 _STATUS_EVERY = 0.5  # s
 _CLOSE_LIMIT = 0.5  # s for pages to take leave
+_CANCEL_AGAIN = 1.0  # s
 _MOST_BAD = 20  # malformed messages of one page
 _RATE, _BURST = 150.0, 150.0  # messages of one page, a second
 _LOGGED = (DeleteZone, Emergency, ForgetPlace, GoTo, LeaseWish, LimitSpeed, NamePlace, PutZone)
@@ -67,6 +70,7 @@ class Application:
         self._cameras = Cameras()
         self._runs = RunPages(environment, log)
         self.robot_end = RobotEnd(environment, self.show, self._drivers.take, self._on_start, self._announce, log)
+        self._foxglove = ViewerGate(environment, self._drivers, self._send, lambda: self.robot_end.state == "up", log)
 
     def build(self) -> web.Application:
         """The aiohttp application."""
@@ -83,6 +87,7 @@ class Application:
                 web.get("/ws/drive", self._drive),
                 web.get("/ws/camera", self._show_camera),
                 *self._runs.routes(),
+                web.get(VIEWER_PATH, self._foxglove.serve),
                 web.get("/{name:[a-z_]+\\.[a-z]+}", self._serve_file),
             ]
         )
@@ -93,8 +98,11 @@ class Application:
     async def _run(self, _app: web.Application) -> Any:
         tasks = [asyncio.create_task(self.robot_end.run()), asyncio.create_task(self._announce_often())]
         yield
-        for task in tasks:
-            task.cancel()
+        pending = set(tasks)
+        while pending:  # before Python 3.12 wait_for loses a cancellation at the moment when what it waits for fails
+            for task in pending:
+                task.cancel()
+            _, pending = await asyncio.wait(pending, timeout=_CANCEL_AGAIN)
         await asyncio.gather(*tasks, return_exceptions=True)
 
     async def _close(self, _app: web.Application) -> None:
@@ -104,6 +112,7 @@ class Application:
             *self._drivers.sockets(),
             *self._cameras.sockets(),
             *self._runs.sockets(),
+            *self._foxglove.sockets(),
         ]
         closing = [asyncio.create_task(each.close(code=WSCloseCode.GOING_AWAY)) for each in sockets]
         if closing:
@@ -133,7 +142,7 @@ class Application:
 
     def _look(self) -> None:
         camera = {Layer.CAMERA} if self._cameras.any_open() else set()
-        self.robot_end.look(len(self._viewers), self._viewers.layers() | camera)
+        self.robot_end.look(len(self._viewers), self._viewers.layers() | camera, self._viewers.plots())
 
     def _send(self, message: Mapping[str, Any]) -> None:
         self.robot_end.send(message)
@@ -183,12 +192,13 @@ class Application:
     async def _view(self, request: web.Request) -> web.WebSocketResponse:
         try:
             layers = read_layers(request.query.get("layers"))
+            plots = read_plots(request.query.get("plots"))
         except BadRequestError as problem:
             raise web.HTTPBadRequest(text=f"{problem}\n") from None
         socket = web.WebSocketResponse(heartbeat=_HEARTBEAT, compress=False, max_msg_size=LONGEST)
         await socket.prepare(request)
         limit_buffer(request)
-        viewer = self._viewers.add(socket, layers)
+        viewer = self._viewers.add(socket, layers | ({Layer.PLOTS} if plots is not None else set()), plots or ())
         self._look()
         sending = asyncio.create_task(viewer.run())
         try:
@@ -217,7 +227,8 @@ class Application:
         socket = web.WebSocketResponse(heartbeat=_HEARTBEAT, compress=False, max_msg_size=LONGEST)
         await socket.prepare(request)
         limit_buffer(request, 2048)
-        driver = await self._drivers.add(client, grant.name, session, socket)
+        driver = Driver(client, socket)
+        await self._drivers.add(driver, grant.name, session)
         driver.answer({"t": "hello", "client": client, "name": grant.name, "role": Role.DRIVE.value})
         sending = asyncio.create_task(driver.run())
         try:

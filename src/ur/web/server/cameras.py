@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import asyncio
+import time
 from collections.abc import Callable
 from contextlib import suppress
 
-from aiohttp import WSMsgType, web
+from aiohttp import WSCloseCode, WSMsgType, web
+
+from ur.web.access.rate import draw, make_bucket
 
 _IN_FLIGHT = 2  # pictures that a page has not confirmed
+_RATE, _BURST = 30.0, 60.0  # confirmations of one page, a second: twice as many as there are pictures
 
 
 class _Page:
@@ -51,7 +55,7 @@ class Cameras:
         return [each.socket for each in self._pages]
 
     async def serve(self, socket: web.WebSocketResponse, on_change: Callable[[], None]) -> None:
-        """Send pictures until the page is gone. Each text of the page confirms a picture.
+        """Send pictures until the page is gone, or sends more than a page does. Each text confirms a picture.
 
         `on_change` is called when the page has come, and when it is gone.
         """
@@ -60,10 +64,14 @@ class Cameras:
         on_change()
         sending = asyncio.create_task(page.run())
         try:
+            bucket = make_bucket(_RATE, _BURST, time.monotonic())
             async for message in socket:
-                if message.type is WSMsgType.TEXT:
-                    page.credit = min(_IN_FLIGHT, page.credit + 1)
-                    page.due.set()
+                bucket, allowed = draw(bucket, time.monotonic())
+                if not allowed or message.type is not WSMsgType.TEXT:
+                    await socket.close(code=WSCloseCode.POLICY_VIOLATION)
+                    return
+                page.credit = min(_IN_FLIGHT, page.credit + 1)
+                page.due.set()
         finally:
             self._pages.discard(page)
             on_change()

@@ -6,9 +6,22 @@ import asyncio
 import json
 from collections.abc import Callable, Mapping
 from contextlib import suppress
-from typing import Any
+from typing import Any, Protocol
 
 from aiohttp import WSCloseCode, web
+
+
+class DriverPage(Protocol):
+    """A page, or a viewer, that may drive."""
+
+    client: str
+    socket: web.WebSocketResponse
+
+    def challenge(self, text: str) -> None:
+        """Take a challenge, in place of an older one."""
+
+    def answer(self, value: Mapping[str, Any]) -> None:
+        """Take an answer of the robot's end."""
 
 
 class Driver:
@@ -49,26 +62,26 @@ class Drivers:
 
     def __init__(self, send: Callable[[Mapping[str, Any]], None]) -> None:
         self._send = send
-        self._drivers: dict[str, Driver] = {}
+        self._drivers: dict[str, DriverPage] = {}
         self._arrivals: dict[str, Mapping[str, Any]] = {}
 
-    async def add(self, client: str, name: str, computer: str, socket: web.WebSocketResponse) -> Driver:
+    async def add(self, driver: DriverPage, name: str, computer: str) -> None:
         """A page has come; an older connection of the same page is closed. `computer` identifies its browser."""
+        client = driver.client
         before = self._drivers.pop(client, None)
         if before is not None:
             self._send({"do": "leave", "page": client})
             with suppress(ConnectionError, asyncio.TimeoutError):
                 await asyncio.wait_for(before.socket.close(code=WSCloseCode.GOING_AWAY, message=b"opened again"), 1.0)
-        driver = self._drivers[client] = Driver(client, socket)
+        self._drivers[client] = driver
         self._arrivals[client] = {"do": "come", "page": client, "name": name, "computer": computer}
         self._send(self._arrivals[client])
-        return driver
 
     def sockets(self) -> list[web.WebSocketResponse]:
         """List the web sockets of all pages."""
         return [each.socket for each in self._drivers.values()]
 
-    def remove(self, driver: Driver) -> None:
+    def remove(self, driver: DriverPage) -> None:
         """A page is gone."""
         if self._drivers.get(driver.client) is driver:
             del self._drivers[driver.client]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from contextlib import suppress
 from pathlib import Path
 
@@ -12,7 +12,7 @@ from aiohttp.typedefs import Handler, Middleware
 
 from ur.source.replace import PRIVATE, replace_file
 from ur.web.access.browsers import name_device
-from ur.web.access.origin import Origins, allows_host, allows_origin
+from ur.web.access.origin import Origins, allows_host, allows_origin, allows_viewer
 from ur.web.access.rate import draw, make_bucket
 from ur.web.access.roles import (
     SESSION_LIFE,
@@ -20,13 +20,17 @@ from ur.web.access.roles import (
     Ledger,
     Role,
     add_token,
+    add_viewer,
     end_session,
     find_session,
+    find_viewer,
     note_use,
+    open_session,
     read_sessions,
     use_token,
     write_sessions,
 )
+from ur.web.server.link_files import LinkFiles
 
 SESSION: web.RequestKey[tuple[str, Grant]] = web.RequestKey("session", tuple)
 HEADERS = {
@@ -40,6 +44,9 @@ HEADERS = {
     "X-Content-Type-Options": "nosniff",
     "Server": "ur",
 }
+VIEWER_PATH = "/foxglove"
+"""The path of viewers that keep no cookie."""
+
 _OPEN = frozenset({"/login", "/login.js", "/style.css", "/texts.js", "/icon.svg"})
 _LOGIN_RATE, _LOGIN_BURST = 0.2, 10.0
 _REQUEST_RATE, _REQUEST_BURST = 50.0, 200.0
@@ -48,8 +55,17 @@ _REQUEST_RATE, _REQUEST_BURST = 50.0, 200.0
 class Gate:
     """Lets requests in. Sessions are kept in a file that only the user can read, so that they outlive the server."""
 
-    def __init__(self, origins: Origins, sessions: Path, log: Callable[[str], None]) -> None:
-        self._origins, self._path, self._log = origins, sessions, log
+    def __init__(
+        self,
+        origins: Origins,
+        sessions: Path,
+        log: Callable[[str], None],
+        links: LinkFiles | None = None,
+        viewer_origins: Collection[str] = (),
+    ) -> None:
+        """`links` are those that others have made for this server; `viewer_origins` of viewers besides the known."""
+        self._origins, self._path, self._log, self._links = origins, sessions, log, links
+        self._viewer_origins = frozenset(viewer_origins)
         self._ledger = _load(sessions)
         now = time.monotonic()
         self._logins = make_bucket(_LOGIN_RATE, _LOGIN_BURST, now)
@@ -65,6 +81,11 @@ class Gate:
         self._ledger, token = add_token(self._ledger, role, time.time())
         return token
 
+    def invite_viewer(self, role: Role) -> str:
+        """Make the secret of a viewer link."""
+        self._ledger, secret = add_viewer(self._ledger, role, "Foxglove")
+        return secret
+
     def log_in(self, request: web.Request, token: object) -> web.Response:
         """Answer a login: a cookie for a token that is valid."""
         self._logins, allowed = draw(self._logins, time.monotonic())
@@ -72,6 +93,9 @@ class Gate:
             raise web.HTTPTooManyRequests(text="too many logins, try again in a minute\n")
         name = name_device(request.headers.get("User-Agent"))
         self._ledger, secret = use_token(self._ledger, token, name, time.time())
+        role = self._links.use(token) if secret is None and self._links is not None else None
+        if role is not None:
+            self._ledger, secret = open_session(self._ledger, role, name, time.time())
         if secret is None:
             self._log(f"{request.remote}: login refused: the link was used before or is too old")
             raise web.HTTPForbidden(text="this link was used before, or is too old\n")
@@ -113,6 +137,9 @@ class Gate:
         self._requests, allowed = draw(self._requests, time.monotonic())
         if not allowed:
             raise web.HTTPTooManyRequests(text="too many requests\n")
+        if path == VIEWER_PATH:
+            self._check_viewer(request)
+            return
         if (request.method != "GET" or path.startswith("/ws/")) and not allows_origin(
             host, request.headers.get("Origin")
         ):
@@ -128,6 +155,18 @@ class Gate:
             self._ledger = ledger
             self._save()
         request[SESSION] = session
+
+    def _check_viewer(self, request: web.Request) -> None:
+        """The check of a viewer, which has no cookie. Its address holds the secret."""
+        found = find_viewer(self._ledger, request.query.get("token"))
+        if found is None:
+            text = "expected the address that 'ur web --foxglove' has printed; it ends with the server\n"
+            raise web.HTTPForbidden(text=text)
+        origin = request.headers.get("Origin")
+        if not allows_viewer(request.headers.get("Host"), origin, self._viewer_origins):
+            self._log(f"{request.remote}: viewer refused: origin {origin}")
+            raise web.HTTPForbidden(text="this origin is not allowed, see --foxglove-origin of 'ur web'\n")
+        request[SESSION] = found
 
     def _set_cookie(self, answer: web.Response, secret: str) -> None:
         answer.set_cookie(self.cookie, secret, httponly=True, samesite="Strict", path="/", max_age=int(SESSION_LIFE))

@@ -55,10 +55,11 @@ class RobotEnd:
         if self._drive is not None:
             self._drive.write(json.dumps(message, separators=(",", ":")).encode() + b"\n")
 
-    def look(self, viewers: int, layers: Collection[int]) -> None:
-        """Tell the process how many pages look, and at which layers."""
+    def look(self, viewers: int, layers: Collection[int], plots: Collection[str] = ()) -> None:
+        """Tell the process how many pages look, and at which layers and plots."""
         if self._view is not None:
-            self._view.write(json.dumps({"viewers": viewers, "layers": sorted(layers)}).encode() + b"\n")
+            value = {"viewers": viewers, "layers": sorted(layers), "plots": sorted(plots)}
+            self._view.write(json.dumps(value).encode() + b"\n")
 
     async def run(self) -> None:
         """Start the process whenever a master answers and it does not run."""
@@ -119,12 +120,7 @@ class RobotEnd:
 
     async def _end(self, process: asyncio.subprocess.Process, tasks: list[asyncio.Task[None]]) -> None:
         """Wait for the process, which ends when its sockets are closed."""
-        try:
-            await asyncio.wait_for(process.wait(), _END_LIMIT)
-        except asyncio.TimeoutError:
-            with suppress(ProcessLookupError):
-                process.kill()
-            await process.wait()
+        await wait_or_kill(process)
         await asyncio.gather(*tasks, return_exceptions=True)
 
     async def _read_frames(self, reader: asyncio.StreamReader) -> None:
@@ -146,6 +142,16 @@ class RobotEnd:
         with suppress(ValueError):
             while line := await process.stderr.readline():
                 self._log(line.decode("utf-8", "replace").rstrip())
+
+
+async def wait_or_kill(process: asyncio.subprocess.Process) -> None:
+    """Wait for a process that is about to end, and kill it when it takes too long."""
+    try:
+        await asyncio.wait_for(process.wait(), _END_LIMIT)
+    except asyncio.TimeoutError:
+        with suppress(ProcessLookupError):
+            process.kill()
+        await process.wait()
 
 
 def robot_environment() -> dict[str, str]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import html
-import io
 import logging
 import os
 import signal
@@ -27,11 +26,13 @@ from ur.source.user_folders import user_folder
 from ur.web.access.origin import make_origins
 from ur.web.access.roles import Role
 from ur.web.server.application import Application
-from ur.web.server.gate import Gate
+from ur.web.server.gate import VIEWER_PATH, Gate
+from ur.web.server.link_files import LinkFiles
+from ur.web.server.links import FIRST_PORT, LISTENERS, draw_code, make_link
 from ur.web.server.robot_end import robot_environment
 from ur.web.server.static_files import load_files
 
-FIRST_PORT, LAST_PORT = 8090, 8099
+LAST_PORT = 8099
 _LONGEST_LOG = 1 << 20  # bytes
 _END_LIMIT = 3.0  # s
 
@@ -40,7 +41,9 @@ _END_LIMIT = 3.0  # s
 class Options:
     """`robot`: its name for people. `port`: 0 for the first free one of 8090 to 8099. `role`: of the first link.
 
-    `phone`: other computers of the network reach the page, too.
+    `phone`: other computers of the network reach the page, too. `service`: they do, and links are made by
+    `ur boot link`: none is printed, since what a service prints is kept in a log. `foxglove`: print an address for
+    viewers; `origins`: of viewers besides the known ones.
     """
 
     robot: str
@@ -48,6 +51,9 @@ class Options:
     role: Role = Role.DRIVE
     browser: bool = True
     phone: bool = False
+    service: bool = False
+    foxglove: bool = False
+    origins: tuple[str, ...] = ()
 
 
 def state_folder() -> Path:
@@ -63,6 +69,7 @@ async def serve(
     Raises UserError: no port is free, or a page for phones is wanted and there is no network.
     """
     address = find_address() if options.phone else "localhost"
+    network = options.phone or options.service
     folder = state_folder()
     folder.mkdir(mode=0o700, parents=True, exist_ok=True)
     log = _Log(folder / "web.log")
@@ -72,26 +79,35 @@ async def serve(
         loop.add_signal_handler(number, ended.set)
     logging.getLogger("aiohttp").addHandler(logging.NullHandler())
     logging.getLogger("aiohttp").propagate = False
-    port = options.port or _free_port()
-    gate = Gate(make_origins(_own_names() if options.phone else (), port), folder / f"sessions-{port}.json", log)
+    port = options.port or (FIRST_PORT if options.service else _free_port())
+    origins = make_origins(_own_names() if network else (), port)
+    links = LinkFiles(folder) if options.service else None
+    gate = Gate(origins, folder / f"sessions-{port}.json", log, links, options.origins)
     application = Application(gate, load_files(), robot_environment(), options.robot, log)
     runner = web.AppRunner(application.build(), access_log=None, handle_signals=False, shutdown_timeout=_END_LIMIT)
     await runner.setup()
     opened: Path | None = None
     try:
         try:
-            await web.TCPSite(runner, "0.0.0.0" if options.phone else "localhost", port).start()  # noqa: S104 - asked for
+            await web.TCPSite(runner, "0.0.0.0" if network else "localhost", port).start()  # noqa: S104 - asked for
         except OSError as problem:
             raise _taken(port, problem) from None
-        link = f"http://{address}:{port}/login#{gate.invite(options.role)}"
-        if options.phone:
-            report(draw_code(link, colours=sys.stdout.isatty() and allows_colour(os.environ)))
-        report(f"open {link}")
-        report("the link is good for one login within an hour; Ctrl-C ends the server")
-        if options.phone:
-            report("everybody in this network can read what the page and the robot say: use a network that you trust")
-        elif options.browser and _has_browser():
-            opened = _open(folder / f"open-{os.getpid()}.html", link)
+        if options.service:
+            report(f"serves the page on port {port}; a link to it: ur boot link")
+        else:
+            link = make_link(address, port, gate.invite(options.role))
+            if options.phone:
+                report(draw_code(link, colours=sys.stdout.isatty() and allows_colour(os.environ)))
+            report(f"open {link}")
+            report("the link is good for one login within an hour; Ctrl-C ends the server")
+            if options.foxglove:
+                viewers = f"ws://{address}:{port}{VIEWER_PATH}?token={gate.invite_viewer(options.role)}"
+                report(f"Foxglove and Lichtblick: open a connection (Foxglove WebSocket) to {viewers}")
+                report("this address is good until the server ends; whoever has it sees what the robot sees")
+            if options.phone:
+                report(LISTENERS)
+            elif options.browser and _has_browser():
+                opened = _open(folder / f"open-{os.getpid()}.html", link)
         await _wait_first(ended.wait, *((until,) if until is not None else ()))
     finally:
         if opened is not None:
@@ -133,16 +149,6 @@ def find_address() -> str:
             help_ = "connect to a network, or leave out --phone"
             raise UserError(error(message, rule="no-network", help=help_)) from None
         return str(probe.getsockname()[0])
-
-
-def draw_code(link: str, *, colours: bool) -> str:
-    """The QR code of a link, for a terminal; with `colours` black on white whatever the terminal's own colours are."""
-    import segno
-
-    drawing = io.StringIO()
-    segno.make_qr(link, error="m").terminal(drawing, border=2, compact=True)
-    lines = drawing.getvalue().splitlines()
-    return "\n".join(f"\x1b[97;40m{line}\x1b[0m" if colours else line for line in lines)
 
 
 def _own_names() -> tuple[str, ...]:

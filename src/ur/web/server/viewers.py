@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from contextlib import suppress
 from typing import Any
 
@@ -18,8 +18,8 @@ _BUFFER = 1 << 15  # bytes that wait in this process beyond what the kernel hold
 class Viewer:
     """One page, which shows these layers. Frames that it has not taken yet are replaced by newer ones."""
 
-    def __init__(self, socket: web.WebSocketResponse, layers: frozenset[Layer]) -> None:
-        self.socket, self.layers = socket, layers
+    def __init__(self, socket: web.WebSocketResponse, layers: frozenset[Layer], plots: Collection[str]) -> None:
+        self.socket, self.layers, self.plots = socket, layers, plots
         self._pending = Frames()
         self._due = asyncio.Event()
 
@@ -76,9 +76,13 @@ class Viewers:
         """Return the layers that any page shows."""
         return frozenset(layer for each in self._viewers for layer in each.layers)
 
-    def add(self, socket: web.WebSocketResponse, layers: frozenset[Layer]) -> Viewer:
-        """A page has come, which shows these layers."""
-        viewer = Viewer(socket, layers)
+    def plots(self) -> frozenset[str]:
+        """Return the plots that any page shows."""
+        return frozenset(plot for each in self._viewers for plot in each.plots)
+
+    def add(self, socket: web.WebSocketResponse, layers: frozenset[Layer], plots: Collection[str] = ()) -> Viewer:
+        """A page has come, which shows these layers and plots."""
+        viewer = Viewer(socket, layers, plots)
         for frame in self._frames:
             viewer.put(frame)
         self._viewers.add(viewer)

@@ -1,6 +1,7 @@
 // @ts-check
 /** Lines above the map about what the user has to know, each with the buttons that change it. */
 
+import { sentence } from "./elements.js";
 import { TEXTS } from "./texts.js";
 
 /**
@@ -29,7 +30,7 @@ function makeBanner(banner) {
   const element = document.createElement("div");
   element.className = banner.red ? "banner red" : "banner";
   const text = document.createElement("span");
-  text.textContent = banner.text;
+  text.textContent = sentence(banner.text);
   element.append(text);
   for (const { label, act } of banner.buttons ?? []) {
     const button = document.createElement("button");

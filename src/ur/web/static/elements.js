@@ -26,6 +26,9 @@ export function makeButton(text, act, label = "") {
   return button;
 }
 
+/** A text of the robot as a sentence of its own: nodes begin their messages with a small letter. @param {string} text */
+export const sentence = (text) => text.charAt(0).toUpperCase() + text.slice(1);
+
 /** Whether keys belong to a control: what is typed there drives nothing. @param {EventTarget | null} target */
 export function takesKeys(target) {
   return target instanceof HTMLInputElement || target instanceof HTMLSelectElement;

@@ -78,7 +78,8 @@ export class Gamepads {
 
 /** @returns {Gamepad[]} */
 function list() {
-  return [...(navigator.getGamepads?.() ?? [])].filter((pad) => pad !== null && pad.connected);
+  const pads = [...(navigator.getGamepads?.() ?? [])];
+  return /** @type {Gamepad[]} */ (pads.filter((pad) => pad !== null && pad.connected));
 }
 
 /** Forward and turn of the gamepad that is pushed most. @param {Gamepad[]} pads @returns {[number, number]} */

@@ -1,7 +1,7 @@
 // @ts-check
 /** The list of layers over the map, each with a switch. */
 
-import { LAYERS, keepLink } from "./link_state.js";
+import { SWITCHES, keepLink } from "./link_state.js";
 import { TEXTS } from "./texts.js";
 
 /** @type {import("./panels.js").Panel} */
@@ -9,17 +9,17 @@ export const LAYER_PANEL = {
   name: "layers",
   label: TEXTS.layers,
   icon: "M12 3l9 5-9 5-9-5zM3 13l9 5 9-5",
-  make: (box, page) => void new LayerPanel(box, page.map, () => page.socket.reopen()),
+  make: (box, page) => void new LayerPanel(box, page),
 };
 
 export class LayerPanel {
-  /** @param {HTMLElement} box @param {import("./map_view.js").MapView} map @param {() => void} onChange */
-  constructor(box, map, onChange) {
-    const { layers } = map;
+  /** @param {HTMLElement} box @param {import("./main.js").Page} page */
+  constructor(box, page) {
+    const { layers } = page.map;
     const title = document.createElement("h2");
     title.textContent = TEXTS.layers;
     const list = document.createElement("ul");
-    for (const name of LAYERS) {
+    for (const name of SWITCHES) {
       const row = document.createElement("li");
       const label = document.createElement("label");
       const input = document.createElement("input");
@@ -29,9 +29,9 @@ export class LayerPanel {
       input.addEventListener("change", () => {
         if (input.checked) layers.add(name);
         else layers.delete(name);
-        keepLink(map);
-        map.request();
-        onChange();
+        keepLink(page);
+        page.map.request();
+        page.socket.reopen();
       });
       const swatch = document.createElement("span");
       swatch.className = `swatch ${name}`;

@@ -8,6 +8,7 @@ import { FrameHandlers, showOnMap } from "./frames.js";
 import { Gestures } from "./gestures.js";
 import { keepLink, listLayers, openLink } from "./link_state.js";
 import { MapView } from "./map_view.js";
+import { Overlays } from "./overlays.js";
 import { PANELS } from "./panel_list.js";
 import { Panels } from "./panels.js";
 import { RUNS } from "./run_socket.js";
@@ -51,11 +52,16 @@ export class Page {
     this.frames.on(KIND.STATE, (frame) => this.showState(readJson(frame)));
     this.frames.on(KIND.POSE, (frame) => this.showPose(readPose(frame)));
     showOnMap(this.frames, this.map);
-    this.setFollow(openLink(this.map));
+    this.overlays = new Overlays(this.frames, this.map);
+    const link = openLink(this.map);
+    this.setFollow(link.follow);
+    /** Numbers that are plotted over time, `TOPIC:FIELD`. @type {Set<string>} */
+    this.plots = link.plots ?? new Set();
+    this.plotting = link.plots !== null;
     labelControls(this, session.robot);
     this.setMode("look");
     this.socket = new ViewSocket(
-      () => listLayers(this.map.layers),
+      () => `layers=${listLayers(this.map.layers)}${this.plotting ? `&plots=${[...this.plots].join(",")}` : ""}`,
       (frame) => this.frames.take(frame),
       () => location.replace("/login"),
     );
@@ -63,10 +69,13 @@ export class Page {
     this.camera = null;
     /** @type {import("./gamepad.js").Gamepads | null} */
     this.gamepads = null;
+    /** @type {import("./places.js").PlacePanel | null} */
+    this.places = null;
     this.status = new Status(this);
     this.runs = RUNS;
     this.panels = new Panels(element("panels"), PANELS, this);
-    setInterval(() => keepLink(this.map), 1000);
+    if (this.plotting) this.panels.toggle("plots");
+    setInterval(() => keepLink(this), 1000);
     addEventListener("keydown", (event) => this.key(event));
     addEventListener("pagehide", () => this.leave());
   }
@@ -81,6 +90,7 @@ export class Page {
     this.pose = pose;
     this.poseAt = performance.now();
     this.map.setPose(pose);
+    this.overlays.follow(pose);
   }
 
   /** @param {any} state */
@@ -137,7 +147,10 @@ export class Page {
 
   /** @param {any} answer */
   take(answer) {
-    if (answer.t === "refused") this.say(TEXTS.refused[/** @type {"late"} */ (answer.why)] ?? answer.why);
+    if (answer.t !== "refused") return;
+    const why = TEXTS.refused[/** @type {"late"} */ (answer.why)] ?? answer.why;
+    if (this.places?.patrol?.running && this.places.patrol.mine === null) this.places.patrol.end("refused", why);
+    else this.say(why);
   }
 
   /** Stop everything that drives, by whatever connection there is. */

@@ -3,6 +3,8 @@
 
 import { TILE } from "./wire.js";
 
+const SMALL = TILE / 4; // pixels of the picture of a tile that is drawn where it is small: a large map pans smoothly
+
 /** @typedef {import("./wire.js").Grid} Grid */
 
 export class MapTiles {
@@ -13,7 +15,7 @@ export class MapTiles {
     this.before = null;
     /** @type {Grid | null} */
     this.grid = null;
-    /** @type {Map<string, {column: number, row: number, cells: Int8Array, picture: HTMLCanvasElement}>} */
+    /** @type {Map<string, {column: number, row: number, cells: Int8Array, picture: HTMLCanvasElement, small: HTMLCanvasElement}>} */
     this.tiles = new Map();
     this.palette = new Uint32Array(256);
   }
@@ -36,8 +38,10 @@ export class MapTiles {
     this.before = null;
     const picture = document.createElement("canvas");
     picture.width = picture.height = TILE;
-    this.paint(picture, cells);
-    this.tiles.set(`${column} ${row}`, { column, row, cells, picture });
+    const small = document.createElement("canvas");
+    small.width = small.height = SMALL;
+    this.paint(picture, small, cells);
+    this.tiles.set(`${column} ${row}`, { column, row, cells, picture, small });
   }
 
   /** Colours of unknown, free and occupied cells. @param {string} unknown @param {string} free @param {string} wall */
@@ -48,7 +52,7 @@ export class MapTiles {
       this.palette[value] = pack(b.map((part, index) => Math.round(part + share * (c[index] - part))));
     }
     this.palette.fill(pack(a), 101);
-    for (const tile of this.tiles.values()) this.paint(tile.picture, tile.cells);
+    for (const tile of this.tiles.values()) this.paint(tile.picture, tile.small, tile.cells);
   }
 
   /** One colour, the more of it the higher the cost; nothing where it is free or unknown. @param {string} text */
@@ -59,11 +63,11 @@ export class MapTiles {
       const alpha = cost >= 99 ? 200 : Math.round(1.2 * cost);
       this.palette[cost] = (((alpha << 24) | (blue << 16) | (green << 8) | red) >>> 0);
     }
-    for (const tile of this.tiles.values()) this.paint(tile.picture, tile.cells);
+    for (const tile of this.tiles.values()) this.paint(tile.picture, tile.small, tile.cells);
   }
 
-  /** @param {HTMLCanvasElement} picture @param {Int8Array} cells */
-  paint(picture, cells) {
+  /** @param {HTMLCanvasElement} picture @param {HTMLCanvasElement} small @param {Int8Array} cells */
+  paint(picture, small, cells) {
     const context = /** @type {CanvasRenderingContext2D} */ (picture.getContext("2d"));
     const image = context.createImageData(TILE, TILE);
     const pixels = new Uint32Array(image.data.buffer);
@@ -73,6 +77,10 @@ export class MapTiles {
       for (let column = 0; column < TILE; column++) pixels[to + column] = this.palette[values[row * TILE + column]];
     }
     context.putImageData(image, 0, 0);
+    const reduced = /** @type {CanvasRenderingContext2D} */ (small.getContext("2d"));
+    reduced.clearRect(0, 0, SMALL, SMALL);
+    reduced.imageSmoothingQuality = "high"; // thin walls stay in sight
+    reduced.drawImage(picture, 0, 0, SMALL, SMALL);
   }
 
   /** The corners of the grid in the map frame: left, low, right, high; null without a grid. */
@@ -102,6 +110,7 @@ export class MapTiles {
     if (!grid) return;
     const side = TILE * grid.resolution;
     context.imageSmoothingEnabled = view.scale * grid.resolution < 1;
+    const size = view.scale * side * (devicePixelRatio || 1) <= 1.2 * SMALL ? "small" : "picture";
     for (const tile of this.tiles.values()) {
       const [left, low] = [tile.column * side, tile.row * side];
       if (grid.yaw === 0) {
@@ -109,13 +118,13 @@ export class MapTiles {
         const [x1, y0] = view.toScreen(grid.x + left + side, grid.y + low + side);
         if (x1 < 0 || y1 < 0 || x0 > view.width || y0 > view.height) continue;
         const [x, y] = [Math.round(x0), Math.round(y0)]; // neighbours share an edge: no seam
-        context.drawImage(tile.picture, x, y, Math.round(x1) - x, Math.round(y1) - y);
+        context.drawImage(tile[size], x, y, Math.round(x1) - x, Math.round(y1) - y);
       } else {
         context.save();
         context.translate(...view.toScreen(grid.x, grid.y));
         context.rotate(-grid.yaw);
         context.scale(view.scale, view.scale);
-        context.drawImage(tile.picture, left, -low - side, side * 1.002, side * 1.002);
+        context.drawImage(tile[size], left, -low - side, side * 1.002, side * 1.002);
         context.restore();
       }
     }

@@ -50,7 +50,7 @@ export class MapView {
 
   readColours() {
     const style = getComputedStyle(document.documentElement);
-    for (const name of ["unknown", "free", "wall", "scan", "plan", "goal", "place", "keep-out", "slow", "local", "global", "particles", "robot", "robot-edge"]) {
+    for (const name of ["unknown", "free", "wall", "scan", "plan", "goal", "place", "keep-out", "slow", "local", "global", "particles", "covariance", "sonars", "fiducials", "robots", "trail", "robot", "robot-edge"]) {
       this.colours[name] = style.getPropertyValue(`--map-${name}`).trim();
     }
     this.tiles.setColours(this.colours.unknown, this.colours.free, this.colours.wall);

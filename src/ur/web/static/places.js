@@ -1,6 +1,8 @@
 // @ts-check
-/** The list of the map's places: drive to one, name the robot's, delete one. */
+/** The list of the map's places: drive to one or to several in turn, name the robot's, delete one. */
 
+import { make, sentence } from "./elements.js";
+import { Patrol } from "./patrol.js";
 import { TEXTS } from "./texts.js";
 import { KIND, readJson } from "./wire.js";
 
@@ -19,7 +21,19 @@ export const PLACE_PANEL = {
       page.mayDrive,
       (message) => page.sendPlace(message),
       () => (page.poseAge < 2 ? (page.pose ?? null) : null),
+      (places, repeat, onEnd) => {
+        const patrol = new Patrol(places, repeat, (place) => page.drive?.request({ t: "go_to", place }) ?? false, onEnd);
+        patrol.begin(page.state.goal, performance.now());
+        return patrol;
+      },
+      () => page.drive?.send({ t: "cancel" }),
+      (text) => page.say(text),
     );
+    page.frames.on(KIND.STATE, (frame) => {
+      const { goal, mux } = readJson(frame);
+      places.patrol?.step(goal, mux.stopped === true, performance.now());
+    });
+    page.places = places;
     page.frames.on(KIND.PLACES, (frame) => {
       const found = readJson(frame);
       places.show(found);
@@ -34,12 +48,22 @@ export class PlacePanel {
    * @param {HTMLElement} box @param {boolean} mayDrive
    * @param {(message: Record<string, unknown>) => void} send
    * @param {() => import("./wire.js").Pose | null} where
+   * @param {(places: string[], repeat: boolean, onEnd: (end: import("./patrol.js").PatrolEnd, place: string, text: string) => void) => Patrol} startPatrol
+   * @param {() => void} cancel the goal
+   * @param {(text: string) => void} say
    */
-  constructor(box, mayDrive, send, where) {
+  constructor(box, mayDrive, send, where, startPatrol, cancel, say) {
     this.box = box;
     this.mayDrive = mayDrive;
     this.send = send;
     this.where = where;
+    this.startPatrol = startPatrol;
+    this.cancel = cancel;
+    this.say = say;
+    /** The places of a patrol in its order. @type {string[]} */
+    this.chosen = [];
+    /** @type {Patrol | null} */
+    this.patrol = null;
     const title = document.createElement("h2");
     title.textContent = TEXTS.places;
     this.note = document.createElement("p");
@@ -56,17 +80,55 @@ export class PlacePanel {
     button.id = "place-here";
     this.form.append(this.input, button);
     this.form.addEventListener("submit", (event) => this.name(event));
-    box.append(title, this.note, this.list, this.form);
+    this.patrolBox = make("div", "", "patrol");
+    this.patrolNote = make("p");
+    this.patrolNote.setAttribute("role", "status");
+    this.patrolButton = make("button");
+    this.patrolButton.type = "button";
+    this.patrolButton.id = "patrol";
+    this.patrolButton.addEventListener("click", () => this.togglePatrol());
+    this.repeat = make("input");
+    this.repeat.type = "checkbox";
+    this.repeat.id = "patrol-repeat";
+    const label = make("label");
+    label.append(this.repeat, TEXTS.patrol.repeat);
+    this.patrolBox.append(this.patrolNote, label, this.patrolButton);
+    box.append(title, this.note, this.list, this.patrolBox, this.form);
     this.show({ named: false, places: {}, problem: "" });
   }
 
   /** @param {PlaceList} found */
   show(found) {
     const names = Object.keys(found.places);
-    this.note.textContent = found.problem || (!found.named ? TEXTS.noMapName : names.length ? "" : TEXTS.noPlaces);
+    this.note.textContent = sentence(found.problem) || (!found.named ? TEXTS.noMapName : names.length ? "" : TEXTS.noPlaces);
     this.note.hidden = !this.note.textContent;
     this.form.hidden = !this.mayDrive || !found.named;
+    this.chosen = this.chosen.filter((name) => names.includes(name));
     this.list.replaceChildren(...names.map((name) => this.makeRow(name)));
+    this.showPatrol();
+  }
+
+  showPatrol() {
+    const patrol = this.patrol?.running ? this.patrol : null;
+    this.patrolBox.hidden = !this.mayDrive || this.list.children.length < 2;
+    this.patrolButton.textContent = patrol ? TEXTS.patrol.end : TEXTS.patrol.start;
+    this.patrolButton.disabled = !patrol && this.chosen.length < 2;
+    this.repeat.disabled = patrol !== null;
+    const list = patrol ? TEXTS.patrol.drives(patrol.place, patrol.places) : TEXTS.patrol.chosen(this.chosen);
+    this.patrolNote.textContent = list;
+  }
+
+  togglePatrol() {
+    if (this.patrol?.running) {
+      this.patrol.end("ended");
+      this.cancel();
+      return;
+    }
+    this.patrol = this.startPatrol([...this.chosen], this.repeat.checked, (why, place, text) => {
+      this.say(TEXTS.patrol.over[why](place, sentence(text)));
+      this.showPatrol();
+    });
+    this.showPatrol();
   }
 
   /** @param {string} name */
@@ -96,7 +158,16 @@ export class PlacePanel {
       remove.textContent = TEXTS.sure;
       setTimeout(() => (remove.textContent = TEXTS.remove), SURE_TIME);
     });
-    row.append(go, remove);
+    const tick = make("input");
+    tick.type = "checkbox";
+    tick.checked = this.chosen.includes(name);
+    tick.ariaLabel = TEXTS.patrol.include(name);
+    tick.addEventListener("change", () => {
+      this.chosen = this.chosen.filter((each) => each !== name);
+      if (tick.checked) this.chosen.push(name);
+      this.showPatrol();
+    });
+    row.append(tick, go, remove);
     return row;
   }
 

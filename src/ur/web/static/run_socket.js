@@ -34,7 +34,7 @@ export class RunSocket {
     this.pause = FIRST_PAUSE;
     /** @type {WebSocket | null} */
     this.socket = null;
-    /** @type {Map<number, (answer: Answer) => void>} */
+    /** @type {Map<number, (answer: Answer | null) => void>} */
     this.waiting = new Map();
     setInterval(() => this.check(), 500);
   }

@@ -24,7 +24,8 @@ export const SPEED_PANEL = {
     slider.ariaLabel = TEXTS.speedLimit.title;
     label.append(value, slider);
     const pads = make("p");
-    box.append(make("h2", TEXTS.speedLimit.title), note, label, pads);
+    const sources = make("p");
+    box.append(make("h2", TEXTS.speedLimit.title), note, label, sources, pads);
     const show = (/** @type {number} */ percent) => {
       const top = page.state?.robot.limits[0] ?? 0;
       value.textContent = TEXTS.speedLimit.value(percent, (percent / 100) * top);
@@ -35,7 +36,10 @@ export const SPEED_PANEL = {
       if (!page.drive?.send({ t: "limit", percent: Number(slider.value) })) page.say(TEXTS.refused.late);
     });
     page.frames.on(KIND.STATE, (frame) => {
-      const { limit } = readJson(frame);
+      const { limit, sources: names, mux } = readJson(frame);
+      const word = (/** @type {string} */ name) => TEXTS.sources[name] ?? name;
+      sources.textContent = names?.length ? TEXTS.commandSources(names.map(word), word(mux.active)) : "";
+      sources.hidden = !names?.length;
       slider.disabled = !page.mayDrive || limit === null;
       note.textContent = limit === null ? TEXTS.speedLimit.none : TEXTS.speedLimit.help;
       if (document.activeElement !== slider || slider.disabled) slider.value = String(limit ?? 100);

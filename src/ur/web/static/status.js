@@ -64,6 +64,7 @@ export class Status {
       banners.unshift({ text: TEXTS.emergency, red: true, buttons: page.mayDrive ? [release] : [] });
     } else if (this.stopAsked) banners.unshift({ text: TEXTS.stopAsked, red: true });
     if (state?.mux.problem) banners.unshift({ text: state.mux.problem, red: true });
+    if (!old && state?.bumpers?.length) banners.push({ text: TEXTS.bumpers(state.bumpers), red: true });
     if (!old && state) {
       const request = (/** @type {string} */ action) => void drive?.request({ t: "lease", do: action });
       banners.push(...describeDriver(state.lease, drive?.client ?? "", page.mayDrive, request));

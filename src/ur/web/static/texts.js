@@ -30,7 +30,40 @@ export const TEXTS = {
     local: "Obstacles near the robot",
     global: "Obstacles on the map",
     particles: "Guesses of the place",
+    covariance: "Spread of the place",
+    sonars: "Sonars",
+    fiducials: "Fiducials",
+    robots: "Other robots",
+    trail: "Trail",
   },
+  plots: {
+    title: "Plots",
+    topic: "Topic",
+    field: "Field",
+    add: "Plot",
+    none: "No topic with numbers yet. Start a program.",
+    names: {
+      "/odom:twist.twist.linear.x": "Speed (m/s)",
+      "/odom:twist.twist.angular.z": "Turn rate (rad/s)",
+      "/cmd_vel:linear.x": "Commanded speed (m/s)",
+      "/cmd_vel:angular.z": "Commanded turn rate (rad/s)",
+      "/battery_state:percentage": "Battery (1: full)",
+      "/battery_state:voltage": "Battery (V)",
+    },
+    /** @param {number} most */
+    full: (most) => `At most ${most} plots: remove one first.`,
+    /** @param {string} name */
+    remove: (name) => `Remove the plot of ${name}`,
+    /** @param {string} name */
+    picture: (name) => `${name} during the last minute`,
+    /** @param {number} seconds */
+    ago: (seconds) => (seconds ? `-${seconds} s` : "now"),
+  },
+  /** @param {string[]} names */
+  bumpers: (names) => `Bumper pressed: ${names.join(", ")}`,
+  /** @param {string[]} names @param {string} active */
+  commandSources: (names, active) =>
+    `Commands, the most urgent first: ${names.map((name) => (name === active ? `${name} (drives)` : name)).join(", ")}.`,
   places: "Places",
   placeName: "Name of a place",
   nameHere: "Name here",
@@ -42,6 +75,27 @@ export const TEXTS = {
   removePlace: (name) => `Delete the place ${name}`,
   /** @param {string} name */
   driveTo: (name) => `Drive to ${name}`,
+  patrol: {
+    start: "Start the patrol",
+    end: "End the patrol",
+    repeat: "Again and again",
+    /** @param {string} name */
+    include: (name) => `Patrol: ${name}`,
+    /** @param {string[]} names */
+    chosen: (names) => (names.length ? `Patrol: ${names.join(", ")}` : "Tick places to drive to one after the other."),
+    /** @param {string} place @param {string[]} places */
+    drives: (place, places) => `Patrol: drives to ${place} (${places.join(", ")}). It ends with this page.`,
+    /** @type {Record<import("./patrol.js").PatrolEnd, (place: string, text: string) => string>} */
+    over: {
+      late: (place) => `The patrol ended: the goal ${place} could not be sent. Start it again.`,
+      failed: (place, text) => `The patrol ended: ${place} was not reached. ${text}`,
+      replaced: () => "The patrol ended: another goal was sent.",
+      refused: (place, text) => `The patrol ended before ${place}. ${text}`,
+      emergency: () => "The patrol ended: emergency stop.",
+      ended: () => "The patrol ended.",
+      done: () => "The patrol is done.",
+    },
+  },
   camera: {
     title: "Camera",
     picture: "Picture of the robot's camera",

@@ -9,11 +9,11 @@ const SILENT = 3000; // ms without a frame after which a connection is taken for
 
 export class ViewSocket {
   /**
-   * @param {() => string} layers names, separated by commas
+   * @param {() => string} query what the page shows: layers and plots
    * @param {(frame: import("./wire.js").Frame) => void} onFrame @param {() => void} onRefused
    */
-  constructor(layers, onFrame, onRefused) {
-    this.layers = layers;
+  constructor(query, onFrame, onRefused) {
+    this.query = query;
     this.onFrame = onFrame;
     this.onRefused = onRefused;
     this.heardAt = -Infinity;
@@ -32,7 +32,7 @@ export class ViewSocket {
   }
 
   open() {
-    const socket = new WebSocket(`ws://${location.host}/ws/view?layers=${this.layers()}`);
+    const socket = new WebSocket(`ws://${location.host}/ws/view?${this.query()}`);
     socket.binaryType = "arraybuffer";
     this.socket = socket;
     this.openedAt = performance.now();

@@ -1,8 +1,10 @@
 // @ts-check
 /** Frames of the server, decoded: see `ur.web.wire.frames`, which writes them. Little endian. */
 
-export const KIND = { SERVER: 0, STATE: 1, POSE: 2, POINTS: 3, GRID: 4, TILE: 5, PLACES: 6, ZONES: 16 };
-export const LAYER = { MAP: 1, SCAN: 2, PLAN: 3, GLOBAL: 4, LOCAL: 5, PARTICLES: 6 };
+export const KIND = { SERVER: 0, STATE: 1, POSE: 2, POINTS: 3, GRID: 4, TILE: 5, PLACES: 6, OVERLAY: 7, VALUES: 8, FIELDS: 9, ZONES: 16 };
+export const LAYER = {
+  MAP: 1, SCAN: 2, PLAN: 3, GLOBAL: 4, LOCAL: 5, PARTICLES: 6, SONARS: 7, COVARIANCE: 8, FIDUCIALS: 9, ROBOTS: 10,
+};
 export const TILE = 256;
 const UNIT = 0.005;
 export const HEAD = 6;
@@ -11,7 +13,7 @@ export const HEAD = 6;
  * @typedef {{x: number, y: number, yaw: number, speed: number, turn: number, age: number, linkAge: number}} Pose
  * @typedef {{generation: number, resolution: number, x: number, y: number, yaw: number, column: number, row: number,
  *   width: number, height: number}} Grid
- * @typedef {{kind: number, layer: number, x: number, y: number, view: DataView}} Frame
+ * @typedef {{kind: number, layer: number, x: number, y: number, view: DataView<ArrayBuffer>}} Frame
  */
 
 /** @param {ArrayBuffer} buffer @returns {Frame} */
@@ -37,7 +39,7 @@ export function readPose(frame) {
   return { x: at(0), y: at(1), yaw: at(2), speed: at(3), turn: at(4), age: at(5), linkAge: at(6) };
 }
 
-/** Points as x, y, x, y, ... in metres. @param {Frame} frame @returns {Float32Array} */
+/** Points as x, y, x, y, ... in metres. @param {Frame} frame @returns {Float32Array<ArrayBuffer>} */
 export function readPoints(frame) {
   const count = (frame.view.byteLength - HEAD - 8) >> 1;
   const anchor = [frame.view.getFloat32(HEAD, true), frame.view.getFloat32(HEAD + 4, true)];

@@ -1,7 +1,7 @@
 // @ts-check
 /** Zones of the map: areas to keep out of, and areas to drive slowly in. Shown, drawn corner by corner, deleted. */
 
-import { make, makeButton } from "./elements.js";
+import { make, makeButton, sentence } from "./elements.js";
 import { TEXTS } from "./texts.js";
 import { KIND, readJson } from "./wire.js";
 
@@ -83,7 +83,7 @@ export class ZonePanel {
     const help = drawing
       ? TEXTS.zones.help(corners.length)
       : found.problem || (!found.served ? TEXTS.zones.notServed : found.zones.length ? "" : TEXTS.zones.none);
-    this.note.textContent = help;
+    this.note.textContent = sentence(help);
     this.note.hidden = !help;
     this.list.hidden = drawing;
     this.form.hidden = !this.page.mayDrive || !found.served;

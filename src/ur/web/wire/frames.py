@@ -44,6 +44,9 @@ class Kind(IntEnum):
     GRID = 4
     TILE = 5
     PLACES = 6
+    OVERLAY = 7
+    VALUES = 8
+    FIELDS = 9
     ZONES = 16
     CAMERA = 17
 
@@ -58,6 +61,11 @@ class Layer(IntEnum):
     GLOBAL = 4
     LOCAL = 5
     PARTICLES = 6
+    SONARS = 7
+    COVARIANCE = 8
+    FIDUCIALS = 9
+    ROBOTS = 10
+    PLOTS = 11
     CAMERA = 16
 
 
@@ -104,9 +112,9 @@ def key_of(frame: bytes) -> Key:
     return kind, layer, x, y
 
 
-def json_frame(kind: Kind, value: Mapping[str, Any]) -> bytes:
+def json_frame(kind: Kind, value: Mapping[str, Any], layer: Layer = Layer.NONE) -> bytes:
     """A frame of a JSON object."""
-    return _KEY.pack(kind, 0, 0, 0) + json.dumps(value, separators=(",", ":"), ensure_ascii=False).encode()
+    return _KEY.pack(kind, layer, 0, 0) + json.dumps(value, separators=(",", ":"), ensure_ascii=False).encode()
 
 
 def pose_frame(sample: PoseSample) -> bytes:

@@ -13,12 +13,16 @@ LAYERS: Mapping[str, Layer] = {
     "local": Layer.LOCAL,
     "global": Layer.GLOBAL,
     "particles": Layer.PARTICLES,
+    "covariance": Layer.COVARIANCE,
+    "sonars": Layer.SONARS,
+    "fiducials": Layer.FIDUCIALS,
+    "robots": Layer.ROBOTS,
 }
 """By the name in `static/link_state.js`."""
 
 DEFAULT = frozenset({Layer.SCAN, Layer.PLAN})
 _ALWAYS = frozenset({Layer.NONE, Layer.MAP})
-_LONGEST = 100
+_LONGEST = 200
 
 
 def read_layers(text: str | None) -> frozenset[Layer]:

@@ -18,7 +18,7 @@ from ur_nodes.geometry.pose import Pose2
 from ur_nodes.rosio.ending import quiet_at_end
 from ur_nodes.rosio.grid_message import GridMessage, grid_of_message
 from ur_nodes.rosio.grid_update import GridUpdate, apply_update
-from ur_nodes.web.tiles import Tiles, cut_tiles
+from ur_nodes.web.layers.tiles import Tiles, cut_tiles
 
 _EVERY = 0.5  # s between two frames of a layer
 _MOST_PARTICLES = 500

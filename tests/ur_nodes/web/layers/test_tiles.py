@@ -5,7 +5,7 @@ import numpy as np
 from ur.web.wire.frames import TILE
 from ur_nodes.geometry.grid import UNKNOWN, Grid
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.web.tiles import Tiles, cut_tiles
+from ur_nodes.web.layers.tiles import Tiles, cut_tiles
 
 
 def make_grid(height: int, width: int, x: float = 0.0, y: float = 0.0, yaw: float = 0.0) -> Grid:

@@ -10,7 +10,7 @@ pytest.importorskip("rospy", reason="ROS is not installed")
 from PIL import Image
 
 from ur_nodes.pictures.decode import BadPictureError
-from ur_nodes.web.camera_node import choose_topic, compress
+from ur_nodes.web.layers.camera_node import choose_topic, compress
 
 RAW, JPEG = "sensor_msgs/Image", "sensor_msgs/CompressedImage"
 

@@ -14,6 +14,7 @@ from sensor_msgs.msg import CompressedImage, Image
 from ur.web.wire.frames import LONGEST, camera_frame
 from ur_nodes.pictures.decode import BadPictureError, unpack_picture
 from ur_nodes.rosio.ending import quiet_at_end
+from ur_nodes.web.layers.topic_list_node import list_topics
 
 _EVERY = 1.0 / 15.0  # s between two pictures
 _LOOK_EVERY = 2.0  # s between two looks for a camera
@@ -49,7 +50,7 @@ class CameraView:
         elif now >= self._look_at and (self._subscriber is None or not self._subscriber.get_num_connections()):
             self._look_at = now + _LOOK_EVERY
             self._drop()
-            found = choose_topic([(str(name), str(kind)) for name, kind in _list_topics()])
+            found = choose_topic(list_topics())
             if found is not None:
                 topic, kind = found
                 self._subscriber = rospy.Subscriber(
@@ -94,11 +95,3 @@ def compress(message: Any) -> bytes:
     buffer = io.BytesIO()
     Picture.fromarray(pixels[::step, ::step]).save(buffer, "JPEG", quality=_QUALITY)
     return buffer.getvalue()
-
-
-def _list_topics() -> list[tuple[str, str]]:
-    try:
-        found: list[tuple[str, str]] = rospy.get_published_topics()
-    except Exception:  # a master that does not answer has no camera now
-        return []
-    return found

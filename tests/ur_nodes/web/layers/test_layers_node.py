@@ -16,7 +16,7 @@ from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.rosio.grid_message import grid_message
 from ur_nodes.rosio.grid_update import update_message
-from ur_nodes.web.layers_node import ExtraLayers
+from ur_nodes.web.layers.layers_node import ExtraLayers
 
 PLACES = {"map": Pose2(0.0, 0.0, 0.0), "odom": Pose2(1.0, 2.0, 0.5)}
 

@@ -1,0 +1,68 @@
+"""Links to a page that runs as a service: made elsewhere, and admitted by a private file that the server reads.
+
+The file has the hash of the link's token as its name, and a role as its content. The token itself is in no file, and
+on no command line.
+"""
+
+from __future__ import annotations
+
+import re
+import secrets
+import shlex
+import time
+from contextlib import suppress
+from pathlib import Path
+
+from ur.web.access.roles import TOKEN_LIFE, Role, hash_secret
+
+_FOLDER = "links"
+_NAME = re.compile(r"[0-9a-f]{64}", re.ASCII)
+_LONGEST_TOKEN = 128
+_ADMIT = """\
+umask 077
+folder="${{XDG_STATE_HOME:-$HOME/.local/state}}/ubiquity_launches/web/{folder}"
+mkdir -p "$folder" && printf '%s\\n' {role} >"$folder/new-$$" && mv -f "$folder/new-$$" "$folder/{name}"
+"""
+
+
+def make_token() -> str:
+    """A new token of a link."""
+    return secrets.token_urlsafe(18)
+
+
+def admit_script(token: str, role: Role) -> str:
+    """The shell script that has the server of the user who runs it admit a token, once, within an hour."""
+    script = _ADMIT.format(folder=_FOLDER, role=role.value, name=hash_secret(token))
+    return f"bash -lc {shlex.quote(script)}"  # a login shell: the server has its variables, too
+
+
+class LinkFiles:
+    """The links in a folder, each good for one login within `TOKEN_LIFE` of its making by this computer's clock."""
+
+    def __init__(self, state: Path) -> None:
+        """`state` is the folder of sessions and log."""
+        self._folder = state / _FOLDER
+
+    def use(self, token: object, now: float | None = None) -> Role | None:
+        """Use a link up: return its role; None for one that was not made, was used, or is too old.
+
+        `now` is in seconds since 1970, the present unless given.
+        """
+        now = time.time() if now is None else now
+        self._clear(now)
+        if not isinstance(token, str) or not 0 < len(token) <= _LONGEST_TOKEN or not token.isascii():
+            return None
+        path = self._folder / hash_secret(token)
+        try:
+            with path.open(encoding="ascii") as file:
+                text = file.read(16).strip()
+            path.unlink()  # whoever removes it has it: it is good once
+        except (OSError, UnicodeDecodeError):
+            return None
+        return Role(text) if text in (Role.LOOK.value, Role.DRIVE.value) else None
+
+    def _clear(self, now: float) -> None:
+        with suppress(OSError):
+            for path in self._folder.iterdir():
+                if now - path.stat().st_mtime > TOKEN_LIFE or not _NAME.fullmatch(path.name):
+                    path.unlink()

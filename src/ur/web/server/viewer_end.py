@@ -1,0 +1,93 @@
+"""The process that offers topics to Foxglove: started for the first viewer, ended after the last one."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import socket
+import sys
+from collections.abc import AsyncIterator, Callable, Mapping
+from contextlib import asynccontextmanager, suppress
+
+from ur.web.server.robot_end import wait_or_kill
+
+_MODULE = "ur_nodes.web.viewers.viewer_end_node"
+_START_LIMIT = 20.0  # s
+_LOOPBACK = "127."
+
+
+class ViewerEndError(Exception):
+    """The process does not start; the text says why, in a line."""
+
+
+class ViewerEnd:
+    """Keeps the process running while anybody holds it. `log` takes what it prints."""
+
+    def __init__(self, environment: Mapping[str, str], log: Callable[[str], None]) -> None:
+        self._environment, self._log = environment, log
+        self._lock = asyncio.Lock()
+        self._holders = 0
+        self._process: asyncio.subprocess.Process | None = None
+        self._link: asyncio.StreamWriter | None = None
+        self._reading: asyncio.Task[None] | None = None
+        self._address = ("", 0)
+
+    @asynccontextmanager
+    async def hold(self) -> AsyncIterator[tuple[str, int]]:
+        """Have the process run, and yield the loopback address of its server. Raises ViewerEndError."""
+        self._holders += 1
+        try:
+            async with self._lock:
+                if self._process is None or self._process.returncode is not None:
+                    await self._end()
+                    await self._start()
+            yield self._address
+        finally:
+            self._holders -= 1
+            async with self._lock:
+                if not self._holders:
+                    await self._end()
+
+    async def _start(self) -> None:
+        ours, its = socket.socketpair()
+        with its:
+            self._process = process = await asyncio.create_subprocess_exec(
+                *(sys.executable, "-I", "-m", "ur_nodes", _MODULE, str(its.fileno())),
+                pass_fds=(its.fileno(),),
+                stdin=asyncio.subprocess.DEVNULL,
+                stdout=asyncio.subprocess.DEVNULL,
+                stderr=asyncio.subprocess.PIPE,
+                env=dict(self._environment),
+                start_new_session=True,  # Ctrl-C is for this process, which ends that one
+            )
+        reader, self._link = await asyncio.open_connection(sock=ours)
+        self._reading = asyncio.create_task(self._read_errors(process))
+        try:
+            line = await asyncio.wait_for(reader.readline(), _START_LIMIT)
+            value = json.loads(line)
+            host, port = str(value["host"]), int(value["port"])
+        except (OSError, ValueError, KeyError, TypeError, asyncio.TimeoutError):
+            await self._end()
+            raise ViewerEndError("the topics of the robot cannot be offered; see web.log") from None
+        if not host.startswith(_LOOPBACK):
+            await self._end()
+            raise ViewerEndError("the server of topics is not on the loopback interface")
+        self._address = host, port
+
+    async def _end(self) -> None:
+        """End the process, which ends when its socket is closed."""
+        process, self._process = self._process, None
+        if self._link is not None:
+            self._link.close()
+            self._link = None
+        if process is None:
+            return
+        await wait_or_kill(process)
+        if self._reading is not None:
+            await asyncio.gather(self._reading, return_exceptions=True)
+
+    async def _read_errors(self, process: asyncio.subprocess.Process) -> None:
+        assert process.stderr is not None
+        with suppress(ValueError):
+            while line := await process.stderr.readline():
+                self._log(f"viewers: {line.decode('utf-8', 'replace').rstrip()}")

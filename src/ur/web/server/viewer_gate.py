@@ -1,0 +1,245 @@
+"""Foxglove and Lichtblick: their web sockets, joined to the server of foxglove-sdk behind the gate.
+
+That server takes any client and any origin, so it listens on the loopback interface only and offers topics only: what a
+client publishes never reaches it. Goals and initial poses become requests of a page. A viewer knows nothing of the
+challenges of the mux, but every web socket answers pings in the order of its messages: each ping carries a challenge,
+and a goal proves the newest whose pong came before it.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import secrets
+import time
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from typing import TYPE_CHECKING, Any
+
+import aiohttp
+from aiohttp import WSCloseCode, WSMsgType, web
+
+from ur.web.access.rate import draw, make_bucket
+from ur.web.access.roles import Role
+from ur.web.server.drivers import Drivers
+from ur.web.server.gate import SESSION
+from ur.web.server.viewer_end import ViewerEnd, ViewerEndError
+from ur.web.server.viewers import limit_buffer
+from ur.web.wire.requests import BadRequestError
+from ur.web.wire.viewer_protocol import (
+    LONGEST,
+    SCHEMAS,
+    SUBPROTOCOLS,
+    UPSTREAM,
+    Advertised,
+    Advertisement,
+    Publication,
+    Subscriptions,
+    Withdrawal,
+    complete_server_info,
+    read_message,
+    read_request_of,
+    write_status,
+)
+
+_MOST_VIEWERS = 8
+_MOST_TOPICS = 100  # that a viewer advertises
+_PING_EVERY = 0.2  # s
+_MOST_PINGS = 50  # that are not answered: the viewer is gone
+_RATE, _BURST = 50.0, 500.0  # messages of one viewer, a second
+_MOST_BAD = 20
+_EXPECTED = f"expected {' or '.join(SCHEMAS)}; drive by hand on the page of 'ur web', whose commands prove their age"
+_REASONS = {"driver": "another one drives, take over on the page of 'ur web'", "late": "the connection was too slow"}
+
+
+if TYPE_CHECKING:
+    Topics = aiohttp.ClientWebSocketResponse[bool]
+
+
+class _Viewer:
+    """One viewer that may publish; a driver as a page is one."""
+
+    def __init__(self, socket: web.WebSocketResponse) -> None:
+        self.socket = socket
+        self.client = f"web-{secrets.token_hex(8)}"
+        self.topics: dict[int, Advertised] = {}
+        self.proved: list[int] | None = None
+        self._newest: list[int] | None = None
+        self._pings: dict[bytes, list[int] | None] = {}
+        self._answers: set[asyncio.Task[None]] = set()
+
+    def challenge(self, text: str) -> None:
+        """Note the newest challenge."""
+        self._newest = json.loads(text)["n"]
+
+    def answer(self, value: Mapping[str, Any]) -> None:
+        """Show a refusal of the robot's end to the user of the viewer."""
+        if value.get("t") == "refused":
+            reason = str(value.get("why"))
+            self.show(f"{value.get('what')} refused: {_REASONS.get(reason, reason)}")
+
+    def show(self, text: str) -> None:
+        """Show a line to the user of the viewer."""
+        task = asyncio.create_task(self._send(write_status("error", text)))
+        self._answers.add(task)
+        task.add_done_callback(self._answers.discard)
+
+    async def _send(self, text: str) -> None:
+        with suppress(ConnectionError):
+            await self.socket.send_str(text)
+
+    async def ping(self) -> None:
+        """Send challenges until the viewer is gone."""
+        with suppress(ConnectionError):
+            while not self.socket.closed and len(self._pings) < _MOST_PINGS:
+                mark = secrets.token_bytes(8)
+                self._pings[mark] = self._newest
+                await self.socket.ping(mark)
+                await asyncio.sleep(_PING_EVERY)
+
+    def take_pong(self, mark: bytes) -> bool:
+        """Take the answer to a ping. Return whether it proves another challenge."""
+        if mark not in self._pings:
+            return False
+        stamp = self._pings[mark]
+        while next(iter(self._pings)) != mark:  # those before are answered, too, or never will be
+            del self._pings[next(iter(self._pings))]
+        del self._pings[mark]
+        if stamp is None or stamp == self.proved:
+            return False
+        self.proved = stamp
+        return True
+
+
+class ViewerGate:
+    """All viewers. `send` passes a request on to the robot's end, `is_up` tells whether there is one."""
+
+    def __init__(
+        self,
+        environment: Mapping[str, str],
+        drivers: Drivers,
+        send: Callable[[Mapping[str, Any]], None],
+        is_up: Callable[[], bool],
+        log: Callable[[str], None],
+    ) -> None:
+        self._end = ViewerEnd(environment, log)
+        self._drivers, self._send, self._is_up, self._log = drivers, send, is_up, log
+        self._sockets: set[web.WebSocketResponse] = set()
+        self._coming = 0
+
+    def sockets(self) -> list[web.WebSocketResponse]:
+        """List the web sockets of all viewers."""
+        return list(self._sockets)
+
+    async def serve(self, request: web.Request) -> web.StreamResponse:
+        """Answer a viewer, whose session has been checked, until it is gone."""
+        offered = {each.strip() for each in request.headers.get("Sec-WebSocket-Protocol", "").split(",")}
+        if not offered & set(SUBPROTOCOLS):
+            raise web.HTTPBadRequest(text=f"expected a web socket with the protocol {' or '.join(SUBPROTOCOLS)}\n")
+        if not self._is_up():
+            raise web.HTTPServiceUnavailable(text="the robot is not connected: start a program of it\n")
+        if self._coming >= _MOST_VIEWERS:
+            raise web.HTTPServiceUnavailable(text=f"{_MOST_VIEWERS} viewers are connected, expected no more\n")
+        self._coming += 1
+        try:
+            async with self._end.hold() as (host, port), aiohttp.ClientSession() as session:
+                address = f"http://{host}:{port}/"
+                async with session.ws_connect(address, protocols=(UPSTREAM,), max_msg_size=0) as topics:
+                    return await self._join(request, topics)
+        except (ViewerEndError, aiohttp.ClientError) as problem:
+            raise web.HTTPServiceUnavailable(text=f"{problem}\n") from None
+        finally:
+            self._coming -= 1
+
+    async def _join(self, request: web.Request, topics: Topics) -> web.WebSocketResponse:
+        session, grant = request[SESSION]
+        socket = web.WebSocketResponse(
+            protocols=SUBPROTOCOLS, autoping=False, compress=False, max_msg_size=LONGEST, timeout=1.0
+        )
+        await socket.prepare(request)
+        limit_buffer(request)
+        self._sockets.add(socket)
+        viewer, who = _Viewer(socket), f"{request.remote} ({grant.name})"
+        publish = grant.role is Role.DRIVE
+        self._log(f"{who}: viewer")
+        if publish:
+            await self._drivers.add(viewer, grant.name, session)
+        tasks = [
+            asyncio.create_task(_pass_topics(topics, socket, publish=publish)),
+            asyncio.create_task(self._receive(viewer, topics, who, publish=publish)),
+            asyncio.create_task(viewer.ping()),
+        ]
+        try:
+            await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
+        finally:
+            self._sockets.discard(socket)
+            if publish:
+                self._drivers.remove(viewer)
+            for task in tasks:
+                task.cancel()
+            await asyncio.gather(*tasks, return_exceptions=True)
+            with suppress(ConnectionError):
+                await socket.close(code=WSCloseCode.GOING_AWAY)
+        return socket
+
+    async def _receive(self, viewer: _Viewer, topics: Topics, who: str, *, publish: bool) -> None:
+        """Take messages until the viewer is gone, or sends too many or too many that are malformed."""
+        bad, bucket = 0, make_bucket(_RATE, _BURST, time.monotonic())
+        async for message in viewer.socket:
+            if message.type is WSMsgType.PONG:
+                if viewer.take_pong(bytes(message.data)) and publish:
+                    self._send({"page": viewer.client, "m": json.dumps({"t": "alive", "n": viewer.proved})})
+                continue
+            bucket, allowed = draw(bucket, time.monotonic())
+            if message.type is WSMsgType.PING:
+                await viewer.socket.pong(message.data)
+                continue
+            try:
+                await self._take(viewer, topics, message.data, who, publish=publish)
+            except BadRequestError as problem:
+                bad += 1
+                viewer.show(str(problem))
+            if not allowed or bad > _MOST_BAD:
+                self._log(f"{who}: closed: too many {'messages' if not allowed else 'malformed messages'}")
+                return
+
+    async def _take(self, viewer: _Viewer, topics: Topics, data: object, who: str, *, publish: bool) -> None:
+        """Do what a message of a viewer asks for. Raises BadRequestError."""
+        found = read_message(data)
+        if isinstance(found, Subscriptions):
+            await topics.send_str(found.text)
+        elif isinstance(found, Advertisement):
+            viewer.topics.update((each.number, each) for each in found.topics)
+            if len(viewer.topics) > _MOST_TOPICS:
+                viewer.topics.clear()
+                raise BadRequestError(f"expected at most {_MOST_TOPICS} topics to publish on")
+        elif isinstance(found, Withdrawal):
+            for number in found.numbers:
+                viewer.topics.pop(number, None)
+        elif isinstance(found, Publication):
+            self._publish(viewer, found, who, publish=publish)
+
+    def _publish(self, viewer: _Viewer, publication: Publication, who: str, *, publish: bool) -> None:
+        """Make a request of what a viewer publishes. Raises BadRequestError: it may not, or it is malformed."""
+        if not publish:
+            raise BadRequestError("this address may look, expected one of 'ur web --foxglove' without --look")
+        channel = viewer.topics.get(publication.number)
+        if channel is None or channel.topic not in SCHEMAS:
+            raise BadRequestError(f"{channel.topic if channel else 'a topic'} is not taken from viewers, {_EXPECTED}")
+        if channel.encoding != "ros1":
+            raise BadRequestError(f"{channel.topic}: the encoding '{channel.encoding[:20]}', expected 'ros1'")
+        if viewer.proved is None:
+            raise BadRequestError(f"{channel.topic}: the robot's mux is not heard yet, try again")
+        asked = read_request_of(channel.topic, publication.data, viewer.proved)
+        self._log(f"{who}: {asked['t']} {asked['x']:.2f} {asked['y']:.2f} {asked['yaw']:.2f}")
+        self._send({"page": viewer.client, "m": json.dumps(asked)})
+
+
+async def _pass_topics(topics: Topics, socket: web.WebSocketResponse, *, publish: bool) -> None:
+    """Pass on what the server of topics sends. It drops the oldest messages of a viewer that is slow."""
+    with suppress(ConnectionError):
+        async for message in topics:
+            if message.type is WSMsgType.BINARY:
+                await socket.send_bytes(message.data)
+            elif message.type is WSMsgType.TEXT:
+                await socket.send_str(complete_server_info(message.data, publish=publish))

@@ -1,0 +1,1 @@
+"""Contents of the page as frames: layers over the map, the camera, and numbers to plot."""

@@ -1,0 +1,29 @@
+"""The newest message of each publisher that latches: what a later subscriber has to get, too."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+
+_MOST_PUBLISHERS = 64
+
+
+@dataclass(slots=True)
+class Latched:
+    """Messages by the name of their publisher, as bytes."""
+
+    messages: dict[str, bytes] = field(default_factory=dict)
+
+    def note(self, header: Mapping[str, str], data: bytes) -> None:
+        """Note a message; `header` is that of its connection."""
+        if header.get("latching") == "1":
+            self.messages[str(header.get("callerid", ""))] = data
+            while len(self.messages) > _MOST_PUBLISHERS:
+                del self.messages[next(iter(self.messages))]
+
+
+def compare_topics(offered: Mapping[str, str], found: Iterable[tuple[str, str]]) -> tuple[list[str], dict[str, str]]:
+    """The topics to withdraw and, with their types, those to offer now: one whose type has changed is both."""
+    now = {name: kind for name, kind in found if "/" in kind}
+    gone = [name for name, kind in offered.items() if now.get(name) != kind]
+    return gone, {name: kind for name, kind in now.items() if offered.get(name) != kind}
