@@ -11,7 +11,15 @@ from xmlrpc.server import SimpleXMLRPCServer
 
 import pytest
 
-from ur.robot.boot.units import command_line, is_unit_name, launch_line, master_unit, program_unit, tell_base_script
+from ur.robot.boot.units import (
+    command_line,
+    is_unit_name,
+    launch_line,
+    master_unit,
+    page_line,
+    program_unit,
+    tell_base_script,
+)
 
 WORDS = ("rostopic", "pub", "/x", "std_msgs/String", "data: 'it''s 100%'", "$HOME", 'a "b" \\c')
 
@@ -194,3 +202,20 @@ def test_launch_file_is_started_by_ur_where_it_is_set_up_else_by_roslaunch(tmp_p
     done = subprocess.run(["/bin/bash", "-c", line], env=environment, capture_output=True, text=True, check=True)
     starter = "ur: -I -m ur launch --plain" if ready else "roslaunch:"
     assert done.stdout == f"{starter} --wait p f.launch words:=it's $HOME\n"
+
+
+def test_page_is_served_by_the_copy_that_is_set_up_and_says_so_where_there_is_none(tmp_path: Path) -> None:
+    python = tmp_path / "ubiquity_launches/.venv/bin/python"
+    done = run_line(page_line("--service"), tmp_path)
+    assert (done.returncode, "ur robot setup" in done.stderr) == (1, True)
+    python.parent.mkdir(parents=True)
+    python.write_text('#!/bin/sh\nprintf "%s|" "$@"\n')
+    python.chmod(0o755)
+    (tmp_path / "ubiquity_launches/.venv/ready-run").touch()
+    assert run_line(page_line("--service"), tmp_path).stdout == "-I|-m|ur|web|--service|"
+
+
+def run_line(line: str, home: Path) -> subprocess.CompletedProcess[str]:
+    """Run a line as the unit does, for a user with this home."""
+    environment = {"PATH": "/usr/bin:/bin", "HOME": str(home)}
+    return subprocess.run(["bash", "-c", line], env=environment, capture_output=True, text=True, check=False)

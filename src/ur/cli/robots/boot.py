@@ -12,12 +12,15 @@ from ur.cli.computer.setup import show_changes
 from ur.cli.robot_setup.guarded import PASSWORD_FROM, become_root, read_lines
 from ur.cli.robots.fleet import ALL, ask_passwords, choose_robots, is_fleet, run_for_each
 from ur.request.remote.connection import connect_robot, robot_address
+from ur.request.requirements.python_packages import need_all
 from ur.robot.boot.status import SCRIPT, describe_status, log_command, parse_status
 from ur.robot.boot.units import FOLDER, MASTER, PREFIX, Unit, is_unit_name, master_unit, program_unit
 from ur.robot.setup.engine import bring_about
 from ur.robot.setup.facts import Facts, Request
 from ur.robot.setup.packages import WantedService
 from ur.robot.setup.wanted import Wanted, WantedFile
+from ur.robot.ssh.openssh import SshShell
+from ur.source.ansi import allows_colour
 from ur.source.diagnostic import UserError, error
 
 _robot = click.option("--robot", help="Which robot. [default: the selected one]")
@@ -42,12 +45,12 @@ def command(context: click.Context) -> None:
 @click.option("--name", help="The name of the service. [default: that of the launch file or program]")
 @PASSWORD_FROM
 @click.argument(
-    "argv", nargs=-1, type=click.UNPROCESSED, metavar="[PACKAGE FILE.launch | PROGRAM | COMMAND] [ARG:=VALUE ...]"
+    "argv", nargs=-1, type=click.UNPROCESSED, metavar="[PACKAGE FILE.launch | PROGRAM | web | COMMAND] [ARG:=VALUE ...]"
 )
 def install(
     robots: tuple[str, ...], every: bool, name: str | None, password_from: int | None, argv: tuple[str, ...]
 ) -> int:
-    """Start a ROS master when the robot boots, and a launch file, program or command after it.
+    """Start a ROS master when the robot boots, and a launch file, program or command after it; `web` is its page.
 
     Both wait for the robot's address; what ends is started again, after pauses that grow while it keeps ending. The
     launch file has to be on the robot: `ur sync` brings it. It is told what the robot knows of itself: base, variant,
@@ -63,6 +66,8 @@ def install(
     address = robot_address(chosen[0] if chosen else None)
     known_as = address.host.removesuffix(".local")
     request = parse_request(argv) if argv else None
+    if request and request.page and sys.stdout.isatty():
+        need_all(["segno"], "web.lock", "what the page needs (2 MB to download)")
     called = name or (request.name if request else MASTER)
     if request and not is_unit_name(called):
         raise _bad_name(called, "give --name")
@@ -85,10 +90,39 @@ def install(
             root=True,
             report=lambda change: show_changes([change]),
         )
+        if request and request.page and sys.stdout.isatty():
+            _show_link(shell, address.host)
     if not count + copied:
         click.echo("nothing to do")
         return 0
     click.echo(f"{address.host} starts it now, and whenever it boots; how it is: ur boot status --robot {known_as}")
+    if request and request.page:
+        click.echo(f"another link to its page: ur boot link --robot {known_as}")
+    return 0
+
+
+@command.command("link")
+@_robot
+@click.option("--look", is_flag=True, help="Make a link that may look and stop the robot, but not drive.")
+def link(robot: str | None, look: bool) -> int:
+    """Print a link, and its QR code, to the page that `ur boot install web` has a robot serve.
+
+    It is good for one login within an hour.
+    """
+    need_all(["segno"], "web.lock", "what the page needs (2 MB to download)")
+    address = robot_address(robot)
+    with connect_robot(address) as shell:
+        if shell.run(f"[ -e {FOLDER}/{PREFIX}web.service ]").code:
+            known_as = address.host.removesuffix(".local")
+            raise UserError(
+                error(
+                    f"{address.host} serves no page at boot",
+                    rule="no-boot-service",
+                    help=f"ur boot install --robot {known_as} web",
+                    subject=address.host,
+                )
+            )
+        _show_link(shell, address.host, look=look)
     return 0
 
 
@@ -173,6 +207,24 @@ def _change_each(
         return [*command_name.split(), "--robot", robot, *options, *given, "--", *argv]
 
     return run_for_each(command_name, robots, make_argv, passwords=passwords)
+
+
+def _show_link(shell: SshShell, host: str, *, look: bool = False) -> None:
+    """Have the robot's page admit a new link, and print it. The robot gets the hash of its token only."""
+    from ur.web.access.roles import Role
+    from ur.web.server.link_files import admit_script, make_token
+    from ur.web.server.links import FIRST_PORT, LISTENERS, draw_code, make_link
+
+    token = make_token()
+    done = shell.run(admit_script(token, Role.LOOK if look else Role.DRIVE))
+    if done.code:
+        said = (done.err.strip().splitlines() or ["no reason was given"])[-1]
+        raise UserError(error(f"{host}: no link could be made: {said}", rule="no-boot-service", help="ur boot status"))
+    address = make_link(host, FIRST_PORT, token)
+    click.echo(draw_code(address, colours=sys.stdout.isatty() and allows_colour(os.environ)))
+    click.echo(f"open {address}")
+    click.echo("the link is good for one login within an hour; the login outlives reboots")
+    click.echo(LISTENERS)
 
 
 def _wanted(unit: Unit) -> list[Wanted]:

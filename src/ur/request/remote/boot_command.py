@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from ur.request.arguments import Argument, split_argv, values_of
 from ur.request.environment import PACKAGE, add_own_package
 from ur.robot.boot.launch_file import RobotLaunch, choose_arguments, find_launch, is_launch_name
-from ur.robot.boot.units import LIBRARIES, command_line, launch_line
+from ur.robot.boot.units import LIBRARIES, command_line, launch_line, page_line
 from ur.robot.deploy.repository import read_repository
 from ur.robot.robot_file import ROBOT_FILE
 from ur.robot.setup.change import Change
@@ -19,23 +19,33 @@ from ur.robot.ssh.openssh import SshShell
 from ur.robot.ssh.shell import Shell, quote
 from ur.source.diagnostic import UserError, error
 
+PAGE = "web"
+"""The name of the page among programs."""
+
+_PREPARE_LIMIT = 900.0  # s for a download over a slow network
+
 
 @dataclass(frozen=True, slots=True)
 class BootRequest:
     """A launch file of a package with arguments, or, with an empty `package`, the argv of a command.
 
-    `name` is the service's, unless the user gives another.
+    `name` is the service's, unless the user gives another. `page`: it is that of `ur web`, which has neither.
     """
 
     name: str
     package: str
     file: str
     argv: tuple[str, ...]
+    page: bool = False
 
 
 def parse_request(argv: Sequence[str]) -> BootRequest:
-    """Parse one of the three forms. Raises UserError: a program that starts no launch file."""
+    """Parse one of the four forms. Raises UserError: a program that starts no launch file, or a page with arguments."""
     first, rest = argv[0], tuple(argv[1:])
+    if first == PAGE:
+        if rest:
+            raise _problem(f"{rest[0]!r} is unexpected: the page takes no arguments", "ur boot install web")
+        return BootRequest(PAGE, "", "", (), page=True)
     if rest and is_launch_name(rest[0]):
         return BootRequest(rest[0].partition(".")[0].lower(), first, rest[0], rest[1:])
     program = first.removeprefix("ur_")
@@ -50,6 +60,8 @@ def parse_request(argv: Sequence[str]) -> BootRequest:
 
 def make_line(request: BootRequest, shell: Shell, robot: str) -> str:
     """The command line of the service. Raises UserError: not on the robot, a wrong argument, a terminal is needed."""
+    if request.page:
+        return page_line("--service")
     if not request.package:
         found = shell.run(quote("bash", "-lc", f"command -v {quote(request.argv[0])}"))
         if found.code:
@@ -74,15 +86,22 @@ def bring_library(request: BootRequest, shell: SshShell, user: str, report: Call
 
     `report` gets each change. Raises UserError when it is not set up there: its nodes could not run.
     """
-    if request.package != PACKAGE.name:
+    if request.package != PACKAGE.name and not request.page:
         return 0
     wanted = read_repository()
     _, count = bring_about(shell, lambda _: [wanted], user, Request(user), root=False, report=report)
     if shell.run(f"for d in {' '.join(LIBRARIES)}; do [ -r $d/.venv/ready-run ] && exit; done; exit 1").code:
         raise _problem(
-            f"{shell.address.host}: {request.package} is there and not set up, and its nodes need that",
+            f"{shell.address.host}: {PACKAGE.name} is there and not set up, and its nodes need that",
             f"ur robot setup {shell.address.host.removesuffix('.local')} completes it; then run this again",
         )
+    if request.page:
+        done = shell.run(quote("bash", "-lc", page_line("--prepare")), timeout=_PREPARE_LIMIT)
+        if done.code:
+            reason = done.err.strip().splitlines() or [f"exit code {done.code}"]
+            said = next((line for line in reason if line.startswith("error: ")), reason[-1]).removeprefix("error: ")
+            help_ = f"connect the robot to the internet, once: ur wifi {shell.address.host.removesuffix('.local')}"
+            raise _problem(f"{shell.address.host}: what the page needs is not installed there: {said}", help_)
     return count
 
 

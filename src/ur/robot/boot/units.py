@@ -161,6 +161,14 @@ def launch_line(package: str, file: str, arguments: Sequence[str]) -> str:
     return f'for d in {places}; do [ ! -r "$d/.venv/ready-run" ] || exec {ready}; done; exec roslaunch --wait {words}'
 
 
+def page_line(*options: str) -> str:
+    """The line that starts the page of `ur web` where this project is set up on the robot; `options` of that verb."""
+    places = " ".join(f'"$HOME"/{place}' for place in LIBRARIES)
+    page = f'"$d/.venv/bin/python" -I -m ur web {quote(*options)}'
+    missing = "echo 'this project is not set up on the robot: ur robot setup' >&2; exit 1"
+    return f'for d in {places}; do [ ! -r "$d/.venv/ready-run" ] || exec {page}; done; {missing}'
+
+
 def is_unit_name(text: str) -> bool:
     """Return whether a program may be called so."""
     return text != MASTER and re.fullmatch(r"[a-z0-9][a-z0-9_-]{0,50}", text) is not None
