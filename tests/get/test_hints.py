@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
+from tests.base_contract import EVERY, load
 
 from ur.get.hints import find_hint, find_related_hint, load_sources, parse_sources, read_hints
 
@@ -72,3 +75,17 @@ def test_table_of_sources_holds_addresses_that_a_shell_leaves_alone() -> None:
     assert table["ydlidar"].url.startswith("https://")
     with pytest.raises(ValueError, match=r"known_sources\.tsv:2"):
         parse_sources("repository\tbranch\tpackages\nhttps://a.org/x;y\t-\tpkg\n")
+
+
+def test_drivers_of_our_bases_that_no_index_has_come_from_where_their_base_files_say() -> None:
+    drivers = [
+        driver
+        for name, variant in EVERY
+        for driver in (load(name, variant).driver, *load(name, variant).drivers)
+        if driver is not None
+    ]
+    told = {driver.package: re.findall(r"https://\S+", driver.install) for driver in drivers}
+    table = load_sources()
+    assert {"neato_node", "pi_sonar"} <= told.keys() & table.keys()
+    for package in told.keys() & table.keys():
+        assert table[package].url.removesuffix(".git") in told[package]

@@ -12,7 +12,7 @@ from ur.get.install import Actions, install, undo
 from ur.get.model import GetPlan, Missing, Step
 from ur.get.record import Record, load_record
 from ur.get.xacro import install_xacro
-from ur.source.diagnostic import UserError
+from ur.source.diagnostic import UserError, error
 
 PLAN = GetPlan((Step(Missing("rviz"), "debian", ("rviz",)), Step(Missing("xacro"), "pypi", ("xacro",))))
 
@@ -71,6 +71,17 @@ def test_interrupted_installation_can_be_undone(tmp_path: Path) -> None:
     assert apt.installed == {"base", "libogre"}
     undo(record, tmp_path / "packages", apt.actions())
     assert apt.installed == {"base"}
+
+
+def test_failed_installation_is_recorded_as_far_as_it_came(tmp_path: Path) -> None:
+    failure = UserError(error("no network", rule="no-package"))
+    apt, record = Apt(fails=failure), tmp_path / "get.json"
+    with pytest.raises(UserError, match="no network"):
+        install(PLAN, record, tmp_path / "packages", apt.actions())
+    assert load_record(record) == Record(("libogre",))
+    apt.installed.add("rviz")  # by somebody else, later
+    undo(record, tmp_path / "packages", apt.actions())
+    assert apt.installed == {"base", "rviz"}
 
 
 def test_undo_leaves_packages_that_something_else_needs_by_now(tmp_path: Path) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -35,20 +36,31 @@ def install(plan: GetPlan, record: Path, packages: Path, actions: Actions | None
     """Install the Debian and PyPI packages of a plan.
 
     What is about to be installed is recorded first, with all that it brings along, so that whatever interrupts this can
-    be undone. Raises UserError.
+    be undone. After a failure the record has what was installed nevertheless. Raises UserError.
     """
     actions = actions or Actions()
-    known = load_record(record)
+    known = before = load_record(record)
     if plan.debian:
         more = parse_simulation(actions.simulate(["install", "--no-install-recommends", *plan.debian]), "Inst")
         new = actions.list_missing(tuple(dict.fromkeys((*plan.debian, *more))))
         known = known.adding(debian=new)
         store_record(known, record)
-        actions.install(plan.debian)
+        try:
+            actions.install(plan.debian)
+        except BaseException:
+            absent = set(actions.list_missing(new)) if new else set()
+            with suppress(UserError):  # then the record names more than there is, which undo leaves out
+                store_record(before.adding(debian=[name for name in new if name not in absent]), record)
+            raise
     for step in plan.steps_by("pypi"):
-        known = known.adding(pypi=step.names)
+        before, known = known, known.adding(pypi=step.names)
         store_record(known, record)
-        actions.make_package(packages)
+        try:
+            actions.make_package(packages)
+        except BaseException:
+            with suppress(UserError):
+                store_record(before.adding(pypi=[name for name in step.names if (packages / name).is_dir()]), record)
+            raise
 
 
 def undo(record: Path, packages: Path, actions: Actions | None = None) -> Record:

@@ -79,7 +79,7 @@ def describe_base(
         message = "--raspicam has no effect with --from, which reads the camera from the file"
         raise UserError(error(message, rule="bad-value", help="add it to the base.yaml that is written"))
     given = {key: _check(key, value) for key, value in figures.items() if value is not None}
-    expanded = read_description(source, os.environ, lambda: _list_packages(source))
+    expanded = read_description(source, os.environ, lambda: list_packages(source))
     description = parse_urdf(expanded.text, str(source))
     reading = read_base_figures(description, given, lidar=lidar)
     click.echo(_describe(reading), err=True, nl=False)
@@ -107,7 +107,7 @@ def _ask_for_lidar(reading: Reading) -> bool | None:
     return None
 
 
-def _list_packages(source: Path) -> dict[str, str]:
+def list_packages(source: Path) -> dict[str, str]:
     """The folders of packages by name: those of this computer, and before them the file's own and those beside it."""
     from ur.launchfile.world.system import SystemWorld
     from ur.request.environment import add_own_package
