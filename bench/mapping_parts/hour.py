@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import multiprocessing
-import resource
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -12,6 +11,7 @@ from multiprocessing.connection import Connection
 
 import numpy as np
 from bench.mapping_parts.log import Floats
+from bench.mapping_parts.measure import peak_memory
 from bench.mapping_parts.simulated import Moment, drive, grid_of_world, read_bench_world
 
 from ur.robot.base import Base
@@ -92,7 +92,7 @@ def _map(pipe: Connection, angles: Floats, mount: Pose2, limits: tuple[float, fl
         except EOFError:
             return
         if moment is None:
-            memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3
+            memory = peak_memory()
             pipe.send(Part(memory, len(tracker.scans), tracker.loops, np.array(scans), np.array(drawings)))
             scans.clear()
             drawings.clear()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from bench.mapping_parts.log import Floats, Log
@@ -51,6 +52,15 @@ def errors_after_fit(path: Floats, reference: Floats) -> Floats:
     moved = best_fit(path, reference).apply(path[known, :2])
     distances: Floats = np.hypot(*(moved - reference[known, :2]).T)
     return distances
+
+
+def peak_memory() -> float:
+    """The most memory in MB that this process has held since its program began.
+
+    Unlike `ru_maxrss`, which begins with what the parent process held.
+    """
+    status = Path("/proc/self/status").read_text(encoding="ascii", errors="replace")
+    return next(float(line.split()[1]) for line in status.splitlines() if line.startswith("VmHWM:")) / 1e3
 
 
 def rms(values: Floats) -> float:

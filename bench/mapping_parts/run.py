@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import multiprocessing
-import resource
 import time
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
 
 import numpy as np
 from bench.mapping_parts.log import Floats, Log
+from bench.mapping_parts.measure import peak_memory
 from numpy.typing import NDArray
 
 from ur_nodes.geometry.grid import Grid
@@ -80,7 +80,7 @@ def _run(pipe: Connection, directions: Floats, offset: Floats, limits: tuple[flo
     path = np.full((len(live), 3), np.nan)
     for number, pose in tracker.path().items():
         path[number] = pose
-    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3
+    memory = peak_memory()
     pipe.send(
         Result(
             path,

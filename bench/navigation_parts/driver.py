@@ -14,7 +14,7 @@ import numpy as np
 import rospy
 from actionlib_msgs.msg import GoalStatus
 from bench.navigation_parts.geodesic import free_cells, length_of, shortest_path
-from bench.navigation_parts.worlds import Goal
+from bench.navigation_parts.worlds import Goal, passage_radius
 from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
 from nav_msgs.msg import Odometry
 from nav_msgs.srv import SetMap, SetMapRequest
@@ -29,6 +29,7 @@ from ur_nodes.geometry.pose import Pose2, wrap_angle
 from ur_nodes.geometry.transform_tree import TransformError, TransformTree
 from ur_nodes.rosio.geometry import pose3_of_transform, pose_message, pose_of_message
 
+_SAME = Pose2(0.0, 0.0, 0.0)
 FRAMES = ("odom", "base_footprint")
 
 
@@ -47,11 +48,21 @@ class Drive:
 
 
 class Driver:
-    """A client of move_base that knows the truth."""
+    """A client of move_base that knows the truth.
 
-    def __init__(self, grid: Grid, base: Base, base_frame: str = "base_footprint") -> None:
+    `grid` is the world's; `map_pose` is the pose of the frame `map` in the world, and all else is in that of the world.
+    """
+
+    def __init__(
+        self,
+        grid: Grid,
+        base: Base,
+        base_frame: str = "base_footprint",
+        map_pose: Pose2 = _SAME,
+    ) -> None:
         self._grid = grid
-        self._free = free_cells(grid, footprint_of_outline(base.footprint, grid.resolution).inscribed)
+        self._map = map_pose
+        self._free = free_cells(grid, passage_radius(footprint_of_outline(base.footprint, grid.resolution)))
         self._base = base_frame
         self._lock = threading.Lock()
         self._frames = TransformTree()
@@ -86,7 +97,7 @@ class Driver:
         message.target_pose.header.frame_id = "map"
         message.target_pose.header.stamp = rospy.Time.now()
         target = Pose2(goal[0], goal[1], math.radians(goal[2]))
-        message.target_pose.pose = pose_message(target)
+        message.target_pose.pose = pose_message(self._map.inverse().compose(target))
         done = threading.Event()
         self._client.send_goal(message, done_cb=lambda *_: done.set())
         if obstacle:
@@ -150,7 +161,7 @@ class Driver:
                 return
             self._waiting.popleft()
             try:
-                correction = self._frames.pose("map", "odom")
+                correction = self._map.compose(self._frames.pose("map", "odom"))
                 told = correction.compose(self._frames.pose("odom", self._base, stamp))
             except TransformError:
                 continue

@@ -1,10 +1,11 @@
 """The shortest way on the inflated grid: what every planner is held against.
 
-The robot is a disc of its inscribed radius, obstacles are the map's occupied cells, unknown is forbidden. Dijkstra over
-the free cells with moves in 32 directions (all coprime steps of at most 3 cells) is at most 1.4 % too long, by the
-angle between two directions; pulling the result taut (the best chain of straight free lines between its points,
-repeated until nothing gains) takes that out again. What is left is within a few millimetres per corner of the exact
-geodesic, and lines may graze the corners of forbidden cells, so it errs towards too short: not in our favour.
+The robot is a disc as wide as the passages that it needs, obstacles are the map's occupied cells, unknown is
+forbidden. Dijkstra over the free cells with moves in 32 directions (all coprime steps of at most 3 cells) is at most
+1.4 % too long, by the angle between two directions; pulling the result taut (the best chain of straight free lines
+between its points, repeated until nothing gains) takes that out again. What is left is within a few millimetres per
+corner of the exact geodesic, and lines may graze the corners of forbidden cells, so it errs towards too short: not in
+our favour.
 """
 
 from __future__ import annotations

@@ -2,11 +2,25 @@
 
 from __future__ import annotations
 
+import json
+import math
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 
 from bench.navigation_parts.driver import Drive
+from bench.navigation_parts.explored import ExploredMap
 from bench.navigation_parts.stack import Usage
 from bench.navigation_parts.worlds import Goal
+
+
+def print_explored(world: str, explored: ExploredMap) -> None:
+    """One line for the map that a robot has made; its pose in the world, and the distance of its walls."""
+    pose = explored.pose
+    print(
+        f"{world}: explored map at ({pose.x:.3f}, {pose.y:.3f}) m, {math.degrees(pose.yaw):.2f} deg in the world,"
+        f" walls {explored.error:.3f} m rms from true ones",
+        flush=True,
+    )
 
 
 def print_drive(number: int, goal: Goal, drive: Drive, speed: float) -> None:
@@ -49,6 +63,26 @@ def print_report(
         print(f"  {name:22} {share:5.1f} % of a core  {usage.memory:6.1f} MB")
     print(f"  {'all nodes':22} {total:5.1f} % of a core", flush=True)
     return reached == len(drives) and not collisions
+
+
+def write_figures(
+    file: Path, world: str, drives: Sequence[Drive], collisions: int | None, moved: int, breaches: Sequence[str]
+) -> None:
+    """Add the figures of one world to a file, as a line of JSON."""
+    shortest = sum(drive.shortest for drive in drives)
+    figures = {
+        "world": world,
+        "goals": len(drives),
+        "reached": sum(drive.reached for drive in drives),
+        "moved": moved,
+        "path": sum(drive.length for drive in drives) / shortest if shortest else 0.0,
+        "final_error": max((drive.error for drive in drives if drive.reached), default=0.0),
+        "collisions": collisions or 0,
+        "breaches": list(breaches),
+        "failures": [drive.text for drive in drives if not drive.reached],
+    }
+    with file.open("a", encoding="utf-8") as opened:
+        opened.write(json.dumps(figures) + "\n")
 
 
 def ratio(seconds: float, length: float, speed: float) -> float:

@@ -8,6 +8,7 @@ import socket
 import subprocess
 import time
 import xmlrpc.client
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -59,16 +60,16 @@ def load_robot(name: str) -> Base:
 
 
 class Stack:
-    """A master and the nodes of one world. A context manager: everything is gone at its end."""
+    """A master and the nodes of a launch file. A context manager: everything is gone at its end.
 
-    def __init__(self, world: str, base: Base, directory: Path, speed: float, seed: int, peers: Peers) -> None:
-        self._directory = directory
+    `name` is that of its files in `directory`; `extra` goes into the environment of the nodes.
+    """
+
+    def __init__(self, name: str, launch: str, directory: Path, extra: Mapping[str, str] | None = None) -> None:
         self.port = _free_port()
-        self.simulated_clock = speed != 1.0
-        launch = directory / f"{world}.launch"
-        launch.write_text(_launch_file(world, base, directory, speed, seed, peers), encoding="utf-8")
-        environment = dict(os.environ)
-        environment |= {
+        file = directory / f"{name}.launch"
+        file.write_text(launch, encoding="utf-8")
+        environment = {
             "ROS_MASTER_URI": f"http://localhost:{self.port}",
             "ROS_HOSTNAME": "localhost",
             "ROS_LOG_DIR": str(directory / "log"),
@@ -78,10 +79,10 @@ class Stack:
             ),
         }
         os.environ.update(environment)
-        self._log = (directory / f"{world}.log").open("wb")
+        self._log = (directory / f"{name}.log").open("wb")
         self._process = subprocess.Popen(
-            ["/usr/bin/roslaunch", "-p", str(self.port), str(launch)],
-            env=environment,
+            ["/usr/bin/roslaunch", "-p", str(self.port), str(file)],
+            env={**os.environ, **(extra or {})},
             stdout=self._log,
             stderr=subprocess.STDOUT,
             start_new_session=True,
@@ -91,7 +92,8 @@ class Stack:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._process.send_signal(signal.SIGINT)
+        if self._process.poll() is None:
+            self._process.send_signal(signal.SIGINT)
         try:
             self._process.wait(30)
         except subprocess.TimeoutExpired:
@@ -106,10 +108,21 @@ class Stack:
         deadline = time.monotonic() + seconds
         while not condition():
             if self._process.poll() is not None or time.monotonic() > deadline:
-                self._log.flush()
-                tail = "\n".join(Path(self._log.name).read_text(errors="replace").splitlines()[-15:])
+                tail = "\n".join(self.output()[-15:])
                 raise SystemExit(f"error: {what} did not appear within {seconds:.0f} s, expected it sooner\n{tail}")
             time.sleep(0.1)
+
+    def wait_for_end(self, seconds: float) -> bool:
+        """Wait until the nodes have ended by themselves; return whether they have within this time."""
+        try:
+            self._process.wait(seconds)
+        except subprocess.TimeoutExpired:
+            return False
+        return True
+
+    def output(self) -> list[str]:
+        """Return the lines that the nodes have printed so far."""
+        return Path(self._log.name).read_text(errors="replace").splitlines()
 
     def master_answers(self) -> bool:
         """Whether the master is up."""
@@ -136,59 +149,6 @@ def _node_name(command: list[str]) -> str:
     if names:
         return names[0]
     return "(master)" if any(word.endswith("rosmaster") for word in command) else ""
-
-
-def _launch_file(world: str, base: Base, directory: Path, speed: float, seed: int, peers: Peers) -> str:
-    map_file = MAPS / f"{world}.yaml"
-    packages = " ".join(
-        f'<arg name="{name}_pkg" value="{name}"/>'
-        for name in ("map_server", "amcl", "move_base")
-        if getattr(peers, name)
-    )
-    if peers.stage:
-        robot = _stage(world, directory)
-    else:
-        robot = f"""
-  <include file="$(find ubiquity_launches)/m_robot_base/launch/m_robot_base.launch.xml">
-    <arg name="robot_base" value="{base.name}"/> <arg name="robot_variant" value="{base.variant}"/>
-    <arg name="world" value="{world}"/>
-    <arg name="speed" value="{speed}"/> <arg name="seed" value="{seed}"/>
-  </include>"""
-    return f"""<launch>
-  <machine name="localhost" address="localhost"/>{robot}
-  <include file="$(find ubiquity_launches)/m_move_base/launch/m_move_base.launch.xml">
-    <arg name="robot_base" value="{base.name}"/> <arg name="map_file" value="{map_file}"/> {packages}
-  </include>
-</launch>
-"""
-
-
-def _stage(world: str, directory: Path) -> str:
-    """stage_ros with the same floor plan and a robot of the same size, speed and lidar."""
-    from PIL import Image
-
-    from ur_nodes.geometry.grid import load_map
-
-    grid = load_map(str(MAPS / f"{world}.yaml"))
-    width, height = grid.width * grid.resolution, grid.height * grid.resolution
-    picture = directory / f"{world}.png"
-    Image.fromarray(((grid.values[::-1] < 65) * 255).astype("uint8")).save(picture)
-    (directory / f"{world}.world").write_text(
-        f"""
-interval_sim 50
-define lidar ranger ( sensor ( range [ 0.12 12.0 ] fov 359 samples 360 noise [0.01 0.0 0.0] ) size [0.05 0.05 0.1] )
-model ( name "floor" bitmap "{picture}" boundary 0 gui_move 0 laser_return 1 obstacle_return 1
-  size [{width} {height} 1.0] pose [{grid.origin.x + width / 2} {grid.origin.y + height / 2} 0 0] )
-position ( name "robot" size [0.4 0.38 0.25] drive "diff" localization "odom" odom_error [0.01 0.01 0.01 0.01]
-  velocity_bounds [-0.5 0.5 0 0 0 0 -57.3 57.3] acceleration_bounds [-1 1 0 0 0 0 -172 172]
-  pose [0 0 0 0] lidar ( pose [0.1 0 0.1 0] ) )
-""",
-        encoding="utf-8",
-    )
-    return f"""
-  <node name="simulator" pkg="stage_ros" type="stageros" args="-g {directory / f"{world}.world"}">
-    <remap from="base_scan" to="scan"/>
-  </node>"""
 
 
 def _free_port() -> int:

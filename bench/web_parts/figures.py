@@ -1,0 +1,216 @@
+"""Figures of the page on one computer, each beside its limit: delays, sizes, processor time, memory, frame times."""
+
+from __future__ import annotations
+
+import asyncio
+import io
+import json
+import math
+import random
+import statistics
+import struct
+import tempfile
+import threading
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import aiohttp
+import psutil
+import rospy
+from geometry_msgs.msg import Twist
+from PIL import Image
+from sensor_msgs.msg import CompressedImage
+from tests.docs.chromium import Chromium, find_chromium
+
+from ur.web.server.static_files import load_files
+
+FORWARD = 0.05  # m/s of a press
+PRESSES, PICTURES = 60, 60
+OVER = 10.0  # s over which processor time is measured
+
+# A map of 4000 x 4000 cells, its tiles made on the page; then a pan of 120 frames. Returns the frame times, ms.
+_PAN = """(async () => {
+  const map = page.map, tile = 256, side = 4000, generation = 4242;
+  const size = { column: 0, row: 0, width: side, height: side };
+  map.setGrid(1, { generation, resolution: 0.05, x: -100, y: -100, yaw: 0, ...size });
+  let seed = 1;
+  const count = Math.ceil(side / tile);
+  for (let row = 0; row < count; row++) for (let column = 0; column < count; column++) {
+    const cells = new Int8Array(tile * tile);
+    for (let index = 0; index < cells.length; index += 1 + (seed % 40)) {
+      seed = (seed * 16807) % 2147483647;
+      cells[index] = seed % 101;
+    }
+    map.tiles.setTile(column, row, generation, cells);
+  }
+  const frame = () => new Promise((done) => requestAnimationFrame(done));
+  const pan = async (scale, step) => {
+    map.show([0, 0, scale]);
+    for (let count = 0; count < 20; count++) await frame();
+    const times = [];
+    let before = await frame();
+    for (let count = 0; count < 120; count++) {
+      map.view.x += step; map.request();
+      const now = await frame();
+      times.push(now - before); before = now;
+    }
+    return times;
+  };
+  return { whole: await pan(4, 0.3), near: await pan(60, 0.05) };
+})()"""
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A measured value and its limit."""
+
+    name: str
+    value: float
+    limit: float
+    unit: str
+
+
+def percentile(values: list[float], share: float) -> float:
+    """The value that this share of the values does not exceed."""
+    return sorted(values)[max(0, math.ceil(share * len(values)) - 1)]
+
+
+async def measure_stick(session: Any, url: str) -> float:
+    """Seconds from a command of a page to the first velocity on cmd_vel, 95th percentile of presses."""
+    arrived = threading.Event()
+
+    def note(message: Twist) -> None:
+        if message.linear.x:
+            arrived.set()
+
+    subscriber = rospy.Subscriber("cmd_vel", Twist, note, queue_size=1, tcp_nodelay=True)
+    delays = []
+    async with session.ws_connect(f"{url}/ws/drive?tab=0123456789", headers={"Origin": url}) as socket:
+        for hold in range(1, PRESSES + 1):
+            began, refused = math.inf, False
+            arrived.clear()
+            end = time.monotonic() + 2.0
+            while not arrived.is_set() and not refused and time.monotonic() < end:
+                value = (await socket.receive()).json()
+                refused = value.get("t") == "over"
+                if "n" in value:
+                    began = min(began, time.monotonic())
+                    forward = FORWARD if hold % 2 else -FORWARD
+                    command = {"t": "stick", "n": value["n"], "hold": hold, "forward": forward, "turn": 0.0}
+                    await socket.send_str(json.dumps(command))
+                    await asyncio.to_thread(arrived.wait, 0.02)
+            if arrived.is_set():
+                delays.append(time.monotonic() - began)
+            await socket.send_str(json.dumps({"t": "let_go", "hold": hold}))
+            rest = time.monotonic() + random.uniform(0.3, 0.5)
+            while time.monotonic() < rest:  # challenges go on
+                await socket.receive()
+    subscriber.unregister()
+    return percentile(delays, 0.95) if delays else math.inf
+
+
+async def measure_camera(session: Any, url: str) -> float:
+    """Seconds from the publication of a picture of 640 x 480 to its arrival at a page, 95th percentile."""
+    publisher = rospy.Publisher("raspicam_node/image/compressed", CompressedImage, queue_size=1)
+    buffer = io.BytesIO()
+    Image.effect_noise((640, 480), 60).convert("RGB").save(buffer, "JPEG", quality=70)
+    ended = threading.Event()
+
+    def publish() -> None:
+        while not ended.wait(1 / 15):
+            message = CompressedImage(format="jpeg", data=buffer.getvalue())
+            message.header.stamp = rospy.Time.from_sec(time.time())
+            publisher.publish(message)
+
+    thread = threading.Thread(target=publish, daemon=True)
+    thread.start()
+    ages = []
+    async with session.ws_connect(f"{url}/ws/camera", headers={"Origin": url}, max_msg_size=0) as socket:
+        for _ in range(PICTURES):
+            data = (await asyncio.wait_for(socket.receive(), 30)).data
+            ages.append(time.time() - struct.unpack_from("<d", data, 6)[0])
+            await socket.send_str("shown")
+    ended.set()
+    thread.join()
+    publisher.unregister()
+    return percentile(ages[5:], 0.95)
+
+
+async def measure_viewers(session: Any, url: str, processes: list[psutil.Process], count: int) -> float:
+    """The share of a core that server and robot's end take while this many pages look."""
+
+    async def look() -> None:
+        async with session.ws_connect(f"{url}/ws/view", headers={"Origin": url}, max_msg_size=0) as socket:
+            async for _ in socket:
+                pass
+
+    pages = [asyncio.create_task(look()) for _ in range(count)]
+    await asyncio.sleep(2.0)
+    before, began = sum(map(_used, processes)), time.monotonic()
+    await asyncio.sleep(OVER)
+    share = (sum(map(_used, processes)) - before) / (time.monotonic() - began)
+    for page in pages:
+        page.cancel()
+    await asyncio.gather(*pages, return_exceptions=True)
+    return share
+
+
+def _used(process: psutil.Process) -> float:
+    times = process.cpu_times()
+    return float(times.user + times.system)
+
+
+def measure_browser(url: str, cookie: dict[str, str]) -> tuple[float, dict[str, list[float]]]:
+    """Seconds until a page shows the map, median of 5 loads, and the frame times of a large map, ms."""
+    program = find_chromium()
+    assert program is not None, "Chromium is not installed"
+    with tempfile.TemporaryDirectory() as folder, Chromium(program, Path(folder)) as browser:
+        browser.resize(1400, 900)
+        for name, value in cookie.items():
+            browser.ask("Network.setCookie", name=name, value=value, url=url, httpOnly=True)
+        loads = []
+        for _ in range(5):
+            browser.open(f"{url}/")
+            shown = browser.run(
+                "new Promise((done) => { const look = () => globalThis.page?.map.tiles.tiles.size"
+                " ? requestAnimationFrame(() => done(performance.now())) : setTimeout(look, 4); look(); })"
+            )
+            loads.append(shown / 1000)
+        return statistics.median(loads), browser.run(_PAN)
+
+
+async def measure_all(port: int, cookie: dict[str, str], server: psutil.Process) -> list[Figure]:
+    """All figures of a server whose robot runs."""
+    url = f"http://localhost:{port}"
+    first, frames = await asyncio.to_thread(measure_browser, url, cookie)
+    size = sum(len(each.packed) for each in load_files().values()) / 1000
+    jar = aiohttp.CookieJar(unsafe=True)
+    async with aiohttp.ClientSession(cookies=cookie, cookie_jar=jar) as session:
+        jar.update_cookies(cookie)
+        processes = [server, *server.children(recursive=True)]
+        one = await measure_viewers(session, url, processes, 1)
+        ten = await measure_viewers(session, url, processes, 10)
+        stick = await measure_stick(session, url)
+        camera = await measure_camera(session, url)
+    memory = server.memory_full_info().pss / 1e6
+    return [
+        Figure("stick to cmd_vel, p95", 1000 * stick, 60, "ms"),
+        Figure("first picture of the map", first, 1.5, "s"),
+        Figure("page, compressed", size, 250, "kB"),
+        Figure("camera to page, 640 x 480, p95", 1000 * camera, 250, "ms"),
+        Figure("one viewer", 100 * one, 8, "% of a core"),
+        Figure("ten viewers", 100 * ten, 25, "% of a core"),
+        Figure("memory of the server", memory, 60, "MB"),
+        Figure("map of 4000 x 4000, whole: frame p95", percentile(frames["whole"], 0.95), 34, "ms"),
+        Figure("map of 4000 x 4000, near: frame p95", percentile(frames["near"], 0.95), 34, "ms"),
+    ]
+
+
+def print_figures(figures: list[Figure]) -> bool:
+    """Print a table. Return whether all are within their limits."""
+    for each in figures:
+        mark = "" if each.value <= each.limit else "  ABOVE"
+        print(f"{each.name:38} {each.value:8.2f} of {each.limit:6g} {each.unit}{mark}")
+    return all(each.value <= each.limit for each in figures)
