@@ -27,6 +27,10 @@ def find_chromium() -> str | None:
     return None
 
 
+class ChromiumError(RuntimeError):
+    """The browser refuses a request."""
+
+
 class Chromium:
     """A browser with one page. What pages write to the console as an error is in `complaints`."""
 
@@ -96,7 +100,7 @@ class Chromium:
         number = self._number
         answer = self._wait(lambda each: each.get("id") == number, method)
         if "error" in answer:
-            raise RuntimeError(f"{method}: {answer['error']}")
+            raise ChromiumError(f"{method}: {answer['error']}")
         result: dict[str, Any] = answer.get("result", {})
         return result
 
@@ -115,6 +119,15 @@ class Chromium:
                 return
         self._wait(lambda each: each.get("method") == "Page.loadEventFired", "loading")
         self._events.clear()
+
+    def holds(self, expression: str) -> bool:
+        """Whether an expression is true; False while the page is exchanged for another one."""
+        try:
+            return bool(self.run(f"Boolean({expression})"))
+        except ChromiumError as problem:
+            if "navigated" not in str(problem):
+                raise
+            return False
 
     def run(self, script: str) -> Any:
         """The value of an expression on the page."""
