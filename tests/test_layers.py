@@ -70,7 +70,6 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         "ur_nodes.geometry",
         "ur_nodes.motion.lease",
         "ur_nodes.rosio",
-        "ur_nodes.teleop.terminal",
     ),
     "ur_nodes.costmap": ("ur.source", "ur.robot.base", "ur.worlds", "ur_nodes.geometry", "ur_nodes.rosio"),
     "ur_nodes.navigation": (
@@ -94,8 +93,15 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         "ur_nodes.motion",
         "ur_nodes.navigation",
         "ur_nodes.teleop.mux",
+        "ur_nodes.teleop.terminal",
     ),
-    "ur_nodes.teleop.map_view": ("ur.maps", "ur_nodes.geometry", "ur_nodes.teleop.navigator"),
+    "ur_nodes.teleop.map_view": (
+        "ur.source",
+        "ur.maps",
+        "ur_nodes.geometry",
+        "ur_nodes.rosio",
+        "ur_nodes.teleop.navigator",
+    ),
     "ur_nodes.teleop.navigate": (
         "ur.source",
         "ur.maps",
@@ -118,6 +124,15 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         "ur_nodes.teleop.navigator",
         "ur_nodes.teleop.terminal",
     ),
+    "ur_nodes.teleop.explore": (
+        "ur.source",
+        "ur_nodes.exploration",
+        "ur_nodes.rosio",
+        "ur_nodes.teleop.map_view",
+        "ur_nodes.teleop.mux",
+        "ur_nodes.teleop.navigator",
+        "ur_nodes.teleop.terminal",
+    ),
     "ur_nodes.teleop.camera": ("ur.source", "ur_nodes.rosio", "ur_nodes.pictures", "ur_nodes.teleop.terminal"),
     "ur_nodes.web": (
         "ur.source",
@@ -131,6 +146,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         "ur_nodes.rosio",
         "ur_nodes.teleop.mux",
         "ur_nodes.teleop.navigator",
+        "ur_nodes.vision",
     ),
     "ur_nodes.pictures": ("ur.source", "ur_nodes.rosio"),
     "ur_nodes.camera": ("ur.source", "ur.devices", "ur_nodes.pictures", "ur_nodes.rosio"),

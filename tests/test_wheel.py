@@ -117,6 +117,7 @@ def test_every_requirement_is_locked() -> None:
         "robot": ("robot",),
         "vision": ("vision",),
         "web": ("web",),
+        "foxglove": ("foxglove",),
     }.items():
         text = (ROOT / "requirements" / f"{lock}.lock").read_text()
         locked = {name.lower() for name in re.findall(r"^([\w.-]+)==", text, re.MULTILINE)}

@@ -41,7 +41,7 @@ class Page:
     def wait(self, script: str, seconds: float = 60.0) -> None:
         """Wait until an expression is true."""
         deadline = time.monotonic() + seconds
-        while not self.run(f"Boolean({script})"):
+        while not self.browser.holds(script):
             assert time.monotonic() < deadline, f"{script}: not true within {seconds:g} s; {self.explain()}"
             time.sleep(0.1)
 
@@ -198,17 +198,24 @@ def test_place_is_named_on_the_page_and_driven_to(page: Page, robot: Robot) -> N
     page.tap("#places")
 
 
+def drive_to(page: Page, x: float, y: float) -> None:
+    """Drive to a place of the map, wherever the tests before have left the robot."""
+    before = page.run("page.state.goal.number")
+    page.run(f"page.setMode('goal'); page.point({{x: {x}, y: {y}, yaw: 0}}); 0")
+    page.wait(f"page.state.goal.number > {before} && page.state.goal.state === 'reached'", 120)
+
+
 def test_zone_that_is_drawn_on_the_page_is_kept_out_of(page: Page, robot: Robot) -> None:
+    goal = 1.6  # m: in the corridor along the x axis, far from its ends
+    drive_to(page, 0.6, 0.0)
     page.tap("#zones")
     page.wait("document.getElementById('zone-draw').checkVisibility()")
     page.tap("#zone-draw")
     # Below the panel, and so near that corners are farther apart than a fingertip.
     page.run("page.map.show([page.pose.x, page.pose.y + 1, 60]); 0")
     here = page.run("[page.pose.x, page.pose.y]")
-    goal = page.run("(() => { const {x, y} = page.pose; return x < 0.7 ? [x + 0.9, y] : [x - 0.9, y]; })()")
-    side = 1 if goal[0] > here[0] else -1
     for dx, dy in ((0.35, -0.4), (0.75, -0.4), (0.75, 0.4), (0.35, 0.4)):  # between the robot and the goal
-        x, y = page.run(f"page.map.view.toScreen({here[0] + side * dx}, {here[1] + dy})")
+        x, y = page.run(f"page.map.view.toScreen({here[0] + dx}, {here[1] + dy})")
         page.touch("Start", x, y)
         page.touch("End")
     page.wait("page.panels.panels.get('zones').box.querySelector('#zone-done').disabled === false")
@@ -216,7 +223,7 @@ def test_zone_that_is_drawn_on_the_page_is_kept_out_of(page: Page, robot: Robot)
     page.wait("document.querySelector('#zones-panel li')?.textContent.startsWith('keep-out: keep out')")
     (file,) = Path(robot.env["XDG_DATA_HOME"], "ubiquity_launches", "zones").glob("*/keepout_mask.yaml")
     assert "mode: raw" in file.read_text()
-    inside = [here[0] + side * 0.55, here[1]]
+    inside = [here[0] + 0.55, here[1]]
     page.tap("#zones")
     page.run(f"page.setMode('goal'); page.point({{x: {inside[0]}, y: {inside[1]}, yaw: 0}}); 0")
     page.wait("document.getElementById('banners').innerText.includes('in a keep-out zone')", 60)
@@ -226,8 +233,8 @@ def test_zone_that_is_drawn_on_the_page_is_kept_out_of(page: Page, robot: Robot)
     page.wait("!document.querySelector('#zones-panel li')")
     assert not file.exists()
     page.tap("#zones")
-    page.run(f"page.setMode('goal'); page.point({{x: {goal[0]}, y: {goal[1]}, yaw: 0}}); 0")
-    page.wait("page.state.goal.state === 'reached' && !document.getElementById('banners').innerText", 120)
+    drive_to(page, goal, 0.0)
+    page.wait("!document.getElementById('banners').innerText.includes('keep-out')")
     page.run("page.map.fit(); 0")
 
 

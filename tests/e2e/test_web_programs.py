@@ -148,8 +148,8 @@ class Page:
     def wait(self, script: str, seconds: float = 60.0) -> None:
         """Wait until an expression is true."""
         deadline = time.monotonic() + seconds
-        while not self.run(f"Boolean({script})"):
-            shown = self.run("document.body.innerText")
+        while not self.browser.holds(script):
+            shown = self.run("document.body?.innerText")
             assert time.monotonic() < deadline, f"{script}: not true within {seconds:g} s; the page: {shown}"
             time.sleep(0.1)
 
@@ -209,6 +209,7 @@ def test_program_is_started_with_an_argument_and_its_nodes_are_seen(page: Page, 
 @pytest.mark.usefixtures("navigation")
 def test_log_is_read_and_filtered_and_a_node_is_restarted(page: Page, tmp_path: Path) -> None:
     page.open("programs")
+    page.wait("document.getElementById('program-talk')")
     page.run("document.getElementById('program-talk').open = true; 0")
     page.wait("document.getElementById('program-talk-word')?.required")
     page.run("document.getElementById('program-talk-word').value = 'cat\\u003ci\\u003e'; 0")

@@ -176,6 +176,7 @@ ROBOT_PAGES: Mapping[str, HelpPage] = {
         (
             ("ur boot install robot_base", "Start a program."),
             ("ur boot install --robot bob my_robot m_wander.launch.xml", "Start a launch file on another robot."),
+            ("ur boot install web", "Serve the page, and print a link to it."),
         ),
     ),
     "boot status": HelpPage(
@@ -183,6 +184,13 @@ ROBOT_PAGES: Mapping[str, HelpPage] = {
         (
             ("ur boot status", "Show what the selected robot starts."),
             ("ur boot status --all", "Show what every robot starts that was set up from here."),
+        ),
+    ),
+    "boot link": HelpPage(
+        (),
+        (
+            ("ur boot link --robot bob", "Print a link to the page of bob, and its QR code."),
+            ("ur boot link --look", "Print one that may look but not drive."),
         ),
     ),
     "boot log": HelpPage(
