@@ -59,7 +59,7 @@ def test_topics_and_messages_of_clients_are_read() -> None:
 
 @pytest.mark.parametrize(("topic", "rest", "kind"), [(GOAL, 0, Goal), (POSE, 288, InitialPose)])
 def test_poses_in_the_form_of_ros_become_requests_of_a_page(topic: str, rest: int, kind: type) -> None:
-    found = read_request(json.dumps(read_request_of(topic, pose(rest=rest), [5, 6])))
+    found = read_request(json.dumps({**read_request_of(topic, pose(rest=rest)), "n": [5, 6]}))
     assert isinstance(found, kind)
     assert isinstance(found, (Goal, InitialPose))
     assert (found.answers, found.x, found.y) == ((5, 6), 1.0, 2.0)
@@ -83,7 +83,7 @@ def test_poses_in_the_form_of_ros_become_requests_of_a_page(topic: str, rest: in
 )
 def test_malformed_poses_are_refused(data: bytes) -> None:
     with pytest.raises(BadRequestError, match="expected"):
-        read_request_of(GOAL, data, [1, 2])
+        read_request_of(GOAL, data)
 
 
 def test_server_info_offers_what_the_role_may_do() -> None:
@@ -115,7 +115,7 @@ def refusal_of(message: object) -> str:
     try:
         found = read_message(message)
         if isinstance(found, Publication):
-            read_request_of(GOAL, found.data, [1, 2])
+            read_request_of(GOAL, found.data)
     except BadRequestError as problem:
         return str(problem)
     return ""

@@ -45,6 +45,7 @@ from ur.web.wire.viewer_protocol import (
 _MOST_VIEWERS = 8
 _MOST_TOPICS = 100  # that a viewer advertises
 _PING_EVERY = 0.2  # s
+_HELD = 3.0  # s that a request waits for the first challenge of the mux
 _MOST_PINGS = 50  # that are not answered: the viewer is gone
 _RATE, _BURST = 50.0, 500.0  # messages of one viewer, a second
 _MOST_BAD = 20
@@ -64,6 +65,7 @@ class _Viewer:
         self.client = f"web-{secrets.token_hex(8)}"
         self.topics: dict[int, Advertised] = {}
         self.proved: list[int] | None = None
+        self.held: tuple[dict[str, Any], float] | None = None  # a request that waits for a proof, until when
         self._newest: list[int] | None = None
         self._pings: dict[bytes, list[int] | None] = {}
         self._answers: set[asyncio.Task[None]] = set()
@@ -189,6 +191,7 @@ class ViewerGate:
             if message.type is WSMsgType.PONG:
                 if viewer.take_pong(bytes(message.data)) and publish:
                     self._send({"page": viewer.client, "m": json.dumps({"t": "alive", "n": viewer.proved})})
+                self._release(viewer)
                 continue
             bucket, allowed = draw(bucket, time.monotonic())
             if message.type is WSMsgType.PING:
@@ -228,11 +231,23 @@ class ViewerGate:
             raise BadRequestError(f"{channel.topic if channel else 'a topic'} is not taken from viewers, {_EXPECTED}")
         if channel.encoding != "ros1":
             raise BadRequestError(f"{channel.topic}: the encoding '{channel.encoding[:20]}', expected 'ros1'")
-        if viewer.proved is None:
-            raise BadRequestError(f"{channel.topic}: the robot's mux is not heard yet, try again")
-        asked = read_request_of(channel.topic, publication.data, viewer.proved)
+        asked = read_request_of(channel.topic, publication.data)
         self._log(f"{who}: {asked['t']} {asked['x']:.2f} {asked['y']:.2f} {asked['yaw']:.2f}")
-        self._send({"page": viewer.client, "m": json.dumps(asked)})
+        viewer.held = (asked, time.monotonic() + _HELD)
+        self._release(viewer)
+
+    def _release(self, viewer: _Viewer) -> None:
+        """Send the request that waits, with the newest proof; a viewer that has just come has none yet."""
+        if viewer.held is None:
+            return
+        asked, until = viewer.held
+        if viewer.proved is not None:
+            self._send({"page": viewer.client, "m": json.dumps({**asked, "n": viewer.proved})})
+        elif time.monotonic() < until:
+            return
+        else:
+            viewer.show("the robot's mux is not heard: see 'ur doctor'")
+        viewer.held = None
 
 
 async def _pass_topics(topics: Topics, socket: web.WebSocketResponse, *, publish: bool) -> None:

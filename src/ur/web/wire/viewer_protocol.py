@@ -10,7 +10,7 @@ from __future__ import annotations
 import json
 import math
 import struct
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal, cast
 
@@ -112,8 +112,8 @@ def read_message(data: object) -> Message | None:
     return None
 
 
-def read_request_of(topic: str, data: bytes, answers: Sequence[int]) -> dict[str, Any]:
-    """The request of a page that a message on a topic of SCHEMAS is. `answers`: the challenge that the client proves.
+def read_request_of(topic: str, data: bytes) -> dict[str, Any]:
+    """The request of a page that a message on a topic of SCHEMAS is, but for the challenge that the client proves.
 
     Raises BadRequestError: it is malformed, or not in the map frame.
     """
@@ -133,7 +133,7 @@ def read_request_of(topic: str, data: bytes, answers: Sequence[int]) -> dict[str
         raise BadRequestError(f"{topic}: expected an orientation of length 1")
     qx, qy, qz, qw = (each / size for each in turn)
     yaw = math.atan2(2.0 * (qw * qz + qx * qy), 1.0 - 2.0 * (qy * qy + qz * qz))
-    return {"t": "pose" if topic == POSE else "goal", "n": list(answers), "x": x, "y": y, "yaw": yaw}
+    return {"t": "pose" if topic == POSE else "goal", "x": x, "y": y, "yaw": yaw}
 
 
 def complete_server_info(text: str, *, publish: bool) -> str:
