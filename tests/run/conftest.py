@@ -43,10 +43,8 @@ NODES = {
     "talker": "#!/usr/bin/python3\nimport rospy, std_msgs.msg\nrospy.init_node('talker')\n"
     "rospy.Publisher('chat', std_msgs.msg.String, queue_size=1)\nprint('up', flush=True)\nrospy.spin()\n",
 }
-# As the script `ur` starts it, on a terminal: a signal that comes before its first line waits for that, and none is
-# ignored because the tests run in the background or under nohup. env lets a signal through that --default-signal names
-# after --block-signal.
-BLOCKED = ("/usr/bin/env", "--default-signal=HUP,INT", "--block-signal=INT")
+# As the script `ur` starts it, on a terminal: an interrupt that comes before its first line waits for that.
+BLOCKED = ("/usr/bin/env", "--block-signal=INT")
 MANIFEST = (
     '<package format="2"><name>little_nodes</name><version>0.0.1</version><description>For tests.</description>'
     '<maintainer email="nobody@example.invalid">Nobody</maintainer><license>BSD</license></package>'
@@ -162,7 +160,13 @@ class World:
         else:
             reader, end = os.pipe()
             process = subprocess.Popen(
-                command, stdin=stdin, stdout=end, stderr=end, env=self.environment, cwd=self.folder
+                command,
+                stdin=stdin,
+                stdout=end,
+                stderr=end,
+                env=self.environment,
+                cwd=self.folder,
+                preexec_fn=_hear_signals,
             )
             os.close(end)
             launched = Launched(process, reader)
@@ -173,10 +177,16 @@ class World:
         return self.ur("launch", self.write(body), *words, **how)
 
 
+def _hear_signals() -> None:
+    for number in (signal.SIGHUP, signal.SIGINT):
+        signal.signal(number, signal.SIG_DFL)
+
+
 def _own_terminal() -> None:
     import fcntl
     import termios
 
+    _hear_signals()
     os.setsid()
     fcntl.ioctl(0, termios.TIOCSCTTY, 0)
 
