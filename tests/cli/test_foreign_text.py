@@ -21,7 +21,7 @@ from ur.robot.setup.change import Change
 from ur.robot.setup.login import Task
 from ur.robot.setup.robot_states import Robot
 from ur.robot.setup.verify import Check
-from ur.robot.ssh.openssh import Address
+from ur.robot.ssh.address import Address
 
 ROOT = Path(__file__).parents[2]
 CLIPBOARD = "\x1b]52;c;cm0gLXJmIH4=\x07"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from ur.robot.mount import Mount, mount_command, mounts_of, parse_mounts
-from ur.robot.ssh.openssh import Address
+from ur.robot.ssh.address import Address
 
 MOUNTS = """\
 /dev/sda1 / ext4 rw 0 0

@@ -6,7 +6,7 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
-from ur.robot.ssh.openssh import Address
+from ur.robot.ssh.address import Address
 
 REMOTE = "catkin_ws/src"
 # A network that drops is noticed within 3 x 2 s; from then on every access fails within ConnectTimeout instead of

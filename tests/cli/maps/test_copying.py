@@ -14,7 +14,7 @@ import pytest
 from ur.cli.main import main
 from ur.cli.maps import copying
 from ur.maps.picture_file import write_picture
-from ur.robot.ssh.openssh import Address
+from ur.robot.ssh.address import Address
 from ur.robot.ssh.secret import Secret
 from ur.robot.ssh.shell import Done, LocalShell
 

@@ -15,8 +15,8 @@ from ur.robot.selection import Selection, load_selection, selection_path, store_
 from ur.robot.setup.contact import Contact
 from ur.robot.setup.login import Task
 from ur.robot.setup.robot_states import Robot
+from ur.robot.ssh.address import Address
 from ur.robot.ssh.host_key import HostKey
-from ur.robot.ssh.openssh import Address
 from ur.source.diagnostic import UserError
 
 TASK = Task(Address("ros", "robot.local"), Robot("bob", "magni"))

@@ -6,8 +6,8 @@ from ur.cli.robot_setup.robot import setup
 from ur.cli.robot_setup.several import make_argv
 from ur.robot.setup.login import Task
 from ur.robot.setup.robot_states import Robot
+from ur.robot.ssh.address import Address
 from ur.robot.ssh.host_key import HostKey
-from ur.robot.ssh.openssh import Address
 from ur.robot.ssh.secret import Secret
 
 KEY = HostKey(f"ssh-ed25519 AAAAC3NzaC1lZDI1NTE5AAAAI{'A' * 43}")

@@ -12,7 +12,7 @@ import pytest
 
 from ur.cli.robots.shell import run_ssh
 from ur.request.remote.connection import robot_address
-from ur.robot.ssh.openssh import Address
+from ur.robot.ssh.address import Address
 from ur.source import UserError
 
 BOB = Address("ros", "bob.local")

@@ -12,7 +12,8 @@ from ur.robot.commit_confirm.guard import BUSY, EARLY, GONE, LATE
 from ur.robot.commit_confirm.guarded import GuardedChange, Order
 from ur.robot.commit_confirm.perform import GRACE, Addresses, Link, come_back, hand_over, is_doubtful, refuse_pending
 from ur.robot.setup.facts import Facts
-from ur.robot.ssh.openssh import Address, lost_connection
+from ur.robot.ssh.address import Address
+from ur.robot.ssh.failures import lost_connection
 from ur.robot.ssh.secret import Secret
 from ur.robot.ssh.shell import Done
 from ur.source.diagnostic import UserError, error

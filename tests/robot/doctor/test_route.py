@@ -7,8 +7,8 @@ import pytest
 from ur.robot.discovery.record import Record
 from ur.robot.discovery.seen import Seen
 from ur.robot.doctor.route import Route, explain_route, list_steps
+from ur.robot.ssh.address import Address
 from ur.robot.ssh.host_key import HostKey
-from ur.robot.ssh.openssh import Address
 
 ADDRESS = Address("ros", "bob.local")
 RECORD = Record("bob", "ros", "magni")

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from ur.robot.setup.contact import Contact, forget_contact, is_noted, needs_answer, note_contact
+from ur.robot.ssh.address import Address
 from ur.robot.ssh.host_key import HostKey
-from ur.robot.ssh.openssh import Address
 from ur.source.diagnostic import UserError
 
 ADDRESS = Address("ros", "robot.local")

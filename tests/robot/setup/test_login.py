@@ -12,7 +12,8 @@ import pytest
 from ur.robot.setup import login
 from ur.robot.setup.login import Task, _enter_sudo, _explain_refusal, _list_tries
 from ur.robot.setup.robot_states import Robot
-from ur.robot.ssh.openssh import Address, explain_failure
+from ur.robot.ssh.address import Address
+from ur.robot.ssh.failures import explain_failure
 from ur.robot.ssh.secret import Secret
 from ur.robot.ssh.shell import Done
 from ur.source.diagnostic import UserError

@@ -6,7 +6,7 @@ import pytest
 
 from ur.robot.setup.login import explain_sudo
 from ur.robot.setup.robot import set_clock
-from ur.robot.ssh.openssh import Address
+from ur.robot.ssh.address import Address
 from ur.robot.ssh.secret import Secret
 from ur.robot.ssh.shell import Done
 

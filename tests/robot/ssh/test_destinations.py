@@ -10,7 +10,8 @@ import pytest
 
 from ur.robot.doctor.observe import STRICT as DOCTOR
 from ur.robot.setup.verify import STRICT as VERIFY
-from ur.robot.ssh.openssh import Address, SshShell, parse_address
+from ur.robot.ssh.address import Address, parse_address
+from ur.robot.ssh.openssh import SshShell
 from ur.source import UserError
 
 SOURCE = Path(__file__).parents[3] / "src"

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from ur.robot.ssh.address import Address
 from ur.robot.ssh.expired import renew_password
-from ur.robot.ssh.openssh import Address
 from ur.robot.ssh.secret import Secret
 from ur.source.diagnostic import UserError
 

@@ -7,8 +7,9 @@ from pathlib import Path
 
 import pytest
 
+from ur.robot.ssh.address import Address
 from ur.robot.ssh.host_key import HostKey, check_known, parse_fingerprint
-from ur.robot.ssh.openssh import Address, host_key_options
+from ur.robot.ssh.openssh import host_key_options
 
 
 def make_key(path: Path) -> HostKey:

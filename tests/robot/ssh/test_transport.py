@@ -10,18 +10,18 @@ from pathlib import Path
 import pytest
 
 from ur.robot.ssh import askpass, shell
+from ur.robot.ssh.address import Address, parse_address
 from ur.robot.ssh.askpass import answer_password
-from ur.robot.ssh.openssh import (
-    Address,
-    expired_password,
-    explain_failure,
-    is_expired,
-    lost_connection,
-    parse_address,
-)
+from ur.robot.ssh.failures import expired_password, explain_failure, is_expired, lost_connection
+from ur.robot.ssh.openssh import connect
 from ur.robot.ssh.secret import Secret
 from ur.robot.ssh.shell import LocalShell
 from ur.source import UserError
+
+BOOTING = (  # as sshd says it on Debian 12
+    "System is booting up. Unprivileged users are not permitted to log in yet. Please come back later. "
+    "For technical details, see pam_nologin(8)."
+)
 
 
 @pytest.mark.parametrize(
@@ -53,6 +53,7 @@ def test_address_that_could_be_something_else_is_refused(text: str) -> None:
         ("No ED25519 host key is known for robot.local\nHost key verification failed.", "unknown-host-key"),
         ("ros@robot.local: Permission denied (publickey,password).", "refused"),
         ("kex_exchange_identification: read: Connection reset by peer", "no-login"),
+        (f"{BOOTING}\n\nConnection closed by 10.0.0.2 port 22\r\n", "not-started"),
     ],
 )
 def test_failed_login_is_explained(said: str, rule: str) -> None:
@@ -60,6 +61,20 @@ def test_failed_login_is_explained(said: str, rule: str) -> None:
     assert diagnostic.rule == rule
     assert diagnostic.help
     assert "robot.local" in diagnostic.message
+
+
+def test_computer_that_boots_is_waited_for(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    program = tmp_path / "ssh"
+    program.write_text(
+        f"#!/bin/sh\ncase $* in *ControlMaster=yes*) ;; *) exit 0;; esac\n"
+        f'if [ ! -e "$0.tried" ]; then : >"$0.tried"; echo "{BOOTING}" >&2; exit 255; fi\n'
+        "echo; echo 'ubiquity: logged in'; exec cat >/dev/null\n"
+    )
+    program.chmod(0o755)
+    monkeypatch.setenv("PATH", f"{tmp_path}:/usr/bin:/bin")
+    with connect(Address("ros", "robot.local")) as shell:
+        assert shell.place == "ros@robot.local"
+    assert (tmp_path / "ssh.tried").exists()
 
 
 @pytest.mark.parametrize("said", ["", "kex_exchange_identification: Connection closed by remote host\r\n"])

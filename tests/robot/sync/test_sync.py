@@ -6,7 +6,8 @@ from typing import Any
 
 import pytest
 
-from ur.robot.ssh.openssh import Address, SshShell
+from ur.robot.ssh.address import Address
+from ur.robot.ssh.openssh import SshShell
 from ur.robot.sync.model import File, read_files
 from ur.robot.sync.sync import rsync_command
 

@@ -29,7 +29,8 @@ from ur.robot.doctor.model import Command, Finding, Pair
 from ur.robot.doctor.route import explain_route, inspect_route, list_steps
 from ur.robot.doctor.rules import diagnose, diagnose_alone
 from ur.robot.doctor.side import Side
-from ur.robot.ssh.openssh import Address, SshShell
+from ur.robot.ssh.address import Address
+from ur.robot.ssh.openssh import SshShell
 from ur.robot.ssh.secret import Secret
 from ur.robot.ssh.shell import LocalShell, Shell
 from ur.source.diagnostic import UserError

@@ -17,7 +17,8 @@ if TYPE_CHECKING:
     from ur.robot.commit_confirm.guarded import GuardedChange
     from ur.robot.commit_confirm.perform import Addresses
     from ur.robot.setup.facts import Facts
-    from ur.robot.ssh.openssh import Address, SshShell
+    from ur.robot.ssh.address import Address
+    from ur.robot.ssh.openssh import SshShell
     from ur.robot.ssh.secret import Secret
 
 WAIT = click.option(

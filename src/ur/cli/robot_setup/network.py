@@ -106,7 +106,7 @@ def change_network(
     from ur.robot.commit_confirm.network_facts import FACTS_SCRIPT, SCAN_SCRIPT, parse_networks
     from ur.robot.commit_confirm.perform import Addresses
     from ur.robot.setup.engine import gather
-    from ur.robot.ssh.openssh import Address
+    from ur.robot.ssh.address import Address
 
     address = robot_address(robot)
     with connect_robot(address) as shell:

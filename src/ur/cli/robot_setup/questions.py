@@ -18,8 +18,8 @@ from ur.robot.base import list_bases, list_variants, load_base
 from ur.robot.discovery.record import DEFAULT_USER, Record, load_records, records_folder
 from ur.robot.setup.login import Task
 from ur.robot.setup.robot_states import Robot, is_robot_name
+from ur.robot.ssh.address import parse_address
 from ur.robot.ssh.host_key import parse_fingerprint
-from ur.robot.ssh.openssh import parse_address
 from ur.robot.ssh.secret import Secret
 from ur.source.diagnostic import UserError, error, error_about
 from ur.source.section import Section, read_section

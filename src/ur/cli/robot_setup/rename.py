@@ -26,7 +26,8 @@ from ur.source.diagnostic import UserError, error, error_about
 if TYPE_CHECKING:
     from ur.robot.commit_confirm.guarded import GuardedChange
     from ur.robot.setup.facts import Facts
-    from ur.robot.ssh.openssh import Address, SshShell
+    from ur.robot.ssh.address import Address
+    from ur.robot.ssh.openssh import SshShell
     from ur.robot.ssh.secret import Secret
     from ur.robot.ssh.shell import Shell
 
@@ -47,7 +48,7 @@ def rename(robot: str, name: str, wait: int, password_from: int | None, dry_run:
     itself; so it does when it loses power in the middle. Its boot services are started anew.
     """
     from ur.request.remote.connection import connect_robot, robot_address
-    from ur.robot.ssh.openssh import Address
+    from ur.robot.ssh.address import Address
 
     check_name(name)
     address = robot_address(robot)

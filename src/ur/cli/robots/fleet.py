@@ -20,7 +20,9 @@ from ur.fleet.processes import Output, Processes
 from ur.fleet.table import describe_end, describe_fleet, summarise
 from ur.request.remote.connection import robot_address
 from ur.robot.discovery.record import load_records, records_folder
-from ur.robot.ssh.openssh import STRICT, Address, explain_failure
+from ur.robot.ssh.address import Address
+from ur.robot.ssh.failures import explain_failure
+from ur.robot.ssh.openssh import STRICT
 from ur.robot.ssh.secret import Secret
 from ur.source.ansi import BOLD, paint
 from ur.source.diagnostic import UserError, error

@@ -11,7 +11,7 @@ import click
 
 from ur.request.remote.connection import connect_robot, robot_address
 from ur.robot.mount import REMOTE, Mount, default_target, mount_command, mounts_of, parse_mounts, unmount_command
-from ur.robot.ssh.openssh import Address
+from ur.robot.ssh.address import Address
 from ur.robot.ssh.shell import quote, run_process
 from ur.source.diagnostic import UserError, error
 from ur.source.progress_line import show_progress

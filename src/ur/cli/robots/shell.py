@@ -12,7 +12,9 @@ from pathlib import Path
 import click
 
 from ur.request.remote.connection import robot_address
-from ur.robot.ssh.openssh import STRICT, Address, explain_failure
+from ur.robot.ssh.address import Address
+from ur.robot.ssh.failures import explain_failure
+from ur.robot.ssh.openssh import STRICT
 from ur.robot.ssh.shell import quote
 from ur.source.diagnostic import UserError, error
 

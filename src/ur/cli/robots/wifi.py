@@ -17,7 +17,7 @@ import click
 from ur.cli.robots.wifi_screen import describe_sample, draw_screen, print_summary
 from ur.request.remote.connection import robot_address
 from ur.robot.discovery.seen import load_seen, seen_path
-from ur.robot.ssh.openssh import Address
+from ur.robot.ssh.address import Address
 from ur.robot.wireless.meter import Meter
 from ur.robot.wireless.record import HEADER, write_row
 from ur.robot.wireless.sample import Sample

@@ -8,7 +8,8 @@ import click
 
 from ur.cli.robots.shell import run_ssh
 from ur.request.remote.connection import robot_address
-from ur.robot.ssh.openssh import STRICT, explain_failure
+from ur.robot.ssh.failures import explain_failure
+from ur.robot.ssh.openssh import STRICT
 from ur.robot.ssh.shell import quote, run_process
 from ur.source.diagnostic import UserError, error, error_about
 from ur.source.progress_line import show_progress

@@ -8,7 +8,8 @@ from contextlib import AbstractContextManager
 
 from ur.request.environment import current_selection
 from ur.robot.discovery.record import find_user, records_folder
-from ur.robot.ssh.openssh import Address, SshShell, connect, parse_address
+from ur.robot.ssh.address import Address, parse_address
+from ur.robot.ssh.openssh import SshShell, connect
 from ur.robot.ssh.secret import Secret
 from ur.source.diagnostic import UserError, error
 from ur.source.progress_line import show_progress

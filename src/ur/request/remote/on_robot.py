@@ -23,7 +23,8 @@ from ur.request.remote.share_again import LinkReporter, ShareAgain, examine_robo
 from ur.request.remote.share_messages import describe_end, describe_part, explain_problem
 from ur.robot.discovery.record import load_records, records_folder
 from ur.robot.remote_run import ask_part
-from ur.robot.ssh.openssh import STRICT, Address, connect
+from ur.robot.ssh.address import Address
+from ur.robot.ssh.openssh import STRICT, connect
 from ur.robot.ssh.shell import quote
 from ur.run.record.computer import describe_user, read_computer
 from ur.run.remote.names import describe_names, rename_nodes

@@ -7,7 +7,8 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
-from ur.robot.ssh.openssh import Address, connect
+from ur.robot.ssh.address import Address
+from ur.robot.ssh.openssh import connect
 from ur.run.master.client import DEFAULT_PORT, Master
 from ur.run.master.link_monitor import watch_link
 from ur.run.master.xml_rpc import Unanswered

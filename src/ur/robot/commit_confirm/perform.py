@@ -24,7 +24,8 @@ from ur.robot.commit_confirm.guard import (
 )
 from ur.robot.commit_confirm.guarded import Order, pack_order
 from ur.robot.setup.facts import Facts
-from ur.robot.ssh.openssh import Address, connect
+from ur.robot.ssh.address import Address
+from ur.robot.ssh.openssh import connect
 from ur.robot.ssh.secret import Secret
 from ur.robot.ssh.shell import Done, Shell
 from ur.source.diagnostic import Note, UserError, error, error_about

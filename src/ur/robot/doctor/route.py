@@ -14,8 +14,8 @@ from ur.robot.discovery.record import Record
 from ur.robot.discovery.seen import Seen, describe_age
 from ur.robot.doctor.model import Command, Finding
 from ur.robot.doctor.rules.login import know_host
+from ur.robot.ssh.address import Address
 from ur.robot.ssh.host_key import HostKey, fetch_host_key
-from ur.robot.ssh.openssh import Address
 from ur.robot.ssh.shell import Shell, quote
 from ur.source.diagnostic import UserError
 

@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import Literal
 
 from ur.robot.discovery.seen import seen_path
+from ur.robot.ssh.address import Address
 from ur.robot.ssh.host_key import HostKey, check_known, fetch_host_key, find_known_keys
-from ur.robot.ssh.openssh import Address
 from ur.source.diagnostic import UserError, error_about
 
 COMPARE = "at the robot itself: ssh-keygen -lf /etc/ssh/ssh_host_ed25519_key.pub"

@@ -6,8 +6,9 @@ import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 
+from ur.robot.ssh.failures import lost_connection
 from ur.robot.ssh.guard import Lines
-from ur.robot.ssh.openssh import ALIVE_SECONDS, SshShell, lost_connection
+from ur.robot.ssh.openssh import ALIVE_SECONDS, SshShell
 from ur.robot.ssh.shell import quote
 from ur.source.diagnostic import UserError, error, error_about
 

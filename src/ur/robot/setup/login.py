@@ -11,10 +11,11 @@ from ur.devices.model import Expected
 from ur.robot.setup.contact import note_contact
 from ur.robot.setup.robot_states import Robot
 from ur.robot.setup.wanted import Wanted
+from ur.robot.ssh.address import Address
 from ur.robot.ssh.expired import renew_password
 from ur.robot.ssh.guard import private_folder
 from ur.robot.ssh.host_key import HostKey, find_known_keys, pin_host_key
-from ur.robot.ssh.openssh import Address, SshShell, connect, host_key_options
+from ur.robot.ssh.openssh import SshShell, connect, host_key_options
 from ur.robot.ssh.secret import Secret
 from ur.source.diagnostic import UserError, error_about
 

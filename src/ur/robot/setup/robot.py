@@ -22,8 +22,9 @@ from ur.robot.setup.lock import hold_robot
 from ur.robot.setup.login import Report, Task, find_passwords, is_password, open_robot
 from ur.robot.setup.robot_states import Robot, Viewer, WantedPassword, base_request, wanted_there
 from ur.robot.setup.wanted import Wanted, WantedFile
+from ur.robot.ssh.address import Address
 from ur.robot.ssh.host_key import HostKey, find_known_keys
-from ur.robot.ssh.openssh import Address, SshShell, connect
+from ur.robot.ssh.openssh import SshShell, connect
 from ur.robot.ssh.shell import Shell, quote
 from ur.source.diagnostic import UserError, error, error_about
 from ur.system.releases import check_robot_system, parse_os_release

@@ -10,9 +10,11 @@ import time
 from collections.abc import Sequence
 from contextlib import suppress
 
+from ur.robot.ssh.address import Address
 from ur.robot.ssh.askpass import answer_password
+from ur.robot.ssh.failures import lost_connection
 from ur.robot.ssh.guard import private_folder
-from ur.robot.ssh.openssh import Address, lost_connection, password_options
+from ur.robot.ssh.openssh import password_options
 from ur.robot.ssh.secret import Secret
 from ur.source.diagnostic import UserError, error_about
 

@@ -8,8 +8,10 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
+from ur.robot.ssh.address import Address
+from ur.robot.ssh.failures import explain_failure
 from ur.robot.ssh.guard import private_folder
-from ur.robot.ssh.openssh import CONNECT_SECONDS, Address, explain_failure
+from ur.robot.ssh.openssh import CONNECT_SECONDS
 from ur.robot.ssh.public_key import parse_public_key
 from ur.robot.ssh.shell import Done, run_process
 from ur.source.diagnostic import UserError, error_about

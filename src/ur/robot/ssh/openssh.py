@@ -5,53 +5,34 @@ from __future__ import annotations
 import os
 import re
 import subprocess
-from collections.abc import Iterator, Sequence
-from contextlib import ExitStack, contextmanager, nullcontext, suppress
-from dataclasses import dataclass
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext, suppress
 from pathlib import Path
 
+from ur.robot.ssh.address import Address
 from ur.robot.ssh.askpass import answer_password
+from ur.robot.ssh.failures import (
+    NOT_STARTED,
+    expired_password,
+    explain_failure,
+    is_expired,
+    lost_connection,
+)
 from ur.robot.ssh.guard import private_folder, run_guarded
 from ur.robot.ssh.secret import Secret
 from ur.robot.ssh.shell import Done, quote, run_process
-from ur.source.diagnostic import UserError, error, error_about
+from ur.source.diagnostic import UserError
 from ur.source.progress import Waiting, no_waiting
 
 CONNECT_SECONDS = 10
+START_SECONDS = 60  # for a computer that boots, from its ssh server to the first login
 ALIVE_SECONDS = 3
 STRICT = ("-o", "StrictHostKeyChecking=yes", "-o", "ConnectTimeout=10")  # an unknown host key is an error
 _READY = "ubiquity: logged in"
 _SUDO_REFUSED = re.compile(r"^sudo: (\d+ incorrect|no password|a password is required)", re.MULTILINE)
 # Where the shared connection is gone, ssh would make one of its own: ten seconds of silence, and without the password.
 _ONLY_SHARED = ("-o", "ProxyCommand=false")
-_USER = re.compile(r"[a-z_][a-z0-9_-]{0,31}")
-_HOST = re.compile(r"[A-Za-z0-9]([A-Za-z0-9.:-]*[A-Za-z0-9])?")
-
-
-@dataclass(frozen=True, slots=True)
-class Address:
-    """Whom to log in as, and where."""
-
-    user: str
-    host: str
-
-    def __str__(self) -> str:
-        return f"{self.user}@{self.host}"
-
-
-def parse_address(text: str, default_user: str) -> Address:
-    """Read [USER@]HOST; a HOST without a dot is a zeroconf name: HOST.local. Raises UserError."""
-    user, at, host = text.rpartition("@")
-    user = user if at else default_user
-    if not _USER.fullmatch(user) or not _HOST.fullmatch(host):
-        raise UserError(
-            error(
-                f"{text!r} is not an address, expected HOST or USER@HOST, for instance ros@robot.local",
-                rule="bad-address",
-                subject=text,
-            )
-        )
-    return Address(user, host if "." in host or ":" in host else f"{host}.local")
 
 
 class SshShell:
@@ -199,14 +180,29 @@ def connect(
 
     Host keys must be known: in the user's own files, or, where it is given, in the file `known_hosts` alone.
     `options` are words for ssh that count before our own. `waiting` is opened around each wait for an answer.
+    A computer that is about to start is waited for.
     Raises UserError, which says which of these failed: name, network, host key, login.
     """
     with private_folder() as folder:
         common = [*options, *_common(folder / "c"), *host_key_options(known_hosts)]
         with ExitStack() as stack:
             with waiting(_describe_wait(address)):
-                stack.enter_context(_share_connection(address, common, folder, password))
+                _enter_once_started(stack, lambda: _share_connection(address, common, folder, password))
             yield SshShell(address, common, login_password=password, waiting=waiting)
+
+
+def _enter_once_started(stack: ExitStack, share: Callable[[], AbstractContextManager[None]]) -> None:
+    """Log in; while the computer boots, which closes logins of users, again and again."""
+    deadline = time.monotonic() + START_SECONDS
+    while True:
+        try:
+            stack.enter_context(share())
+        except UserError as problem:  # noqa: PERF203 - each takes a second
+            if problem.diagnostics[0].rule != NOT_STARTED or time.monotonic() > deadline:
+                raise
+            time.sleep(1.0)
+        else:
+            return
 
 
 def _describe_wait(address: Address) -> str:
@@ -261,81 +257,3 @@ def _share_connection(address: Address, common: Sequence[str], folder: Path, pas
             said = shared.log.read_text(errors="replace") if shared.log.exists() else ""
             raise expired_password(address) if is_expired(said) else explain_failure(address, said or "timed out")
         yield
-
-
-def lost_connection(place: str, said: str) -> UserError:
-    """The error of a connection that broke."""
-    reason = said.strip().splitlines()[-1] if said.strip() else "it closed"
-    if reason.startswith("kex_exchange_identification"):  # the shared connection had ended before: see _ONLY_SHARED
-        reason = "it closed"
-    return UserError(error_about(place, f"the connection is gone: {reason}", rule="lost-connection", help=_AGAIN))
-
-
-def is_expired(said: str) -> bool:
-    """Return whether sshd refused a command since the user has to choose a new password first."""
-    return "Password change required but no TTY available" in said
-
-
-def expired_password(address: Address) -> UserError:
-    """The error of a computer that wants a new password at the first login, as Ubuntu's images do."""
-    return UserError(
-        error_about(
-            str(address),
-            "its password has to be changed at the first login, expected one that lasts",
-            rule="expired-password",
-            help=f"run: ssh {address}; choose a password; then run this again with that one",
-        )
-    )
-
-
-def explain_failure(address: Address, said: str) -> UserError:
-    """Explain ssh's output after a failed login, with a fix."""
-    lines = [line for line in said.splitlines() if line.strip()]
-    last = lines[-1] if lines else "ssh said nothing"
-    for pattern, rule, message, help in _FAILURES:
-        if pattern in said:
-            return UserError(error_about(str(address), message, rule=rule, help=help.format(host=address.host)))
-    return UserError(error_about(str(address), f"no login: {last}", rule="no-login", help=_AGAIN))
-
-
-_AGAIN = "check the network (ur doctor), then run this again: it goes on where it stopped"
-_FAILURES = (
-    (
-        "IDENTIFICATION HAS CHANGED",
-        "changed-host-key",
-        "another host key than the one that is known, expected the same computer as before",
-        "if it was flashed or replaced on purpose: ur robot setup {host} --new-host-key; "
-        "else another computer answers to this name: do not log in to it",
-    ),
-    (
-        "Host key verification failed",
-        "unknown-host-key",
-        "its host key is not known, expected a computer that was set up",
-        "run: ur robot setup {host}",
-    ),
-    ("Permission denied", "refused", "the login was refused", "check user and password, or run: ur robot setup {host}"),
-    (
-        "Could not resolve hostname",
-        "unknown-host",
-        "no computer answers to this name",
-        "is it on, and in the same network? 'ur robots' lists the robots that answer",
-    ),
-    (
-        "timed out",
-        "no-answer",
-        "no answer",
-        "is it on, and in the same network? 'ur robots' lists the robots that answer",
-    ),
-    (
-        "No route to host",
-        "no-answer",
-        "no answer",
-        "is it on, and in the same network? 'ur robots' lists the robots that answer",
-    ),
-    (
-        "Connection refused",
-        "no-ssh",
-        "it answers, but runs no ssh server",
-        "there: sudo apt-get install openssh-server",
-    ),
-)

@@ -12,7 +12,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ur.robot.ssh.openssh import SshShell, lost_connection
+from ur.robot.ssh.failures import lost_connection
+from ur.robot.ssh.openssh import SshShell
 from ur.robot.ssh.shell import Shell, quote
 from ur.robot.sync import side as side_program
 from ur.robot.sync.compare import agree, drop_ignored
