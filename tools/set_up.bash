@@ -61,7 +61,7 @@ run_step() {
   "$@" >>"$log" 2>&1 </dev/null &
   child=$!
   if [[ -t 2 ]]; then
-    while kill -0 "$child" 2>/dev/null; do
+    while [[ -e /proc/$child ]]; do
       width=$(($(tput cols 2>/dev/null || echo 80) - 1))
       line="$(tail -c 400 "$log" | tr '\r' '\n' | grep -v '^ *$' | tail -n 1 | tr -cd '[:print:]')"
       printf '\r\033[K%.*s' "$width" "  $title, $((SECONDS - start)) s: $line" >&2
@@ -131,6 +131,9 @@ install_packages() {
   fi
   apt_get "package lists" update ||
     die "the package lists could not be fetched" "check the network and the sources in /etc/apt, then run this again"
+  # A package that was killed while it was unpacked keeps itself and all that need it from being configured.
+  mapfile -t broken < <(dpkg-query -W -f='${db:Status-Eflag} ${binary:Package}\n' 2>/dev/null | sed -n 's/^reinstreq //p')
+  [[ ${#broken[@]} -eq 0 ]] || apt_get "unpacking again what was interrupted" install -y --reinstall "${broken[@]}"
   for entry in "${missing[@]}"; do names+=("$(choose_name "$entry")"); done
   # The files that were fetched are deleted when they are installed: 130 MB.
   apt_get "${#names[@]} Debian packages and what they need" -o APT::Keep-Downloaded-Packages=false \
@@ -250,12 +253,30 @@ copy_wheel() {
   .venv/bin/python -I -m compileall -q -x /_project/ "$to"/ur "$to"/ur_nodes # there, programs ending in .py are bash
 }
 
+# apt that is terminated takes the terminal away from dpkg, which dies of that and leaves the package in its hands broken;
+# after an interrupt, it ends when dpkg is done.
+dpkg_works() {
+  local name
+  for file in /proc/[0-9]*/comm; do
+    read -r name <"$file" && [[ $name == dpkg ]] && return
+  done 2>/dev/null
+  return 1
+}
+
 child=
 interrupted() {
-  if [[ -n $child ]]; then
-    kill "$child" 2>/dev/null || sudo -n kill "$child" 2>/dev/null
-    wait "$child"
-  fi
+  local signal said=
+  while [[ -n $child && -e /proc/$child ]]; do
+    signal=TERM
+    if dpkg_works; then
+      signal=INT
+      [[ -n $said ]] || say "  ending when the packages in hand are unpacked ..."
+      said=yes
+    fi
+    kill -s "$signal" "$child" 2>/dev/null || sudo -n kill -s "$signal" "$child" 2>/dev/null
+    sleep 1
+  done
+  [[ -n $child ]] && wait "$child"
   say ""
   say "interrupted: nothing is broken, the next start continues"
   exit 130
