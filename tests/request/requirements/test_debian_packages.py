@@ -15,6 +15,7 @@ APT = """#!/bin/sh
 echo "$*" >>{folder}/calls
 case "$*" in
   *update*) touch {folder}/lists ;;
+  *huge*) echo "E: You don't have enough free space in /var/cache/apt/archives/."; exit 100 ;;
   *broken*) echo "E: Unable to locate package broken"; exit 100 ;;
   *) [ -e {folder}/lists ] || exit 100; for name in "$@"; do echo "$name" >>{folder}/installed; done ;;
 esac
@@ -62,6 +63,14 @@ def test_failure_is_told_in_the_words_of_apt() -> None:
     with pytest.raises(UserError, match="broken could not be installed: Unable to locate package broken") as caught:
         install_debian([["broken"]], "something")
     assert "sudo apt-get install broken" in str(caught.value.diagnostics[0].help)
+
+
+def test_full_disk_is_reported_at_once_without_fetching_package_lists(computer: Path) -> None:
+    with pytest.raises(UserError, match="huge could not be installed: You don't have enough free space") as caught:
+        install_debian([["huge"]], "something")
+    assert caught.value.diagnostics[0].help is not None
+    assert "make room on the disk" in caught.value.diagnostics[0].help
+    assert not [call for call in calls(computer) if "update" in call]
 
 
 def test_without_sudo_the_command_for_root_is_printed(computer: Path, monkeypatch: pytest.MonkeyPatch) -> None:

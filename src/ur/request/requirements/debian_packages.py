@@ -7,7 +7,7 @@ import sys
 from collections.abc import Sequence
 
 from ur.debian.root import find_root, install_command
-from ur.request.requirements.python_packages import run_installer
+from ur.request.requirements.python_packages import DiskFullError, run_installer
 from ur.source.diagnostic import UserError, error
 
 _APT = ("apt-get", "-q", "-o", "DPkg::Lock::Timeout=300")
@@ -31,6 +31,8 @@ def install_debian(alternatives: Sequence[Sequence[str]], title: str, *, ask: bo
     settings = f"apt's sources, or try it by hand: sudo {command}"
     try:
         run_installer(install, " ".join(missing), settings)
+    except DiskFullError:  # new package lists need room, too
+        raise
     except UserError:  # the package lists may be old, or missing
         sys.stderr.write("fetching new package lists ...\n")
         run_installer([*root, *_APT, "update"], "new package lists", settings)

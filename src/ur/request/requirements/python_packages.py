@@ -20,6 +20,10 @@ _NO_ROOM = ("No space left", "enough free space")
 _STEMS = {"install": "install", "remove": "remov"}
 
 
+class DiskFullError(UserError):
+    """An installation that failed because there was no room on the disk: another attempt cannot succeed either."""
+
+
 def need(module: str, lock: str) -> None:
     """Ensure that a module is installed: install the lock file that holds it. Raises UserError when that fails."""
     need_all([module], lock, f"what {lock} holds")
@@ -55,7 +59,7 @@ def _words(path: Path) -> list[str]:
 
 
 def run_installer(command: Sequence[str], missing: str, settings: str, verb: str = "install") -> None:
-    """Run pip or apt-get, with its progress on a terminal. Raises UserError when it fails.
+    """Run pip or apt-get, with its progress on a terminal. Raises UserError when it fails, DiskFullError for a full disk.
 
     `missing` is what it installs, or with `verb` "remove" what it removes; `settings`, where people find out why that
     failed.
@@ -86,8 +90,13 @@ def run_installer(command: Sequence[str], missing: str, settings: str, verb: str
         reason = (problems or said or [f"exit code {process.returncode} of {command[0]}"])[-1]
         if any(text in reason for text in _NO_ROOM):
             help_ = "make room on the disk (df -h shows where there is none), then run this again"
-        raise _failure(missing, reason.removeprefix("ERROR: ").removeprefix("E: "), help_, verb)
+            raise DiskFullError(*_failure(missing, _plain(reason), help_, verb).diagnostics)
+        raise _failure(missing, _plain(reason), help_, verb)
     sys.stderr.write(f"{_STEMS[verb]}ed in {time.monotonic() - began:.0f} s\n")
+
+
+def _plain(reason: str) -> str:
+    return reason.removeprefix("ERROR: ").removeprefix("E: ")
 
 
 def _failure(missing: str, reason: str, help_: str, verb: str) -> UserError:
