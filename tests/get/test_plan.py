@@ -122,6 +122,9 @@ class Nothing:
     def list_installed(self, _names: Sequence[str]) -> frozenset[str]:
         return frozenset()
 
+    def has_repository(self, _url: str) -> None:
+        return None
+
 
 def test_missing_tables_are_reported_and_what_needs_none_is_still_planned() -> None:
     missing = [Missing("amcl"), Missing("xacro")]

@@ -13,7 +13,8 @@ from typing import Protocol
 
 from ur.get.hints import load_sources
 from ur.get.index import MAX_INDEX, NEWEST, ROS2, Index, merge_indexes, parse_index
-from ur.get.model import Missing, Repository
+from ur.get.model import Missing, Repository, Step
+from ur.get.owners import ask_server, confirm_guesses
 from ur.get.plan import Tables, make_plan
 from ur.get.tables import Candidate, all_names, parse_candidates, parse_table
 from ur.source.diagnostic import UserError, error
@@ -57,6 +58,10 @@ class Sources(Protocol):
         """Those of the Debian packages that are installed."""
         ...
 
+    def has_repository(self, url: str, /) -> bool | None:
+        """Whether a repository exists at an address; None where nobody can be asked."""
+        ...
+
 
 def load_tables(
     missing: Iterable[Missing],
@@ -90,7 +95,13 @@ def load_tables(
             newer, note = _load_index(sources, ROS2)
             tables = replace(tables, ros2=newer)
         notes += [note] if note else []
+        if unknown := make_plan(wanted, tables, bool).steps_by("unknown"):
+            tables = replace(tables, confirmed=_confirm(unknown, sources))
     return tables, tuple(notes)
+
+
+def _confirm(unknown: Iterable[Step], sources: Sources) -> Mapping[str, Repository]:
+    return confirm_guesses((step.missing for step in unknown if not step.missing.hidden), sources.has_repository)
 
 
 def _load_index(sources: Sources, names: Sequence[str]) -> tuple[Index | None, str]:
@@ -164,6 +175,10 @@ class ThisComputer:
             return frozenset()
         text = _output(["dpkg-query", "--show", "--showformat=${Package} ${db:Status-Status}\n", *names]) or ""
         return frozenset(line.split()[0] for line in text.splitlines() if line.endswith(" installed"))
+
+    def has_repository(self, url: str) -> bool | None:
+        """See Sources."""
+        return None if self._offline else ask_server(url)
 
     def _fetch_rosdep(self, kept: Path) -> str:
         # Returns why it could not be had.

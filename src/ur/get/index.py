@@ -17,6 +17,7 @@ MAX_INDEX = 64 * 1024 * 1024  # bytes; the cache of noetic with all package.xml 
 _URL = re.compile(r"https?://[A-Za-z0-9][\w.:@~%+-]*(/[\w.@~%+-]+)*/?")
 _WORD = re.compile(r"[A-Za-z0-9_][A-Za-z0-9._/+-]*")
 _TAG = re.compile(r"release/([a-z]+)/")
+_NAME = re.compile(r"<name>\s*([A-Za-z][\w-]{0,99})\s*</name>")
 NEWEST = "noetic"  # the last distribution of ROS 1
 ROS2 = ("humble", "jazzy", "foxy", "rolling")  # asked last, for a package that ROS 1 has never had
 _DEPENDS = ("depend", "exec_depend", "run_depend", "build_depend", "build_export_depend", "buildtool_depend")
@@ -83,6 +84,12 @@ def read_dependencies(text: str) -> tuple[str, ...]:
         raise ValueError(f"<{root.tag}>, expected <package>")
     names = [(each.text or "").strip() for each in root if each.tag in _DEPENDS]
     return tuple(dict.fromkeys(name for name in names if PACKAGE_NAME.fullmatch(name)))
+
+
+def read_name(text: str) -> str:
+    """The name that a package.xml gives its package; "" for a text that is none."""
+    found = _NAME.search(text)
+    return found[1] if found else ""
 
 
 def _read_all(xmls: Mapping[Any, Any]) -> dict[str, tuple[str, ...]]:

@@ -17,6 +17,9 @@ _NAMED = re.compile(
 )
 
 
+_FILE = re.compile(r"\$\(\s*find\s+([^\s()$]+)\s*\)/([\w.+-]+(?:/[\w.+-]+)*\.\w+)")  # with a suffix: a whole name
+
+
 def missing_of_plan(plan: Plan, world: World) -> tuple[Missing, ...]:
     """The packages and programs that a plan's nodes on this computer lack, and the packages that its files name.
 
@@ -46,6 +49,11 @@ def named_packages(text: str) -> frozenset[str]:
     """Every package that the text of a launch file or xacro file names, whatever its conditions."""
     names = (next(filter(None, each.groups()), "") for each in _NAMED.finditer(_COMMENT.sub("", text)))
     return frozenset(name for name in names if PACKAGE_NAME.fullmatch(name))
+
+
+def named_files(text: str) -> frozenset[tuple[str, str]]:
+    """Every package with the path of a file below it that the text of a launch file or xacro file names."""
+    return frozenset((package, path) for package, path in _FILE.findall(_COMMENT.sub("", text)) if ".." not in path)
 
 
 def missing_of_names(names: Iterable[str] | Mapping[str, str], world: World) -> tuple[Missing, ...]:

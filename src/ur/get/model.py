@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -29,12 +30,31 @@ class Repository:
 class Missing:
     """A package that is not installed. `program` is set where only this program of an installed package is missing.
 
-    `named_in` is a file that names it, where that is known.
+    `named_in` is a file that names it, where that is known. `owners` are the addresses below which its authors may
+    have it ("https://github.com/NAME"). `renamed` is the package of the same folder that is probably meant; `hidden`, a
+    folder that has its package.xml and in which ROS does not find it.
     """
 
     package: str
     program: str = ""
     named_in: str = ""
+    owners: tuple[str, ...] = ()
+    renamed: str = ""
+    hidden: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Needs:
+    """Missing packages, a test for packages that are there, and notes on what could not be read.
+
+    `hints` are the repositories that the files of folders name, and `names` the packages that are there.
+    """
+
+    missing: tuple[Missing, ...]
+    is_there: Callable[[str], bool]
+    notes: tuple[str, ...] = ()
+    hints: tuple[Repository, ...] = ()
+    names: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +63,8 @@ class Step:
 
     `names` are Debian packages, or PyPI's project; `repository` is set for "source". `needs` are the packages that it
     depends on and that are missing as well; None where nobody knows its package.xml before it is here. `reason` says
-    for "unknown" why there is no way, and for "source" what is special about its repository.
+    for "unknown" why there is no way, and for "source" what is special about its repository. `here`: nothing has to be
+    installed, the reason says what to change in the folder.
     """
 
     missing: Missing
@@ -52,6 +73,7 @@ class Step:
     repository: Repository | None = None
     needs: tuple[str, ...] | None = None
     reason: str = ""
+    here: bool = False
 
 
 @dataclass(frozen=True, slots=True)

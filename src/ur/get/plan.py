@@ -8,10 +8,12 @@ from dataclasses import dataclass, field
 from ur.get.hints import find_hint, find_related_hint
 from ur.get.index import ROS2, Index
 from ur.get.model import PACKAGE_NAME, GetPlan, Missing, Repository, Step
+from ur.get.owners import guess_repositories
 from ur.get.tables import PYPI, SPLIT, Candidate, possible_names
 
 NO_INDEX = "no index of sources is here"
 ONLY_ROS2 = "only in ROS 2 {}, and has to be ported to ROS 1"
+OF_OWNER = "no index has it; the owner of this folder's repository has one of this name"
 _NEAR = 0.93  # likeness of a misspelt name; related packages have similar ones, too
 
 
@@ -23,7 +25,7 @@ class Tables:
     about; None where there is no apt, and rosdep's table is believed. `installed`: names of Debian packages.
     `index`: sources; None where there is none. `distribution`: that of packages.ros.org, "" without it. `hints`: the
     repositories that files of a folder name. `known`: repositories of packages that no index has. `ros2`: the index of
-    ROS 2. `names`: packages that are here.
+    ROS 2. `names`: packages that are here. `confirmed`: repositories that exist beside that of the folder.
     """
 
     rosdep: Mapping[str, tuple[str, ...]]
@@ -35,6 +37,7 @@ class Tables:
     known: Mapping[str, Repository] = field(default_factory=dict)
     ros2: Index | None = None
     names: frozenset[str] = frozenset()
+    confirmed: Mapping[str, Repository] = field(default_factory=dict)
 
 
 def make_plan(
@@ -61,7 +64,8 @@ def _find_way(missing: Missing, tables: Tables, is_there: Callable[[str], bool])
         return Step(missing, "unknown", reason=f"{package} is installed and has no program {missing.program}")
     repository, origin = _find_source(package, tables)
     if repository is None:
-        return Step(missing, "unknown", reason=_explain(missing, tables))
+        reason = _explain_here(missing)
+        return Step(missing, "unknown", reason=reason or _explain(missing, tables), here=bool(reason))
     depends = None if origin or tables.index is None else tables.index.dependencies.get(package)
     needs = None if depends is None else tuple(name for name in depends if not is_there(name))
     return Step(missing, "source", repository=repository, needs=needs, reason=origin)
@@ -76,22 +80,46 @@ def _find_source(package: str, tables: Tables) -> tuple[Repository | None, str]:
         return hint, "no index has it; a file of this folder names it"
     if package in tables.known:
         return tables.known[package], "no index has it"
+    if package in tables.confirmed:
+        return tables.confirmed[package], OF_OWNER
     if hint := find_related_hint(package, tables.hints):
         return hint, "no index has it; by its name it belongs to a repository that a file of this folder names"
     newer = indexed or (tables.ros2.repositories.get(package) if tables.ros2 else None)
     return newer, ONLY_ROS2.format(newer.distribution) if newer else ""
 
 
+def _explain_here(missing: Missing) -> str:
+    if missing.hidden:
+        return (
+            f"it is in {missing.hidden}, where ROS does not find it: below another package or a CATKIN_IGNORE;"
+            " move it out, or remove that file"
+        )
+    if not missing.renamed:
+        return ""
+    return f"no package has this name{_place(missing)}; {missing.renamed} of this folder has its files: write that name"
+
+
 def _explain(missing: Missing, tables: Tables) -> str:
-    place = f", which {missing.named_in} names" if missing.named_in else ""
+    place = _place(missing)
     if tables.index is None:
         return f"no package of this release has it{place}, and {NO_INDEX}"
     from difflib import get_close_matches  # seldom needed
 
-    near = get_close_matches(missing.package, {*tables.names, *tables.index.repositories}, 1, _NEAR)
+    near = get_close_matches(missing.package, tables.names, 1, _NEAR) or _swapped(missing.package, tables.index)
     if near:
         return f"no package has this name{place}; did you mean {near[0]}?"
-    return f"neither this release nor an index of ROS has it{place}: it is private or withdrawn, ask its author"
+    reason = f"neither this release nor an index of ROS has it{place}: it is private or withdrawn, ask its author"
+    guess = next(guess_repositories(missing), None)
+    return f"{reason}; perhaps it is beside the folder's repository: git ls-remote {guess.url}" if guess else reason
+
+
+def _swapped(name: str, index: Index) -> list[str]:
+    # Of thousands of names in an index some are like any other: only one with the same letters is a misspelt one.
+    return [each for each in index.repositories if sorted(each) == sorted(name)][:1]
+
+
+def _place(missing: Missing) -> str:
+    return f", which {missing.named_in} names" if missing.named_in else ""
 
 
 def _debian_names(package: str, tables: Tables) -> tuple[str, ...]:

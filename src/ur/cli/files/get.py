@@ -14,8 +14,7 @@ from ur.source.diagnostic import UserError, error
 from ur.source.progress_line import show_progress
 
 if TYPE_CHECKING:
-    from ur.get.model import GetPlan
-    from ur.get.targets import Needs
+    from ur.get.model import GetPlan, Needs
 
 _ROUNDS = 5  # what was installed may name more
 
@@ -95,7 +94,8 @@ def _find_plan(words: Sequence[str], index: Sequence[str], *, missing: bool) -> 
 
 
 def _find_needs(words: Sequence[str], *, missing: bool, progress: object) -> Needs:
-    from ur.get.targets import find_needs, folder_needs
+    from ur.get.folder import folder_needs
+    from ur.get.targets import find_needs
     from ur.request.environment import add_own_package
 
     environment = add_own_package(os.environ)

@@ -59,10 +59,10 @@ def _words(path: Path) -> list[str]:
 
 
 def run_installer(command: Sequence[str], missing: str, settings: str, verb: str = "install") -> None:
-    """Run pip or apt-get, with its progress on a terminal. Raises UserError when it fails, DiskFullError for a full disk.
+    """Run pip or apt-get, with its progress on a terminal. Raises UserError when it fails.
 
-    `missing` is what it installs, or with `verb` "remove" what it removes; `settings`, where people find out why that
-    failed.
+    It is a DiskFullError where the disk is full. `missing` is what it installs, or with `verb` "remove" what it
+    removes; `settings`, where people find out why that failed.
     """
     import subprocess  # only for an installation
 

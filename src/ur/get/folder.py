@@ -1,0 +1,130 @@
+"""Missing packages of all launch files, xacro files and package.xml below folders."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+from ur.get.hints import LISTS, TEXTS, read_hints
+from ur.get.index import read_dependencies, read_name
+from ur.get.missing import is_installed, missing_of_names, named_files, named_packages
+from ur.get.model import Missing, Needs, Repository
+from ur.get.owners import owners_above, owners_of_manifest, read_owners
+from ur.get.renamed import find_renamed
+from ur.launchfile.world.system import SystemWorld
+from ur.source.diagnostic import UserError, error
+from ur.source.progress import Progress, no_progress
+
+SUFFIXES = (".launch", ".launch.xml", ".test")
+_TEXTS = (*SUFFIXES, ".xacro")
+_MAX_TEXT = 4 * 1024 * 1024  # bytes
+_SKIPPED = frozenset({".git", ".hg", ".svn", "build", "devel", "node_modules"})
+
+
+@dataclass(slots=True)
+class _Found:
+    """All that the files of folders say. `names`: the first file that names a package; `files`: paths below it.
+
+    `owners` are those of the repositories and packages at folders; `packages` the folders of package.xml.
+    """
+
+    names: dict[str, Path] = field(default_factory=dict)
+    files: dict[str, set[str]] = field(default_factory=dict)
+    hints: list[Repository] = field(default_factory=list)
+    owners: dict[Path, tuple[str, ...]] = field(default_factory=dict)
+    packages: dict[str, Path] = field(default_factory=dict)
+
+
+def folder_needs(
+    folders: Sequence[str], environment: Mapping[str, str], progress: Progress = no_progress, *, manifests: bool = True
+) -> Needs:
+    """Find what all launch files, xacro files and (`manifests`) package.xml below folders need. Raises UserError.
+
+    Packages in the folders count as installed: they are built there.
+    """
+    for folder in folders:
+        if not Path(folder).is_dir():
+            message = f"folder {folder!r} does not exist, expected one with launch files"
+            raise UserError(error(message, rule="missing-file", help="ur get --missing FOLDER"))
+    found, world = _Found(), SystemWorld(with_folders(folders, environment))
+    for folder in folders:
+        found.owners[Path(folder)] = owners_above(Path(folder).resolve())
+        for count, path in enumerate(_list_texts(folder, found)):
+            if count % 50 == 0:
+                progress(f"{count} files read")
+            _read_file(path, found, manifests=manifests)
+    places = {name: _shorten(path, folders) for name, path in found.names.items()}
+    missing = tuple(_describe(each, found, world, folders) for each in missing_of_names(places, world))
+    here = tuple(world.package_names())
+    return Needs(missing, lambda name: is_installed(name, world), hints=tuple(found.hints), names=here)
+
+
+def with_folders(folders: Sequence[str], environment: Mapping[str, str]) -> dict[str, str]:
+    """An environment in which ROS finds the packages of folders as well."""
+    paths = [str(Path(folder).resolve()) for folder in folders]
+    return {**environment, "ROS_PACKAGE_PATH": os.pathsep.join([*paths, environment.get("ROS_PACKAGE_PATH", "")])}
+
+
+def dependencies_of_text(text: str) -> tuple[str, ...]:
+    """The packages that the text of a package.xml depends on; none for a damaged one."""
+    try:
+        return read_dependencies(text)
+    except ValueError:
+        return ()
+
+
+def read_text(path: Path) -> str:
+    """The text of a file; "" where it cannot be read."""
+    try:
+        with path.open(encoding="utf-8", errors="replace") as file:
+            return file.read(_MAX_TEXT)
+    except OSError:
+        return ""
+
+
+def _read_file(path: Path, found: _Found, *, manifests: bool) -> None:
+    text = read_text(path)
+    names: Iterable[str] = ()
+    if path.name == "package.xml":
+        names = dependencies_of_text(text) if manifests else ()
+        found.packages.setdefault(read_name(text), path.parent)
+        found.owners[path.parent] = (*found.owners.get(path.parent, ()), *owners_of_manifest(text))
+    elif path.name.endswith(_TEXTS):
+        names = named_packages(text)
+        for name, file in named_files(text):
+            found.files.setdefault(name, set()).add(file)
+    else:
+        found.hints += read_hints(path.name, text)
+    for name in names:
+        found.names.setdefault(name, path)
+
+
+def _describe(missing: Missing, found: _Found, world: SystemWorld, folders: Sequence[str]) -> Missing:
+    # What only the folder knows of a package: who may have it, and whether it is here under another name or hidden.
+    file = found.names[missing.package]
+    owners = [owner for folder in file.parents for owner in found.owners.get(folder, ())]
+    if hidden := found.packages.get(missing.package):
+        return replace(missing, owners=tuple(dict.fromkeys(owners)), hidden=_shorten(hidden, folders))
+
+    def has_file(package: str, path: str) -> bool:
+        return (found.packages[package] / path).exists()
+
+    here = [name for name in found.packages if name and is_installed(name, world)]
+    renamed = find_renamed(missing.package, found.files.get(missing.package, ()), here, has_file)
+    return replace(missing, owners=tuple(dict.fromkeys(owners)), renamed=renamed)
+
+
+def _shorten(path: Path, folders: Sequence[str]) -> str:
+    return next((str(path.relative_to(folder)) for folder in folders if path.is_relative_to(folder)), str(path))
+
+
+def _list_texts(folder: str, found: _Found) -> Iterator[Path]:
+    for place, below, files in os.walk(folder):
+        if ".git" in below or ".git" in files:
+            found.owners[Path(place)] = read_owners(Path(place))
+        below[:] = sorted(name for name in below if name not in _SKIPPED)
+        for name in sorted(files):
+            if name.endswith(_TEXTS) or name == "package.xml" or LISTS.fullmatch(name) or TEXTS.fullmatch(name):
+                yield Path(place, name)

@@ -1,0 +1,117 @@
+"""Repositories that the owner of a folder's repository may have beside it: guesses, until a server confirms them."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from itertools import islice
+from pathlib import Path
+
+from ur.get.index import make_repository
+from ur.get.model import Missing, Repository
+
+_REMOTE = re.compile(
+    r"(?:https?://(?:[^@/\s]+@)?|(?:ssh://)?git@|git://)"
+    r"(github\.com|gitlab\.com|bitbucket\.org)[:/]([A-Za-z0-9][\w.-]*)/[\w.-]+/?"
+)
+_CONFIG_URL = re.compile(r"^\s*url\s*=\s*(\S+)\s*$", re.MULTILINE)
+_MANIFEST_URL = re.compile(r"<url\b[^>]*\btype\s*=\s*[\"']repository[\"'][^>]*>\s*([^<\s]+)\s*</url>")
+_ABSENT = ("not found", "could not read username", "authentication failed", "terminal prompts disabled")
+_QUESTIONS = 60  # of one command: each takes half a second
+_SECONDS = 20.0
+
+
+def owners_of_config(text: str) -> tuple[str, ...]:
+    """List the addresses of the owners of a repository's remotes ("https://github.com/NAME"), from git's config."""
+    return _owners(_CONFIG_URL.findall(text))
+
+
+def owners_of_manifest(text: str) -> tuple[str, ...]:
+    """List the addresses of the owners of the repository that a package.xml names."""
+    return _owners(_MANIFEST_URL.findall(text))
+
+
+def guess_repositories(missing: Missing) -> Iterator[Repository]:
+    """The repositories that would have the name of a package, for each of the owners that it may belong to."""
+    for owner in missing.owners:
+        for name in dict.fromkeys((missing.package, missing.package.replace("_", "-"))):
+            if repository := make_repository(name, {"type": "git", "url": f"{owner}/{name}.git"}):
+                yield repository
+
+
+def confirm_guesses(missing: Iterable[Missing], has_repository: Callable[[str], bool | None]) -> dict[str, Repository]:
+    """Ask which guesses exist; return those by package.
+
+    `has_repository` returns None where the server cannot be asked: nothing more is asked then.
+    """
+    found: dict[str, Repository] = {}
+    guesses = ((each.package, guess) for each in missing for guess in guess_repositories(each))
+    for package, guess in islice(guesses, _QUESTIONS):
+        if package in found:
+            continue
+        answer = has_repository(guess.url)
+        if answer is None:
+            break
+        if answer:
+            found[package] = guess
+    return found
+
+
+def owners_above(path: Path) -> tuple[str, ...]:
+    """List the owners of the repository that a folder or file is in."""
+    for folder in (path, *path.parents):
+        if (folder / ".git").exists():
+            return read_owners(folder)
+    return ()
+
+
+def read_owners(folder: Path) -> tuple[str, ...]:
+    """List the owners of the repository or submodule at a folder; nothing where git's config cannot be read."""
+    git = folder / ".git"
+    try:
+        if git.is_file():
+            git = folder / git.read_text(encoding="utf-8", errors="replace").removeprefix("gitdir:").strip()
+        return owners_of_config((git / "config").read_text(encoding="utf-8", errors="replace"))
+    except OSError:
+        return ()
+
+
+def ask_server(url: str) -> bool | None:
+    """Return whether a public repository exists at an address; None where the server cannot be asked."""
+    # Outside of any repository, whose settings are not the user's, and without questions for a password.
+    command = ["git", "-c", "credential.helper=", "ls-remote", "--quiet", url, "HEAD"]
+    environment = {
+        **os.environ,
+        "LC_ALL": "C",
+        "GIT_TERMINAL_PROMPT": "0",
+        "GIT_ASKPASS": "true",
+        "SSH_ASKPASS": "true",
+    }
+    try:
+        done = _run(command, environment)
+    except (OSError, subprocess.TimeoutExpired):
+        return None
+    if done.returncode == 0:
+        return True
+    return False if any(text in done.stderr.lower() for text in _ABSENT) else None
+
+
+def _run(command: Sequence[str], environment: dict[str, str]) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        command,
+        stdin=subprocess.DEVNULL,
+        capture_output=True,
+        text=True,
+        errors="replace",
+        check=False,
+        cwd="/",
+        env=environment,
+        timeout=_SECONDS,
+    )
+
+
+def _owners(urls: Iterable[str]) -> tuple[str, ...]:
+    found = (_REMOTE.fullmatch(url) for url in urls)
+    return tuple(dict.fromkeys(f"https://{each[1]}/{each[2]}" for each in found if each))
