@@ -25,13 +25,14 @@ _SKIPPED = frozenset({".git", ".hg", ".svn", "build", "devel", "node_modules"})
 
 @dataclass(slots=True)
 class _Found:
-    """All that the files of folders say. `names`: the first file that names a package; `files`: paths below it.
+    """All that the files of folders say. `names`: the first file that names a package.
 
-    `owners` are those of the repositories and packages at folders; `packages` the folders of package.xml.
+    `files`: paths below a package, each with the files that name it. `owners` are those of repositories and packages
+    at folders; `packages`, the folders of package.xml.
     """
 
     names: dict[str, Path] = field(default_factory=dict)
-    files: dict[str, set[str]] = field(default_factory=dict)
+    files: dict[str, dict[str, set[Path]]] = field(default_factory=dict)
     hints: list[Repository] = field(default_factory=list)
     owners: dict[Path, tuple[str, ...]] = field(default_factory=dict)
     packages: dict[str, Path] = field(default_factory=dict)
@@ -94,7 +95,7 @@ def _read_file(path: Path, found: _Found, *, manifests: bool) -> None:
     elif path.name.endswith(_TEXTS):
         names = named_packages(text)
         for name, file in named_files(text):
-            found.files.setdefault(name, set()).add(file)
+            found.files.setdefault(name, {}).setdefault(file, set()).add(path)
     else:
         found.hints += read_hints(path.name, text)
     for name in names:
@@ -108,11 +109,14 @@ def _describe(missing: Missing, found: _Found, world: SystemWorld, folders: Sequ
     if hidden := found.packages.get(missing.package):
         return replace(missing, owners=tuple(dict.fromkeys(owners)), hidden=_shorten(hidden, folders))
 
+    files = found.files.get(missing.package, {})
+
     def has_file(package: str, path: str) -> bool:
-        return (found.packages[package] / path).exists()
+        whole = found.packages[package] / path  # none that names this path: it would include itself
+        return whole.exists() and whole not in files[path]
 
     here = [name for name in found.packages if name and is_installed(name, world)]
-    renamed = find_renamed(missing.package, found.files.get(missing.package, ()), here, has_file)
+    renamed = find_renamed(missing.package, files, here, has_file)
     return replace(missing, owners=tuple(dict.fromkeys(owners)), renamed=renamed)
 
 

@@ -96,7 +96,8 @@ def _explain_here(missing: Missing) -> str:
         )
     if not missing.renamed:
         return ""
-    return f"no package has this name{_place(missing)}; {missing.renamed} of this folder has its files: write that name"
+    renamed = f"{missing.renamed} of this folder has the files that are expected in it: probably it is meant"
+    return f"no package has this name{_place(missing)}; {renamed}"
 
 
 def _explain(missing: Missing, tables: Tables) -> str:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable
 
-_FEWEST = 3  # files: one or two, such as launch/bringup.launch, are in many packages
-_SHARE = 0.8  # of them: some were removed since
+_FEW = 3  # files: of fewer all have to be there
+_SHARE = 0.8  # of more: some were removed since
 
 
 def find_renamed(
@@ -19,9 +19,8 @@ def find_renamed(
     names = tuple(here)
     if like := [name for name in names if _plain(name) == _plain(package)]:
         return like[0] if len(like) == 1 else ""
-    if len(paths) < _FEWEST:
-        return ""
-    fitting = [name for name in names if sum(has_file(name, path) for path in paths) >= _SHARE * len(paths)]
+    least = len(paths) * (_SHARE if len(paths) >= _FEW else 1)
+    fitting = [name for name in names if paths and sum(has_file(name, path) for path in paths) >= least]
     return fitting[0] if len(fitting) == 1 else ""
 
 

@@ -1,0 +1,148 @@
+"""Packages of a folder: who owns it, and what is in it under another name."""
+
+from __future__ import annotations
+
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from ur.get import owners
+from ur.get.folder import folder_needs
+from ur.get.model import Missing
+from ur.get.owners import ask_server, confirm_guesses, owners_of_config, owners_of_manifest
+from ur.get.plan import Tables, make_plan
+from ur.get.renamed import find_renamed
+from ur.get.render import render_plan
+
+OWNER = "https://github.com/somebody"
+
+
+def write(path: Path, text: str) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(text)
+
+
+def package(folder: Path, name: str, **files: str) -> None:
+    write(folder / "package.xml", f"<package><name>{name}</name></package>")
+    for file, text in files.items():
+        write(folder / "launch" / f"{file}.launch", f"<launch>{text}</launch>")
+
+
+def reasons(folder: Path) -> dict[str, str]:
+    needs = folder_needs([str(folder)], {})
+    return {
+        step.missing.package: step.reason for step in make_plan(needs.missing, Tables({}, {}), bool).steps if step.here
+    }
+
+
+@pytest.mark.parametrize(
+    "url",
+    [
+        "https://github.com/somebody/robot.git",
+        "https://github.com/somebody/robot",
+        "https://token@github.com/somebody/robot.git",
+        "git@github.com:somebody/robot.git",
+        "ssh://git@github.com/somebody/robot.git",
+    ],
+)
+def test_owner_is_read_from_every_form_of_a_remote(url: str) -> None:
+    assert owners_of_config(f'[remote "origin"]\n\turl = {url}\n\tfetch = +refs\n') == (OWNER,)
+
+
+@pytest.mark.parametrize("url", ["https://github.com/a;b/c", "https://github.com/a/b/../c", "/home/me/robot", "-u/x"])
+def test_address_of_another_form_has_no_owner(url: str) -> None:
+    assert not owners_of_config(f"url = {url}\n")
+
+
+def test_owner_is_read_from_the_repository_of_a_package_xml() -> None:
+    assert owners_of_manifest(f'<url type="website">http://x</url><url type="repository">{OWNER}/robot</url>') == (
+        OWNER,
+    )
+
+
+def test_repository_of_the_owner_is_a_source_once_the_server_confirms_it() -> None:
+    missing = [Missing("robot_arm", owners=(OWNER,)), Missing("secret", owners=(OWNER,))]
+    confirmed = confirm_guesses(missing, lambda url: url == f"{OWNER}/robot-arm.git")
+    assert {name: each.url for name, each in confirmed.items()} == {"robot_arm": f"{OWNER}/robot-arm.git"}
+    shown = render_plan(make_plan(missing, Tables({}, {}, index=None, confirmed=confirmed), bool))
+    assert f"robot_arm: {OWNER}/robot-arm.git; no index has it; the owner of this folder's repository has one" in shown
+
+
+def test_server_that_cannot_be_asked_is_asked_once_and_the_guess_is_named_as_one() -> None:
+    asked: list[str] = []
+    assert not confirm_guesses(
+        [Missing("a", owners=(OWNER,)), Missing("b", owners=(OWNER,))], lambda url: asked.append(url)
+    )
+    assert asked == [f"{OWNER}/a.git"]
+    from ur.get.index import Index
+
+    (step,) = make_plan([Missing("a", owners=(OWNER,))], Tables({}, {}, index=Index()), bool).steps
+    assert step.way == "unknown"
+    assert step.reason.endswith(f"perhaps it is beside the folder's repository: git ls-remote {OWNER}/a.git")
+
+
+@pytest.mark.parametrize(
+    ("code", "stderr", "answer"),
+    [
+        (0, "", True),
+        (128, "fatal: could not read Username for 'https://github.com': terminal prompts disabled", False),
+        (128, "remote: Repository not found.", False),
+        (128, "fatal: unable to access: Could not resolve host: github.com", None),
+    ],
+)
+def test_answer_of_git_tells_an_absent_repository_from_no_network(
+    code: int, stderr: str, answer: bool | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    done = subprocess.CompletedProcess([], code, "", stderr)
+    monkeypatch.setattr(owners, "_run", lambda _command, _environment: done)
+    assert ask_server(f"{OWNER}/a.git") is answer
+
+
+def test_owner_of_the_repository_that_names_a_package_is_asked_first(tmp_path: Path) -> None:
+    for name in ("one", "two"):
+        package(tmp_path / name, name, a=f'<node pkg="{name}_driver" type="a" name="a"/>')
+        write(tmp_path / name / ".git" / "config", f"[remote]\nurl = git@github.com:{name}/robot.git\n")
+    found = folder_needs([str(tmp_path)], {}).missing
+    assert {each.package: each.owners for each in found} == {
+        "one_driver": ("https://github.com/one",),
+        "two_driver": ("https://github.com/two",),
+    }
+
+
+def test_folder_below_a_repository_has_its_owner(tmp_path: Path) -> None:
+    package(tmp_path / "robot" / "drive", "drive", a='<node pkg="absent" type="a" name="a"/>')
+    write(tmp_path / "robot" / ".git" / "config", "url = https://gitlab.com/me/robot.git\n")
+    (found,) = folder_needs([str(tmp_path / "robot" / "drive")], {}).missing
+    assert found.owners == ("https://gitlab.com/me",)
+
+
+def test_package_under_another_name_is_found_by_the_files_that_are_expected_in_it(tmp_path: Path) -> None:
+    package(tmp_path / "nav", "robot_nav", map="", go='<include file="$(find old_nav)/launch/map.launch"/>')
+    assert reasons(tmp_path) == {
+        "old_nav": (
+            "no package has this name, which nav/launch/go.launch names; robot_nav of this folder has the files that"
+            " are expected in it: probably it is meant"
+        )
+    }
+
+
+def test_package_whose_file_would_include_itself_is_not_meant(tmp_path: Path) -> None:
+    package(tmp_path / "nav", "robot_nav", go='<include file="$(find vendor_bringup)/launch/go.launch"/>')
+    assert not reasons(tmp_path)
+
+
+def test_package_below_another_one_is_named_with_its_folder(tmp_path: Path) -> None:
+    package(tmp_path / "robot", "robot", a='<include file="$(find arm)/launch/b.launch"/>')
+    package(tmp_path / "robot" / "parts", "arm", b="")
+    assert "it is in robot/parts, where ROS does not find it" in reasons(tmp_path)["arm"]
+
+
+def test_of_two_packages_that_fit_none_is_meant() -> None:
+    def has_file(name: str, path: str) -> bool:
+        return path.startswith(name)
+
+    assert find_renamed("Robot-Nav", (), ["robot_nav", "arm"], has_file) == "robot_nav"
+    assert not find_renamed("x", ("a/1", "b/1"), ["a", "b"], has_file)
+    assert find_renamed("x", ("a/1", "a/2", "a/3", "a/4", "b/1"), ["a", "b"], has_file) == "a"
+    assert not find_renamed("x", (), ["a", "b"], has_file)
