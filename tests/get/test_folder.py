@@ -9,6 +9,7 @@ import pytest
 
 from ur.get import owners
 from ur.get.folder import folder_needs
+from ur.get.index import Index
 from ur.get.model import Missing
 from ur.get.owners import ask_server, confirm_guesses, owners_of_config, owners_of_manifest
 from ur.get.plan import Tables, make_plan
@@ -64,9 +65,12 @@ def test_owner_is_read_from_the_repository_of_a_package_xml() -> None:
 def test_repository_of_the_owner_is_a_source_once_the_server_confirms_it() -> None:
     missing = [Missing("robot_arm", owners=(OWNER,)), Missing("secret", owners=(OWNER,))]
     confirmed = confirm_guesses(missing, lambda url: url == f"{OWNER}/robot-arm.git")
-    assert {name: each.url for name, each in confirmed.items()} == {"robot_arm": f"{OWNER}/robot-arm.git"}
-    shown = render_plan(make_plan(missing, Tables({}, {}, index=None, confirmed=confirmed), bool))
+    assert {name: each and each.url for name, each in confirmed.items()} == {
+        "robot_arm": f"{OWNER}/robot-arm.git", "secret": None,
+    }  # fmt: skip
+    shown = render_plan(make_plan(missing, Tables({}, {}, index=Index(), confirmed=confirmed), bool))
     assert f"robot_arm: {OWNER}/robot-arm.git; no index has it; the owner of this folder's repository has one" in shown
+    assert f"ask its author; {OWNER} has no public repository of this name" in shown
 
 
 def test_server_that_cannot_be_asked_is_asked_once_and_the_guess_is_named_as_one() -> None:
@@ -75,8 +79,6 @@ def test_server_that_cannot_be_asked_is_asked_once_and_the_guess_is_named_as_one
         [Missing("a", owners=(OWNER,)), Missing("b", owners=(OWNER,))], lambda url: asked.append(url)
     )
     assert asked == [f"{OWNER}/a.git"]
-    from ur.get.index import Index
-
     (step,) = make_plan([Missing("a", owners=(OWNER,))], Tables({}, {}, index=Index()), bool).steps
     assert step.way == "unknown"
     assert step.reason.endswith(f"perhaps it is beside the folder's repository: git ls-remote {OWNER}/a.git")

@@ -59,7 +59,7 @@ class Sources(Protocol):
         ...
 
     def has_repository(self, url: str, /) -> bool | None:
-        """Whether a repository exists at an address; None where nobody can be asked."""
+        """Return whether a repository exists at an address; None where nobody can be asked."""
         ...
 
 
@@ -100,7 +100,7 @@ def load_tables(
     return tables, tuple(notes)
 
 
-def _confirm(unknown: Iterable[Step], sources: Sources) -> Mapping[str, Repository]:
+def _confirm(unknown: Iterable[Step], sources: Sources) -> Mapping[str, Repository | None]:
     return confirm_guesses((step.missing for step in unknown if not step.missing.hidden), sources.has_repository)
 
 

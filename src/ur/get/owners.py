@@ -41,21 +41,22 @@ def guess_repositories(missing: Missing) -> Iterator[Repository]:
                 yield repository
 
 
-def confirm_guesses(missing: Iterable[Missing], has_repository: Callable[[str], bool | None]) -> dict[str, Repository]:
-    """Ask which guesses exist; return those by package.
+def confirm_guesses(
+    missing: Iterable[Missing], has_repository: Callable[[str], bool | None]
+) -> dict[str, Repository | None]:
+    """Ask which guesses exist; return those by package, and None for a package of which no guess exists.
 
     `has_repository` returns None where the server cannot be asked: nothing more is asked then.
     """
-    found: dict[str, Repository] = {}
+    found: dict[str, Repository | None] = {}
     guesses = ((each.package, guess) for each in missing for guess in guess_repositories(each))
     for package, guess in islice(guesses, _QUESTIONS):
-        if package in found:
+        if found.get(package):
             continue
         answer = has_repository(guess.url)
         if answer is None:
             break
-        if answer:
-            found[package] = guess
+        found[package] = guess if answer else None
     return found
 
 

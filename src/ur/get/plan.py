@@ -25,7 +25,8 @@ class Tables:
     about; None where there is no apt, and rosdep's table is believed. `installed`: names of Debian packages.
     `index`: sources; None where there is none. `distribution`: that of packages.ros.org, "" without it. `hints`: the
     repositories that files of a folder name. `known`: repositories of packages that no index has. `ros2`: the index of
-    ROS 2. `names`: packages that are here. `confirmed`: repositories that exist beside that of the folder.
+    ROS 2. `names`: packages that are here. `confirmed`: repositories that exist beside that of the
+    folder, None for a package that has none there.
     """
 
     rosdep: Mapping[str, tuple[str, ...]]
@@ -37,7 +38,7 @@ class Tables:
     known: Mapping[str, Repository] = field(default_factory=dict)
     ros2: Index | None = None
     names: frozenset[str] = frozenset()
-    confirmed: Mapping[str, Repository] = field(default_factory=dict)
+    confirmed: Mapping[str, Repository | None] = field(default_factory=dict)
 
 
 def make_plan(
@@ -80,8 +81,8 @@ def _find_source(package: str, tables: Tables) -> tuple[Repository | None, str]:
         return hint, "no index has it; a file of this folder names it"
     if package in tables.known:
         return tables.known[package], "no index has it"
-    if package in tables.confirmed:
-        return tables.confirmed[package], OF_OWNER
+    if beside := tables.confirmed.get(package):
+        return beside, OF_OWNER
     if hint := find_related_hint(package, tables.hints):
         return hint, "no index has it; by its name it belongs to a repository that a file of this folder names"
     newer = indexed or (tables.ros2.repositories.get(package) if tables.ros2 else None)
@@ -110,6 +111,8 @@ def _explain(missing: Missing, tables: Tables) -> str:
     if near:
         return f"no package has this name{place}; did you mean {near[0]}?"
     reason = f"neither this release nor an index of ROS has it{place}: it is private or withdrawn, ask its author"
+    if missing.package in tables.confirmed:
+        return f"{reason}; {missing.owners[0]} has no public repository of this name"
     guess = next(guess_repositories(missing), None)
     return f"{reason}; perhaps it is beside the folder's repository: git ls-remote {guess.url}" if guess else reason
 
