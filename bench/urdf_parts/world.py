@@ -11,9 +11,14 @@ from ur.robot.base.search import find_base_package
 from ur_nodes.costmap.footprint import footprint_of_outline
 
 _DOOR = 0.45  # m, half the width of the doors of both worlds; the maze has a door every few metres
+_STEP = 0.05  # m between points of the outline: radii do not depend on it
 
 
 def choose_world(name: str, environment: Mapping[str, str]) -> str:
-    """The maze; the office for a base that cannot turn in a door."""
-    base = load_base(find_base_package(ROOT / "ubiquity_launches", name, environment), name)
-    return "maze" if footprint_of_outline(base.footprint, 0.05).circumscribed <= _DOOR else "office"
+    """The world for a base by name. Raises UserError: there is none."""
+    return world_for(load_base(find_base_package(ROOT / "ubiquity_launches", name, environment), name).footprint)
+
+
+def world_for(outline: tuple[tuple[float, float], ...]) -> str:
+    """The maze; the office for an outline that cannot turn in a door, whose farthest corner is above 0.45 m away."""
+    return "maze" if footprint_of_outline(outline, _STEP).circumscribed <= _DOOR else "office"
