@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import subprocess
 import sys
 from collections.abc import Mapping
@@ -46,6 +47,12 @@ def make_base(robot: Robot, workspace: Path, environment: Mapping[str, str]) -> 
         return Made(made.read, made.asked, made.sensors, next(iter(_errors(text)), f"exit code {code}"))
     code, text = _ur(["check", str(workspace)], environment)
     return made if code == 0 else Made(made.read, made.asked, made.sensors, "", text.strip() or f"exit code {code}")
+
+
+def clear_workspace(workspace: Path, name: str) -> None:
+    """Remove the base that an earlier run has made in a kept folder; a folder of anything else stays."""
+    if (workspace / "share" / "ubiquity_launches" / "bases" / name).is_dir():
+        shutil.rmtree(workspace)
 
 
 def _answers(description: Description) -> dict[str, float]:
