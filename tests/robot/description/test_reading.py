@@ -122,7 +122,8 @@ def test_joint_limit_that_nobody_set_is_not_taken_for_a_speed() -> None:
         ("<robot>", "not well-formed XML"),
         ("<sdf/>", "begins with <sdf>, expected a URDF"),
         ('<!DOCTYPE r [<!ENTITY a "b">]><robot/>', "has a document type"),
-        ("<robot/>", "no link"),
+        ("<robot/>", "no link, expected"),
+        ("<robot><material name='a'/><kobuki/></robot>", "no link, and <kobuki> is not an element of URDF"),
         ('<robot><link name="a"/><link name="b"/></robot>', "2 links without a parent"),
         ('<robot><link name="a"/><link name="a"/></robot>', "link 'a' is given twice"),
         (

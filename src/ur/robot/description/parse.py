@@ -17,6 +17,7 @@ from ur.source.diagnostic import UserError, error
 Element = ElementTree.Element
 
 _KINDS = ("fixed", "continuous", "revolute", "prismatic", "floating", "planar")
+_ELEMENTS = frozenset({"material", "link", "joint", "transmission", "gazebo", "sensor", "plugin"})
 _LONGEST = 20_000_000  # characters
 
 
@@ -33,6 +34,8 @@ def parse_urdf(text: str, path: str) -> Description:
     if root.tag != "robot":
         _fail(path, f"begins with <{root.tag}>, expected a URDF, which begins with <robot>")
     links = tuple(_link(path, element) for element in root.findall("link"))
+    if not links:
+        _fail_without_links(path, root)
     joints = tuple(_joint(path, element) for element in root.findall("joint"))
     plugins = [(each.get("reference", ""), each) for each in root.findall("gazebo")]
     known = {link.name for link in links}
@@ -44,6 +47,15 @@ def parse_urdf(text: str, path: str) -> Description:
         sensors=tuple(sensor for sensor in read_sensors(plugins) if sensor.link in known),
         drive=read_drive(plugins),
     )
+
+
+def _fail_without_links(path: str, root: ElementTree.Element) -> NoReturn:
+    # xacro of ROS Indigo and before called macros without their prefix; that of today leaves such a call as it is.
+    calls = [each.tag for each in root if isinstance(each.tag, str) and each.tag not in _ELEMENTS]
+    if not calls:
+        _fail(path, "no link, expected a tree of links with one root")
+    help_ = f"write <xacro:{calls[0]}> where it is a macro: xacro no longer takes calls without the prefix"
+    _fail(path, f"no link, and <{calls[0]}> is not an element of URDF, expected a tree of links with one root", help_)
 
 
 def _find_root(path: str, links: Sequence[Link], joints: Sequence[Joint]) -> str:
@@ -61,8 +73,10 @@ def _find_root(path: str, links: Sequence[Link], joints: Sequence[Joint]) -> str
                 _fail(path, f"joint {joint.name!r} names link {name!r}, which does not exist")
     roots = [name for name in names if name not in set(children)]
     if len(roots) != 1:
-        found = "no link" if not names else f"{len(roots)} links without a parent"
-        _fail(path, f"{found} ({', '.join(roots[:5])}), expected a tree of links with one root")
+        _fail(
+            path,
+            f"{len(roots)} links without a parent ({', '.join(roots[:5])}), expected a tree of links with one root",
+        )
     whole = Description("", roots[0], tuple(links), tuple(joints))
     if len(whole.places()) != len(names):
         _fail(path, "joints form a loop, expected a tree of links")
