@@ -75,6 +75,25 @@ def test_meshes_take_their_size_from_the_inertia_and_speeds_come_from_joints(tmp
     assert base.sonars.at[1].pose == pytest.approx((0.1, -0.1, 0.15, 0.0, 0.0, -0.5))
 
 
+def test_size_that_an_inertia_cannot_mean_is_asked_for() -> None:
+    copied = MESHES.replace('ixx="0.2"', 'ixx="20"').replace('iyy="0.29"', 'iyy="29"').replace('izz="0.41"', 'izz="41"')
+    found = read(copied)
+    assert found.open == ("length", "width", "height")
+    assert any("base_link is a mesh without a size" in note for note in found.notes)
+
+
+def test_robot_that_steers_like_a_car_is_told_apart() -> None:
+    knuckle = (
+        '<joint name="left_steering" type="revolute"><parent link="base_link"/><child link="knuckle"/>'
+        '<origin xyz="0.3 0.1 0"/><axis xyz="0 0 1"/><limit lower="-0.5" upper="0.5"/></joint><link name="knuckle"/>'
+        '<joint name="steered_wheel" type="continuous"><parent link="knuckle"/><child link="steered"/>'
+        '<axis xyz="0 1 0"/></joint><link name="steered"/></robot>'
+    )
+    notes = read(FOUR_WHEELS.replace("</robot>", knuckle)).notes
+    assert any("steers by left_steering, as a car does" in note for note in notes)
+    assert not any("as a car" in note for text in (SMALL, FOUR_WHEELS, MESHES) for note in read(text).notes)
+
+
 @pytest.mark.parametrize("text", [SMALL, FOUR_WHEELS, MESHES], ids=["small", "four", "meshes"])
 def test_base_stops_in_time_whatever_its_description_says(tmp_path: Path, text: str) -> None:
     limits = make_base(tmp_path, text, velocity=0.6, angular_velocity=1.5).limits

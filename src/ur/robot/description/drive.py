@@ -164,6 +164,24 @@ def _swivels(description: Description, places: Mapping[str, Pose]) -> set[str]:
     return found
 
 
+def find_steering(description: Description) -> tuple[str, ...]:
+    """The joints that steer wheels, as those of a car do: upright, with an end to their turn, and no casters'."""
+    places = description.places()
+    wheels = {
+        joint.child
+        for joint in description.joints
+        if joint.kind in ("continuous", "revolute") and not _is_upright(joint, places)
+    }
+    return tuple(
+        joint.name
+        for joint in description.joints
+        if joint.kind == "revolute"
+        and _is_upright(joint, places)
+        and not _names_caster(joint)
+        and wheels & {each.child for each in description.joints if each.parent == joint.child}
+    )
+
+
 def _has_wheel_below(description: Description, name: str, wheels: set[str]) -> bool:
     """Return whether a link carries a wheel, as the fork of a caster does."""
     below, left = set(), [name]

@@ -25,10 +25,10 @@ class Extent:
     unknown: tuple[str, ...]  # links that have only meshes
 
 
-def measure_extent(description: Description, leave_out: Collection[str]) -> Extent:
+def measure_extent(description: Description, leave_out: Collection[str], *, estimate: bool = True) -> Extent:
     """The corners of everything that does not move, beside some links: collision shapes, else visual ones.
 
-    A link of meshes alone is the box that has its inertia.
+    With `estimate`, a link of meshes alone is the box that has its inertia; else it is unknown.
     """
     places = description.places()
     rigid = _rigid_links(description)
@@ -40,7 +40,7 @@ def measure_extent(description: Description, leave_out: Collection[str]) -> Exte
             continue
         shapes = link.collision or link.visual
         if not shapes and link.meshes:
-            solid = _solid_box(link)
+            solid = _solid_box(link) if estimate else None
             shapes = (solid,) if solid else ()
             (estimated if solid else unknown).append(link.name)
         for shape in shapes:

@@ -11,9 +11,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from ur.robot.base.outline import Point, is_inside
-from ur.robot.description.drive import Drive, find_drive
+from ur.robot.description.drive import Drive, find_drive, find_steering
 from ur.robot.description.model import Description
-from ur.robot.description.outlines import draw_outline, measure_extent
+from ur.robot.description.outlines import Extent, draw_outline, measure_extent
 from ur.robot.description.pose import Pose, make_pose
 from ur.robot.description.sensing import FoundSensor, find_sensors, list_extra_sensors
 
@@ -31,6 +31,7 @@ QUESTIONS: Mapping[str, tuple[float, float]] = {
     "velocity": (0.05, HIGHEST_VELOCITY),
     "angular_velocity": (0.1, HIGHEST_ANGULAR_VELOCITY),
 }
+_MOST_LENGTH, _MOST_WIDTH = 4.0, 2.2  # of a body, in separations of its wheels
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,6 +87,8 @@ def read_base_figures(description: Description, given: Mapping[str, float], *, l
     origin = _find_origin(description, drive, figures)
     aside = {sensor.link for sensor in sensors} | {support.link for support in drive.casters} | wheels
     body = measure_extent(description, aside)
+    if body.estimated and _is_too_large(body, figures):  # many inertias are copied from another robot
+        body = measure_extent(description, aside, estimate=False)
     points = [(x - origin[0], y - origin[1], z - origin[2]) for x, y, z in body.points]
     notes = [f"link {name} is a mesh; its size is that of a solid box with its inertia" for name in body.estimated]
     notes += [f"link {name} is a mesh without a size; it is left out" for name in body.unknown]
@@ -96,6 +99,9 @@ def read_base_figures(description: Description, given: Mapping[str, float], *, l
     supports = _read_supports(drive, figures, outline, origin)
     if len({round(wheel.x, 3) for wheel in drive.wheels}) > 1:
         notes.append("several driven axles (skid steer): simulated as two driven wheels between them")
+    if steering := find_steering(description):
+        joints = " and ".join(steering)
+        notes.append(f"it steers by {joints}, as a car does; the base turns on the spot, which this robot cannot")
     extra = list_extra_sensors(description, sensors)
     placed = tuple(replace(each, pose=_moved(each.pose, origin)) for each in sensors)
     if lidar and not any(each.kind == "lidar" for each in sensors):
@@ -112,6 +118,14 @@ def read_base_figures(description: Description, given: Mapping[str, float], *, l
         placed,
         tuple(notes),
     )
+
+
+def _is_too_large(body: Extent, figures: Mapping[str, Figure]) -> bool:
+    """Return whether a body is so large beside its wheels' separation that no robot is built like that."""
+    if "wheel_separation" not in figures or not body.points:
+        return False
+    length, width = (_span([(x, y) for x, y, _ in body.points], axis) for axis in (0, 1))
+    return max(length / _MOST_LENGTH, width / _MOST_WIDTH) > figures["wheel_separation"].value
 
 
 def _fits(figure: Figure, ends: tuple[float, float]) -> bool:
