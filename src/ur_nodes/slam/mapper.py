@@ -21,6 +21,7 @@ from ur_nodes.slam.pose_graph.loop_closer import LoopCloser
 from ur_nodes.slam.pose_graph.loops import LEAST_NOISE, contradiction, turned
 from ur_nodes.slam.pose_graph.trail import Trail
 
+_AT_REST = 2  # pairs of neighbours that are matched with a scan that is not
 _STILL = (0.002, 0.002)  # m, rad: odometry that reports less motion means that the robot stands
 _ROUND = 5.0  # m: keyframes within are part of the local map
 _TRUSTED = 0.05  # m: as long as they are so certain
@@ -148,7 +149,7 @@ class Mapper:
         self._motion_noise = other._motion_noise
         self._graph.optimise()
         self._changed = True
-        self._loops.forget()
+        self._loops.restart()
         self._loops.loops += len(links)
         last = other._estimate
         self._estimate = Estimate(self._pose(), last.covariance, last.agreement, located=True)
@@ -167,9 +168,10 @@ class Mapper:
         before = self._pose()
         guess = before.compose(motion)
         if still:
-            self._changed |= self._loops.step()
+            self._changed |= self._loops.step(_AT_REST)
             return self._remember(replace(self._estimate, pose=self._pose(), located=True, still=True, step=None))
         prior = turned(noise, -before.yaw)
+        spare = 0 if self._changed else 1  # a new local map takes time enough
         match = self._locate(scan, guess, prior, before)
         located = match.agreement >= _LOST
         pose = match.pose if located else guess
@@ -179,7 +181,7 @@ class Mapper:
         self._relative = self._graph.poses[self._reference].inverse().compose(pose)
         contradicted = self._is_contradicted(scan, match)
         if not self._is_far(self._relative) or (contradicted and self._cautious):
-            self._changed |= self._loops.step()
+            self._changed |= self._loops.step(spare)
         elif not self._return_to_keyframe(scan, match, odometry):
             self._add_keyframe(scan, pose, match.covariance, odometry, located)
         shown = match.agreement >= _POOR and not contradicted and _spread(match.covariance) < _CERTAIN

@@ -12,6 +12,7 @@ _NEED_IT = (
     "test_mapper.py",
     "test_mapping_conditions.py",
     "test_merge.py",
+    "test_neighbours.py",
     "test_slam_gmapping_node.py",
     "test_tracker.py",
 )

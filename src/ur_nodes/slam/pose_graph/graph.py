@@ -83,12 +83,15 @@ class PoseGraph:
         """Tell whether `step` would still move poses."""
         return self._steps > 0
 
-    def begin(self) -> None:
-        """Have the next calls of `step` bring the poses to where they fit the edges best."""
-        self._steps = _STEPS
+    def begin(self, steps: int = _STEPS) -> None:
+        """Have the next calls of `step`, so many at most, bring the poses to where they fit the edges best."""
+        self._steps = max(self._steps, steps)
 
     def step(self) -> bool:
-        """Bring the poses nearer to where they fit best, in a time that grows with those that move; False: no more."""
+        """Bring the poses nearer to where they fit best, in a time that grows with those that move.
+
+        Returns whether any has moved; False: they are where they fit best, or as near as they get.
+        """
         if not self._steps:
             return False
         self._steps -= 1
@@ -98,9 +101,10 @@ class PoseGraph:
         moved = np.abs(found - np.array(self.poses))
         moved[:, 2] = np.minimum(moved[:, 2], np.abs(2.0 * math.pi - moved[:, 2]))
         self.poses = [Pose2(x, y, yaw) for x, y, yaw in found.tolist()]
-        if float(moved.max()) < _SETTLED:
-            self._steps = 0
-        return self._steps > 0
+        if float(moved.max()) >= _SETTLED:
+            return True
+        self._steps = 0
+        return False
 
     def spread_from(self, number: int, limit: float) -> NDArray[np.float64]:
         """Compute the uncertainty (m, one standard deviation) of each pose relative to one; inf beyond `limit`.

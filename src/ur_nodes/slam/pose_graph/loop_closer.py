@@ -10,6 +10,7 @@ from ur_nodes.slam.matching.correlative import Work
 from ur_nodes.slam.matching.scan import Scan
 from ur_nodes.slam.pose_graph.graph import PoseGraph
 from ur_nodes.slam.pose_graph.loops import LEAST_NOISE, RECENT, Group, Link, agree, find_groups, verify_group
+from ur_nodes.slam.pose_graph.neighbours import NeighbourMatcher
 
 _LONGEST = 20.0  # m: places that are less certain are not looked at
 _BACKLOG = 2  # keyframes that may wait when another one is made
@@ -54,22 +55,25 @@ class LoopCloser:
         self._groups: deque[tuple[int, Group]] = deque()  # places of the keyframe whose turn it is
         self._look: Work[Link | None] | None = None  # at one of them
         self._doubtful = Confirmation(_DOUBTFUL)
+        self._neighbours = NeighbourMatcher(graph, scans)
         self.loops = 0
 
     def look_round(self, number: int) -> bool:
         """Plan to look for the place of a new keyframe; returns whether poses have changed, as `step` does."""
         self._waiting.append(number)
+        self._neighbours.add(number)
         return len(self._waiting) > _BACKLOG and self.step()
 
-    def step(self) -> bool:
-        """Go on with the poses that follow from the last link, then look at places for a while; whether any changed."""
+    def step(self, spare: int = 0) -> bool:
+        """Go on with the poses that follow from the last link, then look at places for a while; whether any changed.
+
+        Where there is nothing to look at, neighbours are matched, `spare` pairs of them at most.
+        """
         parts = min(_MOST_PARTS, 1 + len(self._waiting) // (_BACKLOG + 1))
         changed = False
         if not self._look:  # which needs poses that stay
             for _ in range(parts):
-                if self._graph.unsettled:
-                    self._graph.step()
-                    changed = True
+                changed |= self._graph.step()
             if self._graph.unsettled:
                 return changed
         left = _PART * parts
@@ -82,14 +86,18 @@ class LoopCloser:
                 left -= _END
                 if self._add(end.value):
                     return True
+        if not changed and left == _PART * parts:
+            while spare > 0 and self._neighbours.step():
+                spare -= 1
         return changed
 
-    def forget(self) -> None:
-        """Forget the places that wait."""
+    def restart(self) -> None:
+        """Forget the places that wait, as the graph was made larger."""
         self._waiting.clear()
         self._groups.clear()
         self._look = None
         self._doubtful = Confirmation(_DOUBTFUL)
+        self._neighbours.restart()
 
     def _choose(self) -> bool:
         """Begin to look at the next place; False: there is none."""
@@ -112,4 +120,5 @@ class LoopCloser:
         if links:
             self._graph.begin()
             self._graph.step()
+            self._neighbours.add_all()
         return bool(links)
