@@ -14,7 +14,7 @@ from ur_nodes.slam.matching.local_map import LocalMap
 from ur_nodes.slam.matching.match import Match, match_surface
 from ur_nodes.slam.matching.scan import Scan
 from ur_nodes.slam.matching.surface import Floats
-from ur_nodes.slam.odometry_model import OdometryModel, with_turn
+from ur_nodes.slam.odometry_model import OdometryModel, is_still, with_measured_turn
 from ur_nodes.slam.pose_graph.edge import Edge
 from ur_nodes.slam.pose_graph.graph import PoseGraph
 from ur_nodes.slam.pose_graph.loop_closer import LoopCloser
@@ -22,7 +22,6 @@ from ur_nodes.slam.pose_graph.loops import LEAST_NOISE, contradiction, turned
 from ur_nodes.slam.pose_graph.trail import Trail
 
 _AT_REST = 2  # pairs of neighbours that are matched with a scan that is not
-_STILL = (0.002, 0.002)  # m, rad: odometry that reports less motion means that the robot stands
 _ROUND = 5.0  # m: keyframes within are part of the local map
 _TRUSTED = 0.05  # m: as long as they are so certain
 _MEMBERS = 9  # keyframes of the local map
@@ -37,7 +36,6 @@ _CLEAR = 0.8  # agreement with which a scan can do so
 _UNCHANGED = (0.95, 0.02)  # least agreement and most contradiction of a place that has not
 _CERTAIN = 0.03  # m: matches that teach, and that replace odometry
 _REFERRED = np.diag(np.square((0.01, 0.01, 0.004)))  # of a match to an old keyframe, m and rad
-_GYRO_NOISE = (0.004, 0.02)  # rad, rad per rad: of a heading between two scans
 _UNKNOWN_MOTION = np.diag(np.square((0.1, 0.1, 0.15)))  # a scan later, without odometry
 
 
@@ -164,7 +162,9 @@ class Mapper:
             return self._begin(scan, odometry, heading)
         assert self._estimate is not None
         wheels, noise, still = self._predict(odometry)
-        motion, noise = self._turn(wheels, noise, heading)
+        motion = wheels
+        if heading is not None and self._heading is not None and self._odometry is not None:
+            motion, noise = with_measured_turn(wheels, noise, heading - self._heading)
         before = self._pose()
         guess = before.compose(motion)
         if still:
@@ -212,18 +212,7 @@ class Mapper:
         if odometry is None or self._odometry is None:
             return self._step, _UNKNOWN_MOTION, False
         reported = self._odometry.inverse().compose(odometry)
-        still = math.hypot(reported.x, reported.y) < _STILL[0] and abs(reported.yaw) < _STILL[1]
-        return self._model.correct(reported), self._model.covariance(reported), still
-
-    def _turn(self, motion: Pose2, noise: Floats, heading: float | None) -> tuple[Pose2, Floats]:
-        """A predicted motion and its covariance with the turn that the heading shows, if it is known."""
-        if heading is None or self._heading is None or self._odometry is None:
-            return motion, noise
-        turn = heading - self._heading
-        exact = noise.copy()
-        exact[2] = exact[:, 2] = 0.0
-        exact[2, 2] = min(noise[2, 2], (_GYRO_NOISE[0] + _GYRO_NOISE[1] * abs(turn)) ** 2)
-        return with_turn(motion, turn), exact
+        return self._model.correct(reported), self._model.covariance(reported), is_still(reported)
 
     # -- the pose on the map round the robot -----------------------------------------------------------------------
 

@@ -12,6 +12,8 @@ from ur_nodes.slam.matching.surface import Floats
 _START = np.diag(np.square((0.05, 0.05, 0.05)))  # of scale, of turns per turn, of rad per m
 _MEMORY = 0.995  # how much of what was learned remains with each motion
 _NOISE = (0.02, 0.02)  # m per root m, rad per root m: what is random in a motion that teaches
+_STILL = (0.002, 0.002)  # m, rad: odometry that reports less motion means that the robot is at rest
+_GYRO_NOISE = (0.004, 0.02)  # rad, rad per rad: of a heading between two scans
 _LEAST = 0.05  # m: shorter motions teach nothing
 
 
@@ -61,3 +63,16 @@ def with_turn(motion: Pose2, yaw: float) -> Pose2:
     half = 0.5 * (yaw - motion.yaw)  # the chord lies halfway between both headings
     c, s = math.cos(half), math.sin(half)
     return Pose2(c * motion.x - s * motion.y, s * motion.x + c * motion.y, yaw)
+
+
+def is_still(reported: Pose2) -> bool:
+    """Tell whether a reported motion means that the robot is at rest."""
+    return math.hypot(reported.x, reported.y) < _STILL[0] and abs(reported.yaw) < _STILL[1]
+
+
+def with_measured_turn(motion: Pose2, covariance: Floats, turn: float) -> tuple[Pose2, Floats]:
+    """A motion and its covariance (3, 3) with a turn (rad) that was measured apart from the wheels."""
+    exact = covariance.copy()
+    exact[2] = exact[:, 2] = 0.0
+    exact[2, 2] = min(covariance[2, 2], (_GYRO_NOISE[0] + _GYRO_NOISE[1] * abs(turn)) ** 2)
+    return with_turn(motion, turn), exact

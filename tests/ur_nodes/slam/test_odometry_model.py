@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.slam.odometry_model import OdometryModel
+from ur_nodes.slam.odometry_model import OdometryModel, is_still, with_measured_turn
 
 RANDOM = np.random.default_rng(3)
 
@@ -46,3 +46,18 @@ def test_longer_motions_are_less_certain() -> None:
     model = OdometryModel()
     short, long = model.covariance(Pose2(0.1, 0.0, 0.0)), model.covariance(Pose2(0.5, 0.0, 0.0))
     assert (np.diag(long) > np.diag(short)).all()
+
+
+def test_measured_turn_replaces_that_of_the_wheels_and_is_more_certain() -> None:
+    wheels, covariance = Pose2(0.5, 0.0, 0.0), np.diag((0.01, 0.01, 0.04))
+    motion, exact = with_measured_turn(wheels, covariance, 0.2)
+    assert motion.yaw == 0.2
+    assert math.hypot(motion.x, motion.y) == pytest.approx(0.5)
+    assert exact[2, 2] < 0.001
+    assert (exact[:2, :2] == covariance[:2, :2]).all()
+
+
+def test_robot_is_at_rest_when_neither_length_nor_turn_is_reported() -> None:
+    assert is_still(Pose2(0.001, 0.001, -0.001))
+    assert not is_still(Pose2(0.0, 0.003, 0.0))
+    assert not is_still(Pose2(0.0, 0.0, -0.003))
