@@ -1,6 +1,7 @@
 // @ts-check
 /** Tiles of a grid as pictures, in the colours of the page. */
 
+import { TileCache } from "./tile_cache.js";
 import { TILE } from "./wire.js";
 
 const SMALL = TILE / 4; // pixels of the picture of a tile that is drawn where it is small: a large map pans smoothly
@@ -18,10 +19,14 @@ export class MapTiles {
     /** @type {Map<string, {column: number, row: number, cells: Int8Array, picture: HTMLCanvasElement, small: HTMLCanvasElement}>} */
     this.tiles = new Map();
     this.palette = new Uint32Array(256);
+    /** Changes with what is drawn. */
+    this.version = 0;
+    this.cache = new TileCache();
   }
 
   /** @param {Grid} grid */
   setGrid(grid) {
+    this.version += 1;
     if (this.grid?.generation !== grid.generation) {
       if (this.keep && this.tiles.size && grid.width) {
         this.before = new MapTiles();
@@ -42,6 +47,7 @@ export class MapTiles {
     small.width = small.height = SMALL;
     this.paint(picture, small, cells);
     this.tiles.set(`${column} ${row}`, { column, row, cells, picture, small });
+    this.version += 1;
   }
 
   /** Colours of unknown, free and occupied cells. @param {string} unknown @param {string} free @param {string} wall */
@@ -52,7 +58,7 @@ export class MapTiles {
       this.palette[value] = pack(b.map((part, index) => Math.round(part + share * (c[index] - part))));
     }
     this.palette.fill(pack(a), 101);
-    for (const tile of this.tiles.values()) this.paint(tile.picture, tile.small, tile.cells);
+    this.repaint();
   }
 
   /** One colour, the more of it the higher the cost; nothing where it is free or unknown. @param {string} text */
@@ -63,7 +69,12 @@ export class MapTiles {
       const alpha = cost >= 99 ? 200 : Math.round(1.2 * cost);
       this.palette[cost] = (((alpha << 24) | (blue << 16) | (green << 8) | red) >>> 0);
     }
+    this.repaint();
+  }
+
+  repaint() {
     for (const tile of this.tiles.values()) this.paint(tile.picture, tile.small, tile.cells);
+    this.version += 1;
   }
 
   /** @param {HTMLCanvasElement} picture @param {HTMLCanvasElement} small @param {Int8Array} cells */
@@ -106,6 +117,17 @@ export class MapTiles {
       this.before.draw(context, view);
       return;
     }
+    if (!this.grid) return;
+    if (view.scale * this.grid.resolution < 1) {
+      this.cache.draw(context, view, this.version, (target, seen) => this.drawTiles(target, seen));
+    } else {
+      this.cache.drop();
+      this.drawTiles(context, view);
+    }
+  }
+
+  /** @param {CanvasRenderingContext2D} context @param {import("./view.js").View} view */
+  drawTiles(context, view) {
     const grid = this.grid;
     if (!grid) return;
     const side = TILE * grid.resolution;
