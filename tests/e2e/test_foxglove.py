@@ -185,8 +185,10 @@ async def test_viewer_sees_scan_map_and_camera_and_sends_a_goal(server: Server, 
                     break
             assert viewer.messages.get(4), viewer.status
             await asyncio.to_thread(robot.ask, "moving", seconds=60)
+            await asyncio.to_thread(robot.ask, "lease", state="held", seconds=60)
             await socket.close()
-        await asyncio.to_thread(robot.ask, "still", seconds=60)  # nobody is there: the goal is held
+        await asyncio.to_thread(robot.ask, "still", seconds=60)  # nobody can continue its goal: it is cancelled
+        await asyncio.to_thread(robot.ask, "lease", state="free", seconds=60)
 
 
 async def test_viewer_that_may_only_look_cannot_publish(robot: Robot) -> None:

@@ -43,7 +43,7 @@ from ur_nodes.rosio.ending import quiet_at_end
 from ur_nodes.teleop.mux.link_node import MuxLink
 from ur_nodes.teleop.navigator.navigation_topics_node import NavigationTopics
 from ur_nodes.web.heard import Heard, age_of_answer, hear
-from ur_nodes.web.page_lease import PageLease, may_drive, step_page, wish
+from ur_nodes.web.page_lease import PageLease, may_drive, step_page, takes_part, wish
 from ur_nodes.web.places import Places, change_places
 from ur_nodes.web.stick import StickState, Verdict, end_stick, expire_stick, let_go, step_stick
 from ur_nodes.web.zone_link_node import ZoneLink
@@ -61,6 +61,7 @@ class _Page:
     name: str
     lease: PageLease
     stick: StickState = field(default_factory=StickState)
+    once: bool = False  # it cannot come again
 
 
 class DriveEnd:
@@ -105,22 +106,37 @@ class DriveEnd:
         with self._lock:
             return read_steady_time() - self._heard_at
 
-    def come(self, client: str, name: str, computer: str) -> None:
-        """A page that may drive is there; `computer` identifies its browser."""
+    def come(self, client: str, name: str, computer: str, *, once: bool = False) -> None:
+        """A page that may drive is there; `computer` identifies its browser, `once`: it cannot come again."""
         if not is_client(client):
             return
         with self._lock:
-            self._pages[client] = _Page(clean_name(name) or "a page", PageLease(client, clean_computer(computer)))
+            lease = PageLease(client, clean_computer(computer))
+            self._pages[client] = _Page(clean_name(name) or "a page", lease, once=once)
             while len(self._pages) > _MOST_PAGES:
                 self.leave(next(iter(self._pages)))
 
     def leave(self, client: str) -> None:
-        """A page is gone: what its user held is over at once. Its goal is held when the mux has lost it."""
+        """A page is gone: what its user held is over at once.
+
+        Its goal is held when the mux has lost it. One that cannot come again leaves no goal and no lease behind.
+        """
         with self._lock:
             page = self._pages.pop(client, None)
             if page is not None:
                 _, verdict = end_stick(page.stick)
                 self._finish(page, verdict, "")
+                if page.once:
+                    self._give_up(page)
+
+    def _give_up(self, page: _Page) -> None:
+        """Cancel the goal of a client and release its lease, or withdraw its request for it."""
+        if self._lease is None or self._heard.newest is None:
+            return
+        if self._lease.client == page.lease.client:
+            self._topics.cancel_goals()
+        if takes_part(page.lease, self._lease):
+            self._request(page, "release", self._heard.newest)
 
     def leave_all(self) -> None:
         """The server is gone."""

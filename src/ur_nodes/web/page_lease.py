@@ -38,8 +38,12 @@ def step_page(page: PageLease, lease: Lease | None, now: float) -> tuple[PageLea
         page = replace(page, wish=None)
     if page.wish:
         return page, page.wish
-    takes_part = lease.client == page.client or any(each.client == page.client for each in lease.asking)
-    return page, "renew" if takes_part else None
+    return page, "renew" if takes_part(page, lease) else None
+
+
+def takes_part(page: PageLease, lease: Lease) -> bool:
+    """Return whether the page has the lease, or asks for it."""
+    return lease.client == page.client or any(each.client == page.client for each in lease.asking)
 
 
 def may_drive(page: PageLease, lease: Lease | None) -> bool:

@@ -77,7 +77,8 @@ class RobotEnd:
         for message in _read_lines(self._drive):
             page = str(message.get("page", ""))
             if message.get("do") == "come":
-                self._drives.come(page, str(message.get("name", "")), str(message.get("computer", "")))
+                name, computer = str(message.get("name", "")), str(message.get("computer", ""))
+                self._drives.come(page, name, computer, once=message.get("once") is True)
             elif message.get("do") == "leave":
                 self._drives.leave(page)
             elif message.get("do") == "stop":

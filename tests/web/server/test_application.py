@@ -168,6 +168,40 @@ async def test_page_gets_only_the_layers_that_it_asks_for(server: Server) -> Non
         assert found[:2] == (Kind.POINTS, Layer.PLAN)
 
 
+async def test_page_changes_what_it_shows_over_its_open_connection(
+    server: Server, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: list[tuple[int, bool, list[str]]] = []
+
+    def look(viewers: int, layers: frozenset[Layer], plots: frozenset[str]) -> None:
+        asked.append((viewers, Layer.GLOBAL in layers, sorted(plots)))
+
+    monkeypatch.setattr(server.application.robot_end, "look", look)
+    await server.log_in(Role.LOOK)
+    newest = points_frame(Layer.GLOBAL, [(1.0, 2.0)])  # before the page shows that layer
+    server.application.show(newest)
+    async with server.client.ws_connect(f"{server.url}/ws/view?layers=plan", headers=server.origin) as socket:
+        await socket.send_json({"layers": "plan,global", "plots": "/a:x"})
+        while await socket.receive_bytes(timeout=30) != newest:
+            pass
+        await socket.send_json({"layers": "plan"})
+        await socket.send_json({"layers": "everything"})
+        while (await socket.receive(timeout=30)).type is aiohttp.WSMsgType.BINARY:
+            pass
+        assert socket.close_code == aiohttp.WSCloseCode.POLICY_VIOLATION
+    assert asked[:3] == [(1, False, []), (1, True, ["/a:x"]), (1, False, [])]
+
+
+async def test_page_that_changes_too_often_is_closed(server: Server) -> None:
+    await server.log_in(Role.LOOK)
+    async with server.client.ws_connect(f"{server.url}/ws/view", headers=server.origin) as socket:
+        for _ in range(100):
+            await socket.send_json({"layers": "plan"})
+        while (await socket.receive(timeout=30)).type is aiohttp.WSMsgType.BINARY:
+            pass
+        assert socket.close_code == aiohttp.WSCloseCode.POLICY_VIOLATION
+
+
 async def test_camera_has_a_socket_of_its_own_and_waits_for_the_page(
     server: Server, monkeypatch: pytest.MonkeyPatch
 ) -> None:

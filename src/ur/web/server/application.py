@@ -21,10 +21,8 @@ from ur.web.server.robot_end import RobotEnd
 from ur.web.server.run_pages import RunPages
 from ur.web.server.static_files import StaticFile
 from ur.web.server.viewer_gate import ViewerGate
-from ur.web.server.viewers import Viewers, limit_buffer
+from ur.web.server.viewers import Viewer, Viewers, limit_buffer
 from ur.web.wire.frames import Kind, Layer, key_of
-from ur.web.wire.layers import read_layers
-from ur.web.wire.plots import read_plots
 from ur.web.wire.requests import (
     LONGEST,
     BadRequestError,
@@ -40,6 +38,8 @@ from ur.web.wire.requests import (
     Stick,
     read_request,
 )
+from ur.web.wire.view_request import LONGEST as LONGEST_VIEW
+from ur.web.wire.view_request import read_view, read_view_message
 
 _LONGEST_BODY = 2048
 _HEARTBEAT = 5.0  # s between pings of a web socket
@@ -48,6 +48,7 @@ _CLOSE_LIMIT = 0.5  # s for pages to take leave
 _CANCEL_AGAIN = 1.0  # s
 _MOST_BAD = 20  # malformed messages of one page
 _RATE, _BURST = 150.0, 150.0  # messages of one page, a second
+_VIEW_RATE, _VIEW_BURST = 10.0, 40.0  # changes of what one page shows, a second
 _LOGGED = (DeleteZone, Emergency, ForgetPlace, GoTo, LeaseWish, LimitSpeed, NamePlace, PutZone)
 _TAB = re.compile(r"[0-9a-z]{8,32}", re.ASCII)
 
@@ -191,24 +192,35 @@ class Application:
 
     async def _view(self, request: web.Request) -> web.WebSocketResponse:
         try:
-            layers = read_layers(request.query.get("layers"))
-            plots = read_plots(request.query.get("plots"))
+            shows = read_view(request.query)
         except BadRequestError as problem:
             raise web.HTTPBadRequest(text=f"{problem}\n") from None
-        socket = web.WebSocketResponse(heartbeat=_HEARTBEAT, compress=False, max_msg_size=LONGEST)
+        socket = web.WebSocketResponse(heartbeat=_HEARTBEAT, compress=False, max_msg_size=LONGEST_VIEW)
         await socket.prepare(request)
         limit_buffer(request)
-        viewer = self._viewers.add(socket, layers | ({Layer.PLOTS} if plots is not None else set()), plots or ())
+        viewer = self._viewers.add(socket, shows)
         self._look()
         sending = asyncio.create_task(viewer.run())
         try:
-            async for _ in socket:  # a page that looks has nothing to send
-                await socket.close(code=WSCloseCode.POLICY_VIOLATION)
+            await self._change_view(viewer)
         finally:
             self._viewers.remove(viewer)
             self._look()
             sending.cancel()
         return socket
+
+    async def _change_view(self, viewer: Viewer) -> None:
+        """Show a page what it asks for until it is gone, asks too often, or sends anything else."""
+        bucket = make_bucket(_VIEW_RATE, _VIEW_BURST, time.monotonic())
+        async for message in viewer.socket:
+            bucket, allowed = draw(bucket, time.monotonic())
+            try:
+                shows = read_view_message(message.data if allowed else None)
+            except BadRequestError:
+                await viewer.socket.close(code=WSCloseCode.POLICY_VIOLATION)
+                return
+            self._viewers.change(viewer, shows)
+            self._look()
 
     async def _show_camera(self, request: web.Request) -> web.WebSocketResponse:
         socket = web.WebSocketResponse(heartbeat=_HEARTBEAT, compress=False, max_msg_size=64)

@@ -65,8 +65,11 @@ class Drivers:
         self._drivers: dict[str, DriverPage] = {}
         self._arrivals: dict[str, Mapping[str, Any]] = {}
 
-    async def add(self, driver: DriverPage, name: str, computer: str) -> None:
-        """A page has come; an older connection of the same page is closed. `computer` identifies its browser."""
+    async def add(self, driver: DriverPage, name: str, computer: str, *, once: bool = False) -> None:
+        """A page has come; an older connection of the same page is closed. `computer` identifies its browser.
+
+        `once`: it cannot come again as the same client, so that nobody waits for it when it has gone.
+        """
         client = driver.client
         before = self._drivers.pop(client, None)
         if before is not None:
@@ -74,7 +77,7 @@ class Drivers:
             with suppress(ConnectionError, asyncio.TimeoutError):
                 await asyncio.wait_for(before.socket.close(code=WSCloseCode.GOING_AWAY, message=b"opened again"), 1.0)
         self._drivers[client] = driver
-        self._arrivals[client] = {"do": "come", "page": client, "name": name, "computer": computer}
+        self._arrivals[client] = {"do": "come", "page": client, "name": name, "computer": computer, "once": once}
         self._send(self._arrivals[client])
 
     def sockets(self) -> list[web.WebSocketResponse]:

@@ -165,7 +165,7 @@ class ViewerGate:
         publish = grant.role is Role.DRIVE
         self._log(f"{who}: viewer")
         if publish:
-            await self._drivers.add(viewer, grant.name, session)
+            await self._drivers.add(viewer, grant.name, session, once=True)
         tasks = [
             asyncio.create_task(_pass_topics(topics, socket, publish=publish)),
             asyncio.create_task(self._receive(viewer, topics, who, publish=publish)),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from contextlib import suppress
 from typing import Any
 
@@ -11,21 +11,22 @@ from aiohttp import web
 
 from ur.web.wire.frames import Kind, Layer, json_frame, key_of
 from ur.web.wire.retained import Frames
+from ur.web.wire.view_request import ViewRequest
 
 _BUFFER = 1 << 15  # bytes that wait in this process beyond what the kernel holds
 
 
 class Viewer:
-    """One page, which shows these layers. Frames that it has not taken yet are replaced by newer ones."""
+    """One page, and what it shows. Frames that it has not taken yet are replaced by newer ones."""
 
-    def __init__(self, socket: web.WebSocketResponse, layers: frozenset[Layer], plots: Collection[str]) -> None:
-        self.socket, self.layers, self.plots = socket, layers, plots
+    def __init__(self, socket: web.WebSocketResponse, shows: ViewRequest) -> None:
+        self.socket, self.shows = socket, shows
         self._pending = Frames()
         self._due = asyncio.Event()
 
     def put(self, frame: bytes) -> None:
         """Have a frame sent, unless it is of another layer."""
-        if key_of(frame)[1] not in self.layers:
+        if key_of(frame)[1] not in self.shows.layers:
             return
         self._pending.put(frame)
         self._due.set()
@@ -74,19 +75,26 @@ class Viewers:
 
     def layers(self) -> frozenset[Layer]:
         """Return the layers that any page shows."""
-        return frozenset(layer for each in self._viewers for layer in each.layers)
+        return frozenset(layer for each in self._viewers for layer in each.shows.layers)
 
     def plots(self) -> frozenset[str]:
         """Return the plots that any page shows."""
-        return frozenset(plot for each in self._viewers for plot in each.plots)
+        return frozenset(plot for each in self._viewers for plot in each.shows.plots)
 
-    def add(self, socket: web.WebSocketResponse, layers: frozenset[Layer], plots: Collection[str] = ()) -> Viewer:
-        """A page has come, which shows these layers and plots."""
-        viewer = Viewer(socket, layers, plots)
+    def add(self, socket: web.WebSocketResponse, shows: ViewRequest) -> Viewer:
+        """A page has come."""
+        viewer = Viewer(socket, shows)
         for frame in self._frames:
             viewer.put(frame)
         self._viewers.add(viewer)
         return viewer
+
+    def change(self, viewer: Viewer, shows: ViewRequest) -> None:
+        """A page shows something else: it gets the newest frames of the layers that are new to it."""
+        before, viewer.shows = viewer.shows, shows
+        for frame in self._frames:
+            if key_of(frame)[1] not in before.layers:
+                viewer.put(frame)
 
     def remove(self, viewer: Viewer) -> None:
         """A page is gone."""

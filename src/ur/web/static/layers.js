@@ -31,7 +31,7 @@ export class LayerPanel {
         else layers.delete(name);
         keepLink(page);
         page.map.request();
-        page.socket.reopen();
+        page.socket.change();
       });
       const swatch = document.createElement("span");
       swatch.className = `swatch ${name}`;

@@ -61,7 +61,7 @@ export class Page {
     labelControls(this, session.robot);
     this.setMode("look");
     this.socket = new ViewSocket(
-      () => `layers=${listLayers(this.map.layers)}${this.plotting ? `&plots=${[...this.plots].join(",")}` : ""}`,
+      () => ({ layers: listLayers(this.map.layers), ...(this.plotting ? { plots: [...this.plots].join(",") } : {}) }),
       (frame) => this.frames.take(frame),
       () => location.replace("/login"),
     );

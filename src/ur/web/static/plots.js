@@ -70,7 +70,7 @@ export class PlotPanel {
   show(open) {
     this.open = open;
     this.page.plotting = open;
-    this.page.socket.reopen();
+    this.page.socket.change();
     keepLink(this.page);
     this.draw();
   }
@@ -101,7 +101,7 @@ export class PlotPanel {
     } else if (on) plots.add(plot);
     else plots.delete(plot);
     keepLink(this.page);
-    this.page.socket.reopen();
+    this.page.socket.change();
     this.refresh();
   }
 

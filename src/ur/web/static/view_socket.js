@@ -6,18 +6,24 @@ import { readFrame } from "./wire.js";
 const FIRST_PAUSE = 250; // ms
 const LONGEST_PAUSE = 3000;
 const SILENT = 3000; // ms without a frame after which a connection is taken for dead; the server sends two a second
+const GATHER = 100; // ms in which changes are gathered
+
+/** What the page shows: names of layers, and of plots where they are open. @typedef {{layers: string, plots?: string}} Shown */
 
 export class ViewSocket {
   /**
-   * @param {() => string} query what the page shows: layers and plots
+   * @param {() => Shown} shown what the page shows now
    * @param {(frame: import("./wire.js").Frame) => void} onFrame @param {() => void} onRefused
    */
-  constructor(query, onFrame, onRefused) {
-    this.query = query;
+  constructor(shown, onFrame, onRefused) {
+    this.shown = shown;
     this.onFrame = onFrame;
     this.onRefused = onRefused;
     this.heardAt = -Infinity;
     this.pause = FIRST_PAUSE;
+    /** What the server was asked for, as JSON. */
+    this.asked = "";
+    this.due = false;
     /** @type {WebSocket | null} */
     this.socket = null;
     this.open();
@@ -32,10 +38,14 @@ export class ViewSocket {
   }
 
   open() {
-    const socket = new WebSocket(`ws://${location.host}/ws/view?${this.query()}`);
+    const shown = this.shown();
+    const query = Object.entries(shown).map(([name, value]) => `${name}=${value}`).join("&");
+    const socket = new WebSocket(`ws://${location.host}/ws/view?${query}`);
+    this.asked = JSON.stringify(shown);
     socket.binaryType = "arraybuffer";
     this.socket = socket;
     this.openedAt = performance.now();
+    socket.onopen = () => this.send(); // what has changed meanwhile
     socket.onmessage = (event) => {
       if (this.socket !== socket) return;
       this.heardAt = performance.now();
@@ -49,13 +59,22 @@ export class ViewSocket {
     };
   }
 
-  /** Ask for other layers: a new connection in place of this one. */
-  reopen() {
-    const before = this.socket;
-    if (!before) return; // the next connection asks for them
-    this.open();
-    if (before.readyState === WebSocket.CONNECTING) before.onopen = () => before.close(); // closing it now is an error
-    else before.close();
+  /** The page shows something else: ask for it soon, once for several changes. */
+  change() {
+    if (this.due) return;
+    this.due = true;
+    setTimeout(() => {
+      this.due = false;
+      this.send();
+    }, GATHER);
+  }
+
+  /** Ask for what the page shows now, unless that is known; a connection that is made later asks for it by itself. */
+  send() {
+    const text = JSON.stringify(this.shown());
+    if (this.socket?.readyState !== WebSocket.OPEN || text === this.asked) return;
+    this.asked = text;
+    this.socket.send(text);
   }
 
   async again() {
