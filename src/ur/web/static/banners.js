@@ -2,18 +2,24 @@
 /** Lines above the map about what the user has to know, each with the buttons that change it. */
 
 import { sentence } from "./elements.js";
+import { announce } from "./heard.js";
 import { TEXTS } from "./texts.js";
 
 /**
  * @typedef {{text: string, red?: boolean, buttons?: {label: string, act: () => void}[]}} Banner
  */
 
-/** Shows banners; elements stay while their text does, so that a press on a button is not lost. */
+/**
+ * Shows banners, and announces new ones. An element stays while only numbers of its text change, so that neither a press
+ * on a button nor the focus is lost.
+ */
 export class Banners {
   /** @param {HTMLElement} box */
   constructor(box) {
     this.box = box;
     this.shown = "";
+    /** @type {Map<string, HTMLElement>} */
+    this.elements = new Map();
   }
 
   /** @param {Banner[]} banners */
@@ -21,8 +27,27 @@ export class Banners {
     const key = JSON.stringify(banners);
     if (key === this.shown) return;
     this.shown = key;
-    this.box.replaceChildren(...banners.map(makeBanner));
+    /** @type {Map<string, HTMLElement>} */
+    const after = new Map();
+    for (const banner of banners) {
+      const known = this.elements.get(identify(banner));
+      if (!known) announce(sentence(banner.text), banner.red);
+      const element = known ?? makeBanner(banner);
+      const [text] = element.children;
+      if (text.textContent !== sentence(banner.text)) text.textContent = sentence(banner.text);
+      after.set(identify(banner), element);
+    }
+    for (const [id, element] of this.elements) if (!after.has(id)) element.remove();
+    this.elements = after;
+    [...after.values()].forEach((element, index) => {
+      if (this.box.children[index] !== element) this.box.insertBefore(element, this.box.children[index] ?? null);
+    });
   }
+}
+
+/** What makes a banner another one: all but its numbers, such as an age. @param {Banner} banner */
+function identify({ text, red, buttons }) {
+  return JSON.stringify([text.replace(/\d+/g, "0"), red, buttons?.map(({ label }) => label)]);
 }
 
 /** @param {Banner} banner */

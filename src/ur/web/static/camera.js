@@ -1,7 +1,7 @@
 // @ts-check
 /** The robot's camera, on a web socket of its own: the newest picture only, as fast as the connection bears. */
 
-import { make } from "./elements.js";
+import { make, makeNote } from "./elements.js";
 import { TEXTS } from "./texts.js";
 import { HEAD } from "./wire.js";
 
@@ -29,7 +29,7 @@ export class CameraPanel {
     this.canvas.setAttribute("role", "img");
     this.canvas.ariaLabel = TEXTS.camera.picture;
     this.canvas.hidden = true;
-    this.note = make("p", TEXTS.camera.waiting);
+    this.note = makeNote(TEXTS.camera.waiting);
     box.append(make("h2", TEXTS.camera.title), this.canvas, this.note);
     this.open = false;
     /** Pictures shown so far. */

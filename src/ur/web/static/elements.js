@@ -1,6 +1,10 @@
 // @ts-check
 /** Elements of the page, found and made. */
 
+import { TEXTS } from "./texts.js";
+
+const SURE_TIME = 4000; // ms to press again
+
 /** The element with an id, which the page has. @param {string} id @returns {HTMLElement} */
 export const element = (id) => /** @type {HTMLElement} */ (document.getElementById(id));
 
@@ -24,6 +28,39 @@ export function makeButton(text, act, label = "") {
   if (label) button.ariaLabel = label;
   button.addEventListener("click", act);
   return button;
+}
+
+/** Make a button that acts when it is pressed twice. @param {string} text @param {() => void} act @param {string} [label] as above */
+export function makeSureButton(text, act, label = "") {
+  let timer = 0; // while it asks
+  const show = (/** @type {boolean} */ asks) => {
+    clearTimeout(timer);
+    timer = asks ? setTimeout(() => show(false), SURE_TIME) : 0;
+    button.textContent = asks ? TEXTS.sure : text;
+    if (label) button.ariaLabel = asks ? `${TEXTS.sure} ${label}` : label;
+  };
+  const button = makeButton(text, () => {
+    const sure = timer !== 0;
+    show(!sure);
+    if (sure) act();
+  }, label);
+  return button;
+}
+
+/** Make a line whose changes are read out. @param {string} [text] */
+export function makeNote(text = "") {
+  const note = make("p", text);
+  note.role = "status";
+  return note;
+}
+
+/** Replace the rows of a list in a panel; the control that has the focus keeps it. @param {HTMLElement} list @param {HTMLElement[]} rows */
+export function replaceRows(list, rows) {
+  const focused = list.contains(document.activeElement) ? /** @type {HTMLElement} */ (document.activeElement) : null;
+  list.replaceChildren(...rows);
+  if (!focused) return;
+  const same = [...list.querySelectorAll("button, input")].find((each) => each.ariaLabel === focused.ariaLabel);
+  /** @type {HTMLElement | null} */ (same ?? list.closest("aside"))?.focus();
 }
 
 /** A text of the robot as a sentence of its own: nodes begin their messages with a small letter. @param {string} text */

@@ -30,6 +30,7 @@ export class Panels {
       const box = make("aside", "", panel.wide ? "panel wide" : "panel");
       box.id = `${panel.name}-panel`;
       box.setAttribute("aria-label", panel.label);
+      box.tabIndex = -1; // it has the focus when the control that had it is gone
       box.hidden = true;
       bar.after(box);
       if (panel.wide) box.append(this.makeHead(panel.label));

@@ -1,14 +1,12 @@
 // @ts-check
 /** The list of the map's places: drive to one or to several in turn, name the robot's, delete one. */
 
-import { make, sentence } from "./elements.js";
+import { make, makeNote, makeSureButton, replaceRows, sentence } from "./elements.js";
 import { Patrol } from "./patrol.js";
 import { TEXTS } from "./texts.js";
 import { KIND, readJson } from "./wire.js";
 
 /** @typedef {{named: boolean, places: Record<string, [number, number, number]>, problem: string}} PlaceList */
-
-const SURE_TIME = 4000; // ms to press "delete" again
 
 /** @type {import("./panels.js").Panel} */
 export const PLACE_PANEL = {
@@ -66,7 +64,7 @@ export class PlacePanel {
     this.patrol = null;
     const title = document.createElement("h2");
     title.textContent = TEXTS.places;
-    this.note = document.createElement("p");
+    this.note = makeNote();
     this.list = document.createElement("ul");
     this.form = document.createElement("form");
     this.input = document.createElement("input");
@@ -81,8 +79,7 @@ export class PlacePanel {
     this.form.append(this.input, button);
     this.form.addEventListener("submit", (event) => this.name(event));
     this.patrolBox = make("div", "", "patrol");
-    this.patrolNote = make("p");
-    this.patrolNote.setAttribute("role", "status");
+    this.patrolNote = makeNote();
     this.patrolButton = make("button");
     this.patrolButton.type = "button";
     this.patrolButton.id = "patrol";
@@ -104,7 +101,7 @@ export class PlacePanel {
     this.note.hidden = !this.note.textContent;
     this.form.hidden = !this.mayDrive || !found.named;
     this.chosen = this.chosen.filter((name) => names.includes(name));
-    this.list.replaceChildren(...names.map((name) => this.makeRow(name)));
+    replaceRows(this.list, names.map((name) => this.makeRow(name)));
     this.showPatrol();
   }
 
@@ -144,20 +141,7 @@ export class PlacePanel {
     go.textContent = name;
     go.ariaLabel = TEXTS.driveTo(name);
     go.addEventListener("click", () => this.send({ t: "go_to", place: name }));
-    const remove = document.createElement("button");
-    remove.type = "button";
-    remove.textContent = TEXTS.remove;
-    remove.ariaLabel = TEXTS.removePlace(name);
-    let sureUntil = -Infinity;
-    remove.addEventListener("click", () => {
-      if (performance.now() < sureUntil) {
-        this.send({ t: "forget_place", place: name });
-        return;
-      }
-      sureUntil = performance.now() + SURE_TIME;
-      remove.textContent = TEXTS.sure;
-      setTimeout(() => (remove.textContent = TEXTS.remove), SURE_TIME);
-    });
+    const remove = makeSureButton(TEXTS.remove, () => this.send({ t: "forget_place", place: name }), TEXTS.removePlace(name));
     const tick = make("input");
     tick.type = "checkbox";
     tick.checked = this.chosen.includes(name);

@@ -1,7 +1,7 @@
 // @ts-check
 /** Plots over time of what the user ticks: any numeric field of any topic. The address of the page holds them. */
 
-import { make, makeButton } from "./elements.js";
+import { make, makeButton, makeNote } from "./elements.js";
 import { keepLink } from "./link_state.js";
 import { drawPlot } from "./plot_drawing.js";
 import { Series, shortNumber } from "./plot_series.js";
@@ -43,7 +43,7 @@ export class PlotPanel {
     this.fields = {};
     /** @type {Map<string, {series: Series, row: HTMLElement, canvas: HTMLCanvasElement, value: HTMLElement}>} */
     this.rows = new Map();
-    this.note = make("p");
+    this.note = makeNote();
     this.charts = make("div", "", "charts");
     this.ticks = make("ul", "", "ticks");
     this.form = make("form", "", "row");

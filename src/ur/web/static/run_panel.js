@@ -1,14 +1,12 @@
 // @ts-check
 /** The nodes of what runs: their state, buttons to start, stop and restart them, and their log. */
 
-import { make, makeButton } from "./elements.js";
+import { make, makeButton, makeSureButton } from "./elements.js";
 import { RunLog } from "./run_log.js";
 import { RUNS } from "./run_socket.js";
 import { TEXTS } from "./texts.js";
 
 /** @typedef {import("./run_socket.js").Run} Run @typedef {import("./run_socket.js").RunNode} RunNode */
-
-const SURE_TIME = 4000; // ms to press "End" again
 
 /** @type {import("./panels.js").Panel} */
 export const RUN_PANEL = {
@@ -175,21 +173,4 @@ function describeNode(node) {
   if (node.reason && !node.held) words.push(node.reason);
   else if (node.state === "running" && !node.core) words.push(...node.missing);
   return words.join(", ");
-}
-
-/** A button that acts when it is pressed twice. @param {string} text @param {() => void} act */
-function makeSureButton(text, act) {
-  let sureUntil = -Infinity;
-  const button = makeButton(text, () => {
-    if (performance.now() < sureUntil) {
-      sureUntil = -Infinity;
-      button.textContent = text;
-      act();
-      return;
-    }
-    sureUntil = performance.now() + SURE_TIME;
-    button.textContent = TEXTS.sure;
-    setTimeout(() => (button.textContent = text), SURE_TIME);
-  });
-  return button;
 }

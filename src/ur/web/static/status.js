@@ -3,6 +3,7 @@
 
 import { Banners, describeDriver, describeDriving, describeLink } from "./banners.js";
 import { element } from "./elements.js";
+import { announce } from "./heard.js";
 import { TEXTS } from "./texts.js";
 
 const NOTE_TIME = 5000; // ms
@@ -16,6 +17,8 @@ export class Status {
     this.note = { text: "", until: 0 };
     this.stopAsked = false;
     this.goalSeen = "";
+    /** The goal and its state that were announced. */
+    this.goalHeard = "";
     element("empty").textContent = TEXTS.waitingForMap;
     element("goal-cancel").textContent = TEXTS.cancel;
     element("goal-cancel").addEventListener("click", () => page.drive?.send({ t: "cancel" }));
@@ -39,6 +42,9 @@ export class Status {
       this.say([TEXTS.goalStates[/** @type {"reached"} */ (goal.state)], goal.text].filter(Boolean).join(": "));
     }
     this.goalSeen = over ? "" : `${goal.number}`;
+    const heard = over ? "" : `${goal.number} ${goal.state}`;
+    if (heard && heard !== this.goalHeard) announce(TEXTS.goalStates[/** @type {"driving"} */ (goal.state)]);
+    this.goalHeard = heard;
     element("goal").hidden = over;
     const left = goal.left === null ? "" : TEXTS.left(goal.left);
     const words = [TEXTS.goalStates[/** @type {"driving"} */ (goal.state)], goal.text || left];

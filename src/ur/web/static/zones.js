@@ -1,7 +1,7 @@
 // @ts-check
 /** Zones of the map: areas to keep out of, and areas to drive slowly in. Shown, drawn corner by corner, deleted. */
 
-import { make, makeButton, sentence } from "./elements.js";
+import { make, makeButton, makeNote, makeSureButton, replaceRows, sentence } from "./elements.js";
 import { TEXTS } from "./texts.js";
 import { KIND, readJson } from "./wire.js";
 
@@ -11,7 +11,6 @@ import { KIND, readJson } from "./wire.js";
  * @typedef {{served: boolean, zones: Zone[], problem: string}} ZoneList
  */
 
-const SURE_TIME = 4000; // ms to press "delete" again
 const MOST_CORNERS = 32;
 const NEAR = 24; // pixels from the first corner at which a tap closes the area
 
@@ -36,7 +35,7 @@ export class ZonePanel {
     this.found = { served: false, zones: [], problem: "" };
     /** Corners of the zone that is being drawn. @type {[number, number][] | null} */
     this.corners = null;
-    this.note = make("p");
+    this.note = makeNote();
     this.list = make("ul");
     this.form = make("form", "", "stacked");
     this.name = make("input");
@@ -72,7 +71,7 @@ export class ZonePanel {
   /** @param {ZoneList} found */
   take(found) {
     this.found = found;
-    this.list.replaceChildren(...found.zones.map((zone) => this.makeRow(zone)));
+    replaceRows(this.list, found.zones.map((zone) => this.makeRow(zone)));
     this.refresh();
     this.page.map.request();
   }
@@ -102,17 +101,8 @@ export class ZonePanel {
     const text = make("span", TEXTS.zones.row(zone.name, zone.percent), "grow");
     row.append(swatch, text);
     if (!this.page.mayDrive) return row;
-    let sureUntil = -Infinity;
-    const remove = makeButton(TEXTS.remove, () => {
-      if (performance.now() < sureUntil) {
-        this.send({ t: "delete_zone", zone: zone.name });
-        return;
-      }
-      sureUntil = performance.now() + SURE_TIME;
-      remove.textContent = TEXTS.sure;
-      setTimeout(() => (remove.textContent = TEXTS.remove), SURE_TIME);
-    }, TEXTS.zones.remove(zone.name));
-    row.append(remove);
+    const remove = () => void this.send({ t: "delete_zone", zone: zone.name });
+    row.append(makeSureButton(TEXTS.remove, remove, TEXTS.zones.remove(zone.name)));
     return row;
   }
 
