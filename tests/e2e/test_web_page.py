@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 import os
 import re
 import signal
 import subprocess
 import time
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -65,6 +67,17 @@ class Page:
     def tap(self, selector: str) -> None:
         point = self.middle(selector)
         self.touch("Start", *point)
+        self.touch("End")
+
+    def press_banner(self, text: str) -> None:
+        """Tap a button of a line above the map as soon as it is there."""
+        button = f"[...document.querySelectorAll('.banner button')].find((e) => e.textContent === '{text}')"
+        self.wait(button)
+        x, y = self.run(
+            f"(() => {{ const box = {button}.getBoundingClientRect();"
+            " return [box.left + box.width / 2, box.top + box.height / 2]; })()"
+        )
+        self.touch("Start", x, y)
         self.touch("End")
 
     def push_stick(self) -> None:
@@ -302,25 +315,78 @@ def find_ends(robot: Robot) -> list[int]:
     ]
 
 
-def test_killed_browser_leaves_nothing_driving(
-    page: Page, robot: Robot, server: tuple[int, Path], tmp_path: Path
-) -> None:
+@contextmanager
+def open_second(page: Page, server: tuple[int, Path], folder: Path) -> Iterator[Page]:
+    """A page in a browser of its own, which is logged in as the first one."""
     site = f"http://localhost:{server[0]}"
     (cookie,) = page.browser.ask("Network.getCookies", urls=[site])["cookies"]
-    page.run("page.drive.request({ t: 'lease', do: 'release' }); 0")
     assert PROGRAM is not None
-    with Chromium(PROGRAM, tmp_path) as browser:
+    with Chromium(PROGRAM, folder) as browser:
         browser.resize(*PHONE, phone=True)
         browser.ask("Emulation.setTouchEmulationEnabled", enabled=True)
         browser.ask("Network.setCookie", name=cookie["name"], value=cookie["value"], url=site, httpOnly=True)
         browser.open(f"{site}/")
         other = Page(browser)
         other.wait("globalThis.page?.map.pose && page.state && page.drive.newest")
+        yield other
+
+
+def test_killed_browser_leaves_nothing_driving(
+    page: Page, robot: Robot, server: tuple[int, Path], tmp_path: Path
+) -> None:
+    page.run("page.drive.request({ t: 'lease', do: 'release' }); 0")
+    with open_second(page, server, tmp_path) as other:
         other.tap("#mode-drive")
         other.push_stick()
-        browser.kill()
+        other.browser.kill()
     robot.ask("still", seconds=60)
     page.wait("page.poseAge < 0.3 && Math.abs(page.pose.speed) < 0.005")
+
+
+DRIVES = "page.state.lease.state === 'held' && page.state.lease.client === page.drive.client"
+
+
+def test_second_page_asks_for_the_drive_is_given_it_and_it_is_taken_back(
+    page: Page, robot: Robot, server: tuple[int, Path], tmp_path: Path
+) -> None:
+    page.run("page.drive.request({ t: 'lease', do: 'take' }); 0")
+    page.wait(DRIVES)
+    with open_second(page, server, tmp_path) as other:
+        other.press_banner("Ask")
+        other.wait("page.state.lease.asking.some((each) => each.client === page.drive.client)")
+        other.tap("#mode-drive")
+        x, y = other.middle("#stick")
+        other.touch("Start", x, y)
+        other.touch("Move", x, y - 55)
+        other.wait("page.drive.press === 'dead' && page.drive.why === 'driver'")  # not before it is given
+        other.touch("End")
+        assert page.run(DRIVES)
+        page.press_banner("Hand over")
+        other.wait(DRIVES)
+        other.push_stick()
+        page.press_banner("Take over")  # the other page holds its stick
+        other.wait("page.drive.press === 'dead' && page.drive.why === 'driver'")
+        robot.ask("still", seconds=60)
+        page.wait(DRIVES)
+        other.touch("End")
+        other.wait("[...document.querySelectorAll('.banner button')].some((e) => e.textContent === 'Ask')")
+
+
+def test_initial_pose_is_set_by_press_drag_release(page: Page, robot: Robot) -> None:
+    x, y, degrees = robot.ask("where")["true"]
+    page.run("page.drive.request({ t: 'lease', do: 'take' }); 0")
+    page.wait(DRIVES)
+    for aside in (0.4, 0.0):  # at last the truth, for the tests that follow
+        page.tap("#mode-pose")
+        page.run(f"page.map.show([{x}, {y}, 60]); 0")
+        left, top = page.run(f"page.map.view.toScreen({x}, {y + aside})")
+        page.touch("Start", left, top)
+        page.touch("Move", left + 80 * math.cos(math.radians(degrees)), top - 80 * math.sin(math.radians(degrees)))
+        page.touch("End")
+        page.wait(f"Math.hypot(page.pose.x - {x}, page.pose.y - {y + aside}) < 0.15")
+        page.wait(f"Math.cos(page.pose.yaw - {math.radians(degrees)}) > 0.98")
+        assert page.run("page.mode") == "look"
+    page.run("page.map.fit(); 0")
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])

@@ -20,6 +20,7 @@ export class Banners {
     this.shown = "";
     /** @type {Map<string, HTMLElement>} */
     this.elements = new Map();
+    new ResizeObserver(() => document.body.style.setProperty("--banners", `${box.offsetHeight}px`)).observe(box);
   }
 
   /** @param {Banner[]} banners */
