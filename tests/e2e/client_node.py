@@ -36,6 +36,7 @@ class Client:
         self.truth: Odometry | None = None
         self.odom: Odometry | None = None
         self.localised: Pose2 | None = None
+        self.placed: list[Pose2] = []
         self.scans = 0
         self.active: list[str] = []
         self.stopped: bool | None = None
@@ -49,6 +50,7 @@ class Client:
         self.action = actionlib.SimpleActionClient("move_base", MoveBaseAction)
         rospy.Subscriber("base_pose_ground_truth", Odometry, self._set_truth)
         rospy.Subscriber("amcl_pose", PoseWithCovarianceStamped, self._set_localised)
+        rospy.Subscriber("initialpose", PoseWithCovarianceStamped, self._add_placed)
         rospy.Subscriber("odom", Odometry, self._set_odom)
         rospy.Subscriber("scan", LaserScan, self._count_scan)
         self.direct = rospy.Publisher("move_base/goal", MoveBaseActionGoal, queue_size=1)
@@ -205,6 +207,11 @@ class Client:
         wait_until(near, seconds, "amcl to believe the initial pose", pause=0.3)
         return self.do_where()
 
+    def do_placed(self, seconds: float) -> dict[str, Any]:
+        """Wait for the next initial pose that anybody has published."""
+        wait_until(lambda: self.placed, seconds, "an initial pose")
+        return {"pose": self.placed.pop(0)}
+
     def do_globalise(self) -> dict[str, Any]:
         """Tell the localiser that it could be anywhere."""
         rospy.wait_for_service("global_localization", 10)
@@ -243,6 +250,9 @@ class Client:
 
     def _set_localised(self, message: PoseWithCovarianceStamped) -> None:
         self.localised = pose_of_message(message.pose.pose)
+
+    def _add_placed(self, message: PoseWithCovarianceStamped) -> None:
+        self.placed.append(pose_of_message(message.pose.pose))
 
     def _set_odom(self, message: Odometry) -> None:
         self.odom = message

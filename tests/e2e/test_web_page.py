@@ -9,17 +9,15 @@ import signal
 import subprocess
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
 import psutil
 import pytest
-from tests.docs.chromium import Chromium, find_chromium
+from tests.docs.chromium import Chromium
 from tests.e2e.conftest import ROOT, Robot, end, free_port
+from tests.e2e.web_page import PHONE, PROGRAM, Page, open_second
 
-PROGRAM = find_chromium()
-PHONE, DESK = (390, 844), (1400, 900)
+DESK = (1400, 900)
 
 pytestmark = [
     pytest.mark.ros,
@@ -28,70 +26,6 @@ pytestmark = [
     pytest.mark.skipif(PROGRAM is None, reason="Chromium is not installed"),
 ]
 pytest.importorskip("aiohttp", reason="aiohttp is not installed: requirements/web.lock")
-
-
-class Page:
-    """The page on a phone, with one finger."""
-
-    def __init__(self, browser: Chromium) -> None:
-        self.browser = browser
-        self.touched = False
-
-    def run(self, script: str) -> Any:
-        return self.browser.run(script)
-
-    def wait(self, script: str, seconds: float = 60.0) -> None:
-        """Wait until an expression is true."""
-        deadline = time.monotonic() + seconds
-        while not self.browser.holds(script):
-            assert time.monotonic() < deadline, f"{script}: not true within {seconds:g} s; {self.explain()}"
-            time.sleep(0.1)
-
-    def explain(self) -> Any:
-        return self.run("JSON.stringify([globalThis.page?.state, globalThis.page?.server, document.body.innerText])")
-
-    def middle(self, selector: str) -> tuple[float, float]:
-        x, y = self.browser.run(
-            f"(() => {{ const box = document.querySelector('{selector}').getBoundingClientRect();"
-            " return [box.left + box.width / 2, box.top + box.height / 2]; })()"
-        )
-        return x, y
-
-    def touch(self, kind: str, *point: float) -> None:
-        if kind == "End" and not self.touched:
-            return
-        self.touched = kind != "End"
-        points = [{"x": point[0], "y": point[1]}] if point else []
-        self.browser.ask("Input.dispatchTouchEvent", type=f"touch{kind}", touchPoints=points)
-
-    def tap(self, selector: str) -> None:
-        point = self.middle(selector)
-        self.touch("Start", *point)
-        self.touch("End")
-
-    def press_banner(self, text: str) -> None:
-        """Tap a button of a line above the map as soon as it is there."""
-        button = f"[...document.querySelectorAll('.banner button')].find((e) => e.textContent === '{text}')"
-        self.wait(button)
-        x, y = self.run(
-            f"(() => {{ const box = {button}.getBoundingClientRect();"
-            " return [box.left + box.width / 2, box.top + box.height / 2]; })()"
-        )
-        self.touch("Start", x, y)
-        self.touch("End")
-
-    def push_stick(self) -> None:
-        """Push the stick up, again and again until it drives: a busy computer may be too slow for a press."""
-        x, y = self.middle("#stick")
-        for _ in range(20):
-            self.touch("Start", x, y)
-            self.touch("Move", x, y - 55)
-            deadline = time.monotonic() + 3.0
-            while time.monotonic() < deadline and self.run("page.drive.press") == "held":
-                if self.run("page.poseAge < 0.3 && page.pose.speed > 0.05"):
-                    return
-            self.touch("End")
-        raise AssertionError(f"the stick does not drive: {self.explain()}")
 
 
 @pytest.fixture(scope="module")
@@ -315,22 +249,6 @@ def find_ends(robot: Robot) -> list[int]:
     ]
 
 
-@contextmanager
-def open_second(page: Page, server: tuple[int, Path], folder: Path) -> Iterator[Page]:
-    """A page in a browser of its own, which is logged in as the first one."""
-    site = f"http://localhost:{server[0]}"
-    (cookie,) = page.browser.ask("Network.getCookies", urls=[site])["cookies"]
-    assert PROGRAM is not None
-    with Chromium(PROGRAM, folder) as browser:
-        browser.resize(*PHONE, phone=True)
-        browser.ask("Emulation.setTouchEmulationEnabled", enabled=True)
-        browser.ask("Network.setCookie", name=cookie["name"], value=cookie["value"], url=site, httpOnly=True)
-        browser.open(f"{site}/")
-        other = Page(browser)
-        other.wait("globalThis.page?.map.pose && page.state && page.drive.newest")
-        yield other
-
-
 def test_killed_browser_leaves_nothing_driving(
     page: Page, robot: Robot, server: tuple[int, Path], tmp_path: Path
 ) -> None:
@@ -373,19 +291,21 @@ def test_second_page_asks_for_the_drive_is_given_it_and_it_is_taken_back(
 
 
 def test_initial_pose_is_set_by_press_drag_release(page: Page, robot: Robot) -> None:
-    x, y, degrees = robot.ask("where")["true"]
+    x, y, yaw = robot.ask("where")["true"]
     page.run("page.drive.request({ t: 'lease', do: 'take' }); 0")
     page.wait(DRIVES)
-    for aside in (0.4, 0.0):  # at last the truth, for the tests that follow
+    for aside in (0.3, 0.0):  # at last the truth, for the tests that follow
         page.tap("#mode-pose")
         page.run(f"page.map.show([{x}, {y}, 60]); 0")
         left, top = page.run(f"page.map.view.toScreen({x}, {y + aside})")
         page.touch("Start", left, top)
-        page.touch("Move", left + 80 * math.cos(math.radians(degrees)), top - 80 * math.sin(math.radians(degrees)))
+        page.touch("Move", left + 80 * math.cos(yaw), top - 80 * math.sin(yaw))
         page.touch("End")
-        page.wait(f"Math.hypot(page.pose.x - {x}, page.pose.y - {y + aside}) < 0.15")
-        page.wait(f"Math.cos(page.pose.yaw - {math.radians(degrees)}) > 0.98")
+        placed = robot.ask("placed", seconds=60)["pose"]
+        assert placed[:2] == pytest.approx([x, y + aside], abs=0.05)
+        assert math.cos(placed[2] - yaw) > 0.99
         assert page.run("page.mode") == "look"
+    page.wait(f"Math.hypot(page.pose.x - {x}, page.pose.y - {y}) < 0.2 && Math.cos(page.pose.yaw - {yaw}) > 0.95")
     page.run("page.map.fit(); 0")
 
 

@@ -20,7 +20,8 @@ from ur.source.diagnostic import UserError, error_about
 @click.argument("program")
 @click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metavar="[NAME:=VALUE]...")
 @click.option("--web", is_flag=True, help="Serve the page of 'ur web' while the program runs.")
-def command(program: str, arguments: tuple[str, ...], web: bool, **lease: bool) -> int:
+@click.option("--foxglove", is_flag=True, help="As --web; print an address for Foxglove and Lichtblick, too.")
+def command(program: str, arguments: tuple[str, ...], web: bool, foxglove: bool, **lease: bool) -> int:
     """Run a program on the selected robot.
 
     `ur list` says which programs there are, and `ur run PROGRAM --help` describes the arguments of one. What follows
@@ -36,10 +37,10 @@ def command(program: str, arguments: tuple[str, ...], web: bool, **lease: bool) 
         return 0
     apply_selection(current_selection(os.environ))
     check_arguments(found, split_argv(arguments)[1], os.environ)
-    if web:
+    if web or foxglove:
         from ur.cli.launch.run_web import run_with_page
 
-        return run_with_page(program, [*options, *arguments])
+        return run_with_page(program, [*options, *arguments], foxglove=foxglove)
     sys.stdout.flush()
     try:
         os.execv(found.path, [str(found.path), *options, *arguments])  # noqa: S606 - a program, not a shell command

@@ -18,17 +18,19 @@ from ur.request.requirements.python_packages import need_all
 _PATIENCE = 60.0  # s that the program gets to end
 
 
-def run_with_page(program: str, words: Sequence[str]) -> int:
+def run_with_page(program: str, words: Sequence[str], *, foxglove: bool = False) -> int:
     """Serve the page while a program runs with these words, and return the exit code of the program.
 
     Nodes that need the terminal are left out: the page takes their place. Ctrl-C ends both, and so does the end of
-    the program. Raises UserError: no port is free.
+    the program. With `foxglove` an address for viewers is printed, too. Raises UserError: no port is free.
     """
     need_all(["aiohttp", "segno"], "web.lock", "what the page needs (2 MB to download)")
+    if foxglove:
+        need_all(["foxglove"], "foxglove.lock", "what Foxglove and Lichtblick need (20 MB to download)")
     from ur.web.server.serve import Options, serve
 
     selection = current_selection(os.environ)
-    options = Options("simulated robot" if selection.simulated else selection.robot)
+    options = Options("simulated robot" if selection.simulated else selection.robot, foxglove=foxglove)
 
     async def run_both() -> int:
         process = await asyncio.create_subprocess_exec(

@@ -1,0 +1,94 @@
+"""The page of `ur web` in a real browser, as somebody with one finger uses it."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from tests.docs.chromium import Chromium, find_chromium
+
+PROGRAM = find_chromium()
+PHONE = (390, 844)
+
+
+class Page:
+    """The page on a phone, with one finger."""
+
+    def __init__(self, browser: Chromium) -> None:
+        self.browser = browser
+        self.touched = False
+
+    def run(self, script: str) -> Any:
+        return self.browser.run(script)
+
+    def wait(self, script: str, seconds: float = 60.0) -> None:
+        """Wait until an expression is true."""
+        deadline = time.monotonic() + seconds
+        while not self.browser.holds(script):
+            assert time.monotonic() < deadline, f"{script}: not true within {seconds:g} s; {self.explain()}"
+            time.sleep(0.1)
+
+    def explain(self) -> Any:
+        return self.run("JSON.stringify([globalThis.page?.state, globalThis.page?.server, document.body.innerText])")
+
+    def middle(self, selector: str) -> tuple[float, float]:
+        x, y = self.browser.run(
+            f"(() => {{ const box = document.querySelector('{selector}').getBoundingClientRect();"
+            " return [box.left + box.width / 2, box.top + box.height / 2]; })()"
+        )
+        return x, y
+
+    def touch(self, kind: str, *point: float) -> None:
+        if kind == "End" and not self.touched:
+            return
+        self.touched = kind != "End"
+        points = [{"x": point[0], "y": point[1]}] if point else []
+        self.browser.ask("Input.dispatchTouchEvent", type=f"touch{kind}", touchPoints=points)
+
+    def tap(self, selector: str) -> None:
+        point = self.middle(selector)
+        self.touch("Start", *point)
+        self.touch("End")
+
+    def press_banner(self, text: str) -> None:
+        """Tap a button of a line above the map as soon as it is there."""
+        button = f"[...document.querySelectorAll('.banner button')].find((e) => e.textContent === '{text}')"
+        self.wait(button)
+        x, y = self.run(
+            f"(() => {{ const box = {button}.getBoundingClientRect();"
+            " return [box.left + box.width / 2, box.top + box.height / 2]; })()"
+        )
+        self.touch("Start", x, y)
+        self.touch("End")
+
+    def push_stick(self) -> None:
+        """Push the stick up, again and again until it drives: a busy computer may be too slow for a press."""
+        x, y = self.middle("#stick")
+        for _ in range(20):
+            self.touch("Start", x, y)
+            self.touch("Move", x, y - 55)
+            deadline = time.monotonic() + 3.0
+            while time.monotonic() < deadline and self.run("page.drive.press") == "held":
+                if self.run("page.poseAge < 0.3 && page.pose.speed > 0.05"):
+                    return
+            self.touch("End")
+        raise AssertionError(f"the stick does not drive: {self.explain()}")
+
+
+@contextmanager
+def open_second(page: Page, server: tuple[int, Path], folder: Path) -> Iterator[Page]:
+    """A page in a browser of its own, which is logged in as the first one."""
+    site = f"http://localhost:{server[0]}"
+    (cookie,) = page.browser.ask("Network.getCookies", urls=[site])["cookies"]
+    assert PROGRAM is not None
+    with Chromium(PROGRAM, folder) as browser:
+        browser.resize(*PHONE, phone=True)
+        browser.ask("Emulation.setTouchEmulationEnabled", enabled=True)
+        browser.ask("Network.setCookie", name=cookie["name"], value=cookie["value"], url=site, httpOnly=True)
+        browser.open(f"{site}/")
+        other = Page(browser)
+        other.wait("globalThis.page?.map.pose && page.state && page.drive.newest")
+        yield other
