@@ -261,14 +261,20 @@ def test_killed_browser_leaves_nothing_driving(
     page.wait("page.poseAge < 0.3 && Math.abs(page.pose.speed) < 0.005")
 
 
-DRIVES = "page.state.lease.state === 'held' && page.state.lease.client === page.drive.client"
+DRIVES = "page.state.lease?.state === 'held' && page.state.lease.client === page.drive.client"
+
+
+def take(page: Page) -> None:
+    """Have a page drive, whoever does."""
+    page.wait("page.state.lease")
+    page.run("page.drive.request({ t: 'lease', do: 'take' }); 0")
+    page.wait(DRIVES)
 
 
 def test_second_page_asks_for_the_drive_is_given_it_and_it_is_taken_back(
     page: Page, robot: Robot, server: tuple[int, Path], tmp_path: Path
 ) -> None:
-    page.run("page.drive.request({ t: 'lease', do: 'take' }); 0")
-    page.wait(DRIVES)
+    take(page)
     with open_second(page, server, tmp_path) as other:
         other.press_banner("Ask")
         other.wait("page.state.lease.asking.some((each) => each.client === page.drive.client)")
@@ -292,8 +298,7 @@ def test_second_page_asks_for_the_drive_is_given_it_and_it_is_taken_back(
 
 def test_initial_pose_is_set_by_press_drag_release(page: Page, robot: Robot) -> None:
     x, y, yaw = robot.ask("where")["true"]
-    page.run("page.drive.request({ t: 'lease', do: 'take' }); 0")
-    page.wait(DRIVES)
+    take(page)
     for aside in (0.3, 0.0):  # at last the truth, for the tests that follow
         page.tap("#mode-pose")
         page.run(f"page.map.show([{x}, {y}, 60]); 0")

@@ -70,3 +70,12 @@ export const sentence = (text) => text.charAt(0).toUpperCase() + text.slice(1);
 export function takesKeys(target) {
   return target instanceof HTMLInputElement || target instanceof HTMLSelectElement;
 }
+
+/**
+ * Have a browser make no gesture of its own of a finger that moves on an element. Chromium does although `touch-action`
+ * is none: after a quick drag it takes the next tap, anywhere, as the end of a fling, and makes no click of it.
+ * @param {HTMLElement} element
+ */
+export function withoutFling(element) {
+  element.addEventListener("touchmove", (event) => event.preventDefault(), { passive: false });
+}

@@ -1,6 +1,8 @@
 // @ts-check
 /** Fingers, mouse and keys on the map: pan, zoom, and press-drag-release to point at a place with a heading. */
 
+import { withoutFling } from "./elements.js";
+
 const DRAG = 16; // pixels from which on a drag gives a heading
 const ZOOM_STEP = 1.4;
 const TAP = 8; // pixels that a finger may move while it taps
@@ -30,6 +32,7 @@ export class Gestures {
     canvas.addEventListener("pointermove", (event) => this.moved(event));
     canvas.addEventListener("pointerup", (event) => this.up(event, true));
     canvas.addEventListener("pointercancel", (event) => this.up(event, false));
+    withoutFling(canvas);
     canvas.addEventListener("wheel", (event) => this.wheel(event), { passive: false });
     canvas.addEventListener("contextmenu", (event) => event.preventDefault());
     canvas.addEventListener("keydown", (event) => this.key(event));

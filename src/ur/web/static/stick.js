@@ -1,7 +1,7 @@
 // @ts-check
 /** The stick for a thumb, and the keys that do the same. It springs back: what is not held does not drive. */
 
-import { takesKeys } from "./elements.js";
+import { takesKeys, withoutFling } from "./elements.js";
 
 const DEAD = 0.12; // share of the radius that counts as the middle
 const KEYS = /** @type {Record<string, [number, number]>} */ ({
@@ -30,6 +30,7 @@ export class Stick {
     for (const name of ["pointerup", "pointercancel", "lostpointercapture"]) {
       pad.addEventListener(name, (event) => this.up(/** @type {PointerEvent} */ (event)));
     }
+    withoutFling(pad);
     pad.addEventListener("contextmenu", (event) => event.preventDefault());
     addEventListener("keydown", (event) => this.key(event, true));
     addEventListener("keyup", (event) => this.key(event, false));
