@@ -1,4 +1,4 @@
-"""What a page that looks wants to see: in the address of its web socket, and in messages when that changes."""
+"""Requests of pages that look: in the address of the web socket, and in messages when what they show changes."""
 
 from __future__ import annotations
 
