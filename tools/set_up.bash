@@ -258,7 +258,7 @@ copy_wheel() {
 dpkg_works() {
   local name
   for file in /proc/[0-9]*/comm; do
-    read -r name <"$file" && [[ $name == dpkg ]] && return
+    read -r name <"$file" && [[ $name == dpkg ]] && return 0 # in a trap, return alone means the status before it
   done 2>/dev/null
   return 1
 }
