@@ -1,4 +1,4 @@
-"""Whom to log in as, and where."""
+"""The address of a login: user and host."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What ssh says when there is no connection, or none any more, as errors that say what to do."""
+"""Failures of ssh, explained from its words: logins that fail, and connections that break."""
 
 from __future__ import annotations
 
