@@ -11,6 +11,7 @@ from typing import Any
 import aiohttp
 
 SLOWEST, STEP, MOST = 0.2, 2e-5, 10000
+TURN = 1.0  # rad/s: in a circle, so that no wall ends the trials
 GAP = 0.3  # s, as in drive_socket.js
 
 
@@ -70,7 +71,7 @@ class Page:
                     await self.let_go()
                 self._newest_at = now
                 if self.held:
-                    await self._send({"t": "stick", "n": challenge, "hold": self._hold, "turn": 0.0})
+                    await self._send({"t": "stick", "n": challenge, "hold": self._hold, "turn": TURN})
 
     async def _beat(self) -> None:
         with suppress(ConnectionError):

@@ -10,6 +10,7 @@ import time
 
 import rospy
 from aiohttp import web
+from bench.web_parts.pages import TURN
 from geometry_msgs.msg import Twist, TwistStamped
 from nav_msgs.msg import Odometry
 
@@ -75,7 +76,7 @@ class PlainBridge:
             if message.type is web.WSMsgType.TEXT:
                 forward = json.loads(message.data).get("forward", 0.0)
                 twist = Twist()
-                twist.linear.x = forward
+                twist.linear.x, twist.angular.z = forward, TURN
                 self._record.note(forward)
                 self._publisher.publish(twist)
                 await asyncio.sleep(0)
