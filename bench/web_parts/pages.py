@@ -11,7 +11,6 @@ from typing import Any
 import aiohttp
 
 SLOWEST, STEP, MOST = 0.2, 2e-5, 10000
-TURN = 1.0  # rad/s: in a circle, so that no wall ends the trials
 GAP = 0.3  # s, as in drive_socket.js
 
 
@@ -26,6 +25,7 @@ class Page:
         self._session, self._url, self._rude, self._plain = session, url, rude, plain
         self.sent: dict[int, float] = {}
         self.held = False
+        self._direction = 1.0
         self._hold = 0
         self._newest_at = 0.0
         self._socket: Any = None
@@ -58,6 +58,10 @@ class Page:
             with suppress(asyncio.TimeoutError):
                 await asyncio.wait_for(self._socket.close(), 1.0)
 
+    def turn_round(self) -> None:
+        """Drive the other way from now on."""
+        self._direction = -self._direction
+
     async def _answer(self) -> None:
         with suppress(ConnectionError):
             async for message in self._socket:
@@ -71,7 +75,7 @@ class Page:
                     await self.let_go()
                 self._newest_at = now
                 if self.held:
-                    await self._send({"t": "stick", "n": challenge, "hold": self._hold, "turn": TURN})
+                    await self._send({"t": "stick", "n": challenge, "hold": self._hold, "turn": 0.0})
 
     async def _beat(self) -> None:
         with suppress(ConnectionError):
@@ -83,9 +87,9 @@ class Page:
     async def _send(self, command: dict[str, Any]) -> None:
         number = len(self.sent) % MOST
         self.sent[number] = time.monotonic()
-        await self._socket.send_str(json.dumps({**command, "forward": SLOWEST + number * STEP}))
+        await self._socket.send_str(json.dumps({**command, "forward": self._direction * (SLOWEST + number * STEP)}))
 
 
 def number_of(forward: float) -> int:
     """The number of the command with this velocity."""
-    return round((forward - SLOWEST) / STEP)
+    return round((abs(forward) - SLOWEST) / STEP)

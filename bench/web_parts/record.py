@@ -10,7 +10,6 @@ import time
 
 import rospy
 from aiohttp import web
-from bench.web_parts.pages import TURN
 from geometry_msgs.msg import Twist, TwistStamped
 from nav_msgs.msg import Odometry
 
@@ -27,7 +26,7 @@ class Record:
 
     def note(self, forward: float) -> None:
         """Note a command that is passed on."""
-        if forward > 0.0:
+        if forward:
             with self._lock:
                 self._commands.append((time.monotonic(), forward))
 
@@ -76,7 +75,7 @@ class PlainBridge:
             if message.type is web.WSMsgType.TEXT:
                 forward = json.loads(message.data).get("forward", 0.0)
                 twist = Twist()
-                twist.linear.x, twist.angular.z = forward, TURN
+                twist.linear.x = forward
                 self._record.note(forward)
                 self._publisher.publish(twist)
                 await asyncio.sleep(0)
