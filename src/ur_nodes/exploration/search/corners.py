@@ -17,11 +17,13 @@ _SOON = 3.0  # m: after a way so long without news what is pursued becomes no co
 class CornerSettings:
     """A frontier with less than `area` m2 behind it, or less than `share` of the known floor, is a corner.
 
+    One with `room` m2 is none however large the map is: the gain of a doorway is counted as its width squared at most.
     `left_out`: corners may be left out that hide so much of the known floor together, as a share; 0: none is.
     """
 
     area: float = 0.3
     share: float = 0.005
+    room: float = 0.5
     left_out: float = 0.02
 
 
@@ -52,7 +54,7 @@ def sort_corners(
 
     `now` is empty where nothing is left that is worth the way.
     """
-    least = max(settings.area, settings.share * known)
+    least = max(settings.area, min(settings.share * known, settings.room))
 
     def worth(each: Viewpoint) -> bool:
         pursued = kept is not None and math.dist(each.frontier.place, kept) < _SAME

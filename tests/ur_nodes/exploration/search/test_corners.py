@@ -40,6 +40,11 @@ def test_in_a_large_flat_more_counts_as_a_corner() -> None:
     assert len(sort_corners((view(0.4),), 100.0, SETTINGS).left_out) == 1
 
 
+def test_doorway_is_no_corner_however_large_the_map_is() -> None:
+    doorway = view(0.8**2)  # its gain is its width squared at most
+    assert sort_corners((doorway, view(0.05)), 400.0, SETTINGS).now == (doorway,)
+
+
 def test_frontier_that_is_driven_to_becomes_a_corner_later() -> None:
     here, there = view(0.2), view(0.2, 5.0)
     places = sort_corners((here, there), 60.0, SETTINGS, kept=(0.3, 0.0))
