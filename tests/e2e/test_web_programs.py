@@ -272,6 +272,7 @@ def kill(site: Site) -> None:
 
 def test_launch_file_is_drawn_and_each_node_is_explained(page: Page, tmp_path: Path) -> None:
     page.open("programs")
+    page.wait("document.getElementById('program-robot_base')")
     page.run("document.getElementById('program-robot_base').open = true; 0")
     page.click("#program-robot_base .row button:last-child")
     page.wait("document.querySelector('#program-robot_base img')?.naturalWidth > 100")

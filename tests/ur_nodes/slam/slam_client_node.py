@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import sys
 import threading
@@ -46,6 +47,7 @@ class Client:
         floor = Grid(np.where(plan.walls, 100, 0).astype(np.int8), plan.resolution, Pose2(*plan.origin))
         self._walls = cKDTree(floor.points_of_cells(np.argwhere(plan.walls)))
         self._used = 0
+        self._begin = rospy.Time.now()
         self._correction: Pose2 | None = None
         self._news = threading.Condition()
         self._tf = rospy.Publisher("/tf", TFMessage, queue_size=100)
@@ -103,8 +105,8 @@ class Client:
         odometry = Pose2(*self._simulation.odometry(0).pose)
         ranges = self._simulation.scan(0).tolist()
         deadline = rospy.get_time() + PATIENCE
-        while self._used == before:  # the node may not be connected yet: publish it again
-            stamp = rospy.Time.now()
+        for again in itertools.count():  # the node may not be connected yet
+            stamp = self._stamp(again)
             self._tf.publish(TFMessage([transform("odom", "base_footprint", odometry, stamp)]))
             if self._halves:
                 self._publish_gyro(stamp)
@@ -113,9 +115,16 @@ class Client:
             else:
                 self._scan.publish(self._message(ranges, stamp))
             with self._news:
-                self._news.wait_for(lambda: self._used != before, 1.0)
+                if self._news.wait_for(lambda: self._used != before, 1.0):
+                    return
             if rospy.get_time() > deadline:
                 raise TimeoutError("the scan was not used")
+
+    def _stamp(self, again: int) -> rospy.Time:
+        """The time of a scan that is published `again`: with yaw rates that of the simulator, which they are about."""
+        if self._halves:
+            return self._begin + rospy.Duration(self._simulation.time + 0.001 * again)
+        return rospy.Time.now()
 
     def _publish_gyro(self, stamp: rospy.Time) -> None:
         message = Imu()
