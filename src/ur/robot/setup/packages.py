@@ -77,22 +77,19 @@ def install_packages(entries: list[str]) -> Command:
     # apt waits for dpkg's lock when it is told to, and for that of the lists not at all.
     wait = f'n=0; while [ -n "$({APT_USERS})" ] && [ $n -lt {LOCK_SECONDS // 2} ]; do sleep 2; n=$((n + 1)); done'
     # The proxy of a set-up closes its connection after each file.
-    lock = f"-q -o DPkg::Lock::Timeout={LOCK_SECONDS} ${{http_proxy:+-o Acquire::http::Pipeline-Depth=0}}"
+    apt = f"apt-get -q -o DPkg::Lock::Timeout={LOCK_SECONDS} ${{http_proxy:+-o Acquire::http::Pipeline-Depth=0}}"
     script = (
         f"exec 3>&1 >>{APT_LOG} 2>&1 </dev/null; trap '' HUP PIPE; export DEBIAN_FRONTEND=noninteractive LC_ALL=C; "
-        f"from=$(($(wc -l <{APT_LOG}) + 1)); {wait}; dpkg --configure -a; apt-get {lock} update; {_UNPACK_AGAIN}"
-        f"set --; {choose}"
-        f'apt-get {lock} -y --no-install-recommends install "$@"; code=$?; [ $code -eq 0 ] || {{ '
+        f"from=$(($(wc -l <{APT_LOG}) + 1)); {wait}; dpkg --configure -a; {apt} update; {_FIND_BROKEN}"
+        f'[ -z "$broken" ] || {apt} -y --reinstall install $broken; set --; {choose}'
+        f'{apt} -y --no-install-recommends install "$@"; code=$?; [ $code -eq 0 ] || {{ '
         f"said=$(tail -n +$from {APT_LOG}); {_EXPLAIN}; }} >&3; exit $code"
     )
     return Command(script, root=True, timeout=APT_SECONDS, fetches=True, log=APT_LOG)
 
 
 # A package that was killed while it was unpacked keeps itself and all that need it from being configured.
-_UNPACK_AGAIN = (
-    "broken=$(dpkg-query -W -f='${db:Status-Eflag} ${binary:Package}\\n' | sed -n 's/^reinstreq //p'); "
-    '[ -z "$broken" ] || apt-get -q -y --reinstall install $broken; '
-)
+_FIND_BROKEN = "broken=$(dpkg-query -W -f='${db:Status-Eflag} ${binary:Package}\\n' | sed -n 's/^reinstreq //p'); "
 # Without a network apt names a file that it cannot fetch; why, it says before.
 _EXPLAIN = (
     'echo "$said" | grep -m 1 -oE \'(Temporary failure resolving|Could not resolve|Could not connect to|'
