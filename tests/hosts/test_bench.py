@@ -58,6 +58,13 @@ def test_computers_reach_nothing_but_each_other(bench: Bench) -> None:
     )
 
 
+def test_computers_share_no_control_group(bench: Bench) -> None:
+    groups = [Path(f"/proc/{bench[name].leader}/cgroup").read_text() for name in ("laptop", "robot")]
+    systemd = [{line for line in text.splitlines() if line.split(":")[1] in ("", "name=systemd")} for text in groups]
+    assert systemd[0]
+    assert not systemd[0] & systemd[1]
+
+
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
 def test_nothing_is_left_however_the_owner_ends(
     number: signal.Signals, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -78,6 +85,7 @@ def test_nothing_is_left_however_the_owner_ends(
     assert not any(process.alive for process in ledger.processes)
     assert not ledger.path.exists()
     assert not Path(ledger.folder).exists()
+    assert not any(Path(group).exists() for group in ledger.groups)
     assert not any(mount in Path("/proc/self/mounts").read_text() for mount in ledger.mounts)
     wait_until(lambda: not _links(ledger), f"links of {name} gone", 10)
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from types import FrameType, MappingProxyType
 
+from tests.hosts.bench.groups import make_groups
 from tests.hosts.bench.ledger import Ledger, find_process, remove_all, remove_stale, this_process
 from tests.hosts.bench.machine import Machine
 from tests.hosts.bench.root import cache_folder, make_root
@@ -35,11 +36,13 @@ UserStopDelaySec=infinity
 """
 # Started without systemd, systemd-nspawn leaves rebooting to its caller (exit code 133); and it empties its folder in
 # /run, which it refuses where /run is on a disk. Right after a reboot it may fail (1): the kernel still has the network
-# interface of the computer that went.
+# interface of the computer that went. The first word: the folders of the control groups that it is to run in.
 KEEP_RUNNING = """
+groups=$1 && shift
+enter='for group in $0; do echo $$ >"$group/cgroup.procs" || exit 2; done; exec "$@"'
 mkdir -p /run/systemd/nspawn && mount -t tmpfs tmpfs /run/systemd/nspawn || exit
 failures=0 reboots=0
-while "$@"; code=$?; do
+while sh -c "$enter" "$groups" "$@"; code=$?; do
   echo "systemd-nspawn has ended with exit code $code" >&2
   case $code in
     133) failures=0 reboots=$((reboots + 1)) ;;
@@ -132,12 +135,16 @@ def _start(ledger: Ledger, shared: Path, name: str, address: str, *, repository:
     (root / "etc/systemd/network/10-host0.network").write_text(NETWORK.format(address=address))
     (root / "etc/systemd/logind.conf.d").mkdir(exist_ok=True)
     (root / "etc/systemd/logind.conf.d/bench.conf").write_text(LOGIN)
+    machine = f"ur-{ledger.name}-{name}"
+    groups = make_groups(machine)
+    ledger.groups.extend(groups)
+    ledger.save()
     command = [
-        *("unshare", "--mount", "--propagation", "private", "--", "sh", "-c", KEEP_RUNNING, "sh"),
+        *("unshare", "--mount", "--propagation", "private", "--", "sh", "-c", KEEP_RUNNING, "sh", " ".join(groups)),
         "systemd-nspawn",
         f"--directory={root}",
         "--boot",
-        f"--machine=ur-{ledger.name}-{name}",
+        f"--machine={machine}",
         "--register=no",
         "--keep-unit",
         f"--network-bridge={ledger.bridge}",

@@ -13,6 +13,8 @@ from contextlib import suppress
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
+from tests.hosts.bench.groups import remove_groups
+
 LEDGERS = Path("/run/ur-hosts")
 
 
@@ -31,7 +33,7 @@ class Process:
 
 @dataclass(slots=True)
 class Ledger:
-    """Identifiers of one bench: its owner, bridge, folder, mounts and machines' processes."""
+    """Identifiers of one bench: its owner, bridge, folder, mounts, and machines' processes and control groups."""
 
     name: str
     owner: Process
@@ -39,6 +41,7 @@ class Ledger:
     bridge: str = ""
     mounts: list[str] = field(default_factory=list)
     processes: list[Process] = field(default_factory=list)
+    groups: list[str] = field(default_factory=list)
 
     @property
     def path(self) -> Path:
@@ -104,6 +107,7 @@ def remove_all(ledger: Ledger) -> None:
     """Remove what a ledger names, in the order that works, and then the ledger. May be called again after a failure."""
     for process in ledger.processes:
         stop(process)
+    remove_groups(ledger.groups)
     for mount in reversed(ledger.mounts):
         if os.path.ismount(mount):
             subprocess.run(["umount", "--lazy", mount], check=True, capture_output=True)
