@@ -12,7 +12,11 @@ _FAKE = """\
 #!/bin/bash
 mkdir -p .pytest_cache/v/cache
 if [[ -e mended ]]; then exit 0; fi
-printf '{\\n  "tests/test_a.py::test_b": true\\n}' >.pytest_cache/v/cache/lastfailed
+{
+  echo '{'
+  for name in ${FAILED:-tests/test_a.py::test_b}; do echo "  \\"$name\\": true,"; done
+  echo '}'
+} >.pytest_cache/v/cache/lastfailed
 [[ $LASTING ]] || touch mended
 exit 1
 """
@@ -28,9 +32,10 @@ def tree(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def run_twice(tree: Path, lasting: str = "") -> subprocess.CompletedProcess[str]:
+def run_twice(tree: Path, lasting: str = "", failed: str = "") -> subprocess.CompletedProcess[str]:
     words = [str(tree / "tests" / "twice"), "tests"]
-    return subprocess.run(words, env={"PATH": "/usr/bin:/bin", "LASTING": lasting}, capture_output=True, text=True)
+    environment = {"PATH": "/usr/bin:/bin", "LASTING": lasting, "FAILED": failed}
+    return subprocess.run(words, env=environment, capture_output=True, text=True)
 
 
 def test_test_that_passes_the_second_time_is_recorded_and_shown_by_later_runs(tree: Path) -> None:
@@ -45,4 +50,15 @@ def test_test_that_passes_the_second_time_is_recorded_and_shown_by_later_runs(tr
 
 def test_test_that_fails_twice_fails_and_is_not_recorded(tree: Path) -> None:
     assert run_twice(tree, lasting="yes").returncode == 1
+    assert not (tree / ".cache").exists()
+
+
+def test_all_tests_of_one_file_have_a_second_chance_together(tree: Path) -> None:
+    assert run_twice(tree, failed=" ".join(f"tests/test_a.py::test_{name}" for name in "bcde")).returncode == 0
+    assert (tree / ".cache" / "passed_second_time").read_text().count("tests/test_a.py::") == 4
+
+
+def test_more_than_three_tests_of_several_files_have_no_second_chance(tree: Path) -> None:
+    failed = "tests/test_a.py::test_b tests/test_a.py::test_c tests/test_a.py::test_d tests/test_e.py::test_f"
+    assert run_twice(tree, failed=failed).returncode == 1
     assert not (tree / ".cache").exists()
