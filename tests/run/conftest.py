@@ -229,7 +229,7 @@ def world(tmp_path: Path) -> Iterator[World]:
                 launched.process.kill()
                 launched.process.wait()
         for each in launched.seen.values():
-            if each.is_running():
+            with suppress(psutil.NoSuchProcess):
                 each.kill()
         for descriptor in (launched.output, launched.keeper):
             if descriptor >= 0:
