@@ -28,12 +28,6 @@ LinkLocalAddressing=ipv6
 MulticastDNS=no
 DHCP=no
 """
-# Ten seconds after the last session of a user, logind would end their service manager. In a container systemd sometimes
-# never learns that it has ended; whoever logs in next then waits for it in vain.
-LOGIN = """\
-[Login]
-UserStopDelaySec=infinity
-"""
 # Started without systemd, systemd-nspawn leaves rebooting to its caller (exit code 133); and it empties its folder in
 # /run, which it refuses where /run is on a disk. Right after a reboot it may fail (1): the kernel still has the network
 # interface of the computer that went. The first word: the folders of the control groups that it is to run in.
@@ -133,8 +127,6 @@ def _start(ledger: Ledger, shared: Path, name: str, address: str, *, repository:
     (root / "etc/hosts").write_text(f"127.0.0.1\tlocalhost\n127.0.1.1\t{name}\n::1\tlocalhost ip6-localhost\n")
     (root / "etc/systemd/network").mkdir(exist_ok=True)
     (root / "etc/systemd/network/10-host0.network").write_text(NETWORK.format(address=address))
-    (root / "etc/systemd/logind.conf.d").mkdir(exist_ok=True)
-    (root / "etc/systemd/logind.conf.d/bench.conf").write_text(LOGIN)
     machine = f"ur-{ledger.name}-{name}"
     groups = make_groups(machine)
     ledger.groups.extend(groups)
