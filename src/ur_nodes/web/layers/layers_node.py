@@ -18,6 +18,7 @@ from ur_nodes.geometry.pose import Pose2
 from ur_nodes.rosio.ending import quiet_at_end
 from ur_nodes.rosio.grid_message import GridMessage, grid_of_message
 from ur_nodes.rosio.grid_update import GridUpdate, apply_update
+from ur_nodes.web.layers.pacing import Every
 from ur_nodes.web.layers.tiles import Tiles, cut_tiles
 
 _EVERY = 0.5  # s between two frames of a layer
@@ -45,7 +46,7 @@ class ExtraLayers:
         self._particles: tuple[str, list[tuple[float, float]]] | None = None
         self._changed: set[int] = set()
         self._tiles: dict[int, Tiles] = {}
-        self._due = 0.0
+        self._send_every = Every(_EVERY)
 
     def want(self, layers: Collection[int]) -> None:
         """Have these layers sent, and no others."""
@@ -56,9 +57,8 @@ class ExtraLayers:
 
         `now` is time.monotonic().
         """
-        if now < self._due:
+        if not self._send_every.due(now):
             return
-        self._due = now + _EVERY
         for layer in self._subscribers.keys() - self._wanted:
             self._drop(layer)
         for layer in self._wanted - self._subscribers.keys():

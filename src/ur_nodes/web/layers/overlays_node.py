@@ -22,6 +22,7 @@ from ur_nodes.geometry.pose import Pose2
 from ur_nodes.rosio.ending import quiet_at_end
 from ur_nodes.rosio.geometry import pose_of_message
 from ur_nodes.vision.messages_node import message_classes
+from ur_nodes.web.layers.pacing import Every
 
 _EVERY = 0.2  # s between two frames of a layer
 _LOOK_EVERY = 3.0  # s between two looks for topics
@@ -87,13 +88,13 @@ class Overlays:
         self._subscribers: dict[tuple[int, str], Any] = {}
         self._newest: dict[tuple[int, str], Any] = {}
         self._sent: dict[int, dict[str, Any]] = {}
-        self._due = self._look_due = -math.inf
+        self._send_every, self._look_every = Every(_EVERY), Every(_LOOK_EVERY)
 
     def want(self, layers: Collection[int], *, watched: bool) -> None:
         """Have these layers sent; `watched`: a page looks, and is to know the bumpers."""
         wanted = frozenset(layers) & _OVERLAYS
         if wanted - self._wanted or (watched and not self._watched):
-            self._look_due = -math.inf
+            self._look_every.hurry()
         self._wanted, self._watched = wanted, watched
 
     def pressed(self) -> list[str]:
@@ -108,12 +109,10 @@ class Overlays:
 
         `now` is time.monotonic().
         """
-        if now >= self._look_due:
-            self._look_due = now + _LOOK_EVERY
+        if self._look_every.due(now):
             self._look()
-        if now < self._due:
+        if not self._send_every.due(now):
             return
-        self._due = now + _EVERY
         with self._lock:
             newest = dict(self._newest)
         for layer in self._wanted:

@@ -15,6 +15,7 @@ from roslib.message import get_message_class
 from ur.web.wire.frames import Kind, Layer, json_frame
 from ur.web.wire.plots import PLOT, split_plot
 from ur_nodes.rosio.ending import quiet_at_end
+from ur_nodes.web.layers.pacing import Every
 
 _EVERY = 0.1  # s between two samples of all plots
 _LOOK_EVERY = 3.0  # s between two looks for topics
@@ -81,13 +82,13 @@ class PlotFeed:
         self._newest: dict[str, Any] = {}
         self._kinds: dict[str, list[str]] = {}
         self._offered: dict[str, list[str]] = {}
-        self._due = self._look_due = -math.inf
+        self._send_every, self._look_every = Every(_EVERY), Every(_LOOK_EVERY)
 
     def want(self, plots: Collection[str], *, shown: bool) -> None:
         """Have these plots (`TOPIC:FIELD`) sampled; `shown`: a page chooses among all fields."""
         good = frozenset(sorted(plot for plot in plots if PLOT.fullmatch(plot))[:_MOST_PLOTS])
         if (shown and not self._open) or good - self._plots:
-            self._look_due = -math.inf
+            self._look_every.hurry()
         self._open, self._plots = shown, good
 
     def step(self, now: float) -> None:
@@ -95,12 +96,10 @@ class PlotFeed:
 
         `now` is time.monotonic().
         """
-        if now >= self._look_due:
-            self._look_due = now + _LOOK_EVERY
+        if self._look_every.due(now):
             self._look()
-        if now < self._due:
+        if not self._send_every.due(now):
             return
-        self._due = now + _EVERY
         with self._lock:
             newest, self._newest = self._newest, {}
         values = {}
