@@ -3,25 +3,20 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
-from tests.docs.chromium import Chromium, find_chromium
+from tests.docs.chromium import Chromium
 
 pytest.importorskip("aiohttp", reason="aiohttp is not installed: requirements/web.lock")
 
+from tests.web.static.in_chromium import MARKS
 from tests.web.static.played_robot import PLOT, STATE, Robot, wait
 
 from ur.web.wire.frames import Kind
 
-PROGRAM = find_chromium()
-pytestmark = [
-    pytest.mark.long,
-    pytest.mark.timeout(240),
-    pytest.mark.skipif(PROGRAM is None, reason="Chromium is not installed"),
-]
+pytestmark = MARKS
 PANELS = ["places", "zones", "camera", "speed", "layers", "plots", "programs", "runs", "doctor"]
 CONTROLS = {
     "button", "checkbox", "combobox", "DisclosureTriangle", "img", "image", "link", "listbox", "log", "menuitem",
@@ -74,31 +69,20 @@ FOCUSED = """(() => {
 
 
 @pytest.fixture(scope="module")
-def robot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Robot]:
-    with Robot(tmp_path_factory.mktemp("robot")) as robot:
-        yield robot
-
-
-@pytest.fixture(scope="module")
-def browser(robot: Robot, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Chromium]:
-    assert PROGRAM is not None
-    with Chromium(PROGRAM, tmp_path_factory.mktemp("chromium")) as browser:
-        browser.resize(1200, 800)
-        browser.open(robot.link)
-        wait(lambda: browser.holds("globalThis.page?.state && page.drive.newest"))
-        robot.show(Kind.PLACES, {"named": True, "places": {"desk": [0, 0, 0], "door": [1, 0, 0]}, "problem": ""})
-        zones = [{"name": "stairs", "percent": 0, "corners": CORNERS}]
-        robot.show(Kind.ZONES, {"served": True, "zones": zones, "problem": ""})
-        browser.run(f"""{FOCUSABLE} Object.assign(globalThis, {{ nameOf, focusable }});
-          const answers = {json.dumps(ANSWERS)}, real = fetch;
-          globalThis.fetch = async (path, ...more) => {{
-            const answer = answers[path.split("?")[0]];
-            if (answer === undefined) return real(path, ...more);
-            return new Response(typeof answer === "string" ? answer : JSON.stringify(answer));
-          }}; 0""")
-        wait(lambda: browser.run("document.querySelectorAll('#zones-panel li').length") == 1)
-        yield browser
-        assert browser.complaints == []
+def browser(robot: Robot, browser: Chromium) -> Chromium:
+    """The page with something in every panel."""
+    robot.show(Kind.PLACES, {"named": True, "places": {"desk": [0, 0, 0], "door": [1, 0, 0]}, "problem": ""})
+    zones = [{"name": "stairs", "percent": 0, "corners": CORNERS}]
+    robot.show(Kind.ZONES, {"served": True, "zones": zones, "problem": ""})
+    browser.run(f"""{FOCUSABLE} Object.assign(globalThis, {{ nameOf, focusable }});
+      const answers = {json.dumps(ANSWERS)}, real = fetch;
+      globalThis.fetch = async (path, ...more) => {{
+        const answer = answers[path.split("?")[0]];
+        if (answer === undefined) return real(path, ...more);
+        return new Response(typeof answer === "string" ? answer : JSON.stringify(answer));
+      }}; 0""")
+    wait(lambda: browser.run("document.querySelectorAll('#zones-panel li').length") == 1)
+    return browser
 
 
 def open_panel(browser: Chromium, name: str) -> None:

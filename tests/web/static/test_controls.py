@@ -2,24 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from tests.docs.chromium import Chromium, find_chromium
+from tests.docs.chromium import Chromium
 
 pytest.importorskip("aiohttp", reason="aiohttp is not installed: requirements/web.lock")
 
+from tests.web.static.in_chromium import MARKS
 from tests.web.static.played_robot import PLOT, STATE, Robot, wait
 
 from ur.web.wire.frames import Kind
 
-PROGRAM = find_chromium()
-pytestmark = [
-    pytest.mark.long,
-    pytest.mark.timeout(240),
-    pytest.mark.skipif(PROGRAM is None, reason="Chromium is not installed"),
-]
+pytestmark = MARKS
 GOAL = {"number": 0, "place": [1.0, 0.0, 0.0], "state": "none", "text": "", "left": None}
 GAMEPAD = """
 const buttons = [...Array(16)].map(() => ({ pressed: false }));
@@ -29,23 +24,6 @@ dispatchEvent(new Event("gamepadconnected"));
 page.setMode("drive");
 0
 """
-
-
-@pytest.fixture(scope="module")
-def robot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Robot]:
-    with Robot(tmp_path_factory.mktemp("robot")) as robot:
-        yield robot
-
-
-@pytest.fixture(scope="module")
-def browser(robot: Robot, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Chromium]:
-    assert PROGRAM is not None
-    with Chromium(PROGRAM, tmp_path_factory.mktemp("chromium")) as browser:
-        browser.resize(1200, 800, phone=False)
-        browser.open(robot.link)
-        wait(lambda: browser.holds("globalThis.page?.state && page.drive.newest"))
-        yield browser
-        assert browser.complaints == []
 
 
 def test_slider_limits_the_speed_when_it_is_let_go(robot: Robot, browser: Chromium) -> None:

@@ -2,21 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import pytest
-from tests.docs.chromium import Chromium, find_chromium
+from tests.docs.chromium import Chromium
 
 pytest.importorskip("aiohttp", reason="aiohttp is not installed: requirements/web.lock")
 
-from tests.web.static.played_robot import Robot, wait
+from tests.web.static.in_chromium import MARKS
+from tests.web.static.played_robot import wait
 
-PROGRAM = find_chromium()
-pytestmark = [
-    pytest.mark.long,
-    pytest.mark.timeout(240),
-    pytest.mark.skipif(PROGRAM is None, reason="Chromium is not installed"),
-]
+pytestmark = MARKS
 # A map of 1000 x 1000 cells of 0.05 m with walls at random, and functions to compare what is drawn: scaling
 # rounds differently at the edge of a canvas, by a few of 255.
 MAP = """(() => {
@@ -42,18 +36,12 @@ MAP = """(() => {
 
 
 @pytest.fixture(scope="module")
-def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Chromium]:
-    assert PROGRAM is not None
-    with (
-        Robot(tmp_path_factory.mktemp("robot")) as robot,
-        Chromium(PROGRAM, tmp_path_factory.mktemp("chromium")) as browser,
-    ):
-        browser.resize(800, 600)
-        browser.open(robot.link)
-        wait(lambda: browser.holds("globalThis.page?.state && page.map.pose"))
-        browser.run("page.map.setPose = () => {}; page.map.pose = null; page.map.request = () => {}; 0")
-        yield browser
-        assert browser.complaints == []
+def browser(browser: Chromium) -> Chromium:
+    """The page that draws only when it is told to."""
+    browser.resize(800, 600)
+    wait(lambda: browser.holds("page.map.canvas.width === 800"))
+    browser.run("page.map.setPose = () => {}; page.map.pose = null; page.map.request = () => {}; 0")
+    return browser
 
 
 @pytest.mark.parametrize("yaw", [0.0, 0.3])

@@ -2,37 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import pytest
 
 pytest.importorskip("aiohttp", reason="aiohttp is not installed: requirements/web.lock")
 
 from tests.docs.chromium import Chromium
-from tests.e2e.web_page import PHONE, PROGRAM, Page
-from tests.web.static.played_robot import Robot
+from tests.e2e.web_page import PHONE, Page
+from tests.web.static.in_chromium import MARKS
 
-pytestmark = [
-    pytest.mark.long,
-    pytest.mark.timeout(240),
-    pytest.mark.skipif(PROGRAM is None, reason="Chromium is not installed"),
-]
+pytestmark = MARKS
 
 
 @pytest.fixture(scope="module")
-def page(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Page]:
-    assert PROGRAM is not None
-    with (
-        Robot(tmp_path_factory.mktemp("robot")) as robot,
-        Chromium(PROGRAM, tmp_path_factory.mktemp("chromium")) as browser,
-    ):
-        browser.resize(*PHONE, phone=True)
-        browser.ask("Emulation.setTouchEmulationEnabled", enabled=True)
-        browser.open(robot.link)
-        page = Page(browser)
-        page.wait("globalThis.page?.state && page.map.pose && page.drive.newest")
-        yield page
-        assert browser.complaints == []
+def page(browser: Chromium) -> Page:
+    browser.resize(*PHONE, phone=True)
+    browser.ask("Emulation.setTouchEmulationEnabled", enabled=True)
+    return Page(browser)
 
 
 @pytest.mark.parametrize(("mode", "where"), [("look", "#map"), ("goal", "#map"), ("drive", "#stick")])

@@ -1,7 +1,6 @@
 // @ts-check
 /** Lines above the map about what the user has to know, each with the buttons that change it. */
 
-import { sentence } from "./elements.js";
 import { announce } from "./heard.js";
 import { TEXTS } from "./texts.js";
 
@@ -32,10 +31,10 @@ export class Banners {
     const after = new Map();
     for (const banner of banners) {
       const known = this.elements.get(identify(banner));
-      if (!known) announce(sentence(banner.text), banner.red);
+      if (!known) announce(banner.text, banner.red);
       const element = known ?? makeBanner(banner);
       const [text] = element.children;
-      if (text.textContent !== sentence(banner.text)) text.textContent = sentence(banner.text);
+      if (text.textContent !== banner.text) text.textContent = banner.text;
       after.set(identify(banner), element);
     }
     for (const [id, element] of this.elements) if (!after.has(id)) element.remove();
@@ -56,7 +55,7 @@ function makeBanner(banner) {
   const element = document.createElement("div");
   element.className = banner.red ? "banner red" : "banner";
   const text = document.createElement("span");
-  text.textContent = sentence(banner.text);
+  text.textContent = banner.text;
   element.append(text);
   for (const { label, act } of banner.buttons ?? []) {
     const button = document.createElement("button");
@@ -115,7 +114,8 @@ export function describeDriving(state, client) {
   const lease = state?.lease;
   if (!lease) return "";
   const active = state.mux.active;
-  const by = active ? ` (${TEXTS.sources[active] ?? active})` : "";
-  if (lease.state === "free") return active ? by.trim() : TEXTS.nobodyDrives;
-  return (lease.client === client ? TEXTS.youDrive : lease.name) + by;
+  const source = TEXTS.sources[active] ?? active;
+  if (lease.state === "free") return active ? TEXTS.driver(source) : TEXTS.nobodyDrives;
+  const who = lease.client === client ? TEXTS.youDrive : TEXTS.driver(lease.name);
+  return active ? `${who} (${source})` : who;
 }

@@ -30,7 +30,7 @@ export class CameraPanel {
     this.canvas.ariaLabel = TEXTS.camera.picture;
     this.canvas.hidden = true;
     this.note = makeNote(TEXTS.camera.waiting);
-    box.append(make("h2", TEXTS.camera.title), this.canvas, this.note);
+    box.append(this.canvas, this.note);
     this.open = false;
     /** Pictures shown so far. */
     this.count = 0;

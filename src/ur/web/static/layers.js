@@ -16,8 +16,6 @@ export class LayerPanel {
   /** @param {HTMLElement} box @param {import("./main.js").Page} page */
   constructor(box, page) {
     const { layers } = page.map;
-    const title = document.createElement("h2");
-    title.textContent = TEXTS.layers;
     const list = document.createElement("ul");
     for (const name of SWITCHES) {
       const row = document.createElement("li");
@@ -39,6 +37,6 @@ export class LayerPanel {
       row.append(label);
       list.append(row);
     }
-    box.append(title, list);
+    box.append(list);
   }
 }

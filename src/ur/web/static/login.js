@@ -24,4 +24,5 @@ async function logIn() {
   }
 }
 
+addEventListener("hashchange", logIn); // another link was opened in this tab: the browser does not load the page again
 logIn();

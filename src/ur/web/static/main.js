@@ -162,7 +162,7 @@ export class Page {
     const answer = await fetch("/api/stop", { method: "POST" }).catch(() => null);
     if (!answer?.ok) {
       this.status.stopAsked = false;
-      this.say(TEXTS.stopFailed);
+      this.say(TEXTS.stopFailed, true);
     }
   }
 
@@ -181,9 +181,9 @@ export class Page {
     if (!driving && this.state?.lease?.client === this.drive?.client) this.drive?.request({ t: "lease", do: "release" });
   }
 
-  /** @param {string} text */
-  say(text) {
-    this.status.say(text);
+  /** @param {string} text @param {boolean} red */
+  say(text, red = false) {
+    this.status.say(text, red);
   }
 }
 

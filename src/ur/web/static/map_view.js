@@ -7,6 +7,8 @@ import { LAYER } from "./wire.js";
 
 /** @typedef {{x: number, y: number, yaw: number}} Place */
 
+const LONGEST_LABEL = 24; // characters of a name on the map
+
 export class MapView {
   /** @param {HTMLCanvasElement} canvas */
   constructor(canvas) {
@@ -175,9 +177,10 @@ export class MapView {
       }
       context.strokeStyle = colours["robot-edge"];
       context.lineWidth = 4;
-      context.strokeText(name, x + 15, y + 4);
+      const text = name.length > LONGEST_LABEL ? `${name.slice(0, LONGEST_LABEL - 1)}\u2026` : name;
+      context.strokeText(text, x + 15, y + 4);
       context.fillStyle = colours.place;
-      context.fillText(name, x + 15, y + 4);
+      context.fillText(text, x + 15, y + 4);
     }
   }
 

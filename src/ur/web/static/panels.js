@@ -33,14 +33,14 @@ export class Panels {
       box.tabIndex = -1; // it has the focus when the control that had it is gone
       box.hidden = true;
       bar.after(box);
-      if (panel.wide) box.append(this.makeHead(panel.label));
+      box.append(this.makeHead(panel.label));
       const part = panel.make(box, page) ?? {};
       this.panels.set(panel.name, { box, button, part });
     }
     addEventListener("keydown", (event) => event.key === "Escape" && this.close());
   }
 
-  /** The title of a wide panel, which covers the buttons on a phone. @param {string} label */
+  /** The title of a panel, and a button that closes it: a wide one covers the bar on a phone. @param {string} label */
   makeHead(label) {
     const head = make("div", "", "row head");
     const close = makeButton("\u00d7", () => this.close(), TEXTS.close);

@@ -1,7 +1,7 @@
 // @ts-check
 /** The list of the map's places: drive to one or to several in turn, name the robot's, delete one. */
 
-import { make, makeNote, makeSureButton, replaceRows, sentence } from "./elements.js";
+import { checkName, make, makeNote, makeSureButton, replaceRows, sentence } from "./elements.js";
 import { Patrol } from "./patrol.js";
 import { TEXTS } from "./texts.js";
 import { KIND, readJson } from "./wire.js";
@@ -62,8 +62,10 @@ export class PlacePanel {
     this.chosen = [];
     /** @type {Patrol | null} */
     this.patrol = null;
-    const title = document.createElement("h2");
-    title.textContent = TEXTS.places;
+    /** The name of a place that is moved when its name is given again. */
+    this.sureOf = "";
+    /** @type {string[]} */
+    this.names = [];
     this.note = makeNote();
     this.list = document.createElement("ul");
     this.form = document.createElement("form");
@@ -90,13 +92,14 @@ export class PlacePanel {
     const label = make("label");
     label.append(this.repeat, TEXTS.patrol.repeat);
     this.patrolBox.append(this.patrolNote, label, this.patrolButton);
-    box.append(title, this.note, this.list, this.patrolBox, this.form);
+    box.append(this.note, this.list, this.patrolBox, this.form);
     this.show({ named: false, places: {}, problem: "" });
   }
 
   /** @param {PlaceList} found */
   show(found) {
     const names = Object.keys(found.places);
+    this.names = names;
     this.note.textContent = sentence(found.problem) || (!found.named ? TEXTS.noMapName : names.length ? "" : TEXTS.noPlaces);
     this.note.hidden = !this.note.textContent;
     this.form.hidden = !this.mayDrive || !found.named;
@@ -151,7 +154,9 @@ export class PlacePanel {
       if (tick.checked) this.chosen.push(name);
       this.showPatrol();
     });
-    row.append(tick, go, remove);
+    const target = make("label", "", "tick");
+    target.append(tick);
+    row.append(target, go, remove);
     return row;
   }
 
@@ -159,7 +164,17 @@ export class PlacePanel {
   name(event) {
     event.preventDefault();
     const [pose, place] = [this.where(), this.input.value.trim()];
-    if (!place || !pose) return;
+    const problem = checkName(place) || (pose ? "" : TEXTS.noPose);
+    if (problem || !pose) {
+      this.say(problem);
+      return;
+    }
+    if (this.names.includes(place) && this.sureOf !== place) {
+      this.sureOf = place;
+      this.say(TEXTS.placeTaken(place));
+      return;
+    }
+    this.sureOf = "";
     this.send({ t: "name_place", place, x: pose.x, y: pose.y, yaw: pose.yaw });
     this.input.value = "";
     this.input.blur(); // the keys drive again

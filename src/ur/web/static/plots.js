@@ -111,9 +111,9 @@ export class PlotPanel {
       const [topic, field] = plot.split(":");
       return this.fields[topic]?.includes(field);
     });
-    this.note.textContent = Object.keys(this.fields).length ? "" : TEXTS.plots.none;
+    this.note.textContent = !Object.keys(this.fields).length ? TEXTS.plots.none : plots.size ? "" : TEXTS.plots.tick;
     this.note.hidden = !this.note.textContent;
-    this.form.hidden = !this.note.hidden;
+    this.form.hidden = !Object.keys(this.fields).length;
     this.ticks.replaceChildren(...[...new Set([...plots, ...offered])].map((plot) => this.makeTick(plot)));
     for (const [plot, { row }] of this.rows) {
       if (!plots.has(plot)) {

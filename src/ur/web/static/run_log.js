@@ -86,15 +86,20 @@ export class RunLog {
 
   draw() {
     const shown = this.lines.filter((line) => this.shows(line)).slice(-DRAWN);
-    this.list.replaceChildren(...(shown.length ? shown.map(makeLine) : [make("p", TEXTS.noLines, "none")]));
+    this.list.replaceChildren(...(shown.length ? shown.map(makeLine) : [make("p", TEXTS.noLinesShown, "none")]));
     this.list.scrollTop = this.list.scrollHeight;
   }
+}
+
+/** A line with the time of day in place of seconds since 1970, which rospy and roscpp print. @param {string} text */
+function withClock(text) {
+  return text.replace(/^(\[ *[A-Z]+\] )\[(\d{10})\.\d+(?:, [\d.]+)?\]:?/, (_, level, time) => `${level}${TEXTS.clockTime(Number(time))}`);
 }
 
 /** @param {Line} line */
 function makeLine({ node, severity, text }) {
   const row = make("div", "", severity === "fatal" ? "error" : severity);
   if (node) row.append(make("b", `${node.replace(/^\//, "")} `));
-  row.append(text);
+  row.append(withClock(text));
   return row;
 }

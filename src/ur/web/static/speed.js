@@ -25,7 +25,7 @@ export const SPEED_PANEL = {
     label.append(value, slider);
     const pads = make("p");
     const sources = make("p");
-    box.append(make("h2", TEXTS.speedLimit.title), note, label, sources, pads);
+    box.append(note, label, sources, pads);
     const show = (/** @type {number} */ percent) => {
       const top = page.state?.robot.limits[0] ?? 0;
       value.textContent = TEXTS.speedLimit.value(percent, (percent / 100) * top);

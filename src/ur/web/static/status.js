@@ -2,7 +2,7 @@
 /** The state of robot and connection in words: header, banners, and the line about the goal. */
 
 import { Banners, describeDriver, describeDriving, describeLink } from "./banners.js";
-import { element } from "./elements.js";
+import { element, make, sentence } from "./elements.js";
 import { announce } from "./heard.js";
 import { TEXTS } from "./texts.js";
 
@@ -14,9 +14,11 @@ export class Status {
   constructor(page) {
     this.page = page;
     this.banners = new Banners(element("banners"));
-    this.note = { text: "", until: 0 };
+    this.note = { text: "", until: 0, red: false };
     this.stopAsked = false;
     this.goalSeen = "";
+    /** The number of the newest goal, of which the end was said. @type {number | null} */
+    this.goalKnown = null;
     /** The goal and its state that were announced. */
     this.goalHeard = "";
     element("empty").textContent = TEXTS.waitingForMap;
@@ -27,18 +29,21 @@ export class Status {
     setInterval(() => this.refresh(), 200);
   }
 
-  /** Show a line for some seconds. @param {string} text */
-  say(text) {
-    this.note = { text, until: performance.now() + NOTE_TIME };
+  /** Show a line for some seconds. @param {string} text @param {boolean} red */
+  say(text, red = false) {
+    this.note = { text: sentence(text), until: performance.now() + NOTE_TIME, red };
     this.refresh();
   }
 
   /** Show a state of the robot. @param {any} state */
   show(state) {
     if (state.mux.stopped || state.mux.problem) this.stopAsked = false;
+    if (state.mux.stopped && this.note.text === TEXTS.stopFailed) this.note.until = 0; // it came by the other connection
     const goal = state.goal;
     const over = OVER.includes(goal.state);
-    if (over && goal.state !== "none" && this.goalSeen === `${goal.number}`) {
+    const refused = this.goalKnown !== null && this.goalKnown !== goal.number; // at once: it was never seen to drive
+    this.goalKnown = goal.number;
+    if (over && goal.state !== "none" && (refused || this.goalSeen === `${goal.number}`)) {
       this.say([TEXTS.goalStates[/** @type {"reached"} */ (goal.state)], goal.text].filter(Boolean).join(": "));
     }
     this.goalSeen = over ? "" : `${goal.number}`;
@@ -51,7 +56,7 @@ export class Status {
     element("goal-text").textContent = words.filter(Boolean).join(", ");
     element("goal-cancel").hidden = !this.page.mayDrive;
     element("goal-resume").hidden = !this.page.mayDrive || goal.state !== "asking";
-    element("battery").textContent = describeBattery(state.battery);
+    showBattery(state.battery);
     this.refresh();
   }
 
@@ -69,7 +74,7 @@ export class Status {
       const release = { label: TEXTS.release, act: () => void drive?.send({ t: "release" }) };
       banners.unshift({ text: TEXTS.emergency, red: true, buttons: page.mayDrive ? [release] : [] });
     } else if (this.stopAsked) banners.unshift({ text: TEXTS.stopAsked, red: true });
-    if (state?.mux.problem) banners.unshift({ text: state.mux.problem, red: true });
+    if (state?.mux.problem) banners.unshift({ text: sentence(state.mux.problem), red: true });
     if (!old && state?.bumpers?.length) banners.push({ text: TEXTS.bumpers(state.bumpers), red: true });
     if (!old && state) {
       const request = (/** @type {string} */ action) => void drive?.request({ t: "lease", do: action });
@@ -77,7 +82,7 @@ export class Status {
       if (state.missing.length && page.mode !== "drive") banners.push({ text: TEXTS.missing(state.missing[0]) });
     }
     if (drive?.press === "dead") banners.push({ text: TEXTS.over[/** @type {"late"} */ (drive.why)] });
-    if (this.note.until > performance.now()) banners.push({ text: this.note.text });
+    if (this.note.until > performance.now()) banners.push({ text: this.note.text, red: this.note.red });
     this.banners.show(banners);
     element("dot").classList.toggle("up", !old);
     element("empty").hidden = map.tiles.grid !== null || old;
@@ -92,8 +97,10 @@ export class Status {
 }
 
 /** @param {{share: number | null, volts: number | null} | null} battery */
-function describeBattery(battery) {
-  if (battery === null) return "";
-  if (battery.share !== null) return TEXTS.battery(battery.share);
-  return battery.volts ? `${battery.volts} V` : "";
+function showBattery(battery) {
+  const box = element("battery");
+  const text = !battery ? "" : battery.share !== null ? TEXTS.percent(battery.share) : battery.volts ? TEXTS.volts(battery.volts) : "";
+  if (box.lastChild?.textContent === text) return;
+  box.title = text && `${TEXTS.battery} ${text}`;
+  box.replaceChildren(...(text ? [make("span", `${TEXTS.battery} `, "heard"), text] : [])); // a drawing for those who see
 }

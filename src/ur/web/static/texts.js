@@ -26,11 +26,11 @@ export const TEXTS = {
   layers: "Layers",
   layerNames: {
     scan: "Lidar",
-    plan: "Plan",
+    plan: "Planned path",
     local: "Obstacles near the robot",
     global: "Obstacles on the map",
-    particles: "Guesses of the place",
-    covariance: "Spread of the place",
+    particles: "Possible positions (particles)",
+    covariance: "Uncertainty of the position",
     sonars: "Sonars",
     fiducials: "Fiducials",
     robots: "Other robots",
@@ -42,6 +42,7 @@ export const TEXTS = {
     field: "Field",
     add: "Plot",
     none: "No topic with numbers yet. Start a program.",
+    tick: "Tick what to plot, or choose any other number below.",
     names: {
       "/odom:twist.twist.linear.x": "Speed (m/s)",
       "/odom:twist.twist.angular.z": "Turn rate (rad/s)",
@@ -67,7 +68,12 @@ export const TEXTS = {
   places: "Places",
   placeName: "Name of a place",
   nameHere: "Name here",
-  noPlaces: "No place has a name yet.",
+  noPlaces: "No place has a name yet. Name the place where the robot is.",
+  noName: "Not named: type a name first.",
+  noPose: "Not named: the place of the robot is not known.",
+  badName: "Not named: a name has at most 40 letters, digits, '_', '-' and '.', without spaces, and begins with a letter or digit.",
+  /** @param {string} name */
+  placeTaken: (name) => `There is a place ${name}. Press again to move it to the robot.`,
   noMapName: "This map has no name yet: save it, then its places can be named.",
   remove: "Delete",
   sure: "Sure?",
@@ -99,13 +105,13 @@ export const TEXTS = {
   camera: {
     title: "Camera",
     picture: "Picture of the robot's camera",
-    waiting: "Waiting for a picture. No camera publishes one yet.",
+    waiting: "Waiting for a picture. If none comes, the robot has no camera, or no program that runs starts it.",
     old: "No new picture: the camera or the connection paused.",
   },
   speedLimit: {
     title: "Speed limit",
     help: "Nothing drives faster, neither by hand nor to a goal.",
-    none: "The mux of this robot takes no speed limit.",
+    none: "This robot takes no speed limit: its copy of the project is older than this page. Update it.",
     /** @param {number} percent @param {number} speed */
     value: (percent, speed) => `${percent} %${speed ? `, ${speed.toFixed(2)} m/s` : ""}`,
     /** @param {string} name */
@@ -126,7 +132,13 @@ export const TEXTS = {
     notServed: "Zones need a program that navigates on a map.",
     /** @param {number} corners */
     help: (corners) =>
-      corners < 3 ? "Tap the corners of the zone on the map." : "Tap more corners, or press Done.",
+      corners < 3 ? "Tap the corners of the zone on the map, or type those of a rectangle." : "Tap more corners, or press Done.",
+    rectangle: "Type a rectangle",
+    /** @param {number} x @param {number} y */
+    robotAt: (x, y) => `The robot is at x ${x.toFixed(2)}, y ${y.toFixed(2)} m.`,
+    sides: ["x from", "x to", "y from", "y to"],
+    /** @param {string} name */
+    taken: (name) => `There is a zone ${name}. Press Done again to replace it.`,
     /** @param {string} name @param {number} percent */
     row: (name, percent) => `${name}: ${percent ? `at most ${percent} % speed` : "keep out"}`,
     /** @param {string} name @param {number} percent */
@@ -136,18 +148,19 @@ export const TEXTS = {
   },
   stick: "Stick",
   map: "Map with the robot",
-  lookOnly: "You may look and stop the robot, not drive.",
+  lookOnly: "This link shows the robot and can stop it. To drive, open one of 'ur web' without --look.",
   emergency: "Emergency stop: nothing drives.",
   stopAsked: "Stopping ...",
-  stopFailed: "NOT STOPPED: no connection to the robot",
+  stopFailed: "NOT STOPPED: no connection to the robot. Use its own switch.",
   waitingForMap: "Waiting for a map ...",
   over: {
     late: "The connection paused. Let go, then drive again.",
     driver: "Somebody else drives. Let go, take over, then drive.",
-    "no mux": "This robot takes no commands of the page: its mux has no source 'web'.",
+    "no mux": "This robot takes no commands of the page: its copy of the project is older. Update it.",
   },
   /** @param {number} age */
-  lost: (age) => `No connection to the server. What you see is ${seconds(age)} old.`,
+  lost: (age) =>
+    `No connection to the server. What you see is ${seconds(age)} old.${age > 10 ? " Does 'ur web' run, in the network of this device?" : ""}`,
   connecting: "Connecting ...",
   /** @param {string} robot */
   noMaster: (robot) => `Nothing runs on the ${robot}. Start a program.`,
@@ -162,6 +175,8 @@ export const TEXTS = {
   /** @param {string} who */
   asks: (who) => `${who} asks to drive.`,
   asked: "Asked to hand over ...",
+  /** @param {string} who */
+  driver: (who) => `${who} drives`,
   youDrive: "You drive",
   nobodyDrives: "Nobody drives",
   /** @param {string} what */
@@ -196,7 +211,9 @@ export const TEXTS = {
     navigation: "navigation",
   }),
   speed: /** @param {number} speed */ (speed) => `${Math.abs(speed) < 0.005 ? "0.00" : speed.toFixed(2)} m/s`,
-  battery: /** @param {number} share */ (share) => `${Math.round(100 * share)} %`,
+  battery: "Battery",
+  percent: /** @param {number} share */ (share) => `${Math.round(100 * share)} %`,
+  volts: /** @param {number} volts */ (volts) => `${volts} V`,
   close: "Close",
   loading: "Loading ...",
   noAnswer: "No connection to the server: nothing was done.",
@@ -261,7 +278,9 @@ export const TEXTS = {
   logFrom: "Show lines from this severity on",
   allNodes: "all nodes",
   levels: { debug: "everything", info: "info and above", warning: "warnings and errors", error: "errors" },
+  clockTime: clockSeconds,
   noLines: "No line.",
+  noLinesShown: "No line of this severity yet.",
   doctor: "Doctor",
   diagnosing: "Examining this computer and the robot ...",
   again: "Examine again",
@@ -272,14 +291,19 @@ export const TEXTS = {
   /** @param {string} where */
   commandFix: (where) => `Type on ${where}, or run "ur doctor --fix":`,
   loggingIn: "Logging in ...",
-  noToken: "Open the link that 'ur web' has printed.",
-  loginFailed: "This link was used before, or is too old. Start 'ur web' again for a new one.",
+  noToken: "Open the link that 'ur web' has printed. A link is good for one login: start 'ur web' again for another one.",
+  loginFailed: "This link was used before, or is too old. Start 'ur web' again for a new one, or 'ur boot link' for a page on a robot.",
   loginOffline: "The server does not answer. Does 'ur web' run?",
 };
 
 /** @param {number} age seconds */
 function seconds(age) {
   return age < 120 ? `${Math.round(age)} s` : `${Math.round(age / 60)} min`;
+}
+
+/** @param {number} unix seconds since 1970 */
+function clockSeconds(unix) {
+  return new Date(1000 * unix).toLocaleTimeString();
 }
 
 /** @param {number} unix seconds since 1970 */

@@ -1,7 +1,8 @@
 // @ts-check
 /** Zones of the map: areas to keep out of, and areas to drive slowly in. Shown, drawn corner by corner, deleted. */
 
-import { make, makeButton, makeNote, makeSureButton, replaceRows, sentence } from "./elements.js";
+import { checkName, make, makeButton, makeNote, makeSureButton, replaceRows, sentence } from "./elements.js";
+import { Rectangle } from "./rectangle.js";
 import { TEXTS } from "./texts.js";
 import { KIND, readJson } from "./wire.js";
 
@@ -35,6 +36,9 @@ export class ZonePanel {
     this.found = { served: false, zones: [], problem: "" };
     /** Corners of the zone that is being drawn. @type {[number, number][] | null} */
     this.corners = null;
+    this.typed = false;
+    /** The name of a zone that Done replaces when it is pressed again. */
+    this.sureOf = "";
     this.note = makeNote();
     this.list = make("ul");
     this.form = make("form", "", "stacked");
@@ -61,9 +65,13 @@ export class ZonePanel {
     this.stop = makeButton(TEXTS.zones.cancel, () => this.cancel());
     const row = make("div", "", "row");
     row.append(this.draw, this.undo, this.stop, this.done);
-    this.form.append(this.name, this.kind, row);
+    this.rectangle = new Rectangle(
+      () => (page.poseAge < 2 ? (page.pose ?? null) : null),
+      (corners) => this.type(corners),
+    );
+    this.form.append(this.name, this.kind, this.rectangle.box, row);
     this.form.addEventListener("submit", (event) => (event.preventDefault(), this.finish()));
-    box.append(make("h2", TEXTS.zones.title), this.note, this.list, this.form);
+    box.append(this.note, this.list, this.form);
     page.map.painters.push((context, view, colours) => this.paint(context, view, colours));
     this.refresh();
   }
@@ -85,6 +93,7 @@ export class ZonePanel {
     this.note.textContent = sentence(help);
     this.note.hidden = !help;
     this.list.hidden = drawing;
+    this.rectangle.box.hidden = !drawing;
     this.form.hidden = !this.page.mayDrive || !found.served;
     this.draw.hidden = drawing;
     this.undo.hidden = this.stop.hidden = this.done.hidden = !drawing;
@@ -109,12 +118,15 @@ export class ZonePanel {
   begin() {
     this.page.setMode("look");
     this.corners = [];
+    this.rectangle.clear();
     this.refresh();
     this.page.map.canvas.focus();
   }
 
   /** @param {number} x @param {number} y m */
   add(x, y) {
+    if (this.typed) this.corners = []; // another zone than the typed one
+    this.typed = false;
     const { corners } = this;
     if (!corners) return;
     const { view } = this.page.map;
@@ -126,13 +138,33 @@ export class ZonePanel {
     this.changed();
   }
 
+  /** Take corners that were typed, and show them all. @param {[number, number][]} corners */
+  type(corners) {
+    if (!this.corners) return;
+    this.corners = corners;
+    this.typed = true;
+    const { map } = this.page;
+    const hidden = corners.some((corner) => {
+      const [x, y] = map.view.toScreen(...corner);
+      return x < 0 || y < 0 || x > map.view.width || y > map.view.height;
+    });
+    if (hidden) {
+      this.page.setFollow(false);
+      map.fit();
+    }
+    this.changed();
+  }
+
   back() {
     this.corners?.pop();
+    this.typed = false;
     this.changed();
   }
 
   cancel() {
     this.corners = null;
+    this.typed = false;
+    this.sureOf = "";
     this.changed();
   }
 
@@ -146,6 +178,16 @@ export class ZonePanel {
     if (!corners || corners.length < 3) return;
     const percent = Number(this.kind.value);
     const zone = this.name.value.trim() || freeName(percent ? "slow" : "keep-out", this.found.zones);
+    const problem = checkName(zone);
+    if (problem) {
+      this.page.say(problem);
+      return;
+    }
+    if (this.found.zones.some((each) => each.name === zone) && this.sureOf !== zone) {
+      this.sureOf = zone;
+      this.page.say(TEXTS.zones.taken(zone));
+      return;
+    }
     if (!this.send({ t: "put_zone", zone, percent, corners: corners.flat() })) return;
     this.name.value = "";
     this.name.blur();

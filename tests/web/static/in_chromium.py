@@ -1,0 +1,13 @@
+"""Marks of tests that need a real browser."""
+
+from __future__ import annotations
+
+import pytest
+from tests.docs.chromium import find_chromium
+
+PROGRAM = find_chromium()
+MARKS = [
+    pytest.mark.long,
+    pytest.mark.timeout(240),
+    pytest.mark.skipif(PROGRAM is None, reason="Chromium is not installed"),
+]

@@ -1,0 +1,136 @@
+"""What users get wrong on the page: it says so, and what they have typed or drawn stays."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+from tests.docs.chromium import Chromium
+
+pytest.importorskip("aiohttp", reason="aiohttp is not installed: requirements/web.lock")
+
+from tests.web.static.in_chromium import MARKS
+from tests.web.static.played_robot import STATE, Robot, wait
+
+from ur.web.wire.frames import Kind
+
+pytestmark = MARKS
+GOAL = {"number": 0, "place": [1.0, 0.0, 0.0], "state": "none", "text": "", "left": None}
+SQUARE = [[0, 0], [1, 0], [1, 1]]
+
+
+@pytest.fixture
+def page(robot: Robot, browser: Chromium) -> Iterator[Chromium]:
+    """The page with a place and a zone."""
+    robot.asked.clear()
+    robot.show(Kind.STATE, STATE | {"bumpers": [], "goal": GOAL})
+    robot.show(Kind.PLACES, {"named": True, "places": {"desk": [0, 0, 0]}, "problem": ""})
+    zones = [{"name": "stairs", "percent": 0, "corners": SQUARE}]
+    robot.show(Kind.ZONES, {"served": True, "zones": zones, "problem": ""})
+    wait(lambda: browser.run("document.querySelectorAll('#zones-panel li, #places-panel li').length") == 2)
+    yield browser
+    browser.run("page.panels.close(); 0")
+
+
+def name_place(page: Chromium, name: str) -> None:
+    page.run(f"document.getElementById('place-name').value = {name!r}; 0")
+    page.run("document.getElementById('place-here').click(); 0")
+
+
+def lines(page: Chromium) -> str:
+    text: str = page.run("document.getElementById('banners').innerText")
+    return text
+
+
+@pytest.mark.parametrize("name", ["with space", "<b>bold</b>", 'it"s', "-first", "a" * 41, ""])
+def test_bad_name_of_a_place_stays_in_its_field_and_is_not_sent(robot: Robot, page: Chromium, name: str) -> None:
+    page.run("page.panels.toggle('places'); 0")
+    name_place(page, name)
+    assert lines(page).startswith("Not named: ")
+    assert page.run("document.getElementById('place-name').value") == name
+    assert robot.find("name_place") == []
+    assert page.run("document.querySelector('#banners b')") is None
+
+
+def test_place_is_moved_only_when_its_name_is_given_twice(robot: Robot, page: Chromium) -> None:
+    page.run("page.panels.toggle('places'); 0")
+    name_place(page, "desk")
+    assert "There is a place desk. Press again to move it to the robot." in lines(page)
+    assert robot.find("name_place") == []
+    page.run("document.getElementById('place-here').click(); 0")
+    wait(lambda: robot.find("name_place"))
+    name_place(page, "\u00fcber")
+    wait(lambda: len(robot.find("name_place")) == 2)
+    assert page.run("document.getElementById('place-name').value") == ""
+
+
+def test_zone_keeps_its_corners_when_its_name_is_bad_or_taken(robot: Robot, page: Chromium) -> None:
+    page.run("page.panels.toggle('zones'); document.getElementById('zone-draw').click(); 0")
+    for x, y in SQUARE:
+        page.run(f"page.gestures.onTap({x}, {y}); 0")
+    for name, line in (("<i>", "Not named: "), ("stairs", "There is a zone stairs. Press Done again to replace it.")):
+        page.run(f"document.getElementById('zone-name').value = {name!r}; 0")
+        page.run("document.getElementById('zone-done').click(); 0")
+        assert line in lines(page)
+        assert robot.find("put_zone") == []
+        assert page.run("document.getElementById('zone-done').disabled") is False
+    page.run("document.getElementById('zone-done').click(); 0")
+    wait(lambda: robot.find("put_zone"))
+    assert robot.find("put_zone")[0]["corners"] == [0, 0, 1, 0, 1, 1]
+
+
+def test_rectangle_of_a_zone_is_typed_by_keys_alone(robot: Robot, page: Chromium) -> None:
+    page.run("page.panels.toggle('zones'); document.getElementById('zone-draw').focus(); 0")
+    page.press("Enter")
+    page.run("document.querySelector('.rectangle summary').focus(); 0")
+    page.press("Enter")
+    wait(lambda: page.run("document.querySelector('.rectangle p').textContent") == "The robot is at x 0.00, y 0.00 m.")
+    for text in ("1.5", "-0,5", "far", "2"):
+        page.press("Tab")
+        page.write(text)
+    assert page.run("document.getElementById('zone-done').disabled")
+    assert page.run("[...document.querySelectorAll('.rectangle input')].map((e) => e.ariaInvalid)") == [
+        "false", "false", "true", "false",
+    ]  # fmt: skip
+    page.run("document.querySelectorAll('.rectangle input')[2].select(); 0")
+    page.write("1")
+    assert page.run("document.getElementById('zone-done').disabled") is False
+    page.press("Enter")
+    wait(lambda: robot.find("put_zone"))
+    zone = {"t": "put_zone", "zone": "keep-out", "percent": 0, "corners": [1.5, 1, -0.5, 1, -0.5, 2, 1.5, 2]}
+    assert robot.find("put_zone") == [zone]
+
+
+def test_goal_that_is_refused_at_once_is_said_to_be(robot: Robot, page: Chromium) -> None:
+    text = "emergency stop is on; release it first"
+    robot.show(Kind.STATE, STATE | {"bumpers": [], "goal": GOAL | {"number": 1, "state": "failed", "text": text}})
+    wait(lambda: f"Goal not reached: {text}" in lines(page))
+
+
+def test_stop_that_does_not_arrive_is_said_in_red_until_the_robot_has_stopped(robot: Robot, page: Chromium) -> None:
+    page.run("globalThis.real = fetch; globalThis.fetch = () => Promise.reject(new Error()); page.stop(); 0")
+    wait(lambda: page.holds("document.querySelector('.banner.red')?.textContent.startsWith('NOT STOPPED')"))
+    robot.show(Kind.STATE, STATE | {"mux": STATE["mux"] | {"stopped": True}})
+    wait(lambda: "Emergency stop: nothing drives." in lines(page))
+    assert "NOT STOPPED" not in lines(page)
+    page.run("globalThis.fetch = real; 0")
+
+
+def test_log_shows_the_time_of_day_in_place_of_seconds_since_1970(page: Chromium) -> None:
+    page.run("page.panels.toggle('runs'); 0")
+    lines = page.run("""(async () => {
+      const { RunLog } = await import("/run_log.js"), log = new RunLog(document.createElement("div"));
+      const texts = ["[ERROR] [1795405662.385888]: a", "[ INFO] [1795405662.385888123, 12.3]: b", "[WARN] [1.0]: c"];
+      log.take({ run: "", first: 0, lines: texts.map((text) => ["/n", "error", text]) });
+      return [[...log.list.children].map((e) => e.textContent), new Date(1795405662000).toLocaleTimeString()];
+    })()""")
+    assert lines == [[f"n [ERROR] {lines[1]} a", f"n [ INFO] {lines[1]} b", "n [WARN] [1.0]: c"], lines[1]]
+
+
+def test_new_link_that_is_opened_in_the_tab_of_an_old_one_logs_in(robot: Robot, page: Chromium) -> None:
+    page.ask("Network.enable")
+    page.ask("Network.clearBrowserCookies")
+    page.open(f"http://127.0.0.1:{robot.port}/login")
+    wait(lambda: "another one" in page.run("document.body.innerText"))
+    page.run(f"location.hash = {robot.link.partition('#')[2]!r}; 0")
+    wait(lambda: page.holds("globalThis.page?.state"))
