@@ -43,6 +43,14 @@ def test_bumper_that_is_pressed_is_named(browser: Chromium) -> None:
     wait(lambda: "Bumper pressed: front" in browser.run("document.getElementById('banners').textContent"))
 
 
+def test_driver_who_is_out_of_reach_is_not_said_to_drive(robot: Robot, browser: Chromium) -> None:
+    lease = {"client": "x", "name": "ann", "program": "web", "since": 1.0, "until": 60.0, "asking": []}
+    for state, words in (("held", "ann drives"), ("lost", "Nobody drives")):
+        robot.show(Kind.STATE, STATE | {"lease": lease | {"state": state}})
+        wait(lambda words=words: browser.run("document.getElementById('driver').textContent") == words)
+    robot.show(Kind.STATE, STATE)
+
+
 def test_patrol_drives_to_the_ticked_places_in_turn_until_another_goal_is_sent(robot: Robot, browser: Chromium) -> None:
     robot.show(Kind.PLACES, {"named": True, "places": {"desk": [0, 0, 0], "door": [1, 0, 0]}, "problem": ""})
     browser.run("page.panels.toggle('places'); 0")

@@ -89,3 +89,8 @@ def test_a_finger_can_hit_what_is_shown_in_panels(robot: Robot, browser: Chromiu
         browser.run(f"page.panels.toggle('{name}'); 0")
         assert browser.run(f"({SMALL})(44)") == [], name
         browser.run("page.panels.close(); 0")
+
+
+def test_every_id_is_that_of_one_element(browser: Chromium) -> None:
+    ids = browser.run("[...document.querySelectorAll('[id]')].map((e) => e.id)")
+    assert sorted(ids) == sorted(set(ids))

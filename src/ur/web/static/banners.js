@@ -1,6 +1,7 @@
 // @ts-check
 /** Lines above the map about what the user has to know, each with the buttons that change it. */
 
+import { make, makeButton } from "./elements.js";
 import { announce } from "./heard.js";
 import { TEXTS } from "./texts.js";
 
@@ -57,13 +58,9 @@ function makeBanner(banner) {
   const text = document.createElement("span");
   text.textContent = banner.text;
   element.append(text);
-  for (const { label, act } of banner.buttons ?? []) {
-    const button = document.createElement("button");
-    button.type = "button";
-    button.textContent = label;
-    button.addEventListener("click", act);
-    element.append(button);
-  }
+  const buttons = make("div");
+  buttons.append(...(banner.buttons ?? []).map(({ label, act }) => makeButton(label, act)));
+  if (banner.buttons?.length) element.append(buttons);
   return element;
 }
 
@@ -115,7 +112,7 @@ export function describeDriving(state, client) {
   if (!lease) return "";
   const active = state.mux.active;
   const source = TEXTS.sources[active] ?? active;
-  if (lease.state === "free") return active ? TEXTS.driver(source) : TEXTS.nobodyDrives;
+  if (lease.state !== "held") return active ? TEXTS.driver(source) : TEXTS.nobodyDrives;
   const who = lease.client === client ? TEXTS.youDrive : TEXTS.driver(lease.name);
   return active ? `${who} (${source})` : who;
 }

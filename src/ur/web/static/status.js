@@ -31,7 +31,7 @@ export class Status {
 
   /** Show a line for some seconds. @param {string} text @param {boolean} red */
   say(text, red = false) {
-    this.note = { text: sentence(text), until: performance.now() + NOTE_TIME, red };
+    this.note = { text: sentence(text), until: performance.now() + (red ? 3 : 1) * NOTE_TIME, red };
     this.refresh();
   }
 
@@ -87,7 +87,7 @@ export class Status {
     element("dot").classList.toggle("up", !old);
     element("empty").hidden = map.tiles.grid !== null || old;
     element("driver").textContent = old ? "" : describeDriving(state, drive?.client ?? "");
-    element("speed").textContent = pose && !old ? TEXTS.speed(pose.speed) : "";
+    element("velocity").textContent = pose && !old ? TEXTS.speed(pose.speed) : "";
     if (map.old !== old) {
       map.old = old;
       map.request();
