@@ -116,6 +116,15 @@ def test_stop_that_does_not_arrive_is_said_in_red_until_the_robot_has_stopped(ro
     page.run("globalThis.fetch = real; 0")
 
 
+def test_goal_without_a_robot_is_not_blamed_on_a_slow_connection(robot: Robot, page: Chromium) -> None:
+    page.run("page.drive.stopped = page.drive.request; page.drive.request = () => false; 0")
+    for end, line in (("no master", "Not sent: the robot is not connected."), ("up", "the connection was too slow")):
+        page.run(f"page.server = {{ ...page.server, end: '{end}' }}; page.point({{ x: 1, y: 0, yaw: 0 }}); 0")
+        assert line in lines(page)
+    page.run("page.drive.request = page.drive.stopped; 0")
+    assert robot.find("goal") == []
+
+
 def test_log_shows_the_time_of_day_in_place_of_seconds_since_1970(page: Chromium) -> None:
     page.run("page.panels.toggle('runs'); 0")
     lines = page.run("""(async () => {

@@ -113,7 +113,7 @@ export class Page {
 
   /** Send a request about a place. @param {Record<string, unknown>} message */
   sendPlace(message) {
-    if (!this.drive?.request(message)) this.say(TEXTS.refused.late);
+    if (!this.drive?.request(message)) this.sayNotSent();
     else if (message.t === "go_to") this.panels.toggle(this.panels.open);
   }
 
@@ -128,7 +128,7 @@ export class Page {
   /** @param {import("./map_view.js").Place} place */
   point(place) {
     const sent = this.drive?.request({ t: this.mode === "pose" ? "pose" : "goal", ...place });
-    if (!sent) this.say(TEXTS.refused.late);
+    if (!sent) this.sayNotSent();
     this.setMode("look");
   }
 
@@ -179,6 +179,11 @@ export class Page {
   leave() {
     const driving = this.state && !element("goal").hidden;
     if (!driving && this.state?.lease?.client === this.drive?.client) this.drive?.request({ t: "lease", do: "release" });
+  }
+
+  /** Say why a request could not be sent. */
+  sayNotSent() {
+    this.say(this.server?.end === "up" ? TEXTS.refused.late : TEXTS.refused.away);
   }
 
   /** @param {string} text @param {boolean} red */

@@ -33,8 +33,12 @@ export const SPEED_PANEL = {
     };
     slider.addEventListener("input", () => show(Number(slider.value)));
     slider.addEventListener("change", () => {
-      if (!page.drive?.send({ t: "limit", percent: Number(slider.value) })) page.say(TEXTS.refused.late);
+      if (!page.drive?.send({ t: "limit", percent: Number(slider.value) })) page.sayNotSent();
     });
+    slider.disabled = true;
+    slider.value = "100";
+    note.textContent = TEXTS.speedLimit.unknown;
+    sources.hidden = true;
     page.frames.on(KIND.STATE, (frame) => {
       const { limit, sources: names, mux } = readJson(frame);
       const word = (/** @type {string} */ name) => TEXTS.sources[name] ?? name;

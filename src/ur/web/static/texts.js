@@ -74,7 +74,7 @@ export const TEXTS = {
   badName: "Not named: a name has at most 40 letters, digits, '_', '-' and '.', without spaces, and begins with a letter or digit.",
   /** @param {string} name */
   placeTaken: (name) => `There is a place ${name}. Press again to move it to the robot.`,
-  noMapName: "This map has no name yet: save it, then its places can be named.",
+  noMapName: "Places belong to a map with a name. Start a program that navigates, or save the map that is being made.",
   remove: "Delete",
   sure: "Sure?",
   /** @param {string} name */
@@ -110,6 +110,7 @@ export const TEXTS = {
   },
   speedLimit: {
     title: "Speed limit",
+    unknown: "The limit is known when the robot is connected.",
     help: "Nothing drives faster, neither by hand nor to a goal.",
     none: "This robot takes no speed limit: its copy of the project is older than this page. Update it.",
     /** @param {number} percent @param {number} speed */
@@ -196,6 +197,7 @@ export const TEXTS = {
   left: (metres) => `${metres.toFixed(1)} m left`,
   refused: {
     late: "Not sent: the connection was too slow. Try again.",
+    away: "Not sent: the robot is not connected.",
     driver: "Not sent: somebody else drives.",
     name: "Not named: expected at most 40 letters, digits, '_', '-' and '.'.",
     full: "Not named: this map has 200 places, expected fewer.",

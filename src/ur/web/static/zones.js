@@ -197,7 +197,7 @@ export class ZonePanel {
   /** @param {Record<string, unknown>} message */
   send(message) {
     const sent = this.page.drive?.send(message) ?? false;
-    if (!sent) this.page.say(TEXTS.refused.late);
+    if (!sent) this.page.sayNotSent();
     return sent;
   }
 
