@@ -91,6 +91,14 @@ def test_a_finger_can_hit_what_is_shown_in_panels(robot: Robot, browser: Chromiu
         browser.run("page.panels.close(); 0")
 
 
+def test_back_button_of_a_phone_closes_the_panel_and_leaves_the_page_open(browser: Chromium) -> None:
+    if not browser.run("'CloseWatcher' in globalThis"):
+        pytest.skip("this Chromium has no CloseWatcher")
+    browser.run("page.panels.toggle('places'); page.panels.toggle('layers'); 0")
+    browser.run("page.panels.back.requestClose(); 0")
+    assert browser.run("[page.panels.open, document.activeElement.id, page.panels.back]") == ["", "layers", None]
+
+
 def test_every_id_is_that_of_one_element(browser: Chromium) -> None:
     ids = browser.run("[...document.querySelectorAll('[id]')].map((e) => e.id)")
     assert sorted(ids) == sorted(set(ids))

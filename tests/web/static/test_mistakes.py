@@ -125,6 +125,14 @@ def test_goal_without_a_robot_is_not_blamed_on_a_slow_connection(robot: Robot, p
     assert robot.find("goal") == []
 
 
+def test_copy_of_a_tab_is_another_client_and_both_stay_connected(page: Chromium) -> None:
+    page.run("page.drive.newest = null; globalThis.before = page.drive.client; 0")
+    page.run("globalThis.copy = new WebSocket(`ws://${location.host}/ws/drive?tab=${page.drive.tab}`); 0")
+    wait(lambda: page.run("page.drive.client !== before && page.drive.newest !== null"))
+    assert page.run("[copy.readyState, sessionStorage.tab === page.drive.tab]") == [1, True]
+    page.run("copy.close(); 0")
+
+
 def test_log_shows_the_time_of_day_in_place_of_seconds_since_1970(page: Chromium) -> None:
     page.run("page.panels.toggle('runs'); 0")
     lines = page.run("""(async () => {

@@ -9,6 +9,7 @@ const YOUNG = 60; // ms: a challenge that a new press may answer at once
 const ALIVE_EVERY = 200; // ms
 const FIRST_PAUSE = 250;
 const LONGEST_PAUSE = 3000;
+const OPENED_AGAIN = "opened again"; // see ur.web.server.drivers
 
 /** @typedef {"idle" | "held" | "dead"} Press */
 
@@ -41,8 +42,9 @@ export class DriveSocket {
     const socket = new WebSocket(`ws://${location.host}/ws/drive?tab=${this.tab}`);
     this.socket = socket;
     socket.onmessage = (event) => this.take(JSON.parse(event.data));
-    socket.onclose = () => {
+    socket.onclose = (event) => {
       if (this.socket !== socket) return;
+      if (event.reason === OPENED_AGAIN) this.tab = newTabId(); // a copy of this tab: both would close each other's connection
       this.socket = null;
       this.newest = null;
       this.end();
@@ -124,8 +126,10 @@ export class DriveSocket {
 
 /** The id of this tab: a page that is loaded again is the same client of the robot. */
 export function tabId() {
-  const known = sessionStorage.getItem("tab");
-  if (known) return known;
+  return sessionStorage.getItem("tab") ?? newTabId();
+}
+
+function newTabId() {
   const bytes = crypto.getRandomValues(new Uint8Array(12));
   const fresh = [...bytes].map((byte) => byte.toString(16).padStart(2, "0")).join("");
   sessionStorage.setItem("tab", fresh);

@@ -24,6 +24,8 @@ export class Panels {
     bar.setAttribute("aria-label", TEXTS.panels);
     /** @type {Map<string, {box: HTMLElement, button: HTMLButtonElement, part: PanelPart}>} */
     this.panels = new Map();
+    /** Has the back button of a phone close the panel, where the browser can. @type {any} */
+    this.back = null;
     for (const panel of list) {
       const button = makePanelButton(panel, () => this.toggle(panel.name));
       bar.append(button);
@@ -65,6 +67,13 @@ export class Panels {
       if (changes) part.show?.(!box.hidden);
     }
     document.body.dataset.panel = shown;
+    this.back?.destroy();
+    this.back = null;
+    const { CloseWatcher } = /** @type {any} */ (globalThis);
+    if (!shown || !CloseWatcher) return;
+    const back = new CloseWatcher();
+    back.onclose = () => this.back === back && this.close();
+    this.back = back;
   }
 
   /** Close the panel that is open, and have its button focused again. */
