@@ -65,6 +65,19 @@ def test_no_control_covers_another_while_lines_are_shown(
 
 
 @pytest.mark.parametrize("size", [*PHONES, *WIDE])
+def test_whole_map_is_shown_between_the_bars(browser: Chromium, size: tuple[int, int]) -> None:
+    set_size(browser, size)
+    left, right, start, end = browser.run("""(() => {
+      const size = { column: 0, row: 0, width: 400, height: 100 };
+      page.map.setGrid(1, { generation: 1, resolution: 0.05, x: -10, y: -5, yaw: 0, ...size });
+      page.map.fit();
+      const boxes = ["panels", "view"].map((id) => document.getElementById(id).getBoundingClientRect());
+      return [boxes[0].right, boxes[1].left, page.map.view.toScreen(-10, 0)[0], page.map.view.toScreen(10, 0)[0]];
+    })()""")
+    assert left < start < end < right
+
+
+@pytest.mark.parametrize("size", [*PHONES, *WIDE])
 @pytest.mark.parametrize("name", ["places", "layers", "plots", "runs"])
 def test_open_panel_leaves_stop_modes_and_first_line_in_reach_and_can_be_closed(
     robot: Robot, browser: Chromium, size: tuple[int, int], name: str

@@ -37,6 +37,13 @@ export function labelControls(page, robot) {
   }
 }
 
+/** The pixels that controls need: left, right, above and below the map. */
+export function measureEdges() {
+  const [left, right] = [element("panels"), element("view")].map((bar) => bar.getBoundingClientRect());
+  const below = innerHeight - element("stop").getBoundingClientRect().bottom < 15 ? 66 : 125; // where the page is low, or not
+  return [left.right + 6, innerWidth - right.left + 6, 65, below];
+}
+
 /** Show a mode as chosen. @param {Mode} mode @param {boolean} mayDrive */
 export function showMode(mode, mayDrive) {
   document.body.dataset.mode = mode;

@@ -1,7 +1,7 @@
 // @ts-check
 /** Joins sockets, map, controls and panels. */
 
-import { labelControls, showMode } from "./controls.js";
+import { labelControls, measureEdges, showMode } from "./controls.js";
 import { DriveSocket, tabId } from "./drive_socket.js";
 import { element, takesKeys } from "./elements.js";
 import { FrameHandlers, showOnMap } from "./frames.js";
@@ -31,7 +31,7 @@ export class Page {
     this.poseAt = -Infinity;
     /** @type {Mode} */
     this.mode = "look";
-    this.map = new MapView(/** @type {HTMLCanvasElement} */ (element("map")));
+    this.map = new MapView(/** @type {HTMLCanvasElement} */ (element("map")), measureEdges);
     this.gestures = new Gestures(
       this.map,
       () => this.mode === "goal" || this.mode === "pose",

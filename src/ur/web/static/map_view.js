@@ -10,9 +10,10 @@ import { LAYER } from "./wire.js";
 const LONGEST_LABEL = 24; // characters of a name on the map
 
 export class MapView {
-  /** @param {HTMLCanvasElement} canvas */
-  constructor(canvas) {
+  /** @param {HTMLCanvasElement} canvas @param {() => number[]} edges pixels of controls: left, right, above, below */
+  constructor(canvas, edges) {
     this.canvas = canvas;
+    this.edges = edges;
     this.context = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d", { alpha: false }));
     this.view = new View();
     this.tiles = new MapTiles();
@@ -97,7 +98,7 @@ export class MapView {
     const bounds = this.tiles.bounds();
     if (!bounds || this.view.width < 2) return;
     this.fitted = this.whole = true;
-    this.view.fit(bounds);
+    this.view.fit(bounds, this.edges());
     this.request();
   }
 

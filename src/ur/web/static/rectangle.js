@@ -40,7 +40,7 @@ export class Rectangle {
   /** Say where the robot is. */
   tell() {
     const pose = this.where();
-    this.note.textContent = pose && this.box.open ? TEXTS.zones.robotAt(pose.x, pose.y) : "";
+    this.note.textContent = pose && this.box.open ? TEXTS.zones.robotAt(toCentimetres(pose.x), toCentimetres(pose.y)) : "";
   }
 
   clear() {
@@ -60,8 +60,11 @@ export class Rectangle {
 export function readMetres(text) {
   const found = text.trim().replace(",", ".");
   const number = /^[-+]?(\d+\.?\d*|\.\d+)$/.test(found) ? Number(found) : NaN;
-  return Math.abs(number) <= FARTHEST ? Math.round(100 * number) / 100 : null;
+  return Math.abs(number) <= FARTHEST ? toCentimetres(number) : null;
 }
+
+/** @param {number} metres no -0 */
+const toCentimetres = (metres) => Math.round(100 * metres) / 100 + 0;
 
 /** The corners between two x and two y, whichever is the larger; null where they make no area. @param {(number | null)[]} sides @returns {Corners | null} */
 export function makeCorners([left, right, low, high]) {

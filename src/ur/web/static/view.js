@@ -3,7 +3,6 @@
 
 const NEAREST = 400; // pixels a metre
 const FARTHEST = 1;
-const BESIDE = 58; // pixels: the bars of buttons left and right
 
 export class View {
   constructor() {
@@ -39,13 +38,17 @@ export class View {
     this.y += py - qy;
   }
 
-  /** Show a rectangle: left, low, right, high. @param {number[]} bounds */
-  fit(bounds) {
+  /**
+   * Show a rectangle between the controls.
+   * @param {number[]} bounds left, low, right, high @param {number[]} edges pixels of controls: left, right, above, below
+   */
+  fit(bounds, edges) {
     const [left, low, right, high] = bounds;
-    const room = [Math.max(50, this.width - 2 * BESIDE), Math.max(50, this.height - 190)];
+    const [before, behind, above, below] = edges;
+    const room = [Math.max(50, this.width - before - behind), Math.max(50, this.height - above - below)];
     const scale = Math.min(room[0] / Math.max(0.5, right - left), room[1] / Math.max(0.5, high - low));
     this.scale = Math.min(NEAREST, Math.max(FARTHEST, scale));
-    this.x = (left + right) / 2;
-    this.y = (low + high) / 2 - 30 / this.scale; // the lower edge has more controls
+    this.x = (left + right) / 2 - (before - behind) / 2 / this.scale;
+    this.y = (low + high) / 2 + (above - below) / 2 / this.scale;
   }
 }
