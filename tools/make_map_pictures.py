@@ -28,7 +28,7 @@ from bench.mapping_parts.simulated import drive, grid_of_world, load_bench_base 
 
 from ur.worlds.world_file import World  # noqa: E402
 from ur_nodes.costmap.footprint import footprint_of_outline  # noqa: E402
-from ur_nodes.exploration.explorer import ExplorerSettings  # noqa: E402
+from ur_nodes.exploration.explorer_step import ExplorerSettings  # noqa: E402
 from ur_nodes.exploration.status import describe_end  # noqa: E402
 from ur_nodes.geometry.grid import FREE, OCCUPIED, Grid  # noqa: E402
 from ur_nodes.geometry.pose import Pose2  # noqa: E402

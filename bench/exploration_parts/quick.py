@@ -10,7 +10,8 @@ import numpy as np
 from bench.exploration_parts.truth import Truth
 from skimage.graph import MCP_Geometric
 
-from ur_nodes.exploration.explorer import Explorer, ExplorerSettings, GoalEnd, Inputs
+from ur_nodes.exploration.explorer import Explorer
+from ur_nodes.exploration.explorer_step import ExplorerSettings, GoalEnd, Inputs
 from ur_nodes.exploration.search.floor import nearest_cell
 from ur_nodes.exploration.status import Status
 from ur_nodes.geometry.grid import Grid

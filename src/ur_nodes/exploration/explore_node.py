@@ -15,7 +15,8 @@ from visualization_msgs.msg import MarkerArray
 
 from ur.maps.names import is_map_name
 from ur.source.diagnostic import UserError
-from ur_nodes.exploration.explorer import Explorer, Inputs, Outputs
+from ur_nodes.exploration.explorer import Explorer
+from ur_nodes.exploration.explorer_step import Inputs, Outputs
 from ur_nodes.exploration.markers_node import marker_array
 from ur_nodes.exploration.navigation_node import Navigation
 from ur_nodes.exploration.obstacles_node import Obstacles

@@ -13,7 +13,7 @@ from move_base_msgs.msg import MoveBaseActionGoal, MoveBaseActionResult
 from std_msgs.msg import Bool, String
 from std_srvs.srv import Empty
 
-from ur_nodes.exploration.explorer import GoalEnd
+from ur_nodes.exploration.explorer_step import GoalEnd
 from ur_nodes.exploration.pause import Drivers, note_time, reason_to_pause
 from ur_nodes.exploration.settings_node import ExploreSettings
 from ur_nodes.geometry.pose import Pose2

@@ -9,7 +9,7 @@ from bench.exploration_parts.quick import explore_quickly
 from bench.exploration_parts.truth import Truth, greedy_way
 
 from ur.worlds.world_file import read_world
-from ur_nodes.exploration.explorer import ExplorerSettings
+from ur_nodes.exploration.explorer_step import ExplorerSettings
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
 

@@ -31,21 +31,21 @@ def choose_viewpoint(
     floor: Floor, viewpoints: Sequence[Viewpoint], weights: Weights, kept: tuple[float, float] | None = None
 ) -> Viewpoint | None:
     """Choose the place to drive to first; None when there is none. `kept`: the frontier that is pursued, m."""
-    near = sorted(viewpoints, key=lambda each: each.way)[:_MOST]
+    near = sorted(viewpoints, key=lambda each: each.distance)[:_MOST]
     if len(near) < 2:
         return near[0] if near else None
-    between = _ways_between(floor, near)
+    between = _distances_between(floor, near)
     onward = _shortest_onward(between)
     scores = []
     for index, each in enumerate(near):
-        score = weights.distance * (each.way + onward[index]) - weights.gain * each.frontier.gain
+        score = weights.distance * (each.distance + onward[index]) - weights.gain * each.frontier.gain
         if kept is not None and np.hypot(each.frontier.place[0] - kept[0], each.frontier.place[1] - kept[1]) < 1.0:
             score -= weights.keep
         scores.append(score)
     return near[int(np.argmin(scores))]
 
 
-def _ways_between(floor: Floor, viewpoints: Sequence[Viewpoint]) -> NDArray[np.float64]:
+def _distances_between(floor: Floor, viewpoints: Sequence[Viewpoint]) -> NDArray[np.float64]:
     """Ways (n, n) in m between the places, on coarse cells; the straight distance where those do not connect."""
     factor = max(1, round(_COARSE / floor.resolution))
     height, width = (-(-side // factor) for side in floor.shape)

@@ -46,11 +46,11 @@ def sort_corners(
     known: float,
     settings: CornerSettings,
     kept: tuple[float, float] | None = None,
-    idle_way: float = 0.0,
+    idle_distance: float = 0.0,
 ) -> Places:
     """Sort viewpoints on a map with `known` m2 of floor; `kept` (m) is the frontier that the robot drives to.
 
-    `idle_way` (m): how far it has driven since the map last grew.
+    `idle_distance` (m): how far it has driven since the map last grew.
 
     `now` is empty where nothing is left that is worth the way.
     """
@@ -58,7 +58,7 @@ def sort_corners(
 
     def worth(each: Viewpoint) -> bool:
         pursued = kept is not None and math.dist(each.frontier.place, kept) < _SAME
-        limit = 0.0 if idle_way > _SOON else _PURSUED * least
+        limit = 0.0 if idle_distance > _SOON else _PURSUED * least
         return each.frontier.gain >= (limit if pursued else least)
 
     rooms = tuple(each for each in viewpoints if worth(each))

@@ -14,8 +14,12 @@ from ur.worlds.cells import CellFrame
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
 
-_OCCUPIED_FROM = 65  # of 100: the limit that the costmaps use
-_ESCAPE = 0.5  # m: the robot may stand so far from the next place where it fits
+OCCUPIED_FROM = 65
+"""The least occupancy (of 100) of an obstacle; the limit that the costmaps use."""
+
+ESCAPE = 0.5
+"""How far (m) the robot may be from the next place where it fits."""
+
 _FAR = 1e6  # m, the clearance of a map without an obstacle
 
 Cell = tuple[int, int]
@@ -74,7 +78,7 @@ def read_floor(grid: Grid, robot: Pose2, radius: float, obstacles: NDArray[np.fl
     `obstacles` (n, 2) in m are occupied, too: what sensors see now and the map does not show.
     """
     values = grid.values
-    occupied = values >= _OCCUPIED_FROM
+    occupied = values >= OCCUPIED_FROM
     if obstacles is not None and len(obstacles):
         cells = grid.cells_of_points(obstacles)
         cells = cells[grid.contains(cells)]
@@ -98,7 +102,7 @@ def drive_distances(fits: NDArray[np.bool_], start: Cell, resolution: float) -> 
 
 
 def _distances(grid: Grid, fits: NDArray[np.bool_], robot: Pose2) -> NDArray[np.float64]:
-    start = nearest_cell(grid, fits, (robot.x, robot.y), _ESCAPE)
+    start = nearest_cell(grid, fits, (robot.x, robot.y), ESCAPE)
     if start is None:
         return np.full(fits.shape, np.inf)
     return drive_distances(fits, start, grid.resolution)

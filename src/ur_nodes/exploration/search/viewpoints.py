@@ -22,11 +22,11 @@ _TRIED = 150  # candidates whose line of sight is checked
 
 @dataclass(frozen=True, slots=True)
 class Viewpoint:
-    """A pose that looks at a frontier, and the way there in m."""
+    """A pose that looks at a frontier, and the `distance` (m) to drive there."""
 
     pose: Pose2
     cell: Cell
-    way: float
+    distance: float
     frontier: Frontier
 
 

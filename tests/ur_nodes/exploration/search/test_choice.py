@@ -22,7 +22,7 @@ def viewpoint(floor: Floor, column: float, gain: float = 1.0) -> Viewpoint:
 def test_side_with_less_to_do_comes_first_even_if_it_is_not_the_nearest() -> None:
     floor = read_floor(draw(HALL), place(6, 1.5, HALL), 0.2)
     left, near, middle, far = (viewpoint(floor, column) for column in (2.5, 9, 12, 17))
-    assert near.way < left.way
+    assert near.distance < left.distance
     assert choose_viewpoint(floor, (near, left, middle, far), Weights()) is left
 
 

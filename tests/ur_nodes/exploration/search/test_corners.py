@@ -55,4 +55,4 @@ def test_frontier_that_is_driven_to_becomes_a_corner_later() -> None:
 def test_frontier_that_is_driven_to_becomes_no_corner_once_nothing_is_found_on_the_way() -> None:
     here, there = view(0.1), view(0.9, 5.0)
     assert here not in sort_corners((here, there), 150.0, SETTINGS, kept=(0.3, 0.0)).now
-    assert sort_corners((here, there), 150.0, SETTINGS, kept=(0.3, 0.0), idle_way=4.0).now == (here, there)
+    assert sort_corners((here, there), 150.0, SETTINGS, kept=(0.3, 0.0), idle_distance=4.0).now == (here, there)

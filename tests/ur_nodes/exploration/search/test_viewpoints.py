@@ -16,7 +16,7 @@ def test_viewpoint_is_the_nearest_place_in_sight_of_the_frontier() -> None:
     (frontier,) = find_frontiers(floor, 0.3)
     found = find_viewpoint(floor, frontier, 1.0)
     assert found is not None
-    assert 1.0 < found.way < 2.0
+    assert 1.0 < found.distance < 2.0
     assert floor.reachable[found.cell]
 
 
