@@ -14,46 +14,52 @@ _MEMORY = 0.995  # how much of what was learned remains with each motion
 _NOISE = (0.02, 0.02)  # m per root m, rad per root m: what is random in a motion that teaches
 _STILL = (0.002, 0.002)  # m, rad: odometry that reports less motion means that the robot is at rest
 _GYRO_NOISE = (0.004, 0.02)  # rad, rad per rad: of a heading between two scans
-_LEAST = 0.05  # m: shorter motions teach nothing
+_TEACHES = (0.05, 0.2)  # m, rad: smaller motions teach nothing
+_SHORTEST = 0.1  # m: the noise of shorter motions is that of one so long
+_MOST_SURPRISE = 4.0  # standard deviations: more means that the wheels slipped, or that the scan was matched wrongly
+_SHIFT_NOISE = (0.005, 0.05, 0.02)  # m, m per m driven, m per rad turned
+_TURN_NOISE = (0.004, 0.03, 0.08)  # rad, rad per m driven, rad per rad turned
 
 
 class OdometryModel:
     """Corrects motions by what was learned: a factor for lengths, a factor for turns, and a turn per metre."""
 
     def __init__(self) -> None:
-        self._errors = np.zeros(3)
+        self._errors = np.zeros(3)  # of scale, of turns per turn, rad per m
         self._covariance = _START.copy()
 
     def correct(self, motion: Pose2) -> Pose2:
         """The motion that most likely lies behind one that odometry reports."""
         scale, turn, drift = self._errors
-        way = math.hypot(motion.x, motion.y)
+        distance = math.hypot(motion.x, motion.y)
         factor = 1.0 + scale
         longer = Pose2(factor * motion.x, factor * motion.y, motion.yaw)
-        return with_turn(longer, motion.yaw * (1.0 + turn) + drift * way)
+        return with_turn(longer, motion.yaw * (1.0 + turn) + drift * distance)
 
     def covariance(self, motion: Pose2) -> Floats:
         """Of a corrected motion, (3, 3) in its own frame: what is random, and what was not learned yet."""
-        way, turn = math.hypot(motion.x, motion.y), abs(motion.yaw)
-        scale, turning, drift = np.sqrt(np.diag(self._covariance))
-        shift = 0.005 + (0.05 + scale) * way + 0.02 * turn
-        swing = 0.004 + (0.03 + drift) * way + (0.08 + turning) * turn
+        distance, angle = math.hypot(motion.x, motion.y), abs(motion.yaw)
+        scale, turn, drift = np.sqrt(np.diag(self._covariance))
+        least, per_metre, per_radian = _SHIFT_NOISE
+        shift = least + (per_metre + scale) * distance + per_radian * angle
+        least, per_metre, per_radian = _TURN_NOISE
+        swing = least + (per_metre + drift) * distance + (per_radian + turn) * angle
         return np.diag(np.square((shift, shift, swing)))
 
     def learn(self, reported: Pose2, true: Pose2) -> None:
-        """Compare a motion that odometry reported with the true one."""
-        way, real = math.hypot(reported.x, reported.y), math.hypot(true.x, true.y)
-        if way < _LEAST and abs(reported.yaw) < 0.2:
+        """Compare a motion that odometry reported with the true one: a Kalman filter of the three lasting errors."""
+        distance, real = math.hypot(reported.x, reported.y), math.hypot(true.x, true.y)
+        if distance < _TEACHES[0] and abs(reported.yaw) < _TEACHES[1]:
             return
-        spread = max(way, 0.1)
-        rows = np.array(((way, 0.0, 0.0), (0.0, reported.yaw, way)))
-        seen = np.array((real - way, math.remainder(true.yaw - reported.yaw, 2.0 * math.pi)))
-        noise = np.diag(np.square(_NOISE)) * spread
+        rows = np.array(((distance, 0.0, 0.0), (0.0, reported.yaw, distance)))
+        seen = np.array((real - distance, math.remainder(true.yaw - reported.yaw, 2.0 * math.pi)))
+        noise = np.diag(np.square(_NOISE)) * max(distance, _SHORTEST)
         before = self._covariance / _MEMORY
-        gain = before @ rows.T @ np.linalg.inv(rows @ before @ rows.T + noise)
+        innovation = rows @ before @ rows.T + noise
         surprise = seen - rows @ self._errors
-        if surprise @ np.linalg.solve(rows @ before @ rows.T + noise, surprise) > 16.0:
-            return  # the wheels slipped, or the scan was matched wrongly
+        if surprise @ np.linalg.solve(innovation, surprise) > _MOST_SURPRISE**2:
+            return
+        gain = before @ rows.T @ np.linalg.inv(innovation)
         self._errors = self._errors + gain @ surprise
         self._covariance = (np.eye(3) - gain @ rows) @ before
 

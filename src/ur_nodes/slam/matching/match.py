@@ -22,6 +22,12 @@ _LEVER = 3.0  # m: makes rad comparable with m
 _LEAST_NOISE = 0.004  # m
 _DEPENDENT = 4.0  # neighbouring beams err alike: so many count as one
 _HUGE = 10.0  # m or rad: no knowledge, against what moves between two scans
+_DAMPING = np.diag((1e-3, 1e-3, 1e-3))  # 1/m2, 1/rad2: keeps the equations solvable without points and prior
+_LONGEST_STEP = 0.3  # m, of one iteration
+_CONVERGED = (2e-4, 1e-4)  # m, rad: a smaller step is the last one
+_NOISE_AT_FIRST = 0.02  # m
+_SIGMA_OF_MEDIAN = 1.48  # a normal distribution's standard deviation over its median absolute deviation
+_LEAST_RESIDUALS = 10  # points whose residuals tell the noise
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +64,7 @@ def match_surface(
     information = np.zeros((3, 3)) if prior is None else np.linalg.inv(prior)
     pose, start = np.array(guess, dtype=np.float64), np.array(guess, dtype=np.float64)
     known = np.zeros((3, 3))
-    noise, agreement = 0.02, 0.0
+    noise, agreement = _NOISE_AT_FIRST, 0.0
     for iteration in range(settings.iterations):
         reach = _REACHES[min(iteration, len(_REACHES) - 1)]
         hessian, gradient, noise, agreement = _normal_equations(target, surface, pose, reach, settings.outlier, noise)
@@ -66,13 +72,13 @@ def match_surface(
         offset = pose - start
         offset[2] = wrap_angle(offset[2])
         scale = 1.0 / (noise * noise * _DEPENDENT)
-        total = known * scale + information + np.diag((1e-3, 1e-3, 1e-3))
+        total = known * scale + information + _DAMPING
         step = np.linalg.solve(total, share @ gradient * scale + information @ offset)
         length = float(np.hypot(step[0], step[1]))
-        if length > 0.3:
-            step *= 0.3 / length
+        if length > _LONGEST_STEP:
+            step *= _LONGEST_STEP / length
         pose -= step
-        if iteration >= len(_REACHES) and length < 2e-4 and abs(step[2]) < 1e-4:
+        if iteration >= len(_REACHES) and length < _CONVERGED[0] and abs(step[2]) < _CONVERGED[1]:
             break
     covariance = np.asarray(
         np.linalg.inv(known / (noise * noise * _DEPENDENT) + np.eye(3) / _HUGE**2), dtype=np.float64
@@ -108,8 +114,8 @@ def _normal_equations(
         gradient += slopes.T @ (weights * residuals)
     on_map = np.abs(across) < limit
     used = flat & on_map
-    if used.sum() >= 10:
-        noise = max(_LEAST_NOISE, float(1.48 * np.median(np.abs(across[used]))))
+    if used.sum() >= _LEAST_RESIDUALS:
+        noise = max(_LEAST_NOISE, float(_SIGMA_OF_MEDIAN * np.median(np.abs(across[used]))))
     return hessian, gradient, noise, float(on_map.sum()) / len(surface)
 
 
