@@ -4,39 +4,45 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from ur_nodes.geometry.pose import Pose2, wrap_angle
-from ur_nodes.slam.matching.correlative import Pyramid, Window, search
+from ur_nodes.slam.matching.contradiction import contradiction
+from ur_nodes.slam.matching.covariance import LEAST_NOISE, position_deviation, rotate_covariance
 from ur_nodes.slam.matching.local_map import LocalMap
-from ur_nodes.slam.matching.match import Match, match_surface
+from ur_nodes.slam.matching.locate import POOR, locate_surface
+from ur_nodes.slam.matching.match import Match
 from ur_nodes.slam.matching.scan import Scan
 from ur_nodes.slam.matching.surface import Floats
 from ur_nodes.slam.odometry_model import OdometryModel, is_still, with_measured_turn
 from ur_nodes.slam.pose_graph.edge import Edge
 from ur_nodes.slam.pose_graph.graph import PoseGraph
 from ur_nodes.slam.pose_graph.loop_closer import LoopCloser
-from ur_nodes.slam.pose_graph.loops import LEAST_NOISE, contradiction, turned
 from ur_nodes.slam.pose_graph.trail import Trail
+from ur_nodes.slam.pose_graph.views import select_views
 
-_AT_REST = 2  # pairs of neighbours that are matched with a scan that is not
-_ROUND = 5.0  # m: keyframes within are part of the local map
-_TRUSTED = 0.05  # m: as long as they are so certain
-_MEMBERS = 9  # keyframes of the local map
-_APART = (0.3, 0.6)  # m, rad: nearer ones show the same
-_LOST = 0.35  # agreement below which the scan says nothing
-_POOR = 0.6  # agreement below which a wider search is tried
+_PAIRS_AT_REST = 2  # of neighbouring keyframes that are matched instead of a scan at rest
+_UNKNOWN_MOTION = np.diag(np.square((0.1, 0.1, 0.15)))  # m, rad: between two scans, without odometry
+_ORIGIN = Pose2(0.0, 0.0, 0.0)
+
+# The local map
+_RADIUS = 5.0  # m: keyframes within are part of it,
+_MOST_UNCERTAIN = 0.05  # m: as long as their place relative to the reference is so certain
+_MEMBERS = 9  # keyframes at most
+
+# A match
+_LEAST_AGREEMENT = 0.35  # below, the scan says nothing
 _CONTRADICTED = (0.5, 0.3)  # agreement below and contradiction above which the scan was taken elsewhere
-_SLIPPED = 2.5  # standard deviations of odometry: the scan says that the wheels slip
-_SEEN_AGAIN = 0.3  # m: so near to an old keyframe a new one is not needed where nothing new is seen
+_CERTAIN = 0.03  # m: standard deviation of matches that teach, and that replace odometry
+
+# Where a new keyframe is due, an old one may serve
+_SEEN_AGAIN = 0.3  # m: so near to it
+_CLEAR = 0.8  # agreement, at least
+_UNCHANGED = (0.95, 0.02)  # least agreement and most contradiction of a place that has not changed
 _REPLACED = 0.25  # rad: so near, its scan is replaced where the place has changed
-_CLEAR = 0.8  # agreement with which a scan can do so
-_UNCHANGED = (0.95, 0.02)  # least agreement and most contradiction of a place that has not
-_CERTAIN = 0.03  # m: matches that teach, and that replace odometry
-_REFERRED = np.diag(np.square((0.01, 0.01, 0.004)))  # of a match to an old keyframe, m and rad
-_UNKNOWN_MOTION = np.diag(np.square((0.1, 0.1, 0.15)))  # a scan later, without odometry
+_RETURN_NOISE = np.diag(np.square((0.01, 0.01, 0.004)))  # m, rad: of the match to it
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,6 +73,20 @@ class Estimate:
     wheels: Pose2 | None = None
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Leg:
+    """The drive since the robot's pose became known relative to `reference`, a keyframe.
+
+    `start` is the robot's pose relative to it at the begin, `odometry` that in the frame of odometry, None where there
+    is none. `noise` (3, 3) is the covariance of odometry since then.
+    """
+
+    reference: int = 0
+    start: Pose2 = _ORIGIN
+    odometry: Pose2 | None = None
+    noise: Floats = field(default_factory=lambda: np.zeros((3, 3)))
+
+
 class Mapper:
     """Builds a map from scans that come one after the other. The same scans give the same map."""
 
@@ -79,19 +99,15 @@ class Mapper:
         self._trail = Trail()
         self._count = first  # of scans
         self._model = OdometryModel()
-        self._local: LocalMap | None = None
-        self._pyramid: Pyramid | None = None
         self._loops = LoopCloser(self._graph, self.scans)
-        self._changed = False
-        self._reference = 0  # the keyframe that poses are known relative to
-        self._first = 0  # keyframe of this drive
-        self._relative = Pose2(0.0, 0.0, 0.0)  # of the last scan, to the reference
-        self._leg = Pose2(0.0, 0.0, 0.0)  # of the scan where it became the reference
-        self._step = Pose2(0.0, 0.0, 0.0)  # between the last two scans
+        self._local: LocalMap | None = None
+        self._changed = False  # what the local map is made of
+        self._drive_start = 0  # the first keyframe of this drive
+        self._leg = _Leg()
+        self._relative = _ORIGIN  # pose at the last scan, relative to the leg's reference
+        self._motion = _ORIGIN  # between the last two scans
         self._odometry: Pose2 | None = None  # at the last scan
-        self._heading: float | None = None  # there
-        self._leg_odometry: Pose2 | None = None  # there
-        self._motion_noise = np.zeros((3, 3))  # of odometry since
+        self._heading: float | None = None  # rad, likewise
         self._estimate: Estimate | None = None
 
     @property
@@ -120,7 +136,7 @@ class Mapper:
         for edge in edges:
             self._graph.add_edge(edge.before, edge.after, edge.relative, edge.covariance, robust=edge.robust)
         self.scans += scans
-        self._first = len(self.scans)
+        self._drive_start = len(self.scans)
 
     def join(self, other: Mapper, place: Pose2, links: Sequence[Edge]) -> Estimate:
         """Take over the keyframes of another mapper, whose frame lies at `place` on this map, and go on from its pose.
@@ -140,11 +156,10 @@ class Mapper:
         self.scans += other.scans
         self._trail.extend(other._trail, first)
         self._count = other._count
-        self._reference = other._reference + first
-        self._first = min(self._first, first)
-        self._relative, self._leg, self._step = other._relative, other._leg, other._step
-        self._odometry, self._leg_odometry, self._heading = other._odometry, other._leg_odometry, other._heading
-        self._motion_noise = other._motion_noise
+        self._drive_start = min(self._drive_start, first)
+        self._leg = replace(other._leg, reference=other._leg.reference + first)
+        self._relative, self._motion = other._relative, other._motion
+        self._odometry, self._heading = other._odometry, other._heading
         self._graph.optimise()
         self._changed = True
         self._loops.restart()
@@ -168,41 +183,48 @@ class Mapper:
         before = self._pose()
         guess = before.compose(motion)
         if still:
-            self._changed |= self._loops.step(_AT_REST)
+            self._changed |= self._loops.step(_PAIRS_AT_REST)
             return self._remember(replace(self._estimate, pose=self._pose(), located=True, still=True, step=None))
-        prior = turned(noise, -before.yaw)
         spare = 0 if self._changed else 1  # a new local map takes time enough
-        match = self._locate(scan, guess, prior, before)
-        located = match.agreement >= _LOST
+        prior = rotate_covariance(noise, -before.yaw)
+        match = locate_surface(self._local_map(), scan.surface, guess, prior, before, _UNKNOWN_MOTION)
+        located = match.agreement >= _LEAST_AGREEMENT
         pose = match.pose if located else guess
-        self._step = before.inverse().compose(pose)
+        self._motion = before.inverse().compose(pose)
         self._odometry, self._heading = odometry, heading
-        self._motion_noise = self._motion_noise + noise
-        self._relative = self._graph.poses[self._reference].inverse().compose(pose)
+        self._leg = replace(self._leg, noise=self._leg.noise + noise)
+        self._relative = self._graph.poses[self._leg.reference].inverse().compose(pose)
         contradicted = self._is_contradicted(scan, match)
         if not self._is_far(self._relative) or (contradicted and self._cautious):
             self._changed |= self._loops.step(spare)
         elif not self._return_to_keyframe(scan, match, odometry):
             self._add_keyframe(scan, pose, match.covariance, odometry, located)
-        shown = match.agreement >= _POOR and not contradicted and _spread(match.covariance) < _CERTAIN
-        step = self._step if shown else None
+        certain = match.agreement >= POOR and not contradicted and position_deviation(match.covariance) < _CERTAIN
         return self._remember(
-            Estimate(self._pose(), match.covariance, match.agreement, located, contradicted, False, step, wheels)
+            Estimate(
+                self._pose(),
+                match.covariance,
+                match.agreement,
+                located,
+                contradicted,
+                step=self._motion if certain else None,
+                wheels=wheels,
+            )
         )
 
     def _begin(self, scan: Scan, odometry: Pose2 | None, heading: float | None) -> Estimate:
-        self._graph.add_pose(Pose2(0.0, 0.0, 0.0))
+        self._graph.add_pose(_ORIGIN)
         self.scans.append(scan)
-        self._odometry = self._leg_odometry = odometry
-        self._heading = heading
+        self._leg = _Leg(odometry=odometry)
+        self._odometry, self._heading = odometry, heading
         self._changed = True
-        return self._remember(Estimate(Pose2(0.0, 0.0, 0.0), LEAST_NOISE, 1.0, located=True))
+        return self._remember(Estimate(_ORIGIN, LEAST_NOISE, 1.0, located=True))
 
     def _pose(self) -> Pose2:
-        return self._graph.poses[self._reference].compose(self._relative)
+        return self._graph.poses[self._leg.reference].compose(self._relative)
 
     def _remember(self, estimate: Estimate) -> Estimate:
-        self._trail.add(self._count, self._reference, self._relative)
+        self._trail.add(self._count, self._leg.reference, self._relative)
         self._count += 1
         self._estimate = estimate
         return estimate
@@ -210,38 +232,16 @@ class Mapper:
     def _predict(self, odometry: Pose2 | None) -> tuple[Pose2, Floats, bool]:
         """The motion since the last scan, its covariance (3, 3) in the frame before it, and whether there was none."""
         if odometry is None or self._odometry is None:
-            return self._step, _UNKNOWN_MOTION, False
+            return self._motion, _UNKNOWN_MOTION, False
         reported = self._odometry.inverse().compose(odometry)
         return self._model.correct(reported), self._model.covariance(reported), is_still(reported)
 
     # -- the pose on the map round the robot -----------------------------------------------------------------------
 
-    def _locate(self, scan: Scan, guess: Pose2, prior: Floats, before: Pose2) -> Match:
-        """Match a scan from a guess; where odometry seems to be wrong also from the pose `before`, and all round."""
-        local = self._local_map()
-        match = match_surface(local, scan.surface, guess, prior)
-        surprise = np.array(guess.inverse().compose(match.pose))
-        slipped = float(surprise @ np.linalg.solve(turned(prior, guess.yaw), surprise)) > _SLIPPED**2
-        if slipped or match.agreement < _POOR:
-            other = match_surface(local, scan.surface, before, _UNKNOWN_MOTION)
-            if other.agreement > match.agreement:
-                match = other
-        if match.agreement >= _POOR or len(scan.surface) < 20:
-            return match
-        if self._pyramid is None:
-            self._pyramid = Pyramid(local.surface.points)
-        shift, turn = 3.0 * math.sqrt(prior[0, 0] + prior[1, 1]), 3.0 * math.sqrt(prior[2, 2])
-        points = scan.surface.points[:: max(1, len(scan.surface) // 150)]
-        found = search(self._pyramid, points, guess, Window(max(0.2, shift), max(0.1, turn)))
-        if found is None:
-            return match
-        other = match_surface(local, scan.surface, found.pose, 4.0 * prior)
-        return other if other.agreement > match.agreement + 0.05 else match
-
     def _is_contradicted(self, scan: Scan, match: Match) -> bool:
         """Tell whether a scan was taken elsewhere; once one was, the next must clearly lie on the map."""
         last = self._estimate
-        if match.agreement >= (_POOR if last and last.contradicted else _CONTRADICTED[0]):
+        if match.agreement >= (POOR if last and last.contradicted else _CONTRADICTED[0]):
             return False
         if last and last.contradicted:
             return True
@@ -249,79 +249,69 @@ class Mapper:
 
     def _local_map(self) -> LocalMap:
         if self._changed or self._local is None:
-            placed = [(self._graph.poses[number], self.scans[number].surface) for number in self._members()]
-            self._local, self._pyramid, self._changed = LocalMap(placed), None, False
+            self._local = LocalMap([(self._graph.poses[each], self.scans[each].surface) for each in self._members()])
+            self._changed = False
         return self._local
 
     def _members(self) -> list[int]:
         """The keyframes that the local map is made of: near, certain, and no two that show the same."""
-        poses, here = self._graph.poses, self._pose()
-        spread = self._graph.spread_from(self._reference, _TRUSTED)
-        places = np.array(poses)
-        gaps = np.hypot(places[:, 0] - here.x, places[:, 1] - here.y)
-        chosen: list[int] = [self._reference]
-        for number in np.flatnonzero((gaps < _ROUND) & np.isfinite(spread)).tolist():
-            shift = np.hypot(*(places[chosen, :2] - places[number, :2]).T)
-            swing = np.abs(np.remainder(places[chosen, 2] - places[number, 2] + math.pi, 2 * math.pi) - math.pi)
-            if not np.any((shift < _APART[0]) & (swing < _APART[1])):
-                chosen.append(number)
-        return sorted(chosen, key=lambda number: float(gaps[number]))[:_MEMBERS]
+        reference, here = self._leg.reference, self._pose()
+        poses = np.array(self._graph.poses)
+        gaps = np.hypot(poses[:, 0] - here.x, poses[:, 1] - here.y)
+        certain = np.isfinite(self._graph.spread_from(reference, _MOST_UNCERTAIN))
+        views = select_views(poses, [reference, *np.flatnonzero((gaps < _RADIUS) & certain).tolist()])
+        return sorted(views, key=lambda number: float(gaps[number]))[:_MEMBERS]
 
     # -- keyframes and loops ---------------------------------------------------------------------------------------
 
     def _is_far(self, relative: Pose2) -> bool:
-        moved = self._leg.inverse().compose(relative)
+        moved = self._leg.start.inverse().compose(relative)
         far = math.hypot(moved.x, moved.y) >= self._settings.distance
         return far or abs(wrap_angle(moved.yaw)) >= self._settings.turn
 
     def _return_to_keyframe(self, scan: Scan, match: Match, odometry: Pose2 | None) -> bool:
         """Go on from an old keyframe of this drive where there is one near by; False: a new one is needed.
 
-        So a map grows with the floor that was seen, not with the way driven.
+        So a map grows with the floor that was seen, not with the distance driven.
         """
-        if match.agreement < _CLEAR or _spread(match.covariance) > _CERTAIN:
+        if match.agreement < _CLEAR or position_deviation(match.covariance) > _CERTAIN:
             return False
-        places = np.array(self._graph.poses[self._first :]).reshape(-1, 3)
+        places = np.array(self._graph.poses).reshape(-1, 3)
         gaps = np.hypot(places[:, 0] - match.pose.x, places[:, 1] - match.pose.y)
-        near = np.flatnonzero(gaps < _SEEN_AGAIN) + self._first
+        gaps[: self._drive_start] = np.inf
+        near = np.flatnonzero(gaps < _SEEN_AGAIN)
         if not len(near):
             return False
-        near = near[np.isfinite(self._graph.spread_from(self._reference, _TRUSTED)[near])]
+        certain = np.isfinite(self._graph.spread_from(self._leg.reference, _MOST_UNCERTAIN))
+        near = near[certain[near]]
         if not len(near):
             return False
-        number = int(near[np.argmin(gaps[near - self._first])])
+        number = int(near[np.argmin(gaps[near])])
         relative = self._graph.poses[number].inverse().compose(match.pose)
         against = contradiction(self._local_map().surface, scan, match.pose)
         if match.agreement < _UNCHANGED[0] or against > _UNCHANGED[1]:
             if abs(relative.yaw) > _REPLACED:
                 return False
             self.scans[number] = scan.moved(relative)
-        self._refer_to(number, relative, odometry, _REFERRED)
+        self._begin_leg(_Leg(number, relative, odometry, _RETURN_NOISE))
         return True
 
-    def _refer_to(self, number: int, relative: Pose2, odometry: Pose2 | None, noise: Floats) -> None:
-        self._reference = number
-        self._relative = self._leg = relative
-        self._leg_odometry = odometry
-        self._motion_noise = noise
+    def _begin_leg(self, leg: _Leg) -> None:
+        self._leg, self._relative = leg, leg.start
         self._changed = True
 
     def _add_keyframe(self, scan: Scan, pose: Pose2, covariance: Floats, odometry: Pose2 | None, located: bool) -> None:
-        before = self._reference
-        relative = self._graph.poses[before].inverse().compose(pose)
-        drift = turned(self._motion_noise, relative.yaw) + LEAST_NOISE
-        seen = turned(covariance, pose.yaw) + LEAST_NOISE
+        """Add a scan at `pose` as a keyframe, and an edge from the reference: by the match and by odometry."""
+        leg = self._leg
+        relative = self._graph.poses[leg.reference].inverse().compose(pose)
+        drift = rotate_covariance(leg.noise, relative.yaw) + LEAST_NOISE
+        seen = rotate_covariance(covariance, pose.yaw) + LEAST_NOISE
         known = np.linalg.inv(np.linalg.inv(seen) + np.linalg.inv(drift)) if located else drift
-        certain = located and _spread(covariance) < _CERTAIN
-        if odometry is not None and self._leg_odometry is not None and certain:
-            self._model.learn(self._leg_odometry.inverse().compose(odometry), self._leg.inverse().compose(relative))
+        certain = located and position_deviation(covariance) < _CERTAIN
+        if odometry is not None and leg.odometry is not None and certain:
+            self._model.learn(leg.odometry.inverse().compose(odometry), leg.start.inverse().compose(relative))
         number = self._graph.add_pose(pose)
-        self._graph.add_edge(before, number, relative, known, robust=False)
+        self._graph.add_edge(leg.reference, number, relative, known, robust=False)
         self.scans.append(scan)
-        self._refer_to(number, Pose2(0.0, 0.0, 0.0), odometry, np.zeros((3, 3)))
+        self._begin_leg(_Leg(number, odometry=odometry))
         self._changed |= self._loops.look_round(number)
-
-
-def _spread(covariance: Floats) -> float:
-    """The standard deviation (m) along the direction that is known least."""
-    return math.sqrt(float(np.linalg.eigvalsh(covariance[:2, :2])[-1]))

@@ -14,11 +14,12 @@ from ur_nodes.geometry.grid import FREE, OCCUPIED
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.slam.map_state import MapState
 from ur_nodes.slam.matching.correlative import finish
+from ur_nodes.slam.matching.covariance import LEAST_NOISE
 from ur_nodes.slam.occupancy import OccupancyMap
 from ur_nodes.slam.pose_graph.edge import Edge
 from ur_nodes.slam.pose_graph.graph import PoseGraph
 from ur_nodes.slam.pose_graph.loop_closer import Confirmation
-from ur_nodes.slam.pose_graph.loops import LEAST_NOISE, Group, Link, find_groups, verify_group
+from ur_nodes.slam.pose_graph.loops import Group, Link, find_groups, verify_group
 from ur_nodes.slam.relocation import Hypotheses, Hypothesis, WholeMap
 
 _TRIALS = 60  # scans of the second map that are searched for on the first one, at most

@@ -9,13 +9,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ur_nodes.geometry.pose import Pose2, wrap_angle
+from ur_nodes.slam.matching.contradiction import contradiction
 from ur_nodes.slam.matching.correlative import Pyramid, Window, search, search_places
+from ur_nodes.slam.matching.covariance import position_deviation, rotate_covariance
 from ur_nodes.slam.matching.local_map import LocalMap
 from ur_nodes.slam.matching.match import match_surface
 from ur_nodes.slam.matching.scan import Scan
 from ur_nodes.slam.matching.surface import Floats, join
 from ur_nodes.slam.pose_graph.edge import Edge
-from ur_nodes.slam.pose_graph.loops import contradiction, turned
+from ur_nodes.slam.pose_graph.views import select_views
 
 _CELL = 0.2  # m: of the search of the whole map
 _POINTS = 120  # of a scan, in a search
@@ -26,7 +28,6 @@ _FINE = Window(0.35, 0.12)  # round each of them
 _LEAST_SCORE = 0.5
 _ROUND = 6.0  # m: keyframes within show the place
 _MEMBERS = 9
-_APART = (0.3, 0.6)  # m, rad: nearer keyframes show the same
 _FITS = (0.6, 0.2)  # least agreement, most contradiction
 _FITS_ALONE = (0.85, 0.05)  # likewise, for a scan that needs no second one
 _WORSE = 0.1  # agreement by which another place may be behind the best one
@@ -85,7 +86,7 @@ class WholeMap:
         """
         if len(scan.surface) < _LEAST_POINTS:
             return []
-        points = scan.surface.points[:: max(1, len(scan.surface) // _POINTS)]
+        points = scan.surface.sample(_POINTS)
         rough = search_places(self._pyramid, points, self._centre, self._window, _PLACES, _LEAST_SCORE)
         fits: list[Fit] = []
         for pose, _ in rough:
@@ -99,17 +100,17 @@ class WholeMap:
         """Hold a scan against the map at one place; off the map, nothing is refuted."""
         if len(scan.surface) < _LEAST_POINTS:
             return _UNCLEAR
-        return self._verify(scan, scan.surface.points[:: max(1, len(scan.surface) // _POINTS)], guess)
+        return self._verify(scan, scan.surface.sample(_POINTS), guess)
 
     def _verify(self, scan: Scan, points: Floats, guess: Pose2) -> Verdict:
         members = self._members(guess)
         if not members:
             return _UNCLEAR
         target = LocalMap([(self._poses[number], self._scans[number].surface) for number in members])
-        found = search(Pyramid(target.surface.points), points, guess, _FINE, _LEAST_SCORE)
+        found = search(target.pyramid, points, guess, _FINE, _LEAST_SCORE)
         match = match_surface(target, scan.surface, found.pose if found else guess)
         against = contradiction(target.surface, scan, match.pose)
-        uncertain = math.sqrt(float(np.linalg.eigvalsh(match.covariance[:2, :2])[-1])) > _CERTAIN
+        uncertain = position_deviation(match.covariance) > _CERTAIN
         if found is None or uncertain or match.agreement < _FITS[0] or against > _FITS[1]:
             return Verdict(None, match.agreement < _REFUTED[0] and against > _REFUTED[1])
         anchor = members[0]
@@ -117,7 +118,7 @@ class WholeMap:
             match.pose,
             anchor,
             self._poses[anchor].inverse().compose(match.pose),
-            turned(match.covariance, match.pose.yaw),
+            rotate_covariance(match.covariance, match.pose.yaw),
             match.agreement,
             alone=match.agreement >= _FITS_ALONE[0] and against <= _FITS_ALONE[1],
         )
@@ -126,16 +127,8 @@ class WholeMap:
     def _members(self, here: Pose2) -> list[int]:
         """Choose keyframes near a pose of which no two show the same, the nearest first."""
         gaps = np.hypot(self._places[:, 0] - here.x, self._places[:, 1] - here.y)
-        chosen: list[int] = []
-        for number in np.argsort(gaps).tolist():
-            if gaps[number] > _ROUND or len(chosen) == _MEMBERS:
-                break
-            shift = np.hypot(*(self._places[chosen, :2] - self._places[number, :2]).T)
-            swing = self._places[chosen, 2] - self._places[number, 2]
-            swing = np.abs(np.remainder(swing + math.pi, 2.0 * math.pi) - math.pi)
-            if not np.any((shift < _APART[0]) & (swing < _APART[1])):
-                chosen.append(number)
-        return chosen
+        nearest = np.argsort(gaps)
+        return select_views(self._places, nearest[gaps[nearest] <= _ROUND].tolist(), _MEMBERS)
 
 
 @dataclass(frozen=True, slots=True)

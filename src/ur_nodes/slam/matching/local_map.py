@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from ur_nodes.geometry.pose import Pose2
+from ur_nodes.slam.matching.correlative import Pyramid
 from ur_nodes.slam.matching.surface import Floats, Surface, face, fit_lines, join
 
 FACING = 0.15
@@ -33,6 +35,11 @@ class LocalMap:
         rough = join([surface.moved(pose) for pose, surface in placed]).thinned(_MOST)
         self.surface, self.clumped = _smoothed(rough)
         self._tree = cKDTree(_keys(self.surface.points, self.surface.normals))
+
+    @cached_property
+    def pyramid(self) -> Pyramid:
+        """The same points for a search; made when it is first asked for."""
+        return Pyramid(self.surface.points)
 
     def nearest(self, points: Floats, normals: Floats, reach: float) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
         """The number (n) of the nearest point that faces the same way, and whether there is one within `reach` m."""

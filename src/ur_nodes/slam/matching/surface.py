@@ -33,6 +33,10 @@ class Surface:
         turn = np.array(((c, s), (-s, c)))
         return Surface(self.points @ turn + (pose.x, pose.y), self.normals @ turn, self.flat)
 
+    def sample(self, least: int) -> Floats:
+        """Points (n, 2) evenly spread over the scan: at least so many and less than twice as many, or all there are."""
+        return self.points[:: max(1, len(self) // least)]
+
     def thinned(self, most: int) -> Surface:
         """Keep at most so many points, evenly spread over the scan."""
         step = -(-len(self) // most) if most else 1

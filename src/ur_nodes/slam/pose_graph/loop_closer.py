@@ -7,9 +7,10 @@ from collections.abc import Sequence
 
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.slam.matching.correlative import Work
+from ur_nodes.slam.matching.covariance import LEAST_NOISE
 from ur_nodes.slam.matching.scan import Scan
 from ur_nodes.slam.pose_graph.graph import PoseGraph
-from ur_nodes.slam.pose_graph.loops import LEAST_NOISE, RECENT, Group, Link, agree, find_groups, verify_group
+from ur_nodes.slam.pose_graph.loops import RECENT, Group, Link, agree, find_groups, verify_group
 from ur_nodes.slam.pose_graph.neighbours import NeighbourMatcher
 
 _LONGEST = 20.0  # m: places that are less certain are not looked at

@@ -10,17 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ur_nodes.geometry.pose import Pose2, wrap_angle
-from ur_nodes.slam.matching.correlative import Pyramid, Window, Work, search_slowly
+from ur_nodes.slam.matching.contradiction import contradiction
+from ur_nodes.slam.matching.correlative import Window, Work, search_slowly
+from ur_nodes.slam.matching.covariance import rotate_covariance
 from ur_nodes.slam.matching.local_map import LocalMap
 from ur_nodes.slam.matching.match import Match, match_surface
 from ur_nodes.slam.matching.scan import Scan
-from ur_nodes.slam.matching.surface import Floats, Surface
+from ur_nodes.slam.matching.surface import Floats
 
 RECENT = 12
 """Keyframes before the newest one that it is no loop to see again."""
-
-LEAST_NOISE: Floats = np.diag(np.square((0.002, 0.002, 0.0007)))
-"""Errors (m, rad) that no covariance of a match contains."""
 
 _NEAR = 2.5  # m: keyframes so near see the same things, as a rule
 _GROUP = 7  # keyframes
@@ -32,7 +31,8 @@ _RIVAL = 0.85  # of the best score: another place that fits as well
 _LEAST_AGREEMENT = 0.6
 _MOST_CONTRADICTION = 0.15
 _COST_OF_MAP = 4000  # as much as to score so many blocks of poses: a local map, or a match
-_THROUGH = 0.3  # m: a beam that passes a wall by so much contradicts it
+_MOST_MOVED = 0.4  # m: from where a match began
+_AGREEMENT = (0.25, 0.05)  # m, rad: corrections of two links that confirm each other differ by less
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,9 +92,8 @@ def verify_group(group: Group, number: int, poses: Sequence[Pose2], scans: Seque
     sure = group.spread < _SURE
     if not sure:
         window = Window(min(_WIDEST.shift, 3.0 * group.spread + 0.2), min(_WIDEST.turn, group.spread + 0.1))
-        points = scan.surface.points[:: max(1, len(scan.surface) // _POINTS)]
         yield _COST_OF_MAP
-        found = yield from search_slowly(Pyramid(target.surface.points), points, guess, window, _LEAST_SCORE)
+        found = yield from search_slowly(target.pyramid, scan.surface.sample(_POINTS), guess, window, _LEAST_SCORE)
         if found is None or found.rival > _RIVAL * found.score:
             return None
         start = found.pose
@@ -107,7 +106,7 @@ def verify_group(group: Group, number: int, poses: Sequence[Pose2], scans: Seque
         group.anchor,
         number,
         anchor.inverse().compose(match.pose),
-        turned(match.covariance, match.pose.yaw),
+        rotate_covariance(match.covariance, match.pose.yaw),
         sure,
         match.pose.compose(guess.inverse()),
     )
@@ -116,45 +115,13 @@ def verify_group(group: Group, number: int, poses: Sequence[Pose2], scans: Seque
 def agree(one: Link, other: Link, place: Pose2) -> bool:
     """Test two links for the same correction of a pose on the map."""
     a, b = one.correction.compose(place), other.correction.compose(place)
-    return math.hypot(a.x - b.x, a.y - b.y) < 0.25 and abs(wrap_angle(a.yaw - b.yaw)) < 0.05
-
-
-def turned(covariance: Floats, yaw: float) -> Floats:
-    """A covariance (3, 3) in the frame of a pose with this yaw, given in its parent frame."""
-    c, s = math.cos(yaw), math.sin(yaw)
-    turn = np.array(((c, s, 0.0), (-s, c, 0.0), (0.0, 0.0, 1.0)))
-    result: Floats = turn @ covariance @ turn.T
-    return result
-
-
-def contradiction(target: Surface, scan: Scan, pose: Pose2) -> float:
-    """The share (0..1) of a map's points in sight of a scan at `pose` that its beams pass through."""
-    inside = target.moved(pose.inverse())
-    delta = inside.points - scan.origin
-    ends = scan.surface.points - scan.origin
-    if len(ends) < 2:
-        return 1.0
-    angles, ranges = np.arctan2(ends[:, 1], ends[:, 0]), np.hypot(*ends.T)
-    order = np.argsort(angles)
-    angles, ranges = angles[order], ranges[order]
-    bearing, distance = np.arctan2(delta[:, 1], delta[:, 0]), np.hypot(*delta.T)
-    after = np.searchsorted(angles, bearing)
-    low, high = (after - 1) % len(angles), after % len(angles)
-    width = np.maximum(
-        np.abs(np.remainder(angles[low] - bearing + math.pi, 2.0 * math.pi) - math.pi),
-        np.abs(np.remainder(angles[high] - bearing + math.pi, 2.0 * math.pi) - math.pi),
-    )
-    nearer = np.minimum(ranges[low], ranges[high])
-    faces = (inside.normals * delta).sum(axis=1) < 0.0
-    in_sight = faces & (width < 0.05) & (distance < nearer + _THROUGH)
-    passed = in_sight & (distance < nearer - _THROUGH)
-    return float(passed.sum()) / max(1, int(in_sight.sum()))
+    return math.hypot(a.x - b.x, a.y - b.y) < _AGREEMENT[0] and abs(wrap_angle(a.yaw - b.yaw)) < _AGREEMENT[1]
 
 
 def _fits(match: Match, start: Pose2, target: LocalMap, scan: Scan) -> bool:
     moved = math.hypot(match.pose.x - start.x, match.pose.y - start.y)
     return (
         match.agreement >= _LEAST_AGREEMENT
-        and moved < 0.4
+        and moved < _MOST_MOVED
         and contradiction(target.surface, scan, match.pose) <= _MOST_CONTRADICTION
     )

@@ -14,11 +14,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from ur_nodes.geometry.pose import Pose2
+from ur_nodes.slam.matching.covariance import LEAST_NOISE, rotate_covariance
 from ur_nodes.slam.matching.local_map import LocalMap
 from ur_nodes.slam.matching.match import match_surface
 from ur_nodes.slam.matching.scan import Scan
 from ur_nodes.slam.pose_graph.graph import PoseGraph
-from ur_nodes.slam.pose_graph.loops import LEAST_NOISE, turned
 
 _NEAR = 2.0  # m: farther keyframes are no neighbours
 _MOST = 4  # neighbours of a keyframe, the nearest ones
@@ -101,7 +101,7 @@ class NeighbourMatcher:
         moved = math.hypot(match.pose.x - guess.x, match.pose.y - guess.y)
         if match.agreement < _LEAST_AGREEMENT or moved > _MOST_MOVED:
             return
-        covariance = turned(match.covariance, match.pose.yaw) + LEAST_NOISE
+        covariance = rotate_covariance(match.covariance, match.pose.yaw) + LEAST_NOISE
         self._graph.add_edge(number, other, match.pose, covariance, robust=True)
         self._added += 1
 

@@ -1,0 +1,52 @@
+"""Find the pose of a scan on the map round the robot: from a guess, and where that fails by searches that widen."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ur_nodes.geometry.pose import Pose2
+from ur_nodes.slam.matching.correlative import Window, search
+from ur_nodes.slam.matching.covariance import rotate_covariance
+from ur_nodes.slam.matching.local_map import LocalMap
+from ur_nodes.slam.matching.match import Match, match_surface
+from ur_nodes.slam.matching.surface import Floats, Surface
+
+POOR = 0.6
+"""Agreement below which a match is doubted."""
+
+_SLIPPED = 2.5  # standard deviations of the guess: the scan says that the wheels slip
+_SEARCHED = 3.0  # standard deviations of the guess that a search covers,
+_LEAST_WINDOW = Window(0.2, 0.1)  # and at least this
+_POINTS = 150  # of a scan, in a search
+_LEAST_POINTS = 20  # of a scan that is searched for
+_LEAD = 0.05  # agreement by which the pose of a search must be better
+_PRIOR_OF_SEARCH = 4.0  # times the covariance of the guess, which has failed
+
+
+def locate_surface(
+    local: LocalMap, surface: Surface, guess: Pose2, prior: Floats, before: Pose2, spread: Floats
+) -> Match:
+    """Match the surface of a scan to the map round the robot.
+
+    `guess` is its pose by odometry, `prior` (3, 3) the covariance of that in the map's frame. Where the scan disagrees
+    with it, the scan is also matched from `before`, the pose at the last scan, with the covariance `spread` (3, 3);
+    where little agrees after that, it is searched for round the guess.
+    """
+    match = match_surface(local, surface, guess, prior)
+    surprise = np.array(guess.inverse().compose(match.pose))
+    slipped = float(surprise @ np.linalg.solve(rotate_covariance(prior, guess.yaw), surprise)) > _SLIPPED**2
+    if slipped or match.agreement < POOR:
+        other = match_surface(local, surface, before, spread)
+        if other.agreement > match.agreement:
+            match = other
+    if match.agreement >= POOR or len(surface) < _LEAST_POINTS:
+        return match
+    shift, turn = _SEARCHED * math.sqrt(prior[0, 0] + prior[1, 1]), _SEARCHED * math.sqrt(prior[2, 2])
+    window = Window(max(_LEAST_WINDOW.shift, shift), max(_LEAST_WINDOW.turn, turn))
+    found = search(local.pyramid, surface.sample(_POINTS), guess, window)
+    if found is None:
+        return match
+    other = match_surface(local, surface, found.pose, _PRIOR_OF_SEARCH * prior)
+    return other if other.agreement > match.agreement + _LEAD else match
