@@ -177,16 +177,15 @@ class Mapper:
             return self._begin(scan, odometry, heading)
         assert self._estimate is not None
         wheels, noise, still = self._predict(odometry)
-        motion = wheels
-        if heading is not None and self._heading is not None and self._odometry is not None:
-            motion, noise = with_measured_turn(wheels, noise, heading - self._heading)
-        before = self._pose()
-        guess = before.compose(motion)
         if still:
             self._changed |= self._loops.step(_PAIRS_AT_REST)
             return self._remember(replace(self._estimate, pose=self._pose(), located=True, still=True, step=None))
+        motion = wheels
+        if heading is not None and self._heading is not None and self._odometry is not None:
+            motion, noise = with_measured_turn(wheels, noise, heading - self._heading)
         spare = 0 if self._changed else 1  # a new local map takes time enough
-        prior = rotate_covariance(noise, -before.yaw)
+        before = self._pose()
+        guess, prior = before.compose(motion), rotate_covariance(noise, -before.yaw)
         match = locate_surface(self._local_map(), scan.surface, guess, prior, before, _UNKNOWN_MOTION)
         located = match.agreement >= _LEAST_AGREEMENT
         pose = match.pose if located else guess
