@@ -33,6 +33,11 @@ from ur_nodes.rosio.freed_memory import return_large_arrays
 from ur_nodes.rosio.geometry import pose_message
 from ur_nodes.rosio.shell import run_node
 
+_IDLE_PERIODS = 5  # control periods between two updates of the costmaps without a goal
+_PATH_CHECK_PERIODS = 3  # likewise, between two checks of the path on the global costmap
+_REPORT_PERIODS = 2  # likewise, between two messages of feedback
+_RESTART = 1.0  # s: a clock that goes back by more has begun anew, as that of a simulator does
+
 
 class MoveBase:
     """Takes goals as upstream does and steps the navigator at the controller frequency, in a thread of its own."""
@@ -40,24 +45,22 @@ class MoveBase:
     def __init__(self) -> None:
         self._settings = read_settings()
         watch = read_watch_settings(self._settings.mux)
-        self._view = MoveBaseView(self._settings.world.frame, self._settings.local.frame)
         self._world = WorldView(self._settings)
+        self._view = MoveBaseView(self._settings, self._world)
         self._navigator = Navigator(
             self._settings.navigator, self._settings.limits, FollowSettings(), self._settings.footprint
         )
         self._server = ActionServer("move_base", MoveBaseAction, self._on_goal, self._on_cancel, auto_start=False)
         # The server calls back with its lock held, and takes it when a goal ends: a second lock would be a deadlock.
         self._lock = self._server.lock
-        self._handle: Any = None
-        self._goal: Pose2 | None = None
-        self._key = 0
-        self._answer: PlanAnswer | None = None
-        self._sent = (0.0, 0.0)
-        self._stopped = False
-        self._clear: Behaviour | None = None
+        self._handle: Any = None  # of the goal that is pursued or held, as the server has it
+        self._goal: Pose2 | None = None  # likewise, in the map
+        self._key = 0  # of the newest request for a plan; answers to earlier ones are dropped
+        self._answer: PlanAnswer | None = None  # that the next step of the navigator takes
         self._path_blocked = False
-        self._tick = 0
-        self._shown = 0
+        self._sent = (0.0, 0.0)  # the last command, m/s and rad/s
+        self._stopped = False  # by the emergency stop
+        self._tick = 0  # of control periods
         self._worker = PlanWorker(self._settings.planner, self._on_plan)
         self._watch = GoalWatch(self._settings.mux, watch)
         self._output = VelocityOutput(self._watch.link, self._settings.mux, stamped=self._settings.stamped)
@@ -80,12 +83,12 @@ class MoveBase:
                 return
             if beat == 0:
                 now = rospy.get_time()
-                if now < last - 1.0:
+                if now < last - _RESTART:
                     self._world.forget()
                 last = now
                 with self._lock:
                     self._control(now)
-                self._show()
+                self._view.show_surroundings(self._tick, self._lock)
                 self._tick += 1
             else:
                 self._repeat()
@@ -102,15 +105,13 @@ class MoveBase:
 
     def _control(self, now: float) -> None:
         idle = self._navigator.phase is Phase.IDLE
-        if not idle or self._tick % 5 == 0:
+        if not idle or self._tick % _IDLE_PERIODS == 0:
             self._world.update()
-        if self._clear is not None:
-            self._forget_obstacles(self._clear)
         if self._handle is None or not self._may_drive(now):
             return
         odom = self._world.odom()
         trouble = self._world.trouble(now)
-        if self._tick % 3 == 0:
+        if self._tick % _PATH_CHECK_PERIODS == 0:
             self._path_blocked = self._is_path_blocked()
         answer, self._answer = self._answer, None
         out = self._navigator.step(
@@ -118,7 +119,7 @@ class MoveBase:
                 now=now,
                 motion=self._world.motion(self._sent, now),
                 odom=odom or Pose2(0.0, 0.0, 0.0),
-                local=self._world.local.occupied(),
+                local=self._world.local_costmap.occupied(),
                 answer=answer,
                 trouble=trouble,
                 path_blocked=self._path_blocked,
@@ -130,7 +131,7 @@ class MoveBase:
         if answer is not None and answer.path is not None:
             self._path_blocked = False
             self._view.show_plan(answer.path)
-        if self._tick % 2 == 0:
+        if self._tick % _REPORT_PERIODS == 0:
             self._view.show_drive(self._navigator.path, out.ahead)
             self._give_feedback()
 
@@ -153,7 +154,7 @@ class MoveBase:
             rospy.logwarn("the goal is %s", verdict.text)
             self._halt(keep_goal=True)
             self._server.publish_status()
-        if self._tick % 2 == 0:
+        if self._tick % _REPORT_PERIODS == 0:
             self._give_feedback()
         return False
 
@@ -208,9 +209,7 @@ class MoveBase:
             before = self._watch.judge() if self._handle is not None else None  # it may belong to another client by now
             refusal = self._watch.accept(handle.get_goal_id().id)
             if refusal:  # it changes nothing for the goal that is pursued
-                rospy.logerr("goal refused: %s", refusal)
-                handle.set_accepted()
-                handle.set_aborted(MoveBaseResult(), refusal)
+                _refuse(handle, refusal)
                 return
             old, self._handle = self._handle, None
             if old is not None:
@@ -219,9 +218,7 @@ class MoveBase:
             if self._stopped:
                 goal = "emergency stop is on; release it first"
             if isinstance(goal, str):
-                rospy.logerr("goal refused: %s", goal)
-                handle.set_accepted()
-                handle.set_aborted(MoveBaseResult(), goal)
+                _refuse(handle, goal)
                 self._watch.finish()
                 self._halt()
                 return
@@ -267,14 +264,12 @@ class MoveBase:
         pose = self._world.robot_in_map()
         if self._handle is None or pose is None:
             return
-        feedback = MoveBaseFeedback()
-        feedback.base_position.header.frame_id = self._settings.world.frame
-        feedback.base_position.header.stamp = rospy.Time.now()
-        feedback.base_position.pose = pose_message(pose)
-        self._handle.publish_feedback(feedback)
+        position = PoseStamped(pose=pose_message(pose))
+        position.header.frame_id, position.header.stamp = self._settings.world.frame, rospy.Time.now()
+        self._handle.publish_feedback(MoveBaseFeedback(base_position=position))
 
     def _is_path_blocked(self) -> bool:
-        path, world = self._navigator.path, self._world.world
+        path, world = self._navigator.path, self._world.global_costmap
         return path is not None and world is not None and not path_is_free(world.costmap, path)
 
     def _make_plan(self, request: GetPlanRequest) -> GetPlanResponse:
@@ -289,41 +284,23 @@ class MoveBase:
         return EmptyResponse()
 
     def _forget_obstacles(self, how: Behaviour) -> None:
-        self._clear = None
+        """Forget all obstacles, or with CLEAR_FAR those farther away than `reset_distance`."""
         far = how is Behaviour.CLEAR_FAR
-        motion = self._world.motion((0.0, 0.0), 0.0)
-        self._world.local.clear(motion.pose if far and motion else None, self._settings.reset_distance)
-        if self._world.world is not None:
-            self._world.world.clear(self._world.robot_in_map() if far else None, self._settings.reset_distance)
-
-    def _show(self) -> None:
-        period = self._settings.navigator.period
-        if self._due(self._settings.local.publish_frequency, period):
-            motion = self._world.motion((0.0, 0.0), 0.0)
-            if self._view.wants_costmap(local=True):
-                self._view.show_costmap(self._world.local.inflated(), local=True)
-            if motion is not None:
-                self._view.show_footprint(self._settings.footprint, motion.pose, local=True)
-        if self._due(self._settings.world.publish_frequency, period):
-            self._show_world()
-
-    def _show_world(self) -> None:
-        world, pose = self._world.world, self._world.robot_in_map()
-        if world is not None and self._view.wants_costmap(local=False):
-            with self._lock:
-                changed = world.take_changes()
-            self._view.show_world(world.costmap, changed, new=self._shown != self._world.maps)
-            self._shown = self._world.maps
-        if pose is not None:
-            self._view.show_footprint(self._settings.footprint, pose, local=False)
-
-    def _due(self, frequency: float, period: float) -> bool:
-        return frequency > 0.0 and self._tick % max(1, round(1.0 / (frequency * period))) == 0
+        self._world.local_costmap.clear(self._world.robot_in_odom() if far else None, self._settings.reset_distance)
+        if self._world.global_costmap is not None:
+            self._world.global_costmap.clear(self._world.robot_in_map() if far else None, self._settings.reset_distance)
 
     def _shut_down(self) -> None:
         if self._navigator.phase is not Phase.IDLE:
             self._navigator.stop()
             self._send(0.0, 0.0)
+
+
+def _refuse(handle: Any, reason: str) -> None:
+    """End a goal that was never pursued."""
+    rospy.logerr("goal refused: %s", reason)
+    handle.set_accepted()
+    handle.set_aborted(MoveBaseResult(), reason)
 
 
 def main() -> int:

@@ -49,10 +49,10 @@ class WorldView:
     def __init__(self, settings: MoveBaseSettings) -> None:
         self._settings = settings
         self.frames = Frames()
-        self.local = RollingCostmap(
+        self.local_costmap = RollingCostmap(
             settings.local_side, settings.local_resolution, settings.local.reach, settings.local.inflation
         )
-        self.world: MapCostmap | None = None
+        self.global_costmap: MapCostmap | None = None
         self.map_problem = ""
         self.maps = 0  # used so far
         self._scan: LaserScan | None = None
@@ -71,9 +71,9 @@ class WorldView:
         """Work a new map and the newest scan into the costmaps."""
         new = self._new_maps.popleft() if self._new_maps else None
         if isinstance(new, str):
-            self.world, self.map_problem = None, new
+            self.global_costmap, self.map_problem = None, new
         elif new is not None:
-            self.world = new
+            self.global_costmap = new
             self.maps += 1
         if self.zones.take_change() or new is not None:
             self._forbid()
@@ -97,13 +97,13 @@ class WorldView:
             return
         self._used = stamp
         place = self.odom()
-        if self._laid and self.world is not None and place is not None:
-            self.local.lay(robot.newest, self.world.zones or _NOTHING, place)
-            self._laid = self.world.zones is not None
+        if self._laid and self.global_costmap is not None and place is not None:
+            self.local_costmap.lay(robot.newest, self.global_costmap.zones or _NOTHING, place)
+            self._laid = self.global_costmap.zones is not None
         sensor, beams = level_beams(mount, _beams(scan, inf_is_valid=source.inf_is_valid))
-        self.local.update(robot.newest, robot.in_odom.compose(sensor), beams)
-        if self.world is not None and robot.in_map is not None:
-            self.world.update(robot.in_map.compose(sensor), beams)
+        self.local_costmap.update(robot.newest, robot.in_odom.compose(sensor), beams)
+        if self.global_costmap is not None and robot.in_map is not None:
+            self.global_costmap.update(robot.in_map.compose(sensor), beams)
 
     def motion(self, sent: tuple[float, float], now: float) -> Motion | None:
         """Extrapolate the robot's newest pose in the odometry frame to `now`, with the command that was sent."""
@@ -122,6 +122,13 @@ class WorldView:
         except TransformError:
             return None
 
+    def robot_in_odom(self) -> Pose2 | None:
+        """The newest pose of the robot in the odometry frame."""
+        try:
+            return self.frames.pose(self._settings.local.frame, self._settings.base_frame)
+        except TransformError:
+            return None
+
     def robot_in_map(self) -> Pose2 | None:
         """The newest pose of the robot in the map."""
         try:
@@ -132,7 +139,7 @@ class WorldView:
     def trouble(self, now: float) -> str:
         """Return the reason why the robot must not move, an input that is missing or too old; '' when there is none."""
         settings = self._settings
-        if self.world is None:
+        if self.global_costmap is None:
             return self.map_problem or f"no map on {rospy.resolve_name(settings.map_topic)}"
         if blind := self._blind(now):
             return blind
@@ -165,26 +172,27 @@ class WorldView:
         self.frames.forget()
         self._scan, self._used = None, None
         self._ranges.clear()
-        self.local.clear()
+        self.local_costmap.clear()
 
     def costmaps(self) -> tuple[Costmap, Costmap, Costmap | None] | None:
         """The costs of the whole map: with obstacles, which change with the next update, without, and zones alone."""
-        return (self.world.costmap, self.world.static, self.world.zones) if self.world else None
+        layered = self.global_costmap
+        return (layered.costmap, layered.static, layered.zones) if layered else None
 
     def _forbid(self) -> None:
-        if self.world is not None:
-            self.world.forbid(self.zones.keep_out)
-            self._laid = self._laid or self.world.zones is not None
+        if self.global_costmap is not None:
+            self.global_costmap.forbid(self.zones.keep_out)
+            self._laid = self._laid or self.global_costmap.zones is not None
 
     def _lay_map(self) -> None:
-        robot, place = self._robot_in_odom(), self.odom()
-        if self.world is not None and robot is not None and place is not None:
-            self.local.lay(robot, self.world.static, place)
+        robot, place = self.robot_in_odom(), self.odom()
+        if self.global_costmap is not None and robot is not None and place is not None:
+            self.local_costmap.lay(robot, self.global_costmap.static, place)
 
     def _use_range(self, message: Range) -> None:
         """Mark an echo as an obstacle, unless the map has a wall there."""
         beams = beams_of_range(message.range, message.field_of_view, message.min_range, message.max_range)
-        if self.world is None or not len(beams.angles):
+        if self.global_costmap is None or not len(beams.angles):
             return
         stamp = message.header.stamp.to_sec()
         try:
@@ -199,9 +207,9 @@ class WorldView:
         if robot.in_map is None:
             return
         sensor = robot.in_map.compose(mount)
-        beams = without_walls(beams, sensor, self.world.walls)
-        self.local.update(robot.newest, robot.in_odom.compose(mount), beams)
-        self.world.update(sensor, beams)
+        beams = without_walls(beams, sensor, self.global_costmap.walls)
+        self.local_costmap.update(robot.newest, robot.in_odom.compose(mount), beams)
+        self.global_costmap.update(sensor, beams)
 
     def _place(self, stamp: float) -> _Place:
         """Return where the robot was at a time. Raises TransformError when its odometry is not known at that time.
@@ -216,12 +224,6 @@ class WorldView:
         except TransformError:
             return _Place(newest, in_odom, None)
         return _Place(newest, in_odom, odom.compose(in_odom))
-
-    def _robot_in_odom(self) -> Pose2 | None:
-        try:
-            return self.frames.pose(self._settings.local.frame, self._settings.base_frame)
-        except TransformError:
-            return None
 
     def _take_map(self, message: OccupancyGrid) -> None:
         """Work out the costs of a map here: where it is large, the control loop would miss several periods."""
