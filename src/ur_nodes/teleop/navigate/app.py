@@ -13,7 +13,6 @@ from ur_nodes.geometry.pose import Pose2
 from ur_nodes.teleop.map_view.widget import MapView
 from ur_nodes.teleop.mux.emergency import MuxRequest
 from ur_nodes.teleop.navigate import commands as c
-from ur_nodes.teleop.navigate.batch import target_of
 from ur_nodes.teleop.navigate.command_line import CommandLine
 from ur_nodes.teleop.navigate.message_text import REQUESTED, describe_stop
 from ur_nodes.teleop.navigate.panel import Panel, list_places
@@ -22,6 +21,7 @@ from ur_nodes.teleop.navigate.status_text import (
     reason_not_to_drive,
     reason_not_to_send,
 )
+from ur_nodes.teleop.navigate.target import target_of
 from ur_nodes.teleop.navigate.view import NavigateView
 from ur_nodes.teleop.navigator.model import GoalState, format_place
 from ur_nodes.teleop.navigator.waypoints import WaypointStore

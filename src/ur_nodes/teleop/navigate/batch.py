@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 from ur.source.diagnostic import UserError
-from ur_nodes.geometry.pose import Pose2, wrap_angle
+from ur_nodes.geometry.pose import Pose2
 from ur_nodes.teleop.mux.driver_text import DriverRequest
 from ur_nodes.teleop.mux.emergency import MuxRequest
+from ur_nodes.teleop.navigate.batch_text import Limits, describe_change, goal_change, reason_to_give_up, result_line
 from ur_nodes.teleop.navigate.commands import (
     NO_MAPPING,
     USAGE,
@@ -35,14 +35,8 @@ from ur_nodes.teleop.navigate.commands import (
     parse_command,
 )
 from ur_nodes.teleop.navigate.status_text import reason_not_to_drive, silence_line
-from ur_nodes.teleop.navigator.model import (
-    GoalReport,
-    GoalState,
-    Navigator,
-    Snapshot,
-    format_place,
-    heading_there,
-)
+from ur_nodes.teleop.navigate.target import target_of
+from ur_nodes.teleop.navigator.model import GoalState, Navigator, Snapshot, format_place
 from ur_nodes.teleop.navigator.waypoints import WaypointStore
 
 _ANSWER_WAIT = 5.0  # s: for the mux
@@ -67,14 +61,6 @@ class BatchContext:
     """Save the map that is being made and return a line about it; None where none is being made."""
 
 
-@dataclass(frozen=True, slots=True)
-class Limits:
-    """Seconds: until map, pose and navigation are there, and for one goal."""
-
-    start: float = 30.0
-    goal: float = 600.0
-
-
 class InterruptedBatchError(Exception):
     """The batch is to end now; the text is what became of the goal."""
 
@@ -94,6 +80,7 @@ def run_batch(
     lines: Iterable[str], navigator: Navigator, store: WaypointStore, limits: Limits, around: BatchContext
 ) -> int:
     """Run each line. Returns the exit code: 1 when a goal failed or a line could not be understood, else 0."""
+    batch = _Batch(navigator, store, limits, around)
     code = 0
     for line in lines:
         text = line.strip()
@@ -101,7 +88,7 @@ def run_batch(
             command = parse_command(text)
             if isinstance(command, Quit):
                 break
-            if command is not None and not _run(command, text, navigator, store, limits, around):
+            if command is not None and not batch.run(command, text):
                 code = 1
         except UserError as problem:
             around.err(f"error: {text}: {error_line(problem)}")
@@ -109,215 +96,160 @@ def run_batch(
     return code
 
 
-def result_line(text: str, report: GoalReport, snapshot: Snapshot, seconds: float) -> str:
-    """Describe the end of a goal: `g 2 3 90: reached, 0.04 m and 1.2 degrees off, 12.3 s`."""
-    goal, pose = report.place, snapshot.pose
-    if report.state is GoalState.REACHED and goal is not None and pose is not None:
-        off = math.hypot(goal.x - pose.x, goal.y - pose.y)
-        turned = math.degrees(abs(wrap_angle(goal.yaw - pose.yaw)))
-        return f"{text}: reached, {off:.2f} m and {turned:.1f} degrees off, {seconds:.1f} s"
-    why = f": {report.text}" if report.text else ""
-    return f"{text}: {report.state.value} after {seconds:.1f} s{why}"
+class _Batch:
+    """Runs commands one after another. `text` is always the line of the command, which begins its result line."""
 
+    def __init__(self, navigator: Navigator, store: WaypointStore, limits: Limits, around: BatchContext) -> None:
+        self._navigator, self._store, self._limits, self._around = navigator, store, limits, around
 
-def _run(
-    command: _AtOnce | _Awaited,
-    text: str,
-    navigator: Navigator,
-    store: WaypointStore,
-    limits: Limits,
-    around: BatchContext,
-) -> bool:
-    """Run a command and return whether it succeeded. Raises UserError."""
-    match command:
-        case Go() | GoTo():
-            return _drive(command, text, navigator, store, limits, around)
-        case AskLease():
-            return _ask_lease(command.request, text, navigator, limits, around)
-        case AskMux():
-            return _ask_mux(command.request, text, navigator, around)
-        case SaveMap():
-            if around.save is None:
-                raise bad_command_error(NO_MAPPING)
-            around.out(f"{text}: {around.save()}")
-            return True
-        case _:
-            around.out(_do_at_once(command, text, navigator, store))
-            return True
+    def run(self, command: _AtOnce | _Awaited, text: str) -> bool:
+        """Run a command and return whether it succeeded. Raises UserError."""
+        match command:
+            case Go() | GoTo():
+                return self._drive(command, text)
+            case AskLease():
+                return self._ask_lease(command.request, text)
+            case AskMux():
+                return self._ask_mux(command.request, text)
+            case SaveMap():
+                if self._around.save is None:
+                    raise bad_command_error(NO_MAPPING)
+                self._around.out(f"{text}: {self._around.save()}")
+                return True
+            case _:
+                self._around.out(self._do_at_once(command, text))
+                return True
 
-
-def _ask_mux(request: MuxRequest, text: str, navigator: Navigator, around: BatchContext) -> bool:
-    """Send a request to the mux and return whether it took effect; an emergency stop ends the goal, too."""
-    deadline = around.clock() + _ANSWER_WAIT
-    if request == "stop":
-        navigator.stop()
-    navigator.ask_mux(request)
-    while (mux := navigator.snapshot().mux).asked is not None and around.clock() < deadline:
-        if around.sleep(0.02):
+    def _sleep(self, seconds: float) -> None:
+        if self._around.sleep(seconds):
             raise InterruptedBatchError
-    late = f"no answer within {_ANSWER_WAIT:g} s" if mux.asked is not None else ""
-    done = "emergency stop" if request == "stop" else "released"
-    around.out(f"{text}: {mux.problem or late or done}")
-    return not (mux.problem or late)
 
+    def _ask_mux(self, request: MuxRequest, text: str) -> bool:
+        """Send a request to the mux and return whether it took effect; an emergency stop ends the goal, too."""
+        deadline = self._around.clock() + _ANSWER_WAIT
+        if request == "stop":
+            self._navigator.stop()
+        self._navigator.ask_mux(request)
+        while (mux := self._navigator.snapshot().mux).asked is not None and self._around.clock() < deadline:
+            self._sleep(0.02)
+        late = f"no answer within {_ANSWER_WAIT:g} s" if mux.asked is not None else ""
+        done = "emergency stop" if request == "stop" else "released"
+        self._around.out(f"{text}: {mux.problem or late or done}")
+        return not (mux.problem or late)
 
-def _ask_lease(request: DriverRequest, text: str, navigator: Navigator, limits: Limits, around: BatchContext) -> bool:
-    """Send a request and return whether it took effect in time; `ask` waits longer, for a person's answer."""
-    wait = limits.start if request == "ask" else _ANSWER_WAIT
-    deadline = around.clock() + wait
-    navigator.request_lease(request)
-    while navigator.snapshot().lease.mine is (request == "grant"):
-        if around.clock() >= deadline:
-            around.out(f"{text}: not done within {wait:g} s{_who_drives(navigator.snapshot())}")
-            return False
-        if around.sleep(0.05):
-            raise InterruptedBatchError
-    around.out(f"{text}: {'handed over' if request == 'grant' else 'drives now'}")
-    return True
-
-
-def _who_drives(snapshot: Snapshot) -> str:
-    reason = reason_not_to_drive(snapshot)
-    return f": {reason}" if reason else ""
-
-
-def _do_at_once(command: _AtOnce, text: str, navigator: Navigator, store: WaypointStore) -> str:
-    """Run a command that ends at once and return its result line. Raises UserError."""
-    match command:
-        case Remember():
-            pose = navigator.snapshot().pose
-            assert pose is not None, "waited for before the first line"
-            fresh = store.remember(command.name, pose)
-            return f"{text}: {'saved at' if fresh else 'moved to'} {format_place(pose)}"
-        case Forget():
-            store.forget(command.name)
-            return f"{text}: deleted"
-        case ListPlaces():
-            places = (f"{name}: {format_place(place)}" for name, place in store.places().items())
-            return "\n".join(places) or f"{text}: no waypoints yet"
-        case Stop():
-            navigator.stop()
-            return f"{text}: stopped"
-        case Resume():
-            raise bad_command_error("no goal to continue; commands run one at a time")
-        case SetPose() | Relocalise():
-            return _localise(command, text, navigator)
-        case Follow() | SwitchTheme():
-            raise bad_command_error("there is no map to show, expected a terminal for this command")
-        case Help():
-            return "\n".join(f"{usage:<14} {meaning}" for usage, meaning in USAGE.values())
-
-
-def _localise(command: SetPose | Relocalise, text: str, navigator: Navigator) -> str:
-    if reason := reason_not_to_drive(navigator.snapshot()):
-        raise bad_command_error(f"not done: {reason}")
-    if isinstance(command, SetPose):
-        navigator.set_pose(Pose2(command.x, command.y, command.yaw))
-        return f"{text}: pose set"
-    navigator.relocalise()
-    return f"{text}: searching for the robot on the whole map"
-
-
-def _drive(
-    command: Go | GoTo, text: str, navigator: Navigator, store: WaypointStore, limits: Limits, around: BatchContext
-) -> bool:
-    place = target_of(command, navigator.snapshot(), store)
-    if reason := _wait_for_result(navigator, limits, around):
-        around.out(f"{text}: not sent: {reason}")
-        return False
-    start = around.clock()
-    number, noted = navigator.go(place), ""
-    while True:
-        snapshot = navigator.snapshot()
-        report, seconds = snapshot.goal, around.clock() - start
-        if report.number > number:
-            if snapshot.lease.taken_by:
-                around.out(f"{text}: stopped after {seconds:.1f} s: {snapshot.lease.taken_by} took over")
+    def _ask_lease(self, request: DriverRequest, text: str) -> bool:
+        """Send a request and return whether it took effect in time; `ask` waits longer, for a person's answer."""
+        wait = self._limits.start if request == "ask" else _ANSWER_WAIT
+        deadline = self._around.clock() + wait
+        self._navigator.request_lease(request)
+        while (snapshot := self._navigator.snapshot()).lease.mine is (request == "grant"):
+            if self._around.clock() >= deadline:
+                reason = reason_not_to_drive(snapshot)
+                self._around.out(f"{text}: not done within {wait:g} s{f': {reason}' if reason else ''}")
                 return False
-            around.out(f"{text}: failed: another goal took its place after {seconds:.1f} s")
-            return False
-        if report.number == number and report.over:
-            break
-        if around.urgent and (typed := around.urgent()):
-            _run_urgent(typed, navigator, around)
-        if ended := _give_up(snapshot, seconds, limits, attended=around.urgent is not None):
-            navigator.stop()
-            around.out(f"{text}: {ended}")
-            return False
-        noted = _note(text, snapshot, noted, around)
-        if around.sleep(0.05):
-            raise InterruptedBatchError(_cancel(navigator, around))
-    around.out(result_line(text, report, snapshot, seconds))
-    return report.state is GoalState.REACHED
+            self._sleep(0.05)
+        self._around.out(f"{text}: {'handed over' if request == 'grant' else 'drives now'}")
+        return True
 
+    def _do_at_once(self, command: _AtOnce, text: str) -> str:
+        """Run a command that ends at once and return its result line. Raises UserError."""
+        match command:
+            case Remember():
+                pose = self._navigator.snapshot().pose
+                assert pose is not None, "waited for before the first line"
+                fresh = self._store.remember(command.name, pose)
+                return f"{text}: {'saved at' if fresh else 'moved to'} {format_place(pose)}"
+            case Forget():
+                self._store.forget(command.name)
+                return f"{text}: deleted"
+            case ListPlaces():
+                places = (f"{name}: {format_place(place)}" for name, place in self._store.places().items())
+                return "\n".join(places) or f"{text}: no waypoints yet"
+            case Stop():
+                self._navigator.stop()
+                return f"{text}: stopped"
+            case Resume():
+                raise bad_command_error("no goal to continue; commands run one at a time")
+            case SetPose() | Relocalise():
+                return self._localise(command, text)
+            case Follow() | SwitchTheme():
+                raise bad_command_error("there is no map to show, expected a terminal for this command")
+            case Help():
+                return "\n".join(f"{usage:<14} {meaning}" for usage, meaning in USAGE.values())
 
-def _wait_for_result(navigator: Navigator, limits: Limits, around: BatchContext) -> str:
-    """Wait while the robot is silent or decides about a lost lease. Returns why the goal cannot be sent, or nothing."""
-    deadline = around.clock() + limits.start
-    while _is_undecided(snapshot := navigator.snapshot()) and around.clock() < deadline:
-        if around.sleep(0.05):
-            raise InterruptedBatchError
-    return reason_not_to_drive(snapshot)
+    def _localise(self, command: SetPose | Relocalise, text: str) -> str:
+        if reason := reason_not_to_drive(self._navigator.snapshot()):
+            raise bad_command_error(f"not done: {reason}")
+        if isinstance(command, SetPose):
+            self._navigator.set_pose(Pose2(command.x, command.y, command.yaw))
+            return f"{text}: pose set"
+        self._navigator.relocalise()
+        return f"{text}: searching for the robot on the whole map"
+
+    # -- goals -----------------------------------------------------------------------------------------------------
+
+    def _drive(self, command: Go | GoTo, text: str) -> bool:
+        """Send a goal and wait for its end; return whether it was reached."""
+        navigator, around = self._navigator, self._around
+        place = target_of(command, navigator.snapshot(), self._store)
+        if reason := self._wait_until_allowed():
+            around.out(f"{text}: not sent: {reason}")
+            return False
+        start = around.clock()
+        number, noted = navigator.go(place), None
+        while True:
+            snapshot = navigator.snapshot()
+            report, seconds = snapshot.goal, around.clock() - start
+            if report.number > number:
+                if snapshot.lease.taken_by:
+                    around.out(f"{text}: stopped after {seconds:.1f} s: {snapshot.lease.taken_by} took over")
+                    return False
+                around.out(f"{text}: failed: another goal took its place after {seconds:.1f} s")
+                return False
+            if report.number == number and report.over:
+                break
+            if around.urgent and (typed := around.urgent()):
+                self._run_urgent(typed)
+            if ended := reason_to_give_up(snapshot, seconds, self._limits, attended=around.urgent is not None):
+                navigator.stop()
+                around.out(f"{text}: {ended}")
+                return False
+            change = goal_change(snapshot, noted)
+            if change is not noted:
+                around.err(f"note: {text}: {describe_change(snapshot, change)}")
+                noted = change
+            if around.sleep(0.05):
+                raise InterruptedBatchError(self._cancel())
+        around.out(result_line(text, report, snapshot, seconds))
+        return report.state is GoalState.REACHED
+
+    def _wait_until_allowed(self) -> str:
+        """Wait while the robot is silent or decides about a lost lease; return why no goal can be sent, or nothing."""
+        deadline = self._around.clock() + self._limits.start
+        while _is_undecided(snapshot := self._navigator.snapshot()) and self._around.clock() < deadline:
+            self._sleep(0.05)
+        return reason_not_to_drive(snapshot)
+
+    def _run_urgent(self, command: Command) -> None:
+        """Run a command that was typed while a goal is driven."""
+        if isinstance(command, AskMux):
+            self._ask_mux(command.request, "emergency" if command.request == "stop" else "release")
+        elif isinstance(command, Resume):
+            self._navigator.resume()
+        else:
+            self._navigator.stop()
+
+    def _cancel(self) -> str:
+        """Cancel the goal, and return what is known of that."""
+        self._navigator.stop()
+        deadline = self._around.clock() + _CANCEL_WAIT
+        while not (snapshot := self._navigator.snapshot()).goal.over and self._around.clock() < deadline:
+            self._around.sleep(0.02)
+        if snapshot.goal.over:
+            return "the goal was cancelled"
+        return f"the goal may not be cancelled: {silence_line(snapshot) or 'no answer'}"
 
 
 def _is_undecided(snapshot: Snapshot) -> bool:
     lease = snapshot.lease
     return snapshot.silence is not None or (lease.lost_by_other and lease.pending)
-
-
-def _run_urgent(command: Command, navigator: Navigator, around: BatchContext) -> None:
-    """Run a command that was typed while a goal is driven."""
-    if isinstance(command, AskMux):
-        _ask_mux(command.request, "emergency" if command.request == "stop" else "release", navigator, around)
-    elif isinstance(command, Resume):
-        navigator.resume()
-    else:
-        navigator.stop()
-
-
-def _give_up(snapshot: Snapshot, seconds: float, limits: Limits, *, attended: bool) -> str:
-    """Return the reason to stop waiting for the goal; empty while there is none."""
-    if snapshot.goal.state is GoalState.ASKING and not attended:
-        return f"stopped after {seconds:.1f} s: held, and a pipe cannot answer whether it goes on"
-    silent = silence_line(snapshot)
-    if seconds > limits.goal:
-        limit = f"not reached after {seconds:.0f} s, the limit (parameter ~goal_timeout)"
-        return f"unknown: {limit}; {silent}" if silent else f"failed: {limit}; stopped"
-    if snapshot.silence is not None and snapshot.silence.seconds > limits.start:
-        return f"unknown after {seconds:.1f} s: {silent}"
-    return ""
-
-
-def _note(text: str, snapshot: Snapshot, noted: str, around: BatchContext) -> str:
-    """Report on standard error that the goal is held or unknown, or goes on, once for each change."""
-    report = snapshot.goal
-    if report.state in (GoalState.HELD, GoalState.ASKING, GoalState.UNKNOWN):
-        if noted != report.state.value:
-            unknown = f"{silence_line(snapshot)}; the goal is unknown until it answers"
-            question = "held: the robot waits for you; c continues, x cancels"
-            says = {GoalState.HELD: report.text, GoalState.ASKING: question}.get(report.state, unknown)
-            around.err(f"note: {text}: {says}")
-        return str(report.state.value)
-    if noted and report.state is GoalState.DRIVING:
-        around.err(f"note: {text}: driving")
-        return ""
-    return noted
-
-
-def _cancel(navigator: Navigator, around: BatchContext) -> str:
-    """Cancel the goal, and what is known of that."""
-    navigator.stop()
-    deadline = around.clock() + _CANCEL_WAIT
-    while not (snapshot := navigator.snapshot()).goal.over and around.clock() < deadline:
-        around.sleep(0.02)
-    if snapshot.goal.over:
-        return "the goal was cancelled"
-    return f"the goal may not be cancelled: {silence_line(snapshot) or 'no answer'}"
-
-
-def target_of(command: Go | GoTo, snapshot: Snapshot, store: WaypointStore) -> Pose2:
-    """The pose a command asks for. Raises UserError: no such waypoint."""
-    if isinstance(command, GoTo):
-        return store.find(command.name)
-    yaw = heading_there(snapshot, command.x, command.y) if command.yaw is None else command.yaw
-    return Pose2(command.x, command.y, yaw)

@@ -15,7 +15,8 @@ import rospkg
 
 from ur.source.ansi import is_plain
 from ur_nodes.rosio.parameters import Parameters
-from ur_nodes.teleop.navigate.batch import BatchContext, InterruptedBatchError, Limits, run_batch, wait_until_ready
+from ur_nodes.teleop.navigate.batch import BatchContext, InterruptedBatchError, run_batch, wait_until_ready
+from ur_nodes.teleop.navigate.batch_text import Limits
 from ur_nodes.teleop.navigate.line_reader import LineReader
 from ur_nodes.teleop.navigator.map_saving_node import MapSaving, call_save, save_map
 from ur_nodes.teleop.navigator.model import Snapshot

@@ -12,7 +12,8 @@ from ur_nodes.geometry.pose import Pose2
 from ur_nodes.motion.lease.view import LeaseView
 from ur_nodes.teleop.mux.driver_text import clock_time
 from ur_nodes.teleop.mux.emergency import MuxView
-from ur_nodes.teleop.navigate.batch import BatchContext, InterruptedBatchError, Limits, run_batch, wait_until_ready
+from ur_nodes.teleop.navigate.batch import BatchContext, InterruptedBatchError, run_batch, wait_until_ready
+from ur_nodes.teleop.navigate.batch_text import Limits
 from ur_nodes.teleop.navigator.model import GoalReport, GoalState, Silence
 from ur_nodes.teleop.navigator.waypoints import WaypointStore
 

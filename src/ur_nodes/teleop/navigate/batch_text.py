@@ -1,0 +1,64 @@
+"""Lines about the goals of a batch: results, reasons to give up, changes on the way. Pure."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from ur_nodes.geometry.pose import wrap_angle
+from ur_nodes.teleop.navigate.status_text import silence_line
+from ur_nodes.teleop.navigator.model import GoalReport, GoalState, Snapshot
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """Seconds: until map, pose and navigation are there, and for one goal."""
+
+    start: float = 30.0
+    goal: float = 600.0
+
+
+def result_line(text: str, report: GoalReport, snapshot: Snapshot, seconds: float) -> str:
+    """Describe the end of a goal: `g 2 3 90: reached, 0.04 m and 1.2 degrees off, 12.3 s`."""
+    goal, pose = report.place, snapshot.pose
+    if report.state is GoalState.REACHED and goal is not None and pose is not None:
+        off = math.hypot(goal.x - pose.x, goal.y - pose.y)
+        turned = math.degrees(abs(wrap_angle(goal.yaw - pose.yaw)))
+        return f"{text}: reached, {off:.2f} m and {turned:.1f} degrees off, {seconds:.1f} s"
+    why = f": {report.text}" if report.text else ""
+    return f"{text}: {report.state.value} after {seconds:.1f} s{why}"
+
+
+def reason_to_give_up(snapshot: Snapshot, seconds: float, limits: Limits, *, attended: bool) -> str:
+    """Return the reason to stop waiting for a goal after `seconds`; empty while there is none.
+
+    `attended`: somebody is there to answer whether a goal that was held goes on.
+    """
+    if snapshot.goal.state is GoalState.ASKING and not attended:
+        return f"stopped after {seconds:.1f} s: held, and a pipe cannot answer whether it goes on"
+    silent = silence_line(snapshot)
+    if seconds > limits.goal:
+        limit = f"not reached after {seconds:.0f} s, the limit (parameter ~goal_timeout)"
+        return f"unknown: {limit}; {silent}" if silent else f"failed: {limit}; stopped"
+    if snapshot.silence is not None and snapshot.silence.seconds > limits.start:
+        return f"unknown after {seconds:.1f} s: {silent}"
+    return ""
+
+
+def goal_change(snapshot: Snapshot, noted: GoalState | None) -> GoalState | None:
+    """Return the state of a goal that is worth a note; None while it is driven. `noted` is the one before."""
+    state = snapshot.goal.state
+    if state in (GoalState.HELD, GoalState.ASKING, GoalState.UNKNOWN):
+        return state
+    return None if state is GoalState.DRIVING else noted
+
+
+def describe_change(snapshot: Snapshot, change: GoalState | None) -> str:
+    """A clause about a goal that is held or unknown, or that goes on (None)."""
+    if change is GoalState.HELD:
+        return snapshot.goal.text
+    if change is GoalState.ASKING:
+        return "held: the robot waits for you; c continues, x cancels"
+    if change is GoalState.UNKNOWN:
+        return f"{silence_line(snapshot)}; the goal is unknown until it answers"
+    return "driving"
