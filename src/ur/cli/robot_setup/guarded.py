@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import getpass
-import os
 import socket
 import sys
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import click
-
-from ur.source.diagnostic import UserError, error
 
 if TYPE_CHECKING:
     from ur.robot.commit_confirm.guarded import GuardedChange
@@ -36,19 +33,6 @@ PASSWORD_FROM = click.option(
     metavar="FD",
     help="Read the robot's password, for sudo there, from this file descriptor.",
 )
-
-
-def read_lines(descriptor: int | None, option: str, count: int) -> list[str]:
-    """The first lines of a file descriptor, '' where there are fewer. Raises UserError."""
-    if descriptor is None:
-        return [""] * count
-    try:
-        with os.fdopen(descriptor, encoding="utf-8") as stream:
-            return [*stream.read().split("\n"), *[""] * count][:count]
-    except (OSError, UnicodeDecodeError) as problem:
-        raise UserError(
-            error(f"{option} {descriptor}: cannot be read: {problem}", rule="bad-descriptor", subject=option)
-        ) from None
 
 
 def become_root(shell: SshShell, given: str) -> list[Secret]:

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import click
 
+from ur.cli.robot_setup.answers import read_lines
 from ur.request.environment import PACKAGE
 from ur.robot.base import list_bases, load_base
 from ur.robot.discovery.record import DEFAULT_USER
@@ -103,18 +104,7 @@ def read_passwords(wish: Wish, descriptor: int | None) -> Passwords:
     """Read passwords from a descriptor, or ask without an echo on a terminal. Raises UserError."""
     user = wifi = ""
     if descriptor is not None:
-        try:
-            # A file that is opened next must not become number 0: left open.
-            with open(descriptor, encoding="utf-8", closefd=False) as stream:
-                user, wifi, *_ = [*stream.read().split("\n"), "", ""]
-        except (OSError, UnicodeDecodeError) as problem:
-            raise UserError(
-                error(
-                    f"--passwords-from {descriptor}: cannot be read: {problem}",
-                    rule="bad-descriptor",
-                    subject="--passwords-from",
-                )
-            ) from None
+        user, wifi = read_lines(descriptor, "--passwords-from", 2, close=False)
     elif sys.stdin.isatty():
         user = _ask_twice(f"password of {wish.user} (empty: none, the key alone)")
         if wish.wifi:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from ur.cli.output import plain_text
+from ur.cli.robot_setup.answers import read_lines
 from ur.cli.robot_setup.guarded import (
     DRY_RUN,
     PASSWORD_FROM,
@@ -15,7 +16,6 @@ from ur.cli.robot_setup.guarded import (
     become_root,
     begin,
     finish,
-    read_lines,
     say,
     show_plan,
 )

@@ -4,20 +4,20 @@ from __future__ import annotations
 
 import getpass
 import os
-import socket
 import sys
 from collections.abc import Sequence
 from pathlib import Path
 
 import click
 
+from ur.cli.robot_setup.answers import check_name, read_lines, taken_error
 from ur.cli.robots.fleet import choose_robots
 from ur.request.environment import PACKAGE
 from ur.request.remote.connection import robot_address
 from ur.robot.base import list_bases, list_variants, load_base
 from ur.robot.discovery.record import DEFAULT_USER, Record, load_records, records_folder
 from ur.robot.setup.login import Task
-from ur.robot.setup.robot_states import Robot, is_robot_name
+from ur.robot.setup.robot_states import Robot
 from ur.robot.ssh.address import parse_address
 from ur.robot.ssh.host_key import parse_fingerprint
 from ur.robot.ssh.secret import Secret
@@ -118,18 +118,9 @@ def check_names(tasks: Sequence[Task]) -> None:
     """Raise UserError when a name is no name for a computer, or is taken."""
     names = [task.robot.name for task in tasks]
     for name in names:
-        if not is_robot_name(name):
-            raise UserError(
-                error(
-                    f"{name!r} is not a valid host name, expected up to 63 lower-case letters, digits and -",
-                    rule="bad-name",
-                    subject=name,
-                )
-            )
-        if names.count(name) > 1 or name in (socket.gethostname().split(".")[0], "localhost", "sim"):
-            raise UserError(
-                error(f"name {name!r} is taken, expected a name of its own for each computer", rule="taken-name")
-            )
+        check_name(name)
+        if names.count(name) > 1:
+            raise taken_error(name)
 
 
 def read_passwords(
@@ -137,18 +128,7 @@ def read_passwords(
 ) -> tuple[Secret | None, Secret | None]:
     """The present and the new password: from a descriptor, or asked without an echo; None for an empty one."""
     if descriptor is not None:
-        try:
-            with os.fdopen(descriptor, encoding="utf-8") as stream:
-                lines = [*stream.read().split("\n"), "", ""]
-        except (OSError, UnicodeDecodeError) as problem:
-            raise UserError(
-                error(
-                    f"--passwords-from {descriptor}: cannot be read: {problem}",
-                    rule="bad-descriptor",
-                    subject="--passwords-from",
-                )
-            ) from None
-        current, new = lines[:2]
+        current, new = read_lines(descriptor, "--passwords-from", 2)
     elif sys.stdin.isatty():
         who = ", ".join(str(task.address) for task in tasks)
         current = getpass.getpass(f"present password of {who} (empty: login by key): ")

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import getpass
 import os
-import socket
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import click
 
+from ur.cli.robot_setup.answers import check_name, read_lines
 from ur.cli.robot_setup.guarded import (
     DRY_RUN,
     PASSWORD_FROM,
@@ -17,7 +17,6 @@ from ur.cli.robot_setup.guarded import (
     become_root,
     begin,
     finish,
-    read_lines,
     say,
     show_plan,
 )
@@ -75,24 +74,6 @@ def rename(robot: str, name: str, wait: int, password_from: int | None, dry_run:
     say(f"{facts.hostname} is called {name} now: ur shell {name}")
     say("what ran there already, and was not started at boot, keeps the old name until it is started anew")
     return 0
-
-
-def check_name(name: str) -> None:
-    """Raises UserError unless a robot may be called so."""
-    from ur.robot.setup.robot_states import is_robot_name
-
-    if not is_robot_name(name):
-        raise UserError(
-            error(
-                f"{name!r} is not a valid host name, expected up to 63 lower-case letters, digits and -",
-                rule="bad-name",
-                subject=name,
-            )
-        )
-    if name in (socket.gethostname().split(".")[0], "localhost", "sim"):
-        raise UserError(
-            error(f"name {name!r} is taken, expected a name of its own for each computer", rule="taken-name")
-        )
 
 
 def _begin(

@@ -1,0 +1,44 @@
+"""Answers that several commands take: names of robots, passwords from a file descriptor."""
+
+from __future__ import annotations
+
+import socket
+
+from ur.source.diagnostic import UserError, error
+
+
+def read_lines(descriptor: int | None, option: str, count: int, *, close: bool = True) -> list[str]:
+    """The first lines of a file descriptor, '' where there are fewer. Raises UserError.
+
+    `close` false leaves it open: otherwise a file that is opened next may become number 0.
+    """
+    if descriptor is None:
+        return [""] * count
+    try:
+        with open(descriptor, encoding="utf-8", closefd=close) as stream:
+            return [*stream.read().split("\n"), *[""] * count][:count]
+    except (OSError, UnicodeDecodeError) as problem:
+        raise UserError(
+            error(f"{option} {descriptor}: cannot be read: {problem}", rule="bad-descriptor", subject=option)
+        ) from None
+
+
+def check_name(name: str) -> None:
+    """Raise UserError when a name is no name for a computer, or that of this one."""
+    from ur.robot.setup.robot_states import is_robot_name
+
+    if not is_robot_name(name):
+        raise UserError(
+            error(
+                f"{name!r} is not a valid host name, expected up to 63 lower-case letters, digits and -",
+                rule="bad-name",
+                subject=name,
+            )
+        )
+    if name in (socket.gethostname().split(".")[0], "localhost", "sim"):
+        raise taken_error(name)
+
+
+def taken_error(name: str) -> UserError:
+    """The error about a name that another computer has."""
+    return UserError(error(f"name {name!r} is taken, expected a name of its own for each computer", rule="taken-name"))
