@@ -9,12 +9,17 @@ import json
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, Literal, cast
+from typing import Any, Literal, TypeVar, cast
 
+Reader = TypeVar("Reader", bound=Callable[..., object])
 Stamp = tuple[int, int]
+"""Seconds and nanoseconds of a challenge of the mux."""
+
 LONGEST_NAME = 64
 """Characters of the longest name of a place."""
+
 LeaseAction = Literal["acquire", "take", "ask", "grant", "release"]
+
 LONGEST = 1024
 """Characters of the longest request."""
 
@@ -175,35 +180,47 @@ class BadRequestError(ValueError):
 
 def read_request(text: object) -> Request:
     """The request that a text is. Raises BadRequestError."""
-    if not isinstance(text, str) or len(text) > LONGEST:
-        raise BadRequestError(f"expected a text of at most {LONGEST} characters")
+    value = read_object(text, LONGEST)
+    return choose_reader(value, _READERS)(value)
+
+
+def read_object(text: object, longest: int) -> dict[str, Any]:
+    """The JSON object that a text of at most `longest` characters is. Raises BadRequestError."""
+    if not isinstance(text, str) or len(text) > longest:
+        raise BadRequestError(f"expected a text of at most {longest} characters")
     try:
         value = json.loads(text)
     except (ValueError, RecursionError):
         raise BadRequestError("expected JSON") from None
     if not isinstance(value, dict):
         raise BadRequestError("expected a JSON object")
+    return value
+
+
+def choose_reader(value: Mapping[str, Any], readers: Mapping[str, Reader]) -> Reader:
+    """The reader for the kind of a request, its field `t`. Raises BadRequestError."""
     kind = value.get("t")
-    reader = _READERS.get(kind) if isinstance(kind, str) else None
+    reader = readers.get(kind) if isinstance(kind, str) else None
     if reader is None:
-        raise BadRequestError(f"t: expected one of {', '.join(_READERS)}")
-    return reader(value)
+        raise BadRequestError(f"t: expected one of {', '.join(readers)}")
+    return reader
+
+
+def is_count(value: object) -> bool:
+    """Tell whether a value is a whole number from 0 to 2^32 - 1; JSON's true and false are none."""
+    return isinstance(value, int) and not isinstance(value, bool) and 0 <= value < _MOST
 
 
 def _stamp(value: Mapping[str, Any]) -> Stamp:
     found = value.get("n")
-    if not isinstance(found, list) or len(found) != 2 or not all(_is_count(each) for each in found):
+    if not isinstance(found, list) or len(found) != 2 or not all(is_count(each) for each in found):
         raise BadRequestError("n: expected a challenge, two whole numbers below 2^32")
     return found[0], found[1]
 
 
-def _is_count(value: object) -> bool:
-    return isinstance(value, int) and not isinstance(value, bool) and 0 <= value < _MOST
-
-
 def _hold(value: Mapping[str, Any]) -> int:
     hold = value.get("hold")
-    if not _is_count(hold) or hold == 0:
+    if not is_count(hold) or hold == 0:
         raise BadRequestError("hold: expected a whole number from 1 to 2^32 - 1")
     return int(cast("int", hold))
 

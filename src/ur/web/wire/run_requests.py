@@ -6,13 +6,12 @@ is recognised by an old one. `id` is the page's number of the request, by which 
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal, cast
 
-from ur.web.wire.requests import BadRequestError
+from ur.web.wire.requests import BadRequestError, choose_reader, is_count, read_object
 
 LONGEST = 16384
 """Characters of the longest request."""
@@ -22,7 +21,6 @@ LONGEST_VALUE = 256
 
 NodeAction = Literal["start", "stop", "restart"]
 _ACTIONS = ("start", "stop", "restart")
-_MOST = 2**32
 _PROGRAM = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,63}(/[A-Za-z0-9_]{1,64})?", re.ASCII)
 _ARGUMENT = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,63}", re.ASCII)
 _RUN = re.compile(r"[\w-]{1,60}\.[0-9]{1,10}")
@@ -67,18 +65,8 @@ class Envelope:
 
 def read_run_request(text: object) -> Envelope:
     """The request that a text is. Raises BadRequestError."""
-    if not isinstance(text, str) or len(text) > LONGEST:
-        raise BadRequestError(f"expected a text of at most {LONGEST} characters")
-    try:
-        value = json.loads(text)
-    except (ValueError, RecursionError):
-        raise BadRequestError("expected JSON") from None
-    if not isinstance(value, dict):
-        raise BadRequestError("expected a JSON object")
-    kind = value.get("t")
-    reader = _READERS.get(kind) if isinstance(kind, str) else None
-    if reader is None:
-        raise BadRequestError(f"t: expected one of {', '.join(_READERS)}")
+    value = read_object(text, LONGEST)
+    reader = choose_reader(value, _READERS)
     return Envelope(_count(value, "n"), _count(value, "id"), reader(value))
 
 
@@ -116,9 +104,9 @@ def _match(pattern: re.Pattern[str], value: object, message: str) -> str:
 
 def _count(value: Mapping[str, Any], name: str) -> int:
     found = value.get(name)
-    if not isinstance(found, int) or isinstance(found, bool) or not 0 <= found < _MOST:
+    if not is_count(found):
         raise BadRequestError(f"{name}: expected a whole number below 2^32")
-    return found
+    return int(cast("int", found))
 
 
 def _run(value: Mapping[str, Any]) -> str:

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 
 from ur.web.wire.frames import Layer
 from ur.web.wire.layers import read_layers
 from ur.web.wire.plots import read_plots
-from ur.web.wire.requests import BadRequestError
+from ur.web.wire.requests import BadRequestError, read_object
 
 LONGEST = 4096
 """Characters of a message: eight plots with the longest names fit in."""
@@ -33,13 +32,8 @@ def read_view(values: Mapping[str, str]) -> ViewRequest:
 
 def read_view_message(data: object) -> ViewRequest:
     """The request of a message: a JSON object of the same texts. Raises BadRequestError."""
-    if not isinstance(data, str) or len(data) > LONGEST:
-        raise BadRequestError(f"expected a text of at most {LONGEST} characters")
-    try:
-        value = json.loads(data)
-    except (ValueError, RecursionError):
-        raise BadRequestError("expected JSON") from None
-    if not isinstance(value, dict) or not value or not _KEYS.issuperset(value):
+    value = read_object(data, LONGEST)
+    if not value or not _KEYS.issuperset(value):
         raise BadRequestError(f"expected an object with {' and '.join(sorted(_KEYS))}")
     if not all(isinstance(each, str) for each in value.values()):
         raise BadRequestError("expected texts")

@@ -14,7 +14,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal, cast
 
-from ur.web.wire.requests import BadRequestError
+from ur.web.wire.requests import BadRequestError, read_object
 
 UPSTREAM = "foxglove.sdk.v1"
 """The name of the protocol that foxglove-sdk takes."""
@@ -89,12 +89,7 @@ def read_message(data: object) -> Message | None:
         return Publication(_PUBLISHED.unpack_from(data)[1], data[_PUBLISHED.size :])
     if not isinstance(data, str) or len(data) > LONGEST:
         raise BadRequestError(f"expected a message of at most {LONGEST} bytes")
-    try:
-        value = json.loads(data)
-    except (ValueError, RecursionError):
-        raise BadRequestError("expected JSON") from None
-    if not isinstance(value, dict):
-        raise BadRequestError("expected a JSON object")
+    value = read_object(data, LONGEST)
     operation = value.get("op")
     if operation == "subscribe":
         wanted = [
