@@ -33,8 +33,8 @@ def choose_camera(snapshot: Snapshot, wanted: str, number: int, *, raspberry: bo
     """Choose the camera that a user wants.
 
     `wanted` is a path, `libcamera`, part of a name or serial number as `ur devices` lists them, or '' for any;
-    `number` counts them from 0. `raspberry`: the computer is a Raspberry Pi. Without a wish the camera on its ribbon is
-    preferred. Raises CameraError where there is none.
+    `number` counts them from 0. `raspberry`: the computer is a Raspberry Pi. Where any will do, the camera
+    on its ribbon is preferred. Raises CameraError where there is none.
     """
     cameras = [each for each in snapshot.devices if each.kind == "camera"]
     ribbon = [each for each in cameras if _is_ribbon(each)]

@@ -43,7 +43,7 @@ from ur_nodes.rosio.ending import quiet_at_end
 from ur_nodes.teleop.mux.link_node import MuxLink
 from ur_nodes.teleop.navigator.navigation_topics_node import NavigationTopics
 from ur_nodes.web.heard import Heard, age_of_answer, hear
-from ur_nodes.web.page_lease import PageLease, may_drive, step_page, takes_part, wish
+from ur_nodes.web.page_lease import PageLease, may_drive, request_action, step_page, takes_part
 from ur_nodes.web.places import Places, change_places
 from ur_nodes.web.stick import StickState, Verdict, end_stick, expire_stick, let_go, step_stick
 from ur_nodes.web.zone_link_node import ZoneLink
@@ -185,7 +185,8 @@ class DriveEnd:
         elif isinstance(request, Alive):
             self._renew(client, page, request.answers, now)
         elif isinstance(request, LeaseWish):
-            self._renew(client, replace(page, lease=wish(page.lease, request.action, now)), request.answers, now)
+            page = replace(page, lease=request_action(page.lease, request.action, now))
+            self._renew(client, page, request.answers, now)
         elif isinstance(request, Emergency):
             self._link.ask("stop" if request.stop else "release")
         elif isinstance(request, LimitSpeed):
@@ -225,7 +226,7 @@ class DriveEnd:
         if verdict == "drive":
             began = command.hold != page.stick.hold and self._lease is not None
             if began and self._lease is not None and self._lease.client != client:
-                page = replace(page, lease=wish(page.lease, "acquire", now))
+                page = replace(page, lease=request_action(page.lease, "acquire", now))
                 self._request(page, "acquire", command.answers)
             forward, turn = self._limits
             self._publish(
@@ -284,7 +285,7 @@ class DriveEnd:
         goal_id = f"{rospy.get_name()}-{next(self._numbers)}-{time.time():.3f}"
         if self._lease is not None:
             if self._lease.client != client:
-                page = self._pages[client] = replace(page, lease=wish(page.lease, "acquire", now))
+                page = self._pages[client] = replace(page, lease=request_action(page.lease, "acquire", now))
                 self._request(page, "acquire", goal.answers)
             goal_id = write_goal_id(goal_id, page.lease.client, goal.answers[0] * _NANO + goal.answers[1])
         number = self._topics.send_goal(goal_id, Pose2(goal.x, goal.y, goal.yaw))

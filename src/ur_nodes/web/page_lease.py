@@ -17,27 +17,30 @@ PATIENCE = 2.0
 
 @dataclass(frozen=True, slots=True)
 class PageLease:
-    """A page's client id, its browser (`computer`), and the request that has not taken effect yet."""
+    """A page's client id and its browser (`computer`).
+
+    `wanted` is the action that has not taken effect yet; it is given up after the time `until` (s).
+    """
 
     client: str
     computer: str = ""
-    wish: Action | None = None
+    wanted: Action | None = None
     until: float = 0.0
 
 
-def wish(page: PageLease, action: Action, now: float) -> PageLease:
-    """The user of the page wants this."""
-    return replace(page, wish=action, until=now + PATIENCE)
+def request_action(page: PageLease, action: Action, now: float) -> PageLease:
+    """Note what the user of the page asks for at `now` (s)."""
+    return replace(page, wanted=action, until=now + PATIENCE)
 
 
 def step_page(page: PageLease, lease: Lease | None, now: float) -> tuple[PageLease, Action | None]:
     """The request to send now that the page has proved to be there; None for none: it only watches."""
     if lease is None:
         return page, None
-    if page.wish and (now > page.until or is_settled(page.wish, lease, page.client)):
-        page = replace(page, wish=None)
-    if page.wish:
-        return page, page.wish
+    if page.wanted and (now > page.until or is_settled(page.wanted, lease, page.client)):
+        page = replace(page, wanted=None)
+    if page.wanted:
+        return page, page.wanted
     return page, "renew" if takes_part(page, lease) else None
 
 

@@ -21,17 +21,17 @@ from tests.robot.image.images import (
 
 from ur.robot.image.layout import find_layout
 from ur.robot.image.prepare import Write, plan_undo, plan_writes, read_seed, write_all
-from ur.robot.image.seed import Wifi, Wish, make_seed
+from ur.robot.image.seed import SeedOptions, Wifi, make_seed
 from ur.robot.setup.robot_states import Robot
 
 pytestmark = needs_tools
-WISH = Wish(Robot("bob", "magni"), "ros", (KEY,), wifi=Wifi("home", "ab" * 32, "DE"))
+OPTIONS = SeedOptions(Robot("bob", "magni"), "ros", (KEY,), wifi=Wifi("home", "ab" * 32, "DE"))
 MAKERS = (make_ubuntu, make_raspberry, make_old_raspberry, make_cloud)
 
 
-def plan(path: Path, wish: Wish = WISH) -> list[Write]:
+def plan(path: Path, options: SeedOptions = OPTIONS) -> list[Write]:
     layout = find_layout(path)
-    return plan_writes(layout, read_seed(layout), make_seed(wish, layout))
+    return plan_writes(layout, read_seed(layout), make_seed(options, layout))
 
 
 def undo(path: Path) -> list[Write]:
@@ -54,7 +54,7 @@ def test_undo_brings_back_what_was_there(tmp_path: Path, make: object) -> None:
     before = read_seed(layout)
     assert undo(path) == []
     for name in ("bob", "eve"):  # what is kept is what the image brought, not the seed before
-        write_all(path, plan(path, Wish(Robot(name, "magni"), "ros", (KEY,), wifi=WISH.wifi)))
+        write_all(path, plan(path, SeedOptions(Robot(name, "magni"), "ros", (KEY,), wifi=OPTIONS.wifi)))
     write_all(path, undo(path))
     assert read_seed(layout) == before
     assert undo(path) == []
@@ -89,7 +89,7 @@ def test_old_raspberry_is_read_back_by_other_tools(tmp_path: Path) -> None:
 def test_robot_that_loses_its_wifi_gets_the_network_of_the_image_back(tmp_path: Path) -> None:
     path = make_ubuntu(tmp_path / "x.img")
     write_all(path, plan(path))
-    write_all(path, plan(path, Wish(WISH.robot, WISH.user, WISH.keys)))
+    write_all(path, plan(path, SeedOptions(OPTIONS.robot, OPTIONS.user, OPTIONS.keys)))
     assert read_fat(path, "network-config") == "version: 2\n"
     assert "network-config.orig" not in list_fat(path)
 

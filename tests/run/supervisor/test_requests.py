@@ -55,7 +55,7 @@ def test_restart_by_hand_waits_for_the_end_and_kill_does_not_ask() -> None:
     assert history.happens(Started("/a", 7)) == [Signal("/a", SIGKILL)]
 
 
-def test_wishes_about_core_and_unknown_nodes_are_refused_and_a_stop_forgets_all() -> None:
+def test_requests_about_core_and_unknown_nodes_are_refused_and_a_stop_forgets_all() -> None:
     history = History(Unit("/a"), own_master=True).running()
     for name in ("master", "/nobody"):
         [told] = history.happens(StopWanted(name))

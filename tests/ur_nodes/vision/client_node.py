@@ -67,11 +67,11 @@ def main() -> None:
     rospy.signal_shutdown("done")
 
 
-def ask(arrived: dict[str, Any], full: threading.Event, wishes: list[str]) -> None:
+def ask(arrived: dict[str, Any], full: threading.Event, requests: list[str]) -> None:
     """Call services when all has come: "save" keeps the answer, "relocalise" waits for everything once more."""
-    if "save" in wishes:
+    if "save" in requests:
         arrived["saved"] = rospy.ServiceProxy("/save_map", Trigger)().message
-    if "relocalise" in wishes:
+    if "relocalise" in requests:
         rospy.ServiceProxy("/global_localization", Empty)()
         arrived.clear()
         full.clear()

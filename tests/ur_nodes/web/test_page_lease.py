@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 
 from ur_nodes.motion.lease.text import FREE, Lease, Person
-from ur_nodes.web.page_lease import PATIENCE, PageLease, may_drive, step_page, wish
+from ur_nodes.web.page_lease import PATIENCE, PageLease, may_drive, request_action, step_page
 
 PAGE = PageLease("web-1", "browser-1")
 MINE = Lease("held", "web-1", "phone")
@@ -24,7 +24,7 @@ def test_page_that_asks_renews_that() -> None:
 
 
 def test_wish_is_repeated_until_it_has_taken_effect() -> None:
-    page = wish(PAGE, "take", 0.0)
+    page = request_action(PAGE, "take", 0.0)
     page, action = step_page(page, OTHERS, 0.2)
     assert action == "take"
     page, action = step_page(page, MINE, 0.4)
@@ -33,7 +33,7 @@ def test_wish_is_repeated_until_it_has_taken_effect() -> None:
 
 
 def test_wish_that_has_no_effect_is_given_up() -> None:
-    assert step_page(wish(PAGE, "take", 0.0), OTHERS, PATIENCE + 0.1)[1] is None
+    assert step_page(request_action(PAGE, "take", 0.0), OTHERS, PATIENCE + 0.1)[1] is None
 
 
 @pytest.mark.parametrize(

@@ -13,14 +13,14 @@ from pathlib import Path
 import click
 
 from ur.cli.computer.setup import show_changes
-from ur.cli.robot_setup.image_answers import Given, Passwords, add_passwords, make_wish, read_passwords, read_robots
+from ur.cli.robot_setup.image_answers import Given, Passwords, add_passwords, make_options, read_passwords, read_robots
 from ur.robot.discovery.record import Record, records_folder, render_record
 from ur.robot.image.copy import copied_image, packing_of
 from ur.robot.image.device import Device, check_device, is_device
 from ur.robot.image.host_key import know_host_key, make_host_key
 from ur.robot.image.layout import find_layout
 from ur.robot.image.prepare import Write, plan_undo, plan_writes, read_seed, write_all
-from ur.robot.image.seed import Wish, hide_secrets, make_seed, present_host_key, present_password, takes_host_key
+from ur.robot.image.seed import SeedOptions, hide_secrets, make_seed, present_host_key, present_password, takes_host_key
 from ur.robot.image.volume import run_tool
 from ur.robot.setup.change import Change, show_difference
 from ur.robot.ssh.host_key import HostKey
@@ -110,27 +110,27 @@ def prepare(
                 check_robot_system(image, layout.os)
             _say(f"{image}: {layout.system}")
             present = read_seed(layout)
-            wish = make_wish(each)
-            passwords = passwords or read_passwords(wish, passwords_from)
+            options = make_options(each)
+            passwords = passwords or read_passwords(options, passwords_from)
             texts = [(text or b"").decode(errors="replace") for text in present.values()]
-            wish = add_passwords(wish, passwords, present_password(texts))
+            options = add_passwords(options, passwords, present_password(texts))
             if takes_host_key(layout):
-                wish = replace(
-                    wish, host_key=present_host_key(texts, wish.robot.name) or make_host_key(wish.robot.name)
+                options = replace(
+                    options, host_key=present_host_key(texts, options.robot.name) or make_host_key(options.robot.name)
                 )
-            writes = plan_writes(layout, present, make_seed(wish, layout))
+            writes = plan_writes(layout, present, make_seed(options, layout))
             if dry_run:
                 _show(writes)
             elif not writes and target is None:
-                _say(f"nothing to do: it is prepared for {wish.robot.name}")
+                _say(f"nothing to do: it is prepared for {options.robot.name}")
             else:
                 _confirm(device, writes, yes=yes)
                 with show_progress(f"writing {target or image}"):
                     commit(writes)
-                _say(f"{target or image}: prepared for {wish.robot.name}")
+                _say(f"{target or image}: prepared for {options.robot.name}")
         if not dry_run:
-            _remember(wish)
-            _tell(wish)
+            _remember(options)
+            _tell(options)
     return 0
 
 
@@ -253,30 +253,30 @@ def _confirm(device: Device | None, writes: Sequence[Write], *, yes: bool) -> No
         raise click.Abort
 
 
-def _remember(wish: Wish) -> None:
-    record = Record(wish.robot.name, wish.user, wish.robot.base, wish.robot.variant)
+def _remember(options: SeedOptions) -> None:
+    record = Record(options.robot.name, options.user, options.robot.base, options.robot.variant)
     path = records_folder(os.environ) / f"{record.name}.yaml"
     try:
         replace_file(path, render_record(record), parents=True)
     except OSError as problem:
         reason = (problem.strerror or str(problem)).lower()
         raise UserError(error_about(path, f"cannot be written: {reason}", rule="unwritable-file")) from None
-    if wish.host_key:
-        know_host_key(wish.robot.name, wish.host_key)
+    if options.host_key:
+        know_host_key(options.robot.name, options.host_key)
 
 
-def _tell(wish: Wish) -> None:
-    name = wish.robot.name
-    choices = f"--name {name} --base {wish.robot.base}"
-    choices += f" --variant {wish.robot.variant}" if wish.robot.variant else ""
-    if wish.host_key:
-        _say(f"its host key is {HostKey(wish.host_key.public).fingerprint}, and known to this computer")
-        _say(f"boot {name} from it, then: ur robot setup {wish.user}@{name}.local {choices}")
+def _tell(options: SeedOptions) -> None:
+    name = options.robot.name
+    choices = f"--name {name} --base {options.robot.base}"
+    choices += f" --variant {options.robot.variant}" if options.robot.variant else ""
+    if options.host_key:
+        _say(f"its host key is {HostKey(options.host_key.public).fingerprint}, and known to this computer")
+        _say(f"boot {name} from it, then: ur robot setup {options.user}@{name}.local {choices}")
         return
     with suppress(UserError):  # no ssh here
         if run_tool(["ssh-keygen", "-F", f"{name}.local"]).returncode == 0:  # of what had this name before
             choices += " --new-host-key"
-    _say(f"boot {name} from it, then: ur robot setup {wish.user}@{name}.local {choices}")
+    _say(f"boot {name} from it, then: ur robot setup {options.user}@{name}.local {choices}")
 
 
 def _say(text: str) -> None:

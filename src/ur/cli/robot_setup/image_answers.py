@@ -16,7 +16,7 @@ from ur.request.environment import PACKAGE
 from ur.robot.base import list_bases, load_base
 from ur.robot.discovery.record import DEFAULT_USER
 from ur.robot.image.hashes import derive_network_key, hash_password, is_hash_of
-from ur.robot.image.seed import Wifi, Wish
+from ur.robot.image.seed import SeedOptions, Wifi
 from ur.robot.setup.robot_states import Robot, is_robot_name
 from ur.robot.ssh.secret import Secret
 from ur.source.diagnostic import UserError, error, error_about
@@ -75,7 +75,7 @@ def read_robots(path: Path, given: Given) -> list[tuple[Given, Path | None]]:
     return found
 
 
-def make_wish(given: Given) -> Wish:
+def make_options(given: Given) -> SeedOptions:
     """The settings of the robot, without its passwords.
 
     Asks for name, base and country where they are not given and there is a terminal. Raises UserError.
@@ -90,7 +90,7 @@ def make_wish(given: Given) -> Wish:
     base = given.base or _ask("base", f"base of {name} ({', '.join(list_bases(PACKAGE))})")
     variant = given.variant or ""
     load_base(PACKAGE, base, variant)
-    return Wish(
+    return SeedOptions(
         Robot(name, base, variant),
         user,
         _read_keys(given.key),
@@ -100,32 +100,32 @@ def make_wish(given: Given) -> Wish:
     )
 
 
-def read_passwords(wish: Wish, descriptor: int | None) -> Passwords:
+def read_passwords(options: SeedOptions, descriptor: int | None) -> Passwords:
     """Read passwords from a descriptor, or ask without an echo on a terminal. Raises UserError."""
     user = wifi = ""
     if descriptor is not None:
         user, wifi = read_lines(descriptor, "--passwords-from", 2, close=False)
     elif sys.stdin.isatty():
-        user = _ask_twice(f"password of {wish.user} (empty: none, the key alone)")
-        if wish.wifi:
-            wifi = getpass.getpass(f"password of the WiFi {wish.wifi.network} (empty: it is open): ")
-    elif wish.wifi:
-        raise _missing(f"the password of {wish.wifi.network}", "passwords-from FD")
+        user = _ask_twice(f"password of {options.user} (empty: none, the key alone)")
+        if options.wifi:
+            wifi = getpass.getpass(f"password of the WiFi {options.wifi.network} (empty: it is open): ")
+    elif options.wifi:
+        raise _missing(f"the password of {options.wifi.network}", "passwords-from FD")
     return Passwords(Secret(user) if user else None, Secret(wifi) if wifi else None)
 
 
-def add_passwords(wish: Wish, passwords: Passwords, present: str) -> Wish:
+def add_passwords(options: SeedOptions, passwords: Passwords, present: str) -> SeedOptions:
     """The settings with hashes in place of passwords. Raises UserError for one that cannot be.
 
     `present` is the hash of an earlier seed: kept when it is of the same password, since each new one differs.
     """
-    password, wifi = "", wish.wifi
+    password, wifi = "", options.wifi
     if passwords.user:
         kept = present and is_hash_of(present, passwords.user)
         password = present if kept else hash_password(passwords.user)
     if wifi and passwords.wifi:
         wifi = replace(wifi, key=derive_network_key(passwords.wifi, wifi.network))
-    return replace(wish, password=password, wifi=wifi)
+    return replace(options, password=password, wifi=wifi)
 
 
 def _wifi(given: Given) -> Wifi:

@@ -63,7 +63,7 @@ class HostKeyPair:
 
 
 @dataclass(frozen=True, slots=True)
-class Wish:
+class SeedOptions:
     """The wanted state of a robot after its first boot. `password` is a hash of crypt(3); '' for a user who has none.
 
     A user without a password may use sudo without one: whoever holds the key holds the robot. With one, sudo asks.
@@ -89,16 +89,17 @@ class SeedFile:
     text: str
 
 
-def make_seed(wish: Wish, layout: Layout) -> tuple[SeedFile, ...]:
-    """The files for an image. Raises UserError when the image cannot do what is wished."""
+def make_seed(options: SeedOptions, layout: Layout) -> tuple[SeedFile, ...]:
+    """The files for an image. Raises UserError when the image cannot do what the options ask for."""
     if layout.scheme is Scheme.CUSTOM_TOML:
         return (
-            SeedFile("boot", "custom.toml", custom_toml(wish)),
-            SeedFile("root", str(ROBOT_FILE).lstrip("/"), robot_file(wish.robot)),
+            SeedFile("boot", "custom.toml", custom_toml(options)),
+            SeedFile("root", str(ROBOT_FILE).lstrip("/"), robot_file(options.robot)),
         )
-    if wish.wifi:
-        _check_netplan(layout.netplan, wish.wifi.country)
-    user_data, network = user_data_text(wish, raspberry=layout.raspberry), network_text(wish.wifi) if wish.wifi else ""
+    if options.wifi:
+        _check_netplan(layout.netplan, options.wifi.country)
+    user_data = user_data_text(options, raspberry=layout.raspberry)
+    network = network_text(options.wifi) if options.wifi else ""
     texts = {"user-data": user_data, "meta-data": meta_data_text(user_data + network)}
     if network:
         texts["network-config"] = network
@@ -109,25 +110,25 @@ def make_seed(wish: Wish, layout: Layout) -> tuple[SeedFile, ...]:
     return tuple(SeedFile("boot", name, text) for name, text in texts.items())
 
 
-def user_data_text(wish: Wish, *, raspberry: bool = False) -> str:
+def user_data_text(options: SeedOptions, *, raspberry: bool = False) -> str:
     """cloud-init's user-data: who may log in, the name, and the robot's own file."""
-    name = wish.robot.name
+    name = options.robot.name
     user: dict[str, Any] = {
-        "name": wish.user,
+        "name": options.user,
         "gecos": f"User of {name}",
         "groups": list(_GROUPS),
         "shell": "/bin/bash",
-        "lock_passwd": not wish.password,
-        **({"passwd": wish.password} if wish.password else {"sudo": "ALL=(ALL) NOPASSWD:ALL"}),
-        "ssh_authorized_keys": list(wish.keys),
+        "lock_passwd": not options.password,
+        **({"passwd": options.password} if options.password else {"sudo": "ALL=(ALL) NOPASSWD:ALL"}),
+        "ssh_authorized_keys": list(options.keys),
     }
     files = (
-        (str(ROBOT_FILE), robot_file(wish.robot)),
-        ("/etc/avahi/services/ubiquity.service", announcement(wish.robot, wish.user)),
+        (str(ROBOT_FILE), robot_file(options.robot)),
+        ("/etc/avahi/services/ubiquity.service", announcement(options.robot, options.user)),
         ("/etc/cloud/cloud.cfg.d/99-ubiquity.cfg", KEEP_NAME),
         (_UNIT, _NAMES),
     )
-    pair = wish.host_key
+    pair = options.host_key
     data: dict[str, Any] = {
         "hostname": name,
         "preserve_hostname": False,  # for this one boot; the file below keeps the name afterwards
@@ -136,22 +137,22 @@ def user_data_text(wish: Wish, *, raspberry: bool = False) -> str:
         "users": [user],
         **({"ssh_keys": {"ed25519_private": pair.private, "ed25519_public": pair.public}} if pair else {}),
         "write_files": [{"path": path, "content": text, "permissions": "0644"} for path, text in files],
-        **({"timezone": wish.timezone} if wish.timezone else {}),
-        **({"locale": wish.locale} if wish.locale else {}),
-        "runcmd": [["sh", "-c", line] for line in _first_commands(wish, raspberry=raspberry)],
+        **({"timezone": options.timezone} if options.timezone else {}),
+        **({"locale": options.locale} if options.locale else {}),
+        "runcmd": [["sh", "-c", line] for line in _first_commands(options, raspberry=raspberry)],
     }
     return f"#cloud-config\n{MARK}{_dump(data)}"
 
 
-def _first_commands(wish: Wish, *, raspberry: bool) -> list[str]:
-    name = wish.robot.name
+def _first_commands(options: SeedOptions, *, raspberry: bool) -> list[str]:
+    name = options.robot.name
     lines = [
         f"sed -i '/^127\\.0\\.1\\.1[[:space:]]/d' /etc/hosts; printf '127.0.1.1\\t%s\\n' {name} >>/etc/hosts",
         "systemctl daemon-reload; systemctl enable --now --no-block ubiquity-names",
         "systemctl enable --now --no-block ssh; systemctl --no-block try-restart avahi-daemon",
     ]
-    if raspberry and wish.wifi:  # the radio is off until its country is known; NetworkManager does not tell it
-        country = quote(wish.wifi.country)
+    if raspberry and options.wifi:  # the radio is off until its country is known; NetworkManager does not tell it
+        country = quote(options.wifi.country)
         lines.append(f"raspi-config nonint do_wifi_country {country}; rfkill unblock wifi; nmcli radio wifi on")
     return lines
 
@@ -180,24 +181,24 @@ def meta_data_text(rest: str) -> str:
     return f"{MARK}dsmode: local\ninstance-id: ur-{identity}\n"
 
 
-def custom_toml(wish: Wish) -> str:
+def custom_toml(options: SeedOptions) -> str:
     """The file that Raspberry Pi OS 12 reads at its first boot (its init_config). The user it creates has sudo."""
     sections: list[tuple[str, dict[str, Any]]] = [
-        ("system", {"hostname": wish.robot.name}),
+        ("system", {"hostname": options.robot.name}),
         (
             "user",
             {
-                "name": wish.user,
-                **({"password": wish.password, "password_encrypted": True} if wish.password else {}),
+                "name": options.user,
+                **({"password": options.password, "password_encrypted": True} if options.password else {}),
             },
         ),
-        ("ssh", {"enabled": True, "password_authentication": False, "authorized_keys": list(wish.keys)}),
+        ("ssh", {"enabled": True, "password_authentication": False, "authorized_keys": list(options.keys)}),
     ]
-    if wish.wifi:
-        key = {"password": wish.wifi.key, "password_encrypted": True} if wish.wifi.key else {}
-        sections.append(("wlan", {"ssid": wish.wifi.network, **key, "country": wish.wifi.country}))
-    if wish.timezone:
-        sections.append(("locale", {"timezone": wish.timezone}))
+    if options.wifi:
+        key = {"password": options.wifi.key, "password_encrypted": True} if options.wifi.key else {}
+        sections.append(("wlan", {"ssid": options.wifi.network, **key, "country": options.wifi.country}))
+    if options.timezone:
+        sections.append(("locale", {"timezone": options.timezone}))
     # Strings, lists and truths are written alike in TOML and JSON.
     parts = (
         f"\n[{name}]\n" + "".join(f"{key} = {json.dumps(value)}\n" for key, value in rows.items())

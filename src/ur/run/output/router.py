@@ -85,11 +85,11 @@ class Outputs:
         given = []
         ends = []
         output.direct = not program.screen
-        wishes: tuple[tuple[bool, bool, Callable[[str, str], None], OutputSource], ...] = (
+        outputs: tuple[tuple[bool, bool, Callable[[str, str], None], OutputSource], ...] = (
             (program.screen, self._console.is_terminal, self._console.show, "out"),
             (True, False, self._console.show_error, "err"),
         )
-        for wanted, as_terminal, show, source in wishes:
+        for wanted, as_terminal, show, source in outputs:
             if not wanted:
                 ends.append(output.log)
                 continue

@@ -73,14 +73,14 @@ class _Topic:
 
 
 class ViewerEnd:
-    """The server, and a thread that follows the master and the wishes of viewers."""
+    """The server, and a thread that follows the master and the requests of viewers."""
 
     def __init__(self, link: socket.socket) -> None:
         self._link = link
         self._context = foxglove.Context()
         self._topics: dict[str, _Topic] = {}
         self._unknown: set[str] = set()
-        self._wishes: queue.SimpleQueue[tuple[str, int]] = queue.SimpleQueue()
+        self._requests: queue.SimpleQueue[tuple[str, int]] = queue.SimpleQueue()
         self._run_id = rospy.get_param("/run_id", "")
         self._follow_master()
         self._server = self._serve()
@@ -92,11 +92,11 @@ class ViewerEnd:
 
     def on_subscribe(self, client: Any, channel: Any) -> None:  # noqa: ARG002 - the server's interface
         """A viewer wants a topic."""
-        self._wishes.put((channel.topic, 1))
+        self._requests.put((channel.topic, 1))
 
     def on_unsubscribe(self, client: Any, channel: Any) -> None:  # noqa: ARG002 - likewise
         """A viewer wants a topic no more."""
-        self._wishes.put((channel.topic, -1))
+        self._requests.put((channel.topic, -1))
 
     def _serve(self) -> Any:
         self._host = "127." + ".".join(str(1 + secrets.randbelow(254)) for _ in range(3))
@@ -121,7 +121,7 @@ class ViewerEnd:
         due = time.monotonic() + _PERIOD
         while not rospy.is_shutdown():
             try:
-                name, by = self._wishes.get(timeout=max(0.0, due - time.monotonic()))
+                name, by = self._requests.get(timeout=max(0.0, due - time.monotonic()))
             except queue.Empty:
                 due = time.monotonic() + _PERIOD
                 self._follow_master()
