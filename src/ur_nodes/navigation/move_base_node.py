@@ -19,7 +19,6 @@ from ur_nodes.geometry.pose import Pose2
 from ur_nodes.navigation.goal_pose_node import goal_in_map, make_plan
 from ur_nodes.navigation.goals.attendance import Act
 from ur_nodes.navigation.goals.goal_watch_node import GoalWatch, read_watch_settings
-from ur_nodes.navigation.local_plan import FollowSettings
 from ur_nodes.navigation.move_base_parameters_node import read_settings
 from ur_nodes.navigation.move_base_view_node import MoveBaseView
 from ur_nodes.navigation.navigator import Navigator
@@ -27,6 +26,7 @@ from ur_nodes.navigation.navigator_step import Ending, Inputs, Outputs, Phase, P
 from ur_nodes.navigation.plan_worker_node import PlanRequest, PlanWorker
 from ur_nodes.navigation.planning.global_plan import path_is_free
 from ur_nodes.navigation.recovery import Behaviour
+from ur_nodes.navigation.rollout import FollowSettings
 from ur_nodes.navigation.velocity_output_node import VelocityOutput
 from ur_nodes.navigation.world_view_node import WorldView
 from ur_nodes.rosio.freed_memory import return_large_arrays

@@ -11,7 +11,8 @@ from scipy.ndimage import distance_transform_edt
 from ur_nodes.costmap.costmap import LETHAL, Costmap
 from ur_nodes.costmap.footprint import Footprint
 from ur_nodes.geometry.pose import Pose2, wrap_angle
-from ur_nodes.navigation.local_plan import Motion, sweep_is_free
+from ur_nodes.navigation.local_plan import sweep_is_free
+from ur_nodes.navigation.rollout import Motion
 from ur_nodes.navigation.speed_profile import Limits, approach
 
 

@@ -18,8 +18,8 @@ from ur_nodes.costmap.rolling_costmap import RollingCostmap
 from ur_nodes.costmap.sonar import beams_of_range, without_walls
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.geometry.transform_tree import ExtrapolationError, TransformError
-from ur_nodes.navigation.local_plan import Motion
 from ur_nodes.navigation.move_base_parameters_node import MoveBaseSettings
+from ur_nodes.navigation.rollout import Motion
 from ur_nodes.navigation.zone_masks_node import ZoneMasks
 from ur_nodes.rosio.frames import Frames
 from ur_nodes.rosio.grid_message import GridMessage, grid_of_message

@@ -16,11 +16,11 @@ from ur_nodes.costmap.map_costmap import MapCostmap
 from ur_nodes.costmap.rolling_costmap import RollingCostmap
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.navigation.local_plan import FollowSettings, Motion
 from ur_nodes.navigation.navigator import Navigator
 from ur_nodes.navigation.navigator_step import Ending, Inputs, NavigatorSettings, PlanAnswer
 from ur_nodes.navigation.planning.global_plan import NoPathError, PlanSettings, path_is_free, plan_path
 from ur_nodes.navigation.recovery import Behaviour
+from ur_nodes.navigation.rollout import FollowSettings, Motion
 from ur_nodes.navigation.speed_profile import Limits
 
 STAGE = (

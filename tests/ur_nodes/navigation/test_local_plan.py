@@ -10,8 +10,9 @@ from tests.ur_nodes.navigation.closed_loop import LIMITS, STAGE
 from ur_nodes.costmap.costmap import LETHAL, Costmap
 from ur_nodes.costmap.footprint import footprint_of_outline
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.navigation.local_plan import FollowSettings, Motion, follow_reference, make_reference, sweep_is_free
+from ur_nodes.navigation.local_plan import follow_reference, sweep_is_free
 from ur_nodes.navigation.planning.path_geometry import nearest_index, resample
+from ur_nodes.navigation.rollout import FollowSettings, Motion, make_reference
 from ur_nodes.navigation.speed_profile import speed_profile, turn_rate
 
 FOOTPRINT = footprint_of_outline(STAGE, 0.05, 0.01)

@@ -8,8 +8,8 @@ from tests.ur_nodes.navigation.closed_loop import LIMITS, STAGE
 from ur_nodes.costmap.costmap import LETHAL, Costmap
 from ur_nodes.costmap.footprint import footprint_of_outline
 from ur_nodes.geometry.pose import Pose2, wrap_angle
-from ur_nodes.navigation.local_plan import Motion
 from ur_nodes.navigation.recovery import SEQUENCE, Behaviour, Recovery, find_escape, move_to_recover
+from ur_nodes.navigation.rollout import Motion
 
 FOOTPRINT = footprint_of_outline(STAGE, 0.05, 0.01)
 
