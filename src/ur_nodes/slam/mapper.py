@@ -313,4 +313,4 @@ class Mapper:
         self._graph.add_edge(leg.reference, number, relative, known, robust=False)
         self.scans.append(scan)
         self._begin_leg(_Leg(number, odometry=odometry))
-        self._changed |= self._loops.look_round(number)
+        self._changed |= self._loops.add_keyframe(number)

@@ -12,6 +12,7 @@ from scipy.spatial import cKDTree
 
 from ur_nodes.geometry.grid import FREE, OCCUPIED
 from ur_nodes.geometry.pose import Pose2
+from ur_nodes.slam.hypotheses import Hypotheses, Hypothesis
 from ur_nodes.slam.map_state import MapState
 from ur_nodes.slam.matching.correlative import finish
 from ur_nodes.slam.matching.covariance import LEAST_NOISE
@@ -20,7 +21,7 @@ from ur_nodes.slam.pose_graph.edge import Edge
 from ur_nodes.slam.pose_graph.graph import PoseGraph
 from ur_nodes.slam.pose_graph.loop_closer import Confirmation
 from ur_nodes.slam.pose_graph.loops import Group, Link, find_groups, verify_group
-from ur_nodes.slam.relocation import Hypotheses, Hypothesis, WholeMap
+from ur_nodes.slam.relocation import WholeMap
 
 _TRIALS = 60  # scans of the second map that are searched for on the first one, at most
 _LONGEST = 20.0  # m: places that are less certain are not looked at
@@ -115,7 +116,7 @@ class _Merger:
         self._linked = {number + self._count for number, _ in found.fits}
         self._anchor = found.fits[0][1].before
         self._links = len(self._linked)
-        self._doubtful = Confirmation(len(self._scans))
+        self._confirmation = Confirmation(len(self._scans))
         self._graph.optimise()
 
     def run(self) -> Merged | NotMerged:
@@ -169,7 +170,7 @@ class _Merger:
 
     def _tie(self, link: Link) -> None:
         """Add a link, with those that waited for it; one that is not sure waits until another one agrees with it."""
-        links = self._doubtful.confirm(link, self._graph.poses)
+        links = self._confirmation.confirm(link, self._graph.poses)
         for each in links:
             self._add(Edge(each.before, each.after, each.relative, each.covariance + LEAST_NOISE, robust=True))
         self._links += len(links)

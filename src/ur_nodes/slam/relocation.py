@@ -1,10 +1,10 @@
-"""Find the place of a scan on a whole map without a guess, and agree on one place for several scans."""
+"""Find the place of a scan on a whole map without a guess."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -16,7 +16,6 @@ from ur_nodes.slam.matching.local_map import LocalMap
 from ur_nodes.slam.matching.match import match_surface
 from ur_nodes.slam.matching.scan import Scan
 from ur_nodes.slam.matching.surface import Floats, join
-from ur_nodes.slam.pose_graph.edge import Edge
 from ur_nodes.slam.pose_graph.views import select_views
 
 _CELL = 0.2  # m: of the search of the whole map
@@ -30,14 +29,12 @@ _ROUND = 6.0  # m: keyframes within show the place
 _MEMBERS = 9
 _FITS = (0.6, 0.2)  # least agreement, most contradiction
 _FITS_ALONE = (0.85, 0.05)  # likewise, for a scan that needs no second one
-_WORSE = 0.1  # agreement by which another place may be behind the best one
-_WEAK = 0.5  # of a keyframe: a fit that would need a second one, where the robot may be off the map
 _CERTAIN = 0.1  # m: along a bare corridor a scan fits everywhere
 _SAME = (0.3, 0.1)  # m, rad: fits of several scans that agree on the place
-_LEAD = 2  # scans by which a place must be ahead of the others
-_LEAD_ANYWHERE = 3  # likewise where the robot may be off the map
 _REFUTED = (0.5, 0.3)  # agreement below and contradiction above which a scan was not taken at a place
-_CHECKED = 6  # places that a scan is held against which it does not name itself
+
+WORSE = 0.1
+"""Agreement by which another place may be behind the best one."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,10 +88,10 @@ class WholeMap:
         fits: list[Fit] = []
         for pose, _ in rough:
             fit = self._verify(scan, points, pose).fit
-            if fit and not any(_is_same(fit.pose, other.pose) for other in fits):
+            if fit and not any(is_same_place(fit.pose, other.pose) for other in fits):
                 fits.append(fit)
         fits.sort(key=lambda fit: -fit.agreement)
-        return [fit for fit in fits if fit.agreement >= fits[0].agreement - _WORSE]
+        return [fit for fit in fits if fit.agreement >= fits[0].agreement - WORSE]
 
     def check(self, scan: Scan, guess: Pose2) -> Verdict:
         """Hold a scan against the map at one place; off the map, nothing is refuted."""
@@ -131,92 +128,7 @@ class WholeMap:
         return select_views(self._places, nearest[gaps[nearest] <= _ROUND].tolist(), _MEMBERS)
 
 
-@dataclass(frozen=True, slots=True)
-class Hypothesis:
-    """A `place` on the map for the frame of other keyframes, and their fits that agree on it, by their numbers.
-
-    `refuted` is the number of keyframes that were not taken there.
-    """
-
-    place: Pose2
-    fits: tuple[tuple[int, Fit], ...]
-    refuted: int = 0
-
-    def links(self) -> list[Edge]:
-        """The edges from keyframes of the map to the others."""
-        return [Edge(fit.before, number, fit.relative, fit.covariance, robust=True) for number, fit in self.fits]
-
-
-class Hypotheses:
-    """The places where keyframes that were made elsewhere may lie on a map, each with the scans that speak for it."""
-
-    def __init__(self, *, on_map: bool) -> None:
-        """`on_map`: the robot certainly is at a place that is mapped, so that less evidence is enough."""
-        self._on_map = on_map
-        self._lead = _LEAD if on_map else _LEAD_ANYWHERE
-        self._weak = 1.0 if on_map else _WEAK
-        self._all: list[Hypothesis] = []
-        self._count = 0
-
-    def add(
-        self, number: int, pose: Pose2, fits: Sequence[Fit], check: Callable[[Pose2], Verdict] | None = None
-    ) -> None:
-        """Take the fits of keyframe `number`, which has `pose` in the frame of the other keyframes.
-
-        With `check`, the keyframe is also held against the best places that are not among its fits: a search of the
-        whole map returns only so many of the places that look alike, and tells of none that it does not fit.
-        """
-        self._count += 1
-        named: set[int] = set()
-        for fit in fits:
-            for index, known in enumerate(self._all):
-                if index not in named and _is_same(known.place.compose(pose), fit.pose):
-                    self._back(index, number, pose, fit)
-                    named.add(index)
-                    break
-            else:
-                self._all.append(Hypothesis(fit.pose.compose(pose.inverse()), ((number, fit),)))
-                named.add(len(self._all) - 1)
-        if check:
-            best = max((fit.agreement for fit in fits), default=0.0)
-            others = [index for index in range(len(self._all)) if index not in named]
-            for index in others[:_CHECKED]:
-                known = self._all[index]
-                verdict = check(known.place.compose(pose))
-                found = verdict.fit
-                if found and found.agreement >= best - _WORSE and _is_same(known.place.compose(pose), found.pose):
-                    self._back(index, number, pose, found)
-                elif verdict.refuted:
-                    self._all[index] = replace(known, refuted=known.refuted + 1)
-        self._all = [each for each in self._all if self._support(each) > 0.0]
-        self._all.sort(key=lambda each: -self._support(each))
-
-    def _support(self, each: Hypothesis) -> float:
-        """The number of keyframes that speak for a place, weak fits counting less, less those that speak against it."""
-        return sum(1.0 if fit.alone else self._weak for _, fit in each.fits) - each.refuted
-
-    def _back(self, index: int, number: int, pose: Pose2, fit: Fit) -> None:
-        known = self._all[index]
-        place = fit.pose.compose(pose.inverse())
-        self._all[index] = replace(known, place=place, fits=(*known.fits, (number, fit)))
-
-    def winner(self) -> Hypothesis | None:
-        """Return the place that is ahead of all others; None as long as there is no such."""
-        if not self._all:
-            return None
-        best = self._all[0]
-        if len(self._all) == 1 and self._count == 1:
-            return best if self._on_map and best.fits[0][1].alone else None
-        second = self._support(self._all[1]) if len(self._all) > 1 else 0.0
-        return best if self._support(best) - second >= self._lead else None
-
-    def rivals(self) -> list[Hypothesis]:
-        """Return the places that the best one is not far enough ahead of, and itself; none where it is alone."""
-        least = self._support(self._all[0]) - self._lead if self._all else 0.0
-        near = [each for each in self._all if self._support(each) > least]
-        return near if len(near) > 1 else []
-
-
-def _is_same(one: Pose2, other: Pose2) -> bool:
+def is_same_place(one: Pose2, other: Pose2) -> bool:
+    """Test whether two poses of a scan, found apart, are one and the same place."""
     near = math.hypot(one.x - other.x, one.y - other.y) < _SAME[0]
     return near and abs(wrap_angle(one.yaw - other.yaw)) < _SAME[1]

@@ -11,10 +11,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from ur_nodes.geometry.pose import Pose2
+from ur_nodes.slam.hypotheses import Hypotheses
 from ur_nodes.slam.mapper import Estimate, Mapper, MapperSettings
 from ur_nodes.slam.matching.scan import Scan
 from ur_nodes.slam.pose_graph.edge import Edge, find_drives
-from ur_nodes.slam.relocation import Hypotheses, WholeMap
+from ur_nodes.slam.relocation import WholeMap
 
 _DOUBTS = 5  # scans in a row that contradict the map
 _MOST_APART = 500  # keyframes of the small map that are looked for

@@ -15,10 +15,10 @@ from ur_nodes.slam.pose_graph.neighbours import NeighbourMatcher
 
 _LONGEST = 20.0  # m: places that are less certain are not looked at
 _BACKLOG = 2  # keyframes that may wait when another one is made
-_PART = 8000  # blocks of poses that are scored with a scan
-_MOST_PARTS = 5  # times as many where more keyframes wait
-_END = 4000  # as much as these takes a match
-_DOUBTFUL = 24  # keyframes for which a loop waits for confirmation
+_BUDGET = 8000  # blocks of poses that are scored with a scan
+_MOST_BUDGETS = 5  # times as many where more keyframes wait
+_COST_OF_MATCH = 4000  # as much as to score so many blocks
+_PATIENCE = 24  # keyframes for which a loop waits for confirmation
 
 
 class Confirmation:
@@ -46,7 +46,7 @@ class Confirmation:
 class LoopCloser:
     """Adds links to a pose graph where keyframes were taken at places that were mapped before.
 
-    To look at a place may take longer than there is between two scans, so it is done in parts, one with each scan.
+    To verify a place may take longer than there is between two scans, so it is done in parts, some with each scan.
     """
 
     def __init__(self, graph: PoseGraph, scans: Sequence[Scan]) -> None:
@@ -54,40 +54,41 @@ class LoopCloser:
         self._graph, self._scans = graph, scans
         self._waiting: deque[int] = deque()  # keyframes
         self._groups: deque[tuple[int, Group]] = deque()  # places of the keyframe whose turn it is
-        self._look: Work[Link | None] | None = None  # at one of them
-        self._doubtful = Confirmation(_DOUBTFUL)
+        self._verification: Work[Link | None] | None = None  # of one of them
+        self._confirmation = Confirmation(_PATIENCE)
         self._neighbours = NeighbourMatcher(graph, scans)
         self.loops = 0
+        """The number of links so far."""
 
-    def look_round(self, number: int) -> bool:
+    def add_keyframe(self, number: int) -> bool:
         """Plan to look for the place of a new keyframe; returns whether poses have changed, as `step` does."""
         self._waiting.append(number)
         self._neighbours.add(number)
         return len(self._waiting) > _BACKLOG and self.step()
 
     def step(self, spare: int = 0) -> bool:
-        """Go on with the poses that follow from the last link, then look at places for a while; whether any changed.
+        """Move the poses as the last link asks for, then verify places for a while; returns whether poses changed.
 
-        Where there is nothing to look at, neighbours are matched, `spare` pairs of them at most.
+        Where there is no place to verify, neighbours are matched, `spare` pairs of them at most.
         """
-        parts = min(_MOST_PARTS, 1 + len(self._waiting) // (_BACKLOG + 1))
+        budgets = min(_MOST_BUDGETS, 1 + len(self._waiting) // (_BACKLOG + 1))
         changed = False
-        if not self._look:  # which needs poses that stay
-            for _ in range(parts):
+        if not self._verification:  # which needs poses that stay
+            for _ in range(budgets):
                 changed |= self._graph.step()
             if self._graph.unsettled:
                 return changed
-        left = _PART * parts
-        while left > 0 and (self._look or self._choose()):
-            assert self._look is not None
+        left = _BUDGET * budgets
+        while left > 0 and (self._verification or self._begin_next()):
+            assert self._verification is not None
             try:
-                left -= next(self._look)
+                left -= next(self._verification)
             except StopIteration as end:
-                self._look = None
-                left -= _END
-                if self._add(end.value):
+                self._verification = None
+                left -= _COST_OF_MATCH
+                if self._add_link(end.value):
                     return True
-        if not changed and left == _PART * parts:
+        if not changed and left == _BUDGET * budgets:
             while spare > 0 and self._neighbours.step():
                 spare -= 1
         return changed
@@ -96,12 +97,12 @@ class LoopCloser:
         """Forget the places that wait, as the graph was made larger."""
         self._waiting.clear()
         self._groups.clear()
-        self._look = None
-        self._doubtful = Confirmation(_DOUBTFUL)
+        self._verification = None
+        self._confirmation = Confirmation(_PATIENCE)
         self._neighbours.restart()
 
-    def _choose(self) -> bool:
-        """Begin to look at the next place; False: there is none."""
+    def _begin_next(self) -> bool:
+        """Begin to verify the next place; False: there is none."""
         while self._waiting and not self._groups:
             number = self._waiting.popleft()
             spread = self._graph.spread_from(number, _LONGEST)
@@ -110,11 +111,12 @@ class LoopCloser:
         if not self._groups:
             return False
         number, group = self._groups.popleft()
-        self._look = verify_group(group, number, self._graph.poses, self._scans)
+        self._verification = verify_group(group, number, self._graph.poses, self._scans)
         return True
 
-    def _add(self, link: Link | None) -> bool:
-        links = self._doubtful.confirm(link, self._graph.poses) if link else []
+    def _add_link(self, link: Link | None) -> bool:
+        """Add the links that a verified one (None: another place) confirms; returns whether poses moved."""
+        links = self._confirmation.confirm(link, self._graph.poses) if link else []
         for each in links:
             self._graph.add_edge(each.before, each.after, each.relative, each.covariance + LEAST_NOISE, robust=True)
         self.loops += len(links)

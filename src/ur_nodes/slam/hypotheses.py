@@ -1,0 +1,108 @@
+"""Agree on one place of the map for several scans that were taken one after the other."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass, replace
+
+from ur_nodes.geometry.pose import Pose2
+from ur_nodes.slam.pose_graph.edge import Edge
+from ur_nodes.slam.relocation import WORSE, Fit, Verdict, is_same_place
+
+_WEAK = 0.5  # of a keyframe: a fit that would need a second one, where the robot may be off the map
+_LEAD = 2  # scans by which a place must be ahead of the others
+_LEAD_ANYWHERE = 3  # likewise where the robot may be off the map
+_CHECKED = 6  # places that a scan is held against which it does not name itself
+
+
+@dataclass(frozen=True, slots=True)
+class Hypothesis:
+    """A `place` on the map for the frame of other keyframes, and their fits that agree on it, by keyframe.
+
+    `refuted` is the number of keyframes that were not taken there.
+    """
+
+    place: Pose2
+    fits: tuple[tuple[int, Fit], ...]
+    refuted: int = 0
+
+    def links(self) -> list[Edge]:
+        """The edges from keyframes of the map to the others."""
+        return [Edge(fit.before, number, fit.relative, fit.covariance, robust=True) for number, fit in self.fits]
+
+
+class Hypotheses:
+    """The places where keyframes that were made elsewhere may lie on a map, each with the scans that speak for it."""
+
+    def __init__(self, *, on_map: bool) -> None:
+        """`on_map`: the robot certainly is at a place that is mapped, so that less evidence is enough."""
+        self._on_map = on_map
+        self._lead = _LEAD if on_map else _LEAD_ANYWHERE
+        self._weak = 1.0 if on_map else _WEAK
+        self._all: list[Hypothesis] = []  # the best supported first
+        self._count = 0  # of keyframes
+
+    def add(
+        self, number: int, pose: Pose2, fits: Sequence[Fit], check: Callable[[Pose2], Verdict] | None = None
+    ) -> None:
+        """Take the fits of keyframe `number`, which has `pose` in the frame of the other keyframes.
+
+        With `check`, the keyframe is also held against the best places that are not among its fits: a search of the
+        whole map returns only so many of the places that look alike, and tells of none that it does not fit.
+        """
+        self._count += 1
+        named: set[int] = set()
+        for fit in fits:
+            named.add(self._take(number, pose, fit, named))
+        if check:
+            best = max((fit.agreement for fit in fits), default=0.0)
+            others = [index for index in range(len(self._all)) if index not in named]
+            for index in others[:_CHECKED]:
+                self._check(index, number, pose, check, best)
+        self._all = [each for each in self._all if self._support(each) > 0.0]
+        self._all.sort(key=lambda each: -self._support(each))
+
+    def _support(self, each: Hypothesis) -> float:
+        """The number of keyframes that speak for a place, weak fits counting less, less those that speak against it."""
+        return sum(1.0 if fit.alone else self._weak for _, fit in each.fits) - each.refuted
+
+    def _take(self, number: int, pose: Pose2, fit: Fit, named: Collection[int]) -> int:
+        """Add a fit to the first place but those `named` that it agrees with, or as a new one; return its index."""
+        for index, known in enumerate(self._all):
+            if index not in named and is_same_place(known.place.compose(pose), fit.pose):
+                self._support_with(index, number, pose, fit)
+                return index
+        self._all.append(Hypothesis(fit.pose.compose(pose.inverse()), ((number, fit),)))
+        return len(self._all) - 1
+
+    def _check(self, index: int, number: int, pose: Pose2, check: Callable[[Pose2], Verdict], best: float) -> None:
+        """Hold a keyframe against a place that its fits, with an agreement of `best` at most, do not name."""
+        known = self._all[index]
+        expected = known.place.compose(pose)
+        verdict = check(expected)
+        found = verdict.fit
+        if found and found.agreement >= best - WORSE and is_same_place(expected, found.pose):
+            self._support_with(index, number, pose, found)
+        elif verdict.refuted:
+            self._all[index] = replace(known, refuted=known.refuted + 1)
+
+    def _support_with(self, index: int, number: int, pose: Pose2, fit: Fit) -> None:
+        known = self._all[index]
+        place = fit.pose.compose(pose.inverse())
+        self._all[index] = replace(known, place=place, fits=(*known.fits, (number, fit)))
+
+    def winner(self) -> Hypothesis | None:
+        """Return the place that is ahead of all others; None as long as there is no such."""
+        if not self._all:
+            return None
+        best = self._all[0]
+        if len(self._all) == 1 and self._count == 1:
+            return best if self._on_map and best.fits[0][1].alone else None
+        second = self._support(self._all[1]) if len(self._all) > 1 else 0.0
+        return best if self._support(best) - second >= self._lead else None
+
+    def rivals(self) -> list[Hypothesis]:
+        """Return the places that the best one is not far enough ahead of, and itself; none where it is alone."""
+        least = self._support(self._all[0]) - self._lead if self._all else 0.0
+        near = [each for each in self._all if self._support(each) > least]
+        return near if len(near) > 1 else []
