@@ -1,4 +1,4 @@
-"""Changes of a map by hand: erase, draw walls, forbid areas, turn. Values in, values out."""
+"""Changes of a map by hand: erase, draw walls, forbid areas, turn. Pure: cells (height, width) in, cells out."""
 
 from __future__ import annotations
 
@@ -12,13 +12,20 @@ from numpy.typing import NDArray
 
 from ur.maps.record import Edit, MapRecord
 from ur.maps.scan_file import StoredGraph
-from ur.worlds.cells import CellFrame
+from ur.worlds.cells import CellFrame, look_up
 from ur.worlds.map_file import FREE, OCCUPIED, UNKNOWN
 
 Values = NDArray[np.int8]
+Points = NDArray[np.float64]
 Origin = tuple[float, float, float]
+"""A pose, or a motion in the plane: m, m, rad."""
 
-_FINEST = math.radians(0.1)  # of a proposal
+_MOST_CELLS = 50_000_000  # of a map that was turned
+_MOST_SAMPLES = 1_000_000  # of a line
+_PACE = 0.4  # cells between two samples of a line, so that it has no gaps
+_LEAST_WALLS = 10  # cells, to propose a turn
+_SAMPLED_WALLS = 20_000  # cells that are looked at, about
+_COARSE, _FINEST = math.radians(1.0), math.radians(0.1)  # steps of a proposal
 
 
 class Lattice(CellFrame):
@@ -67,9 +74,8 @@ def move_record(record: MapRecord, motion: Origin) -> MapRecord:
 
 def move_graph(graph: StoredGraph, motion: Origin) -> StoredGraph:
     """Move the keyframes of a pose graph; what is known of their relative poses stays."""
-    c, s = math.cos(motion[2]), math.sin(motion[2])
-    poses: NDArray[np.float64] = graph.poses.copy()
-    poses[:, :2] = poses[:, :2] @ np.array(((c, s), (-s, c))) + motion[:2]
+    poses: Points = graph.poses.copy()
+    poses[:, :2] = move_points(poses[:, :2], motion)
     poses[:, 2] = np.remainder(poses[:, 2] + motion[2] + math.pi, 2.0 * math.pi) - math.pi
     return replace(graph, poses=poses)
 
@@ -78,6 +84,13 @@ def move_point(point: tuple[float, float], motion: Origin) -> tuple[float, float
     """Turn a point about (0, 0), then shift it."""
     c, s = math.cos(motion[2]), math.sin(motion[2])
     return motion[0] + c * point[0] - s * point[1], motion[1] + s * point[0] + c * point[1]
+
+
+def move_points(points: Points, motion: Origin) -> Points:
+    """Turn points (..., 2) about (0, 0), then shift them."""
+    c, s = math.cos(motion[2]), math.sin(motion[2])
+    moved: Points = points @ np.array(((c, s), (-s, c))) + motion[:2]
+    return moved
 
 
 def turn_values(values: Values, resolution: float, origin: Origin, motion: Origin) -> tuple[Values, Origin]:
@@ -91,19 +104,14 @@ def turn_values(values: Values, resolution: float, origin: Origin, motion: Origi
     corners = [move_point(corner, motion) for corner in ((left, bottom), (right, bottom), (left, top), (right, top))]
     low, high = np.min(corners, axis=0), np.max(corners, axis=0)
     columns, rows = np.ceil((high - low) / resolution).astype(int) + 1
-    if columns * rows > 50_000_000:
+    if columns * rows > _MOST_CELLS:
         raise ValueError("the turned map is too large")
-    back = _inverse(motion)
     ys, xs = np.mgrid[0:rows, 0:columns]
     target = np.stack((low[0] + (xs + 0.5) * resolution, low[1] + (ys + 0.5) * resolution), axis=-1)
-    c, s = math.cos(back[2]), math.sin(back[2])
-    source = target @ np.array(((c, s), (-s, c))) + back[:2]
-    result = _take(frame, values, source)
+    result = np.array(look_up(frame, values, move_points(target, _inverse(motion)), UNKNOWN))
     walls = np.argwhere(values == OCCUPIED)
     if len(walls):  # a wall of one cell may fall between the centres of the new ones
-        points = frame.points_of_cells(walls)
-        c, s = math.cos(motion[2]), math.sin(motion[2])
-        moved = points @ np.array(((c, s), (-s, c))) + motion[:2]
+        moved = move_points(frame.points_of_cells(walls), motion)
         places = np.floor((moved - low) / resolution).astype(int)
         result[places[:, 1], places[:, 0]] = OCCUPIED
     return result, (float(low[0]), float(low[1]), 0.0)
@@ -117,9 +125,9 @@ def propose_turn(values: Values, resolution: float, origin: Origin) -> float:
     height, width = values.shape
     frame = Lattice((height, width), resolution, origin)
     cells = np.argwhere(values == OCCUPIED)
-    if len(cells) < 10:
+    if len(cells) < _LEAST_WALLS:
         return 0.0
-    points = frame.points_of_cells(cells[:: max(1, len(cells) // 20_000)])
+    points = frame.points_of_cells(cells[:: max(1, len(cells) // _SAMPLED_WALLS)])
     points = points - points.mean(axis=0)
 
     def sharpness(turn: float) -> float:
@@ -130,7 +138,7 @@ def propose_turn(values: Values, resolution: float, origin: Origin) -> float:
             total += float(np.square(np.bincount(places).astype(float)).sum())
         return total
 
-    best, step = 0.0, math.radians(1.0)
+    step = _COARSE
     candidates = np.arange(-45, 45) * step
     while True:
         scores = [sharpness(float(each)) for each in candidates]
@@ -142,27 +150,23 @@ def propose_turn(values: Values, resolution: float, origin: Origin) -> float:
 
 
 def _inverse(motion: Origin) -> Origin:
+    """The motion that takes another one back."""
     c, s = math.cos(motion[2]), math.sin(motion[2])
     return -c * motion[0] - s * motion[1], s * motion[0] - c * motion[1], -motion[2]
 
 
-def _take(frame: CellFrame, values: Values, points: NDArray[np.float64]) -> Values:
-    from ur.worlds.cells import look_up
-
-    return np.array(look_up(frame, values, points, UNKNOWN))
-
-
-def _line(frame: CellFrame, points: NDArray[np.float64]) -> NDArray[np.bool_]:
+def _line(frame: CellFrame, points: Points) -> NDArray[np.bool_]:
+    """Mark the cells (height, width) along a line through points (n, 2), m."""
     marked = np.zeros(frame.shape, np.bool_)
     for start, end in pairwise(points):
-        count = min(1_000_000, math.ceil(float(np.hypot(*(end - start))) / (0.4 * frame.resolution)) + 1)
+        count = min(_MOST_SAMPLES, math.ceil(float(np.hypot(*(end - start))) / (_PACE * frame.resolution)) + 1)
         cells = frame.cells_of_points(start + np.linspace(0.0, 1.0, count)[:, None] * (end - start))
         cells = cells[frame.contains(cells)]
         marked[cells[:, 0], cells[:, 1]] = True
     return marked
 
 
-def fill_polygon(frame: CellFrame, points: NDArray[np.float64]) -> NDArray[np.bool_]:
+def fill_polygon(frame: CellFrame, points: Points) -> NDArray[np.bool_]:
     """Mark the cells (height, width) whose centres lie in a polygon (n, 2), m, by the even-odd rule."""
     corners = frame.fractions_of_points(points) - 0.5  # row, column of centres
     marked = np.zeros(frame.shape, np.bool_)

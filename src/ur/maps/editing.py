@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -21,6 +23,8 @@ _MOST_STEPS = 50  # that can be undone
 
 @dataclass(frozen=True, slots=True)
 class _Step:
+    """A change: the state `before` it, and the record that it `left`, by which later ones of others are noticed."""
+
     title: str
     before: MapState
     left: MapRecord
@@ -58,7 +62,7 @@ class EditSession:
     def draw(self, kind: EditKind) -> str:
         """Draw with the points: a wall along them, or erase inside of them; two are corners of a rectangle."""
         edit = make_edit(kind, list(self.marks))
-        with _Noting(self, kind):
+        with self._undoable(kind):
             count = add_edit(self._store, self.name, edit)
         self.marks = ()
         return f"{kind}: {count} cells changed"
@@ -70,7 +74,7 @@ class EditSession:
     def zone(self, kind: ZoneKind, percent: int = 0) -> str:
         """Make a zone of the points, two are corners of a rectangle, under a name that is free."""
         zone = make_zone(fresh_zone_name(kind, self.zones()), kind, self.marks, percent)
-        with _Noting(self, f"zone {zone.name}"):
+        with self._undoable(f"zone {zone.name}"):
             put_zone(self._store, self.name, zone, self.image())
         self.marks = ()
         return describe_zone(zone)
@@ -80,7 +84,7 @@ class EditSession:
         found = [each.name for each in self.zones() if is_inside((x, y), each.points)]
         if not found:
             raise UserError(error(f"no zone at ({x:.2f}, {y:.2f}), expected a point in one", rule="unknown-zone"))
-        with _Noting(self, f"zone {found[-1]} deleted"):
+        with self._undoable(f"zone {found[-1]} deleted"):
             delete_zone(self._store, self.name, found[-1], self.image())
         return f"zone {found[-1]} is deleted"
 
@@ -89,21 +93,21 @@ class EditSession:
         turn = propose(self._store, self.name)
         if not turn:
             return "the walls lie along the axes; nothing to do"
-        with _Noting(self, "rotate"):
+        with self._undoable("rotate"):
             move_map(self._store, self.name, (0.0, 0.0, turn), self._waypoints)
         self.marks = ()
         return f"turned by {math.degrees(turn):.1f} degrees"
 
     def set_origin(self, x: float, y: float) -> str:
         """Make a point (m) the point (0, 0)."""
-        with _Noting(self, "origin"):
+        with self._undoable("origin"):
             move_map(self._store, self.name, (-x, -y, 0.0), self._waypoints)
         self.marks = ()
         return f"({x:.2f}, {y:.2f}) is (0, 0) now"
 
     def place(self, title: str, x: float, y: float, degrees: float = 0.0) -> str:
         """Name a place."""
-        with _Noting(self, f"place {title}"):
+        with self._undoable(f"place {title}"):
             name_place(self._store, self.name, self._waypoints, title, (x, y, degrees))
         return f"{title} is at {x:.2f} {y:.2f} {degrees:g}"
 
@@ -116,23 +120,9 @@ class EditSession:
         self._steps.pop()
         return f"{step.title}: undone"
 
-    def _state(self) -> MapState:
-        return read_state(self._store, self.name, self._waypoints)
-
-    def _note(self, title: str, before: MapState) -> None:
+    @contextmanager
+    def _undoable(self, title: str) -> Iterator[None]:
+        """Note for `undo` the change that is made inside; none where that raises."""
+        before = read_state(self._store, self.name, self._waypoints)
+        yield
         self._steps = [*self._steps, _Step(title, before, self._store.record(self.name))][-_MOST_STEPS:]
-
-
-class _Noting:
-    """Notes a change for undo, if it is made."""
-
-    def __init__(self, session: EditSession, title: str) -> None:
-        self._session = session
-        self._title = title
-
-    def __enter__(self) -> None:
-        self._before = self._session._state()  # noqa: SLF001 - the two are one thing
-
-    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
-        if kind is None:
-            self._session._note(self._title, self._before)  # noqa: SLF001 - the two are one thing
