@@ -14,9 +14,9 @@ _FLAGS = {"--nodes": "nodes", "--files": "files"}
 _WITH_NODE = {"--find-node": "find-node", "--args": "args"}
 
 
-def answer_fast(words: Sequence[str]) -> int | None:
-    """Answer `ur WORDS` when it is one plain question about launch files; else None, and nothing is printed."""
-    question = read_question(words)
+def answer_fast(argv: Sequence[str]) -> int | None:
+    """Answer `ur ARGUMENTS` when it is one plain question about launch files; else None, and nothing is printed."""
+    question = read_question(argv)
     if question is None:
         return None
     gc.disable()  # nothing lives long enough to be worth collecting
@@ -30,15 +30,15 @@ def answer_fast(words: Sequence[str]) -> int | None:
         return answer(question[1], selection, question[0], dict(os.environ))
     except KeyboardInterrupt:
         return 130
-    except Exception:  # the usual way meets it again, and explains it
+    except Exception:  # the normal path meets it again, and explains it
         return None
     finally:
         gc.enable()
 
 
-def launch_fast(words: Sequence[str]) -> int | None:
+def launch_fast(argv: Sequence[str]) -> int | None:
     """Run `ur launch [PACKAGE] FILE [ARG:=VALUE]...`; return None, without effects, for other commands and options."""
-    if len(words) < 2 or words[0] != "launch" or any(word.startswith("-") for word in words):
+    if len(argv) < 2 or argv[0] != "launch" or any(word.startswith("-") for word in argv):
         return None
     try:
         from ur.cli.launch.act import act_on, explain_problem
@@ -48,7 +48,7 @@ def launch_fast(words: Sequence[str]) -> int | None:
 
         with guard_output():
             try:
-                return act_on(words[1:], LaunchOptions())
+                return act_on(argv[1:], LaunchOptions())
             except UserError as problem:
                 return explain_problem(problem)
     except KeyboardInterrupt:
@@ -56,14 +56,14 @@ def launch_fast(words: Sequence[str]) -> int | None:
     except Exception as problem:
         from ur.cli.main import explain_exception
 
-        return explain_exception(problem, list(words))
+        return explain_exception(problem, list(argv))
 
 
-def read_question(words: Sequence[str]) -> tuple[tuple[str, str | None], list[str]] | None:
-    """The question and the words it is about: `launch --nodes FILE [ARG:=VALUE]...`, the option in any place."""
-    if len(words) < 3 or words[0] != "launch":
+def read_question(argv: Sequence[str]) -> tuple[tuple[str, str | None], list[str]] | None:
+    """The question, and the arguments it is about: `launch --nodes FILE [ARG:=VALUE]...`, the option in any place."""
+    if len(argv) < 3 or argv[0] != "launch":
         return None
-    rest = list(words[1:])
+    rest = list(argv[1:])
     options = [word for word in rest if word.startswith("-")]
     if len(options) != 1:
         return None

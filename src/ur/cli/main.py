@@ -22,19 +22,19 @@ EPILOG = "First drive: ur run keyboard_navigate"
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run `ur` with its arguments (default: of this process) and return the exit code. Raises nothing."""
-    words = list(sys.argv[1:] if arguments is None else arguments)
+    argv = list(sys.argv[1:] if arguments is None else arguments)
     open_closed_streams()
     with guard_output():
-        return _run(words)
+        return _run(argv)
 
 
-def _run(words: list[str]) -> int:
+def _run(argv: list[str]) -> int:
     try:
-        code = _dispatch(words)
+        code = _dispatch(argv)
         sys.stdout.flush()
         return code
     except click.UsageError as problem:
-        _say(describe_usage_error(problem, words))
+        _say(describe_usage_error(problem, argv))
         return 2
     except click.ClickException as problem:
         _say(f"error: {problem.format_message()}")
@@ -45,33 +45,33 @@ def _run(words: list[str]) -> int:
     except (KeyboardInterrupt, click.Abort):
         return 130
     except Exception as problem:
-        return explain_exception(problem, words)
+        return explain_exception(problem, argv)
 
 
-def _dispatch(words: list[str]) -> int:
-    if not words or words[0] in ("--help", "-h", "help"):
+def _dispatch(argv: list[str]) -> int:
+    if not argv or argv[0] in ("--help", "-h", "help"):
         from ur.cli.help import show_help
 
-        show_help(words[1:] if words and words[0] == "help" else [])
+        show_help(argv[1:] if argv and argv[0] == "help" else [])
         return 0
-    if words[0] in VERBS and _wants_help(words):
+    if argv[0] in VERBS and _wants_help(argv):
         from ur.cli.help import show_help
 
-        show_help(words)
+        show_help(argv)
         return 0
     group = VerbGroup("ur", params=[_version_option()], help=HELP)
     try:
-        with group.make_context("ur", words, color=None if shows_colour(sys.stdout) else False) as context:
+        with group.make_context("ur", argv, color=None if shows_colour(sys.stdout) else False) as context:
             result = group.invoke(context)
     except click.exceptions.Exit as end:
         return end.exit_code
     return result if isinstance(result, int) else 0
 
 
-def _wants_help(words: list[str]) -> bool:
+def _wants_help(argv: list[str]) -> bool:
     # What follows a program or a command of another computer is its own.
-    end = 2 if words[0] == "run" else len(words)
-    return any(word in ("--help", "-h") for word in words[1:end])
+    end = 2 if argv[0] == "run" else len(argv)
+    return any(word in ("--help", "-h") for word in argv[1:end])
 
 
 def _version_option() -> click.Option:
@@ -111,7 +111,7 @@ _REFUSALS = {  # of the system, which are no defect of this program
 }
 
 
-def explain_exception(problem: Exception, words: list[str]) -> int:
+def explain_exception(problem: Exception, argv: list[str]) -> int:
     """Say in one line that output, the current folder or a file cannot be used; anything else is a defect.
 
     Returns the exit code.
@@ -132,7 +132,7 @@ def explain_exception(problem: Exception, words: list[str]) -> int:
         _say(f"error: '{name}' cannot be used: {(problem.strerror or str(problem)).lower()}")
         _say(f"  help: {_REFUSALS[problem.errno].format(shlex.quote(name))}")
         return 2
-    return report_defect(problem, words)
+    return report_defect(problem, argv)
 
 
 def _has_folder() -> bool:
@@ -143,7 +143,7 @@ def _has_folder() -> bool:
     return True
 
 
-def report_defect(problem: Exception, words: list[str]) -> int:
+def report_defect(problem: Exception, argv: list[str]) -> int:
     """Write down what only a developer can use, and tell where it is; returns the exit code."""
     from pathlib import Path
 
@@ -151,9 +151,9 @@ def report_defect(problem: Exception, words: list[str]) -> int:
     from ur.source.user_folders import user_folder
 
     folder = Path(user_folder("XDG_STATE_HOME", os.environ), "ubiquity_launches")
-    path = write_crash_report(problem, "ur", [folder], words)
+    path = write_crash_report(problem, "ur", [folder], argv)
     _say(
-        f"error: internal error in 'ur {printable(' '.join(words))}': "
+        f"error: internal error in 'ur {printable(' '.join(argv))}': "
         f"{type(problem).__name__}: {printable(str(problem))}"
     )
     _say(f"  help: please report it with the file {path}" if path else "  help: please report it")

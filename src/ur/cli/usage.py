@@ -94,12 +94,12 @@ def _suggest_command(word: str) -> str | None:
     return f"did you mean 'ur run {near}'?" if near else None
 
 
-def _name_command(words: Sequence[str]) -> str:
+def _name_command(argv: Sequence[str]) -> str:
     """The command that a command line calls: 'ur robot setup'."""
-    command = load_verb(words[0])
+    command = load_verb(argv[0])
     inner = getattr(command, "commands", {})
-    name = next((word for word in words[1:] if word in inner), "")
-    return f"ur {words[0]} {name}".rstrip()
+    name = next((word for word in argv[1:] if word in inner), "")
+    return f"ur {argv[0]} {name}".rstrip()
 
 
 def _describe_values(param: click.Parameter | None) -> str:

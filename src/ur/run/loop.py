@@ -274,8 +274,8 @@ class _Loop:
         over = threading.Event()
         master = self._run.master
         if master is not None and not self._run.own_master:
-            words = (master, self._post_event, over)
-            threading.Thread(target=watch_any, args=words, daemon=True).start()
+            arguments = (master, self._post_event, over)
+            threading.Thread(target=watch_any, args=arguments, daemon=True).start()
         return over
 
     def _carry_out(self, actions: tuple[Action, ...]) -> None:

@@ -14,9 +14,9 @@ from ur.run.clients.protocol import RunEvent, RunStarted
 from ur.tui.watch import own_terminal, watch_run
 
 
-def main(words: list[str]) -> int:
+def main(argv: list[str]) -> int:
     """Show the run at the other end of an inherited socket until it ends."""
-    mode, descriptor = words
+    mode, descriptor = argv
     link = socket.socket(fileno=int(descriptor))
     with RunClient(link) as control:
         if mode == "full":

@@ -56,8 +56,8 @@ class Viewer:
         self._attributes: list[Any] = termios.tcgetattr(0)
         self.link, theirs = socket.socketpair()
         os.set_inheritable(theirs.fileno(), True)
-        words = [sys.executable, "-I", "-m", "ur.tui", mode, str(theirs.fileno())]
-        self._pid = os.posix_spawn(sys.executable, words, dict(os.environ), setsigdef=[signal.SIGTTOU])
+        argv = [sys.executable, "-I", "-m", "ur.tui", mode, str(theirs.fileno())]
+        self._pid = os.posix_spawn(sys.executable, argv, dict(os.environ), setsigdef=[signal.SIGTTOU])
         theirs.close()
 
     def note(self, severity: Severity, text: str) -> None:

@@ -103,7 +103,7 @@ def _describe_state(status: ServiceStatus) -> str:
 
 def log_command(name: str, lines: int, *, follow: bool) -> str:
     """The shell command that prints a boot service's log, with systemd's own messages where sudo needs no password."""
-    words = quote(
+    command = quote(
         "journalctl", "-q", "-u", f"{PREFIX}{name}", "-n", str(lines), "--no-pager", *(["-f"] if follow else [])
     )
-    return f"if sudo -n true 2>/dev/null; then exec sudo -n {words}; else exec {words}; fi"
+    return f"if sudo -n true 2>/dev/null; then exec sudo -n {command}; else exec {command}; fi"

@@ -144,9 +144,9 @@ def program_unit(name: str, line: str, user: str, home: str) -> Unit:
     return _unit(name, line, user, home, master=f"{PREFIX}{MASTER}.service")
 
 
-def command_line(words: Sequence[str]) -> str:
+def command_line(argv: Sequence[str]) -> str:
     """The line that runs a command, in place of the shell."""
-    return f"exec {quote(*words)}"
+    return f"exec {quote(*argv)}"
 
 
 def launch_line(package: str, file: str, arguments: Sequence[str]) -> str:
@@ -154,11 +154,11 @@ def launch_line(package: str, file: str, arguments: Sequence[str]) -> str:
 
     Either waits for the master instead of starting one of its own.
     """
-    words = quote(package, file, *arguments)
+    target = quote(package, file, *arguments)
     places = " ".join(f'"$HOME"/{place}' for place in LIBRARIES)
     # Not by its script `ur`, which may want to install something first: nobody is there to see that.
-    ready = f'"$d/.venv/bin/python" -I -m ur launch --plain --wait {words}'
-    return f'for d in {places}; do [ ! -r "$d/.venv/ready-run" ] || exec {ready}; done; exec roslaunch --wait {words}'
+    ready = f'"$d/.venv/bin/python" -I -m ur launch --plain --wait {target}'
+    return f'for d in {places}; do [ ! -r "$d/.venv/ready-run" ] || exec {ready}; done; exec roslaunch --wait {target}'
 
 
 def page_line(*options: str) -> str:

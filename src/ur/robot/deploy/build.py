@@ -88,11 +88,11 @@ def check_builder(builder: Builder, place: str, *, here: bool) -> None:
 def build_command(builder: Builder, packages: Sequence[str], jobs: int) -> str:
     """A line for a login shell that builds the workspace, or only these packages of it."""
     if builder.catkin_tools:
-        words = ["catkin", "build", "--no-status", "-p", "1", "-j", str(jobs), "--mem-limit", "90%", *packages]
-        words += ["--no-color"]
+        argv = ["catkin", "build", "--no-status", "-p", "1", "-j", str(jobs), "--mem-limit", "90%", *packages]
+        argv += ["--no-color"]
     else:
-        words = ["catkin_make", f"-j{jobs}", "--no-color", *(["--pkg", *packages] if packages else [])]
-    return f"cd ~/{WORKSPACE} && exec env PYTHONUNBUFFERED=1 {quote(*words)}"
+        argv = ["catkin_make", f"-j{jobs}", "--no-color", *(["--pkg", *packages] if packages else [])]
+    return f"cd ~/{WORKSPACE} && exec env PYTHONUNBUFFERED=1 {quote(*argv)}"
 
 
 def _problem(message: str, help: str) -> UserError:

@@ -71,11 +71,11 @@ class FatVolume:
             self._run("mren", f"::/{beside}", f"::/{path}")
         _compare(path, self.read(path), content)
 
-    def _run(self, tool: str, *words: str, stdin: bytes = b"") -> bytes:
+    def _run(self, tool: str, *arguments: str, stdin: bytes = b"") -> bytes:
         with self.image.open("rb") as file:  # its number stands for it: a path may hold what mtools takes for its own
             place = f"/proc/self/fd/{file.fileno()}@@{self.start}"
             settings = {"MTOOLSRC": os.devnull, "MTOOLS_SKIP_CHECK": "1"}
-            done = run_tool([tool, "-i", place, *words], stdin, pass_fds=[file.fileno()], settings=settings)
+            done = run_tool([tool, "-i", place, *arguments], stdin, pass_fds=[file.fileno()], settings=settings)
         if done.returncode:
             raise _failed(tool, done.stderr)
         return done.stdout
@@ -119,21 +119,21 @@ class ExtVolume:
     def _run(self, commands: Sequence[str], *options: str) -> subprocess.CompletedProcess[bytes]:
         with self.image.open("r+b" if "-w" in options else "rb") as file:
             place = f"/proc/self/fd/{file.fileno()}?offset={self.start}"
-            words = ["debugfs", *options, *(["-f", "-"] if commands else []), place]
-            done = run_tool(words, "\n".join([*commands, ""]).encode(), pass_fds=[file.fileno()])
+            argv = ["debugfs", *options, *(["-f", "-"] if commands else []), place]
+            done = run_tool(argv, "\n".join([*commands, ""]).encode(), pass_fds=[file.fileno()])
         if done.returncode or b"Filesystem not open" in done.stderr:
             raise _failed("debugfs", done.stderr)
         return done
 
 
 def run_tool(
-    words: Sequence[str], stdin: bytes = b"", *, pass_fds: Sequence[int] = (), settings: Mapping[str, str] | None = None
+    argv: Sequence[str], stdin: bytes = b"", *, pass_fds: Sequence[int] = (), settings: Mapping[str, str] | None = None
 ) -> subprocess.CompletedProcess[bytes]:
     """Run a small program to its end. Raises UserError when it is not installed, or does not end."""
     path = f"{os.environ.get('PATH', '')}{os.pathsep}{_PATH}"
     try:
         return subprocess.run(
-            words,
+            argv,
             input=stdin,
             capture_output=True,
             pass_fds=pass_fds,
@@ -142,17 +142,17 @@ def run_tool(
             check=False,
         )
     except (FileNotFoundError, PermissionError):  # the latter where a folder of PATH is somebody else's
-        package = _TOOLS.get(words[0], "mtools")
+        package = _TOOLS.get(argv[0], "mtools")
         raise UserError(
             error(
-                f"{words[0]} is not installed here, needed to look into images",
+                f"{argv[0]} is not installed here, needed to look into images",
                 rule="missing-program",
                 help=f"run: sudo apt-get install {package}",
-                subject=words[0],
+                subject=argv[0],
             )
         ) from None
     except subprocess.TimeoutExpired:
-        raise _failed(words[0], b"no answer") from None
+        raise _failed(argv[0], b"no answer") from None
 
 
 def _quote(path: str) -> str:

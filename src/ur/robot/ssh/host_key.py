@@ -100,9 +100,9 @@ def _knock(address: Address, settings: list[str]) -> Done:
     none += ["KbdInteractiveAuthentication=no", "GSSAPIAuthentication=no", "HostbasedAuthentication=no"]
     quiet = ["ForwardAgent=no", "ForwardX11=no", "ClearAllForwardings=yes", "PermitLocalCommand=no", "ControlPath=none"]
     quiet += ["UpdateHostKeys=no", "LogLevel=ERROR", f"ConnectTimeout={CONNECT_SECONDS}"]
-    words = [word for setting in (*settings, *none, *quiet) for word in ("-o", setting)]
+    options = [word for setting in (*settings, *none, *quiet) for word in ("-o", setting)]
     return run_process(
-        ["ssh", "-T", *words, "--", str(address), "true"],
+        ["ssh", "-T", *options, "--", str(address), "true"],
         timeout=CONNECT_SECONDS * 3,
         what=f"the host key of {address}",
     )

@@ -75,8 +75,8 @@ def list_debug_methods(facts: NodeFacts, tools: DebugTools, address: str) -> Deb
     if running:
         root = () if tools.may_attach else ("sudo",)
         pane = (tools.python, "-I", tools.pane_program)
-        words = (*pane, "--attach", str(facts.pid), *root, "gdb", "-q", "-p", str(facts.pid))
-        return DebugMethods((_open("g", "gdb", words, name, tools),))
+        argv = (*pane, "--attach", str(facts.pid), *root, "gdb", "-q", "-p", str(facts.pid))
+        return DebugMethods((_open("g", "gdb", argv, name, tools),))
     methods = []
     if facts.core_dump:
         methods.append(_open("c", "look at its core file: where it crashed", facts.core_dump, name, tools))
@@ -93,13 +93,13 @@ def _start_again(
     return DebugMethod(key, text, method.command, method.here, (*pane, "--join", address, name, *tool))
 
 
-def _open(key: str, text: str, words: tuple[str, ...], name: str, tools: DebugTools) -> DebugMethod:
+def _open(key: str, text: str, argv: tuple[str, ...], name: str, tools: DebugTools) -> DebugMethod:
     terminal = choose_terminal(tools)
     if terminal == "pane":
-        return DebugMethod(key, text, ("tmux", "split-window", "-h", *words), here=False)
+        return DebugMethod(key, text, ("tmux", "split-window", "-h", *argv), here=False)
     if terminal == "window":
-        return DebugMethod(key, text, ("xterm", "-T", name, "-e", *words), here=False)
-    return DebugMethod(key, text, words, here=True)
+        return DebugMethod(key, text, ("xterm", "-T", name, "-e", *argv), here=False)
+    return DebugMethod(key, text, argv, here=True)
 
 
 def _is_shell(path: str) -> bool:

@@ -62,11 +62,11 @@ def find_kind(head: bytes) -> tuple[Kind, str]:
     first = head.partition(b"\n")[0].decode("utf-8", "replace")
     if not first.startswith("#!"):
         return "script", ""
-    words = first[2:].split()
-    if words and words[0].endswith("/env"):
-        words = [word for word in words[1:] if not word.startswith("-") and "=" not in word]
-    if words and words[0].rpartition("/")[2].startswith("python"):
-        return "python", words[0]
+    tokens = first[2:].split()
+    if tokens and tokens[0].endswith("/env"):
+        tokens = [word for word in tokens[1:] if not word.startswith("-") and "=" not in word]
+    if tokens and tokens[0].rpartition("/")[2].startswith("python"):
+        return "python", tokens[0]
     return ("module", "") if b"lib/node" in head else ("script", "")
 
 
@@ -80,13 +80,13 @@ def plan_debugging(target: Target, tool: Tool, tools: DebugTools, port: int) -> 
     _check_kind(target, tool)
     _check_installed(target.name, tool, tools)
     if tool == "debugpy":
-        words = ("-m", "debugpy", "--listen", f"localhost:{port}", "--wait-for-client")
+        options = ("-m", "debugpy", "--listen", f"localhost:{port}", "--wait-for-client")
         notes = (
             f"{target.name} waits for a debugger on localhost:{port}",
             f'  VS Code, launch.json: {{"type": "debugpy", "request": "attach", "connect": {{"port": {port}}}}}',
             f"  from another computer, first: ssh -L {port}:localhost:{port} HOST",
         )
-        return Debugging(python_prefix(target, words), "log", notes)
+        return Debugging(python_prefix(target, options), "log", notes)
     terminal = choose_terminal(tools)
     if tool == "gdb":
         return _plan_gdb(target, tools, terminal)
@@ -116,11 +116,11 @@ def gdb_prefix(target: Target) -> tuple[str, ...]:
     return ("gdb", *_RUN, *((target.interpreter,) if target.kind == "python" else ()))
 
 
-def python_prefix(target: Target, words: tuple[str, ...]) -> tuple[str, ...]:
+def python_prefix(target: Target, options: tuple[str, ...]) -> tuple[str, ...]:
     """Build the arguments before a Python program for these options of its interpreter."""
     if target.kind == "module":
-        return ("env", f"UR_NODE_PYTHON_OPTIONS={' '.join(words)}")
-    return (target.interpreter, *words)
+        return ("env", f"UR_NODE_PYTHON_OPTIONS={' '.join(options)}")
+    return (target.interpreter, *options)
 
 
 def _plan_gdb(target: Target, tools: DebugTools, terminal: DebugTerminal) -> Debugging:
@@ -131,19 +131,19 @@ def _plan_gdb(target: Target, tools: DebugTools, terminal: DebugTerminal) -> Deb
     return _run_in_terminal(target.name, gdb_prefix(target), terminal, tools)
 
 
-def _run_in_terminal(name: str, words: tuple[str, ...], terminal: DebugTerminal, tools: DebugTools) -> Debugging:
+def _run_in_terminal(name: str, argv: tuple[str, ...], terminal: DebugTerminal, tools: DebugTools) -> Debugging:
     if terminal == "pane":
         return Debugging(
-            (tools.python, "-I", tools.pane_program, name, *words),
+            (tools.python, "-I", tools.pane_program, name, *argv),
             terminal,
             (f"{name} is debugged in a pane beside this one",),
         )
     if terminal == "window":
-        return Debugging(("xterm", "-T", name, "-e", *words), terminal, (f"{name} is debugged in a window of its own",))
+        return Debugging(("xterm", "-T", name, "-e", *argv), terminal, (f"{name} is debugged in a window of its own",))
     notes = [f"{name} is debugged in this terminal; the run ends with it"]
     if tools.display:
         notes.append("with package xterm installed it would have a window of its own: sudo apt-get install xterm")
-    return Debugging(words, terminal, tuple(notes))
+    return Debugging(argv, terminal, tuple(notes))
 
 
 def _check_kind(target: Target, tool: Tool) -> None:

@@ -107,10 +107,10 @@ def _find_modules(python: str, names: tuple[str, ...]) -> set[str]:
     """List the modules that an interpreter has; ours is asked without starting it."""
     if python == sys.executable:
         return {name for name in names if importlib.util.find_spec(name) is not None}
-    words = [python, "-c", f"import importlib.util as u; print(*(n for n in {names!r} if u.find_spec(n)))"]
+    argv = [python, "-c", f"import importlib.util as u; print(*(n for n in {names!r} if u.find_spec(n)))"]
     try:
         done = subprocess.run(  # in the root folder: it would import what lies in the current one
-            words, stdin=subprocess.DEVNULL, capture_output=True, timeout=20, check=False, text=True, cwd="/"
+            argv, stdin=subprocess.DEVNULL, capture_output=True, timeout=20, check=False, text=True, cwd="/"
         )
     except (OSError, subprocess.TimeoutExpired):
         return set()
@@ -118,9 +118,9 @@ def _find_modules(python: str, names: tuple[str, ...]) -> set[str]:
 
 
 def _coredumpctl_has(program: str) -> bool:
-    words = ["coredumpctl", "--no-pager", "-q", "list", program]
+    argv = ["coredumpctl", "--no-pager", "-q", "list", program]
     try:
-        done = subprocess.run(words, stdin=subprocess.DEVNULL, capture_output=True, timeout=20, check=False, text=True)
+        done = subprocess.run(argv, stdin=subprocess.DEVNULL, capture_output=True, timeout=20, check=False, text=True)
     except (OSError, subprocess.TimeoutExpired):
         return False
     last = done.stdout.strip().splitlines()[-1:]

@@ -37,20 +37,20 @@ _PR_SET_PDEATHSIG = 1  # linux/prctl.h
 _RESET = b"\x1b[?1049l\x1b[?1000l\x1b[?1002l\x1b[?1006l\x1b[0m\x1b[?25h"  # what a program that was killed left
 
 
-def main(words: list[str]) -> int:
+def main(argv: list[str]) -> int:
     """Run a program elsewhere, or be its relay. Returns the program's exit code, 128 + n for signal n."""
-    if words[0] == RELAY:
-        return relay(words[1])
-    if words[0] == WAIT:
-        return wait_for(words[1], words[2])
-    if words[0] == JOIN:
-        return join(words[1], words[2], words[3:])
-    if words[0] == ATTACH:
-        return attach(int(words[1]), words[2:])
-    return run_in_pane(words[0], words[1:])
+    if argv[0] == RELAY:
+        return relay(argv[1])
+    if argv[0] == WAIT:
+        return wait_for(argv[1], argv[2])
+    if argv[0] == JOIN:
+        return join(argv[1], argv[2], argv[3:])
+    if argv[0] == ATTACH:
+        return attach(int(argv[1]), argv[2:])
+    return run_in_pane(argv[0], argv[1:])
 
 
-def run_in_pane(name: str, words: list[str]) -> int:
+def run_in_pane(name: str, argv: list[str]) -> int:
     """Open the pane, run the program in it, wait for its end."""
     controller, end = pty.openpty()
     with tempfile.TemporaryDirectory(prefix="ur-pane-") as folder, socket.socket(socket.AF_UNIX) as listener:
@@ -65,10 +65,10 @@ def run_in_pane(name: str, words: list[str]) -> int:
         except (OSError, subprocess.CalledProcessError) as problem:
             sys.stderr.write(f"error: {name}: no tmux pane could be opened: {problem}\n")
             return 1
-    return _serve(link, controller, words, end)
+    return _serve(link, controller, argv, end)
 
 
-def join(address: str, name: str, words: list[str]) -> int:
+def join(address: str, name: str, argv: list[str]) -> int:
     """Run the program in the terminal of whoever waits at the address."""
     deadline = time.monotonic() + PATIENCE
     while True:
@@ -84,7 +84,7 @@ def join(address: str, name: str, words: list[str]) -> int:
                 return 1
             time.sleep(0.05)
     controller, end = pty.openpty()
-    return _serve(link, controller, words, end)
+    return _serve(link, controller, argv, end)
 
 
 def wait_for(address: str, name: str) -> int:
@@ -112,7 +112,7 @@ def wait_for(address: str, name: str) -> int:
     return _relay_on(link)
 
 
-def attach(pid: int, words: list[str]) -> int:
+def attach(pid: int, argv: list[str]) -> int:
     """Run a debugger on a process of another parent, and end it when the process is killed.
 
     A process that is killed while a debugger holds it stays until the debugger handles it: its run would wait for it.
@@ -121,9 +121,9 @@ def attach(pid: int, words: list[str]) -> int:
         signal.signal(signum, lambda *_: None)  # meant for the debugger, which is in our process group
     before = termios.tcgetattr(0) if os.isatty(0) else None
     try:
-        process = subprocess.Popen(words)
+        process = subprocess.Popen(argv)
     except OSError as problem:
-        sys.stderr.write(f"error: {words[0]}: {(problem.strerror or '').lower()}\n")
+        sys.stderr.write(f"error: {argv[0]}: {(problem.strerror or '').lower()}\n")
         return 127
     dead = 0
     while dead < 2:
@@ -174,7 +174,7 @@ def _relay_on(link: socket.socket) -> int:
     return 0
 
 
-def _serve(link: socket.socket, controller: int, words: list[str], end: int) -> int:
+def _serve(link: socket.socket, controller: int, argv: list[str], end: int) -> int:
     with link:
         link.settimeout(PATIENCE)
         try:
@@ -183,10 +183,10 @@ def _serve(link: socket.socket, controller: int, words: list[str], end: int) -> 
             term = ""
         socket.send_fds(link, [b"pane"], [controller])
         os.close(controller)
-        return _run_on(words, end, {**os.environ, "TERM": term or "xterm"})
+        return _run_on(argv, end, {**os.environ, "TERM": term or "xterm"})
 
 
-def _run_on(words: list[str], end: int, environment: Mapping[str, str]) -> int:
+def _run_on(argv: list[str], end: int, environment: Mapping[str, str]) -> int:
     libc = ctypes.CDLL(None)
 
     def own_terminal() -> None:
@@ -195,9 +195,9 @@ def _run_on(words: list[str], end: int, environment: Mapping[str, str]) -> int:
         fcntl.ioctl(0, termios.TIOCSCTTY, 0)
 
     try:
-        process = subprocess.Popen(words, stdin=end, stdout=end, stderr=end, env=environment, preexec_fn=own_terminal)
+        process = subprocess.Popen(argv, stdin=end, stdout=end, stderr=end, env=environment, preexec_fn=own_terminal)
     except OSError as problem:
-        sys.stderr.write(f"error: {words[0]}: {(problem.strerror or '').lower()}\n")
+        sys.stderr.write(f"error: {argv[0]}: {(problem.strerror or '').lower()}\n")
         return 127
     os.close(end)
 

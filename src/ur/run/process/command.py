@@ -68,7 +68,7 @@ def number_logs(programs: Sequence[Program], first: int) -> tuple[Program, ...]:
 def find_program(node: NodeSpec, world: World, number: int) -> Program:
     """The program of a node. Raises UserError: no such package or executable, or arguments that cannot be split."""
     executable = find_executable(node, world)
-    words = _split(node, "args", node.args)
+    arguments = _split(node, "args", node.args)
     prefix = _split(node, "launch-prefix", node.launch_prefix or "")
     remaps = [f"{source}:={target}" for source, target in node.remaps]
     name = f"{node.full_name.lstrip('/')}-{number}"
@@ -81,7 +81,7 @@ def find_program(node: NodeSpec, world: World, number: int) -> Program:
             respawn_delay=node.respawn_delay,
             terminal=node.terminal,
         ),
-        argv=(*prefix, executable, *words, *remaps, f"__name:={node.name}"),
+        argv=(*prefix, executable, *arguments, *remaps, f"__name:={node.name}"),
         changes=(("ROS_NAMESPACE", namespace), *node.env),
         cwd=choose_folder(node.cwd, (*prefix, executable)[0]),
         log_name=name.replace("/", "-"),

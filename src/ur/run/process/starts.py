@@ -47,8 +47,8 @@ class Starts:
         unit = program.unit
         self._outputs.open(program)
         prefix = self.prefixes.pop(unit.name, ())
-        words = program.with_prefix(prefix) if prefix else program.argv
-        argv = [*words, f"__log:={self._run.folder}/{program.log_name}.log"]
+        command = program.with_prefix(prefix) if prefix else program.argv
+        argv = [*command, f"__log:={self._run.folder}/{program.log_name}.log"]
         if unit.terminal:
             self._prepared.append(_Start(program, argv, (0, 1, 2), [], self._foreground.lend()))
         else:

@@ -36,11 +36,11 @@ class Commands:
         self._environment = {**kept, "NO_COLOR": "1"}
         self._turns = asyncio.Semaphore(_AT_ONCE)
 
-    async def run(self, *words: str, limit: float) -> Done:
-        """Run `ur` with these words for at most `limit` s. When cancelled, the command is interrupted."""
+    async def run(self, *arguments: str, limit: float) -> Done:
+        """Run `ur` with these arguments for at most `limit` s. When cancelled, the command is interrupted."""
         async with self._turns:
             process = await asyncio.create_subprocess_exec(
-                *(sys.executable, "-I", "-m", "ur", *words),
+                *(sys.executable, "-I", "-m", "ur", *arguments),
                 stdin=asyncio.subprocess.DEVNULL,
                 stdout=asyncio.subprocess.PIPE,
                 stderr=asyncio.subprocess.PIPE,

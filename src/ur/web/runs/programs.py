@@ -61,8 +61,8 @@ class Programs:
     async def list_nodes(self, program: str, arguments: Mapping[str, str]) -> list[str]:
         """List the nodes that a program starts."""
         found = await self._find(program)
-        words = _check_arguments(found, arguments)
-        done = await self._commands.run("launch", *_address(found), *words, "--nodes", limit=_READING)
+        assignments = _check_arguments(found, arguments)
+        done = await self._commands.run("launch", *_address(found), *assignments, "--nodes", limit=_READING)
         if done.code != 0:
             raise ProgramsError(_explain(done, "the launch file cannot be read"))
         return [line for line in done.out.splitlines() if line.startswith("/")]
@@ -70,8 +70,8 @@ class Programs:
     async def explain(self, program: str, arguments: Mapping[str, str], node: str) -> str:
         """Explain why the launch file of a program starts a node, as lines of text."""
         found = await self._find(program)
-        words = _check_arguments(found, arguments)
-        done = await self._commands.run("explain", *_address(found), *words, node, limit=_READING)
+        assignments = _check_arguments(found, arguments)
+        done = await self._commands.run("explain", *_address(found), *assignments, node, limit=_READING)
         if done.code != 0:
             raise ProgramsError(_explain(done, f"{node} cannot be explained"))
         return printable_lines(done.out)
