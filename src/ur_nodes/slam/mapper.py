@@ -16,15 +16,14 @@ from ur_nodes.slam.matching.locate import POOR, locate_surface
 from ur_nodes.slam.matching.match import Match
 from ur_nodes.slam.matching.scan import Scan
 from ur_nodes.slam.matching.surface import Floats
-from ur_nodes.slam.odometry_model import OdometryModel, is_still, with_measured_turn
 from ur_nodes.slam.pose_graph.edge import Edge
 from ur_nodes.slam.pose_graph.graph import PoseGraph
 from ur_nodes.slam.pose_graph.loop_closer import LoopCloser
 from ur_nodes.slam.pose_graph.trail import Trail
 from ur_nodes.slam.pose_graph.views import select_views
+from ur_nodes.slam.prediction import UNKNOWN_MOTION, MotionPredictor
 
 _PAIRS_AT_REST = 2  # of neighbouring keyframes that are matched instead of a scan at rest
-_UNKNOWN_MOTION = np.diag(np.square((0.1, 0.1, 0.15)))  # m, rad: between two scans, without odometry
 _ORIGIN = Pose2(0.0, 0.0, 0.0)
 
 # The local map
@@ -98,16 +97,13 @@ class Mapper:
         self.scans: list[Scan] = []  # of the keyframes
         self._trail = Trail()
         self._count = first  # of scans
-        self._model = OdometryModel()
+        self._predictor = MotionPredictor()
         self._loops = LoopCloser(self._graph, self.scans)
         self._local: LocalMap | None = None
         self._changed = False  # what the local map is made of
         self._drive_start = 0  # the first keyframe of this drive
         self._leg = _Leg()
         self._relative = _ORIGIN  # pose at the last scan, relative to the leg's reference
-        self._motion = _ORIGIN  # between the last two scans
-        self._odometry: Pose2 | None = None  # at the last scan
-        self._heading: float | None = None  # rad, likewise
         self._estimate: Estimate | None = None
 
     @property
@@ -158,8 +154,8 @@ class Mapper:
         self._count = other._count
         self._drive_start = min(self._drive_start, first)
         self._leg = replace(other._leg, reference=other._leg.reference + first)
-        self._relative, self._motion = other._relative, other._motion
-        self._odometry, self._heading = other._odometry, other._heading
+        self._relative = other._relative
+        self._predictor.go_on_from(other._predictor)
         self._graph.optimise()
         self._changed = True
         self._loops.restart()
@@ -176,22 +172,19 @@ class Mapper:
         if not self.scans:
             return self._begin(scan, odometry, heading)
         assert self._estimate is not None
-        wheels, noise, still = self._predict(odometry)
-        if still:
+        predicted = self._predictor.predict(odometry, heading)
+        if predicted.still:
             self._changed |= self._loops.step(_PAIRS_AT_REST)
             return self._remember(replace(self._estimate, pose=self._pose(), located=True, still=True, step=None))
-        motion = wheels
-        if heading is not None and self._heading is not None and self._odometry is not None:
-            motion, noise = with_measured_turn(wheels, noise, heading - self._heading)
         spare = 0 if self._changed else 1  # a new local map takes time enough
         before = self._pose()
-        guess, prior = before.compose(motion), rotate_covariance(noise, -before.yaw)
-        match = locate_surface(self._local_map(), scan.surface, guess, prior, before, _UNKNOWN_MOTION)
+        guess, prior = before.compose(predicted.motion), rotate_covariance(predicted.covariance, -before.yaw)
+        match = locate_surface(self._local_map(), scan.surface, guess, prior, before, UNKNOWN_MOTION)
         located = match.agreement >= _LEAST_AGREEMENT
         pose = match.pose if located else guess
-        self._motion = before.inverse().compose(pose)
-        self._odometry, self._heading = odometry, heading
-        self._leg = replace(self._leg, noise=self._leg.noise + noise)
+        motion = before.inverse().compose(pose)
+        self._predictor.add(odometry, heading, motion)
+        self._leg = replace(self._leg, noise=self._leg.noise + predicted.covariance)
         self._relative = self._graph.poses[self._leg.reference].inverse().compose(pose)
         contradicted = self._is_contradicted(scan, match)
         if not self._is_far(self._relative) or (contradicted and self._cautious):
@@ -206,8 +199,8 @@ class Mapper:
                 match.agreement,
                 located,
                 contradicted,
-                step=self._motion if certain else None,
-                wheels=wheels,
+                step=motion if certain else None,
+                wheels=predicted.wheels,
             )
         )
 
@@ -215,7 +208,7 @@ class Mapper:
         self._graph.add_pose(_ORIGIN)
         self.scans.append(scan)
         self._leg = _Leg(odometry=odometry)
-        self._odometry, self._heading = odometry, heading
+        self._predictor.add(odometry, heading)
         self._changed = True
         return self._remember(Estimate(_ORIGIN, LEAST_NOISE, 1.0, located=True))
 
@@ -227,13 +220,6 @@ class Mapper:
         self._count += 1
         self._estimate = estimate
         return estimate
-
-    def _predict(self, odometry: Pose2 | None) -> tuple[Pose2, Floats, bool]:
-        """The motion since the last scan, its covariance (3, 3) in the frame before it, and whether there was none."""
-        if odometry is None or self._odometry is None:
-            return self._motion, _UNKNOWN_MOTION, False
-        reported = self._odometry.inverse().compose(odometry)
-        return self._model.correct(reported), self._model.covariance(reported), is_still(reported)
 
     # -- the pose on the map round the robot -----------------------------------------------------------------------
 
@@ -308,7 +294,7 @@ class Mapper:
         known = np.linalg.inv(np.linalg.inv(seen) + np.linalg.inv(drift)) if located else drift
         certain = located and position_deviation(covariance) < _CERTAIN
         if odometry is not None and leg.odometry is not None and certain:
-            self._model.learn(leg.odometry.inverse().compose(odometry), leg.start.inverse().compose(relative))
+            self._predictor.learn(leg.odometry.inverse().compose(odometry), leg.start.inverse().compose(relative))
         number = self._graph.add_pose(pose)
         self._graph.add_edge(leg.reference, number, relative, known, robust=False)
         self.scans.append(scan)

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import re
 import signal
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from ur.run.supervisor.model import ExitStatus
-
-_Advice = Callable[["Crash"], str]
 
 
 @dataclass(frozen=True, slots=True)
