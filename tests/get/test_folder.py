@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from ur.get import owners
-from ur.get.folder import folder_needs
+from ur.get.folder import folder_needs, hints_above
 from ur.get.index import Index
 from ur.get.model import Missing
 from ur.get.owners import ask_server, confirm_guesses, owners_of_config, owners_of_manifest
@@ -148,3 +148,63 @@ def test_of_two_packages_that_fit_none_is_meant() -> None:
     assert not find_renamed("x", ("a/1", "b/1"), ["a", "b"], has_file)
     assert find_renamed("x", ("a/1", "a/2", "a/3", "a/4", "b/1"), ["a", "b"], has_file) == "a"
     assert not find_renamed("x", (), ["a", "b"], has_file)
+
+
+def test_repository_that_has_the_name_of_a_package_is_not_asked_for_again(tmp_path: Path) -> None:
+    package(tmp_path, "nav", go='<include file="$(find Robot)/launch/a.launch"/>')
+    write(tmp_path / ".git" / "config", f"url = {OWNER}/robot.git\n")
+    write(tmp_path / "README.md", f"git clone {OWNER}/robot.git")
+    (missing,) = folder_needs([str(tmp_path)], {}).missing
+    assert not confirm_guesses([missing], lambda _: True)
+    assert "the repository at . has this name, and no package.xml in it has" in reasons(tmp_path)["Robot"]
+
+
+def test_placeholder_of_an_example_is_named_as_one(tmp_path: Path) -> None:
+    package(tmp_path, "nav", go='<node pkg="your_package_name" type="a" name="a"/>')
+    assert "put the name of your package there" in reasons(tmp_path)["your_package_name"]
+
+
+def test_what_a_folder_clones_comes_before_what_it_links_to_and_never_the_folder_itself(tmp_path: Path) -> None:
+    write(tmp_path / ".git" / "config", f"url = git@github.com:{OWNER.rpartition('/')[2]}/robot.git\n")
+    package(tmp_path / "nav", "nav", go='<!-- https://github.com/b/odom --><node pkg="odom" type="a" name="a"/>')
+    write(tmp_path / "README.md", f"git clone https://github.com/a/odom.git\ngit clone {OWNER}/robot")
+    write(tmp_path / ".gitmodules", '[submodule "x"]\n\tpath = x\n\turl = ../arm.git\n')
+    hints = folder_needs([str(tmp_path)], {}).hints
+    assert [each.url for each in hints] == [
+        f"{OWNER}/arm.git",
+        "https://github.com/a/odom.git",
+        "https://github.com/b/odom",
+    ]
+
+
+def test_launch_file_alone_has_the_hints_of_its_repository(tmp_path: Path) -> None:
+    package(tmp_path / "robot" / "nav", "nav", go="<!-- https://github.com/b/odom -->")
+    write(tmp_path / "robot" / ".git" / "config", f"url = {OWNER}/robot.git\n")
+    write(tmp_path / "robot" / "README.md", f"git clone https://github.com/a/lidar.git; {OWNER}/robot")
+    write(tmp_path / "README.md", "git clone https://github.com/a/other.git")
+    file = tmp_path / "robot" / "nav" / "launch" / "go.launch"
+    assert [each.url for each in hints_above(file)] == [
+        "https://github.com/a/lidar.git",
+        "https://github.com/b/odom",
+    ]
+
+
+def test_owners_of_repositories_that_a_folder_clones_are_asked_after_its_own(tmp_path: Path) -> None:
+    package(tmp_path, "nav", go='<node pkg="arm" type="a" name="a"/><node pkg="leg" type="a" name="b"/>')
+    write(tmp_path / ".git" / "config", f"url = {OWNER}/robot.git\n")
+    write(tmp_path / "README.md", "git clone https://github.com/other/base.git")
+    missing = folder_needs([str(tmp_path)], {}).missing
+    asked: list[str] = []
+
+    def has_repository(url: str) -> bool:
+        asked.append(url)
+        return "other/arm" in url
+
+    confirmed = confirm_guesses(missing, has_repository)
+    assert asked == [
+        f"{OWNER}/arm.git",
+        f"{OWNER}/leg.git",
+        *(f"https://github.com/other/{n}.git" for n in ("arm", "leg")),
+    ]
+    (step, _) = make_plan(missing, Tables({}, {}, index=Index(), confirmed=confirmed), bool).steps
+    assert "an owner of a repository that a file of this folder names" in step.reason

@@ -7,7 +7,15 @@ import re
 import pytest
 from tests.base_contract import EVERY, load
 
-from ur.get.hints import find_hint, find_related_hint, load_sources, parse_sources, read_hints
+from ur.get.hints import (
+    find_hint,
+    find_related_hint,
+    load_sources,
+    parse_sources,
+    plain_address,
+    read_hints,
+    read_links,
+)
 
 WSTOOL = """\
 - git:
@@ -89,3 +97,82 @@ def test_drivers_of_our_bases_that_no_index_has_come_from_where_their_base_files
     assert {"neato_node", "pi_sonar"} <= told.keys() & table.keys()
     for package in told.keys() & table.keys():
         assert table[package].url.removesuffix(".git") in told[package]
+
+
+def test_addresses_that_need_a_key_become_public_ones() -> None:
+    urls = {
+        "git clone git@github.com:me/lidar.git": "https://github.com/me/lidar.git",
+        "git clone ssh://git@gitlab.com/me/lidar.git": "https://gitlab.com/me/lidar.git",
+        "RUN git -C /ws/src clone --recursive 'http://github.com/me/lidar' && make": "https://github.com/me/lidar",
+        "git submodule add -b main git@github.com:me/lidar.git": "https://github.com/me/lidar.git",
+    }
+    for text, url in urls.items():
+        assert [each[1] for each in names("README.md", text)] == [url]
+    listed = "- git: {local-name: lidar, uri: 'git@github.com:me/lidar.git', version: main}\n"
+    assert names("a.rosinstall", listed) == [("lidar", "https://github.com/me/lidar.git", "main")]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "git clone https://example.org/x$(reboot)y.git",
+        "git clone -b $(reboot) https://example.org/x.git",
+        "git clone file:///etc",
+        "git clone ext::sh -c reboot",
+        "git clone git@evil.example:me/lidar.git",
+        "git clone https://example.org/../../x",
+    ],
+)
+def test_command_of_another_form_names_nothing_that_a_shell_would_run(text: str) -> None:
+    assert not [each for each in names("README.md", text) if set("$()`;|&<> ") & set("".join(each))]
+    assert not [each for each in names("README.md", text) if not each[1].startswith("https://example.org/")]
+
+
+def test_folder_that_a_repository_is_put_into_is_a_name_of_it() -> None:
+    text = "git clone https://example.org/me/a.git src/lidar_driver"
+    assert [each[0] for each in names("README.md", text)] == ["a", "lidar_driver"]
+
+
+def test_submodules_have_their_branch_and_addresses_relative_to_the_owner() -> None:
+    modules = """[submodule "x"]
+\tpath = src/arm_driver
+\turl = ../arm.git
+\tbranch = noetic-devel
+[submodule "y"]
+\tpath = y
+\turl = git@github.com:other/y.git
+\tbranch = .
+"""
+    found = read_hints(".gitmodules", modules, "https://github.com/me")
+    assert [(each.name, each.url, each.version) for each in found] == [
+        ("arm", "https://github.com/me/arm.git", "noetic-devel"),
+        ("arm_driver", "https://github.com/me/arm.git", "noetic-devel"),
+        ("y", "https://github.com/other/y.git", ""),
+    ]
+    assert [each[0] for each in names(".gitmodules", modules)] == ["y"]
+
+
+def test_links_name_repositories_once_with_the_branch() -> None:
+    text = """<!--https://github.com/me/odom--> see [it](https://github.com/me/lidar/tree/melodic-devel), or
+    https://github.com/me/lidar.git. https://github.com/me/lidar/blob/main/x.py http://gitlab.com/me/y/-/tree/noetic
+    https://github.com/topics/ros https://example.org/me/no https://github.com/me"""
+    assert [(each.name, each.url, each.version) for each in read_links(text)] == [
+        ("odom", "https://github.com/me/odom", ""),
+        ("lidar", "https://github.com/me/lidar", "melodic-devel"),
+        ("y", "https://gitlab.com/me/y", "noetic"),
+    ]
+
+
+def test_common_word_is_no_name_of_a_repository_that_a_package_belongs_to() -> None:
+    links = list(read_links("https://github.com/me/navigation https://github.com/me/gaden"))
+    assert find_related_hint("navigation_extra", links) is None
+    found = find_related_hint("gaden_player", links)
+    assert found is not None
+    assert found.name == "gaden"
+
+
+@pytest.mark.parametrize(
+    "url", ["git@github.com:Me/Lidar.git", "https://token@github.com/me/lidar/", "http://www.github.com/me/lidar.git"]
+)
+def test_addresses_of_one_repository_are_the_same(url: str) -> None:
+    assert plain_address(url) == "github.com/me/lidar"

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import pytest
 
 from ur.get.computer import load_tables
-from ur.get.hints import read_hints
+from ur.get.hints import read_hints, read_links
 from ur.get.index import merge_indexes, parse_index, read_dependencies
 from ur.get.missing import named_packages
 from ur.get.model import Missing
@@ -172,3 +172,17 @@ def test_misspelt_package_gets_a_suggestion_and_a_private_one_the_file_that_name
     reasons = [step.reason for step in make_plan(missing, tables, bool).steps]
     assert reasons[0] == "no package has this name, which a.launch names; did you mean my_robot_bringup?"
     assert "which demo/b.launch names: it is private or withdrawn, ask its author" in reasons[1]
+
+
+def test_package_by_its_name_is_not_in_a_repository_of_which_all_packages_are_known() -> None:
+    hints = tuple(read_links("https://github.com/me/gaden https://github.com/me/arms"))
+    missing = [Missing("gaden_player"), Missing("arms_gazebo")]
+    index = parse_index(
+        "repositories:\n  arms: {release: {packages: [arms_msgs]},"
+        " source: {type: git, url: 'https://github.com/Me/arms.git', version: main}}\n"
+    )
+    steps = make_plan(missing, Tables({}, {}, index=index, hints=hints), bool).steps
+    assert [(step.missing.package, step.way) for step in steps] == [
+        ("arms_gazebo", "unknown"),
+        ("gaden_player", "source"),
+    ]

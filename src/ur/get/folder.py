@@ -7,11 +7,11 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from ur.get.hints import LISTS, TEXTS, read_hints
+from ur.get.hints import LISTS, TEXTS, join_hints, plain_address, read_hints, read_links
 from ur.get.index import read_dependencies, read_name
 from ur.get.missing import is_installed, missing_of_names, named_files, named_packages
 from ur.get.model import Missing, Needs, Repository
-from ur.get.owners import owners_above, owners_of_manifest, read_owners
+from ur.get.owners import addresses_of, owners_above, owners_of_manifest, owners_of_repositories, read_owners
 from ur.get.renamed import find_renamed
 from ur.launchfile.world.system import SystemWorld
 from ur.source.diagnostic import UserError, error
@@ -28,12 +28,14 @@ class _Found:
     """All that the files of folders say. `names`: the first file that names a package.
 
     `files`: paths below a package, each with the files that name it. `owners` are those of repositories and packages
-    at folders; `packages`, the folders of package.xml.
+    at folders; `packages`, the folders of package.xml; `own`, the folders of repositories by their plain addresses.
     """
 
     names: dict[str, Path] = field(default_factory=dict)
     files: dict[str, dict[str, set[Path]]] = field(default_factory=dict)
     hints: list[Repository] = field(default_factory=list)
+    links: list[Repository] = field(default_factory=list)
+    own: dict[str, Path] = field(default_factory=dict)
     owners: dict[Path, tuple[str, ...]] = field(default_factory=dict)
     packages: dict[str, Path] = field(default_factory=dict)
 
@@ -57,9 +59,34 @@ def folder_needs(
                 progress(f"{count} files read")
             _read_file(path, found, manifests=manifests)
     places = {name: _shorten(path, folders) for name, path in found.names.items()}
+    hints = join_hints(found.hints, found.links, found.own)
     missing = tuple(_describe(each, found, world, folders) for each in missing_of_names(places, world))
     here = tuple(world.package_names())
-    return Needs(missing, lambda name: is_installed(name, world), hints=tuple(found.hints), names=here)
+    return Needs(missing, lambda name: is_installed(name, world), hints=hints, names=here)
+
+
+def hints_above(path: Path) -> tuple[Repository, ...]:
+    """The repositories that a file names, and those that the texts and lists beside and above it do.
+
+    The search ends with the repository or package that the file is in.
+    """
+    hints: list[Repository] = []
+    links = [*read_links(read_text(path))]
+    own: set[str] = set()
+    for folder in path.parents:
+        owner = next(iter(read_owners(folder)), "")
+        for file in _files_of(folder):
+            text = read_text(folder / file) if LISTS.fullmatch(file) or TEXTS.fullmatch(file) else ""
+            hints += read_hints(file, text, owner)
+            links += read_links(text)
+        if (folder / ".git").exists():
+            own = {plain_address(url) for url in addresses_of(folder)}
+            break
+        if (folder / "package.xml").exists() and not any((each / ".git").exists() for each in folder.parents):
+            break
+    else:
+        return tuple(dict.fromkeys(read_links(read_text(path))))
+    return join_hints(hints, links, own)
 
 
 def with_folders(folders: Sequence[str], environment: Mapping[str, str]) -> dict[str, str]:
@@ -91,13 +118,16 @@ def _read_file(path: Path, found: _Found, *, manifests: bool) -> None:
     if path.name == "package.xml":
         names = dependencies_of_text(text) if manifests else ()
         found.packages.setdefault(read_name(text), path.parent)
+        found.links += read_links(text)
         found.owners[path.parent] = (*found.owners.get(path.parent, ()), *owners_of_manifest(text))
     elif path.name.endswith(_TEXTS):
         names = named_packages(text)
+        found.links += read_links(text)
         for name, file in named_files(text):
             found.files.setdefault(name, {}).setdefault(file, set()).add(path)
     else:
-        found.hints += read_hints(path.name, text)
+        found.hints += read_hints(path.name, text, next(iter(found.owners.get(path.parent, ())), ""))
+        found.links += read_links(text)
     for name in names:
         found.names.setdefault(name, path)
 
@@ -117,7 +147,22 @@ def _describe(missing: Missing, found: _Found, world: SystemWorld, folders: Sequ
 
     here = [name for name in found.packages if name and is_installed(name, world)]
     renamed = find_renamed(missing.package, files, here, has_file)
-    return replace(missing, owners=tuple(dict.fromkeys(owners)), renamed=renamed)
+    others = tuple(each for each in owners_of_repositories(found.hints) if each not in owners)
+    itself = next((folder for url, folder in found.own.items() if url.endswith(f"/{missing.package.lower()}")), None)
+    return replace(
+        missing,
+        owners=tuple(dict.fromkeys(owners)),
+        renamed=renamed,
+        others=others,
+        itself=_shorten(itself, folders) if itself else "",
+    )
+
+
+def _files_of(folder: Path) -> list[str]:
+    try:
+        return sorted(each.name for each in os.scandir(folder) if each.is_file())
+    except OSError:
+        return []
 
 
 def _shorten(path: Path, folders: Sequence[str]) -> str:
@@ -128,6 +173,7 @@ def _list_texts(folder: str, found: _Found) -> Iterator[Path]:
     for place, below, files in os.walk(folder):
         if ".git" in below or ".git" in files:
             found.owners[Path(place)] = read_owners(Path(place))
+            found.own.update((plain_address(url), Path(place)) for url in addresses_of(Path(place)))
         below[:] = sorted(name for name in below if name not in _SKIPPED)
         for name in sorted(files):
             if name.endswith(_TEXTS) or name == "package.xml" or LISTS.fullmatch(name) or TEXTS.fullmatch(name):

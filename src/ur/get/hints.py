@@ -1,35 +1,100 @@
-"""Repositories that the files of a folder name: lists of vcstool and wstool, submodules, `git clone` in its texts."""
+"""Repositories that files of a folder name: lists of vcstool and wstool, submodules, `git clone` in texts, links."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Container, Iterable, Iterator
+from dataclasses import replace
 from functools import cache
 from importlib.resources import files
+from itertools import islice
 
 import yaml
 
 from ur.get.index import make_repository
 from ur.get.model import Repository
 
-LISTS = re.compile(r"\.gitmodules|.*\.repos|.*\.rosinstall(\..*)?")
-TEXTS = re.compile(r"readme.*|.*\.md|.*\.rst|dockerfile.*|.*\.sh|\.travis\.yml", re.IGNORECASE)
-_CLONE = re.compile(r"\bgit\s+clone\s+(?P<options>(?:-\S+\s+(?:(?!https?:)\S+\s+)?)*)(?P<url>https://[\w.@:~%+/-]+)")
+LISTS = re.compile(r"\.gitmodules|.*\.repos(\.ya?ml)?|.*\.rosinstall(\..*)?")
+TEXTS = re.compile(r"readme.*|.*\.md|.*\.rst|dockerfile.*|.*\.(ba)?sh|\.travis\.yml", re.IGNORECASE)
+_CLONE = re.compile(
+    r"\bgit\s+(?:-C\s+\S+\s+)?(?:clone|submodule\s+add)\s+"
+    r"(?P<options>(?:-\S+\s+(?:(?!https?:|git@|ssh:)[^\s-]\S*\s+)?)*)"
+    r"[\"']?(?P<url>(?:https?://|git@|ssh://)[\w.@:~%+/-]+)[\"']?(?:[ \t]+(?P<target>[\w./~-]+))?"
+)
 _BRANCH = re.compile(r"(?:-b|--branch)[\s=]+(\S+)")
-_MODULE = re.compile(r"^\s*url\s*=\s*(https://\S+)\s*$", re.MULTILINE)
+_MODULE = re.compile(r"^\s*(url|path|branch)\s*=\s*(\S+)\s*$", re.MULTILINE)
+_HOSTS = r"github\.com|gitlab\.com|bitbucket\.org"
+_LINK = re.compile(
+    rf"\bhttps?://(?:www\.)?(?P<host>{_HOSTS})/(?P<owner>[A-Za-z0-9][\w.-]*)/(?P<name>\w(?:[\w.-]*\w)?)"
+    r"(?:/(?:-/)?tree/(?P<branch>\w[\w.-]*)(?=[\s)\]>\"'#?]|/?$))?"
+)
+_SECURE_SHELL = re.compile(rf"(?:ssh://)?git@({_HOSTS})[:/](.+)")
+_NO_OWNERS = frozenset({"orgs", "topics", "user-attachments", "settings", "sponsors", "marketplace", "apps"})
+_MAX_LINKS = 200  # of one file: more is no document that somebody has written about a robot
 _ROS = re.compile(r"^ros_|_(ros|ros_pkg|ros_pkgs|ros1)$")  # what is added to the name of what a repository is for
 _SHORTEST = 5  # letters of a stem that is more than a common word
+_COMMON = frozenset(  # words that begin the names of packages of many authors
+    {
+        "robot",
+        "robots",
+        "mobile",
+        "turtlebot",
+        "turtlebot2",
+        "turtlebot3",
+        "gazebo",
+        "moveit",
+        "simple",
+        "laser",
+        "camera",
+    }
+    | {"navigation", "simulation", "catkin", "rosbot", "rover", "arduino", "custom", "pioneer", "perception", "multi"}
+)
 
 
-def read_hints(name: str, text: str) -> Iterator[Repository]:
-    """The repositories that a file of this name lists. Entries that cannot be used are left out."""
+def read_hints(name: str, text: str, owner: str = "") -> Iterator[Repository]:
+    """The repositories that a file of this name lists. Entries that cannot be used are left out.
+
+    `owner` is the address ("https://github.com/NAME") that the relative addresses of submodules are below. A repository
+    that is put into a folder of another name comes a second time, with that name.
+    """
     if name == ".gitmodules":
-        yield from _cloned((each, "") for each in _MODULE.findall(text))
+        yield from _submodules(text, owner)
     elif LISTS.fullmatch(name):
         yield from _listed(text)
     elif TEXTS.fullmatch(name):
-        found = ((each["url"], _BRANCH.search(each["options"])) for each in _CLONE.finditer(text))
-        yield from _cloned((url, branch[1] if branch else "") for url, branch in found)
+        for each in _CLONE.finditer(text):
+            branch = _BRANCH.search(each["options"])
+            yield from _cloned(each["url"].rstrip(".,"), branch[1] if branch else "", each["target"] or "")
+
+
+def read_links(text: str) -> Iterator[Repository]:
+    """The repositories that a text links to, each once, with the branch of a link to one."""
+    found: dict[str, Repository] = {}
+    for each in islice(_LINK.finditer(text), _MAX_LINKS):
+        name = each["name"].removesuffix(".git")
+        url = f"https://{each['host']}/{each['owner']}/{name}"
+        repository = _clone(url, each["branch"] or "")
+        if repository and each["owner"] not in _NO_OWNERS and (url not in found or not found[url].version):
+            found[url] = repository
+    yield from found.values()
+
+
+def join_hints(hints: Iterable[Repository], links: Iterable[Repository], own: Container[str]) -> tuple[Repository, ...]:
+    """What files clone, then what they only link to, each once, without the repositories at the plain addresses `own`."""
+    found = dict.fromkeys(each for each in hints if plain_address(each.url) not in own)
+    addresses = {plain_address(each.url) for each in found}
+    found.update(
+        (each, None)
+        for each in links
+        if plain_address(each.url) not in addresses and plain_address(each.url) not in own
+    )
+    return tuple(found)
+
+
+def plain_address(url: str) -> str:
+    """An address of git without what does not tell repositories apart: ".git", capitals, a slash, a user, ssh."""
+    address = re.sub(r"^https?://([^@/]+@)?(www\.)?", "", _secure(url).lower())
+    return address.rstrip("/").removesuffix(".git")
 
 
 def find_hint(package: str, hints: Iterable[Repository]) -> Repository | None:
@@ -43,8 +108,8 @@ def find_related_hint(package: str, hints: Iterable[Repository]) -> Repository |
     fitting = [
         hint
         for hint in hints
-        if _stem(hint) != _plain(hint.name)
-        and len(_stem(hint)) >= _SHORTEST
+        if len(_stem(hint)) >= _SHORTEST
+        and _stem(hint) not in _COMMON
         and _plain(package).startswith(f"{_stem(hint)}_")
     ]
     return max(fitting, key=lambda hint: len(_stem(hint)), default=None)
@@ -77,25 +142,46 @@ def _listed(text: str) -> Iterator[Repository]:
         return
     if isinstance(document, dict) and isinstance(document.get("repositories"), dict):  # of vcstool
         for name, source in document["repositories"].items():
-            if isinstance(name, str) and (repository := make_repository(_last(name), source)):
-                yield repository
+            if isinstance(name, str) and isinstance(source, dict):
+                keys = {**source, "url": _secure(source.get("url"))}
+                if repository := make_repository(_last(name), keys):
+                    yield repository
     for entry in document if isinstance(document, list) else ():  # of wstool
         for kind, source in entry.items() if isinstance(entry, dict) else ():
             if isinstance(source, dict):
                 name = str(source.get("local-name", ""))
-                keys = {"type": kind, "url": source.get("uri"), "version": source.get("version")}
+                keys = {"type": kind, "url": _secure(source.get("uri")), "version": source.get("version")}
                 if repository := make_repository(_last(name), keys):
                     yield repository
 
 
-def _cloned(found: Iterable[tuple[str, str]]) -> Iterator[Repository]:
-    for url, branch in found:
-        if repository := _clone(url.rstrip(".,"), branch):
-            yield repository
+def _submodules(text: str, owner: str) -> Iterator[Repository]:
+    for section in text.split("[submodule")[1:]:
+        found = dict(_MODULE.findall(section))
+        url, branch = found.get("url", ""), found.get("branch", "")
+        if url.startswith("../") and owner:
+            url = f"{owner}/{_last(url)}"
+        yield from _cloned(url, "" if branch == "." else branch, found.get("path", ""))
+
+
+def _cloned(url: str, branch: str, target: str) -> Iterator[Repository]:
+    if repository := _clone(_secure(url), branch):
+        yield repository
+        name = _last(target)
+        if name != repository.name and re.fullmatch(r"[A-Za-z][\w-]+", name):
+            yield replace(repository, name=name)
 
 
 def _clone(url: str, branch: str) -> Repository | None:
     return make_repository(_last(url).removesuffix(".git"), {"type": "git", "url": url, "version": branch})
+
+
+def _secure(url: object) -> str:
+    """The https address of one that needs a key or is not encrypted, on the hosts that have both."""
+    text = url if isinstance(url, str) else ""
+    if found := _SECURE_SHELL.fullmatch(text):
+        return f"https://{found[1]}/{found[2]}"
+    return re.sub(rf"^http://(?=({_HOSTS})/)", "https://", text)
 
 
 def _last(path: str) -> str:

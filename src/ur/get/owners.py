@@ -6,7 +6,7 @@ import os
 import re
 import subprocess
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from itertools import islice
+from itertools import chain, islice
 from pathlib import Path
 
 from ur.get.index import make_repository
@@ -20,6 +20,7 @@ _CONFIG_URL = re.compile(r"^\s*url\s*=\s*(\S+)\s*$", re.MULTILINE)
 _MANIFEST_URL = re.compile(r"<url\b[^>]*\btype\s*=\s*[\"']repository[\"'][^>]*>\s*([^<\s]+)\s*</url>")
 _ABSENT = ("not found", "could not read username", "authentication failed", "terminal prompts disabled")
 _QUESTIONS = 60  # of one command: each takes half a second
+_OTHERS = 4  # owners of repositories that a folder only names
 _SECONDS = 20.0
 
 
@@ -33,9 +34,19 @@ def owners_of_manifest(text: str) -> tuple[str, ...]:
     return _owners(_MANIFEST_URL.findall(text))
 
 
-def guess_repositories(missing: Missing) -> Iterator[Repository]:
+def owners_of_repositories(repositories: Iterable[Repository]) -> tuple[str, ...]:
+    """List the addresses of the owners of the first repositories that files of a folder name."""
+    return _owners(each.url for each in repositories)[:_OTHERS]
+
+
+def addresses_of(folder: Path) -> tuple[str, ...]:
+    """List the addresses of the remotes of the repository at a folder; nothing where git's config cannot be read."""
+    return tuple(_CONFIG_URL.findall(_read_config(folder)))
+
+
+def guess_repositories(missing: Missing, owners: Iterable[str] | None = None) -> Iterator[Repository]:
     """The repositories that would have the name of a package, for each of the owners that it may belong to."""
-    for owner in missing.owners:
+    for owner in missing.owners if owners is None else owners:
         for name in dict.fromkeys((missing.package, missing.package.replace("_", "-"))):
             if repository := make_repository(name, {"type": "git", "url": f"{owner}/{name}.git"}):
                 yield repository
@@ -49,8 +60,10 @@ def confirm_guesses(
     `has_repository` returns None where the server cannot be asked: nothing more is asked then.
     """
     found: dict[str, Repository | None] = {}
-    guesses = ((each.package, guess) for each in missing for guess in guess_repositories(each))
-    for package, guess in islice(guesses, _QUESTIONS):
+    wanted = [each for each in missing if not each.itself]
+    own = ((each.package, guess) for each in wanted for guess in guess_repositories(each))
+    others = ((each.package, guess) for each in wanted for guess in guess_repositories(each, each.others))
+    for package, guess in islice(chain(own, others), _QUESTIONS):
         if found.get(package):
             continue
         answer = has_repository(guess.url)
@@ -70,13 +83,7 @@ def owners_above(path: Path) -> tuple[str, ...]:
 
 def read_owners(folder: Path) -> tuple[str, ...]:
     """List the owners of the repository or submodule at a folder; nothing where git's config cannot be read."""
-    git = folder / ".git"
-    try:
-        if git.is_file():
-            git = folder / git.read_text(encoding="utf-8", errors="replace").removeprefix("gitdir:").strip()
-        return owners_of_config((git / "config").read_text(encoding="utf-8", errors="replace"))
-    except OSError:
-        return ()
+    return owners_of_config(_read_config(folder))
 
 
 def ask_server(url: str) -> bool | None:
@@ -111,6 +118,16 @@ def _run(command: Sequence[str], environment: dict[str, str]) -> subprocess.Comp
         env=environment,
         timeout=_SECONDS,
     )
+
+
+def _read_config(folder: Path) -> str:
+    git = folder / ".git"
+    try:
+        if git.is_file():
+            git = folder / git.read_text(encoding="utf-8", errors="replace").removeprefix("gitdir:").strip()
+        return (git / "config").read_text(encoding="utf-8", errors="replace")
+    except OSError:
+        return ""
 
 
 def _owners(urls: Iterable[str]) -> tuple[str, ...]:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 
-from ur.get.hints import find_hint, find_related_hint
+from ur.get.hints import find_hint, find_related_hint, plain_address
 from ur.get.index import ROS2, Index
 from ur.get.model import PACKAGE_NAME, GetPlan, Missing, Repository, Step
 from ur.get.owners import guess_repositories
@@ -14,6 +15,10 @@ from ur.get.tables import PYPI, SPLIT, Candidate, possible_names
 NO_INDEX = "no index of sources is here"
 ONLY_ROS2 = "only in ROS 2 {}, and has to be ported to ROS 1"
 OF_OWNER = "no index has it; the owner of this folder's repository has one of this name"
+OF_OTHER = "no index has it; an owner of a repository that a file of this folder names has one of this name"
+PLACEHOLDER = re.compile(
+    r"(?:your|my|the|some)_?(?:ros_?)?(?:package|pkg)(?:_?name)?|(?:package|pkg)_name", re.IGNORECASE
+)
 _NEAR = 0.93  # likeness of a misspelt name; related packages have similar ones, too
 
 
@@ -63,7 +68,7 @@ def _find_way(missing: Missing, tables: Tables, is_there: Callable[[str], bool])
         return Step(missing, "pypi", (PYPI[package],))
     if missing.program:
         return Step(missing, "unknown", reason=f"{package} is installed and has no program {missing.program}")
-    repository, origin = _find_source(package, tables)
+    repository, origin = _find_source(missing, tables)
     if repository is None:
         reason = _explain_here(missing)
         return Step(missing, "unknown", reason=reason or _explain(missing, tables), here=bool(reason))
@@ -72,8 +77,9 @@ def _find_way(missing: Missing, tables: Tables, is_there: Callable[[str], bool])
     return Step(missing, "source", repository=repository, needs=needs, reason=origin)
 
 
-def _find_source(package: str, tables: Tables) -> tuple[Repository | None, str]:
+def _find_source(missing: Missing, tables: Tables) -> tuple[Repository | None, str]:
     # The index first: a list of somebody's workspace may name a fork of his. A name that is only like it comes late.
+    package = missing.package
     indexed = tables.index.repositories.get(package) if tables.index else None
     if indexed and indexed.distribution not in ROS2:
         return indexed, ""
@@ -81,12 +87,24 @@ def _find_source(package: str, tables: Tables) -> tuple[Repository | None, str]:
         return hint, "no index has it; a file of this folder names it"
     if package in tables.known:
         return tables.known[package], "no index has it"
+    if missing.itself:
+        return None, ""
     if beside := tables.confirmed.get(package):
-        return beside, OF_OWNER
-    if hint := find_related_hint(package, tables.hints):
-        return hint, "no index has it; by its name it belongs to a repository that a file of this folder names"
+        own = any(beside.url.startswith(f"{owner}/") for owner in missing.owners)
+        return beside, OF_OWNER if own else OF_OTHER
+    if missing.renamed:
+        return None, ""
+    if find_related_hint(package, tables.hints):
+        # What a known repository holds is known: a package that is not listed there is not in it.
+        full = {plain_address(each.url) for each in (*_listed(tables.index), *tables.known.values())}
+        if hint := find_related_hint(package, (each for each in tables.hints if plain_address(each.url) not in full)):
+            return hint, "no index has it; by its name it belongs to a repository that a file of this folder names"
     newer = indexed or (tables.ros2.repositories.get(package) if tables.ros2 else None)
     return newer, ONLY_ROS2.format(newer.distribution) if newer else ""
+
+
+def _listed(index: Index | None) -> Iterable[Repository]:
+    return index.repositories.values() if index else ()
 
 
 def _explain_here(missing: Missing) -> str:
@@ -94,6 +112,13 @@ def _explain_here(missing: Missing) -> str:
         return (
             f"it is in {missing.hidden}, where ROS does not find it: below another package or a CATKIN_IGNORE;"
             " move it out, or remove that file"
+        )
+    if PLACEHOLDER.fullmatch(missing.package):
+        return f"this is the placeholder of an example{_place(missing)}: put the name of your package there"
+    if missing.itself and not missing.renamed:
+        return (
+            f"the repository at {missing.itself} has this name, and no package.xml in it has{_place(missing)}: add it,"
+            " or write the name of the package that is there"
         )
     if not missing.renamed:
         return ""

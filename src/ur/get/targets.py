@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from ur.get.folder import SUFFIXES, dependencies_of_text, folder_needs, read_text, with_folders
+from ur.get.folder import SUFFIXES, dependencies_of_text, folder_needs, hints_above, read_text, with_folders
 from ur.get.missing import is_installed, missing_of_names, missing_of_plan
 from ur.get.model import PACKAGE_NAME, Missing, Needs, Repository
 from ur.get.owners import owners_above
@@ -55,7 +55,9 @@ def _file_needs(words: Sequence[str], world: SystemWorld) -> Needs:
         ("unknown-package", "missing-executable")
     ]  # fmt: skip
     notes = (f"not everything was read: {others[0].message}",) if others else ()
-    owners = owners_above(Path(request.files.paths[0]).resolve().parent)
-    missing = tuple(replace(each, owners=owners) for each in missing_of_plan(plan, world))
+    file = Path(request.files.paths[0]).resolve()
+    lacking = missing_of_plan(plan, world)
+    hints = hints_above(file) if lacking else ()
+    missing = tuple(replace(each, owners=owners_above(file.parent)) for each in lacking)
     names = tuple(world.package_names()) if missing else ()
-    return Needs(missing, lambda name: is_installed(name, world), notes, names=names)
+    return Needs(missing, lambda name: is_installed(name, world), notes, hints, names)

@@ -1,0 +1,99 @@
+"""Questions to a server of git: a real one, on this computer only."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import threading
+from collections.abc import Iterator
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
+
+import pytest
+
+from ur.get.model import Missing
+from ur.get.owners import ask_server, confirm_guesses
+
+pytestmark = pytest.mark.skipif(shutil.which("git") is None, reason="git is not installed")
+ABSENT = {"asks": 401, "tells": 404}  # owners whose missing repositories are answered for as GitHub and GitLab do
+
+
+class Server(BaseHTTPRequestHandler):
+    """`git http-backend` for the folder `root`."""
+
+    root = Path()
+
+    def do_GET(self) -> None:
+        self.answer()
+
+    def do_POST(self) -> None:
+        self.answer()
+
+    def answer(self) -> None:
+        path, _, query = self.path.partition("?")
+        owner = path.split("/")[1]
+        if not (self.root / path.split(".git/")[0].lstrip("/")).with_suffix(".git").is_dir():
+            self.send_response(ABSENT[owner])
+            self.send_header("WWW-Authenticate", 'Basic realm="x"')
+            self.end_headers()
+            return
+        environment = {
+            **os.environ,
+            "GIT_PROJECT_ROOT": str(self.root),
+            "GIT_HTTP_EXPORT_ALL": "1",
+            "GIT_PROTOCOL": self.headers.get("Git-Protocol", ""),
+            "PATH_INFO": path,
+            "QUERY_STRING": query,
+            "REQUEST_METHOD": self.command,
+            "CONTENT_TYPE": self.headers.get("Content-Type", ""),
+            "CONTENT_LENGTH": self.headers.get("Content-Length", "0"),
+        }
+        body = self.rfile.read(int(environment["CONTENT_LENGTH"]))
+        done = subprocess.run(["git", "http-backend"], input=body, capture_output=True, check=True, env=environment)
+        head, _, content = done.stdout.partition(b"\r\n\r\n")
+        self.send_response(200)
+        for line in head.decode().splitlines():
+            self.send_header(*line.split(": ", 1))
+        self.end_headers()
+        self.wfile.write(content)
+
+    def log_message(self, *_: object) -> None:
+        """Print nothing."""
+
+
+@pytest.fixture
+def owners(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[dict[str, str]]:
+    for owner in ABSENT:
+        subprocess.run(["git", "init", "-q", "--bare", str(tmp_path / owner / "robot-arm.git")], check=True)
+    monkeypatch.setenv("no_proxy", "127.0.0.1")
+    monkeypatch.setattr(Server, "root", tmp_path)
+    server = ThreadingHTTPServer(("127.0.0.1", 0), Server)
+    thread = threading.Thread(target=server.serve_forever, kwargs={"poll_interval": 0.01})
+    thread.start()
+    try:
+        yield {owner: f"http://127.0.0.1:{server.server_port}/{owner}" for owner in ABSENT}
+    finally:
+        server.shutdown()
+        thread.join()
+        server.server_close()
+
+
+@pytest.mark.parametrize("owner", list(ABSENT))
+def test_server_confirms_a_repository_that_exists_and_denies_another(owner: str, owners: dict[str, str]) -> None:
+    assert ask_server(f"{owners[owner]}/robot-arm.git") is True
+    assert ask_server(f"{owners[owner]}/secret.git") is False
+
+
+def test_guess_with_dashes_is_confirmed_by_the_server(owners: dict[str, str]) -> None:
+    found = confirm_guesses([Missing("robot_arm", owners=(owners["tells"],))], ask_server)
+    assert {name: each and each.url for name, each in found.items()} == {
+        "robot_arm": f"{owners['tells']}/robot-arm.git"
+    }
+
+
+def test_server_that_does_not_answer_tells_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("no_proxy", "127.0.0.1")
+    with ThreadingHTTPServer(("127.0.0.1", 0), Server) as closed:
+        port = closed.server_port
+    assert ask_server(f"http://127.0.0.1:{port}/me/robot.git") is None
