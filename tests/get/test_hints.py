@@ -164,11 +164,18 @@ def test_links_name_repositories_once_with_the_branch() -> None:
 
 
 def test_common_word_is_no_name_of_a_repository_that_a_package_belongs_to() -> None:
-    links = list(read_links("https://github.com/me/navigation https://github.com/me/gaden"))
-    assert find_related_hint("navigation_extra", links) is None
-    found = find_related_hint("gaden_player", links)
+    text = "git clone https://github.com/me/navigation\ngit clone https://github.com/me/gaden"
+    hints = list(read_hints("README.md", text))
+    assert find_related_hint("navigation_extra", hints) is None
+    found = find_related_hint("gaden_player", hints)
     assert found is not None
     assert found.name == "gaden"
+
+
+def test_repository_that_is_only_linked_to_has_related_packages_where_its_name_says_that_it_is_for_ros() -> None:
+    links = list(read_links("https://github.com/me/gaden https://github.com/me/tracer_ros"))
+    assert find_related_hint("gaden_player", links) is None
+    assert find_related_hint("tracer_base", links) is not None
 
 
 @pytest.mark.parametrize(

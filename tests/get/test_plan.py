@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import pytest
 
 from ur.get.computer import load_tables
-from ur.get.hints import read_hints, read_links
+from ur.get.hints import read_hints
 from ur.get.index import merge_indexes, parse_index, read_dependencies
 from ur.get.missing import named_packages
 from ur.get.model import Missing
@@ -175,7 +175,8 @@ def test_misspelt_package_gets_a_suggestion_and_a_private_one_the_file_that_name
 
 
 def test_package_by_its_name_is_not_in_a_repository_of_which_all_packages_are_known() -> None:
-    hints = tuple(read_links("https://github.com/me/gaden https://github.com/me/arms"))
+    text = "git clone https://github.com/me/gaden; git clone https://github.com/me/arms"
+    hints = tuple(read_hints("README.md", text))
     missing = [Missing("gaden_player"), Missing("arms_gazebo")]
     index = parse_index(
         "repositories:\n  arms: {release: {packages: [arms_msgs]},"

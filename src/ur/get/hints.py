@@ -75,7 +75,7 @@ def read_links(text: str) -> Iterator[Repository]:
         url = f"https://{each['host']}/{each['owner']}/{name}"
         repository = _clone(url, each["branch"] or "")
         if repository and each["owner"] not in _NO_OWNERS and (url not in found or not found[url].version):
-            found[url] = repository
+            found[url] = replace(repository, linked=True)
     yield from found.values()
 
 
@@ -104,12 +104,16 @@ def find_hint(package: str, hints: Iterable[Repository]) -> Repository | None:
 
 
 def find_related_hint(package: str, hints: Iterable[Repository]) -> Repository | None:
-    """The repository whose name, without "ros", begins the package's; of several the longest counts."""
+    """The repository whose name, without "ros", begins the package's; of several the longest counts.
+
+    One that a text only links to must have "ros" in its name: others are of firmware, models, papers.
+    """
     fitting = [
         hint
         for hint in hints
         if len(_stem(hint)) >= _SHORTEST
         and _stem(hint) not in _COMMON
+        and (not hint.linked or _stem(hint) != _plain(hint.name))
         and _plain(package).startswith(f"{_stem(hint)}_")
     ]
     return max(fitting, key=lambda hint: len(_stem(hint)), default=None)

@@ -16,7 +16,7 @@ class Repository:
     """A repository of source code, as the index of a ROS distribution names it.
 
     `distribution` is that of the index ("kinetic"), "" where it is not an older one than noetic. `url` and `version`
-    hold only characters that a shell leaves alone; `type` is git, hg or svn.
+    hold only characters that a shell leaves alone; `type` is git, hg or svn. `linked`: a text only links to it.
     """
 
     name: str
@@ -24,6 +24,7 @@ class Repository:
     url: str
     version: str
     distribution: str = ""
+    linked: bool = False
 
 
 @dataclass(frozen=True, slots=True)
