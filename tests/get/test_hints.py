@@ -173,9 +173,11 @@ def test_common_word_is_no_name_of_a_repository_that_a_package_belongs_to() -> N
 
 
 def test_repository_that_is_only_linked_to_has_related_packages_where_its_name_says_that_it_is_for_ros() -> None:
-    links = list(read_links("https://github.com/me/gaden https://github.com/me/tracer_ros"))
+    text = "https://github.com/me/gaden https://github.com/me/tracer_ros https://github.com/me/verse_ros_package"
+    links = list(read_links(text))
     assert find_related_hint("gaden_player", links) is None
     assert find_related_hint("tracer_base", links) is not None
+    assert find_related_hint("verse_ros_bridge", links) is not None
 
 
 @pytest.mark.parametrize(

@@ -31,7 +31,7 @@ _LINK = re.compile(
 _SECURE_SHELL = re.compile(rf"(?:ssh://)?git@({_HOSTS})[:/](.+)")
 _NO_OWNERS = frozenset({"orgs", "topics", "user-attachments", "settings", "sponsors", "marketplace", "apps"})
 _MAX_LINKS = 200  # of one file: more is no document that somebody has written about a robot
-_ROS = re.compile(r"^ros_|_(ros|ros_pkg|ros_pkgs|ros1)$")  # what is added to the name of what a repository is for
+_ROS = re.compile(r"^ros_|(_ros|_ros1)?(_pkgs?|_packages?)?$")  # what is added to the name of what a repository is for
 _SHORTEST = 5  # letters of a stem that is more than a common word
 _COMMON = frozenset(  # words that begin the names of packages of many authors
     {
@@ -80,7 +80,7 @@ def read_links(text: str) -> Iterator[Repository]:
 
 
 def join_hints(hints: Iterable[Repository], links: Iterable[Repository], own: Container[str]) -> tuple[Repository, ...]:
-    """What files clone, then what they only link to, each once, without the repositories at the plain addresses `own`."""
+    """What files clone, then what they only link to, each once, without those at the plain addresses `own`."""
     found = dict.fromkeys(each for each in hints if plain_address(each.url) not in own)
     addresses = {plain_address(each.url) for each in found}
     found.update(

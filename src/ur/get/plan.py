@@ -137,7 +137,7 @@ def _explain(missing: Missing, tables: Tables) -> str:
         return f"no package has this name{place}; did you mean {near[0]}?"
     reason = f"neither this release nor an index of ROS has it{place}: it is private or withdrawn, ask its author"
     if missing.package in tables.confirmed:
-        return f"{reason}; {missing.owners[0]} has no public repository of this name"
+        return f"{reason}; {(*missing.owners, *missing.others)[0]} has no public repository of this name"
     guess = next(guess_repositories(missing), None)
     return f"{reason}; perhaps it is beside the folder's repository: git ls-remote {guess.url}" if guess else reason
 
