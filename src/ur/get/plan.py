@@ -14,8 +14,11 @@ from ur.get.tables import PYPI, SPLIT, Candidate, possible_names
 
 NO_INDEX = "no index of sources is here"
 ONLY_ROS2 = "only in ROS 2 {}, and has to be ported to ROS 1"
-OF_OWNER = "no index has it; the owner of this folder's repository has one of this name"
-OF_OTHER = "no index has it; an owner of a repository that a file of this folder names has one of this name"
+OF_OWNER = "no index has it; the owner of this folder's repository has one of this name: see that it is for ROS 1"
+OF_OTHER = (
+    "no index has it; an owner of a repository that a file of this folder names has one of this name: see that it is"
+    " for ROS 1"
+)
 PLACEHOLDER = re.compile(
     r"(?:your|my|the|some)_?(?:ros_?)?(?:package|pkg)(?:_?name)?|(?:package|pkg)_name", re.IGNORECASE
 )
