@@ -6,6 +6,7 @@ import argparse
 import os
 import sys
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -27,11 +28,12 @@ class Computer(ThisComputer):
 
     def __init__(self, indexes: list[str], repositories: Path | None) -> None:
         super().__init__(os.environ, indexes)
-        self._repositories = set(repositories.read_text().split()) if repositories else None
+        rows = [line.split() for line in repositories.read_text().splitlines()] if repositories else None
+        self._repositories = None if rows is None else {row[0]: row[1:] or ["master"] for row in rows if row}
 
-    def has_repository(self, url: str) -> bool | None:
+    def list_branches(self, url: str) -> Sequence[str] | None:
         """See Sources."""
-        return super().has_repository(url) if self._repositories is None else url in self._repositories
+        return super().list_branches(url) if self._repositories is None else self._repositories.get(url, ())
 
 
 def main() -> int:
@@ -39,7 +41,9 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--index", action="append", default=[])
-    parser.add_argument("--repositories", type=Path, help="addresses that exist, one a line: no server is asked")
+    parser.add_argument(
+        "--repositories", type=Path, help="addresses that exist, one a line, each with its branches: no server is asked"
+    )
     parser.add_argument("--plans", action="store_true", help="print the plan of each repository")
     options = parser.parse_args()
     sources = Computer(options.index, options.repositories)
@@ -53,7 +57,7 @@ def main() -> int:
     for name, need in needs.items():
         tables = replace(tables, hints=need.hints, names=frozenset(need.names), confirmed={})
         unknown = [step.missing for step in make_plan(need.missing, tables, need.is_there).steps_by("unknown")]
-        tables = replace(tables, confirmed=confirm_guesses(unknown, sources.has_repository))
+        tables = replace(tables, confirmed=confirm_guesses(unknown, sources.list_branches))
         plan = make_plan(need.missing, tables, need.is_there)
         whole.update(
             {step.missing.package: way_of(step) for step in plan.steps if whole.get(step.missing.package) in BLANK}

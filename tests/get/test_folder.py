@@ -64,7 +64,7 @@ def test_owner_is_read_from_the_repository_of_a_package_xml() -> None:
 
 def test_repository_of_the_owner_is_a_source_once_the_server_confirms_it() -> None:
     missing = [Missing("robot_arm", owners=(OWNER,)), Missing("secret", owners=(OWNER,))]
-    confirmed = confirm_guesses(missing, lambda url: url == f"{OWNER}/robot-arm.git")
+    confirmed = confirm_guesses(missing, lambda url: ["main"] * (url == f"{OWNER}/robot-arm.git"))
     assert {name: each and each.url for name, each in confirmed.items()} == {
         "robot_arm": f"{OWNER}/robot-arm.git", "secret": None,
     }  # fmt: skip
@@ -87,18 +87,18 @@ def test_server_that_cannot_be_asked_is_asked_once_and_the_guess_is_named_as_one
 @pytest.mark.parametrize(
     ("code", "stderr", "answer"),
     [
-        (0, "", True),
-        (128, "fatal: could not read Username for 'https://github.com': terminal prompts disabled", False),
-        (128, "remote: Repository not found.", False),
+        (0, "", ()),
+        (128, "fatal: could not read Username for 'https://github.com': terminal prompts disabled", ()),
+        (128, "remote: Repository not found.", ()),
         (128, "fatal: unable to access: Could not resolve host: github.com", None),
     ],
 )
 def test_answer_of_git_tells_an_absent_repository_from_no_network(
-    code: int, stderr: str, answer: bool | None, monkeypatch: pytest.MonkeyPatch
+    code: int, stderr: str, answer: tuple[str, ...] | None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     done = subprocess.CompletedProcess([], code, "", stderr)
     monkeypatch.setattr(owners, "_run", lambda _command, _environment: done)
-    assert ask_server(f"{OWNER}/a.git") is answer
+    assert ask_server(f"{OWNER}/a.git") == answer
 
 
 def test_owner_of_the_repository_that_names_a_package_is_asked_first(tmp_path: Path) -> None:
@@ -155,7 +155,7 @@ def test_repository_that_has_the_name_of_a_package_is_not_asked_for_again(tmp_pa
     write(tmp_path / ".git" / "config", f"url = {OWNER}/robot.git\n")
     write(tmp_path / "README.md", f"git clone {OWNER}/robot.git")
     (missing,) = folder_needs([str(tmp_path)], {}).missing
-    assert not confirm_guesses([missing], lambda _: True)
+    assert not confirm_guesses([missing], lambda _: ["main"])
     assert "the repository at . has this name, and no package.xml in it has" in reasons(tmp_path)["Robot"]
 
 
@@ -196,11 +196,11 @@ def test_owners_of_repositories_that_a_folder_clones_are_asked_after_its_own(tmp
     missing = folder_needs([str(tmp_path)], {}).missing
     asked: list[str] = []
 
-    def has_repository(url: str) -> bool:
+    def list_branches(url: str) -> list[str]:
         asked.append(url)
-        return "other/arm" in url
+        return ["main"] if "other/arm" in url else []
 
-    confirmed = confirm_guesses(missing, has_repository)
+    confirmed = confirm_guesses(missing, list_branches)
     assert asked == [
         f"{OWNER}/arm.git",
         f"{OWNER}/leg.git",
@@ -208,3 +208,21 @@ def test_owners_of_repositories_that_a_folder_clones_are_asked_after_its_own(tmp
     ]
     (step, _) = make_plan(missing, Tables({}, {}, index=Index(), confirmed=confirmed), bool).steps
     assert "an owner of a repository that a file of this folder names" in step.reason
+
+
+@pytest.mark.parametrize(
+    ("branches", "chosen"),
+    [
+        (["foxy", "galactic", "melodic"], "melodic"),
+        (["jazzy", "indigo", "kinetic", "noetic"], "noetic"),
+        (["master", "noetic-devel", "noetic-devel-fix"], "noetic-devel"),
+        (["ros2", "ros1"], "ros1"),
+        (["noetic-devel", "noetic"], ""),
+        (["main", "humble"], ""),
+        (["ros2", "--noetic"], ""),
+        ([], ""),
+    ],
+)
+def test_branch_for_ros_1_is_chosen_by_its_name(branches: list[str], chosen: str) -> None:
+    found = confirm_guesses([Missing("arm", owners=(OWNER,))], lambda _: branches)["arm"]
+    assert (found.version if found else "") == chosen

@@ -122,7 +122,7 @@ class Nothing:
     def list_installed(self, _names: Sequence[str]) -> frozenset[str]:
         return frozenset()
 
-    def has_repository(self, _url: str) -> None:
+    def list_branches(self, _url: str) -> None:
         return None
 
 

@@ -62,10 +62,21 @@ class Server(BaseHTTPRequestHandler):
         """Print nothing."""
 
 
+def run(command: list[str]) -> str:
+    return subprocess.run(command, input="", capture_output=True, text=True, check=True).stdout.strip()
+
+
 @pytest.fixture
 def owners(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[dict[str, str]]:
     for owner in ABSENT:
-        subprocess.run(["git", "init", "-q", "--bare", str(tmp_path / owner / "robot-arm.git")], check=True)
+        for repository in ("robot-arm", "empty"):
+            folder = str(tmp_path / owner / f"{repository}.git")
+            subprocess.run(["git", "init", "-q", "--bare", "-b", "ros2", folder], check=True)
+        robot = ["git", f"--git-dir={tmp_path / owner / 'robot-arm.git'}"]
+        tree = run([*robot, "mktree"])
+        commit = run([*robot, "-c", "user.name=x", "-c", "user.email=x@example.com", "commit-tree", "-m", "x", tree])
+        for branch in ("ros2", "melodic-devel"):
+            run([*robot, "update-ref", f"refs/heads/{branch}", commit])
     monkeypatch.setenv("no_proxy", "127.0.0.1")
     monkeypatch.setattr(Server, "root", tmp_path)
     server = ThreadingHTTPServer(("127.0.0.1", 0), Server)
@@ -81,14 +92,15 @@ def owners(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[dict[str
 
 @pytest.mark.parametrize("owner", list(ABSENT))
 def test_server_confirms_a_repository_that_exists_and_denies_another(owner: str, owners: dict[str, str]) -> None:
-    assert ask_server(f"{owners[owner]}/robot-arm.git") is True
-    assert ask_server(f"{owners[owner]}/secret.git") is False
+    assert ask_server(f"{owners[owner]}/robot-arm.git") == ("ros2", "melodic-devel")
+    assert ask_server(f"{owners[owner]}/empty.git") == ()
+    assert ask_server(f"{owners[owner]}/secret.git") == ()
 
 
-def test_guess_with_dashes_is_confirmed_by_the_server(owners: dict[str, str]) -> None:
+def test_guess_with_dashes_is_confirmed_by_the_server_with_its_branch_for_ros_1(owners: dict[str, str]) -> None:
     found = confirm_guesses([Missing("robot_arm", owners=(owners["tells"],))], ask_server)
-    assert {name: each and each.url for name, each in found.items()} == {
-        "robot_arm": f"{owners['tells']}/robot-arm.git"
+    assert {name: each and (each.url, each.version) for name, each in found.items()} == {
+        "robot_arm": (f"{owners['tells']}/robot-arm.git", "melodic-devel")
     }
 
 

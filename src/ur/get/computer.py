@@ -58,8 +58,8 @@ class Sources(Protocol):
         """Those of the Debian packages that are installed."""
         ...
 
-    def has_repository(self, url: str, /) -> bool | None:
-        """Return whether a repository exists at an address; None where nobody can be asked."""
+    def list_branches(self, url: str, /) -> Sequence[str] | None:
+        """List the branches of the repository at an address, the default one first; None where nobody can be asked."""
         ...
 
 
@@ -101,7 +101,7 @@ def load_tables(
 
 
 def _confirm(unknown: Iterable[Step], sources: Sources) -> Mapping[str, Repository | None]:
-    return confirm_guesses((step.missing for step in unknown if not step.missing.hidden), sources.has_repository)
+    return confirm_guesses((step.missing for step in unknown if not step.missing.hidden), sources.list_branches)
 
 
 def _load_index(sources: Sources, names: Sequence[str]) -> tuple[Index | None, str]:
@@ -176,7 +176,7 @@ class ThisComputer:
         text = _output(["dpkg-query", "--show", "--showformat=${Package} ${db:Status-Status}\n", *names]) or ""
         return frozenset(line.split()[0] for line in text.splitlines() if line.endswith(" installed"))
 
-    def has_repository(self, url: str) -> bool | None:
+    def list_branches(self, url: str) -> Sequence[str] | None:
         """See Sources."""
         return None if self._offline else ask_server(url)
 

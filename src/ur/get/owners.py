@@ -19,6 +19,10 @@ _REMOTE = re.compile(
 _CONFIG_URL = re.compile(r"^\s*url\s*=\s*(\S+)\s*$", re.MULTILINE)
 _MANIFEST_URL = re.compile(r"<url\b[^>]*\btype\s*=\s*[\"']repository[\"'][^>]*>\s*([^<\s]+)\s*</url>")
 _ABSENT = ("not found", "could not read username", "authentication failed", "terminal prompts disabled")
+_DEFAULT = re.compile(r"^ref: refs/heads/(\S+)\tHEAD$", re.MULTILINE)
+_BRANCHES = re.compile(r"^[0-9a-f]+\trefs/heads/(\S+)$", re.MULTILINE)
+_MAX_BRANCHES = 1000
+_ROS1 = ("noetic", "melodic", "kinetic", "ros1", "indigo")
 _QUESTIONS = 60  # of one command: each takes half a second
 _OTHERS = 4  # owners of repositories that a folder only names
 _SECONDS = 20.0
@@ -53,11 +57,12 @@ def guess_repositories(missing: Missing, owners: Iterable[str] | None = None) ->
 
 
 def confirm_guesses(
-    missing: Iterable[Missing], has_repository: Callable[[str], bool | None]
+    missing: Iterable[Missing], list_branches: Callable[[str], Sequence[str] | None]
 ) -> dict[str, Repository | None]:
     """Ask which guesses exist; return those by package, and None for a package of which no guess exists.
 
-    `has_repository` returns None where the server cannot be asked: nothing more is asked then.
+    `list_branches` is `ask_server` or stands in for it: where the server cannot be asked, nothing more is asked. The
+    version is the branch for ROS 1 of a repository that has one beside its default branch.
     """
     found: dict[str, Repository | None] = {}
     wanted = [each for each in missing if not each.itself]
@@ -66,11 +71,23 @@ def confirm_guesses(
     for package, guess in islice(chain(own, others), _QUESTIONS):
         if found.get(package):
             continue
-        answer = has_repository(guess.url)
-        if answer is None:
+        branches = list_branches(guess.url)
+        if branches is None:
             break
-        found[package] = guess if answer else None
+        keys = {"type": "git", "url": guess.url, "version": choose_branch(branches)}
+        found[package] = (make_repository(guess.name, keys) or guess) if branches else None
     return found
+
+
+def choose_branch(branches: Sequence[str]) -> str:
+    """The branch for ROS 1 by its name, the newest; "" where the default one, which is first, is it or none is."""
+    for word in _ROS1:
+        fitting = sorted((each for each in branches if word in _words(each)), key=lambda each: (len(each), each))
+        if branches and branches[0] in fitting:
+            return ""
+        if fitting:
+            return fitting[0]
+    return ""
 
 
 def owners_above(path: Path) -> tuple[str, ...]:
@@ -86,10 +103,13 @@ def read_owners(folder: Path) -> tuple[str, ...]:
     return owners_of_config(_read_config(folder))
 
 
-def ask_server(url: str) -> bool | None:
-    """Return whether a public repository exists at an address; None where the server cannot be asked."""
+def ask_server(url: str) -> tuple[str, ...] | None:
+    """List the branches of the public repository at an address, the default one first.
+
+    None of a repository that does not exist or is empty. Returns None where the server cannot be asked.
+    """
     # Outside of any repository, whose settings are not the user's, and without questions for a password.
-    command = ["git", "-c", "credential.helper=", "ls-remote", "--quiet", url, "HEAD"]
+    command = ["git", "-c", "credential.helper=", "ls-remote", "--quiet", "--symref", url, "HEAD", "refs/heads/*"]
     environment = {
         **os.environ,
         "LC_ALL": "C",
@@ -102,8 +122,13 @@ def ask_server(url: str) -> bool | None:
     except (OSError, subprocess.TimeoutExpired):
         return None
     if done.returncode == 0:
-        return True
-    return False if any(text in done.stderr.lower() for text in _ABSENT) else None
+        branches = (*_DEFAULT.findall(done.stdout), *_BRANCHES.findall(done.stdout))
+        return tuple(dict.fromkeys(branches))[:_MAX_BRANCHES]
+    return () if any(text in done.stderr.lower() for text in _ABSENT) else None
+
+
+def _words(branch: str) -> list[str]:
+    return re.split(r"[^a-z0-9]+", branch.lower())
 
 
 def _run(command: Sequence[str], environment: dict[str, str]) -> subprocess.CompletedProcess[str]:
