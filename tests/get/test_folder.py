@@ -226,3 +226,11 @@ def test_owners_of_repositories_that_a_folder_clones_are_asked_after_its_own(tmp
 def test_branch_for_ros_1_is_chosen_by_its_name(branches: list[str], chosen: str) -> None:
     found = confirm_guesses([Missing("arm", owners=(OWNER,))], lambda _: branches)["arm"]
     assert (found.version if found else "") == chosen
+
+
+def test_owner_of_a_linked_repository_is_asked_for_packages_of_its_family_only(tmp_path: Path) -> None:
+    nodes = "".join(f'<node pkg="{name}" type="a" name="{name}"/>' for name in ("scuttle_model", "arm_model"))
+    package(tmp_path, "nav", go=nodes)
+    write(tmp_path / "README.md", "see https://github.com/makers/scuttle_driver")
+    found = {each.package: each.others for each in folder_needs([str(tmp_path)], {}).missing}
+    assert found == {"scuttle_model": ("https://github.com/makers",), "arm_model": ()}

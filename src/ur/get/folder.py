@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from ur.get.hints import LISTS, TEXTS, join_hints, plain_address, read_hints, read_links
+from ur.get.hints import LISTS, TEXTS, is_of_family, join_hints, plain_address, read_hints, read_links
 from ur.get.index import read_dependencies, read_name
 from ur.get.missing import is_installed, missing_of_names, named_files, named_packages
 from ur.get.model import Missing, Needs, Repository
@@ -147,7 +147,8 @@ def _describe(missing: Missing, found: _Found, world: SystemWorld, folders: Sequ
 
     here = [name for name in found.packages if name and is_installed(name, world)]
     renamed = find_renamed(missing.package, files, here, has_file)
-    others = tuple(each for each in owners_of_repositories(found.hints) if each not in owners)
+    family = [each for each in found.links if is_of_family(missing.package, each)]
+    others = tuple(each for each in owners_of_repositories([*family, *found.hints]) if each not in owners)
     itself = next((folder for url, folder in found.own.items() if url.endswith(f"/{missing.package.lower()}")), None)
     return replace(
         missing,

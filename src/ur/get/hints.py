@@ -119,6 +119,12 @@ def find_related_hint(package: str, hints: Iterable[Repository]) -> Repository |
     return max(fitting, key=lambda hint: len(_stem(hint)), default=None)
 
 
+def is_of_family(package: str, hint: Repository) -> bool:
+    """Return whether a package and a repository begin with the same word, which is more than a common one."""
+    word = _plain(package).partition("_")[0]
+    return len(word) >= _SHORTEST and word not in _COMMON and _plain(hint.name).partition("_")[0] == word
+
+
 def parse_sources(text: str) -> dict[str, Repository]:
     """Read a table of repositories (see known_sources.tsv): by package. Raises ValueError, which names the line."""
     found: dict[str, Repository] = {}

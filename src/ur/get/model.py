@@ -32,9 +32,10 @@ class Missing:
     """A package that is not installed. `program` is set where only this program of an installed package is missing.
 
     `named_in` is a file that names it, where that is known. `owners` are the addresses below which its authors may
-    have it ("https://github.com/NAME"), `others` those of the repositories that files of the folder have cloned.
-    `renamed` is the package of the same folder that is probably meant; `hidden`, a folder that has its package.xml and
-    in which ROS does not find it; `itself`, the folder of the repository that has its name.
+    have it ("https://github.com/NAME"), `others` those of repositories that files of the folder clone, or
+    that begin with the package's first word and are linked to. `renamed` is the package of the same folder that is
+    probably meant; `hidden`, a folder that has its package.xml and in which ROS does not find it; `itself`, the folder
+    of the repository that has its name.
     """
 
     package: str
