@@ -80,7 +80,7 @@ def read_links(text: str) -> Iterator[Repository]:
 
 
 def join_hints(hints: Iterable[Repository], links: Iterable[Repository], own: Container[str]) -> tuple[Repository, ...]:
-    """What files clone, then what they only link to, each once, without those at the plain addresses `own`."""
+    """List what files clone, then what they only link to, each once, without those at the plain addresses `own`."""
     found = dict.fromkeys(each for each in hints if plain_address(each.url) not in own)
     addresses = {plain_address(each.url) for each in found}
     found.update(
