@@ -12,9 +12,8 @@ from ur.cli.files.base_from import list_packages
 from ur.request.environment import PACKAGE
 from ur.robot.base import list_bases
 from ur.robot.description.drive import find_drive
+from ur.robot.description.load import load_description
 from ur.robot.description.model import Description
-from ur.robot.description.parse import parse_urdf
-from ur.robot.description.xacro import read_description
 from ur.source.diagnostic import UserError
 
 _ROBOT = re.compile(r"<robot[\s>]")
@@ -80,8 +79,7 @@ def _short(path: str) -> str:
 
 def _read(path: Path) -> Robot:
     try:
-        text = read_description(path, os.environ, lambda: list_packages(path)).text
-        return Robot("", path, parse_urdf(text, str(path)))
+        return Robot("", path, load_description(path, os.environ, lambda: list_packages(path)).description)
     except UserError as problem:
         return Robot("", path, None, problem.diagnostics[0].message)
 

@@ -195,11 +195,12 @@ PAGES: Mapping[str, HelpPage] = {
         ),
     ),
     "new base": HelpPage(
-        (_NEW,),
+        (_NEW, "Arguments of the xacro file that --from names; the others have its defaults."),
         (
             ("ur new base rover --length 0.5 --width 0.4 --lidar", "Describe a robot with a lidar."),
             ("ur new base rover --like magni", "Begin with the parameter files of another base."),
             ("ur new base rover --from rover.urdf --workspace ~/rover", "Read it from the description of a robot."),
+            ("ur new base rover --from rover.urdf.xacro colour:=red", "Expand it with an argument."),
         ),
     ),
     "new package": HelpPage(

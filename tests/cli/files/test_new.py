@@ -254,6 +254,23 @@ def test_speed_that_cannot_be_stopped_in_time_is_refused(
     assert not (package / "bases").exists()
 
 
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["colour:=red"], "is no xacro file, which takes no argument 'colour:=red'"),
+        (["red"], "unexpected argument 'red', expected ARG:=VALUE for 'small.urdf'"),
+    ],
+)
+def test_argument_that_no_xacro_file_takes_is_refused(
+    package: Path, small: Path, capsys: pytest.CaptureFixture[str], words: list[str], message: str
+) -> None:
+    assert main(["new", "base", "small", "--from", str(small), *words]) == 2
+    assert message in capsys.readouterr().err
+    assert main(["new", "base", "small", "--summary", "It drives.", "colour:=red"]) == 2
+    assert "unexpected argument 'colour:=red', expected --from" in capsys.readouterr().err
+    assert not (package / "bases").exists()
+
+
 def test_base_in_a_workspace_of_its_own_is_found_by_its_name(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

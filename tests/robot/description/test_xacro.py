@@ -47,6 +47,22 @@ def test_xacro_gets_the_folders_of_packages(tmp_path: Path, file: Path) -> None:
     assert read_description(file, make_xacro(tmp_path, "cat"), lambda: {"p": "/there"}).text == '{"p": "/there"}'
 
 
+def test_xacro_gets_its_arguments_and_a_plain_file_takes_none(tmp_path: Path, file: Path) -> None:
+    environment = make_xacro(tmp_path, 'echo "$2"')
+    assert read_description(file, environment, dict, ["colour:=red"]).text == "colour:=red\n"
+    plain = tmp_path / "plain.urdf"
+    plain.write_text("<robot/>", encoding="utf-8")
+    with pytest.raises(UserError, match="is no xacro file, which takes no argument 'colour:=red'"):
+        read_description(plain, environment, dict, ["colour:=red"])
+
+
+def test_argument_without_a_default_is_asked_for(tmp_path: Path, file: Path) -> None:
+    environment = make_xacro(tmp_path, "echo 'error: Undefined substitution argument colour' >&2; exit 2")
+    with pytest.raises(UserError) as caught:
+        read_description(file, environment, dict)
+    assert caught.value.diagnostics[0].help == "its argument has no default: add colour:=VALUE to the command"
+
+
 def test_missing_xacro_is_named_with_what_to_do(file: Path) -> None:
     with pytest.raises(UserError, match="there is no xacro on this computer") as caught:
         read_description(file, {"PATH": "/nowhere"}, dict)

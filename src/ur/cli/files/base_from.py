@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import os
+import re
 import sys
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -63,28 +64,40 @@ def next_step(place: Place, name: str) -> str:
     return f"export CMAKE_PREFIX_PATH={place.target.folder}:$CMAKE_PREFIX_PATH, then ur use sim:{name}"
 
 
+def refuse_arguments(arguments: Sequence[str]) -> None:
+    """Refuse arguments of a command without a file that could take them. Raises UserError."""
+    if arguments:
+        message = f"unexpected argument '{arguments[0]}', expected --from with the xacro file that takes it"
+        raise UserError(error(message, rule="bad-value", help="leave it out, or add --from FILE"))
+
+
 def describe_base(
-    source: Path, summary: str | None, figures: Mapping[str, float | None], *, lidar: bool | None, raspicam: bool
-) -> str:
+    source: Path, summary: str | None, figures: Mapping[str, float | None], arguments: Sequence[str], *,
+    lidar: bool | None, raspicam: bool,
+) -> str:  # fmt: skip
     """The text of the base.yaml that follows from a description. Raises UserError.
 
     Prints what was read; asks once for everything that was not. `lidar` says whether it has one; None if the file does.
+    `arguments` are those of a xacro file.
     """
     from ur.robot.description.base_text import write_base_file
-    from ur.robot.description.parse import parse_urdf
+    from ur.robot.description.load import load_description
     from ur.robot.description.reading import read_base_figures
-    from ur.robot.description.xacro import read_description
 
     if raspicam:
         message = "--raspicam has no effect with --from, which reads the camera from the file"
         raise UserError(error(message, rule="bad-value", help="add it to the base.yaml that is written"))
     given = {key: _check(key, value) for key, value in figures.items() if value is not None}
-    expanded = read_description(source, os.environ, lambda: list_packages(source))
-    description = parse_urdf(expanded.text, str(source))
+    for each in arguments:
+        if not re.match(r"\w+:=", each):
+            message = f"unexpected argument '{each}', expected ARG:=VALUE for '{source.name}'"
+            raise UserError(error(message, rule="bad-value", subject=each))
+    loaded = load_description(source, os.environ, lambda: list_packages(source), arguments)
+    description = loaded.description
     reading = read_base_figures(description, given, lidar=lidar)
     click.echo(_describe(reading), err=True, nl=False)
-    if expanded.missing:
-        names = " ".join(expanded.missing)
+    if loaded.missing:
+        names = " ".join(loaded.missing)
         click.echo(f"note: left out, since their packages are not here: files of {names} (ur get {names})", err=True)
     if lidar is None and not reading.has_lidar:
         lidar = _ask_for_lidar(reading)

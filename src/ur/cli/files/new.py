@@ -169,15 +169,17 @@ def new_program(name: str | None, summary: str | None, package: str | None, laun
 @click.option(
     "--workspace", metavar="FOLDER", help="Write it into a folder of its own, which extends ubiquity_launches."
 )
+@click.argument("arguments", nargs=-1, metavar="[ARG:=VALUE]...")
 def new_base(
     name: str | None, summary: str | None, package: str | None, lidar: bool | None, raspicam: bool, like: str | None,
-    source: str | None, workspace: str | None, **figures: float | None,
+    source: str | None, workspace: str | None, arguments: tuple[str, ...], **figures: float | None,
 ) -> int:  # fmt: skip
     """Write a base: bases/NAME/base.yaml, its URDF, and a parameter file wherever others have one.
 
     With --from its figures, wheels and sensors are read from a URDF or xacro file, and only the rest is asked for.
+    ARG:=VALUE are arguments of the xacro file.
     """
-    from ur.cli.files.base_from import describe_base, next_step, target_of
+    from ur.cli.files.base_from import describe_base, next_step, refuse_arguments, target_of
     from ur.new.model import NewFile
     from ur.new.package import write_base
 
@@ -185,8 +187,9 @@ def new_base(
     like = check_like(place.library, place.target.name, like)
     name = ask(name, "NAME", "Name of the base")
     if source is not None:
-        text = describe_base(Path(source), summary, figures, lidar=lidar, raspicam=raspicam)
+        text = describe_base(Path(source), summary, figures, arguments, lidar=lidar, raspicam=raspicam)
     else:
+        refuse_arguments(arguments)
         summary = ask(summary, "--summary", "What it is, in one line")
         text = write_base(base_request(name, summary, figures, lidar=bool(lidar), raspicam=raspicam))
     beside = urdf_files(place.target, name, text, like, place.library, place.url)

@@ -5,16 +5,20 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 
-from ur.robot.description.model import Description, Joint, Link
-from ur.robot.description.pose import Pose
+from ur.robot.description.model import Description, Joint, Link, Shape
+from ur.robot.description.outlines import list_corners
+from ur.robot.description.pose import Pose, Vector
 
 _UPRIGHT = 0.9  # the vertical part of a unit axis from which it is that of a swivel
 _SAME_AXLE = 0.02  # m
 _SAME_RADIUS = 0.8
+_LEVEL = 0.02  # m above the axles that a support may lie
+_ROUND = 0.8  # the least length across a round mesh, in its greatest
 _CASTER = re.compile(r"caster|castor|ball|swivel|omni|support", re.IGNORECASE)
+_WHEEL = re.compile(r"wheel|tyre|(^|_)tire", re.IGNORECASE)
 _GROUND_ROOTS = ("base_footprint", "base_footprint_link")
 
 
@@ -30,6 +34,9 @@ class Wheel:
     width: float | None
     mass: float
     source: str  # of the radius
+
+
+Sides = tuple[tuple[Wheel, ...], tuple[Wheel, ...]]  # left, right
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,40 +70,73 @@ def find_drive(description: Description) -> Drive:
     """
     places = description.places()
     links = {link.name: link for link in description.links}
-    swivels = _swivels(description, places)
     wheels = [
         _wheel(description, joint, links[joint.child], places[joint.child])
         for joint in description.joints
         if joint.kind == "continuous" and not _is_upright(joint, places)
     ]
-    plugin = description.drive
-    named = {*plugin.left, *plugin.right} if plugin else set()
-    driven = [wheel for wheel in wheels if wheel.joint.name in named]
-    sides = _sides(driven)
-    if not (sides[0] and sides[1]):
-        free = [wheel for wheel in wheels if wheel.joint.child not in swivels and not _names_caster(wheel.joint)]
-        sides = _largest_pairs(_sides(free))
+    sides = _find_sides(description, places, wheels)
     chosen = {wheel.joint.child for side in sides for wheel in side}
-    others = [Contact(w.joint.child, w.x, w.y, w.radius) for w in wheels if w.joint.child not in chosen]
+    axle = max((wheel.z for side in sides for wheel in side), default=math.inf) + _LEVEL
+    others = [
+        Contact(w.joint.child, w.x, w.y, w.radius)
+        for w in wheels
+        if w.joint.child not in chosen and w.z - (w.radius or 0.0) <= axle  # else it is a joint of an arm
+    ]
     known = {contact.link for contact in others}
     for name, link in links.items():
         solid = link.collision or link.visual or link.meshes
         alone = name not in known | chosen and not _has_wheel_below(description, name, known)
-        if _CASTER.search(name) and solid and alone:
+        if _CASTER.search(name) and solid and alone and _lowest(link, places[name]) <= axle:
             others.append(Contact(name, places[name].at[0], places[name].at[1], _size(link)[0]))
     return Drive(sides[0], sides[1], tuple(others))
 
 
-def _sides(wheels: list[Wheel]) -> tuple[tuple[Wheel, ...], tuple[Wheel, ...]]:
+def _find_sides(description: Description, places: Mapping[str, Pose], wheels: list[Wheel]) -> Sides:
+    """The driven wheels by the surest sign of them: a plugin, free turns, their name, and turns below a swivel."""
+    plugin = description.drive
+    named = {*plugin.left, *plugin.right} if plugin else set()
+    sides = _sides([wheel for wheel in wheels if wheel.joint.name in named])
+    if sides[0] and sides[1]:
+        return sides
+    swivels = _swivels(description, places)
+    own = [wheel for wheel in wheels if not _names_caster(wheel.joint)]
+    for candidates in (
+        [wheel for wheel in own if wheel.joint.child not in swivels],
+        _still_wheels(description, places),
+        [wheel for wheel in own if wheel.joint.child in swivels],
+    ):
+        sides = _largest_pairs(_sides(candidates))
+        if sides[0]:
+            return sides
+    return (), ()
+
+
+def _still_wheels(description: Description, places: Mapping[str, Pose]) -> list[Wheel]:
+    """The wheels of a description in which nothing turns: links with the name and the shape of a wheel."""
+    links = {link.name: link for link in description.links}
+    found = []
+    for joint in description.joints:
+        place = places[joint.child]
+        if joint.kind == "fixed" and _WHEEL.search(joint.child) and not _names_caster(joint):
+            sideways = replace(joint, axis=place.rotation[1])  # the y axis of the root, as the link sees it
+            found.append(_wheel(description, sideways, links[joint.child], place))
+    return [wheel for wheel in found if wheel.radius]
+
+
+def _lowest(link: Link, place: Pose) -> float:
+    shapes = (*link.collision, *link.visual)
+    return min((z for shape in shapes for _, _, z in list_corners(shape, place)), default=place.at[2])
+
+
+def _sides(wheels: list[Wheel]) -> Sides:
     middle = (max(wheel.y for wheel in wheels) + min(wheel.y for wheel in wheels)) / 2.0 if wheels else 0.0
     left = tuple(wheel for wheel in wheels if wheel.y > middle + 0.005)
     right = tuple(wheel for wheel in wheels if wheel.y < middle - 0.005)
     return left, right
 
 
-def _largest_pairs(
-    sides: tuple[tuple[Wheel, ...], tuple[Wheel, ...]],
-) -> tuple[tuple[Wheel, ...], tuple[Wheel, ...]]:
+def _largest_pairs(sides: Sides) -> Sides:
     pairs = [
         (left, right)
         for left, right in product(*sides)
@@ -108,8 +148,8 @@ def _largest_pairs(
 
 
 def _wheel(description: Description, joint: Joint, link: Link, place: Pose) -> Wheel:
-    radius, width = _size(link)
-    source = f"shape of link {link.name}"
+    radius, width, middle = _measure(link, joint.axis)
+    source = f"{'mesh' if radius and not _has_round_shape(link) else 'shape'} of link {link.name}"
     plugin = description.drive
     if radius is None and plugin and plugin.radius and joint.name in (*plugin.left, *plugin.right):
         radius, source = plugin.radius, "gazebo plugin"
@@ -118,13 +158,60 @@ def _wheel(description: Description, joint: Joint, link: Link, place: Pose) -> W
     if radius is None and (solid := _solid_wheel(link)):
         (radius, width), source = solid, f"inertia of link {link.name}"
     mass = link.inertia.mass if link.inertia else 0.0
-    return Wheel(joint, *place.at, radius, width, mass, source)
+    if joint.kind != "fixed":  # it turns about the joint, wherever its shape is
+        along = _along(middle, joint.axis)
+        middle = (along * joint.axis[0], along * joint.axis[1], along * joint.axis[2])
+    return Wheel(joint, *place.apply(middle), radius, width, mass, source)
+
+
+def _has_round_shape(link: Link) -> bool:
+    return any(shape.kind in ("cylinder", "sphere") for shape in (*link.collision, *link.visual))
+
+
+def _measure(link: Link, axis: Vector) -> tuple[float | None, float | None, Vector]:
+    """Radius, width and middle of the largest shape of a link that is round about a direction."""
+    found: list[tuple[float, float | None, Vector]] = []
+    for shapes in (link.collision, link.visual):
+        for shape in shapes:
+            if shape.kind in ("cylinder", "sphere"):
+                found.append((shape.size[0], shape.size[1] if shape.kind == "cylinder" else None, shape.pose.at))
+            elif shape.kind == "mesh" and (turned := _measure_mesh(shape, axis)):
+                found.append(turned)
+        if found:
+            return max(found, key=lambda each: each[0])
+    return None, None, (0.0, 0.0, 0.0)
+
+
+def _measure_mesh(shape: Shape, axis: Vector) -> tuple[float, float, Vector] | None:
+    """As _measure; None for a mesh that is not about as long in both directions across."""
+    points = [shape.pose.apply(point) for point in shape.points]
+    least = min(range(3), key=lambda n: abs(axis[n]))
+    across = _across(axis, (float(least == 0), float(least == 1), float(least == 2)))
+    frame = (axis, across, _across(axis, across))
+    ends = [(min(values), max(values)) for side in frame for values in [[_along(point, side) for point in points]]]
+    (width, *others) = (high - low for low, high in ends)
+    if min(others) < _ROUND * max(others) or max(others) <= 0.0:
+        return None
+    middles = [(low + high) / 2.0 for low, high in ends]
+    x, y, z = (sum(middle * side[n] for middle, side in zip(middles, frame, strict=True)) for n in range(3))
+    return max(others) / 2.0, width, (x, y, z)
+
+
+def _along(point: Vector, axis: Vector) -> float:
+    return sum(a * b for a, b in zip(point, axis, strict=True))
+
+
+def _across(a: Vector, b: Vector) -> Vector:
+    """The direction that is perpendicular to two others."""
+    x, y, z = a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+    length = math.hypot(x, y, z)
+    return x / length, y / length, z / length
 
 
 def _size(link: Link) -> tuple[float | None, float | None]:
     """Radius and width of the largest round shape of a link; None where it has none."""
     for shapes in (link.collision, link.visual):
-        round_ = [shape for shape in shapes if shape.kind != "box"]
+        round_ = [shape for shape in shapes if shape.kind in ("cylinder", "sphere")]
         if round_:
             largest = max(round_, key=lambda shape: shape.size[0])
             return largest.size[0], largest.size[1] if largest.kind == "cylinder" else None
@@ -164,14 +251,10 @@ def _swivels(description: Description, places: Mapping[str, Pose]) -> set[str]:
     return found
 
 
-def find_steering(description: Description) -> tuple[str, ...]:
+def find_steering(description: Description, drive: Drive) -> tuple[str, ...]:
     """The joints that steer wheels, as those of a car do: upright, with an end to their turn, and no casters'."""
     places = description.places()
-    wheels = {
-        joint.child
-        for joint in description.joints
-        if joint.kind in ("continuous", "revolute") and not _is_upright(joint, places)
-    }
+    wheels = {wheel.joint.child for wheel in drive.wheels} | {contact.link for contact in drive.casters}
     return tuple(
         joint.name
         for joint in description.joints

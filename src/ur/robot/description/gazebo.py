@@ -31,6 +31,7 @@ _FIGURES = {
     "height": ("camera/image/height",),
 }
 _DRIVES = re.compile(r"diff_?drive|skid_?steer", re.IGNORECASE)
+_SIDEWAYS = re.compile(r"planar_?move|force_?based_?move|mecanum|omni|holonomic", re.IGNORECASE)
 _SEPARATION = ("wheelSeparation", "wheel_separation")
 _RADIUS = ("wheel_radius", "wheelRadius")
 _DIAMETER = ("wheelDiameter", "wheel_diameter")
@@ -63,6 +64,12 @@ def read_drive(extensions: Iterable[Extension]) -> DrivePlugin | None:
             if _DRIVES.search(f"{plugin.get('filename', '')} {plugin.get('name', '')}"):
                 return _drive(plugin)
     return None
+
+
+def drives_sideways(extensions: Iterable[Extension]) -> bool:
+    """Return whether a plugin moves the robot to all sides."""
+    plugins = [plugin for _, element in extensions for plugin in element.iter("plugin")]
+    return any(_SIDEWAYS.search(f"{plugin.get('filename', '')} {plugin.get('name', '')}") for plugin in plugins)
 
 
 def _drive(plugin: Element) -> DrivePlugin:

@@ -10,11 +10,25 @@ from ur.robot.description.pose import Pose, Vector
 
 @dataclass(frozen=True, slots=True)
 class Shape:
-    """A solid in its link. `size` is that of a box (x, y, z), a cylinder (radius, length) or a sphere (radius)."""
+    """A solid in its link. `size` is that of a box (x, y, z), a cylinder (radius, length) or a sphere (radius).
 
-    kind: Literal["box", "cylinder", "sphere"]
+    A mesh has `points` instead, those of its hull.
+    """
+
+    kind: Literal["box", "cylinder", "sphere", "mesh"]
     size: tuple[float, ...]
     pose: Pose
+    points: tuple[Vector, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Mesh:
+    """A geometry whose size is in a file; `collides` tells those to touch from those to see."""
+
+    file: str
+    scale: Vector
+    pose: Pose
+    collides: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,12 +42,12 @@ class Inertia:
 
 @dataclass(frozen=True, slots=True)
 class Link:
-    """A link. `meshes` is how many of its geometries are meshes, which have no size here."""
+    """A link. `meshes` are the geometries whose size is not known."""
 
     name: str
     collision: tuple[Shape, ...] = ()
     visual: tuple[Shape, ...] = ()
-    meshes: int = 0
+    meshes: tuple[Mesh, ...] = ()
     inertia: Inertia | None = None
 
 
@@ -84,7 +98,7 @@ class DrivePlugin:
 
 @dataclass(frozen=True, slots=True)
 class Description:
-    """A robot: a tree of links, whose root is `root`."""
+    """A robot: a tree of links, whose root is `root`; `sideways` if a plugin moves it to all sides."""
 
     name: str
     root: str
@@ -92,6 +106,7 @@ class Description:
     joints: tuple[Joint, ...]
     sensors: tuple[GazeboSensor, ...] = ()
     drive: DrivePlugin | None = None
+    sideways: bool = False
 
     def places(self) -> dict[str, Pose]:
         """The pose of each link in the root link, with every joint at zero."""

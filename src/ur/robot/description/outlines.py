@@ -25,10 +25,11 @@ class Extent:
     unknown: tuple[str, ...]  # links that have only meshes
 
 
-def measure_extent(description: Description, leave_out: Collection[str], *, estimate: bool = True) -> Extent:
-    """The corners of everything that does not move, beside some links: collision shapes, else visual ones.
+def measure_extent(description: Description, leave_out: Collection[str], *, careful: bool = False) -> Extent:
+    """The corners of everything that does not move, beside some links: of what touches, and of what is seen.
 
-    With `estimate`, a link of meshes alone is the box that has its inertia; else it is unknown.
+    A link of meshes of unknown size is the box that has its inertia. A `careful` measure takes no such box, and
+    what is seen only of a link that has nothing to touch.
     """
     places = description.places()
     rigid = _rigid_links(description)
@@ -38,13 +39,13 @@ def measure_extent(description: Description, leave_out: Collection[str], *, esti
     for link in description.links:
         if link.name not in rigid or link.name in leave_out:
             continue
-        shapes = link.collision or link.visual
+        shapes = (link.collision or link.visual) if careful else (*link.collision, *link.visual)
         if not shapes and link.meshes:
-            solid = _solid_box(link) if estimate else None
+            solid = None if careful else _solid_box(link)
             shapes = (solid,) if solid else ()
             (estimated if solid else unknown).append(link.name)
         for shape in shapes:
-            points += _corners(shape, places[link.name])
+            points += list_corners(shape, places[link.name])
     return Extent(tuple(points), tuple(estimated), tuple(unknown))
 
 
@@ -93,11 +94,15 @@ def _rigid_links(description: Description) -> set[str]:
     return found
 
 
-def _corners(shape: Shape, place: Pose) -> Iterator[Vector]:
+def list_corners(shape: Shape, place: Pose) -> Iterator[Vector]:
+    """The outermost points of a shape, of a link at `place`."""
     inside = place.then(shape.pose)
     if shape.kind == "box":
         x, y, z = (length / 2.0 for length in shape.size)
         yield from (inside.apply((a * x, b * y, c * z)) for a, b, c in product((-1.0, 1.0), repeat=3))
+        return
+    if shape.kind == "mesh":
+        yield from (inside.apply(point) for point in shape.points)
         return
     radius = shape.size[0] / math.cos(math.pi / _SIDES)
     circle = [

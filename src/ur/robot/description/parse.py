@@ -8,8 +8,8 @@ from collections.abc import Iterable, Iterator, Sequence
 from typing import NoReturn
 from xml.etree import ElementTree
 
-from ur.robot.description.gazebo import read_drive, read_sensors
-from ur.robot.description.model import Description, Inertia, Joint, Link, Shape
+from ur.robot.description.gazebo import drives_sideways, read_drive, read_sensors
+from ur.robot.description.model import Description, Inertia, Joint, Link, Mesh, Shape
 from ur.robot.description.numbers import MOST, read_numbers
 from ur.robot.description.pose import Pose, Vector, make_pose
 from ur.source.diagnostic import UserError, error
@@ -46,6 +46,7 @@ def parse_urdf(text: str, path: str) -> Description:
         joints=joints,
         sensors=tuple(sensor for sensor in read_sensors(plugins) if sensor.link in known),
         drive=read_drive(plugins),
+        sideways=drives_sideways(plugins),
     )
 
 
@@ -88,12 +89,11 @@ def _link(path: str, element: Element) -> Link:
     where = f"link {name!r}"
     if not name:
         _fail(path, "a link has no name, expected <link name=...>")
-    geometries = [*element.iterfind("collision/geometry/mesh"), *element.iterfind("visual/geometry/mesh")]
     return Link(
         name,
         tuple(_shapes(path, where, element.findall("collision"))),
         tuple(_shapes(path, where, element.findall("visual"))),
-        len(geometries),
+        tuple(_meshes(path, where, element)),
         _inertia(path, where, element.find("inertial")),
     )
 
@@ -109,6 +109,13 @@ def _shapes(path: str, where: str, elements: Iterable[Element]) -> Iterator[Shap
                 yield Shape("cylinder", (radius, length), pose)
             elif kind.tag == "sphere":
                 yield Shape("sphere", _numbers(path, where, kind, "radius", 1), pose)
+
+
+def _meshes(path: str, where: str, link: Element) -> Iterator[Mesh]:
+    for part in (*link.iterfind("collision"), *link.iterfind("visual")):
+        for mesh in part.iterfind("geometry/mesh"):
+            scale = _vector(path, where, mesh, "scale") if mesh.get("scale") else (1.0, 1.0, 1.0)
+            yield Mesh(mesh.get("filename", ""), scale, _origin(path, where, part), part.tag == "collision")
 
 
 def _inertia(path: str, where: str, element: Element | None) -> Inertia | None:
@@ -140,13 +147,26 @@ def _joint(path: str, element: Element) -> Joint:
         velocity = _numbers(path, where, limit, "velocity", 1)[0]
     return Joint(
         name,
-        kind,
+        "continuous" if kind == "revolute" and _turns_on(limit) else kind,
         ends[0],
         ends[1],
         _origin(path, where, element),
         (axis[0] / length, axis[1] / length, axis[2] / length) if length > 0.0 else (1.0, 0.0, 0.0),
         velocity,
     )
+
+
+def _turns_on(limit: Element | None) -> bool:
+    """Return whether a joint turns twice or more: many wheels are revolute joints with limits far away."""
+    ends = [_to_float(limit.get(key)) for key in ("lower", "upper")] if limit is not None else [0.0, 0.0]
+    return ends[1] - ends[0] >= 4.0 * math.pi
+
+
+def _to_float(text: str | None) -> float:
+    try:
+        return float(text or 0.0)
+    except ValueError:
+        return 0.0
 
 
 def _origin(path: str, where: str, element: Element) -> Pose:

@@ -7,6 +7,7 @@ one with two driven wheels between them and a free support below the first and t
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -31,6 +32,7 @@ QUESTIONS: Mapping[str, tuple[float, float]] = {
     "velocity": (0.05, HIGHEST_VELOCITY),
     "angular_velocity": (0.1, HIGHEST_ANGULAR_VELOCITY),
 }
+_SIDEWAYS = re.compile(r"mecanum|omni", re.IGNORECASE)
 _MOST_LENGTH, _MOST_WIDTH = 4.0, 2.2  # of a body, in separations of its wheels
 
 
@@ -87,10 +89,13 @@ def read_base_figures(description: Description, given: Mapping[str, float], *, l
     origin = _find_origin(description, drive, figures)
     aside = {sensor.link for sensor in sensors} | {support.link for support in drive.casters} | wheels
     body = measure_extent(description, aside)
-    if body.estimated and _is_too_large(body, figures):  # many inertias are copied from another robot
-        body = measure_extent(description, aside, estimate=False)
+    if _is_too_large(body, figures):  # many inertias are copied from another robot
+        body = measure_extent(description, aside, careful=True)
     points = [(x - origin[0], y - origin[1], z - origin[2]) for x, y, z in body.points]
-    notes = [f"link {name} is a mesh; its size is that of a solid box with its inertia" for name in body.estimated]
+    notes = [
+        f"link {name} is a mesh that cannot be read; its size is that of a solid box with its inertia"
+        for name in body.estimated
+    ]
     notes += [f"link {name} is a mesh without a size; it is left out" for name in body.unknown]
     outline, inner = _read_outline(drive, figures, [(x, y) for x, y, _ in points], origin)
     _read_heights(figures, [z for _, _, z in points])
@@ -99,7 +104,9 @@ def read_base_figures(description: Description, given: Mapping[str, float], *, l
     supports = _read_supports(drive, figures, outline, origin)
     if len({round(wheel.x, 3) for wheel in drive.wheels}) > 1:
         notes.append("several driven axles (skid steer): simulated as two driven wheels between them")
-    if steering := find_steering(description):
+    if description.sideways or any(_SIDEWAYS.search(f"{w.joint.name} {w.joint.child}") for w in drive.wheels):
+        notes.append("it can drive sideways; the base cannot: it drives ahead and back, and turns")
+    if steering := find_steering(description, drive):
         joints = " and ".join(steering)
         notes.append(f"it steers by {joints}, as a car does; the base turns on the spot, which this robot cannot")
     extra = list_extra_sensors(description, sensors)
@@ -170,7 +177,7 @@ def _read_outline(
     sizes: dict[str, float] = {}
     for axis, key in enumerate(("length", "width")):
         if inner:
-            figures.setdefault(key, Figure(_span(inner, axis), "shapes of what is fixed to the base"))
+            figures.setdefault(key, Figure(_span(inner, axis), "shapes and meshes of what is fixed to the base"))
         if key in figures:
             sizes[key] = figures[key].value
     if len(sizes) < 2:
@@ -196,7 +203,7 @@ def _span(points: Sequence[Point], axis: int) -> float:
 
 def _read_heights(figures: dict[str, Figure], heights: Sequence[float]) -> None:
     if heights and max(heights) >= 0.02:
-        figures.setdefault("height", Figure(max(heights), "shapes of what is fixed to the base"))
+        figures.setdefault("height", Figure(max(heights), "shapes and meshes of what is fixed to the base"))
     radius = figures["wheel_radius"].value if "wheel_radius" in figures else 0.06
     clearance = Figure(min(0.03, radius / 2.0), "usual")
     if heights and min(heights) >= 0.005:

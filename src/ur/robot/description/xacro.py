@@ -8,7 +8,7 @@ import re
 import shutil
 import subprocess
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -70,15 +70,21 @@ class _Expander:
 
 
 def read_description(
-    path: Path, environment: Mapping[str, str], packages: Callable[[], Mapping[str, str]]
+    path: Path,
+    environment: Mapping[str, str],
+    packages: Callable[[], Mapping[str, str]],
+    arguments: Sequence[str] = (),
 ) -> DescriptionText:
-    """Read a URDF file; a xacro file is expanded, with the defaults of its arguments. Raises UserError.
+    """Read a URDF file; a xacro file is expanded, with the defaults of all but the given arguments. Raises UserError.
 
-    `packages` finds the folders of packages by name; it is called for xacro files only.
+    `packages` finds the folders of packages by name; it is called for xacro files only. `arguments` are NAME:=VALUE.
     """
     text = SourceFile.read(path, expected="a URDF or xacro file").text
     if uses_xacro(path, text):
-        return _expand(path, environment, packages)
+        return _expand(path, environment, packages, arguments)
+    if arguments:
+        message = f"'{path}' is no xacro file, which takes no argument {arguments[0]!r}"
+        raise UserError(error(message, rule="bad-value", help="leave it out", subject=arguments[0]))
     return DescriptionText(text)
 
 
@@ -100,7 +106,12 @@ def _find_xacro(environment: Mapping[str, str], packages: Mapping[str, str]) -> 
     return _Expander((program,), reports=False) if program else None
 
 
-def _expand(path: Path, environment: Mapping[str, str], packages: Callable[[], Mapping[str, str]]) -> DescriptionText:
+def _expand(
+    path: Path,
+    environment: Mapping[str, str],
+    packages: Callable[[], Mapping[str, str]],
+    arguments: Sequence[str],
+) -> DescriptionText:
     known = dict(packages())
     expander = _find_xacro(environment, known)
     if expander is None:
@@ -109,7 +120,7 @@ def _expand(path: Path, environment: Mapping[str, str], packages: Callable[[], M
         raise UserError(error(message, rule="no-xacro", help=help_, subject=str(path)))
     try:
         done = subprocess.run(
-            [*expander.command, str(path)],
+            [*expander.command, str(path), *arguments],
             env={**environment, "PYTHONSAFEPATH": "1"},  # the current folder holds no modules
             input=json.dumps(known).encode(),
             capture_output=True,
@@ -126,6 +137,8 @@ def _expand(path: Path, environment: Mapping[str, str], packages: Callable[[], M
         gone = " ".join(_read_report(done.stdout).missing) if expander.reports else ""
         help_ = "source the setup.bash of the workspace that holds the packages it names"
         help_ = f"ur get {gone}, or {help_}" if gone else help_
+        if wanted := re.search(r"Undefined substitution argument (\w+)", reason):
+            help_ = f"its argument has no default: add {wanted[1]}:=VALUE to the command"
         raise UserError(error(message, rule="bad-xacro", help=help_, subject=str(path), reason=reason))
     if not expander.reports:
         return DescriptionText(done.stdout.decode(errors="replace"))
