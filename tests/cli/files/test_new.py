@@ -238,11 +238,26 @@ class Answers(io.StringIO):
 def test_terminal_is_asked_once_for_each_figure_that_is_not_read(
     package: Path, small: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr("sys.stdin", Answers("9\n0.4\n\n"))
+    monkeypatch.setattr("sys.stdin", Answers("9\n0,4\n40 cm/s\n0.4\n\n"))
     assert main(["new", "base", "small", "--from", str(small)]) == 0
-    assert "invalid --velocity '9', expected a number from 0.05 to 0.6" in capsys.readouterr().err
+    out, told = capsys.readouterr()
+    assert "how to measure it: drive 2 m at full speed: 2 divided by the seconds" in told
+    assert "Highest speed in m/s (0.05 to 0.6) [0.5]: " in out
+    assert "invalid --velocity '9', expected a number from 0.05 to 0.6" in told
+    assert "'0,4' is no number, expected one, as 0.4: highest speed in m/s" in told
+    assert "'40 cm/s' is no number, expected one without a unit: highest speed in m/s" in told
     limits = read_base(package / "bases" / "small" / "base.yaml", "small").limits
     assert (limits.velocity, limits.angular_velocity) == (0.4, 1.5)
+
+
+def test_lidar_is_asked_for_with_yes_or_no(
+    package: Path, small: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    small.write_text(SMALL.replace("base_scan", "plate").replace("<max>3.5</max>", "<max>0.3</max>"), encoding="utf-8")
+    monkeypatch.setattr("sys.stdin", Answers("maybe\nY\n\n\n"))
+    assert main(["new", "base", "small", "--from", str(small)]) == 0
+    assert "error: 'maybe' is no answer, expected y or n" in capsys.readouterr().err
+    assert read_base(package / "bases" / "small" / "base.yaml", "small").lidar is not None
 
 
 def test_speed_that_cannot_be_stopped_in_time_is_refused(

@@ -111,10 +111,12 @@ def describe_base(
 
 def _ask_for_lidar(reading: Reading) -> bool | None:
     """The answer of a person; None without a terminal, and then the robot has none."""
-    if sys.stdin.isatty():
-        return click.confirm(
-            "the file has no lidar, which the way to a goal needs: add a usual one on top?", default=True
-        )
+    while sys.stdin.isatty():
+        question = "the file has no lidar, which the way to a goal needs: add a usual one on top? [Y/n]"
+        answer = click.prompt(question, default="y", show_default=False, type=str).strip().lower()
+        if answer in ("y", "yes", "n", "no"):
+            return answer[0] == "y"
+        click.echo(f"error: '{answer}' is no answer, expected y or n", err=True)
     if not reading.open:
         click.echo("note: the file has no lidar, which the way to a goal needs; --lidar adds a usual one", err=True)
     return None
@@ -148,12 +150,26 @@ def _ask_for(source: Path, reading: Reading, lidar: bool | None) -> dict[str, fl
 
 
 def _prompt(key: str) -> float:
+    from ur.robot.description.reading import MEASURES, QUESTIONS
+
+    least, most = QUESTIONS[key]
+    click.echo(f"how to measure it: {MEASURES[key]}", err=True)
     while True:
-        answer = click.prompt(FIGURES[key][0], default=_ordinary(key), type=float)
+        answer = click.prompt(f"{FIGURES[key][0]} ({least:g} to {most:g})", default=f"{_ordinary(key):g}", type=str)
         try:
-            return _check(key, answer)
+            return _check(key, _read_answer(key, answer))
         except UserError as problem:
             click.echo(f"error: {problem.diagnostics[0].message}", err=True)
+
+
+def _read_answer(key: str, answer: str) -> float:
+    try:
+        return float(answer)
+    except ValueError:
+        pass
+    point = f", as {answer.replace(',', '.')}" if re.fullmatch(r"\d*,\d+", answer.strip()) else " without a unit"
+    message = f"'{answer}' is no number, expected one{point}: {FIGURES[key][0][0].lower()}{FIGURES[key][0][1:]}"
+    raise UserError(error(message, rule="bad-value"))
 
 
 def _ordinary(key: str) -> float:

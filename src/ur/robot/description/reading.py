@@ -32,6 +32,17 @@ QUESTIONS: Mapping[str, tuple[float, float]] = {
     "velocity": (0.05, HIGHEST_VELOCITY),
     "angular_velocity": (0.1, HIGHEST_ANGULAR_VELOCITY),
 }
+# How a person finds each of them out.
+MEASURES: Mapping[str, str] = {
+    "length": "from its foremost to its rearmost part, with wheels, bumpers and cables",
+    "width": "from its leftmost to its rightmost part, with the wheels",
+    "height": "from the floor to its highest part",
+    "mass": "on scales, with its battery",
+    "wheel_radius": "half the height of a driven wheel that carries the robot",
+    "wheel_separation": "between the middles of the left and the right tyre, on the floor",
+    "velocity": "drive 2 m at full speed: 2 divided by the seconds; a lower one if it is to drive slower",
+    "angular_velocity": "turn it ten times on the spot: 63 divided by the seconds; a lower one if it is to turn slower",
+}
 _SIDEWAYS = re.compile(r"mecanum|omni", re.IGNORECASE)
 _MOST_LENGTH, _MOST_WIDTH = 4.0, 2.2  # of a body, in separations of its wheels
 
@@ -92,11 +103,15 @@ def read_base_figures(description: Description, given: Mapping[str, float], *, l
     if _is_too_large(body, figures):  # many inertias are copied from another robot
         body = measure_extent(description, aside, careful=True)
     points = [(x - origin[0], y - origin[1], z - origin[2]) for x, y, z in body.points]
+    meshes = {link.name: link.meshes[0].file for link in description.links if link.meshes}
     notes = [
-        f"link {name} is a mesh that cannot be read; its size is that of a solid box with its inertia"
+        f"link {name} is a mesh that cannot be read ({meshes[name]}); its size is that of a solid box with its inertia"
         for name in body.estimated
     ]
-    notes += [f"link {name} is a mesh without a size; it is left out" for name in body.unknown]
+    notes += [
+        f"link {name} is a mesh without a size, as it cannot be read ({meshes[name]}); it is left out"
+        for name in body.unknown
+    ]
     outline, inner = _read_outline(drive, figures, [(x, y) for x, y, _ in points], origin)
     _read_heights(figures, [z for _, _, z in points])
     _read_masses(description, drive, figures)
