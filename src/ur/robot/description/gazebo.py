@@ -31,7 +31,7 @@ _FIGURES = {
     "height": ("camera/image/height",),
 }
 _DRIVES = re.compile(r"diff_?drive|skid_?steer", re.IGNORECASE)
-_SIDEWAYS = re.compile(r"planar_?move|force_?based_?move|mecanum|omni|holonomic", re.IGNORECASE)
+_SIDEWAYS = re.compile(r"planar_?move|force_?based_?move|mecanum|omni_?d(rive|irection)|holonomic", re.IGNORECASE)
 _SEPARATION = ("wheelSeparation", "wheel_separation")
 _RADIUS = ("wheel_radius", "wheelRadius")
 _DIAMETER = ("wheelDiameter", "wheel_diameter")
