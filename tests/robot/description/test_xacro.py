@@ -61,6 +61,9 @@ def test_argument_without_a_default_is_asked_for(tmp_path: Path, file: Path) -> 
     with pytest.raises(UserError) as caught:
         read_description(file, environment, dict)
     assert caught.value.diagnostics[0].help == "its argument has no default: add colour:=VALUE to the command"
+    with pytest.raises(UserError) as caught:
+        read_description(file, environment, dict, ["colour:=red"])
+    assert "no default" not in str(caught.value.diagnostics[0].help)
 
 
 def test_missing_xacro_is_named_with_what_to_do(file: Path) -> None:

@@ -137,7 +137,8 @@ def _expand(
         gone = " ".join(_read_report(done.stdout).missing) if expander.reports else ""
         help_ = "source the setup.bash of the workspace that holds the packages it names"
         help_ = f"ur get {gone}, or {help_}" if gone else help_
-        if wanted := re.search(r"Undefined substitution argument (\w+)", reason):
+        wanted = re.search(r"Undefined substitution argument (\w+)", reason)
+        if wanted and wanted[1] not in [each.partition(":=")[0] for each in arguments]:
             help_ = f"its argument has no default: add {wanted[1]}:=VALUE to the command"
         raise UserError(error(message, rule="bad-xacro", help=help_, subject=str(path), reason=reason))
     if not expander.reports:
