@@ -175,6 +175,13 @@ def test_cliff_sensor_is_no_lidar() -> None:
     assert not read(other).has_lidar
 
 
+def test_ranger_of_a_few_rays_is_no_lidar() -> None:
+    few = SMALL.replace("<samples>360</samples>", "<samples>2</samples>").replace("base_scan", "front_sensor")
+    found = read(few)
+    assert not found.has_lidar
+    assert [sensor.frame for sensor in found.sensors if sensor.kind == "sonar"] == ["front_sensor"]
+
+
 def test_lidar_that_the_file_lacks_is_put_on_top_and_one_that_it_has_is_left_out_when_asked(tmp_path: Path) -> None:
     bare = SMALL.replace("base_scan", "cliff_left_link").replace("<max>3.5</max>", "<max>0.15</max>")
     added = read_base_figures(parse_urdf(bare, "robot.urdf"), SPEEDS, lidar=True)

@@ -22,6 +22,7 @@ _NAMES: Mapping[Kind, re.Pattern[str]] = {
     "camera": re.compile(r"camera|raspicam|realsense|kinect|astra|(^|_)zed|webcam|(^|_)cam(_|\d|$)", re.IGNORECASE),
     "imu": re.compile(r"(^|_)imu|gyro", re.IGNORECASE),
 }
+_FEWEST = 32  # rays of a lidar; what has fewer measures one range
 _BODY_FRAMES = ("base_footprint", "base_link", "left_wheel", "right_wheel")
 
 
@@ -92,8 +93,9 @@ def _kind(sensor: GazeboSensor) -> Kind | None:
         reach = sensor.figure("range_max")
         if _DOWNWARDS.search(name) or (reach is not None and reach < 0.5):
             return None
-        narrow = "_range" in sensor.plugin or _SONAR.search(name)
-        return "sonar" if narrow else "lidar"
+        samples = sensor.figure("samples")
+        few = samples is not None and samples < _FEWEST
+        return "sonar" if few or "_range" in sensor.plugin or _SONAR.search(name) else "lidar"
     if kind in ("camera", "depth", "depth_camera", "multicamera", "wideanglecamera", "rgbd", "rgbd_camera"):
         return "camera"
     return "imu" if kind == "imu" else None
