@@ -129,7 +129,7 @@ def read_base_figures(description: Description, given: Mapping[str, float], *, l
     if lidar and not any(each.kind == "lidar" for each in sensors):
         placed = (_add_lidar(description, figures, outline), *placed)
     if extra:
-        notes.append(f"left out, since a base has one sensor of a kind: {', '.join(extra)}")
+        notes.append(f"left out, since a base has no such sensor, or another one of its kind: {', '.join(extra)}")
     return Reading(
         description.name,
         figures,
