@@ -29,6 +29,7 @@ from ur_nodes.navigation.recovery import Behaviour
 from ur_nodes.navigation.rollout import FollowSettings
 from ur_nodes.navigation.velocity_output_node import VelocityOutput
 from ur_nodes.navigation.world_view_node import WorldView
+from ur_nodes.rosio.ending import quiet_at_end
 from ur_nodes.rosio.freed_memory import return_large_arrays
 from ur_nodes.rosio.geometry import pose_message
 from ur_nodes.rosio.shell import run_node
@@ -51,6 +52,7 @@ class MoveBase:
             self._settings.navigator, self._settings.limits, FollowSettings(), self._settings.footprint
         )
         self._server = ActionServer("move_base", MoveBaseAction, self._on_goal, self._on_cancel, auto_start=False)
+        self._server.publish_status = quiet_at_end(self._server.publish_status)  # a thread of its own calls it
         # The server calls back with its lock held, and takes it when a goal ends: a second lock would be a deadlock.
         self._lock = self._server.lock
         self._handle: Any = None  # of the goal that is pursued or held, as the server has it
