@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 
@@ -12,6 +13,8 @@ from ur_nodes.slam.relocation import WORSE, Fit, Verdict, is_same_place
 _WEAK = 0.5  # of a keyframe: a fit that would need a second one, where the robot may be off the map
 _LEAD = 2  # scans by which a place must be ahead of the others
 _LEAD_ANYWHERE = 3  # likewise where the robot may be off the map
+_EXPECTED = 1.0  # scans that the place counts as where the robot is unless it was carried
+_DRIFTED = (0.7, 0.25)  # m, rad: so far the small map may have moved from there among people
 _CHECKED = 6  # places that a scan is held against which it does not name itself
 
 
@@ -19,12 +22,13 @@ _CHECKED = 6  # places that a scan is held against which it does not name itself
 class Hypothesis:
     """A `place` on the map for the frame of other keyframes, and their fits that agree on it, by keyframe.
 
-    `refuted` is the number of keyframes that were not taken there.
+    `refuted` is the number of keyframes that were not taken there; `expected`: it is there unless it was carried.
     """
 
     place: Pose2
     fits: tuple[tuple[int, Fit], ...]
     refuted: int = 0
+    expected: bool = False
 
     def links(self) -> list[Edge]:
         """The edges from keyframes of the map to the others."""
@@ -34,12 +38,16 @@ class Hypothesis:
 class Hypotheses:
     """The places where keyframes that were made elsewhere may lie on a map, each with the scans that speak for it."""
 
-    def __init__(self, *, on_map: bool) -> None:
-        """`on_map`: the robot certainly is at a place that is mapped, so that less evidence is enough."""
+    def __init__(self, *, on_map: bool, expected: Pose2 | None = None) -> None:
+        """`on_map`: the robot certainly is at a place that is mapped, so that less evidence is enough.
+
+        `expected` is the place of the other keyframes' frame if the robot was not carried, and only people stood round.
+        """
         self._on_map = on_map
         self._lead = _LEAD if on_map else _LEAD_ANYWHERE
         self._weak = 1.0 if on_map else _WEAK
-        self._all: list[Hypothesis] = []  # the best supported first
+        # The best supported first.
+        self._all = [Hypothesis(expected, (), expected=True)] if expected else []
         self._count = 0  # of keyframes
 
     def add(
@@ -64,12 +72,14 @@ class Hypotheses:
 
     def _support(self, each: Hypothesis) -> float:
         """The number of keyframes that speak for a place, weak fits counting less, less those that speak against it."""
+        if each.expected:
+            return _EXPECTED + len(each.fits) - each.refuted
         return sum(1.0 if fit.alone else self._weak for _, fit in each.fits) - each.refuted
 
     def _take(self, number: int, pose: Pose2, fit: Fit, named: Collection[int]) -> int:
         """Add a fit to the first place but those `named` that it agrees with, or as a new one; return its index."""
         for index, known in enumerate(self._all):
-            if index not in named and is_same_place(known.place.compose(pose), fit.pose):
+            if index not in named and _agrees(known, pose, fit):
                 self._support_with(index, number, pose, fit)
                 return index
         self._all.append(Hypothesis(fit.pose.compose(pose.inverse()), ((number, fit),)))
@@ -81,9 +91,9 @@ class Hypotheses:
         expected = known.place.compose(pose)
         verdict = check(expected)
         found = verdict.fit
-        if found and found.agreement >= best - WORSE and is_same_place(expected, found.pose):
+        if found and found.agreement >= best - WORSE and _agrees(known, pose, found):
             self._support_with(index, number, pose, found)
-        elif verdict.refuted:
+        elif verdict.refuted and (known.fits or not known.expected):  # people who stand round refute their place, too
             self._all[index] = replace(known, refuted=known.refuted + 1)
 
     def _support_with(self, index: int, number: int, pose: Pose2, fit: Fit) -> None:
@@ -93,16 +103,27 @@ class Hypotheses:
 
     def winner(self) -> Hypothesis | None:
         """Return the place that is ahead of all others; None as long as there is no such."""
-        if not self._all:
+        seen = [each for each in self._all if each.fits]
+        if not seen:
             return None
-        best = self._all[0]
-        if len(self._all) == 1 and self._count == 1:
+        best = seen[0]
+        if len(seen) == 1 and self._count == 1:
             return best if self._on_map and best.fits[0][1].alone else None
-        second = self._support(self._all[1]) if len(self._all) > 1 else 0.0
+        second = self._support(seen[1]) if len(seen) > 1 else 0.0
         return best if self._support(best) - second >= self._lead else None
 
     def rivals(self) -> list[Hypothesis]:
         """Return the places that the best one is not far enough ahead of, and itself; none where it is alone."""
-        least = self._support(self._all[0]) - self._lead if self._all else 0.0
-        near = [each for each in self._all if self._support(each) > least]
+        seen = [each for each in self._all if each.fits]
+        least = self._support(seen[0]) - self._lead if seen else 0.0
+        near = [each for each in seen if self._support(each) > least]
         return near if len(near) > 1 else []
+
+
+def _agrees(known: Hypothesis, pose: Pose2, fit: Fit) -> bool:
+    """Tell whether a keyframe at `pose` in the frame of the others fits the map where a hypothesis puts it."""
+    expected = known.place.compose(pose)
+    if known.expected and not known.fits:
+        moved = expected.inverse().compose(fit.pose)
+        return math.hypot(moved.x, moved.y) < _DRIFTED[0] and abs(moved.yaw) < _DRIFTED[1]
+    return is_same_place(expected, fit.pose)

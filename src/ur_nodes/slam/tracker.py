@@ -34,6 +34,7 @@ class Tracker:
         self._on_map = False  # at the start on a map that was made before
         self._hypotheses = Hypotheses(on_map=False)
         self._searched = 0  # keyframes of the small map
+        self._expected: Pose2 | None = None  # the place of the small map, unless the robot was carried
         self._count = 0  # of scans
 
     @property
@@ -91,8 +92,9 @@ class Tracker:
         if not estimate.contradicted:
             self._apart, self._doubts = None, 0
             return estimate
-        self._apart = self._apart or Mapper(self._settings, first=self._count - 1)
-        self._apart.add_scan(scan, odometry, heading)
+        if self._apart is None:
+            self._expected = estimate.pose
+        self._map_apart(scan, odometry, heading)
         self._doubts += not estimate.still
         if self._doubts < _DOUBTS:
             return estimate
@@ -104,17 +106,23 @@ class Tracker:
         self._whole = WholeMap(self._mapper.keyframes, self._mapper.scans)
         self._forget_hypotheses()
 
+    def _map_apart(self, scan: Scan, odometry: Pose2 | None, heading: float | None) -> tuple[Mapper, Estimate]:
+        """Add a scan to the small map, which begins with it where there is none."""
+        self._apart = self._apart or Mapper(self._settings, first=self._count - 1)
+        return self._apart, self._apart.add_scan(scan, odometry, heading)
+
     def _forget_hypotheses(self) -> None:
-        self._hypotheses, self._searched = Hypotheses(on_map=self._on_map), 0
+        self._hypotheses, self._searched = Hypotheses(on_map=self._on_map, expected=self._expected), 0
 
     def _search(self, scan: Scan, odometry: Pose2 | None, heading: float | None) -> Estimate:
         assert self._whole is not None
-        apart = self._apart = self._apart or Mapper(self._settings, first=self._count - 1)
-        estimate = apart.add_scan(scan, odometry, heading)
+        apart, estimate = self._map_apart(scan, odometry, heading)
         if not estimate.still:
             self._doubts = self._doubts + 1 if estimate.contradicted else 0
         if self._doubts >= _DOUBTS or self._searched >= _MOST_APART:  # carried elsewhere again
             self._apart, self._doubts = None, 0
+            self._expected = self._expected.compose(estimate.pose) if self._expected else None
+            self._map_apart(scan, odometry, heading)
             self._forget_hypotheses()
             return self._unknown()
         if self._searched == len(apart.scans):
@@ -129,7 +137,7 @@ class Tracker:
         if winner is None:
             return self._unknown()
         found = self._mapper.join(apart, winner.place, winner.links())
-        self._apart, self._whole, self._on_map = None, None, False
+        self._apart, self._whole, self._on_map, self._expected = None, None, False, None
         self._forget_hypotheses()
         return found
 

@@ -17,6 +17,7 @@ POOR = 0.6
 """Agreement below which a match is doubted."""
 
 _SLIPPED = 2.5  # standard deviations of the guess: the scan says that the wheels slip
+_MOST_DOUBTED = 4.0  # likewise, of a match of poor agreement: among people, a scan fits a little everywhere
 _SEARCHED = 3.0  # standard deviations of the guess that a search covers,
 _LEAST_WINDOW = Window(0.2, 0.1)  # and at least this
 _POINTS = 150  # of a scan, in a search
@@ -35,11 +36,10 @@ def locate_surface(
     where little agrees after that, it is searched for round the guess.
     """
     match = match_surface(local, surface, guess, prior)
-    surprise = np.array(guess.inverse().compose(match.pose))
-    slipped = float(surprise @ np.linalg.solve(rotate_covariance(prior, guess.yaw), surprise)) > _SLIPPED**2
-    if slipped or match.agreement < POOR:
+    if _deviations(guess, match.pose, prior) > _SLIPPED or match.agreement < POOR:
         other = match_surface(local, surface, before, spread)
-        if other.agreement > match.agreement:
+        believed = other.agreement >= POOR or _deviations(guess, other.pose, prior) < _MOST_DOUBTED
+        if believed and other.agreement > match.agreement:
             match = other
     if match.agreement >= POOR or len(surface) < _LEAST_POINTS:
         return match
@@ -50,3 +50,9 @@ def locate_surface(
         return match
     other = match_surface(local, surface, found.pose, _PRIOR_OF_SEARCH * prior)
     return other if other.agreement > match.agreement + _LEAD else match
+
+
+def _deviations(guess: Pose2, found: Pose2, covariance: Floats) -> float:
+    """The distance of a pose from a guess in standard deviations (Mahalanobis) of the guess, in the map's frame."""
+    moved = np.array(guess.inverse().compose(found))
+    return math.sqrt(float(moved @ np.linalg.solve(rotate_covariance(covariance, guess.yaw), moved)))

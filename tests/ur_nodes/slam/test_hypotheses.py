@@ -1,0 +1,66 @@
+"""Which place of the map several scans agree on."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ur_nodes.geometry.pose import Pose2
+from ur_nodes.slam.hypotheses import Hypotheses
+from ur_nodes.slam.relocation import Fit, Verdict
+
+HERE = Pose2(4.0, 1.0, 0.5)
+STEP = Pose2(0.5, 0.0, 0.0)
+UNCLEAR, REFUTED = Verdict(None, refuted=False), Verdict(None, refuted=True)
+
+
+def fit_at(pose: Pose2) -> Fit:
+    """A fit that alone would not be enough."""
+    return Fit(pose, 0, pose, np.eye(3), 0.7, alone=False)
+
+
+def poses(count: int) -> list[Pose2]:
+    """The keyframes of the small map."""
+    found = [Pose2(0.0, 0.0, 0.0)]
+    for _ in range(count - 1):
+        found.append(found[-1].compose(STEP))
+    return found
+
+
+def test_robot_that_was_not_carried_is_found_by_two_scans_once_people_have_gone() -> None:
+    hypotheses = Hypotheses(on_map=False, expected=HERE)
+    first, second, third, fourth = poses(4)
+    hypotheses.add(0, first, (), lambda _: REFUTED)  # people stand round
+    hypotheses.add(1, second, (), lambda _: UNCLEAR)
+    drifted = Pose2(0.3, -0.2, 0.1)  # so far the small map went wrong among them
+    hypotheses.add(2, third, (), lambda guess: Verdict(fit_at(guess.compose(drifted)), refuted=False))
+    assert hypotheses.winner() is None
+    hypotheses.add(3, fourth, (), lambda guess: Verdict(fit_at(guess), refuted=False))
+    winner = hypotheses.winner()
+    assert winner is not None
+    assert winner.expected
+    assert [number for number, _ in winner.fits] == [2, 3]
+
+
+def test_two_weak_fits_elsewhere_are_not_enough() -> None:
+    hypotheses = Hypotheses(on_map=False, expected=HERE)
+    elsewhere = Pose2(-3.0, 2.0, 0.0)
+    for number, pose in enumerate(poses(2)):
+        hypotheses.add(number, pose, [fit_at(elsewhere.compose(pose))], lambda _: UNCLEAR)
+    assert hypotheses.winner() is None
+
+
+def test_scans_that_fit_elsewhere_outweigh_the_place_where_the_robot_was() -> None:
+    hypotheses = Hypotheses(on_map=False, expected=HERE)
+    elsewhere = Pose2(-3.0, 2.0, 0.0)
+    for number, pose in enumerate(poses(6)):
+        hypotheses.add(number, pose, [fit_at(elsewhere.compose(pose))], lambda _: REFUTED)
+    winner = hypotheses.winner()
+    assert winner is not None
+    assert not winner.expected
+    assert winner.place == elsewhere
+
+
+def test_expected_place_without_a_fit_is_no_rival() -> None:
+    hypotheses = Hypotheses(on_map=False, expected=HERE)
+    hypotheses.add(0, Pose2(0.0, 0.0, 0.0), [fit_at(Pose2(1.0, 1.0, 0.0))], lambda _: UNCLEAR)
+    assert hypotheses.rivals() == []
