@@ -30,8 +30,8 @@ ROOM = walls_of(box(-3.0, -2.0, 4.0, 3.0), box(1.0, 1.0, 1.8, 1.6), box(-2.0, -1
 CORRIDOR = walls_of(box(-40.0, -1.0, 40.0, 1.0))
 
 
-def ranges_at(walls: Floats, pose: Pose2, noise: float = 0.0, seed: int = 0) -> Floats:
-    """The ranges (360) from a pose, m; inf beyond 12 m."""
+def ranges_at(walls: Floats, pose: Pose2, noise: float = 0.0, seed: int = 0, reach: float = RANGE) -> Floats:
+    """The ranges (360) from a pose, m; inf beyond `reach`."""
     c, s = math.cos(pose.yaw), math.sin(pose.yaw)
     beams = DIRECTIONS @ np.array(((c, s), (-s, c)))
     start, along = walls[:, 0] - (pose.x, pose.y), walls[:, 1] - walls[:, 0]
@@ -42,7 +42,7 @@ def ranges_at(walls: Floats, pose: Pose2, noise: float = 0.0, seed: int = 0) -> 
     hit = (distance > 0.0) & (place >= 0.0) & (place <= 1.0)
     ranges: Floats = np.where(hit, distance, np.inf).min(axis=1)
     ranges = ranges + np.random.default_rng(seed).standard_normal(len(ranges)) * noise
-    return np.where(ranges < RANGE, ranges, np.inf)
+    return np.where(ranges < reach, ranges, np.inf)
 
 
 def scan_at(
@@ -50,5 +50,5 @@ def scan_at(
 ) -> Scan:
     """The scan that a robot at a pose sees with a lidar of so wide a view (rad), ahead, and of so long a reach (m)."""
     ahead = np.abs(ANGLES) <= 0.5 * view
-    ranges = ranges_at(walls, pose, noise, seed)[ahead]
+    ranges = ranges_at(walls, pose, noise, seed, reach)[ahead]
     return make_scan(ranges, DIRECTIONS[ahead], (0.1, reach), np.eye(2), np.zeros(2))

@@ -17,10 +17,15 @@ FACING = 0.15
 """m: surfaces that face opposite ways count as twice this farther apart, so that a thin wall has two sides."""
 
 _NEIGHBOURS = 14
-_REACH = 0.25  # m: points that far apart do not smooth each other
-_SPREAD = 0.10  # m: how fast their weight falls before
+_REACH = 0.25  # m: points that far apart do not smooth each other,
+_SPREAD = 0.10  # m: how fast their weight falls before,
+_BEAMS = (3.0, 1.2)  # and so many times the distance between beams, where that is more
+_GAP = 0.15  # m: walls are filled up between points farther apart,
+_BEAMS_APART = 1.6  # but not so many times the distance between beams,
+_ON_ONE_WALL = 0.04  # m: that lie so near to each other's lines,
+_SHARES = (0.25, 0.5, 0.75)  # at these shares of the gap
 _MOST = 6000  # points
-_LEAST_WEIGHT = 0.3  # of a neighbour of a point in a clump
+_CLOSE = 0.155  # m: to a neighbour of a point in a clump
 _CLUMP = 5  # such neighbours; with fewer, points only look apart because the lidar is far away
 
 
@@ -33,7 +38,7 @@ class LocalMap:
         `surface` are the points; `clumped` (n): those that lie close together, but not on a line.
         """
         rough = join([surface.moved(pose) for pose, surface in placed]).thinned(_MOST)
-        self.surface, self.clumped = _smoothed(rough)
+        self.surface, self.clumped = _filled(*_smoothed(rough))
         self._tree = cKDTree(_keys(self.surface.points, self.surface.normals))
 
     @cached_property
@@ -56,12 +61,35 @@ def _smoothed(rough: Surface) -> tuple[Surface, NDArray[np.bool_]]:
     tree = cKDTree(_keys(rough.points, rough.normals))
     count = min(_NEIGHBOURS, len(rough))
     distances, numbers = tree.query(_keys(rough.points, rough.normals), k=list(range(1, count + 1)))
-    near = np.isfinite(distances) & (distances < _REACH)
+    reach = np.maximum(_REACH, _BEAMS[0] * rough.spacing)[:, None]
+    spread = np.maximum(_SPREAD, _BEAMS[1] * rough.spacing)[:, None]
+    near = np.isfinite(distances) & (distances < reach)
     delta = rough.points[numbers] - rough.points[:, None]
-    weights = np.where(near, np.exp(-0.5 * np.square(distances / _SPREAD)), 0.0)
+    weights = np.where(near, np.exp(-0.5 * np.square(distances / spread)), 0.0)
     mean, normals, flat = fit_lines(delta, weights)
     normals = face(normals, rough.normals)
     off = (mean * normals).sum(axis=1)
     points = rough.points + np.where(flat, off, 0.0)[:, None] * normals
-    clumped = ~flat & ((weights > _LEAST_WEIGHT).sum(axis=1) >= _CLUMP)
-    return Surface(points, np.where(flat[:, None], normals, rough.normals), flat), clumped
+    close = np.isfinite(distances) & (distances < _CLOSE)
+    clumped = ~flat & (close.sum(axis=1) >= _CLUMP)
+    return Surface(points, np.where(flat[:, None], normals, rough.normals), flat, rough.spacing), clumped
+
+
+def _filled(surface: Surface, clumped: NDArray[np.bool_]) -> tuple[Surface, NDArray[np.bool_]]:
+    """Add points between neighbours on one wall that are far apart, as the wall is there, too."""
+    sparse = np.flatnonzero(surface.flat & (surface.spacing > _GAP))
+    if len(sparse) < 2:
+        return surface, clumped
+    points, normals, spacing = surface.points[sparse], surface.normals[sparse], surface.spacing[sparse]
+    pairs = cKDTree(points).query_pairs(_BEAMS_APART * float(spacing.max()), output_type="ndarray")
+    first, second = pairs[:, 0], pairs[:, 1]
+    delta = points[second] - points[first]
+    length = np.hypot(delta[:, 0], delta[:, 1])
+    off = np.maximum(*(np.abs((delta * normals[each]).sum(axis=1)) for each in (first, second)))
+    neighbours = (length > _GAP) & (length < _BEAMS_APART * np.minimum(spacing[first], spacing[second]))
+    neighbours &= (off < _ON_ONE_WALL) & ((normals[first] * normals[second]).sum(axis=1) > 0.0)
+    first, delta = first[neighbours], delta[neighbours]
+    flat = np.ones(len(first), dtype=np.bool_)
+    between = [Surface(points[first] + share * delta, normals[first], flat, spacing[first]) for share in _SHARES]
+    whole = join([surface, *(each.thinned(_MOST) for each in between)])
+    return whole, np.concatenate((clumped, np.zeros(len(whole) - len(clumped), dtype=np.bool_)))

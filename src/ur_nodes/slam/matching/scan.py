@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.slam.matching.surface import Floats, Surface, surface_of_points
+from ur_nodes.slam.matching.surface import Floats, Surface, beam_spacing, surface_of_points
 
 MOST_POINTS = 400
 """Beams that are matched; scans with more are thinned."""
@@ -38,8 +38,11 @@ class Scan:
     def surface(self) -> Surface:
         """The points that are matched, made anew each time."""
         facing = self.facing.astype(np.float64)
-        points = self.hits[:: _step(len(self.hits))].astype(np.float64)
-        return Surface(points, np.column_stack((np.cos(facing), np.sin(facing))), self.flat)
+        step = _step(len(self.hits))
+        hits = self.hits.astype(np.float64)
+        spacing = beam_spacing(hits, self.numbers.astype(np.intp), self.origin)
+        normals = np.column_stack((np.cos(facing), np.sin(facing)))
+        return Surface(hits[::step], normals, self.flat, spacing[::step])
 
     def moved(self, pose: Pose2) -> Scan:
         """Express the scan in the parent frame of `pose`, as if it was taken from elsewhere."""

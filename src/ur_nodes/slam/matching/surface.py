@@ -12,17 +12,23 @@ from ur_nodes.geometry.pose import Pose2
 Floats = NDArray[np.float64]
 
 _WINDOW = 8  # beams to either side that a line is fitted to
-_REACH = 0.25  # m: as far as these may lie from the middle one
+_REACH = 0.25  # m: as far as these may lie from the middle one,
+_BEAMS = 3.0  # and so many times the distance to the next beam, where that is more
+_FARTHEST = 1.0  # m: beams farther apart are taken for so far apart
 _NARROW = 0.08  # variance across a line over that along it, up to which the points count as one
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Surface:
-    """Points (n, 2) in m, unit normals (n, 2) towards the lidar, and `flat` (n): whether the normal can be trusted."""
+    """Points (n, 2) in m, unit normals (n, 2) towards the lidar, and `flat` (n): whether the normal can be trusted.
+
+    `spacing` (n) is how far apart neighbouring beams are there, across the beams, m.
+    """
 
     points: Floats
     normals: Floats
     flat: NDArray[np.bool_]
+    spacing: Floats
 
     def __len__(self) -> int:
         return len(self.points)
@@ -31,7 +37,7 @@ class Surface:
         """Express the surface in the parent frame of `pose`."""
         c, s = np.cos(pose.yaw), np.sin(pose.yaw)
         turn = np.array(((c, s), (-s, c)))
-        return Surface(self.points @ turn + (pose.x, pose.y), self.normals @ turn, self.flat)
+        return Surface(self.points @ turn + (pose.x, pose.y), self.normals @ turn, self.flat, self.spacing)
 
     def sample(self, least: int) -> Floats:
         """Points (n, 2) evenly spread over the scan: at least so many and less than twice as many, or all there are."""
@@ -40,7 +46,9 @@ class Surface:
     def thinned(self, most: int) -> Surface:
         """Keep at most so many points, evenly spread over the scan."""
         step = -(-len(self) // most) if most else 1
-        return Surface(self.points[::step], self.normals[::step], self.flat[::step]) if step > 1 else self
+        if step <= 1:
+            return self
+        return Surface(self.points[::step], self.normals[::step], self.flat[::step], self.spacing[::step])
 
 
 def join(surfaces: list[Surface]) -> Surface:
@@ -49,6 +57,7 @@ def join(surfaces: list[Surface]) -> Surface:
         np.concatenate([each.points for each in surfaces]),
         np.concatenate([each.normals for each in surfaces]),
         np.concatenate([each.flat for each in surfaces]),
+        np.concatenate([each.spacing for each in surfaces]),
     )
 
 
@@ -64,9 +73,22 @@ def surface_of_points(points: Floats, numbers: NDArray[np.intp], origin: Floats,
     places = np.clip(places, 0, max(0, count - 1))
     delta = points[places] - points[chosen, None]
     near = inside & (np.abs(numbers[places] - numbers[chosen, None]) <= _WINDOW)
-    near &= np.square(delta).sum(axis=2) <= _REACH * _REACH
+    spacing = beam_spacing(points, numbers, origin)[chosen]
+    near &= np.square(delta).sum(axis=2) <= np.square(np.maximum(_REACH, _BEAMS * spacing))[:, None]
     directions, flat = fit_lines(delta, near.astype(np.float64))[1:]
-    return Surface(points[chosen], face(directions, origin - points[chosen]), flat)
+    return Surface(points[chosen], face(directions, origin - points[chosen]), flat, spacing)
+
+
+def beam_spacing(points: Floats, numbers: NDArray[np.intp], origin: Floats) -> Floats:
+    """The distance (n) across the beams from one to the next where they end, m, for the ends (n, 2) of beams."""
+    away = points - origin
+    steps = np.diff(numbers)
+    turns = np.diff(np.arctan2(away[:, 1], away[:, 0]))
+    usual = (steps > 0) & (steps <= _WINDOW) & (np.abs(turns) < np.pi)
+    if not usual.any():
+        return np.zeros(len(points))
+    between = float(np.median(np.abs(turns[usual]) / steps[usual]))
+    return np.minimum(_FARTHEST, between * np.hypot(away[:, 0], away[:, 1]))
 
 
 def fit_lines(delta: Floats, weights: Floats) -> tuple[Floats, Floats, NDArray[np.bool_]]:

@@ -4,11 +4,13 @@ import math
 
 import numpy as np
 import pytest
-from tests.ur_nodes.slam.rooms import CORRIDOR, ROOM, Floats, scan_at
+from tests.ur_nodes.slam.rooms import CORRIDOR, DIRECTIONS, ROOM, Floats, box, ranges_at, scan_at, walls_of
 
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.slam.matching.local_map import LocalMap
+from ur_nodes.slam.matching.locate import locate_surface
 from ur_nodes.slam.matching.match import match_surface
+from ur_nodes.slam.matching.scan import make_scan
 
 HERE = Pose2(0.0, 0.0, 0.0)
 
@@ -56,3 +58,35 @@ def test_scan_of_another_place_agrees_little() -> None:
     elsewhere = np.vstack((ROOM + np.array((6.0, 1.5)), CORRIDOR + np.array((0.0, 7.0))))
     found = match_surface(local_map(ROOM), scan_at(elsewhere, Pose2(7.0, 2.0, 1.0)).surface, HERE)
     assert found.agreement < 0.5
+
+
+def test_walls_of_a_hall_count_although_beams_hit_them_far_apart() -> None:
+    hall = walls_of(box(-18.0, -14.0, 25.0, 16.0), box(-9.0, 6.0, -8.2, 6.8), box(12.0, -7.0, 13.0, -6.0))
+    target = LocalMap([(HERE, scan_at(hall, HERE, 0.01, reach=50.0).surface)])
+    true = Pose2(0.9, -0.4, 0.06)
+    found = match_surface(target, scan_at(hall, true, 0.01, seed=1, reach=50.0).surface, Pose2(0.8, -0.3, 0.04))
+    assert math.hypot(found.pose.x - true.x, found.pose.y - true.y) < 0.02
+    assert found.pose.yaw == pytest.approx(true.yaw, abs=0.002)
+    assert found.agreement > 0.8
+
+
+def test_doorway_of_a_far_wall_is_not_filled_up() -> None:
+    walls = np.array([[(-12.0, 14.0), (-1.0, 14.0)], [(1.0, 14.0), (12.0, 14.0)]])
+    target = LocalMap([(HERE, scan_at(walls, HERE, reach=50.0).surface)])
+    across = target.surface.points[:, 0]
+    assert np.diff(np.sort(across)).max() > 1.8
+    beside = np.sort(across[(across > 1.4) & (across < 6.0)])
+    assert np.diff(beside).max() < 0.15
+
+
+def test_turn_that_odometry_reports_is_believed_where_a_scan_fits_only_a_little_without_it() -> None:
+    random = np.random.default_rng(3)
+    guess = Pose2(0.1, 0.0, 1.0)
+    ranges = ranges_at(ROOM, HERE, 0.01, seed=1)
+    people = random.random(len(ranges)) < 0.55
+    ranges[people] = random.uniform(0.3, 1.0, int(people.sum()))
+    crowd = make_scan(ranges, DIRECTIONS, (0.1, 12.0), np.eye(2), np.zeros(2)).surface
+    prior, spread = np.diag(np.square((0.02, 0.02, 0.05))), np.diag(np.square((0.1, 0.1, 0.15)))
+    found = locate_surface(local_map(ROOM), crowd, guess, prior, HERE, spread)
+    assert 0.3 < match_surface(local_map(ROOM), crowd, HERE, spread).agreement < 0.6
+    assert found.pose.yaw == pytest.approx(guess.yaw, abs=0.2)
