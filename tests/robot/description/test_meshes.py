@@ -6,6 +6,8 @@ from itertools import product
 from pathlib import Path
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from ur.robot.base.body_mesh import write_stl
 from ur.robot.description.load import load_description
@@ -152,11 +154,20 @@ def test_mesh_that_cannot_be_read_stays_one_and_is_noted(tmp_path: Path, content
         '<!DOCTYPE a [<!ENTITY b "c">]><COLLADA/>',
         "<COLLADA/>",
         "<COLLADA><asset><unit meter='x'/></asset></COLLADA>",
+        COLLADA.format(numbers="0 " * 24, more="<node><rotate>0 0 1</rotate></node>"),
+        COLLADA.format(numbers="0 " * 24, more="<node><matrix>1 2</matrix></node>"),
     ],
 )
 def test_collada_that_is_none_has_no_points(tmp_path: Path, content: str) -> None:
     (tmp_path / "body.dae").write_text(content, encoding="utf-8")
     assert len(read_mesh(tmp_path / "body.dae")) == 0
+
+
+@given(content=st.binary(max_size=300), suffix=st.sampled_from([".stl", ".obj", ".dae"]))
+def test_any_content_has_points_or_none(tmp_path_factory: pytest.TempPathFactory, content: bytes, suffix: str) -> None:
+    file = tmp_path_factory.getbasetemp() / f"body{suffix}"
+    file.write_bytes(content)
+    assert read_mesh(file).shape[1] == 3
 
 
 @pytest.mark.parametrize(

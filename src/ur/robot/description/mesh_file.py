@@ -111,7 +111,8 @@ def _transform(node: ElementTree.Element) -> NDArray[np.float64]:
         elif child.tag == "scale":
             one[:3, :3] = np.diag(numbers)
         else:
-            one[:3, :3] = _turn(np.array(numbers[:3]), math.radians(numbers[3]))
+            x, y, z, angle = numbers
+            one[:3, :3] = _turn(np.array((x, y, z)), math.radians(angle))
         whole = whole @ one
     return whole
 
