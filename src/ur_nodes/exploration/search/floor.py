@@ -18,7 +18,7 @@ OCCUPIED_FROM = 65
 """The least occupancy (of 100) of an obstacle; the limit that the costmaps use."""
 
 ESCAPE = 0.5
-"""How far (m) the robot may be from the next place where it fits."""
+"""The distance (m) that the robot may have from the next place where it fits."""
 
 _FAR = 1e6  # m, the clearance of a map without an obstacle
 
