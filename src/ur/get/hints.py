@@ -33,8 +33,9 @@ _NO_OWNERS = frozenset({"orgs", "topics", "user-attachments", "settings", "spons
 _MAX_LINKS = 200  # of one file: more is no document that somebody has written about a robot
 _ROS = re.compile(r"^ros_|(_ros|_ros1)?(_pkgs?|_packages?)?$")  # what is added to the name of what a repository is for
 _SHORTEST = 5  # letters of a stem that is more than a common word
-_COMMON = frozenset(  # words that begin the names of packages of many authors
-    {
+# Words that begin the names of packages of many authors.
+_COMMON = frozenset(
+    [
         "robot",
         "robots",
         "mobile",
@@ -46,8 +47,17 @@ _COMMON = frozenset(  # words that begin the names of packages of many authors
         "simple",
         "laser",
         "camera",
-    }
-    | {"navigation", "simulation", "catkin", "rosbot", "rover", "arduino", "custom", "pioneer", "perception", "multi"}
+        "navigation",
+        "simulation",
+        "catkin",
+        "rosbot",
+        "rover",
+        "arduino",
+        "custom",
+        "pioneer",
+        "perception",
+        "multi",
+    ]
 )
 
 

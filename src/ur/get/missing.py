@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 
-from ur.get.index import read_dependencies
 from ur.get.model import PACKAGE_NAME, Missing
 from ur.launchfile.plan.model import Plan
 from ur.launchfile.world.protocol import PackageNotFound, World
@@ -62,12 +61,6 @@ def missing_of_names(names: Iterable[str] | Mapping[str, str], world: World) -> 
     return tuple(
         Missing(name, named_in=files.get(name, "")) for name in sorted(set(names)) if not is_installed(name, world)
     )
-
-
-def dependencies_of(package_xmls: Iterable[str]) -> Iterator[str]:
-    """The packages that the texts of package.xml depend on. Raises ValueError for a text that is none."""
-    for text in package_xmls:
-        yield from read_dependencies(text)
 
 
 def is_installed(package: str, world: World) -> bool:

@@ -15,6 +15,7 @@ from std_msgs.msg import Float32, String, Time
 
 from ur.web.wire.requests import (
     Alive,
+    AskForLease,
     BadRequestError,
     Cancel,
     DeleteZone,
@@ -23,7 +24,6 @@ from ur.web.wire.requests import (
     Goal,
     GoTo,
     InitialPose,
-    LeaseWish,
     LetGo,
     LimitSpeed,
     NamePlace,
@@ -184,7 +184,7 @@ class DriveEnd:
             self._step(client, page, let_go(page.stick, request.hold), "")
         elif isinstance(request, Alive):
             self._renew(client, page, request.answers, now)
-        elif isinstance(request, LeaseWish):
+        elif isinstance(request, AskForLease):
             page = replace(page, lease=request_action(page.lease, request.action, now))
             self._renew(client, page, request.answers, now)
         elif isinstance(request, Emergency):

@@ -11,13 +11,13 @@ from hypothesis import strategies as st
 from ur.web.wire.requests import (
     LONGEST,
     Alive,
+    AskForLease,
     BadRequestError,
     Cancel,
     Emergency,
     ForgetPlace,
     Goal,
     GoTo,
-    LeaseWish,
     LetGo,
     NamePlace,
     Stick,
@@ -41,7 +41,7 @@ STICK = {"t": "stick", "n": N, "hold": 1, "forward": 0.5, "turn": -1}
         ({"t": "cancel"}, Cancel()),
         ({"t": "stop"}, Emergency(stop=True)),
         ({"t": "release"}, Emergency(stop=False)),
-        ({"t": "lease", "n": N, "do": "take"}, LeaseWish((12, 500), "take")),
+        ({"t": "lease", "n": N, "do": "take"}, AskForLease((12, 500), "take")),
     ],
 )
 def test_requests_are_read(value: dict[str, Any], expected: object) -> None:

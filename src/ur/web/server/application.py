@@ -25,13 +25,13 @@ from ur.web.server.viewers import Viewer, Viewers, limit_buffer
 from ur.web.wire.frames import Kind, Layer, key_of
 from ur.web.wire.requests import (
     LONGEST,
+    AskForLease,
     BadRequestError,
     DeleteZone,
     Emergency,
     ForgetPlace,
     Goal,
     GoTo,
-    LeaseWish,
     LimitSpeed,
     NamePlace,
     PutZone,
@@ -49,7 +49,7 @@ _CANCEL_AGAIN = 1.0  # s
 _MOST_BAD = 20  # malformed messages of one page
 _RATE, _BURST = 150.0, 150.0  # messages of one page, a second
 _VIEW_RATE, _VIEW_BURST = 10.0, 40.0  # changes of what one page shows, a second
-_LOGGED = (DeleteZone, Emergency, ForgetPlace, GoTo, LeaseWish, LimitSpeed, NamePlace, PutZone)
+_LOGGED = (DeleteZone, Emergency, ForgetPlace, GoTo, AskForLease, LimitSpeed, NamePlace, PutZone)
 _TAB = re.compile(r"[0-9a-z]{8,32}", re.ASCII)
 
 

@@ -134,7 +134,7 @@ class Resume:
 
 
 @dataclass(frozen=True, slots=True)
-class LeaseWish:
+class AskForLease:
     """A request about the lease."""
 
     answers: Stamp
@@ -168,7 +168,7 @@ Request = (
     | InitialPose
     | Cancel
     | Resume
-    | LeaseWish
+    | AskForLease
     | Emergency
     | LimitSpeed
 )
@@ -261,11 +261,11 @@ def _limit(value: Mapping[str, Any]) -> LimitSpeed:
     return LimitSpeed(percent)
 
 
-def _lease(value: Mapping[str, Any]) -> LeaseWish:
+def _lease(value: Mapping[str, Any]) -> AskForLease:
     action = value.get("do")
     if not isinstance(action, str) or action not in ("acquire", "take", "ask", "grant", "release"):
         raise BadRequestError("do: expected one of acquire, take, ask, grant, release")
-    return LeaseWish(_stamp(value), cast("LeaseAction", action))
+    return AskForLease(_stamp(value), cast("LeaseAction", action))
 
 
 _READERS: Mapping[str, Callable[[Mapping[str, Any]], Request]] = {
