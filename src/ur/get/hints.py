@@ -34,30 +34,9 @@ _MAX_LINKS = 200  # of one file: more is no document that somebody has written a
 _ROS = re.compile(r"^ros_|(_ros|_ros1)?(_pkgs?|_packages?)?$")  # what is added to the name of what a repository is for
 _SHORTEST = 5  # letters of a stem that is more than a common word
 # Words that begin the names of packages of many authors.
-_COMMON = frozenset(
-    [
-        "robot",
-        "robots",
-        "mobile",
-        "turtlebot",
-        "turtlebot2",
-        "turtlebot3",
-        "gazebo",
-        "moveit",
-        "simple",
-        "laser",
-        "camera",
-        "navigation",
-        "simulation",
-        "catkin",
-        "rosbot",
-        "rover",
-        "arduino",
-        "custom",
-        "pioneer",
-        "perception",
-        "multi",
-    ]
+_COMMON = re.compile(
+    "robots?|mobile|turtlebot[23]?|gazebo|moveit|simple|laser|camera|navigation|simulation|catkin|rosbot|rover|"
+    "arduino|custom|pioneer|perception|multi"
 )
 
 
@@ -122,7 +101,7 @@ def find_related_hint(package: str, hints: Iterable[Repository]) -> Repository |
         hint
         for hint in hints
         if len(_stem(hint)) >= _SHORTEST
-        and _stem(hint) not in _COMMON
+        and not _COMMON.fullmatch(_stem(hint))
         and (not hint.linked or _stem(hint) != _plain(hint.name))
         and _plain(package).startswith(f"{_stem(hint)}_")
     ]
@@ -132,7 +111,7 @@ def find_related_hint(package: str, hints: Iterable[Repository]) -> Repository |
 def is_of_family(package: str, hint: Repository) -> bool:
     """Return whether a package and a repository begin with the same word, which is more than a common one."""
     word = _plain(package).partition("_")[0]
-    return len(word) >= _SHORTEST and word not in _COMMON and _plain(hint.name).partition("_")[0] == word
+    return len(word) >= _SHORTEST and not _COMMON.fullmatch(word) and _plain(hint.name).partition("_")[0] == word
 
 
 def parse_sources(text: str) -> dict[str, Repository]:
