@@ -51,8 +51,12 @@ def run_in_foreground(name: str, body: Callable[[threading.Event], int]) -> int:
         report_log_errors(say_nothing)
         silence_terminal()
         reasons: list[str] = []
-        rospy.core.add_preshutdown_hook(reasons.append)
-        rospy.on_shutdown(ended.set)
+
+        def end(reason: str) -> None:  # not by on_shutdown, whose callbacks come before the reason is told
+            reasons.append(reason)
+            ended.set()
+
+        rospy.core.add_preshutdown_hook(end)
         code = body(ended)
         if crashes:
             raise crashes[0]
