@@ -87,3 +87,10 @@ def test_finding_is_as_many_lines_as_it_has_parts() -> None:
     assert note.endswith(r"z\x1b[2J\n")
     assert help_ == r"  help: x\ny"
     assert "\x1b" not in text
+
+
+@pytest.mark.parametrize("mode", ["\x1b[?1000h", "\x1b[?1006;1003h", "\x1b[?2004h", "\x1b[4h", "\x1b[?5h", "\x1b[20l"])
+def test_open_stream_changes_no_mode_of_the_terminal(mode: str) -> None:
+    written = io.StringIO()
+    GuardedStream(written).write(f"a{mode}\x1b[?25l\x1b[1mb")
+    assert written.getvalue() == f"a\\x1b{mode[1:]}\x1b[?25l\x1b[1mb"

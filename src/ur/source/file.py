@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import os
-import stat
 from bisect import bisect_right
 from pathlib import Path
 from typing import NamedTuple
 
 from ur.source.diagnostic import UserError, error_about
+from ur.source.foreign.files import MAX_BYTES, PIPES, read_file, read_pipe, refuse_file
 from ur.source.suggest import did_you_mean
-
-MAX_BYTES = 64 * 1024 * 1024
 
 
 class Position(NamedTuple):
@@ -35,25 +32,24 @@ class SourceFile:
         return f"SourceFile({self.path!r})"
 
     @classmethod
-    def read(cls, path: str | Path, expected: str = "a readable text file") -> SourceFile:
-        """Read a file as UTF-8. Raises UserError, which names the path, when that cannot be done."""
+    def read(
+        cls, path: str | Path, expected: str = "a readable text file", limit: int = MAX_BYTES, *, piped: bool = True
+    ) -> SourceFile:
+        """Read a file of at most `limit` bytes as UTF-8. Raises UserError, which names the path, when that fails.
+
+        A path that another file names is not `piped`: it is never read from standard input or a shell's `<(...)`.
+        """
+        name = str(path)
         try:
-            return cls(str(path), _read_file(str(path)).decode("utf-8"))
+            data = read_pipe(name, limit) if piped and name.startswith(PIPES) else read_file(name, limit)
+            return cls(name, data.replace(b"\r\n", b"\n").replace(b"\r", b"\n").decode("utf-8"))
         except UnicodeDecodeError as problem:
             raise UserError(
                 error_about(path, f"byte {problem.start} is not UTF-8, expected {expected}", rule="unreadable-file")
             ) from None
         except OSError as problem:
-            reason = (problem.strerror or str(problem)).lower()
             missing = isinstance(problem, FileNotFoundError)
-            raise UserError(
-                error_about(
-                    path,
-                    f"{reason}, expected {expected}",
-                    rule="unreadable-file",
-                    help=_suggest_sibling(Path(path)) if missing else None,
-                )
-            ) from None
+            raise refuse_file(path, problem, expected, help=_suggest_sibling(Path(path)) if missing else None) from None
 
     def position(self, offset: int) -> Position:
         """Line and column of a character offset (0-based; the end of the text is allowed)."""
@@ -98,18 +94,6 @@ class Span(NamedTuple):
     def __str__(self) -> str:
         line, column = self.position
         return f"{self.file.path}:{line}:{column}"
-
-
-def _read_file(path: str) -> bytes:
-    # A pipe would be waited for, and a device has no end; a shell's <(...) is a pipe that somebody chose.
-    chosen = path.startswith(("/dev/fd/", "/dev/stdin", "/proc/self/fd/"))
-    with open(os.open(path, os.O_RDONLY | os.O_CLOEXEC | (0 if chosen else os.O_NONBLOCK)), "rb") as file:  # noqa: PTH123 - a descriptor
-        if not chosen and not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
-            raise OSError(0, "not a regular file", path)
-        data = file.read(MAX_BYTES + 1)
-    if len(data) > MAX_BYTES:
-        raise OSError(0, f"larger than {MAX_BYTES:,} bytes", path)
-    return data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")  # as Python reads texts
 
 
 def _suggest_sibling(path: Path) -> str | None:

@@ -18,9 +18,10 @@ from typing import Any, TextIO, cast
 _ACTIVE = "\x00-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069\ud800-\udfff"
 _FIELD = re.compile(f"[{_ACTIVE}]")
 _LINES = re.compile(f"[{_ACTIVE}]".replace("\x00-\x1f", "\x00-\x08\x0b-\x1f"))
-# Written by our own tables, tests and live views: colours, moves of the cursor and erasing (ECMA-48). What makes a
-# terminal answer, change its title or fill the clipboard is not among them.
-_STREAM = re.compile(rf"(\x1b\[[0-9;:?]*[A-HJKSThlm]|\r)|{_LINES.pattern}")
+# Written by our own tables, tests and live views: colours, moves of the cursor, erasing (ECMA-48), a hidden cursor and
+# the other screen. What makes a terminal answer, report the mouse, change its title or fill the clipboard is not among
+# them.
+_STREAM = re.compile(rf"(\x1b\[[0-9;:]*[A-HJKSTm]|\x1b\[\?(?:25|1049)[hl]|\r)|{_LINES.pattern}")
 
 
 def printable(text: str) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any, NoReturn
@@ -10,26 +11,25 @@ import yaml
 
 from ur.source.diagnostic import UserError, error, error_about
 from ur.source.file import SourceFile, Span
+from ur.source.foreign.yaml_text import compose_yaml, construct_yaml
 from ur.source.suggest import did_you_mean
-from ur.source.yaml_depth import check_depth, check_size
 
-_Loader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 _REQUIRED: Any = object()
 
 
-def read_section(path: str | Path, what: str) -> Section:
+def read_section(path: str | Path, what: str, *, piped: bool = True) -> Section:
     """The top-level mapping of a YAML file. `what` names the kind of file in errors: "a base file".
 
+    `piped` as in SourceFile.read: not for a path that another file names.
     Raises UserError with file, line and column: unreadable, not YAML, or not a mapping.
     """
-    return parse_section(SourceFile.read(path, expected=what), what)
+    return parse_section(SourceFile.read(path, expected=what, piped=piped), what)
 
 
 def parse_section(file: SourceFile, what: str) -> Section:
     """As read_section, for a text that is already there."""
     try:
-        check_depth(file.text)
-        node = yaml.compose(file.text, Loader=_Loader)
+        node = compose_yaml(file.text)
     except yaml.MarkedYAMLError as problem:
         mark = problem.problem_mark or problem.context_mark
         start = min(_offset(file, mark), len(file.text))
@@ -37,7 +37,7 @@ def parse_section(file: SourceFile, what: str) -> Section:
         raise UserError(
             error(f"not valid YAML, expected {what}: {text}", Span(file, start, start + 1), rule="bad-yaml")
         ) from None
-    except (yaml.YAMLError, ValueError) as problem:  # ValueError: characters that are not UTF-8
+    except yaml.YAMLError as problem:
         raise UserError(
             error_about(file.path, f"not valid YAML, expected {what}: {problem}", rule="bad-yaml")
         ) from None
@@ -84,12 +84,7 @@ class Section:
     ) -> float:
         """A finite number within limits (inclusive)."""
         value = self._get(key, default, "a number")
-        if (
-            isinstance(value, bool)
-            or not isinstance(value, (int, float))
-            or value != value
-            or abs(value) == float("inf")
-        ):
+        if not _is_number(value):
             self.fail(key, f"{key}: {value!r} in {self.name}, expected a number")
         if (minimum is not None and value < minimum) or (maximum is not None and value > maximum):
             self.fail(key, f"{key}: {value!r} in {self.name}, expected {_limits(minimum, maximum)}")
@@ -127,12 +122,12 @@ class Section:
         return bool(value)
 
     def numbers(self, key: str, length: int | None = None, default: Any = _REQUIRED) -> tuple[float, ...]:
-        """A list of numbers, of a fixed length when one is given."""
+        """A list of finite numbers, of a fixed length when one is given."""
         expected = f"a list of {length} numbers" if length else "a list of numbers"
         value = self._get(key, default, expected)
         if isinstance(value, tuple):
             return value
-        good = isinstance(value, list) and all(isinstance(x, (int, float)) and not isinstance(x, bool) for x in value)
+        good = isinstance(value, list) and all(map(_is_number, value))
         if not good or (length is not None and len(value) != length):
             self.fail(key, f"{key}: {value!r} in {self.name}, expected {expected}")
         return tuple(float(x) for x in value)
@@ -143,7 +138,7 @@ class Section:
         if isinstance(value, tuple):
             return value
         good = isinstance(value, list) and all(
-            isinstance(p, list) and len(p) == 2 and all(isinstance(x, (int, float)) for x in p) for p in value
+            isinstance(p, list) and len(p) == 2 and all(map(_is_number, p)) for p in value
         )
         if not good or len(value) < minimum:
             self.fail(key, f"{key}: {value!r} in {self.name}, expected a list of at least {minimum} [x, y] points")
@@ -214,16 +209,17 @@ class Section:
         return self._plain(self._items[key][1])
 
     def _plain(self, node: yaml.Node) -> Any:
-        loader = _Loader("")
         try:
-            check_size(node)
-            return loader.construct_document(node)
-        except (yaml.YAMLError, ValueError, TypeError, OverflowError, LookupError, AttributeError) as problem:
+            return construct_yaml(node)
+        except ValueError as problem:
             self._fail(node, f"a value that YAML cannot read: {problem}", None)
-        except RecursionError:
-            self._fail(node, "a value that is nested too deep", None)
-        finally:
-            loader.dispose()
+
+
+def _is_number(value: Any) -> bool:
+    # Finite also as a float, which integers of 400 digits are not.
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        return False
+    return abs(value) <= sys.float_info.max
 
 
 def _kind(node: yaml.Node) -> str:

@@ -1,0 +1,51 @@
+"""XML of other people: read without document types, and within limits of depth and number."""
+
+from __future__ import annotations
+
+from xml.etree.ElementTree import Element, ParseError, TreeBuilder, XMLParser
+
+MAX_DEPTH = 100
+MAX_ELEMENTS = 200_000
+MAX_LENGTH = 20_000_000  # bytes or characters
+
+
+def parse_xml(
+    text: str | bytes, *, length: int = MAX_LENGTH, elements: int = MAX_ELEMENTS, depth: int = MAX_DEPTH
+) -> Element:
+    """Return the root element of a document.
+
+    Raises ValueError, whose text says why: not well-formed, a document type (which entities need), more characters
+    than `length`, more elements than `elements`, or elements nested deeper than `depth`.
+    """
+    if len(text) > length:
+        raise ValueError(f"{len(text):,} characters, expected at most {length:,}")
+    parser = XMLParser(target=_Builder(elements, depth))  # noqa: S314 - the builder refuses document types
+    try:
+        parser.feed(text)
+        root: Element = parser.close()
+    except (ParseError, LookupError, AssertionError) as problem:  # LookupError: an encoding that Python does not know
+        raise ValueError(str(problem)) from None
+    return root
+
+
+class _Builder(TreeBuilder):
+    def __init__(self, elements: int, depth: int) -> None:
+        super().__init__()
+        self._elements, self._depth = elements, depth
+        self._seen = self._open = 0
+
+    def start(self, tag: str, attrs: dict[str, str], /) -> Element:
+        self._seen += 1
+        self._open += 1
+        if self._seen > self._elements:
+            raise ValueError(f"more than {self._elements:,} elements")
+        if self._open > self._depth:
+            raise ValueError(f"nested deeper than {self._depth} levels")
+        return super().start(tag, attrs)
+
+    def end(self, tag: str, /) -> Element:
+        self._open -= 1
+        return super().end(tag)
+
+    def doctype(self, *_: str | None) -> None:
+        raise ValueError("a document type, expected XML without one")

@@ -1,0 +1,79 @@
+"""Users of a run: other runs that have joined it, and pages, as files in its control folder.
+
+They note themselves there, and a run's program with the terminal, which finds the folder in `FOLDER_VARIABLE`, reads them.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterable
+from contextlib import suppress
+from pathlib import Path
+
+FOLDER_VARIABLE = "UR_RUN_FOLDER"
+"""The environment variable with the control folder of the run, where a program of the run takes the terminal."""
+
+PAGE = "a page"
+"""The name of the pages of a server, as a user of a run."""
+
+_USERS = "users"
+_MOST_CHARACTERS = 200
+_MOST_USERS = 100
+
+
+def note_user(folder: str, name: str) -> None:
+    """Note that this process uses a run, under a name for people. Raises OSError: the run has ended."""
+    users = Path(folder, _USERS)
+    users.mkdir(mode=0o700, exist_ok=True)
+    unfinished = users / f".{os.getpid()}"
+    unfinished.write_text(f"{os.getpid()} {read_birth(os.getpid())} {name}", encoding="utf-8")
+    unfinished.replace(_file(folder, name))
+
+
+def forget_user(folder: str, name: str) -> None:
+    """Remove what `note_user` has noted."""
+    with suppress(OSError):
+        _file(folder, name).unlink(missing_ok=True)
+
+
+def list_users(folder: str) -> list[str]:
+    """The names of the processes that use a run and are alive, each once."""
+    try:
+        files = sorted(Path(folder, _USERS).iterdir())[:_MOST_USERS]
+    except OSError:
+        return []
+    found = {name for name in map(_read_user, files) if name}
+    return sorted(found, key=lambda name: (name == PAGE, name))
+
+
+def describe_users(names: Iterable[str]) -> str:
+    """The clause that these use the robot; empty for none."""
+    known = list(names)
+    if len(known) < 2:
+        return f"{known[0]} uses this robot" if known else ""
+    return f"{', '.join(known[:-1])} and {known[-1]} use this robot"
+
+
+def read_birth(pid: int) -> int | None:
+    """Read a process's start time in clock ticks since boot (field 22 of /proc/PID/stat, proc(5)); None: no process."""
+    try:
+        with open(f"/proc/{pid}/stat", "rb") as file:  # noqa: PTH123 - as a path it takes longer, and it is read often
+            words = file.read().rpartition(b")")[2].split()
+    except OSError:
+        return None
+    return None if words[0] in (b"Z", b"X") else int(words[19])
+
+
+def _read_user(file: Path) -> str:
+    """The name of a user that is alive; '' for any other file."""
+    try:
+        with file.open(encoding="utf-8") as opened:
+            pid, born, name = opened.read(_MOST_CHARACTERS).split(" ", 2)
+        return name if read_birth(int(pid)) == int(born) else ""
+    except (OSError, ValueError):
+        return ""
+
+
+def _file(folder: str, name: str) -> Path:
+    return Path(folder, _USERS, f"{re.sub(r'[^A-Za-z0-9._-]', '_', name)[:80]}.{os.getpid()}")
