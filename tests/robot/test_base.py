@@ -96,6 +96,15 @@ def test_unknown_variant_names_those_there_are() -> None:
         ("front: [-0.7854, 0.7854]", "front: [0.7854, -0.7854]", "front: [0.7854, -0.7854] in a base file, sensors, b"),
         ("front: [-0.7854, 0.7854]", "front: [0, 9]", "expected the angles from and to of a sector"),
         ("front: [-0.7854, 0.7854]", "front: 1", "expected a list of 2 numbers"),
+        ("  imu:", "  cliffs: {at: {}}\n  imu:", "at: no cliff sensor in a base file, sensors, cliffs, expected names"),
+        ("  imu:", "  cliffs: {at: {a: [0.1, 0.1]}}\n  imu:", "expected a list of 3 numbers"),
+        ("  imu:", "  cliffs: {at: {a: [0, 0, 0.1]}}\n  imu:", "expected a position away from the centre"),
+        ("  imu:", "  cliffs: {at: {a: [1, 0, -0.1]}}\n  imu:", "expected a height above the floor"),
+        (
+            "  imu:",
+            "  cliffs: {at: {a-b: [1, 0, 0.1]}}\n  imu:",
+            "frame 'cliff_a-b' in a base file, sensors, cliffs",
+        ),
         ("technology: lithium-ion", "technology: lithium", "expected one of lead-acid"),
         ("voltage_empty: 12.8", "voltage_empty: 17", "expected less than voltage_full"),
         (
@@ -160,6 +169,12 @@ def test_misspelt_key_of_a_driver_is_told_the_right_one(tmp_path: Path) -> None:
         read_base(path, "odd")
     (finding,) = caught.value.diagnostics
     assert finding.help == "did you mean 'executable' where it says 'exceutable'?"
+
+
+def test_frame_of_a_cliff_sensor_is_its_own(tmp_path: Path) -> None:
+    cliffs = "  cliffs: {at: {front: [0.1, 0, 0.02]}}\n  imu:"
+    text = GOOD.replace("frame: imu", "frame: cliff_front").replace("  imu:", cliffs)
+    assert "frame 'cliff_front' in a base file, sensors, imu is taken by cliffs" in read_text(tmp_path, text)
 
 
 def test_outline_that_goes_round_clockwise_is_refused(tmp_path: Path) -> None:

@@ -6,7 +6,9 @@ from pathlib import Path
 import pytest
 
 from ur.request.environment import PACKAGE
-from ur.robot.base.search import find_base_package, list_base_packages
+from ur.robot.base import load_base
+from ur.robot.base.search import MARKER, find_base_package, list_base_packages
+from ur.source.diagnostic import UserError
 
 
 @pytest.fixture
@@ -34,3 +36,17 @@ def test_folder_that_is_no_workspace_adds_nothing(prefix: Path) -> None:
     (prefix / ".catkin").unlink()
     assert list_base_packages(PACKAGE, {"CMAKE_PREFIX_PATH": str(prefix)}) == (PACKAGE,)
     assert list_base_packages(PACKAGE, {}) == (PACKAGE,)
+
+
+@pytest.mark.parametrize("name", ["../../outside", "/outside", "..", ".", "", "in/side", "a\0b"])
+def test_path_is_no_name_of_a_base(tmp_path: Path, name: str) -> None:
+    package = tmp_path / "package"
+    for folder in (package / "bases/in/side", tmp_path / "outside", package, package / "bases"):
+        folder.mkdir(parents=True, exist_ok=True)
+        (folder / "base.yaml").write_bytes((PACKAGE / "bases/stage/base.yaml").read_bytes())
+    with pytest.raises(UserError, match="unknown base"):
+        load_base(package, name)
+    (tmp_path / MARKER).touch()
+    added = tmp_path / "share/package"
+    shutil.copytree(package, added)
+    assert find_base_package(package, name, {"CMAKE_PREFIX_PATH": str(tmp_path)}) == package

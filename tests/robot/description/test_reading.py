@@ -138,9 +138,9 @@ def test_joint_limit_that_nobody_set_is_not_taken_for_a_speed() -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("<robot>", "not well-formed XML"),
+        ("<robot>", "cannot be read as a URDF: no element found"),
         ("<sdf/>", "begins with <sdf>, expected a URDF"),
-        ('<!DOCTYPE r [<!ENTITY a "b">]><robot/>', "has a document type"),
+        ('<!DOCTYPE r [<!ENTITY a "b">]><robot/>', "a document type, expected XML without one"),
         ("<robot/>", "no link, expected"),
         ("<robot><material name='a'/><kobuki/></robot>", "no link, and <kobuki> is not an element of URDF"),
         ('<robot><link name="a"/><link name="b"/></robot>', "2 links without a parent"),

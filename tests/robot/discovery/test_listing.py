@@ -102,6 +102,21 @@ def test_robot_that_announces_its_former_name_is_listed_by_the_present_one() -> 
     assert row.help == "ur robot setup eve.local --name eve"
 
 
+@pytest.mark.parametrize("answer", [Answer(), Answer(refused="host key unknown"), Answer(known_as="carol")])
+def test_stranger_with_the_name_of_a_known_robot_is_not_proposed_for_a_set_up(answer: Answer) -> None:
+    (row,) = list_robots([Sighting("evil", "bob", ("10.0.0.66",))], [Record("bob", "ros", "magni")], {"evil": answer})
+    assert row.name == "evil"
+    assert "has not shown the host key of bob" in row.problem
+    assert "setup" not in row.help
+
+
+@pytest.mark.parametrize("known_as", ["bob", "eve"])
+def test_known_robot_by_another_name_is_proposed_for_a_set_up(known_as: str) -> None:
+    sighting, record = Sighting("eve", "bob", ("10.0.0.2",)), Record("bob", "ros", "magni")
+    (row, *_) = list_robots([sighting], [record], {"eve": Answer(known_as=known_as)})
+    assert row.help == "ur robot setup eve.local --name eve"
+
+
 def test_robot_that_another_computer_renamed_is_said_to_be_known_by_its_former_name() -> None:
     (row,) = list_robots([Sighting("eve", "eve", ("10.0.0.2",))], [], {"eve": Answer(known_as="bob")})
     assert row.problem == "eve was renamed: this computer knows it as bob"

@@ -110,3 +110,24 @@ def test_folder_that_may_not_be_written_is_named(tmp_path: Path) -> None:
     source = pack(tmp_path / "source", "none")
     with pytest.raises(UserError, match="cannot be written"), copied_image(source, tmp_path / "no/x", silent):
         pass
+
+
+@pytest.mark.parametrize("mode", [0o444, 0o644, 0o666])
+def test_only_the_user_may_read_a_copy_from_its_first_byte_on(tmp_path: Path, mode: int) -> None:
+    source, target = pack(tmp_path / "source", "none"), tmp_path / "x.img"
+    source.chmod(mode)
+    target.touch()
+    target.chmod(mode)
+    modes: set[int] = set()
+
+    def observe(done: int, total: int) -> None:  # noqa: ARG001 - Progress
+        modes.update(each.stat().st_mode & 0o777 for each in tmp_path.glob(".x.img.*"))
+
+    before = os.umask(0)
+    try:
+        with copied_image(source, target, observe) as (_, finish):
+            finish()
+    finally:
+        os.umask(before)
+    assert modes == {0o600}
+    assert target.stat().st_mode & 0o777 == 0o600

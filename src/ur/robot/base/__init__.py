@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from ur.robot.base.files import list_bases, list_variants, load_base, read_base
 from ur.robot.base.model import Base, Battery, Caster, Driver, Limits, Odometry, Wheels
-from ur.robot.base.sensors import Bumper, Bumpers, Camera, Imu, Lidar, Sonar, Sonars
+from ur.robot.base.sensors import Bumper, Bumpers, Camera, Cliff, Cliffs, Imu, Lidar, Sonar, Sonars
 
 __all__ = [
     "Base",
@@ -18,6 +18,8 @@ __all__ = [
     "Bumpers",
     "Camera",
     "Caster",
+    "Cliff",
+    "Cliffs",
     "Driver",
     "Imu",
     "Lidar",

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from ur.robot.base.model import Base
 from ur.robot.base.reader import read_whole
+from ur.robot.base.search import is_base_name
 from ur.source.diagnostic import UserError, error
 from ur.source.section import read_section
 from ur.source.suggest import did_you_mean
@@ -19,20 +20,23 @@ def list_bases(package: str | Path) -> tuple[str, ...]:
 def load_base(package: str | Path, name: str, variant: str = "") -> Base:
     """Read a base of a launch package. Raises UserError: no such base or variant (did you mean), or a bad file."""
     path = Path(package) / "bases" / name / "base.yaml"
-    if not name or not path.is_file():
+    if not is_base_name(name) or not path.is_file():
         names = list_bases(package)
         near = did_you_mean(name, names)
         raise UserError(
             error(
                 f"unknown base {name!r}, expected one of {', '.join(names) or '(no base found)'}",
                 rule="unknown-base",
-                help=f"did you mean {near!r}?"
-                if near
-                else f"a base is a folder with a base.yaml in {path.parent.parent}",
+                help=f"did you mean {near!r}?" if near else _how_to_make(name),
                 subject=name,
             )
         )
     return read_base(path, name, variant)
+
+
+def _how_to_make(name: str) -> str:
+    shown = name if name.isascii() and name.isidentifier() else "NAME"
+    return f"make it from the robot's URDF: ur new base {shown} --from FILE --workspace FOLDER"
 
 
 def read_base(path: str | Path, name: str, variant: str = "") -> Base:

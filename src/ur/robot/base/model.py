@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ur.robot.base.sensors import Bumpers, Camera, Imu, Lidar, Sonars
+from ur.robot.base.sensors import Bumpers, Camera, Cliffs, Imu, Lidar, Sonars
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,6 +117,7 @@ class Base:
     raspicam: Camera | None = None
     sonars: Sonars | None = None
     bumpers: Bumpers | None = None
+    cliffs: Cliffs | None = None
     imu: Imu | None = None
     battery: Battery | None = None
     driver: Driver | None = None

@@ -36,6 +36,7 @@ def read_whole(top: Section, name: str, variant: str) -> Base:
         raspicam=sensors.raspicam,
         sonars=sensors.sonars,
         bumpers=sensors.bumpers,
+        cliffs=sensors.cliffs,
         imu=sensors.imu,
         battery=_battery(part) if (part := top.optional_section("battery")) else None,
         driver=_driver("base", part) if (part := top.optional_section("driver")) else None,

@@ -14,6 +14,11 @@ from pathlib import Path
 MARKER = ".catkin"
 
 
+def is_base_name(name: str) -> bool:
+    """Return whether a text can name a base: one folder below `bases/`, and no path."""
+    return bool(name) and "/" not in name and "\0" not in name and name not in (".", "..")
+
+
 def list_base_packages(package: Path, environment: Mapping[str, str]) -> tuple[Path, ...]:
     """The folders whose `bases/` belong to a launch package: its own and those that workspaces add, in order."""
     prefixes = [Path(prefix) for prefix in environment.get("CMAKE_PREFIX_PATH", "").split(os.pathsep) if prefix]
@@ -26,6 +31,6 @@ def find_base_package(package: Path, name: str, environment: Mapping[str, str]) 
     found = (
         folder
         for folder in list_base_packages(package, environment)
-        if name and (folder / "bases" / name / "base.yaml").is_file()
+        if is_base_name(name) and (folder / "bases" / name / "base.yaml").is_file()
     )
     return next(found, package)

@@ -6,11 +6,12 @@ import math
 import re
 from dataclasses import dataclass
 
-from ur.robot.base.sensors import Bumper, Bumpers, Camera, Imu, Lidar, Sonar, Sonars
+from ur.robot.base.sensors import Bumper, Bumpers, Camera, Cliff, Cliffs, Imu, Lidar, Sonar, Sonars
 from ur.source.section import Section
 
-SENSORS = ("lidar", "raspicam", "sonars", "bumpers", "imu")
+SENSORS = ("lidar", "raspicam", "sonars", "bumpers", "cliffs", "imu")
 _BODY_FRAMES = ("base_footprint", "base_link", "left_wheel", "right_wheel")
+_CENTRE = 0.01  # m
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,6 +22,7 @@ class Sensors:
     raspicam: Camera | None = None
     sonars: Sonars | None = None
     bumpers: Bumpers | None = None
+    cliffs: Cliffs | None = None
     imu: Imu | None = None
 
 
@@ -34,6 +36,7 @@ def read_sensors(part: Section | None) -> Sensors:
         raspicam=_camera(own, frames) if (own := part.optional_section("raspicam")) else None,
         sonars=_sonars(own, frames) if (own := part.optional_section("sonars")) else None,
         bumpers=_bumpers(own) if (own := part.optional_section("bumpers")) else None,
+        cliffs=_cliffs(own, frames) if (own := part.optional_section("cliffs")) else None,
         imu=_imu(own, frames) if (own := part.optional_section("imu")) else None,
     )
     part.finish()
@@ -123,6 +126,28 @@ def _bumper(places: Section, name: str) -> Bumper:
             "the second angle is greater than the first: a sector across the back is [2.8, 3.5]",
         )
     return Bumper(name, start, end)
+
+
+def _cliffs(part: Section, frames: dict[str, str]) -> Cliffs:
+    places = part.section("at")
+    if not places.keys:
+        part.fail("at", f"at: no cliff sensor in {part.name}, expected names with their positions")
+    cliffs = Cliffs(
+        topic=read_topic(part, "cliff"), at=tuple(Cliff(name, places.numbers(name, 3)) for name in places.keys)
+    )
+    for cliff in cliffs.at:
+        _claim(places, cliff.name, cliff.frame, frames, "cliffs")
+        x, y, z = cliff.position
+        if math.hypot(x, y) < _CENTRE:
+            places.fail(
+                cliff.name,
+                f"{cliff.name}: x {x:g}, y {y:g} in {places.name}, expected a position away from the centre",
+                "the robot stops in the direction of the sensor",
+            )
+        if z < 0.0:
+            places.fail(cliff.name, f"{cliff.name}: z {z:g} in {places.name}, expected a height above the floor")
+    part.finish()
+    return cliffs
 
 
 def _imu(part: Section, frames: dict[str, str]) -> Imu:

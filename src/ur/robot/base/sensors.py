@@ -99,6 +99,32 @@ class Bumpers:
 
 
 @dataclass(frozen=True, slots=True)
+class Cliff:
+    """A sensor that looks straight down from `position` (x, y, z in `base_footprint`)."""
+
+    name: str
+    position: tuple[float, ...]
+
+    @property
+    def frame(self) -> str:
+        """Its x axis points down."""
+        return f"cliff_{self.name}"
+
+    @property
+    def direction(self) -> float:
+        """The angle of the sensor as seen from `base_footprint`, rad."""
+        return math.atan2(self.position[1], self.position[0])
+
+
+@dataclass(frozen=True, slots=True)
+class Cliffs:
+    """The sensors of a floor that ends (std_msgs/Bool, a topic each), in the order of the file."""
+
+    topic: str
+    at: tuple[Cliff, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class Imu:
     """An inertial sensor (sensor_msgs/Imu): standard deviations per reading, rad/s and m/s^2; `rate` a second."""
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ur.robot.base import Base, Camera, Imu, Lidar, Sonar
+from ur.robot.base import Base, Camera, Cliff, Imu, Lidar, Sonar
 
 _COLOURS = {
     "body": "0.16 0.45 0.70 1",
@@ -42,6 +42,8 @@ def write_urdf(base: Base, mesh: str) -> str:
         lines += _camera(base, base.raspicam)
     for sonar in base.sonars.at if base.sonars else ():
         lines += _sonar(base, sonar)
+    for cliff in base.cliffs.at if base.cliffs else ():
+        lines += _cliff(base, cliff)
     if base.imu:
         lines += _imu(base, base.imu)
     lines.append("</robot>")
@@ -102,6 +104,12 @@ def _sonar(base: Base, sonar: Sonar) -> Iterator[str]:
         )
     yield from _link(sonar.frame, parts)
     yield from _mount(base, sonar.frame, sonar.pose)
+
+
+def _cliff(base: Base, cliff: Cliff) -> Iterator[str]:
+    """A small window that looks down."""
+    yield from _link(cliff.frame, _visual('<box size="0.004 0.012 0.008"/>', "sensor", (-0.002, 0.0, 0.0)))
+    yield from _mount(base, cliff.frame, (*cliff.position, 0.0, 1.570796, 0.0))
 
 
 def _imu(base: Base, imu: Imu) -> Iterator[str]:

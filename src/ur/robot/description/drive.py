@@ -84,10 +84,13 @@ def find_drive(description: Description) -> Drive:
         if w.joint.child not in chosen and w.z - (w.radius or 0.0) <= axle  # else it is a joint of an arm
     ]
     known = {contact.link for contact in others}
+    children = description.children()
     for name, link in links.items():
         solid = link.collision or link.visual or link.meshes
-        alone = name not in known | chosen and not _has_wheel_below(description, name, known)
-        if _CASTER.search(name) and solid and alone and _lowest(link, places[name]) <= axle:
+        alone = name not in known and name not in chosen
+        if not solid or not alone or not _CASTER.search(name) or _has_wheel_below(children, name, known):
+            continue
+        if _lowest(link, places[name]) <= axle:
             others.append(Contact(name, places[name].at[0], places[name].at[1], _size(link)[0]))
     return Drive(sides[0], sides[1], tuple(others))
 
@@ -240,14 +243,15 @@ def _names_caster(joint: Joint) -> bool:
 
 def _swivels(description: Description, places: Mapping[str, Pose]) -> set[str]:
     """Links that turn with an upright axle, or hang on such links: what belongs to a swivelling caster."""
+    children = description.children()
+    turning = [joint for joint in description.joints if joint.kind in ("continuous", "revolute")]
+    left = [joint.child for joint in turning if _is_upright(joint, places)]
     found: set[str] = set()
-    by_child = {joint.child: joint for joint in description.joints}
-    for link in description.links:
-        path = [link.name]
-        while (joint := by_child.get(path[-1])) is not None:
-            if joint.kind in ("continuous", "revolute") and _is_upright(joint, places):
-                found.update(path)
-            path.append(joint.parent)
+    while left:
+        name = left.pop()
+        if name not in found:
+            found.add(name)
+            left += children.get(name, ())
     return found
 
 
@@ -255,22 +259,23 @@ def find_steering(description: Description, drive: Drive) -> tuple[str, ...]:
     """The joints that steer wheels, as those of a car do: upright, with an end to their turn, and no casters'."""
     places = description.places()
     wheels = {wheel.joint.child for wheel in drive.wheels} | {contact.link for contact in drive.casters}
+    children = description.children()
     return tuple(
         joint.name
         for joint in description.joints
         if joint.kind == "revolute"
         and _is_upright(joint, places)
         and not _names_caster(joint)
-        and wheels & {each.child for each in description.joints if each.parent == joint.child}
+        and wheels.intersection(children.get(joint.child, ()))
     )
 
 
-def _has_wheel_below(description: Description, name: str, wheels: set[str]) -> bool:
+def _has_wheel_below(children: Mapping[str, list[str]], name: str, wheels: set[str]) -> bool:
     """Return whether a link carries a wheel, as the fork of a caster does."""
-    below, left = set(), [name]
+    left = [name]
     while left:
-        own = left.pop()
-        children = [joint.child for joint in description.joints if joint.parent == own]
-        below.update(children)
-        left += children
-    return bool(below & wheels) or any(_CASTER.search(child) for child in below)
+        for child in children.get(left.pop(), ()):
+            if child in wheels or _CASTER.search(child):
+                return True
+            left.append(child)
+    return False

@@ -2,37 +2,39 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 
+from ur.robot.description.expansion.xacro import Computer, read_description
 from ur.robot.description.model import Description
 from ur.robot.description.parse import parse_urdf
-from ur.robot.description.xacro import read_description
+from ur.robot.description.surroundings import Surroundings
 
 
 @dataclass(frozen=True, slots=True)
 class Loaded:
-    """A description, and the packages that its xacro file includes files from and that are not here."""
+    """A description, the packages that its xacro file includes files from and that are not here, and what is not read.
+
+    `outside` are the meshes that are not read, since they lie outside of the description and of all packages.
+    """
 
     description: Description
     missing: tuple[str, ...] = ()
+    outside: tuple[str, ...] = ()
 
 
-def load_description(
-    path: Path,
-    environment: Mapping[str, str],
-    packages: Callable[[], Mapping[str, str]],
-    arguments: Sequence[str] = (),
-) -> Loaded:
+def load_description(path: Path, around: Surroundings, computer: Computer, arguments: Sequence[str] = ()) -> Loaded:
     """Read a URDF or xacro file, and its meshes. Raises UserError.
 
-    `packages` finds the folders of packages by name; it is called at most once. `arguments` are those of xacro.
+    `around` are the surroundings of the file; `arguments` are those of xacro. The packages of `computer` are found at
+    most once.
     """
     from ur.robot.description.meshes import measure_meshes  # numpy
 
-    find_packages = cache(packages)
-    expanded = read_description(path, environment, find_packages, arguments)
+    computer = replace(computer, packages=cache(computer.packages))
+    expanded = read_description(path, around, computer, arguments)
     description = parse_urdf(expanded.text, str(path))
-    return Loaded(measure_meshes(description, path, find_packages), expanded.missing)
+    measured, outside = measure_meshes(description, around, computer.packages)
+    return Loaded(measured, expanded.missing, outside)

@@ -108,6 +108,13 @@ class Description:
     drive: DrivePlugin | None = None
     sideways: bool = False
 
+    def children(self) -> dict[str, list[str]]:
+        """The links below each link that has any, in the order of the joints."""
+        children: dict[str, list[str]] = {}
+        for joint in self.joints:
+            children.setdefault(joint.parent, []).append(joint.child)
+        return children
+
     def places(self) -> dict[str, Pose]:
         """The pose of each link in the root link, with every joint at zero."""
         by_parent: dict[str, list[Joint]] = {}

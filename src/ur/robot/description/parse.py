@@ -4,35 +4,35 @@ from __future__ import annotations
 
 import math
 import re
+import shlex
 from collections.abc import Iterable, Iterator, Sequence
 from typing import NoReturn
-from xml.etree import ElementTree
+from xml.etree.ElementTree import Element
 
 from ur.robot.description.gazebo import drives_sideways, read_drive, read_sensors
 from ur.robot.description.model import Description, Inertia, Joint, Link, Mesh, Shape
 from ur.robot.description.numbers import MOST, read_numbers
 from ur.robot.description.pose import Pose, Vector, make_pose
 from ur.source.diagnostic import UserError, error
-
-Element = ElementTree.Element
+from ur.source.foreign.xml_text import parse_xml
 
 _KINDS = ("fixed", "continuous", "revolute", "prismatic", "floating", "planar")
+_XACRO = re.compile(r"\{[^}]*xacro/?\}")
 _ELEMENTS = frozenset({"material", "link", "joint", "transmission", "gazebo", "sensor", "plugin"})
-_LONGEST = 20_000_000  # characters
+_LONGEST = 5_000_000  # characters; a large robot has some 500,000
+_MOST = 2000  # links, joints
+_MOST_SHAPES = 20_000
 
 
 def parse_urdf(text: str, path: str) -> Description:
     """Read a URDF; `path` names it in errors. Entities are refused: a description has no use for them."""
-    if len(text) > _LONGEST:
-        _fail(path, f"{len(text)} characters, expected a URDF of at most {_LONGEST}")
-    if re.search(r"<!(DOCTYPE|ENTITY)", text):
-        _fail(path, "has a document type, expected a URDF without one", "remove <!DOCTYPE ...> and its entities")
     try:
-        root = ElementTree.fromstring(text.lstrip("\ufeff \t\r\n"))  # noqa: S314 - without a document type there are no entities
-    except (ElementTree.ParseError, ValueError) as problem:
-        _fail(path, f"not well-formed XML, expected a URDF: {problem}")
+        root = parse_xml(text.lstrip("\ufeff \t\r\n"), length=_LONGEST)
+    except ValueError as problem:
+        _fail(path, f"cannot be read as a URDF: {problem}")
     if root.tag != "robot":
         _fail(path, f"begins with <{root.tag}>, expected a URDF, which begins with <robot>")
+    _check_counts(path, root)
     links = tuple(_link(path, element) for element in root.findall("link"))
     if not links:
         _fail_without_links(path, root)
@@ -50,7 +50,19 @@ def parse_urdf(text: str, path: str) -> Description:
     )
 
 
-def _fail_without_links(path: str, root: ElementTree.Element) -> NoReturn:
+def _check_counts(path: str, root: Element) -> None:
+    for name, most in (("link", _MOST), ("joint", _MOST), ("gazebo", 2 * _MOST)):
+        if (count := len(root.findall(name))) > most:
+            _fail(path, f"{count:,} elements <{name}>, expected at most {most:,}")
+    if (count := len(root.findall("link/*/geometry/*"))) > _MOST_SHAPES:
+        _fail(path, f"{count:,} shapes and meshes, expected at most {_MOST_SHAPES:,}")
+    called = next((str(each.tag) for each in root.iter() if _XACRO.match(str(each.tag))), "")
+    if called and not path.endswith(".xacro"):
+        message = f"uses xacro (<xacro:{called.rpartition('}')[2]}>), and its name does not end with .xacro"
+        _fail(path, message, f"cp {shlex.quote(path)} {shlex.quote(path)}.xacro, and give that file, to expand it")
+
+
+def _fail_without_links(path: str, root: Element) -> NoReturn:
     # xacro of ROS Indigo and before called macros without their prefix; that of today leaves such a call as it is.
     calls = [each.tag for each in root if isinstance(each.tag, str) and each.tag not in _ELEMENTS]
     if not calls:
@@ -68,11 +80,13 @@ def _find_root(path: str, links: Sequence[Link], joints: Sequence[Joint]) -> str
             if name in seen:
                 _fail(path, f"{what} {name!r} is given twice, expected a tree of links")
             seen.add(name)
+    known = set(names)
     for joint in joints:
         for name in (joint.parent, joint.child):
-            if name not in names:
+            if name not in known:
                 _fail(path, f"joint {joint.name!r} names link {name!r}, which does not exist")
-    roots = [name for name in names if name not in set(children)]
+    held = set(children)
+    roots = [name for name in names if name not in held]
     if len(roots) != 1:
         _fail(
             path,

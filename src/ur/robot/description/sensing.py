@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Mapping
+from collections import deque
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -81,7 +82,7 @@ def _simulated(description: Description) -> Iterator[FoundSensor]:
         kind = _kind(sensor)
         if kind is not None:
             pose = places[sensor.link].then(sensor.pose)
-            frame = (_optical_child(description, sensor.link) if kind == "camera" else None) or sensor.link
+            frame = (_optical_child(description.children(), sensor.link) if kind == "camera" else None) or sensor.link
             yield FoundSensor(kind, sensor.link, frame, pose, f"gazebo sensor on {sensor.link}", sensor)
 
 
@@ -103,6 +104,7 @@ def _kind(sensor: GazeboSensor) -> Kind | None:
 
 def _named(description: Description) -> Iterator[FoundSensor]:
     places = description.places()
+    children = description.children()
     movable = {joint.child for joint in description.joints if joint.kind != "fixed"}
     for kind, pattern in _NAMES.items():
         matching = [link.name for link in description.links if pattern.search(link.name) and link.name not in movable]
@@ -113,22 +115,20 @@ def _named(description: Description) -> Iterator[FoundSensor]:
             if kind == "camera":
                 if _OPTICAL.search(name):  # z ahead and x right (REP 103): turned back to x ahead
                     pose = pose.then(make_pose((0.0, 0.0, 0.0), (0.0, -math.pi / 2.0, math.pi / 2.0)))
-                frame = _optical_child(description, name) or name
+                frame = _optical_child(children, name) or name
             elif kind == "sonar" and _has_ancestor(description, name, set(matching)):
                 continue
             yield FoundSensor(kind, name, frame, pose, f"link {name}, by its name")
 
 
-def _optical_child(description: Description, link: str) -> str | None:
+def _optical_child(children: Mapping[str, Sequence[str]], link: str) -> str | None:
     """The first optical frame below a link."""
-    left = [link]
+    left = deque([link])
     while left:
-        parent = left.pop(0)
-        for joint in description.joints:
-            if joint.parent == parent:
-                if _OPTICAL.search(joint.child):
-                    return joint.child
-                left.append(joint.child)
+        for child in children.get(left.popleft(), ()):
+            if _OPTICAL.search(child):
+                return child
+            left.append(child)
     return None
 
 

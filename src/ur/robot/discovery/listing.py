@@ -95,7 +95,11 @@ def list_robots(
     heard = sorted(sightings, key=lambda one: (one.name, one.host))
     there = [one for one in heard if said.get(one.host, Answer()).answers is not False]
     names = [one.name for one in there]
-    rows = [_row(one, names.count(one.name) > 1, said.get(one.host, Answer())) for one in there]
+    recorded = {record.name for record in records}
+    rows = [
+        _row(one, names.count(one.name) > 1, said.get(one.host, Answer()), is_recorded=one.name in recorded)
+        for one in there
+    ]
     known = {
         **{one.name: Record(one.name, one.user, one.base, one.variant) for one in heard},
         **{record.name: record for record in records},
@@ -118,14 +122,19 @@ def choose_rows(rows: Sequence[Row], names: Collection[str]) -> list[Row]:
     return [*chosen, *(Row(name, "") for name in missing)]
 
 
-def _row(one: Sighting, twice: bool, answer: Answer) -> Row:
+def _row(one: Sighting, twice: bool, answer: Answer, *, is_recorded: bool) -> Row:
     problem = help = ""
     name = one.name
     where = one.address or ", ".join(one.addresses)
     if not twice and one.host != one.name and not re.fullmatch(rf"{re.escape(one.name)}-\d+", one.host):
         name = one.host
-        problem = f"{name} announces its former name, {one.name}"
-        help = f"ur robot setup {name}.local --name {name}"
+        if is_recorded and answer.known_as not in (one.name, one.host):
+            # Anybody may announce the name of a known robot: a stranger is not proposed for a set-up.
+            problem = f"{name} announces the name of {one.name}, and has not shown the host key of {one.name}"
+            help = "is it yours? compare, at its own screen: ssh-keygen -lf /etc/ssh/ssh_host_ed25519_key.pub"
+        else:
+            problem = f"{name} announces its former name, {one.name}"
+            help = f"ur robot setup {name}.local --name {name}"
     elif twice or one.host != one.name:
         problem = f"two computers are called {one.name}: this one ({where}) answers to {one.host}.local"
         # The one that kept the name may keep it.

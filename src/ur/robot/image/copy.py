@@ -6,7 +6,6 @@ import bz2
 import gzip
 import lzma
 import os
-import shutil
 import zipfile
 import zlib
 from collections.abc import Callable, Iterator
@@ -38,6 +37,7 @@ def packing_of(path: Path) -> str | None:
 def copied_image(source: Path, target: Path, progress: Progress) -> Iterator[tuple[Path, Callable[[], None]]]:
     """A copy of an image beside `target`, unpacked; and what puts it in the place of `target`, once it is complete.
 
+    Only the user may read the copy, from its creation on and independent of the modes of `source` and `target` are.
     Without that, or when anything fails or ends this process, `target` is as it was. What a killed process left there
     is removed by the next one. Raises UserError: unreadable, damaged, no room.
     """
@@ -59,8 +59,7 @@ def copied_image(source: Path, target: Path, progress: Progress) -> Iterator[tup
 
 def _copy(source: Path, beside: Path, progress: Progress) -> None:
     try:
-        with source.open("rb") as packed, beside.open("xb") as copy:
-            shutil.copymode(source, beside)
+        with source.open("rb") as packed, open(beside, "xb", opener=_create_private) as copy:
             _copy_sparsely(_unpack(packed, source), packed, copy, progress)
     except _DAMAGE as problem:
         raise UserError(
@@ -68,6 +67,11 @@ def _copy(source: Path, beside: Path, progress: Progress) -> None:
         ) from None
     except OSError as problem:
         raise _unusable(beside.parent, "written", problem) from None
+
+
+def _create_private(path: str, flags: int) -> int:
+    # The copy gets a private host key and hashes of passwords. The image that it is made of was a public download.
+    return os.open(path, flags, 0o600)
 
 
 def _unpack(packed: IO[bytes], source: Path) -> IO[bytes]:

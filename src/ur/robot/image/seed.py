@@ -16,6 +16,7 @@ from ur.robot.robot_file import ROBOT_FILE
 from ur.robot.setup.robot_states import KEEP_NAME, Robot, announcement, robot_file
 from ur.robot.ssh.shell import quote
 from ur.source.diagnostic import UserError, error
+from ur.source.foreign.yaml_text import load_yaml
 
 MARK = "# Written by ur image prepare.\n"
 _HIDDEN = "(private key, not shown)"
@@ -224,10 +225,10 @@ def present_host_key(texts: Sequence[str], name: str) -> HostKeyPair | None:
         if MARK not in text or "ed25519_private" not in text:
             continue
         try:
-            data = yaml.safe_load(text)
+            data = load_yaml(text)
             if data["hostname"] == name:
                 return HostKeyPair(str(data["ssh_keys"]["ed25519_private"]), str(data["ssh_keys"]["ed25519_public"]))
-        except (yaml.YAMLError, LookupError, TypeError):
+        except (ValueError, LookupError, TypeError):
             continue
     return None
 

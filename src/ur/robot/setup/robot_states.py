@@ -25,7 +25,7 @@ PACKAGES = (
     *("openssh-server", "avahi-daemon", "libnss-mdns", "chrony", "xauth", "x11-apps", "rsync", "python3"),
     *("python3-rospy", "python3-roslaunch", "python3-rosmaster", "python3-rostopic", "python3-rosnode"),
     *("python3-rosparam", "python3-rosservice", "python3-rosmsg", "python3-rosgraph", "python3-message-filters"),
-    *("python3-rosbag", "python3-rosclean", "python3-roswtf", "rosout", "topic-tools"),
+    *("python3-rosbag", "python3-rosclean", "python3-roswtf", "rosout", "topic-tools", "libtopic-tools-dev"),
     *("ros-robot-state-publisher|robot-state-publisher", "iw", "catkin", "cmake", "g++", "make"),
 )
 # What programs of this project need beside these: the packages of tools/set_up.bash.

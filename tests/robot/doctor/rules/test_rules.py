@@ -129,6 +129,12 @@ def test_a_computer_alone_is_judged_by_itself() -> None:
     assert finding.commands[0].where == "here"
 
 
+def test_simulated_robot_needs_no_names_login_or_clock() -> None:
+    lone = replace(LAPTOP, active=STOPPED, disks=(Disk("/", 12.0, 0.99),))
+    assert [finding.rule for finding in diagnose_alone(lone, simulation=True)] == ["full-disk"]
+    assert {finding.rule for finding in diagnose_alone(lone)} > {"full-disk"}
+
+
 def test_nothing_is_found_where_nothing_was_seen() -> None:
     assert [finding.rule for finding in diagnose_alone(Side(""))] == ["avahi-not-running"]
 

@@ -49,6 +49,7 @@ def diagnose(pair: Pair) -> list[Finding]:
     return found
 
 
-def diagnose_alone(side: Side) -> list[Finding]:
-    """All findings about this computer by itself."""
-    return [finding for rule in RULES if isinstance(rule, SideRule) for finding in rule.check("here", side)]
+def diagnose_alone(side: Side, *, simulation: bool = False) -> list[Finding]:
+    """All findings about this computer by itself; with `simulation`, those that matter for a simulated robot."""
+    rules = [rule for rule in RULES if isinstance(rule, SideRule) and (rule.simulation or not simulation)]
+    return [finding for rule in rules for finding in rule.check("here", side)]

@@ -72,7 +72,7 @@ def check_voltage(where: Where, side: Side) -> Iterator[Finding]:  # noqa: ARG00
 
 
 RULES: tuple[Rule, ...] = (
-    SideRule({"full-disk": "hardly anything is left on a disk"}, check_disks),
-    SideRule({"low-memory": "hardly any memory is left"}, check_memory),
+    SideRule({"full-disk": "hardly anything is left on a disk"}, check_disks, simulation=True),
+    SideRule({"low-memory": "hardly any memory is left"}, check_memory, simulation=True),
     SideRule({"under-voltage": "the robot's supply is too weak"}, check_voltage),
 )

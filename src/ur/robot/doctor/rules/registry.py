@@ -11,10 +11,14 @@ from ur.robot.doctor.side import Side
 
 @dataclass(frozen=True, slots=True)
 class SideRule:
-    """A rule about one computer by itself. `kinds`: the id of each finding, and its description."""
+    """A rule about one computer by itself. `kinds`: the id of each finding, and its description.
+
+    `simulation`: it matters for a simulated robot, too; the others are about what a real robot needs.
+    """
 
     kinds: Mapping[str, str]
     check: Callable[[Where, Side], Iterable[Finding]]
+    simulation: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,0 +1,1 @@
+"""Expansion of xacro files, in a process that computes and can do nothing else."""

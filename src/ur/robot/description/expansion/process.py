@@ -1,0 +1,121 @@
+"""The process that expands a xacro file, from outside: it is given limits, and what it asks for within them."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from threading import Timer
+from typing import IO, Any
+
+SECONDS = 60  # of computing, and in all; xacro files may call themselves without end
+MEMORY = 1 << 30  # bytes of address space
+MOST_SENT = 20_000_000  # bytes of one message of the process
+MOST_READ = 100_000_000  # bytes of all files that one description includes
+MOST_QUESTIONS = 100_000
+SECCOMP = "libseccomp.so.2"  # apt depends on it, so Debian and Ubuntu always have it
+_SCRIPT = Path(__file__).with_name("confined.py")
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """The end of an expansion: `text` is the URDF, or `problem` is not empty.
+
+    `unconfined` is the reason for which the process could not be confined; nothing of the description has run then.
+    `missing` are packages that were asked for and are not there.
+    """
+
+    text: str = ""
+    problem: str = ""
+    unconfined: str = ""
+    missing: tuple[str, ...] = ()
+
+
+class Refused(Exception):  # noqa: N818 - an answer, with its reason
+    """A question of the process that is answered with a reason for not doing it."""
+
+
+Answer = Callable[[str], object]
+
+
+def expand(
+    order: Mapping[str, object],
+    answers: Mapping[str, Answer],
+    *,
+    confined: bool = True,
+) -> Outcome:
+    """Run xacro as `order` says (`library`, `file`, `folder`, `arguments`), and answer what it asks by its kind.
+
+    An answer raises Refused. Unless it is `confined`, the process has all rights of its starter.
+    """
+    child = subprocess.Popen(
+        [sys.executable, "-I", str(_SCRIPT)],
+        env={"LC_ALL": "C.UTF-8", "HOME": "/"},  # of the user, nothing
+        cwd="/",
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+    )
+    timer = Timer(SECONDS, child.kill)
+    timer.start()
+    assert child.stdin
+    assert child.stdout
+    limits = {"memory": MEMORY, "seconds": SECONDS, "seccomp": SECCOMP if confined else ""}
+    try:
+        report = _converse(child.stdin, child.stdout, {**order, **limits}, answers)
+    except (BrokenPipeError, EOFError):
+        report = {}
+    except (ValueError, KeyError, TypeError, RecursionError):
+        report = {"end": "done", "problem": "it sent what xacro does not send"}
+    finally:
+        late = not timer.is_alive()
+        timer.cancel()
+        child.kill()
+        child.wait()
+        child.stdout.close()
+        with suppress(BrokenPipeError):  # it ended before it read the last answer
+            child.stdin.close()
+    if report:
+        return _read_report(report)
+    return Outcome(problem=f"it did not finish within {SECONDS} s" if late else "it ended without a result")
+
+
+def _converse(
+    to: IO[bytes], of: IO[bytes], order: Mapping[str, object], answers: Mapping[str, Answer]
+) -> dict[str, Any]:
+    _send(to, order)
+    for _ in range(MOST_QUESTIONS):
+        line = of.readline(MOST_SENT)
+        if not line.endswith(b"\n"):
+            if len(line) == MOST_SENT:
+                return {"end": "done", "problem": f"the result is larger than {MOST_SENT:,} bytes"}
+            raise EOFError
+        message = json.loads(line)
+        if "end" in message:
+            return dict(message)
+        try:
+            _send(to, {"value": answers[message["ask"]](str(message["of"]))})
+        except Refused as reason:
+            _send(to, {"error": str(reason)})
+    return {"end": "done", "problem": f"it asked for more than {MOST_QUESTIONS:,} files and packages"}
+
+
+def _send(to: IO[bytes], fields: Mapping[str, object]) -> None:
+    to.write(json.dumps(fields).encode() + b"\n")
+    to.flush()
+
+
+def _read_report(report: Mapping[str, Any]) -> Outcome:
+    if report["end"] == "not confined":
+        return Outcome(unconfined=str(report.get("problem")) or "no reason is known")
+    problem = str(report.get("problem", ""))
+    if problem:
+        lines = str(report.get("errors", "")).strip().splitlines()
+        problem = next((line for line in lines if line.strip() not in ("", "error:")), problem)
+    missing = report.get("missing", ())
+    names = tuple(dict.fromkeys(map(str, missing))) if isinstance(missing, list) else ()
+    return Outcome(str(report.get("text", "")), problem, missing=names)

@@ -1,0 +1,187 @@
+"""The text of a URDF, which a xacro file is expanded to.
+
+xacro runs Python of the file and of the files that it includes. It does so in a process that can only compute; where
+that cannot be had, the user is asked first.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
+from itertools import islice
+from pathlib import Path
+
+from ur.robot.description.expansion.library import clean_path, find_library, find_program
+from ur.robot.description.expansion.process import MOST_READ, SECONDS, Answer, Outcome, Refused, expand
+from ur.robot.description.surroundings import Surroundings
+from ur.source.diagnostic import UserError, error
+from ur.source.file import SourceFile
+
+_MOST_FILES = 1000  # that one pattern of an include may find
+_WILD = re.compile(r"[*?\[]")
+
+Packages = Callable[[], Mapping[str, str]]
+
+
+@dataclass(frozen=True, slots=True)
+class DescriptionText:
+    """The text of a URDF, and the packages that its xacro file includes files from and that are not here."""
+
+    text: str
+    missing: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Computer:
+    """The parts of this computer that an expansion uses.
+
+    `packages` finds the folders of packages by name, and is called for xacro files only. `made` is the folder of the
+    packages that `ur get` makes. `consent` is asked, with what would run, where xacro cannot be confined.
+    """
+
+    environment: Mapping[str, str]
+    packages: Packages
+    made: Path
+    consent: Callable[[str], bool]
+
+
+def read_description(
+    path: Path, around: Surroundings, computer: Computer, arguments: Sequence[str] = ()
+) -> DescriptionText:
+    """Read a URDF file; a file named `.xacro` is expanded, with the defaults of all but the given arguments.
+
+    `arguments` are NAME:=VALUE. Raises UserError.
+    """
+    text = SourceFile.read(path, expected="a URDF or xacro file").text
+    if path.suffix == ".xacro":
+        return _expand(path, around, computer, arguments)
+    if arguments:
+        message = f"'{path}' is no xacro file, which takes no argument {arguments[0]!r}"
+        help_ = "leave it out, or give the file a name that ends with .xacro"
+        raise UserError(error(message, rule="bad-value", help=help_, subject=arguments[0]))
+    return DescriptionText(text)
+
+
+def _expand(path: Path, around: Surroundings, computer: Computer, arguments: Sequence[str]) -> DescriptionText:
+    library = find_library(computer.made, around)
+    if library is None:
+        outcome = _run_program(path, around, computer, arguments)
+    else:
+        order = {
+            "library": library,
+            "file": str(around.file),
+            "folder": str(Path.cwd()),
+            "arguments": list(arguments),
+        }
+        answers = _list_answers(around, computer)
+        outcome = expand(order, answers)
+        if outcome.unconfined:
+            _ask(path, f"xacro cannot be confined here ({outcome.unconfined})", computer)
+            outcome = expand(order, answers, confined=False)
+    if not outcome.problem:
+        return DescriptionText(outcome.text, outcome.missing)
+    reason = re.sub(r"\x1b\[[0-9;]*m", "", outcome.problem)
+    message = f"xacro cannot expand '{path}': {reason[:300]}"
+    gone = " ".join(outcome.missing)
+    help_ = "source the setup.bash of the workspace that holds the packages it names"
+    help_ = f"ur get {gone}, or {help_}" if gone else help_
+    wanted = re.search(r"Undefined substitution argument (\w+)", reason)
+    if wanted and wanted[1] not in [each.partition(":=")[0] for each in arguments]:
+        help_ = f"its argument has no default: add {wanted[1]}:=VALUE to the command"
+    raise UserError(error(message, rule="bad-xacro", help=help_, subject=str(path), reason=reason))
+
+
+def _ask(path: Path, why: str, computer: Computer, help_: str = "") -> None:
+    what = f"{why}, so Python in '{path}' and in the files that it includes would run with all your rights"
+    if not computer.consent(what):
+        help_ = (
+            help_ or "read these files and answer y in a terminal, or give the URDF that xacro makes of it elsewhere"
+        )
+        raise UserError(error(f"did not expand '{path}': {what}", rule="not-confined", help=help_, subject=str(path)))
+
+
+def _run_program(path: Path, around: Surroundings, computer: Computer, arguments: Sequence[str]) -> Outcome:
+    """Run the program xacro, which is not confined, if the user wants it."""
+    program, refused = find_program(computer.environment, around)
+    if program is None:
+        message = f"cannot expand '{path}': there is no xacro on this computer"
+        if refused:
+            message += f", beside '{refused[0]}', which others may have put there"
+        help_ = "run 'ur get xacro', or give the URDF that xacro makes of it elsewhere"
+        raise UserError(error(message, rule="no-xacro", help=help_, subject=str(path)))
+    help_ = "run 'ur get xacro', which installs a xacro that can be confined"
+    _ask(path, f"the program '{program}' cannot be confined", computer, help_)
+    paths = {name: clean_path(computer.environment.get(name, ""), around) for name in ("PATH", "PYTHONPATH")}
+    try:
+        done = subprocess.run(
+            [program, str(around.file), *arguments],
+            env={**computer.environment, **paths, "PYTHONSAFEPATH": "1"},
+            cwd="/",
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            check=False,
+            timeout=SECONDS,
+        )
+    except subprocess.TimeoutExpired:
+        return Outcome(problem=f"it did not finish within {SECONDS} s")
+    except OSError as failed:
+        return Outcome(problem=f"'{program}' does not start: {(failed.strerror or str(failed)).lower()}")
+    lines = done.stderr.decode(errors="replace").strip().splitlines()
+    problem = (lines[0] if lines else f"exit code {done.returncode}") if done.returncode else ""
+    return Outcome(done.stdout.decode(errors="replace"), problem)
+
+
+def _list_answers(around: Surroundings, computer: Computer) -> Mapping[str, Answer]:
+    """The answers to a confined xacro: files of the description and of packages, packages, variables."""
+    packages = dict(computer.packages())
+    left = MOST_READ
+
+    def read(path: str) -> str:
+        nonlocal left
+        found = around.find_readable(path, packages.values())
+        if found is None:
+            raise Refused(f"outside of '{around.folder}' and of all packages, or hidden")
+        try:
+            text = SourceFile.read(found).text
+        except UserError as problem:
+            reason = problem.diagnostics[0].message.removeprefix(f"{found}: ")
+            raise Refused(reason) from None
+        left -= len(text)
+        if left < 0:
+            raise Refused(f"more than {MOST_READ:,} bytes are included in all")
+        return text
+
+    def find(pattern: str) -> list[str]:
+        return list(islice(_match(pattern, around, packages), _MOST_FILES))
+
+    return {
+        "file": read,
+        "files": find,
+        "package": packages.get,
+        "variable": computer.environment.get,
+    }
+
+
+def _match(pattern: str, around: Surroundings, packages: Mapping[str, str]) -> Iterator[str]:
+    """The files that a pattern of an include names, below the last folder that is written out; only readable ones."""
+    parts = Path(pattern).parts
+    fixed = next((number for number, part in enumerate(parts) if _WILD.search(part)), len(parts) - 1)
+    folders = [Path(*parts[:fixed])]
+    for part in parts[fixed:-1]:
+        folders = [entry for folder in folders for entry in _list_folder(folder, part, around, packages)]
+    for folder in folders:
+        yield from map(str, _list_folder(folder, parts[-1], around, packages))
+
+
+def _list_folder(folder: Path, pattern: str, around: Surroundings, packages: Mapping[str, str]) -> list[Path]:
+    if around.find_readable(folder, packages.values()) is None:
+        return []
+    try:
+        names = sorted(entry for entry in os.listdir(folder) if fnmatchcase(entry, pattern) and entry[0] != ".")  # noqa: PTH208
+    except OSError:
+        return []
+    return [folder / name for name in names[:_MOST_FILES]]
