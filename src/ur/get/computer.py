@@ -13,11 +13,12 @@ from typing import Protocol
 
 from ur.get.hints import load_sources
 from ur.get.index import MAX_INDEX, NEWEST, ROS2, Index, merge_indexes, parse_index
-from ur.get.model import Missing, Repository, Step
-from ur.get.owners import ask_server, confirm_guesses
+from ur.get.model import GetPlan, Missing, Repository
+from ur.get.owners import ask_server, confirm_guesses, list_guesses
 from ur.get.plan import Tables, make_plan
 from ur.get.tables import Candidate, all_names, parse_candidates, parse_table
 from ur.source.diagnostic import UserError, error
+from ur.source.foreign.files import read_text
 from ur.source.replace import replace_file
 from ur.source.user_folders import user_folder
 
@@ -72,6 +73,7 @@ def load_tables(
 ) -> tuple[Tables, tuple[str, ...]]:
     """Read the tables for these packages, and notes on what is not here; the indexes only where one needs them.
 
+    No name of a package leaves this computer.
     `hints` are the repositories that files name, `names` the packages that are here, for a misspelt one.
     Raises UserError: an index that was asked for cannot be read.
     """
@@ -95,13 +97,19 @@ def load_tables(
             newer, note = _load_index(sources, ROS2)
             tables = replace(tables, ros2=newer)
         notes += [note] if note else []
-        if unknown := make_plan(wanted, tables, bool).steps_by("unknown"):
-            tables = replace(tables, confirmed=_confirm(unknown, sources))
     return tables, tuple(notes)
 
 
-def _confirm(unknown: Iterable[Step], sources: Sources) -> Mapping[str, Repository | None]:
-    return confirm_guesses((step.missing for step in unknown if not step.missing.hidden), sources.list_branches)
+def find_questions(plan: GetPlan) -> tuple[str, ...]:
+    """The addresses that would tell their servers the names of the packages that no table has, in order."""
+    guesses = list_guesses(step.missing for step in plan.steps_by("unknown") if not step.missing.hidden)
+    return tuple(dict.fromkeys(guess.url for _, guess in guesses))
+
+
+def confirm_tables(tables: Tables, plan: GetPlan, sources: Sources) -> Tables:
+    """Ask the servers at `find_questions`, and return the tables with their answers."""
+    unknown = (step.missing for step in plan.steps_by("unknown") if not step.missing.hidden)
+    return replace(tables, confirmed=confirm_guesses(unknown, sources.list_branches))
 
 
 def _load_index(sources: Sources, names: Sequence[str]) -> tuple[Index | None, str]:
@@ -197,7 +205,7 @@ class ThisComputer:
 
 def _read_given(name: str) -> str:
     try:
-        return Path(name).expanduser().read_text(encoding="utf-8", errors="replace")
+        return read_text(Path(name).expanduser(), MAX_INDEX)
     except OSError as problem:
         reason = (problem.strerror or str(problem)).lower()
         message = f"index {name!r} cannot be read: {reason}, expected a distribution.yaml"
@@ -216,7 +224,7 @@ def _download(address: str) -> str:
 
 def _read(path: Path) -> str:
     try:
-        return path.read_text(encoding="utf-8", errors="replace")
+        return read_text(path, MAX_INDEX)
     except OSError:
         return ""
 

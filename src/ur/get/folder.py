@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import islice
 from pathlib import Path
 
 from ur.get.hints import LISTS, TEXTS, is_of_family, join_hints, plain_address, read_hints, read_links
@@ -15,11 +16,18 @@ from ur.get.owners import addresses_of, owners_above, owners_of_manifest, owners
 from ur.get.renamed import find_renamed
 from ur.launchfile.world.system import SystemWorld
 from ur.source.diagnostic import UserError, error
+from ur.source.foreign.files import read_text
 from ur.source.progress import Progress, no_progress
 
 SUFFIXES = (".launch", ".launch.xml", ".test")
 _TEXTS = (*SUFFIXES, ".xacro")
 _MAX_TEXT = 4 * 1024 * 1024  # bytes
+# Of a whole folder: a workspace of a thousand repositories stays below these.
+_MAX_FILES = 20_000
+_MAX_READ = 256 * 1024 * 1024  # bytes
+_MAX_NAMES = 1000
+_MAX_HINTS = 1000
+_MAX_PATHS = 100_000  # below packages, looked for under other names
 _SKIPPED = frozenset({".git", ".hg", ".svn", "build", "devel", "node_modules"})
 
 
@@ -38,6 +46,8 @@ class _Found:
     own: dict[str, Path] = field(default_factory=dict)
     owners: dict[Path, tuple[str, ...]] = field(default_factory=dict)
     packages: dict[str, Path] = field(default_factory=dict)
+    notes: list[str] = field(default_factory=list)
+    paths: int = 0
 
 
 def folder_needs(
@@ -54,15 +64,15 @@ def folder_needs(
     found, world = _Found(), SystemWorld(with_folders(folders, environment))
     for folder in folders:
         found.owners[Path(folder)] = owners_above(Path(folder).resolve())
-        for count, path in enumerate(_list_texts(folder, found)):
-            if count % 50 == 0:
-                progress(f"{count} files read")
-            _read_file(path, found, manifests=manifests)
+        _read_folder(folder, found, progress, manifests=manifests)
     places = {name: _shorten(path, folders) for name, path in found.names.items()}
-    hints = join_hints(found.hints, found.links, found.own)
-    missing = tuple(_describe(each, found, world, folders) for each in missing_of_names(places, world))
-    here = tuple(world.package_names())
-    return Needs(missing, lambda name: is_installed(name, world), hints=hints, names=here)
+    hints = join_hints(found.hints, found.links, found.own)[:_MAX_HINTS]
+    here = tuple(world.package_names())  # raises, where ROS refuses to search packages
+    lacking = missing_of_names(places, world)
+    if len(lacking) > _MAX_NAMES:
+        found.notes.append(f"{len(lacking):,} packages are missing; the first {_MAX_NAMES:,} of them are looked for")
+    missing = tuple(_describe(each, found, world, folders) for each in lacking[:_MAX_NAMES])
+    return Needs(missing, lambda name: is_installed(name, world), tuple(found.notes), hints, here)
 
 
 def hints_above(path: Path) -> tuple[Repository, ...]:
@@ -71,13 +81,13 @@ def hints_above(path: Path) -> tuple[Repository, ...]:
     The search ends with the repository or package that the file is in.
     """
     hints: list[Repository] = []
-    links = [*read_links(read_text(path))]
+    links = [*read_links(text_of(path))]
     own: set[str] = set()
     for folder in path.parents:
         owner = next(iter(read_owners(folder)), "")
         for file in _files_of(folder):
-            text = read_text(folder / file) if LISTS.fullmatch(file) or TEXTS.fullmatch(file) else ""
-            hints += read_hints(file, text, owner)
+            text = text_of(folder / file) if LISTS.fullmatch(file) or TEXTS.fullmatch(file) else ""
+            hints += islice(read_hints(file, text, owner), _MAX_HINTS)
             links += read_links(text)
         if (folder / ".git").exists():
             own = {plain_address(url) for url in addresses_of(folder)}
@@ -85,8 +95,8 @@ def hints_above(path: Path) -> tuple[Repository, ...]:
         if (folder / "package.xml").exists() and not any((each / ".git").exists() for each in folder.parents):
             break
     else:
-        return tuple(dict.fromkeys(read_links(read_text(path))))
-    return join_hints(hints, links, own)
+        return tuple(dict.fromkeys(read_links(text_of(path))))
+    return join_hints(hints, links, own)[:_MAX_HINTS]
 
 
 def with_folders(folders: Sequence[str], environment: Mapping[str, str]) -> dict[str, str]:
@@ -103,17 +113,28 @@ def dependencies_of_text(text: str) -> tuple[str, ...]:
         return ()
 
 
-def read_text(path: Path) -> str:
+def text_of(path: Path) -> str:
     """The text of a file; "" where it cannot be read."""
     try:
-        with path.open(encoding="utf-8", errors="replace") as file:
-            return file.read(_MAX_TEXT)
+        return read_text(path, _MAX_TEXT)
     except OSError:
         return ""
 
 
-def _read_file(path: Path, found: _Found, *, manifests: bool) -> None:
-    text = read_text(path)
+def _read_folder(folder: str, found: _Found, progress: Progress, *, manifests: bool) -> None:
+    characters = 0
+    for count, path in enumerate(_list_texts(folder, found)):
+        if count % 50 == 0:
+            progress(f"{count} files read")
+        if count == _MAX_FILES or characters > _MAX_READ:
+            found.notes.append(f"only the first {count:,} files of {folder} were read")
+            return
+        characters += _read_file(path, found, manifests=manifests)
+
+
+def _read_file(path: Path, found: _Found, *, manifests: bool) -> int:
+    # Returns the length of its text.
+    text = text_of(path)
     names: Iterable[str] = ()
     if path.name == "package.xml":
         names = dependencies_of_text(text) if manifests else ()
@@ -126,10 +147,12 @@ def _read_file(path: Path, found: _Found, *, manifests: bool) -> None:
         for name, file in named_files(text):
             found.files.setdefault(name, {}).setdefault(file, set()).add(path)
     else:
-        found.hints += read_hints(path.name, text, next(iter(found.owners.get(path.parent, ())), ""))
+        owner = next(iter(found.owners.get(path.parent, ())), "")
+        found.hints += islice(read_hints(path.name, text, owner), _MAX_HINTS)
         found.links += read_links(text)
     for name in names:
         found.names.setdefault(name, path)
+    return len(text)
 
 
 def _describe(missing: Missing, found: _Found, world: SystemWorld, folders: Sequence[str]) -> Missing:
@@ -142,6 +165,9 @@ def _describe(missing: Missing, found: _Found, world: SystemWorld, folders: Sequ
     files = found.files.get(missing.package, {})
 
     def has_file(package: str, path: str) -> bool:
+        found.paths += 1
+        if found.paths > _MAX_PATHS:
+            return False
         whole = found.packages[package] / path  # none that names this path: it would include itself
         return whole.exists() and whole not in files[path]
 

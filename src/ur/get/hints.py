@@ -5,24 +5,23 @@ from __future__ import annotations
 import re
 from collections.abc import Container, Iterable, Iterator
 from dataclasses import replace
-from functools import cache
+from functools import cache, lru_cache
 from importlib.resources import files
 from itertools import islice
 
-import yaml
-
 from ur.get.index import make_repository
 from ur.get.model import Repository
+from ur.source.foreign.yaml_text import load_yaml
 
 LISTS = re.compile(r"\.gitmodules|.*\.repos(\.ya?ml)?|.*\.rosinstall(\..*)?")
 TEXTS = re.compile(r"readme.*|.*\.md|.*\.rst|dockerfile.*|.*\.(ba)?sh|\.travis\.yml", re.IGNORECASE)
 _CLONE = re.compile(
-    r"\bgit\s+(?:-C\s+\S+\s+)?(?:clone|submodule\s+add)\s+"
-    r"(?P<options>(?:-\S+\s+(?:(?!https?:|git@|ssh:)[^\s-]\S*\s+)?)*)"
-    r"[\"']?(?P<url>(?:https?://|git@|ssh://)[\w.@:~%+/-]+)[\"']?(?:[ \t]+(?P<target>[\w./~-]+))?"
+    r"\bgit\s{1,40}(?:-C\s{1,40}\S{1,200}\s{1,40})?(?:clone|submodule\s{1,40}add)\s{1,40}"
+    r"(?P<options>(?:-\S{1,200}\s{1,40}(?:(?!https?:|git@|ssh:)[^\s-]\S{0,200}\s{1,40})?){0,12})"
+    r"[\"']?(?P<url>(?:https?://|git@|ssh://)[\w.@:~%+/-]{1,500})[\"']?(?:[ \t]{1,40}(?P<target>[\w./~-]{1,200}))?"
 )
 _BRANCH = re.compile(r"(?:-b|--branch)[\s=]+(\S+)")
-_MODULE = re.compile(r"^\s*(url|path|branch)\s*=\s*(\S+)\s*$", re.MULTILINE)
+_MODULE = re.compile(r"^[ \t]*(url|path|branch)[ \t]*=[ \t]*(\S{1,500})[ \t]*$", re.MULTILINE)
 _HOSTS = r"github\.com|gitlab\.com|bitbucket\.org"
 _LINK = re.compile(
     rf"\bhttps?://(?:www\.)?(?P<host>{_HOSTS})/(?P<owner>[A-Za-z0-9][\w.-]*)/(?P<name>\w(?:[\w.-]*\w)?)"
@@ -136,8 +135,8 @@ def load_sources() -> dict[str, Repository]:
 
 def _listed(text: str) -> Iterator[Repository]:
     try:
-        document = yaml.load(text, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader))  # noqa: S506 - safe loaders
-    except (yaml.YAMLError, RecursionError):
+        document = load_yaml(text)
+    except ValueError:
         return
     if isinstance(document, dict) and isinstance(document.get("repositories"), dict):  # of vcstool
         for name, source in document["repositories"].items():
@@ -148,7 +147,8 @@ def _listed(text: str) -> Iterator[Repository]:
     for entry in document if isinstance(document, list) else ():  # of wstool
         for kind, source in entry.items() if isinstance(entry, dict) else ():
             if isinstance(source, dict):
-                name = str(source.get("local-name", ""))
+                local = source.get("local-name", "")
+                name = local if isinstance(local, str) else ""
                 keys = {"type": kind, "url": _secure(source.get("uri")), "version": source.get("version")}
                 if repository := make_repository(_last(name), keys):
                     yield repository
@@ -188,8 +188,14 @@ def _last(path: str) -> str:
 
 
 def _stem(hint: Repository) -> str:
-    return _ROS.sub("", _plain(hint.name))
+    return _stem_of(hint.name)
 
 
+@lru_cache(maxsize=4096)  # each package is compared with each repository
+def _stem_of(name: str) -> str:
+    return _ROS.sub("", _plain(name))
+
+
+@lru_cache(maxsize=4096)
 def _plain(name: str) -> str:
     return name.lower().replace("-", "_")

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import re
-import xml.etree.ElementTree as ET
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-import yaml
-
 from ur.get.model import PACKAGE_NAME, Repository
+from ur.source.foreign.files import MAX_MANIFEST
+from ur.source.foreign.xml_text import parse_xml
+from ur.source.foreign.yaml_text import load_yaml
 
 MAX_INDEX = 64 * 1024 * 1024  # bytes; the cache of noetic with all package.xml has 8 MB
+_MAX_VALUES = 1_000_000
+_MAX_ELEMENTS = 10_000  # of a package.xml
 _URL = re.compile(r"https?://[A-Za-z0-9][\w.:@~%+-]*(/[\w.@~%+-]+)*/?")
 _WORD = re.compile(r"[A-Za-z0-9_][A-Za-z0-9._/+-]*")
 _TAG = re.compile(r"release/([a-z]+)/")
@@ -41,9 +43,9 @@ def parse_index(text: str, distribution: str = "") -> Index:
     if len(text) > MAX_INDEX:
         raise ValueError(f"more than {MAX_INDEX:,} characters, expected a distribution file")
     try:
-        document = yaml.load(text, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader))  # noqa: S506 - safe loaders
-    except (yaml.YAMLError, RecursionError) as problem:
-        raise ValueError(f"not YAML: {str(problem).splitlines()[0]}") from None
+        document = load_yaml(text, _MAX_VALUES)
+    except ValueError as problem:
+        raise ValueError(f"not YAML: {problem}") from None
     if not isinstance(document, dict):
         raise ValueError("no mapping, expected a distribution file with 'repositories'")
     files = document.get("distribution_file", document)
@@ -74,12 +76,7 @@ def merge_indexes(indexes: Sequence[Index]) -> Index:
 
 def read_dependencies(text: str) -> tuple[str, ...]:
     """The packages that a package.xml depends on, each once. Raises ValueError for a text that is none."""
-    if "<!DOCTYPE" in text or "<!ENTITY" in text:
-        raise ValueError("a document type, expected a plain package.xml")
-    try:
-        root = ET.fromstring(text)  # noqa: S314 - without a document type there are no entities
-    except ET.ParseError as problem:
-        raise ValueError(str(problem)) from None
+    root = parse_xml(text, length=MAX_MANIFEST, elements=_MAX_ELEMENTS)
     if root.tag != "package":
         raise ValueError(f"<{root.tag}>, expected <package>")
     names = [(each.text or "").strip() for each in root if each.tag in _DEPENDS]
@@ -133,7 +130,7 @@ def _read_repository(name: object, entry: object, distribution: str) -> dict[str
         return dict.fromkeys(names, source)
     if entry.get("source") or entry.get("doc") or not isinstance(release, dict):
         return {}
-    template = _release_tag(release).replace("{version}", str(release.get("version", "")))
+    template = _release_tag(release).replace("{version}", _text(release.get("version")))
     tagged = {
         each: make_repository(
             each,
@@ -145,12 +142,17 @@ def _read_repository(name: object, entry: object, distribution: str) -> dict[str
     return {each: repository for each, repository in tagged.items() if repository is not None}
 
 
+def _text(value: object) -> str:
+    # Of plain values only: that of a list can be far longer than the file, by its aliases.
+    return str(value) if isinstance(value, (str, int, float)) else ""
+
+
 def make_repository(name: str, source: object, distribution: str = "") -> Repository | None:
     """A repository of the keys `type`, `url` and `version`; None where one of them could harm a shell."""
     if not isinstance(source, dict) or not _WORD.fullmatch(name) or "/" in name:
         return None
     kind, url = source.get("type"), source.get("url")
-    version = str(source.get("version") or "")
+    version = _text(source.get("version") or "")
     if kind not in ("git", "hg", "svn") or not isinstance(url, str) or not _URL.fullmatch(url):
         return None
     if version and (not _WORD.fullmatch(version) or ".." in version):

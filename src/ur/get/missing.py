@@ -10,9 +10,8 @@ from ur.launchfile.plan.model import Plan
 from ur.launchfile.world.protocol import PackageNotFound, World
 
 _LOCAL = frozenset({"localhost", "127.0.0.1", "::1"})
-_COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 _NAMED = re.compile(
-    r"""\$\(\s*find\s+([^\s()$]+)\s*\)|\bfind\(\s*['"]([^'"()$]+)['"]\s*\)|<(?:node|test)\b[^>]*?\bpkg\s*=\s*["']([^"'$]+)["']"""
+    r"""\$\(\s*find\s+([^\s()$]+)\s*\)|\bfind\(\s*['"]([^'"()$]+)['"]\s*\)|<(?:node|test)\b[^<>]{0,2000}?\bpkg\s*=\s*["']([^"'$]+)["']"""
 )
 
 
@@ -46,13 +45,23 @@ def missing_of_plan(plan: Plan, world: World) -> tuple[Missing, ...]:
 
 def named_packages(text: str) -> frozenset[str]:
     """Every package that the text of a launch file or xacro file names, whatever its conditions."""
-    names = (next(filter(None, each.groups()), "") for each in _NAMED.finditer(_COMMENT.sub("", text)))
+    names = (next(filter(None, each.groups()), "") for each in _NAMED.finditer(_without_comments(text)))
     return frozenset(name for name in names if PACKAGE_NAME.fullmatch(name))
 
 
 def named_files(text: str) -> frozenset[tuple[str, str]]:
     """Every package with the path of a file below it that the text of a launch file or xacro file names."""
-    return frozenset((package, path) for package, path in _FILE.findall(_COMMENT.sub("", text)) if ".." not in path)
+    return frozenset((package, path) for package, path in _FILE.findall(_without_comments(text)) if ".." not in path)
+
+
+def _without_comments(text: str) -> str:
+    # Not by a regular expression: where many comments begin and none ends, its time is the square of the length.
+    parts = []
+    at = 0
+    while (start := text.find("<!--", at)) >= 0 and (end := text.find("-->", start + 4)) >= 0:
+        parts.append(text[at:start])
+        at = end + 3
+    return "".join([*parts, text[at:]])
 
 
 def missing_of_names(names: Iterable[str] | Mapping[str, str], world: World) -> tuple[Missing, ...]:

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
-Way = Literal["debian", "pypi", "source", "unknown"]
+Way = Literal["debian", "other", "pypi", "source", "unknown"]
 PACKAGE_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,99}")  # REP 127, and the capitals that old packages have
 
 
@@ -66,10 +66,11 @@ class Needs:
 class Step:
     """One missing package and the way to get it.
 
+    The way is "other" for a Debian package that is not one of ROS: a stranger's package.xml may name any.
     `names` are Debian packages, or PyPI's project; `repository` is set for "source". `needs` are the packages that it
     depends on and that are missing as well; None where nobody knows its package.xml before it is here. `reason` says
     for "unknown" why there is no way, and for "source" what is special about its repository. `here`: nothing has to be
-    installed, the reason says what to change in the folder.
+    installed, the reason says what to change in the folder. `chosen`: the user has agreed to it already.
     """
 
     missing: Missing
@@ -79,6 +80,7 @@ class Step:
     needs: tuple[str, ...] | None = None
     reason: str = ""
     here: bool = False
+    chosen: bool = False
 
 
 @dataclass(frozen=True, slots=True)

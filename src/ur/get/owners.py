@@ -11,18 +11,22 @@ from pathlib import Path
 
 from ur.get.index import make_repository
 from ur.get.model import Missing, Repository
+from ur.source.foreign.files import read_text
 
 _REMOTE = re.compile(
     r"(?:https?://(?:[^@/\s]+@)?|(?:ssh://)?git@|git://)"
     r"(github\.com|gitlab\.com|bitbucket\.org)[:/]([A-Za-z0-9][\w.-]*)/[\w.-]+/?"
 )
-_CONFIG_URL = re.compile(r"^\s*url\s*=\s*(\S+)\s*$", re.MULTILINE)
-_MANIFEST_URL = re.compile(r"<url\b[^>]*\btype\s*=\s*[\"']repository[\"'][^>]*>\s*([^<\s]+)\s*</url>")
+_CONFIG_URL = re.compile(r"^[ \t]*url[ \t]*=[ \t]*(\S{1,500})[ \t]*$", re.MULTILINE)
+_MANIFEST_URL = re.compile(
+    r"<url\b[^<>]{0,200}\btype\s{0,9}=\s{0,9}[\"']repository[\"'][^<>]{0,200}>\s{0,99}([^<\s]{1,500})\s{0,99}</url>"
+)
 _ABSENT = ("not found", "could not read username", "authentication failed", "terminal prompts disabled")
 _DEFAULT = re.compile(r"^ref: refs/heads/(\S+)\tHEAD$", re.MULTILINE)
 _BRANCHES = re.compile(r"^[0-9a-f]+\trefs/heads/(\S+)$", re.MULTILINE)
 _MAX_BRANCHES = 1000
 _ROS1 = ("noetic", "melodic", "kinetic", "ros1", "indigo")
+_MAX_CONFIG = 1024 * 1024  # bytes
 _QUESTIONS = 60  # of one command: each takes half a second
 _OTHERS = 4  # owners of repositories that a folder only names
 _SECONDS = 20.0
@@ -56,6 +60,14 @@ def guess_repositories(missing: Missing, owners: Iterable[str] | None = None) ->
                 yield repository
 
 
+def list_guesses(missing: Iterable[Missing]) -> tuple[tuple[str, Repository], ...]:
+    """List the repositories that may hold packages, those of the folder's owners first, each with its package."""
+    wanted = [each for each in missing if not each.itself]
+    own = ((each.package, guess) for each in wanted for guess in guess_repositories(each))
+    others = ((each.package, guess) for each in wanted for guess in guess_repositories(each, each.others))
+    return tuple(islice(chain(own, others), _QUESTIONS))
+
+
 def confirm_guesses(
     missing: Iterable[Missing], list_branches: Callable[[str], Sequence[str] | None]
 ) -> dict[str, Repository | None]:
@@ -65,10 +77,7 @@ def confirm_guesses(
     version is the branch for ROS 1 of a repository that has one beside its default branch.
     """
     found: dict[str, Repository | None] = {}
-    wanted = [each for each in missing if not each.itself]
-    own = ((each.package, guess) for each in wanted for guess in guess_repositories(each))
-    others = ((each.package, guess) for each in wanted for guess in guess_repositories(each, each.others))
-    for package, guess in islice(chain(own, others), _QUESTIONS):
+    for package, guess in list_guesses(missing):
         if found.get(package):
             continue
         branches = list_branches(guess.url)
@@ -149,8 +158,8 @@ def _read_config(folder: Path) -> str:
     git = folder / ".git"
     try:
         if git.is_file():
-            git = folder / git.read_text(encoding="utf-8", errors="replace").removeprefix("gitdir:").strip()
-        return (git / "config").read_text(encoding="utf-8", errors="replace")
+            git = folder / read_text(git, _MAX_CONFIG).removeprefix("gitdir:").strip()
+        return read_text(git / "config", _MAX_CONFIG)
     except OSError:
         return ""
 

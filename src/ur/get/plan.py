@@ -66,7 +66,7 @@ def _find_way(missing: Missing, tables: Tables, is_there: Callable[[str], bool])
         return Step(missing, "unknown", reason="that is not the name of a package")
     names = _debian_names(package, tables)
     if names:
-        return Step(missing, "debian", names)
+        return Step(missing, "debian" if _is_of_ros(package, names, tables) else "other", names)
     if package in PYPI:
         return Step(missing, "pypi", (PYPI[package],))
     if missing.program:
@@ -172,6 +172,13 @@ def _debian_names(package: str, tables: Tables) -> tuple[str, ...]:
     if known and tables.candidates.keys() >= set(known):
         return _only_missing(known, tables)
     return ()
+
+
+def _is_of_ros(package: str, names: tuple[str, ...], tables: Tables) -> bool:
+    # By its own name any package of Debian can be meant, a server as well as a library.
+    if "-" not in package or package in tables.rosdep or tables.candidates is None:
+        return True
+    return all(name in tables.candidates and tables.candidates[name].for_ros for name in names)
 
 
 def _also(known: tuple[str, ...] | None, tables: Tables) -> tuple[str, ...]:

@@ -29,6 +29,7 @@ def clone_command(repository: Repository) -> str:
 def _lines(plan: GetPlan) -> Iterator[str]:
     for title, steps in (
         ("Debian packages:", plan.steps_by("debian")),
+        ("other Debian packages, which are not of ROS:", plan.steps_by("other")),
         ("from PyPI:", plan.steps_by("pypi")),
     ):
         if steps:

@@ -6,9 +6,8 @@ import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-import yaml
-
 from ur.get.model import PACKAGE_NAME
+from ur.source.foreign.yaml_text import load_yaml
 
 _DEBIAN_NAME = re.compile(r"[a-z0-9][a-z0-9+.-]+")  # Debian policy 5.6.1
 _MAX_TABLE = 4 * 1024 * 1024
@@ -39,9 +38,9 @@ def parse_table(text: str) -> dict[str, tuple[str, ...]]:
     if len(text) > _MAX_TABLE:
         raise ValueError(f"more than {_MAX_TABLE:,} characters, expected a table of rosdep")
     try:
-        table = yaml.load(text, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader))  # noqa: S506 - safe loaders
-    except (yaml.YAMLError, RecursionError) as problem:
-        raise ValueError(f"not YAML: {str(problem).splitlines()[0]}") from None
+        table = load_yaml(text)
+    except ValueError as problem:
+        raise ValueError(f"not YAML: {problem}") from None
     if not isinstance(table, dict):
         raise ValueError("no mapping of packages, expected a table of rosdep")
     found = {}

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from ur.get.folder import SUFFIXES, dependencies_of_text, folder_needs, hints_above, read_text, with_folders
+from ur.get.folder import SUFFIXES, dependencies_of_text, folder_needs, hints_above, text_of, with_folders
 from ur.get.missing import is_installed, missing_of_names, missing_of_plan
 from ur.get.model import PACKAGE_NAME, Missing, Needs, Repository
 from ur.get.owners import owners_above
@@ -39,7 +39,7 @@ def find_needs(words: Sequence[str], environment: Mapping[str, str]) -> Needs:
             message = f"{word!r} is neither a launch file nor the name of a package"
             raise UserError(error(message, rule="unknown-package", help="ur get --help"))
         elif is_installed(word, world):
-            text = read_text(Path(world.find_package(word)) / "package.xml")
+            text = text_of(Path(world.find_package(word)) / "package.xml")
             found.update((each.package, each) for each in missing_of_names(dependencies_of_text(text), world))
         else:
             found[word] = Missing(word)

@@ -1,0 +1,121 @@
+"""Folders of strangers: special files, sizes and texts that take a careless reader for ever are read or left out."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from tests.limits import Used, run_limited
+
+from ur.get.folder import folder_needs
+from ur.source.diagnostic import UserError
+
+BOMB = "".join(
+    [
+        "a: &a [" + "xxxxxxxxxx," * 10 + "]\n",
+        *(f"{c}: &{c} [" + f"*{p}," * 10 + "]\n" for p, c in zip("abcdefgh", "bcdefghi", strict=True)),
+    ]
+)
+
+
+def _zero(path: Path) -> None:
+    path.symlink_to("/dev/zero")
+
+
+def _write_special_files(folder: Path) -> None:
+    for name in ("pipe", "device", "file"):
+        (folder / name / ".git").mkdir(parents=True)
+    os.mkfifo(folder / "pipe" / ".git" / "config")
+    _zero(folder / "device" / ".git" / "config")
+    (folder / "file" / ".git").rmdir()
+    os.mkfifo(folder / "file" / ".git")
+    for name in ("b.launch", "README.md", "x.repos"):
+        os.mkfifo(folder / "pipe" / name)
+        _zero(folder / "device" / name)
+    (folder / "root").symlink_to("/")
+    (folder / "kernel").symlink_to("/proc")
+    (folder / "above").symlink_to("..")
+
+
+def _write_texts(folder: Path) -> None:
+    for name, text in (
+        ("comments.launch", "<!--"),
+        ("nodes.launch", "<node "),
+        ("packages.launch", "<node pkg "),
+        ("clones.md", "git clone -"),
+        ("options.md", "git clone -b a "),
+        ("links.md", "https://github.com/a-"),
+    ):
+        (folder / name).write_text(text * (4_000_000 // len(text)))
+    for name, text in (("lines", "\n"), ("sections", "[submodule")):
+        (folder / name).mkdir()
+        (folder / name / ".gitmodules").write_text(text * (4_000_000 // len(text)))
+
+
+def _write_manifests(folder: Path) -> None:
+    for name, text in (("urls", "<url "), ("types", '<url type="repository" '), ("comment", "-a")):
+        (folder / name).mkdir()
+        comment = f"<!--{text * (900_000 // len(text))}-->"
+        (folder / name / "package.xml").write_text(f"<package><name>{name}</name>{comment}</package>")
+
+
+def _write_lists(folder: Path) -> None:
+    (folder / "a.repos").write_text("[" * 200_000)
+    version = "repositories: {n: {type: git, url: 'https://github.com/a/b', version: *i}}\n"
+    (folder / "b.repos").write_text(BOMB + version)
+    name = "- git: {local-name: *i, uri: 'https://github.com/a/b'}\n"
+    (folder / "c.rosinstall").write_text(f"- {{x: {{{BOMB.replace(chr(10), ',')}}}}}\n{name}")
+    (folder / "d.repos").write_text("repositories: {n: {version: 1" + ":59" * 1_000_000 + "}}")
+
+
+FOLDERS: dict[str, Callable[[Path], None]] = {
+    "special files": _write_special_files,
+    "texts": _write_texts,
+    "manifests": _write_manifests,
+    "lists": _write_lists,
+}
+
+
+@pytest.mark.parametrize("kind", FOLDERS)
+def test_folder_is_read_within_limits(tmp_path: Path, kind: str) -> None:
+    folder = tmp_path / "folder"
+    folder.mkdir()
+    (folder / "a.launch").write_text('<launch><node pkg="no_such_package" type="x" name="x"/></launch>')
+    FOLDERS[kind](folder)
+    used = _get(folder)
+    assert "no_such_package" in used.output, used.output[-2000:]
+    assert (used.code, "internal error" in used.output) == (1, False)
+    assert used.memory < 250_000
+
+
+@pytest.mark.parametrize(
+    ("make", "reason"),
+    [
+        (lambda path: path.write_text("<package/>"), "no <name>"),
+        (_zero, "not a regular file"),
+        (os.mkfifo, "not a regular file"),
+        (lambda path: path.write_text("<package>" + "<name>" * 1000), "nested deeper than"),
+        (lambda path: path.write_text("<package>" + "<name>x</name>" * 100_000), "larger than"),
+        (lambda path: path.write_text("<!DOCTYPE package><package/>"), "document type"),
+    ],
+)
+def test_broken_package_is_named(tmp_path: Path, make: Callable[[Path], None], reason: str) -> None:
+    (tmp_path / "a.launch").write_text('<launch><node pkg="no_such_package" type="x" name="x"/></launch>')
+    (tmp_path / "p").mkdir()
+    make(tmp_path / "p" / "package.xml")
+    with pytest.raises(UserError, match=reason) as caught:
+        folder_needs([str(tmp_path)], {})
+    assert str(caught.value).startswith(f"{tmp_path}/p/package.xml: ")
+
+
+def _get(folder: Path) -> Used:
+    (folder.parent / ".cache" / "ubiquity_launches").mkdir(parents=True)
+    (folder.parent / ".cache" / "ubiquity_launches" / "rosdep-debian.yaml").write_text("xacro: {debian: [xacro]}\n")
+    (folder.parent / "index.yaml").write_text("repositories: {}\n")
+    words = ["get", "--missing", "--dry-run", "--index", str(folder.parent / "index.yaml"), str(folder)]
+    environment = {"PATH": os.environ["PATH"], "HOME": str(folder.parent)}
+    # `timeout` ends one that waits, the limit of processor time one that computes.
+    return run_limited(["timeout", "60", sys.executable, "-I", "-m", "ur", *words], 40, folder.parent, environment)
