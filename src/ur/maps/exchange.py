@@ -8,16 +8,20 @@ import tarfile
 from pathlib import Path
 
 from ur.maps.picture_file import shades, write_picture
-from ur.maps.record import LARGEST, RECORD, read_record
+from ur.maps.record import read_record
 from ur.maps.scan_file import read_graph, read_scans
 from ur.maps.store import PICTURE, MapStore
 from ur.maps.zones import draw_masks
 from ur.source.diagnostic import UserError, error
+from ur.source.foreign.archives import unpack_archive
+from ur.source.foreign.files import read_file, refuse_file
 from ur.source.replace import replace_file
-from ur.worlds.map_file import MapImage, read_map
+from ur.source.section import read_section
+from ur.worlds.map_file import MapImage, parse_map_file, read_map, read_map_section
 
 MOST_PACKED = 45_000_000  # bytes; as text they are less than an answer over ssh may have
 _MOST_UNPACKED = 400_000_000
+_MOST_PART = 100_000_000
 _MOST_FILES = 1100
 _FILE = re.compile(r"map\.json|map\.yaml|map(_2)?\.pgm|(graph|scans)_[0-9]{1,6}\.npz")
 
@@ -41,11 +45,8 @@ def unpack_map(data: bytes, folder: Path, place: str) -> None:
     Raises UserError: it holds other files than those of a map, or one that cannot be used.
     """
     try:
-        with tarfile.open(fileobj=io.BytesIO(data), mode="r:gz") as archive:
-            _extract(archive, folder)
-    except UserError:
-        raise
-    except Exception as problem:  # damaged archives raise whatever zlib and tarfile think of
+        unpack_archive(data, folder, _FILE.pattern, files=_MOST_FILES, size=_MOST_UNPACKED)
+    except ValueError as problem:
         raise _not_a_map(place, str(problem)[:80]) from None
     check_map(folder, place)
     draw_masks(folder)
@@ -56,9 +57,11 @@ def check_map(folder: Path, place: str) -> None:
     file = folder / PICTURE
     if not file.is_file():
         raise _not_a_map(place, f"{PICTURE} is missing")
-    image = read_map(file).file.image
+    section = read_section(file, "a map file", piped=False)
+    image = parse_map_file(section, folder).image
     if image.parent != folder or not _FILE.fullmatch(image.name):
         raise _not_a_map(place, f"its picture is {image.name!r}, expected map.pgm")
+    read_map_section(section, folder, inside=folder)
     record = read_record(folder)
     if record.graph:
         count = len(read_graph(folder / record.graph).poses)
@@ -74,8 +77,8 @@ def import_picture(store: MapStore, source: Path, name: str) -> MapImage:
     if source.is_dir():
         with store.arriving(name) as folder:
             for path in sorted(source.iterdir()):
-                if _FILE.fullmatch(path.name) and path.is_file() and path.stat().st_size <= _MOST_UNPACKED:
-                    replace_file(folder / path.name, path.read_bytes())
+                if _FILE.fullmatch(path.name):
+                    replace_file(folder / path.name, _read_part(path, source))
             check_map(folder, f"'{source}'")
             draw_masks(folder)
         return read_map(store.picture(name))
@@ -107,20 +110,11 @@ def export_picture(store: MapStore, name: str, target: Path) -> list[Path]:
     return [file, picture]
 
 
-def _extract(archive: tarfile.TarFile, folder: Path) -> None:
-    total = 0
-    for count, member in enumerate(archive):
-        name = member.name.removeprefix("./")
-        if member.isdir() and name in ("", "."):
-            continue
-        total += member.size
-        if not member.isreg() or not _FILE.fullmatch(name):
-            raise ValueError(f"it holds {member.name[:60]!r}")
-        if count > _MOST_FILES or total > _MOST_UNPACKED or (name == RECORD and member.size > LARGEST):
-            raise ValueError("it is too large")
-        file = archive.extractfile(member)
-        assert file is not None
-        replace_file(folder / name, file.read(), lasting=False)
+def _read_part(path: Path, folder: Path) -> bytes:
+    try:
+        return read_file(path, _MOST_PART, inside=folder)
+    except OSError as problem:
+        raise refuse_file(path, problem, "a file of a map") from None
 
 
 def _not_a_map(place: str, what: str) -> UserError:

@@ -33,7 +33,13 @@ def check_map_name(name: str) -> str:
             f"map name {printable(name[: 2 * LONGEST])!r}, expected a letter, then letters, digits, '-', '_' and '.', "
             f"at most {LONGEST} in all"
         )
-    raise UserError(error(message, rule="bad-name", help="for example flat or second-floor"))
+    raise UserError(error(message, rule="bad-name", help=_offer(name) or "for example flat or second-floor"))
+
+
+def _offer(name: str) -> str:
+    """A name that differs only in its blanks; empty where that is none, either."""
+    changed = re.sub(r"\s+", "_", name.strip())
+    return f"name it {changed}" if changed != name and is_map_name(changed) else ""
 
 
 def fresh_name(day: str, taken: Collection[str]) -> str:

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from ur.source.foreign.files import read_text
 from ur.source.replace import replace_file
 from ur.worlds.map_file import OCCUPIED
 
@@ -68,7 +69,7 @@ def _image_line(image: str) -> str:
 def _names(file: Path, image: str) -> bool:
     """Test a map's YAML file, of ours or of upstream's, for the name of an image."""
     try:
-        lines = file.read_text(encoding="utf-8", errors="replace").splitlines()
+        lines = read_text(file).splitlines()
     except FileNotFoundError:
         return False
     return _image_line(image) in lines or f"image: {image}" in lines

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any, Literal, get_args
 
 from ur.source.diagnostic import UserError, error
+from ur.source.foreign.files import read_file
 
 RECORD = "map.json"
 LARGEST = 4_000_000  # bytes of a record
@@ -23,7 +24,7 @@ LEAST_PERCENT = 5
 
 ZoneKind = Literal["keep-out", "speed"]
 _ZONE_KINDS: tuple[ZoneKind, ...] = get_args(ZoneKind)
-ZONE_NAME = re.compile(r"\w[\w.-]{0,39}")
+ZONE_NAME = re.compile(r"\w(?:[\w .-]{0,38}[\w.-])?")
 """Names of zones."""
 
 EditKind = Literal["erase", "wall", "keep-out"]
@@ -85,14 +86,11 @@ def read_record(folder: Path) -> MapRecord:
     """Read the record in the folder of a map; an empty one where there is none. Raises UserError: not a record."""
     path = folder / RECORD
     try:
-        with path.open("rb") as file:
-            data = file.read(LARGEST + 1)
+        data = read_file(path, LARGEST)
     except FileNotFoundError:
         return MapRecord()
     except OSError as problem:
         raise _bad(path, (problem.strerror or str(problem)).lower()) from None
-    if len(data) > LARGEST:
-        raise _bad(path, f"more than {LARGEST:,} bytes, expected the record of a map")
     return parse_record(data, path)
 
 
@@ -138,7 +136,7 @@ def read_zone(found: Any) -> Zone:
         raise TypeError("a zone, expected a mapping")
     name = _text(found.get("name"))
     if not ZONE_NAME.fullmatch(name):
-        raise ValueError("the name of a zone, expected at most 40 letters, digits, '_', '-' and '.'")
+        raise ValueError("the name of a zone, expected at most 40 letters, digits, blanks, '_', '-' and '.'")
     kind = next((each for each in _ZONE_KINDS if each == found.get("kind")), None)
     if kind is None:
         raise ValueError(f"a zone, expected one of {', '.join(_ZONE_KINDS)}")

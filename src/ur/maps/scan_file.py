@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ur.source.diagnostic import UserError, error
+from ur.source.foreign.files import open_file
 
 CHUNK = 200
 """Keyframes of a file of scans."""
@@ -172,12 +173,14 @@ def _pack(**arrays: NDArray[np.generic]) -> bytes:
 
 def _unpack(path: Path, names: Sequence[str]) -> Mapping[str, NDArray[np.generic]]:
     try:
-        with zipfile.ZipFile(path) as archive:
-            sizes = {each.filename: each.file_size for each in archive.infolist()}
-        if set(sizes) != {f"{name}.npy" for name in names} or sum(sizes.values()) > MOST_BYTES:
-            raise ValueError(f"expected {', '.join(names)}")
-        with np.load(path, allow_pickle=False) as arrays:
-            return {name: arrays[name] for name in names}
+        with open_file(path, MOST_BYTES) as file:
+            with zipfile.ZipFile(file) as archive:
+                sizes = {each.filename: each.file_size for each in archive.infolist()}
+            if set(sizes) != {f"{name}.npy" for name in names} or sum(sizes.values()) > MOST_BYTES:
+                raise ValueError(f"expected {', '.join(names)}")
+            file.seek(0)
+            with np.load(file, allow_pickle=False) as arrays:
+                return {name: arrays[name] for name in names}
     except OSError as problem:
         raise _bad(path, (problem.strerror or str(problem)).lower()) from None
     except Exception as problem:  # damaged archives raise whatever zlib, zipfile and numpy think of

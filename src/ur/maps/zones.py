@@ -44,7 +44,9 @@ def make_zone(name: str, kind: ZoneKind, points: Iterable[Point], percent: int =
     """Make a zone of its corners (m); two opposite corners stand for a rectangle. Raises UserError."""
     corners = list(points)
     if not ZONE_NAME.fullmatch(name):
-        raise _bad(f"{name[:60]!r} is not a name of a zone, expected at most 40 letters, digits, '_', '-' and '.'")
+        raise _bad(
+            f"{name[:60]!r} is not a name of a zone, expected at most 40 letters, digits, blanks, '_', '-' and '.'"
+        )
     if not all(math.isfinite(value) and abs(value) <= _FARTHEST for point in corners for value in point):
         raise _bad(f"a corner of zone {name!r} is farther away than {_FARTHEST:g} m, expected metres in the map frame")
     if kind == "speed" and not LEAST_PERCENT <= percent < 100:

@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ur.source.diagnostic import UserError, error
+from ur.source.foreign.pictures import MAP_FORMATS, open_picture
 
 FREE, OCCUPIED, UNKNOWN = 254, 0, 205
 """Levels of grey as map_server writes them."""
@@ -116,7 +117,7 @@ def _read_grey(path: Path) -> Levels:
     from PIL import Image, UnidentifiedImageError
 
     try:
-        with Image.open(path) as opened:
+        with open_picture(path, MAP_FORMATS) as opened:
             image = opened.convert("RGBA") if "transparency" in opened.info or "A" in opened.mode else opened
             if image.mode == "RGBA":  # what is transparent is paper
                 paper = Image.new("RGBA", image.size, (255, 255, 255, 255))
@@ -127,7 +128,7 @@ def _read_grey(path: Path) -> Levels:
         raise _bad(path, "does not exist, expected the picture of a floor plan") from None
     except UnidentifiedImageError:
         raise _bad(path, "is not a picture, expected PNG, JPEG, PGM or another common format") from None
-    except (OSError, ValueError, SyntaxError, EOFError, Image.DecompressionBombError) as problem:
+    except (OSError, ValueError, SyntaxError, EOFError, LookupError, TypeError, OverflowError) as problem:
         reason = problem.strerror.lower() if isinstance(problem, OSError) and problem.strerror else problem
         raise _bad(path, f"cannot be read: {reason}; expected an undamaged picture") from None
     if wide:

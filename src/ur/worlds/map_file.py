@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from ur.source.picture_file import MAP_FORMATS, open_picture
+from ur.source.foreign.pictures import MAP_FORMATS, open_picture
 from ur.source.section import Section, read_section
 from ur.worlds.cells import CellFrame, translate_cells
 
@@ -25,6 +25,9 @@ if TYPE_CHECKING:
     from PIL import Image
 
 Mode = Literal["trinary", "scale", "raw"]
+_FINEST, _COARSEST = 1e-6, 1e6  # m per pixel
+_FARTHEST = 1e9  # m; northings of UTM reach 1e7
+_AT_ONCE = 4_000_000  # pixels: their sums take eight times as much memory
 _MODES: tuple[Mode, ...] = ("trinary", "scale", "raw")
 
 
@@ -91,14 +94,17 @@ def read_map(path: str | Path) -> MapImage:
     section = read_section(path, "a map file")
     if section.has("floor_plan") and not section.has("image"):
         path = Path(path).parent / section.text("floor_plan")
-        section = read_section(path, "a map file")
+        section = read_section(path, "a map file", piped=False)
     return read_map_section(section, Path(path).parent)
 
 
-def read_map_section(section: Section, folder: Path) -> MapImage:
-    """Read a map from a file that may hold other keys. Raises as `read_map`."""
+def read_map_section(section: Section, folder: Path, *, inside: Path | None = None) -> MapImage:
+    """Read a map from a file that may hold other keys; with `inside`, its image is below that folder.
+
+    Raises as `read_map`.
+    """
     file = parse_map_file(section, folder)
-    return MapImage(file, occupancy_of_pixels(_read_pixels(file.image, section), file))
+    return MapImage(file, _read_cells(file, section, inside))
 
 
 def parse_map_file(section: Section, folder: Path) -> MapFile:
@@ -109,7 +115,12 @@ def parse_map_file(section: Section, folder: Path) -> MapFile:
     resolution = section.number("resolution")
     if resolution <= 0.0:
         section.fail("resolution", f"resolution: {resolution:g} in a map file, expected more than 0 m per pixel")
+    if not _FINEST <= resolution <= _COARSEST:
+        limits = f"{_FINEST:g} to {_COARSEST:g} m per pixel"
+        section.fail("resolution", f"resolution: {resolution:g} in a map file, expected {limits}")
     origin = section.numbers("origin", 3)
+    if max(map(abs, origin)) > _FARTHEST:
+        section.fail("origin", f"origin: {list(origin)} in a map file, expected at most {_FARTHEST:g} m")
     negate = section.boolean("negate")
     occupied = section.number("occupied_thresh", minimum=0.0, maximum=1.0)
     free = section.number("free_thresh", minimum=0.0, maximum=1.0)
@@ -159,19 +170,27 @@ def _occupancy_of_averages(
     return values.astype(np.int8)
 
 
-def _read_pixels(path: Path, section: Section) -> NDArray[np.uint8]:
+def _read_cells(file: MapFile, section: Section, inside: Path | None) -> NDArray[np.int8]:
     from PIL import UnidentifiedImageError
 
+    path = file.image
     try:
-        with open_picture(path, MAP_FORMATS) as image:
+        with open_picture(path, MAP_FORMATS, inside=inside) as image:
             image.load()
-            return _pixels(image)
+            cells = np.empty((image.height, image.width), np.int8)
+            rows = max(1, _AT_ONCE // image.width)
+            for top in range(0, image.height, rows):
+                bottom = min(top + rows, image.height)
+                band = image.crop((0, top, image.width, bottom))
+                cells[image.height - bottom : image.height - top] = occupancy_of_pixels(_pixels(band), file)
+            return cells
     except FileNotFoundError:
         section.fail("image", f"image: {path} is missing, expected an image", "the path is relative to the map file")
     except UnidentifiedImageError:
         section.fail("image", f"image: {path} is not an image, expected one, for example PNG or PGM")
     except (OSError, ValueError, SyntaxError, EOFError, LookupError, TypeError, OverflowError) as problem:
-        section.fail("image", f"image: {path} cannot be read: {problem}; expected an undamaged image")
+        reason = getattr(problem, "strerror", None) or problem
+        section.fail("image", f"image: {path} cannot be read: {reason}; expected an undamaged image")
 
 
 def _pixels(image: Image.Image) -> NDArray[np.uint8]:

@@ -6,6 +6,7 @@ world, and a world file of that kind is a map.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -27,6 +28,20 @@ class Box:
     pose: tuple[float, float, float, float]
     size: tuple[float, float, float]
     mass: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Drop:
+    """A rectangle without floor, as the top of a stair. `pose` is x, y (m) of its centre and yaw (rad)."""
+
+    pose: tuple[float, float, float]
+    size: tuple[float, float]
+
+    def holds(self, x: float, y: float) -> bool:
+        """Return True for a point of the map (m) inside of it."""
+        dx, dy = x - self.pose[0], y - self.pose[1]
+        c, s = math.cos(self.pose[2]), math.sin(self.pose[2])
+        return abs(c * dx + s * dy) <= self.size[0] / 2.0 and abs(c * dy - s * dx) <= self.size[1] / 2.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,6 +69,7 @@ class World:
     obstacles: tuple[Box, ...]
     start: tuple[float, float, float]
     fiducials: tuple[Fiducial, ...] = ()
+    drops: tuple[Drop, ...] = ()
 
 
 def read_world(path: str | Path) -> World:
@@ -70,6 +86,7 @@ def read_world(path: str | Path) -> World:
         obstacles=tuple(_box(part, movable=True, seen=seen) for part in top.sections("obstacles")),
         start=(start[0], start[1], start[2]),
         fiducials=_fiducials(top.optional_section("fiducials")),
+        drops=tuple(_drop(part) for part in top.sections("drops")),
     )
     top.finish()
     return world
@@ -103,6 +120,15 @@ def _box(part: Section, *, movable: bool, seen: set[str]) -> Box:
         pose, mass = (x, y, z, yaw), None
     part.finish()
     return Box(name, pose, (size[0], size[1], size[2]), mass)
+
+
+def _drop(part: Section) -> Drop:
+    size = part.numbers("size", 2)
+    if min(size) <= 0.0:
+        part.fail("size", f"size: {list(size)} in {part.name}, expected two lengths above 0")
+    x, y, yaw = part.numbers("pose", 3)
+    part.finish()
+    return Drop((x, y, yaw), (size[0], size[1]))
 
 
 def _fiducials(part: Section | None) -> tuple[Fiducial, ...]:
