@@ -97,6 +97,8 @@ def _explain(names: list[str], world: World) -> Diagnostic:
             expected = f"one of {_shorten(files)}" if files else "a launch file"
             message = f"{names[0]} is a folder, expected {expected}"
             return error(message, rule="missing-file", help=f"give a file: {files[0]}" if files else help_)
+        if near == last:  # a folder without files may end like a launch file
+            return error(f"{names[0]} is a folder, expected a launch file", rule="missing-file")
         return error(f"no file '{names[0]}', expected a launch file", rule="missing-file", help=help_)
     package, name = names[:2]
     known = set(world.package_names())

@@ -57,7 +57,9 @@ KNOWN_NODES: dict[str, Interface] = {
     "joy": _node("joy", "joy/set_feedback"),
     "joy_node": _node("joy", "joy/set_feedback"),
     "keyboard_navigate_node": _node(
-        "initialpose move_base/continue", "map scan tf amcl_pose move_base/hold", uses="move_base"
+        "initialpose move_base/continue patrol/request",
+        "map scan tf amcl_pose move_base/hold patrol/status",
+        uses="move_base",
     ),
     "map_saver": _node("", "map"),
     "map_server": _node("map map_metadata", "", "static_map"),
@@ -70,6 +72,7 @@ KNOWN_NODES: dict[str, Interface] = {
         "",
         "move_base",
     ),
+    "patrol": _node("~status", "~request tf map", uses="move_base"),
     "raspicam_node": _node("~image ~image/compressed ~camera_info", "", "~start_capture ~stop_capture"),
     "robot_localization": _node("odometry/filtered tf", "odom imu"),
     "calibrate_camera": _node("", "", calls="raspicam_node/set_camera_info"),
@@ -97,10 +100,10 @@ KNOWN_IN_PACKAGE: dict[tuple[str, str], Interface] = {
         "~image ~image/compressed ~camera_info", "", "~set_camera_info ~start_capture ~stop_capture"
     ),
     ("ubiquity_launches", "twist_mux"): _node(
-        "cmd_vel_out ~active ~stopped ~challenge ~lease",
+        "cmd_vel_out ~active ~stopped ~challenge ~lease ~obstacle_stop",
         "joy_vel joy_vel_stamped key_vel key_vel_stamped web_vel web_vel_stamped nav_vel nav_vel_stamped pause_driving "
-        "~lease_request",
-        "~stop ~release",
+        "~lease_request odom scan sonars",
+        "~stop ~release ~set_obstacle_stop",
     ),
     ("ubiquity_launches", "teleop_node"): _node(
         "cmd_vel_stamped cmd_vel_mux/lease_request",
@@ -109,8 +112,8 @@ KNOWN_IN_PACKAGE: dict[tuple[str, str], Interface] = {
     ),
     ("ubiquity_launches", "teleop_twist_keyboard.py"): _node(
         "cmd_vel_stamped cmd_vel_mux/lease_request",
-        "cmd_vel_mux/active cmd_vel_mux/challenge cmd_vel_mux/lease cmd_vel_mux/stopped",
-        calls="cmd_vel_mux/stop cmd_vel_mux/release",
+        "cmd_vel_mux/active cmd_vel_mux/challenge cmd_vel_mux/lease cmd_vel_mux/obstacle_stop cmd_vel_mux/stopped",
+        calls="cmd_vel_mux/stop cmd_vel_mux/release cmd_vel_mux/set_obstacle_stop",
     ),
     ("ubiquity_launches", "simulator"): _node(
         "odom joint_states base_pose_ground_truth tf ~collisions", "cmd_vel", "~pause ~step ~reset ~place"

@@ -13,9 +13,12 @@ import os
 import re
 from collections.abc import Mapping
 
+from ur.launchfile.world.links import Links
+from ur.source.foreign.files import MAX_MANIFEST, read_file
+
 SHARE = "/usr/share"
 _NAME = re.compile(rb"<name>([^<&]*)</name>")
-_COMMENT = re.compile(rb"<!--(?:[^-]|-[^-])*-->")  # as XML has them: without -- inside
+_COMMENT = re.compile(rb"<!--[^-]*(?:-[^-]+)*-->")  # as XML has them: without -- inside
 
 
 def package_paths(environment: Mapping[str, str]) -> list[str]:
@@ -43,21 +46,26 @@ def find_packages(paths: list[str]) -> dict[str, str]:
 
 def _walk(top: str, found: dict[str, str]) -> None:
     seen: set[str] = set()
+    links = Links()
     stack = [top]
     while stack:
         folder = stack.pop()
         if folder.startswith(SHARE + "/"):
             _visit_shared(folder, found, seen)
         elif not _visit_package(folder, found, seen):
-            stack.extend(_folders_in(folder, found, seen))
+            stack.extend(_folders_in(folder, found, seen, links))
 
 
 def _visit_package(folder: str, found: dict[str, str], seen: set[str]) -> bool:
     # Whether the folder is a package: most that are looked at are, and listing them would only cost time.
     try:
-        data = _read(folder + "/package.xml")
+        data = read_file(folder + "/package.xml", MAX_MANIFEST)
     except (FileNotFoundError, NotADirectoryError):
         return False
+    except OSError as problem:
+        if isinstance(problem, PermissionError) and not os.access(folder, os.X_OK):
+            return False
+        raise _broken(folder + "/package.xml", problem.strerror) from None
     if os.path.isfile(folder + "/CATKIN_IGNORE"):
         return True
     name = package_name_in(folder + "/package.xml", data)
@@ -69,14 +77,15 @@ def _visit_package(folder: str, found: dict[str, str], seen: set[str]) -> bool:
     return True
 
 
-def _folders_in(folder: str, found: dict[str, str], seen: set[str]) -> list[str]:
+def _folders_in(folder: str, found: dict[str, str], seen: set[str], links: Links) -> list[str]:
     files: set[str] = set()
     folders: list[str] = []
     try:
         with os.scandir(folder) as entries:
             for entry in entries:
                 if _is_folder(entry):
-                    folders.append(entry.name)
+                    if not entry.is_symlink() or links.leads_on(entry.path, folder):
+                        folders.append(entry.name)
                 else:
                     files.add(entry.name)
     except OSError:
@@ -89,7 +98,6 @@ def _folders_in(folder: str, found: dict[str, str], seen: set[str]) -> list[str]
             seen.add(name)
             found[name] = folder
         return []
-    # A link that leads back above itself is entered until the system has enough of it, as rospack does; see ELOOP.
     if "rospack_nosubdirs" in files:
         return []
     # rospkg removes hidden folders from the list it is iterating over, and so keeps every second one in a row.
@@ -114,24 +122,9 @@ def _visit_shared(folder: str, found: dict[str, str], seen: set[str]) -> None:
             found[name] = folder
 
 
-def _read(path: str) -> bytes:
-    # Half the cost of open(): hundreds of package.xml are read before the first launch file is.
-    descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
-    try:
-        data = os.read(descriptor, 65536)
-        while len(data) and len(data) % 65536 == 0:
-            more = os.read(descriptor, 65536)
-            if not more:
-                break
-            data += more
-        return data
-    finally:
-        os.close(descriptor)
-
-
 def read_package_name(path: str) -> str | None:
     """The name in a package.xml; None for a metapackage. Raises OSError, and ValueError when there is none."""
-    return package_name_in(path, _read(path))
+    return package_name_in(path, read_file(path, MAX_MANIFEST))
 
 
 def package_name_in(path: str, data: bytes) -> str | None:
@@ -148,15 +141,21 @@ def package_name_in(path: str, data: bytes) -> str | None:
 
 
 def _parse_package_name(path: str, data: bytes) -> str | None:
-    from xml.etree import ElementTree  # rarely needed: most files are simple
+    from ur.source.foreign.xml_text import parse_xml  # rarely needed: most files are simple
 
     try:
-        root = ElementTree.fromstring(data)  # noqa: S314 - expat limits what entities may grow to
-    except (ElementTree.ParseError, ValueError, LookupError) as problem:
-        raise ValueError(f"{path}: {problem}") from None
+        root = parse_xml(data)
+    except ValueError as problem:
+        raise _broken(path, problem) from None
     if root.find("./export/metapackage") is not None:
         return None
     name = root.findtext("name")
     if name is None:
-        raise ValueError(f"{path}: no <name>")
+        raise _broken(path, "no <name>")
     return name.strip(" \n\r\t")
+
+
+def _broken(path: str, reason: object) -> ValueError:
+    from ur.launchfile.world.broken import broken_package
+
+    return broken_package(path, reason)

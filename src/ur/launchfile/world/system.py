@@ -10,9 +10,11 @@ import stat
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
 
+from ur.launchfile.world.links import walk_links
 from ur.launchfile.world.packages import find_packages, package_paths
 from ur.launchfile.world.protocol import PackageNotFound
 from ur.launchfile.world.workspaces import Workspaces
+from ur.source.foreign.files import read_file
 
 MAX_READ = 256 * 1024 * 1024
 _OWNER_MAY_RUN = stat.S_IRUSR | stat.S_IXUSR
@@ -98,14 +100,8 @@ class SystemWorld:
                 self._was_read = self._standard_input()
             return self._was_read
         try:
-            with open(path, "rb", opener=_open_without_waiting) as file:
-                status = os.fstat(file.fileno())
-                if not stat.S_ISREG(status.st_mode):
-                    raise OSError(0, "Not a regular file", path)
-                if status.st_size > MAX_READ:
-                    raise OSError(0, f"Larger than {MAX_READ:,} bytes", path)
-                return file.read()
-        except ValueError as problem:  # a NUL character in the path
+            return read_file(path, MAX_READ)
+        except ValueError as problem:  # a path with half a surrogate pair
             raise OSError(0, str(problem), path) from None
 
     def list_folder(self, path: str) -> tuple[str, ...]:
@@ -137,7 +133,7 @@ class SystemWorld:
         # Every file of a package, in the order in which roslib.packages.find_resource looks at them.
         folder = self.find_package(package)
         for place in [*self._catkin().find(("lib", "libexec", "share"), package), folder]:
-            for directory, folders, files in os.walk(place, followlinks=True):
+            for directory, folders, files in walk_links(place):
                 yield from (os.path.join(directory, name) for name in files)
                 for hidden in [name for name in folders if name.startswith(".")]:
                     folders.remove(hidden)
@@ -152,7 +148,3 @@ def _may_run(path: str) -> bool:
         return os.stat(path).st_mode & _OWNER_MAY_RUN == _OWNER_MAY_RUN
     except OSError:
         return False
-
-
-def _open_without_waiting(path: str, flags: int) -> int:
-    return os.open(path, flags | os.O_NONBLOCK)

@@ -4,14 +4,16 @@ Source of the rules: catkin's `find_in_workspaces` and `workspace`, as Debian sh
 """
 
 # Paths are texts here: pathlib would change what roslaunch prints, and costs too much in hot loops.
-# ruff: noqa: PTH110, PTH113, PTH118, PTH123
+# ruff: noqa: PTH110, PTH113, PTH118
 
 from __future__ import annotations
 
 import os
 from collections.abc import Mapping
 
+from ur.launchfile.world.links import walk_links
 from ur.launchfile.world.packages import read_package_name
+from ur.source.foreign.files import MAX_MANIFEST, read_text
 
 MARKER = ".catkin"
 _IGNORE = frozenset({"AMENT_IGNORE", "CATKIN_IGNORE", "COLCON_IGNORE"})
@@ -60,11 +62,10 @@ class Workspaces:
         if workspace not in self._sources:
             paths: dict[str, str] = {}
             try:
-                with open(os.path.join(workspace, MARKER), encoding="utf-8") as file:
-                    for path in file.read().split(";"):
-                        if path:
-                            paths.setdefault(os.path.realpath(path), path)
-            except (OSError, UnicodeError):
+                for path in read_text(os.path.join(workspace, MARKER), MAX_MANIFEST, errors="strict").split(";"):
+                    if path:
+                        paths.setdefault(os.path.realpath(path), path)
+            except (OSError, ValueError):
                 paths = {}
             self._sources[workspace] = list(paths.values())
         return self._sources[workspace]
@@ -73,7 +74,7 @@ class Workspaces:
 def _crawl(source: str) -> dict[str, str]:
     # Package name to folder, relative to the source folder.
     found: dict[str, str] = {}
-    for folder, folders, files in os.walk(source, followlinks=True):
+    for folder, folders, files in walk_links(source):
         if _IGNORE.intersection(folders, files) or _IGNORE.intersection(files):
             folders.clear()
             continue

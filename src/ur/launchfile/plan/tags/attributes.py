@@ -178,5 +178,8 @@ def as_number(value: str, element: Element, name: str) -> float:
         return float(value)
     except ValueError:
         raise refuse(
-            f"'{name}' of <{element.name}> is '{value}', expected a number", element.value_span(name), "bad-number"
+            f"'{name}' of <{element.name}> is '{value}', expected a number",
+            element.value_span(name),
+            "bad-number",
+            kind="double",
         ) from None

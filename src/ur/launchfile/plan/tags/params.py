@@ -109,6 +109,7 @@ def convert_param(
             element.value_span(source),
             "bad-param-value",
             f"write a value of type {type_}, or leave type away",
+            kind=type_,
         ) from None
 
 
