@@ -122,7 +122,7 @@ def test_packages_that_are_not_installed_are_one_paragraph() -> None:
     assert render_text(report).splitlines() == [
         "2 packages are not installed or not built here; what 2 files take from there is not checked:",
         "  elsewhere, far_away",
-        "  help: source the setup.bash of their workspace, or run 'rosdep install --from-paths . --ignore-src'",
+        "  help: 'ur get --missing FOLDER' gets them; of packages built here: source their setup.bash",
         "nothing else found in 2 files",
     ]
     assert report.errors == 0

@@ -36,6 +36,17 @@ def find_rule(word: str) -> Rule:
     raise _unknown(word, every, "--explain", ())
 
 
+def list_rules() -> str:
+    """All rules by group, a line each: the id and the summary."""
+    every = load_rules()
+    width = max(map(len, every))
+    lines = []
+    for group in Group:
+        lines += ["", f"{group.value}:"]
+        lines += [f"  {rule.id:{width}}  {rule.summary}" for rule in every.values() if rule.group is group]
+    return "\n".join(lines[1:]) + "\n"
+
+
 def _ids(word: str, every: dict[str, Rule], option: str) -> list[str]:
     if word in every:
         return [word]
@@ -52,7 +63,7 @@ def _unknown(word: str, every: dict[str, Rule], option: str, groups: tuple[str, 
         error(
             f"{option} {word}: no such rule, expected an id{kinds}",
             rule="unknown-rule",
-            help=f"did you mean {near}?" if near else "docs/reference/rules/index.md lists them",
+            help=f"did you mean {near}?" if near else "'ur check --explain' lists the rules",
             subject=option,
         )
     )

@@ -8,7 +8,7 @@ from typing import Any
 import yaml
 
 from ur.source.file import SourceFile, Span
-from ur.source.yaml_depth import check_depth
+from ur.source.foreign.yaml_text import check_depth
 
 _Loader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 

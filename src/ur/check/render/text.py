@@ -13,7 +13,7 @@ from ur.source.printable import printable
 from ur.source.render import render_human
 
 _WIDTH = 100
-_INSTALL = "source the setup.bash of their workspace, or run 'rosdep install --from-paths . --ignore-src'"
+_INSTALL = "'ur get --missing FOLDER' gets them; of packages built here: source their setup.bash"
 
 
 def render_text(report: Report, *, colour: bool = False) -> str:

@@ -137,7 +137,8 @@ After each `<arg>` follows `<!--name: ...-->`: what it means, in which unit, wha
                     '<arg name="word"/>',
                     "<!--word: What is said.-->",
                     '<arg name="rate" default="1" doc="How often, in Hz."/>',
-                    says="$(arg word) $(arg rate)",
+                    '<arg name="words" value="$(arg word) $(arg rate)" doc="The program\'s arguments."/>',
+                    says="$(arg words)",
                 )
             ),
         ),

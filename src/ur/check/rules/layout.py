@@ -163,7 +163,9 @@ it.
                     "<!--rate: How often, in Hz.-->",
                     '«<arg» name="word"/>',
                     "<!--word: What is said.-->",
-                    says="$(arg word) $(arg rate)",
+                    '<arg name="words" value="$(arg word) $(arg rate)"/>',
+                    "<!--words: The program's arguments.-->",
+                    says="$(arg words)",
                 )
             ),
         ),

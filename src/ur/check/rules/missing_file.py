@@ -15,6 +15,7 @@ from ur.source.diagnostic import Severity
 from ur.source.suggest import did_you_mean
 
 _DESCRIPTIONS = (".xacro", ".urdf", ".sdf", ".srdf")
+_READ = (".rviz", ".yaml")  # endings of files that a node reads, where a variable names one
 _CONFIGURATION = ("-d", "--display-config")
 
 
@@ -23,11 +24,17 @@ def _find_in_arguments(view: NodeView) -> Iterable[Found]:
     named: list[str] = []
     if view.node.type == "rviz":
         named = _after(words, _CONFIGURATION)
-    elif view.node.type == "map_server" and view.package is not None and view.package.follows_conventions:
-        named = [word for word in words[:1] if word.endswith(".yaml")]
     elif view.node.type in ("spawn_model", "spawn_entity"):
         named = _after(words, ("-file",))
-    return _missing(named, view.element, "args", view.world)
+    yield from _missing(named, view.element, "args", view.world)
+    if view.package is not None and view.package.follows_conventions:
+        values = dict(view.node.env)
+        for child in view.element.children:
+            if not isinstance(child, Element) or child.name != "env":
+                continue
+            value = values.get(child.attributes.get("name", ""), "")
+            if value.endswith(_READ):
+                yield from _missing([value], child, "value", view.world)
 
 
 def _find_in_command(view: ParamView) -> Iterable[Found]:
