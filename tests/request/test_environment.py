@@ -6,8 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from ur.request.environment import environment_changes, render_exports
+from ur.request.environment import current_selection, environment_changes, hide_ros2, render_exports
 from ur.robot.selection import Selection
+from ur.source.diagnostic import UserError
 
 PACKAGE = Path("/place/ubiquity_launches")
 ROBOT = Selection("robbie", "", "")
@@ -57,3 +58,37 @@ def test_exports_survive_the_shell(value: str) -> None:
     script = render_exports({"NAME": value}) + 'printf %s "$NAME"'
     done = subprocess.run(["bash", "-c", script], capture_output=True, text=True, check=True, env=dict(os.environ))
     assert done.stdout == value
+
+
+def test_ros_2_of_the_shell_is_hidden_from_programs_and_nothing_else() -> None:
+    shell = {
+        "AMENT_PREFIX_PATH": "/home/ada/ws/install/p:/opt/ros/humble",
+        "PYTHONPATH": "/opt/ros/humble/lib/python3.10/site-packages:/home/ada/lib:/opt/ros/humbler",
+        "LD_LIBRARY_PATH": "/opt/ros/humble/lib",
+        "CMAKE_PREFIX_PATH": "/home/ada/ws/install/p:/home/ada/rover",
+        "ROS_DISTRO": "humble",
+        "ROS_VERSION": "2",
+    }
+    assert hide_ros2(shell) == {
+        "PYTHONPATH": "/home/ada/lib:/opt/ros/humbler",
+        "LD_LIBRARY_PATH": "",
+        "CMAKE_PREFIX_PATH": "/home/ada/rover",
+        "ROS_DISTRO": "Debian",
+        "ROS_VERSION": "1",
+    }
+
+
+def test_shell_without_ros_2_keeps_its_search_paths() -> None:
+    assert hide_ros2({"PYTHONPATH": "/opt/ros/noetic/lib:/home/ada/lib", "ROS_VERSION": "1"}) == {}
+
+
+def test_environment_that_names_a_robot_precedes_the_stored_selection(tmp_path: Path) -> None:
+    folder = tmp_path / ".config/ubiquity_launches"
+    folder.mkdir(parents=True)
+    (folder / "selection").write_text("alice\n")
+    home = {"HOME": str(tmp_path)}
+    assert current_selection(home) == Selection("alice", "")
+    assert current_selection(home | {"UR_ROBOT": "bob:magni"}) == Selection("bob", "magni")
+    assert current_selection(home | {"UR_ROBOT": ""}) == Selection("alice", "")
+    with pytest.raises(UserError):
+        current_selection(home | {"UR_ROBOT": "--bob"})

@@ -36,11 +36,11 @@ def resolve(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, str, 
 
 
 def read_values(capsys: pytest.CaptureFixture[str], *words: str) -> str:
-    """The parameters of all nodes, and the command line of the map server where there is one."""
+    """The parameters of all nodes, and their command lines with the variables that they get."""
     capsys.readouterr()
     assert main(["launch", "--dump-params", "ubiquity_launches", *words]) == 0
-    main(["launch", "--args", "/map_server", "ubiquity_launches", *words])
-    return capsys.readouterr().out
+    values = capsys.readouterr().out
+    return values + resolve(capsys, *words)[1]
 
 
 NAVIGATE = "m_keyboard_navigate.launch.xml"
@@ -55,13 +55,13 @@ def test_own_world_is_the_simulators_world_and_the_map(
     assert f"{home}/home.yaml" in out
     values = read_values(capsys, NAVIGATE, word)
     assert f"/simulator/world_file: {home}/home.yaml\n" in values
-    assert f"/bin/map_server {home}/home.yaml " in values
+    assert f" UR_MAP_FILE={home}/home.yaml " in values
 
 
 def test_map_file_may_differ_from_the_world(home: Path, capsys: pytest.CaptureFixture[str]) -> None:
     values = read_values(capsys, NAVIGATE, "world:=maze", "map_file:=home.yaml")
     assert "/n_simulator/worlds/maze.yaml\n" in values
-    assert f"/bin/map_server {home}/home.yaml " in values
+    assert f" UR_MAP_FILE={home}/home.yaml " in values
 
 
 def test_folder_with_a_blank_in_its_name_holds_worlds_too(

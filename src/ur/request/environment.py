@@ -15,11 +15,16 @@ from ur.source.user_folders import user_folder
 
 REPOSITORY = project_folder()
 PACKAGE = launch_library()
+CHOSEN = "UR_ROBOT"
+"""The variable that names the robot for a process and its children, as `ur web ROBOT` does; it precedes the file."""
+
 MARK = "UR_SELECTION"  # tells what `ur env` has set from what a person has set
 
 
 def current_selection(environment: Mapping[str, str]) -> Selection:
-    """The stored selection. Raises UserError when its file is damaged."""
+    """The selection that the environment names, else the stored one. Raises UserError: one of them is damaged."""
+    if chosen := environment.get(CHOSEN):
+        return parse_selection(chosen)
     return load_selection(selection_path(environment))
 
 
@@ -59,8 +64,35 @@ def own_packages(environment: Mapping[str, str]) -> str:
 
 
 def apply_selection(selection: Selection) -> None:
-    """Set the variables of a selection for this process and its children."""
+    """Set the variables of a selection for this process and its children, hiding a ROS 2 that the shell has sourced."""
     os.environ.update(environment_changes(selection, os.environ))
+    os.environ.update(hide_ros2(os.environ))
+
+
+def hide_ros2(environment: Mapping[str, str]) -> dict[str, str]:
+    """The search paths to set so that programs do not find the packages of a sourced ROS 2 in place of ROS 1's.
+
+    Both have Python packages of the same names (`sensor_msgs`, `std_msgs`, ...).
+    """
+    places = [
+        os.path.normpath(place)
+        for name in ("AMENT_PREFIX_PATH", "COLCON_PREFIX_PATH")
+        for place in environment.get(name, "").split(os.pathsep)
+        if place
+    ]
+    changes = {}
+    for name in ("PYTHONPATH", "LD_LIBRARY_PATH", "CMAKE_PREFIX_PATH"):
+        entries = environment.get(name, "").split(os.pathsep)
+        kept = [entry for entry in entries if not any(_is_below(entry, place) for place in places)]
+        if kept != entries:
+            changes[name] = os.pathsep.join(kept)
+    if places and environment.get("ROS_VERSION") == "2":
+        changes |= {"ROS_VERSION": "1", "ROS_DISTRO": "Debian"}
+    return changes
+
+
+def _is_below(entry: str, place: str) -> bool:
+    return f"{os.path.normpath(entry)}/".startswith(f"{place}/")
 
 
 def render_exports(changes: Mapping[str, str]) -> str:

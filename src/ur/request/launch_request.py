@@ -11,9 +11,9 @@ from ur.launchfile.syntax import LaunchFile
 from ur.launchfile.syntax.parse import parse_launch_file
 from ur.launchfile.world.protocol import World
 from ur.request.arguments import Argument, split_argv, values_of
+from ur.request.misspelt import suggest_assignment
 from ur.robot.selection import Selection
 from ur.source.diagnostic import UserError, error
-from ur.source.suggest import did_you_mean
 
 if TYPE_CHECKING:
     from ur.request.options import LaunchOptions
@@ -113,8 +113,7 @@ def refuse_stray_names(files: LaunchFiles) -> None:
         if name == STANDARD_INPUT or files.world.is_file(name):
             continue
         declared = files.declared
-        bare = name.lstrip("-").partition("=")[0]
-        near = did_you_mean(bare.replace("-", "_"), declared)
+        near = suggest_assignment(name, declared)
         known = f", expected NAME:=VALUE with NAME one of {', '.join(declared)}"
         if not declared:
             known = ": the launch file declares no arguments"
@@ -122,7 +121,7 @@ def refuse_stray_names(files: LaunchFiles) -> None:
             error(
                 f"{name!r} is not an argument{known}",
                 rule="bad-argument",
-                help=f"did you mean {near}:=...?" if near else None if declared else f"leave {name} out",
+                help=f"did you mean {near}?" if near else None if declared else f"leave {name} out",
                 subject=name,
             )
         )

@@ -19,7 +19,7 @@ from ur.request.launch_request import LaunchRequest, make_request
 from ur.request.maps import resolve_map
 from ur.request.worlds import check_worlds, resolve_worlds
 from ur.robot.selection import Selection
-from ur.source.diagnostic import Diagnostic, Severity
+from ur.source.diagnostic import Diagnostic, Severity, UserError
 from ur.source.file import SourceFile, Span
 
 if TYPE_CHECKING:
@@ -69,7 +69,8 @@ def load_request(request: LaunchRequest, inspect: Inspect | None = None) -> Load
 
     Arguments about the robot that are declared and not given come from the selection; not so for a robot's share
     of a run (`part`): its arguments are complete, and `part` is a machine that the file need not define: this computer.
-    Raises UserError: a base that is not known or lacks what the file needs, a driver whose package is not installed.
+    Raises UserError: an argument whose value is not of its type, a base that is not known or lacks what the file needs,
+    a driver whose package is not installed.
     """
     part, selection, files = request.options.part, request.selection, request.files
     assert selection is not None
@@ -94,6 +95,16 @@ def load_request(request: LaunchRequest, inspect: Inspect | None = None) -> Load
     findings = plan.diagnostics
     if any(node.terminal for node in plan.nodes):
         findings = tuple(map(_harden, findings))
+    if any(each.severity is Severity.ERROR for each in findings):
+        from ur.request.argument_values import blame_arguments
+
+        def replan(given: Sequence[Argument]) -> Plan:
+            kept = {each.name for each in given}
+            left = [each for each in arguments if each.name in kept or each.name not in request.values]
+            return load_plan(files.paths, texts(left), files.world, computers=computers, parsed=files.parsed)
+
+        if wrong := blame_arguments(findings, request.arguments, replan):
+            raise UserError(*wrong)
     if inspect is not None:
         inspect(findings)
     show_findings(findings)

@@ -15,11 +15,9 @@ from ur.source.suggest import did_you_mean
 if TYPE_CHECKING:
     from ur.launchfile.query.arguments import ArgumentSpec
 
-_TRUTH_VALUES = ("simulate", "bring_up", "use_rviz")  # in every launch file that declares them
-
 
 def check_arguments(program: Program, arguments: Sequence[Argument], environment: Mapping[str, str]) -> None:
-    """Raise UserError for an argument that a program's launch file does not declare, or a bad truth value."""
+    """Raise UserError for an argument that a program's launch file does not declare."""
     path = find_launch_file(program) if arguments else None
     if path is None:
         return  # the program reads its arguments itself
@@ -33,12 +31,6 @@ def check_arguments(program: Program, arguments: Sequence[Argument], environment
             known = ", ".join(declared) or "no arguments"
             message = f"unknown argument {name!r} of program {program.name!r}, expected one of {known}"
             raise UserError(error(message, rule="unknown-argument", help=help_))
-    for name, value in ((each.name, each.value) for each in arguments):
-        if name in _TRUTH_VALUES and value.lower() not in ("true", "false", "1", "0") and not value.startswith("$("):
-            near = did_you_mean(value, ("true", "false"))
-            help_ = f"did you mean {name}:={near}?" if near else f"for example {name}:=false"
-            message = f"argument {name!r} is {value!r}, expected true or false"
-            raise UserError(error(message, rule="bad-argument", help=help_))
 
 
 def read_program_arguments(path: Path, environment: Mapping[str, str]) -> tuple[ArgumentSpec, ...]:

@@ -10,10 +10,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from ur.source.diagnostic import UserError, error
+from ur.source.foreign.files import read_head, read_text
 from ur.source.suggest import did_you_mean
 
 PREFIX = "ur_"
 _HEAD = 30  # lines
+_LARGEST = 1024 * 1024  # bytes of a script
 _LAUNCH = re.compile(r"^[^#\n]*\blaunch\s+(\w+)\s+(\w+\.launch(?:\.xml)?)\b", re.MULTILINE)
 
 
@@ -146,19 +148,21 @@ def _describe(programs: Iterable[Program]) -> str:
 def read_summary(path: Path) -> str:
     """Read the text after `##Summary:` in a program's head; empty when it has none."""
     try:
-        with path.open(encoding="utf-8", errors="replace") as file:
-            for line, _ in zip(file, range(_HEAD), strict=False):
-                if line.startswith("##Summary:"):
-                    return line.removeprefix("##Summary:").strip()
+        lines = read_head_lines(path)
     except OSError:
         return ""
-    return ""
+    return next((each.removeprefix("##Summary:").strip() for each in lines if each.startswith("##Summary:")), "")
+
+
+def read_head_lines(path: Path) -> list[str]:
+    """Return the lines of a program's head, which describe it. Raises OSError."""
+    return read_head(path).split("\n")[:_HEAD]
 
 
 def find_launch_file(program: Program) -> Path | None:
     """The launch file of its own package that a program starts; None when it starts none."""
     try:
-        text = program.path.read_text(encoding="utf-8", errors="replace")
+        text = read_text(program.path, _LARGEST)
     except OSError:
         return None
     package = program.folder

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
@@ -115,22 +114,15 @@ def _check_fiducials(path: str) -> None:
 
 
 def _check_map(node: NodeSpec) -> None:
-    argv = _split(node.args)
-    if len(argv) != 1 or Path(argv[0]).is_relative_to(PACKAGE):
+    named = dict(node.env).get("UR_MAP_FILE", "")
+    path = Path(named)
+    if not named or path.is_relative_to(PACKAGE):
         return
-    path = Path(argv[0])
     if not path.is_file():
-        raise explain_missing_map(argv[0])
+        raise explain_missing_map(named)
     from ur.worlds.map_file import read_map
 
     read_map(path)
-
-
-def _split(text: str) -> list[str]:
-    try:
-        return shlex.split(text)
-    except ValueError:
-        return []
 
 
 def _local_nodes(plan: Plan) -> Iterator[NodeSpec]:

@@ -1,6 +1,7 @@
 """Needs of launch files and programs from a base: the comment `<!--Needs: ...-->`, compared with what a base has.
 
-A need is the name of a field of `ur.robot.base.Base`: `lidar`, `raspicam`, `sonars`, `bumpers`, `imu`, `battery`.
+A need is the name of a field of `ur.robot.base.Base`: `lidar`, `raspicam`, `sonars`, `bumpers`, `cliffs`, `imu`,
+`battery`.
 Several stand one after the other, alternatives have a bar between them: `<!--Needs: raspicam lidar|sonars-->`.
 """
 

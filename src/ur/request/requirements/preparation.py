@@ -24,6 +24,7 @@ from typing import Protocol
 from ur.launchfile.plan.model import NodeSpec, Plan
 from ur.launchfile.world.protocol import PackageNotFound, World
 from ur.request.environment import PACKAGE
+from ur.request.programs import read_head_lines
 from ur.request.requirements.debian_packages import install_debian
 from ur.request.requirements.python_packages import need_all
 from ur.run.process.missing_package import is_packaged
@@ -31,7 +32,6 @@ from ur.run.startup.node_selection import check_display, has_display, is_view
 from ur.source.diagnostic import UserError, error
 
 _LOCAL = frozenset({"localhost", "127.0.0.1", "::1"})
-_HEAD = 30  # lines
 _PYTHON, _DEBIAN, _FILE = "##Python:", "##Debian:", "##File:"
 _RVIZ = "RViz (77 MB to download)"
 Install = Callable[[Sequence[str], str, str], None]
@@ -146,8 +146,7 @@ def read_needs(program: Path) -> tuple[PythonNeed | DebianNeed | FileNeed, ...]:
     Raises ValueError for a line with too few parts.
     """
     try:
-        with program.open(encoding="utf-8", errors="replace") as file:
-            lines = [line.strip() for line, _ in zip(file, range(_HEAD), strict=False)]
+        lines = [line.strip() for line in read_head_lines(program)]
     except OSError:
         return ()
     needs: list[PythonNeed | DebianNeed | FileNeed] = []
