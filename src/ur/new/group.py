@@ -62,8 +62,13 @@ def plan_multi(name: str, summary: str, overview: str, parts: Sequence[Part]) ->
             else [f'<include file="{part.file}"/>']
         )
     folder = f"m_{name}"
-    text = write_launch(summary, overview, list(arguments.values()), body)
+    started = ", ".join(f"`{_stem(part.file)}`" for part in parts)
+    text = write_launch(summary, overview or f"It starts {started}.", list(arguments.values()), body)
     return (NewFile(f"{folder}/launch/{folder}.launch.xml", text),)
+
+
+def _stem(file: str) -> str:
+    return file.rpartition("/")[2].removesuffix(".xml").removesuffix(".launch")
 
 
 def _handed(part: Part, arguments: dict[str, Argument]) -> Iterator[tuple[str, str]]:
@@ -97,16 +102,24 @@ def plan_rviz(
         f"{_topic_key(kind)}: {topic}}}\n"
         for topic, kind in shown
     )
+    names = ", ".join(f"`{topic.strip('/')}`" for topic, _ in shown)
+    overview = f"It shows the robot{', ' + names if names else ''} in the frame `{frame}`."
     arguments = [
         Argument("machine", "Where RViz runs: the viewer.", default="localhost"),
         Argument("node_name", "The name of the node.", default=folder),
         Argument("rviz_config", "The configuration file.", default=f"$(find {package})/{folder}/rviz/{name}.rviz"),
     ]
+    # RViz reads the path from its arguments only, and roslaunch splits those: the folder may have a blank in its name.
+    prefix = "sh -c 'exec &quot;$0&quot; -d &quot;$RVIZ_CONFIG&quot; &quot;$@&quot;'"
     node = (
-        '<node machine="$(arg machine)" name="$(arg node_name)" pkg="rviz" type="rviz" args="-d $(arg rviz_config)"/>'
+        f'<node machine="$(arg machine)" name="$(arg node_name)" pkg="rviz" type="rviz" launch-prefix="{prefix}">',
+        '  <env name="RVIZ_CONFIG" value="$(arg rviz_config)"/>',
+        "</node>",
     )
     return (
-        NewFile(f"{folder}/launch/{folder}.launch.xml", write_launch(summary, "", arguments, (*LOCALHOST, node))),
+        NewFile(
+            f"{folder}/launch/{folder}.launch.xml", write_launch(summary, overview, arguments, (*LOCALHOST, *node))
+        ),
         NewFile(f"{folder}/rviz/{name}.rviz", _RVIZ.format(displays=displays, frame=frame)),
     )
 
@@ -119,7 +132,7 @@ def plan_program(
     name: str, summary: str, overview: str, package: str, launch: str, ur: str = "ur"
 ) -> tuple[NewFile, ...]:
     """A program in `bin` that starts a launch file of its package. `ur` is the command that it calls."""
-    about = [line.strip() for line in (overview or summary).splitlines()]
+    about = [line.strip() for line in (overview or f"Starts `{launch}` on the selected robot.").splitlines()]
     text = "\n".join(
         [
             "#!/bin/bash",

@@ -19,7 +19,7 @@ MACHINE = Argument("machine", "Where the node runs.", default="localhost")
 def write_launch(summary: str, overview: str, arguments: Sequence[Argument], body: Iterable[str]) -> str:
     """Summary, Overview, arguments by kind with their documentation, and the lines of the rest."""
     lines = ["<launch>", f"  <!--Summary: {say(summary)}-->"]
-    paragraph = fill(say(overview or summary), _WIDTH - 4, break_long_words=False, break_on_hyphens=False)
+    paragraph = fill(say(overview), _WIDTH - 4, break_long_words=False, break_on_hyphens=False)
     lines += ["  <!--Overview:", *(f"    {line}" for line in paragraph.splitlines()), "  -->"]
     for title, kind in (("Required", "required"), ("Convenience", "value"), ("Optional", "default")):
         chosen = [each for each in arguments if _kind(each) == kind]

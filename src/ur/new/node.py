@@ -53,7 +53,7 @@ def _launch(request: NodeRequest, package: str) -> str:
 
 
 def _overview(request: NodeRequest) -> str:
-    parts = [request.overview or request.summary]
+    parts = [request.overview or f"It runs `{request.type}` of the package `{request.package}`."]
     if request.observed.services:
         parts.append(f"It offers {', '.join(f'`{name}`' for name in request.observed.services)}.")
     return " ".join(parts)
@@ -92,11 +92,13 @@ def _parameters(request: NodeRequest) -> str:
         else:
             _put(known, name.split("/"), value)
     text = f"# Parameters of {request.package}/{request.type}.\n"
+    if known:
+        text += safe_dump(known, default_flow_style=False, sort_keys=True)
     if unknown:
-        text += "# It also asks for these, for which nobody has set a value:\n" + "".join(
+        text += "# The node also reads these parameters; to set one, add a line such as 'NAME: VALUE':\n" + "".join(
             f"#   {name}\n" for name in unknown
         )
-    return text + (safe_dump(known, default_flow_style=False, sort_keys=True) if known else "{}\n")
+    return text
 
 
 def _put(tree: dict[str, object], path: list[str], value: object) -> None:
