@@ -52,6 +52,8 @@ def test_launch_starts_master_and_nodes_and_leaves_nothing(world: Any) -> None:
     folder = Path(world.folder, "ros/log", get_parameter(world.port, "/run_id"))
     assert (folder / "master.log").exists()
     assert "ns: /deep" in (folder / "deep-show-2-stdout.log").read_text()
+    assert folder.stat().st_mode & 0o777 == 0o700
+    assert {path.stat().st_mode & 0o777 for path in folder.glob("*-stdout.log")} == {0o600}
     run.process.send_signal(signal.SIGINT)
     assert run.wait() == 0
     run.wait_nothing_left()

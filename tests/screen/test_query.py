@@ -4,7 +4,7 @@ import os
 
 import pytest
 
-from ur.screen.query import ask_background, is_light, measure_terminal
+from ur.screen.query import ask_background, is_light, measure_terminal, typed_text
 
 
 @pytest.mark.parametrize(
@@ -36,3 +36,7 @@ def test_what_is_no_terminal_has_no_size_and_no_background() -> None:
     finally:
         os.close(reader)
         os.close(writer)
+
+
+def test_what_was_typed_before_the_terminal_answered_is_kept() -> None:
+    assert typed_text(b"g 1 2\n\x1b]11;rgb:0000/0000/0000\x1b\\\x1b[?62cg 3\x1b[A\x07") == "g 1 2\ng 3"

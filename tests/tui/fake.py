@@ -81,9 +81,13 @@ class FakeServices:
     problem: str = ""
     here: list[list[str]] = field(default_factory=list)
     beside: list[list[str]] = field(default_factory=list)
+    empty: set[str] = field(default_factory=set)
 
     def now(self) -> float:
         return NOON
+
+    def has_content(self, path: str) -> bool:
+        return path not in self.empty
 
     def find_pager(self) -> list[str] | None:
         return self.pager

@@ -94,6 +94,20 @@ async def test_node_without_log_says_so() -> None:
         assert "/lidar has no log file" in read_screen(app)[-1]
 
 
+async def test_empty_log_is_named_instead_of_opened() -> None:
+    services = FakeServices(empty={"/logs/amcl-2-stdout.log"})
+    async with watching(services=services) as (app, pilot, _):
+        await pilot.press("down", "l")
+        assert "/amcl has printed nothing yet" in read_screen(app)[-1]
+        assert services.here == []
+
+
+async def test_ctrl_z_is_answered() -> None:
+    async with watching() as (app, pilot, _):
+        await pilot.press("ctrl+z")
+        await until(pilot, lambda: any("does not suspend" in each.message for each in app._notifications))
+
+
 async def test_reading_back_stays_where_it_is_and_end_follows() -> None:
     async with watching(size=(80, 20)) as (app, pilot, run):
         run.tell(*(line("/amcl", f"line {number}") for number in range(100)))

@@ -26,6 +26,7 @@ from ur.run.run import Run
 from ur.run.startup.node_selection import find_remote, find_terminals, force_options, leave_out_viewers
 from ur.run.supervisor.events import Event, SetupFailed, ShareFailed, ShareStarted
 from ur.source.diagnostic import UserError, error
+from ur.source.run_users import FOLDER_VARIABLE
 
 __all__ = ["Options", "run_plan"]
 
@@ -67,7 +68,10 @@ def run_plan(plan: Plan, world: World, host: ProcessHost, console: Console, opti
         )
         claim(entry, nodes, plan, options)
         try:
-            host.begin(environment, keep_terminal=any(node.terminal for node in nodes))
+            keep_terminal = any(node.terminal for node in nodes)
+            if keep_terminal:  # such a program tells its user who else uses the robot; others see what roslaunch gives
+                environment[FOLDER_VARIABLE] = entry.folder
+            host.begin(environment, keep_terminal=keep_terminal)
         except HostLost:
             unregister_run(entry)
             message = "the process host was killed before anything was started"
@@ -75,6 +79,8 @@ def run_plan(plan: Plan, world: World, host: ProcessHost, console: Console, opti
         terminal = find_terminal() if options.call_started is None else None
         ignore_background_write()
         _announce(console, master, own_master=own_master, folder=folder, nodes=len(programs))
+        if terminal is not None and (name := next((node.name for node in nodes if node.terminal), "")):
+            console.inform(f"starting: {name} takes this terminal in a few seconds")
         run = Run(
             programs=(*master_programs, *programs),
             folder=folder,

@@ -20,11 +20,11 @@ def log_root(environment: Mapping[str, str]) -> str:
 
 
 def make_run_folder(environment: Mapping[str, str], run_id: str) -> str:
-    """Make the log folder of a run, and `latest` beside it. Raises UserError."""
+    """Make the log folder of a run, which only the user can open, and `latest` beside it. Raises UserError."""
     root = Path(log_root(environment))
     folder = root / run_id
     try:
-        folder.mkdir(parents=True, exist_ok=True)
+        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
     except OSError as problem:
         reason = (problem.strerror or str(problem)).lower()
         raise UserError(

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Generic, TypeVar
+from typing import ClassVar, Generic, TypeVar
 
 from textual.app import App
+from textual.binding import Binding, BindingType
 
 Result = TypeVar("Result")
 
@@ -13,6 +14,13 @@ class FullScreenApp(App[Result], Generic[Result]):
     """An application without Textual's command palette and without a traceback over the terminal."""
 
     ENABLE_COMMAND_PALETTE = False
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("ctrl+z", "explain_suspension", "Suspend", priority=True, show=False),
+    ]
+
+    def action_explain_suspension(self) -> None:
+        """Report that Ctrl-Z does not suspend the program: its robot would drive on unattended or stop."""
+        self.notify("Ctrl-Z does not suspend this program; use another terminal beside it", timeout=4.0)
 
     @property
     def problem(self) -> Exception | None:

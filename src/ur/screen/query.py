@@ -13,6 +13,7 @@ from collections.abc import Mapping
 # OSC 11 asks for the background (xterm's ctlseqs). Every terminal answers what follows, so one without OSC 11 is fast.
 _QUESTION = b"\x1b]11;?\x1b\\\x1b[c"
 _COLOUR = re.compile(rb"\x1b\]11;rgb:([0-9a-fA-F]+)/([0-9a-fA-F]+)/([0-9a-fA-F]+)")
+_SEQUENCE = re.compile(rb"\x1b\][^\x07\x1b]*(?:\x07|\x1b\\)|\x1b\[[0-?]*[ -/]*[@-~]|\x1b.?")
 _END = re.compile(rb"\x1b\[\?[0-9;]*c")
 
 
@@ -35,9 +36,16 @@ def is_light(environment: Mapping[str, str], answer: bytes) -> bool:
     return luma > 0.5
 
 
+def typed_text(answer: bytes) -> str:
+    """Return what was typed meanwhile: the answer of a terminal without its control sequences."""
+    text = _SEQUENCE.sub(b"", answer).decode("utf-8", "ignore")
+    return "".join(letter for letter in text if letter.isprintable() or letter in "\r\n")
+
+
 def ask_background(source: int, screen: int, limit: float = 0.3) -> bytes:
     """Ask a terminal for its background and return its answer within `limit` s; empty when there is none.
 
+    The answer may hold what a person typed meanwhile (`typed_text`).
     `source` is the descriptor of its keyboard, `screen` that of its output. Its modes are as before afterwards.
     """
     try:

@@ -121,6 +121,9 @@ class LogActions(RunScreen):
         if not row.changed.log:
             self.show_notice(f"{row.name} has no log file")
             return
+        if not self.services.has_content(row.changed.log):
+            self.show_notice(f"{row.name} has printed nothing yet")
+            return
         pager = self.services.find_pager()
         if pager is None:
             self.push_screen(read_page(row.name, row.changed.log, self.palette))

@@ -52,6 +52,9 @@ class Services(Protocol):
     def now(self) -> float:
         """The time, in s since the epoch."""
 
+    def has_content(self, path: str) -> bool:
+        """Return whether a file exists and is not empty."""
+
     def find_pager(self) -> list[str] | None:
         """The command that shows a file, None when there is none."""
 

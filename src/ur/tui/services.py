@@ -30,6 +30,13 @@ class SystemServices:
         """The time, in s since the epoch."""
         return time.time()
 
+    def has_content(self, path: str) -> bool:
+        """Return whether a file exists and is not empty."""
+        try:
+            return os.path.getsize(path) > 0  # noqa: PTH202 - a path as text
+        except OSError:
+            return False
+
     def find_pager(self) -> list[str] | None:
         """$PAGER where it can be run, else less; None when there is neither."""
         path = self._environment.get("PATH")

@@ -9,7 +9,7 @@ import sys
 import threading
 import xmlrpc.client
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
 import pytest
@@ -72,7 +72,7 @@ def quick(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.usefixtures("quick")
-@pytest.mark.parametrize("answer", [None, b"HTTP/1.0 404 Not Found\r\n\r\n", b"SSH-2.0-OpenSSH\r\n" * 9999])
+@pytest.mark.parametrize("answer", [None, b"", b"HTTP/1.0 404 Not Found\r\n\r\n", b"SSH-2.0-OpenSSH\r\n" * 9999])
 def test_server_that_is_no_master_is_named_with_its_process(answer: bytes | None) -> None:
     console = Warnings()
     with server(answer) as master, pytest.raises(UserError) as caught:
@@ -81,6 +81,19 @@ def test_server_that_is_no_master_is_named_with_its_process(answer: bytes | None
     assert f"does not answer as a ROS master listens on localhost:{master.port}" in problem.message
     assert f"process {os.getpid()})" in problem.message
     assert f"ur launch -p {master.port + 1}" in str(problem.help)
+
+
+@pytest.mark.usefixtures("quick")
+def test_server_that_takes_no_more_connections_is_named_with_its_process() -> None:
+    with socket.create_server(("localhost", 0), backlog=0) as listener, ExitStack() as waiting:
+        port = listener.getsockname()[1]
+        for _ in range(4):  # the kernel accepts one or two of them
+            link = waiting.enter_context(socket.socket())
+            link.setblocking(False)
+            link.connect_ex(("localhost", port))
+        with pytest.raises(UserError, match=f"listens on localhost:{port} ") as caught:
+            read_run_id(Master(format_master_uri("localhost", port), "localhost", port), Options(), Warnings())
+    assert f"process {os.getpid()})" in caught.value.diagnostics[0].message
 
 
 @pytest.mark.usefixtures("quick")

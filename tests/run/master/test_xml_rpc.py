@@ -169,3 +169,14 @@ def test_answer_that_would_fill_the_memory_is_refused(text: bytes) -> None:
 def test_name_that_is_none_is_unanswered() -> None:
     with pytest.raises(Unanswered, match="not the name of a computer"):
         call_method(("a" * 70 + ".local", 11311), "getPid", [], 1.0)
+
+
+def test_time_for_reading_an_answer_counts(monkeypatch: pytest.MonkeyPatch) -> None:
+    clock = iter(range(1000))
+    monkeypatch.setattr("ur.run.master.xml_rpc.time.monotonic", lambda: float(next(clock)))
+    text = "<methodResponse><params><param><value><array><data>" + "<value/>" * 450_000
+    text += "</data></array></value></param></params></methodResponse>"
+    with pytest.raises(TimeoutError):
+        parse_response(text.encode(), 5.0)
+    assert next(clock) < 10  # it has not read the rest
+    assert len(parse_response(text.encode())) == 450_000

@@ -19,12 +19,12 @@ from ur.run.record.registry import (
     find_run,
     list_runs,
     make_run_name,
-    read_birth,
     register_run,
     runs_folders,
     unregister_run,
 )
 from ur.source.diagnostic import UserError
+from ur.source.run_users import read_birth
 
 UID = os.getuid()
 HERE = Computer("4f1c", "boot 1", "here")

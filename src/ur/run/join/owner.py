@@ -13,8 +13,9 @@ from ur.run.join.claims import read_claims
 from ur.run.master.client import Master, parse_master_uri
 from ur.run.master.xml_rpc import Refused, Unanswered
 from ur.run.record.computer import read_computer
-from ur.run.record.registry import RunEntry, list_runs, read_birth
+from ur.run.record.registry import RunEntry, list_runs
 from ur.run.supervisor.events import Event, OwnerEnded
+from ur.source.run_users import read_birth
 
 START_SECONDS = 60.0
 _PATIENCE = 2.0  # s of silence, after which the wait is reported

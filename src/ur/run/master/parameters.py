@@ -103,9 +103,6 @@ def _convert(spec: ParamSpec, out: bytes, err: bytes, code: int) -> ParamValue:
 
 
 def _parse_yaml(text: str) -> Any:
-    import yaml  # only where a command prints YAML
+    from ur.source.foreign.yaml_text import load_yaml  # only where a command prints YAML
 
-    try:
-        return yaml.safe_load(text)
-    except (yaml.YAMLError, ValueError, TypeError, LookupError, AttributeError, RecursionError) as problem:
-        raise ValueError(str(problem).replace("\n", " ")) from None
+    return load_yaml(text)

@@ -17,7 +17,7 @@ from ur.source.diagnostic import UserError, error
 from ur.source.printable import printable
 
 NAMED_SECONDS = 1.5  # after which a server that does not answer is named: a master answers within milliseconds
-BUSY_SECONDS = 10.0  # for which it may be a master that is busy
+BUSY_SECONDS = 3.0  # for which it may be a master that is busy, or one that is ending
 _LISTEN = "0A"  # the state of a socket in /proc/net/tcp, proc(5)
 
 
@@ -32,8 +32,9 @@ def find_master(environment: Mapping[str, str], options: Options) -> Master:
 def read_run_id(master: Master, options: Options, console: Console) -> str | None:
     """The run id of the master that is there, '' when it has none; None when we may start one.
 
-    A server that does not answer is named soon, and asked for BUSY_SECONDS, since it may be a busy master. Raises
-    UserError for a server that is no master, and for a master on another computer that does not answer.
+    A server that does not answer is named soon, and asked for BUSY_SECONDS, since it may be a busy master. So is one
+    that closes connections, or takes no more of them. Raises UserError for a server that is no master, and for a master
+    on another computer that does not answer.
     """
     # A local server is named sooner than a robot behind a slow network is given up.
     timeout = min(master.timeout, NAMED_SECONDS)
@@ -45,13 +46,14 @@ def read_run_id(master: Master, options: Options, console: Console) -> str | Non
         except Unanswered as problem:  # noqa: PERF203 - asking again is the point
             late = time.monotonic() - began
             local = is_local_address(master.host)
-            wrong = local and isinstance(problem, WrongServer)
+            wrong = local and (isinstance(problem, WrongServer) or any(_listening(master.port)))
             if not options.wait_for_master:
                 if not local and (late >= master.timeout or late < timeout):
                     raise _no_master(master, problem) from None
                 if local and not wrong:
                     return None
-                if wrong and late > (BUSY_SECONDS if isinstance(problem, SilentServer) else NAMED_SECONDS):
+                is_answer = isinstance(problem, WrongServer) and not isinstance(problem, SilentServer)
+                if wrong and late > (NAMED_SECONDS if is_answer else BUSY_SECONDS):
                     raise _wrong_server(master) from None
             if not warned and (options.wait_for_master or (wrong and late >= timeout)):
                 console.warn(_describe_server(master) if wrong else f"waiting for the master at {master.uri}")

@@ -18,6 +18,7 @@ MAX_ANSWER = 16 * 1024 * 1024  # bytes; all parameters of a large robot are some
 MAX_HEAD = 64 * 1024
 MAX_VALUES = 500_000
 MAX_DEPTH = 100
+_SLICE = 256 * 1024  # bytes between two looks at the clock
 
 
 class Unanswered(Exception):  # noqa: N818 - says what happened
@@ -43,7 +44,11 @@ def call_method(address: tuple[str, int], method: str, arguments: list[Any], tim
     """
     body = f"<?xml version='1.0'?>\n<methodCall>\n<methodName>{method}</methodName>\n<params>\n"
     body += "".join(f"<param>\n{dump_value(value)}</param>\n" for value in arguments)
-    return parse_response(_post(address, (body + "</params>\n</methodCall>\n").encode("utf-8"), timeout))
+    deadline = time.monotonic() + timeout
+    try:
+        return parse_response(_post(address, (body + "</params>\n</methodCall>\n").encode("utf-8"), timeout), deadline)
+    except TimeoutError:
+        raise WrongServer(f"the answer cannot be read within {timeout:g} s") from None
 
 
 def dump_value(value: Any) -> str:
@@ -70,8 +75,11 @@ def dump_value(value: Any) -> str:
     raise ValueError(f"{value!r} is nothing that parameters can hold")
 
 
-def parse_response(data: bytes) -> Any:
-    """The result in a response. Raises Refused for a fault, Unanswered for what is no response."""
+def parse_response(data: bytes, deadline: float | None = None) -> Any:
+    """The result in a response, read before `deadline` on the monotonic clock (s).
+
+    Raises Refused for a fault, Unanswered for what is no response, TimeoutError for one that takes too long to read.
+    """
     reader = _Reader()
     parser = expat.ParserCreate()
     parser.buffer_text = True
@@ -80,7 +88,11 @@ def parse_response(data: bytes) -> Any:
     parser.CharacterDataHandler = reader.text
     parser.EntityDeclHandler = _refuse_entity
     try:
-        parser.Parse(data, True)
+        for start in range(0, len(data), _SLICE):
+            parser.Parse(data[start : start + _SLICE], False)
+            if deadline is not None:
+                _left(deadline)
+        parser.Parse(b"", True)
     except (expat.ExpatError, ValueError, IndexError, TypeError) as problem:
         raise WrongServer(f"the answer is not XML-RPC: {problem}") from None
     if reader.fault:

@@ -234,7 +234,7 @@ def _size(path: str) -> int:
 def _open_log(path: str, *, fresh: bool) -> int:
     flags = os.O_WRONLY | os.O_CREAT | os.O_APPEND | os.O_CLOEXEC | (os.O_TRUNC if fresh else 0)
     try:
-        return os.open(path, flags, 0o644)
+        return os.open(path, flags, 0o600)  # what nodes print may hold passwords
     except OSError:
         return os.open(os.devnull, os.O_WRONLY | os.O_CLOEXEC)
 

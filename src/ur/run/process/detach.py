@@ -45,7 +45,7 @@ def open_run_log(entry: RunEntry) -> int:
     """Open the log file of a detached run's own messages. Raises UserError."""
     path = f"{entry.log_folder}/{entry.run}.log"
     try:
-        return os.open(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND | os.O_CLOEXEC, 0o644)
+        return os.open(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND | os.O_CLOEXEC, 0o600)
     except OSError as problem:
         reason = (problem.strerror or str(problem)).lower()
         raise UserError(error_about(path, f"cannot be written: {reason}", rule="bad-log-folder")) from None

@@ -14,9 +14,10 @@ from ur.run.master.client import Master
 from ur.run.options import Options
 from ur.run.output.console import Console
 from ur.run.record.computer import read_computer
-from ur.run.record.registry import RunEntry, make_run_name, read_birth, register_run, runs_folders
+from ur.run.record.registry import RunEntry, make_run_name, register_run, runs_folders
 from ur.run.run import RunClients
 from ur.source.diagnostic import UserError, error
+from ur.source.run_users import note_user, read_birth
 
 if TYPE_CHECKING:
     from ur.run.clients.protocol import RunStarted
@@ -64,12 +65,15 @@ def register(
 
 
 def claim(entry: RunEntry, nodes: Sequence[NodeSpec], plan: Plan, options: Options) -> None:
-    """Let other launches see which nodes a run starts, and which runs it has joined."""
+    """Let other launches see which nodes a run starts, and which runs it has joined; and those runs, that it has."""
     if entry.folder:
         from ur.run.join.claims import make_claims, write_claims
 
         with suppress(OSError):  # a full disk: what runs is still seen, once it runs
             write_claims(entry.folder, make_claims(nodes, plan.params, (each.run for each in options.owners)))
+    for owner in options.owners:
+        with suppress(OSError):  # it ends, and this run with it
+            note_user(owner.folder, entry.run)
     if options.call_registered is not None:
         options.call_registered()
 

@@ -10,6 +10,7 @@ from dataclasses import asdict, dataclass, fields
 
 from ur.run.record.computer import Computer
 from ur.source.diagnostic import UserError, error, error_about
+from ur.source.run_users import read_birth
 from ur.source.suggest import did_you_mean
 from ur.source.user_folders import user_folder
 
@@ -145,16 +146,6 @@ def find_run(runs: Iterable[RunEntry], word: str | None) -> RunEntry:
             subject=str(word),
         )
     )
-
-
-def read_birth(pid: int) -> int | None:
-    """Read a process's start time in clock ticks since boot (field 22 of /proc/PID/stat, proc(5)); None: no process."""
-    try:
-        with open(f"/proc/{pid}/stat", "rb") as file:  # noqa: PTH123 - pathlib is not worth its import here
-            words = file.read().rpartition(b")")[2].split()
-    except OSError:
-        return None
-    return None if words[0] in (b"Z", b"X") else int(words[19])
 
 
 def make_run_name(files: Iterable[str], pid: int) -> tuple[str, str]:

@@ -7,7 +7,7 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
-from ur.run.record.registry import read_birth
+from ur.source.run_users import read_birth
 
 
 def read_clock() -> float:
