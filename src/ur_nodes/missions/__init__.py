@@ -1,0 +1,1 @@
+"""Missions that live on the robot: their state and requests as values, and the client of the node that drives them."""

@@ -1,0 +1,89 @@
+"""Patrols that live on the robot: real programs, real nodes, one robot for all tests of this file."""
+
+from __future__ import annotations
+
+import os
+import signal
+
+import pytest
+from tests.e2e.conftest import Robot
+from tests.e2e.terminal import Terminal
+from tests.e2e.test_attended_goals import environment, navigate
+from tests.e2e.test_first_drive import find_node, put_at_start
+from tests.e2e.test_safe_motion import NAVIGATE, stand
+
+pytestmark = [pytest.mark.ros, pytest.mark.timeout(300)]
+
+NEAR = [{"name": "sofa", "x": 0.5, "y": 0.0}, {"name": "hall", "x": 0.9, "y": 0.0}]
+FAR = [{"name": "attic", "x": 7.23, "y": 10.63}, *NEAR]
+
+
+@pytest.fixture(autouse=True)
+def _quiet(robot: Robot) -> None:
+    robot.ask("ask_patrol", action="end", seconds=60)
+    put_at_start(robot)
+
+
+def test_patrol_goes_on_without_the_program_that_started_it_until_another_ends_it(robot: Robot) -> None:
+    lines = "g 0.5 0\nw sofa\ng 0.9 0\nw hall\npatrol loop wait=0 sofa hall\n"
+    with navigate(robot, "laptop", lines, keep_open=False) as process:
+        out, errors = process.communicate(timeout=120)
+        assert out.splitlines()[-1] == "patrol loop wait=0 sofa hall: started", out + errors
+    robot.ask("patrol", state="driving", rounds=2, seconds=120)
+    with Terminal([NAVIGATE, "__name:=second"], environment(robot, "laptop2")) as terminal:
+        terminal.wait_for("patrol: drives to")
+        terminal.type("patrol pause\r")
+        terminal.wait_for("patrol paused before")
+        assert robot.ask("patrol", state="paused", seconds=60)["reason"] == "by laptop2"
+        stand(robot)
+        terminal.type("patrol resume\r")
+        robot.ask("patrol", state="driving", seconds=60)
+        terminal.type("patrol end\r")
+        robot.ask("patrol", state="ended", seconds=60)
+        robot.ask("free", seconds=60)
+        terminal.type("q\r")
+        terminal.process.wait(60)
+    stand(robot)
+
+
+def test_patrol_of_a_script_waits_at_each_place_and_is_done_after_the_last(robot: Robot) -> None:
+    assert robot.ask("ask_patrol", action="start", places=NEAR, wait=0.5, seconds=60) == {"problem": ""}
+    robot.ask("patrol", state="done", seconds=120)
+    states = robot.ask("patrol_states")
+    driven = states[len(states) - 1 - states[::-1].index("starting") :]
+    assert driven == ["starting", "driving", "waiting", "driving", "waiting", "done"]
+    unknown = robot.ask("ask_patrol", action="start", places=["nowhere"], seconds=60)["problem"]
+    assert "unknown waypoint 'nowhere'" in unknown
+
+
+def test_patrol_pauses_at_emergency_stop_take_over_and_foreign_goal_and_starts_nothing_by_itself(robot: Robot) -> None:
+    for way in ("emergency", "take-over", "goal"):
+        put_at_start(robot)
+        assert robot.ask("ask_patrol", action="start", places=FAR, loop=True, seconds=60) == {"problem": ""}
+        robot.ask("moving", seconds=60)
+        if way == "emergency":
+            robot.ask("call", service="cmd_vel_mux/stop")
+            expected = "emergency stop"
+        elif way == "take-over":
+            with navigate(robot, "laptop", "take\n", keep_open=False) as process:
+                process.communicate(timeout=60)
+            expected = "laptop took over"
+        else:
+            assert robot.ask("goal", x=0.4, y=0.0, seconds=60)["state"] == "SUCCEEDED"
+            expected = "a new goal has replaced this one"
+        assert robot.ask("patrol", state="paused", seconds=60)["reason"] == expected
+        robot.ask("call", service="cmd_vel_mux/release")
+        stand(robot)
+        robot.ask("patrol", state="paused", seconds=60)
+
+
+def test_killed_node_leaves_nothing_driving_and_forgets_the_patrol(robot: Robot) -> None:
+    assert robot.ask("ask_patrol", action="start", places=FAR, loop=True, seconds=60) == {"problem": ""}
+    robot.ask("moving", seconds=60)
+    victim = find_node(robot, "patrol")
+    os.kill(victim, signal.SIGKILL)
+    find_node(robot, "patrol", other_than=victim)
+    robot.ask("patrol", state="idle", seconds=60)
+    stand(robot)
+    robot.ask("goals", state="PREEMPTED", text="", seconds=60)
+    robot.ask("free", seconds=60)

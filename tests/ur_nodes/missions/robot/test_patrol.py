@@ -1,0 +1,181 @@
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from ur_nodes.missions.patrol_text import Route, Stop
+from ur_nodes.missions.robot.patrol import (
+    LATEST,
+    Commands,
+    Inputs,
+    Patrol,
+    end_patrol,
+    pause_patrol,
+    resume_patrol,
+    start_patrol,
+    step_patrol,
+)
+from ur_nodes.teleop.navigator.model import GoalState
+
+SOFA, HALL = Stop("sofa", 1.0, 0.0), Stop("hall", 2.0, 0.0, 0.5)
+ROUTE = Route((SOFA, HALL))
+DRIVES = Inputs(0.0, may_drive=True, ready=True)
+
+
+class Machine:
+    """A patrol that is stepped ten times a second; `sent` are the goals, each with its time."""
+
+    def __init__(self, route: Route = ROUTE) -> None:
+        self.now = 100.0
+        self.patrol = start_patrol(Patrol(), route, self.now)
+        self.sent: list[tuple[float, Stop]] = []
+        self.cancels = 0
+
+    def step(self, seconds: float = 0.1, **inputs: object) -> str:
+        for _ in range(round(seconds / 0.1)):
+            self.now += 0.1
+            found = replace(DRIVES, now=self.now, **inputs)  # type: ignore[arg-type] # a test's shorthand
+            self.patrol, commands = step_patrol(self.patrol, found, 60.0)
+            self.obey(commands)
+        return self.patrol.status.state
+
+    def obey(self, commands: Commands) -> None:
+        if commands.send:
+            self.sent.append((self.now, commands.send))
+        self.cancels += commands.cancel
+
+
+def test_patrol_waits_at_each_place_and_goes_on_though_nothing_else_happens() -> None:
+    machine = Machine()
+    assert machine.step() == "driving"
+    assert machine.step(5.0, goal=GoalState.DRIVING) == "driving"
+    assert machine.step(0.9, goal=GoalState.REACHED) == "waiting"
+    assert machine.step(0.3, goal=GoalState.REACHED) == "driving"
+    assert machine.step(1.0, goal=GoalState.DRIVING) == "driving"
+    assert machine.step(1.2, goal=GoalState.REACHED) == "done"
+    assert [stop for _, stop in machine.sent] == [SOFA, HALL]
+
+
+def test_loop_begins_again_and_counts_its_rounds() -> None:
+    machine = Machine(replace(ROUTE, loop=True, wait=0.0))
+    machine.step()
+    for _ in range(40):
+        machine.step(0.2, goal=GoalState.DRIVING)
+        machine.step(0.2, goal=GoalState.REACHED)
+    assert machine.patrol.status.rounds == 20
+    assert [stop.name for _, stop in machine.sent[:4]] == ["sofa", "hall", "sofa", "hall"]
+
+
+@pytest.mark.parametrize("missing", [{"may_drive": False, "other": "phone"}, {"ready": False}])
+def test_start_that_is_not_possible_in_time_never_happens(missing: dict[str, object]) -> None:
+    machine = Machine()
+    assert machine.step(LATEST - 0.2, **missing) == "starting"
+    assert machine.step(0.5, **missing) == "paused"
+    assert machine.step(60.0) == "paused"
+    assert machine.sent == []
+
+
+def test_start_that_becomes_possible_in_time_happens() -> None:
+    machine = Machine()
+    machine.step(4.0, may_drive=False)
+    assert machine.step() == "driving"
+    ((at, stop),) = machine.sent
+    assert (round(at, 1), stop) == (104.1, SOFA)
+
+
+def test_goal_that_navigation_does_not_take_pauses_the_patrol_and_is_cancelled() -> None:
+    machine = Machine()
+    assert machine.step(LATEST + 0.3) == "paused"
+    assert machine.cancels == 1
+
+
+def test_step_that_takes_too_long_expires() -> None:
+    machine = Machine()
+    assert machine.step(61.0, goal=GoalState.DRIVING) == "paused"
+    assert machine.cancels == 1
+    assert "sofa was not reached within 60 s" in machine.patrol.status.reason
+
+
+def test_program_that_stood_still_starts_nothing() -> None:
+    machine = Machine()
+    machine.step(0.5, goal=GoalState.DRIVING)
+    machine.step(0.3, goal=GoalState.REACHED)
+    machine.now += 3600.0
+    assert machine.step(goal=GoalState.REACHED) == "paused"
+    assert machine.step(10.0, goal=GoalState.REACHED) == "paused"
+    assert len(machine.sent) == 1
+
+
+@pytest.mark.parametrize(
+    ("inputs", "reason"),
+    [
+        ({"stopped": True}, "emergency stop"),
+        ({"may_drive": False, "other": "phone"}, "phone took over"),
+        ({"goal": GoalState.FAILED, "text": "in a wall"}, "sofa was not reached: in a wall"),
+        ({"goal": GoalState.STOPPED, "text": "a new goal has replaced this one"}, "a new goal has replaced this one"),
+        ({"goal": GoalState.STOPPED}, "cancelled"),
+    ],
+)
+def test_patrol_pauses_with_the_reason_and_goes_on_only_when_asked(inputs: dict[str, object], reason: str) -> None:
+    machine = Machine()
+    machine.step(1.0, goal=GoalState.DRIVING)
+    assert machine.step(0.1, **inputs) == "paused"
+    assert machine.patrol.status.reason == reason
+    machine.step(60.0)
+    assert len(machine.sent) == 1
+    machine.patrol = resume_patrol(machine.patrol, machine.now)
+    assert machine.step() == "driving"
+    assert [stop for _, stop in machine.sent] == [SOFA, SOFA]
+
+
+def test_pause_and_end_cancel_the_goal_and_nothing_is_sent_afterwards() -> None:
+    for stop in (pause_patrol, end_patrol):
+        machine = Machine()
+        machine.step(1.0, goal=GoalState.DRIVING)
+        machine.patrol, commands = stop(machine.patrol, "by phone", machine.now)
+        assert commands.cancel
+        machine.step(60.0, goal=GoalState.STOPPED)
+        assert len(machine.sent) == 1
+    assert resume_patrol(machine.patrol, machine.now) == machine.patrol  # an ended one stays ended
+
+
+EVENT = st.tuples(
+    st.sampled_from(["start", "pause", "resume", "end", "step"]),
+    st.floats(0.0, 20.0),
+    st.booleans(),
+    st.booleans(),
+    st.booleans(),
+    st.sampled_from([None, *GoalState]),
+)
+
+
+@given(st.lists(EVENT, max_size=60), st.booleans())
+def test_no_goal_is_sent_but_in_time_after_a_request_or_as_the_next_of_a_patrol_that_is_active(
+    events: list[tuple[str, float, bool, bool, bool, GoalState | None]], loop: bool
+) -> None:
+    now, asked, patrol = 0.0, float("-inf"), Patrol()
+    for kind, pause, may_drive, ready, stopped, goal in events:
+        now += pause
+        before = patrol.status
+        commands = Commands()
+        if kind == "start":
+            patrol, asked = start_patrol(patrol, replace(ROUTE, loop=loop), now), now
+        elif kind == "pause":
+            patrol, commands = pause_patrol(patrol, "", now)
+        elif kind == "end":
+            patrol, commands = end_patrol(patrol, "", now)
+        elif kind == "resume":
+            asked = now if patrol.status.state == "paused" else asked
+            patrol = resume_patrol(patrol, now)
+        else:
+            inputs = Inputs(now, may_drive, ready, stopped=stopped, goal=goal)
+            patrol, commands = step_patrol(patrol, inputs, 60.0)
+        if commands.send:
+            assert may_drive
+            assert ready
+            assert not stopped
+            assert now - asked <= LATEST or before.state == "waiting" or before.index + before.rounds
+            assert before.active
