@@ -8,12 +8,14 @@ import rospy
 from std_msgs.msg import Bool, Float32, String
 from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 
-from ur.robot.base import load_base
+from ur.robot.base import Base, load_base
 from ur.source.project import launch_library
 from ur_nodes.motion.admission.admission_node import AdmissionRunner
 from ur_nodes.motion.challenge.freshness import FRESHNESS
-from ur_nodes.motion.mux import Event, LimitSpeed, MuxSettings, MuxState, Release, Stop, start_mux
+from ur_nodes.motion.mux import MuxState, start_mux
+from ur_nodes.motion.mux_events import Event, LimitSpeed, MuxSettings, Release, Stop, Watch
 from ur_nodes.motion.mux_runner_node import MuxRunner, make_clock
+from ur_nodes.motion.obstacle_stop.obstacle_stop_node import ObstacleStop
 from ur_nodes.motion.ramp import axes_of
 from ur_nodes.motion.sources import read_locks, read_sources
 from ur_nodes.rosio.parameters import Parameters
@@ -27,7 +29,7 @@ _LEAST = 5.0  # percent
 class MuxNode:
     """Topics and services round a MuxRunner."""
 
-    def __init__(self, settings: MuxSettings, own: Parameters) -> None:
+    def __init__(self, settings: MuxSettings, base: Base, own: Parameters) -> None:
         self._settings = settings
         self._active = rospy.Publisher("~active", String, queue_size=1, latch=True)
         self._stopped = rospy.Publisher("~stopped", Bool, queue_size=1, latch=True)
@@ -39,7 +41,16 @@ class MuxNode:
         self._limit = rospy.Publisher("~speed_limit_in_force", Float32, queue_size=1, latch=True)
         self._limit.publish(100.0 * share)
         state = start_mux(settings, stopped=stopped, share=share)
-        self._runner = MuxRunner(state, "cmd_vel_out", clock, self._publish_state)
+        self._obstacle_stop: ObstacleStop | None = None
+        self._runner = MuxRunner(state, "cmd_vel_out", clock, self._publish_state, self._report_output)
+        self._obstacle_stop = ObstacleStop(
+            base,
+            clock.read,
+            lambda guard: self._runner.handle(Watch(guard)),
+            on=own.boolean("obstacle_stop", False),
+            sonars=own.boolean("use_sonars", True),
+            lag=settings.lag,
+        )
         self._admission = AdmissionRunner(
             settings,
             self._runner.handle,
@@ -79,6 +90,11 @@ class MuxNode:
         rospy.set_param(_LIMIT, 100.0 * share)
         self._limit.publish(100.0 * share)
 
+    def _report_output(self, state: MuxState) -> None:
+        if self._obstacle_stop is not None:
+            wanted, output = state.wanted, state.output
+            self._obstacle_stop.note(state.verdict, (wanted.forward, wanted.turn), (output.forward, output.turn))
+
     def _publish_state(self, state: MuxState) -> None:
         self._active.publish(state.active_name)
         self._stopped.publish(state.stopped)
@@ -108,6 +124,7 @@ def start() -> None:
             stop_time=own.number("stop_time", 0.3, minimum=0.1, maximum=2.0),
             lag=own.number("lag", base.limits.lag, minimum=0.0, maximum=0.5),
         ),
+        base,
         own,
     )
 

@@ -8,7 +8,10 @@ when the newest command is `age` old, the speed is at most
     slow_down * (stop_time - lag - age)
 
 where `lag` is the delay between an output and the wheels. So the robot is at rest `stop_time` after the last command
-that came, at any speed and whatever its timeout. While something is active or the robot moves there is an output every
+that came, at any speed and with any timeout. Before obstacles the
+guard slows and stops it as well (`ur_nodes.motion.obstacle_stop.guard`).
+
+While something is active or the robot moves there is an output every
 `period`, while it brakes every `brake_period`; then `zeros` zeros, then silence.
 """
 
@@ -17,107 +20,25 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
+from ur_nodes.motion.mux_events import (
+    IDLE,
+    STILL,
+    Command,
+    Event,
+    LimitSpeed,
+    Lock,
+    LockMessage,
+    MuxSettings,
+    Release,
+    Source,
+    Stop,
+    Velocity,
+    Watch,
+)
+from ur_nodes.motion.obstacle_stop.guard import Guard, Verdict
 from ur_nodes.motion.ramp import Axis, approach
 
-IDLE = "idle"
-_SLOWEST = 1e-4  # m/s, rad/s: less is rounding, not a command to move
 _SOON = 1e-6  # s: outputs that are this near to being due are due
-
-
-@dataclass(frozen=True, slots=True)
-class Source:
-    """A topic that velocity commands come from. Higher priority wins; `timeout` (s) is its age limit."""
-
-    name: str
-    topic: str
-    priority: int
-    timeout: float
-    zeros_hold: bool = False
-
-
-@dataclass(frozen=True, slots=True)
-class Lock:
-    """A topic that locks out sources with a lower priority. Without a message for `timeout` s they are locked out.
-
-    A timeout of 0 means that it does not age.
-    """
-
-    name: str
-    topic: str
-    priority: int
-    timeout: float
-
-
-@dataclass(frozen=True, slots=True)
-class MuxSettings:
-    """Sources, locks, what the base can do, and the times (s) that the module's text explains."""
-
-    sources: tuple[Source, ...]
-    forward: Axis
-    turn: Axis
-    locks: tuple[Lock, ...] = ()
-    period: float = 0.02
-    brake_period: float = 0.01
-    stop_time: float = 0.3
-    lag: float = 0.11
-    zeros: int = 3
-
-
-@dataclass(frozen=True, slots=True)
-class Velocity:
-    """m/s forward, rad/s about z."""
-
-    forward: float = 0.0
-    turn: float = 0.0
-
-    @property
-    def still(self) -> bool:
-        """True for no motion at all."""
-        return abs(self.forward) < _SLOWEST and abs(self.turn) < _SLOWEST
-
-
-STILL = Velocity()
-
-
-@dataclass(frozen=True, slots=True)
-class Command:
-    """A command of the source with this index, given at the time `at`. Values that are not finite mean a stop.
-
-    `at` is a time of the mux's clock, not an age: whatever delays the mux between admission and `step` makes the
-    command older. None means the time of the step. A command that is older than the newest of its source is ignored.
-    """
-
-    source: int
-    velocity: Velocity
-    at: float | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class LockMessage:
-    """A message of the lock with this index."""
-
-    lock: int
-    locked: bool
-
-
-@dataclass(frozen=True, slots=True)
-class Stop:
-    """Emergency stop: nothing drives until `Release`."""
-
-
-@dataclass(frozen=True, slots=True)
-class Release:
-    """The emergency is over. Sources that ask for motion at this moment stay shut out until they pause."""
-
-
-@dataclass(frozen=True, slots=True)
-class LimitSpeed:
-    """Follow commands with at most this share (0 to 1) of what the base can do, until the next one."""
-
-    share: float
-
-
-Event = Command | LockMessage | Stop | Release | LimitSpeed
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,7 +55,8 @@ class Received:
 class MuxState:
     """All that is known. Times are those given to `step`; `next_at` is when to call it next, infinite when silent.
 
-    `share` of the base's speeds is allowed.
+    `share` of the base's speeds is allowed. `verdict` is that of the `guard` on the newest output: None while nothing
+    drives, or what drives is not guarded.
     """
 
     settings: MuxSettings
@@ -148,6 +70,13 @@ class MuxState:
     next_at: float = math.inf
     now: float = -math.inf
     share: float = 1.0
+    guard: Guard | None = None
+    verdict: Verdict | None = None
+
+    @property
+    def wanted(self) -> Velocity:
+        """The newest command of the source that is being followed; zero for none."""
+        return STILL if self.active is None else self.received[self.active].velocity
 
     @property
     def active_name(self) -> str:
@@ -185,7 +114,7 @@ def step(state: MuxState, event: Event | None, now: float) -> tuple[MuxState, Ve
 
 def _forget(state: MuxState, now: float) -> MuxState:
     """Forget inputs from before time was set back: they have no age any more."""
-    fresh = start_mux(state.settings, stopped=state.stopped, share=state.share)
+    fresh = replace(start_mux(state.settings, stopped=state.stopped, share=state.share), guard=state.guard)
     if state.output.still and math.isinf(state.next_at):
         return fresh
     return replace(fresh, output=state.output, output_at=now, zeros_left=state.settings.zeros, next_at=now)
@@ -206,6 +135,8 @@ def _take(state: MuxState, event: Event | None, now: float) -> MuxState:
         return replace(state, stopped=True)
     if isinstance(event, LimitSpeed):
         return replace(state, share=max(0.0, min(1.0, event.share)) if math.isfinite(event.share) else state.share)
+    if isinstance(event, Watch):
+        return replace(state, guard=event.guard)
     if isinstance(event, Release) and state.stopped:
         pairs = zip(state.settings.sources, state.received, strict=True)
         barred = tuple(replace(each, barred=now - each.moved_at <= source.timeout) for source, each in pairs)
@@ -259,14 +190,30 @@ def _send(state: MuxState, now: float) -> tuple[MuxState, Velocity]:
     wanted = _slowed(received.velocity, state.share, settings)
     left = settings.stop_time - settings.lag - (now - received.at)  # s, until the robot has to be at rest
     seconds = max(0.0, min(settings.period, now - state.output_at))
-    output = Velocity(
-        _follow(state.output.forward, wanted.forward, settings.forward, left - settings.brake_period, seconds),
-        _follow(state.output.turn, wanted.turn, settings.turn, left - settings.brake_period, seconds),
-    )
+    left_to_brake = left - settings.brake_period
+    output = _approach(state.output, wanted, settings, left_to_brake, seconds)
+    verdict = _judge(state, output, now)
+    if verdict is not None and verdict.cause is not None:
+        wanted = Velocity(verdict.forward, verdict.turn)
+        output = _approach(state.output, wanted, settings, left_to_brake, seconds)
     rests = state.active is None and output == STILL
     zeros_left = (state.zeros_left if state.output == STILL else settings.zeros) - 1 if rests else settings.zeros
-    state = replace(state, output=output, output_at=now, zeros_left=zeros_left)
+    state = replace(state, output=output, output_at=now, zeros_left=zeros_left, verdict=verdict)
     return replace(state, next_at=_next_output(state, wanted, left, now)), output
+
+
+def _judge(state: MuxState, output: Velocity, now: float) -> Verdict | None:
+    """The guard's verdict on an output; None where the source that drives is not guarded."""
+    if state.guard is None or state.active is None or state.settings.sources[state.active].avoids_obstacles:
+        return None
+    return state.guard.permit(output.forward, output.turn, now)
+
+
+def _approach(before: Velocity, target: Velocity, settings: MuxSettings, left: float, seconds: float) -> Velocity:
+    return Velocity(
+        _follow(before.forward, target.forward, settings.forward, left, seconds),
+        _follow(before.turn, target.turn, settings.turn, left, seconds),
+    )
 
 
 def _slowed(wanted: Velocity, share: float, settings: MuxSettings) -> Velocity:

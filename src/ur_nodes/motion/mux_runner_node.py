@@ -10,7 +10,8 @@ import rospy
 from geometry_msgs.msg import Twist, Vector3
 
 from ur_nodes.motion.clock import Clock, read_steady_time
-from ur_nodes.motion.mux import STILL, Event, MuxState, Velocity, step
+from ur_nodes.motion.mux import MuxState, step
+from ur_nodes.motion.mux_events import STILL, Event, Velocity
 
 _END_ZEROS = 3
 
@@ -37,11 +38,20 @@ class _SubscribeListener(rospy.SubscribeListener):  # type: ignore[misc]  # rosp
 class MuxRunner:
     """Owns a state, steps it at events and when it is due, and publishes the outputs.
 
-    `on_change` is called with every new state whose active source or emergency stop differs from the one before.
+    `on_change` is called with every new state whose active source or emergency stop differs from the one before,
+    `on_output` with every state that has sent something.
     """
 
-    def __init__(self, state: MuxState, topic: str, clock: Clock, on_change: Callable[[MuxState], None]) -> None:
+    def __init__(
+        self,
+        state: MuxState,
+        topic: str,
+        clock: Clock,
+        on_change: Callable[[MuxState], None],
+        on_output: Callable[[MuxState], None] = lambda _: None,
+    ) -> None:
         self._state = state
+        self._on_output = on_output
         self._clock = clock
         self._on_change = on_change
         self._condition = threading.Condition()
@@ -72,6 +82,7 @@ class MuxRunner:
         self._state, output = step(before, event, self._clock.read())
         if output is not None:
             self._publisher.publish(twist_of(output))
+            self._on_output(self._state)
         if (before.active, before.stopped) != (self._state.active, self._state.stopped):
             self._on_change(self._state)
 

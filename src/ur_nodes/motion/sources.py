@@ -1,6 +1,7 @@
 """The sources and locks of a mux, from parameters with twist_mux's names: `name`, `topic`, `timeout`, `priority`.
 
-Ours may set `zeros_hold: true` too, for sources that are silent when idle and mean it when they send zeros.
+Ours may set two more: `zeros_hold: true` for sources that are silent when idle and mean it when they send zeros, and
+`avoids_obstacles: true` for programs that look at sensors themselves, whose commands the obstacle stop lets pass.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from typing import Any, NoReturn
 
 from ur.source.diagnostic import UserError, error
 from ur.source.suggest import did_you_mean
-from ur_nodes.motion.mux import IDLE, Lock, Source
+from ur_nodes.motion.mux_events import IDLE, Lock, Source
 
 _LONGEST = 1.0  # s: what is older than that is no command any more
 
@@ -32,6 +33,7 @@ def read_sources(value: object, where: str) -> tuple[Source, ...]:
             item.priority(),
             item.timeout(minimum=0.01, maximum=_LONGEST),
             item.flag("zeros_hold"),
+            item.flag("avoids_obstacles"),
         )
         for item in items
     )

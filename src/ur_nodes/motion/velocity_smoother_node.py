@@ -12,7 +12,8 @@ from geometry_msgs.msg import Twist
 
 from ur_nodes.motion.admission.probation import Probation, step_probation
 from ur_nodes.motion.clock import read_steady_time
-from ur_nodes.motion.mux import Command, MuxSettings, Source, Velocity, start_mux
+from ur_nodes.motion.mux import start_mux
+from ur_nodes.motion.mux_events import Command, MuxSettings, Source, Velocity
 from ur_nodes.motion.mux_runner_node import MuxRunner, make_clock
 from ur_nodes.motion.ramp import Axis
 from ur_nodes.rosio.parameters import Parameters

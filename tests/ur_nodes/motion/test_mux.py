@@ -5,12 +5,16 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
+from pathlib import Path
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ur_nodes.motion.mux import (
+from ur.robot.base import load_base
+from ur_nodes.motion.mux import MuxState, start_mux, step
+from ur_nodes.motion.mux_events import (
     STILL,
     Command,
     Event,
@@ -18,14 +22,15 @@ from ur_nodes.motion.mux import (
     Lock,
     LockMessage,
     MuxSettings,
-    MuxState,
     Release,
     Source,
     Stop,
     Velocity,
-    start_mux,
-    step,
+    Watch,
 )
+from ur_nodes.motion.obstacle_stop.base import make_sight
+from ur_nodes.motion.obstacle_stop.guard import Guard, make_guard
+from ur_nodes.motion.obstacle_stop.sight import Ranges, look
 from ur_nodes.motion.ramp import Axis
 
 JOYSTICK, KEYBOARD, NAVIGATION = range(3)
@@ -302,3 +307,50 @@ def test_speed_limit_that_is_lowered_while_driving_brakes_within_the_limits(run:
     for (before, first, _), (after, second, _) in pairwise(run.sent):
         assert first.forward - second.forward <= FORWARD.slow_down * (after - before) + 1e-9
     assert start_mux(SETTINGS, share=0.2).share == 0.2
+
+
+def make_guard_before_a_wall(clear: float) -> Guard:
+    """The guard of stage, whose lidar has just seen a wall so far (m) ahead of it."""
+    base = load_base(Path(__file__).parents[3] / "ubiquity_launches", "stage", "")
+    sight = make_sight(base)
+    angles = np.arange(-60, 61) * math.pi / 180.0
+    scan = Ranges((clear + 0.1) / np.cos(angles), (0.12, 12.0), 0.0, float(angles[0]), math.pi / 180.0)
+    return make_guard(look(sight, sight.sensors[0], scan), base.limits, 0.11)
+
+
+def test_commands_of_people_stop_before_what_is_seen_and_those_of_navigation_do_not() -> None:
+    sources = (SOURCES[KEYBOARD], replace(SOURCES[NAVIGATION], avoids_obstacles=True))
+    run = Run(start_mux(replace(SETTINGS, sources=sources)))
+    run.handle(Watch(make_guard_before_a_wall(0.02)))
+    run.drive(0, AHEAD, 0.4, rate=30.0)
+    assert run.last == STILL
+    assert run.state.verdict is not None
+    assert run.state.verdict.cause is not None
+    run.drive(0, Velocity(-0.5, 0.0), 0.2, rate=30.0)
+    assert run.last.forward < -0.1
+    run.until(run.now + 1.0)
+    assert run.state.verdict is None
+    run.drive(1, AHEAD, 0.6, rate=30.0)
+    assert run.last == AHEAD
+
+
+def test_guard_that_is_switched_off_or_on_counts_at_once_and_brakes_within_the_limits(run: Run) -> None:
+    run.drive(KEYBOARD, AHEAD, 1.0, rate=30.0)
+    run.handle(Watch(make_guard_before_a_wall(0.02)))
+    begin = len(run.sent) - 1
+    run.drive(KEYBOARD, AHEAD, 0.4, rate=30.0)
+    assert run.last == STILL
+    for (before, fast, _), (after, slow, _) in pairwise(run.sent[begin:]):
+        assert fast.forward - slow.forward <= FORWARD.slow_down * (after - before) + 1e-9
+    run.handle(Watch(None))
+    run.drive(KEYBOARD, AHEAD, 1.0, rate=30.0)
+    assert run.last == AHEAD
+
+
+def test_robot_stops_in_time_before_an_obstacle_when_commands_end() -> None:
+    run = Run(start_mux(SETTINGS))
+    run.handle(Watch(make_guard_before_a_wall(0.3)))
+    run.drive(KEYBOARD, AHEAD, 0.5, rate=30.0)
+    ended = run.sent[-1][0]
+    run.until(run.now + 1.0)
+    assert all(output == STILL for at, output, _ in run.sent if at > ended + BUDGET)

@@ -8,7 +8,7 @@ import yaml
 
 from ur.robot.base import list_bases, load_base
 from ur.source.diagnostic import UserError
-from ur_nodes.motion.mux import Lock, MuxSettings, Source
+from ur_nodes.motion.mux_events import Lock, MuxSettings, Source
 from ur_nodes.motion.ramp import Axis
 from ur_nodes.motion.sources import read_locks, read_sources
 
@@ -19,6 +19,7 @@ GOOD = {"name": "keyboard", "topic": "key_vel", "timeout": 0.5, "priority": 90}
 def test_sources_are_read_with_the_names_of_twist_mux() -> None:
     assert read_sources([GOOD], "/mux/topics") == (Source("keyboard", "key_vel", 90, 0.5),)
     assert read_sources([GOOD | {"zeros_hold": True}], "t")[0].zeros_hold is True
+    assert read_sources([GOOD | {"avoids_obstacles": True}], "t")[0].avoids_obstacles is True
     assert read_locks([GOOD | {"timeout": 0}], "t") == (Lock("keyboard", "key_vel", 90, 0.0),)
     assert read_locks([], "t") == ()
 
@@ -50,6 +51,7 @@ def test_sources_of_the_library_can_be_read() -> None:
     given = yaml.safe_load((PACKAGE / "n_cmd_vel_mux" / "params" / "sources.yaml").read_text())
     sources = sorted(read_sources(given["topics"], "topics"), key=lambda source: -source.priority)
     assert [source.name for source in sources] == ["joystick", "keyboard", "web", "navigation"]
+    assert [source.name for source in sources if source.avoids_obstacles] == ["navigation"]
     assert read_locks(given["locks"], "locks")
 
 

@@ -9,7 +9,8 @@ import pytest
 
 from ur.robot.base import Base, list_bases, load_base
 from ur.worlds.world_file import World, read_world
-from ur_nodes.motion.mux import Command, MuxSettings, Source, Velocity, start_mux, step
+from ur_nodes.motion.mux import start_mux, step
+from ur_nodes.motion.mux_events import Command, MuxSettings, Source, Velocity
 from ur_nodes.motion.ramp import axes_of
 from ur_nodes.simulator.simulation import Simulation
 

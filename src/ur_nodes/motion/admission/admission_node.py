@@ -29,7 +29,7 @@ from ur_nodes.motion.clock import read_steady_time
 from ur_nodes.motion.lease.record import LeaseRecord, start_lease
 from ur_nodes.motion.lease.store import make_store
 from ur_nodes.motion.lease.text import FREE, Lease, read_lease, read_request, write_lease
-from ur_nodes.motion.mux import Command, Event, LockMessage, MuxSettings, Velocity
+from ur_nodes.motion.mux_events import Command, Event, LockMessage, MuxSettings, Velocity
 from ur_nodes.rosio.ending import quiet_at_end
 
 LEASE_PARAMETER = "/ur/lease"

@@ -6,7 +6,7 @@ import math
 
 from ur_nodes.motion.admission.admission import Refusal
 from ur_nodes.motion.lease.text import Lease
-from ur_nodes.motion.mux import Source
+from ur_nodes.motion.mux_events import Source
 
 _EVERY = 5.0  # s
 

@@ -13,7 +13,7 @@ from std_msgs.msg import String
 from ur_nodes.motion.challenge.challenge_node import ChallengeLink
 from ur_nodes.motion.challenge.freshness import REQUEST_FRESHNESS
 from ur_nodes.motion.lease.text import Action, Lease, Request, read_lease, write_request
-from ur_nodes.motion.lease.view import Conduct, LeaseView, first_action, identify, is_settled, view_lease
+from ur_nodes.motion.lease.view import Conduct, Identity, LeaseView, first_action, identify, is_settled, view_lease
 
 _PERIOD = 0.2  # s: of renewals, and of requests that have not taken effect
 _PATIENCE = 2.0  # s: then a request that has not taken effect is given up
@@ -24,8 +24,9 @@ _LAST_WORDS = 0.1  # s: for a release to leave before the connections close
 class LeaseClient:
     """Takes part in the lease of a mux, in a thread of its own. No call but `release` blocks.
 
-    At the start it behaves as UR_LEASE demands: `drive` acquires the lease if it is free, `take` takes it, `ask` asks
-    for it, `watch` does nothing. What comes of a request is in later views.
+    At the start it behaves as UR_LEASE demands: `take` takes the lease, `ask` asks for it, `watch` does nothing, and so
+    does `drive`, until its first command, unless a program of this computer has lost the lease. What comes of a request
+    is in later views.
     """
 
     def __init__(
@@ -34,10 +35,11 @@ class LeaseClient:
         program: str = "",
         *,
         conduct: Conduct | None = None,
+        identity: Identity | None = None,
         on_challenge: Callable[[], None] | None = None,
     ) -> None:
-        """`mux` is the name of the node that has the lease; `conduct` overrides UR_LEASE."""
-        self.identity = identify(os.environ, program or rospy.get_name().strip("/"))
+        """`mux` is the node that has the lease; `conduct` overrides UR_LEASE, `identity` the environment."""
+        self.identity = identity or identify(os.environ, program or rospy.get_name().strip("/"))
         self.conduct: Conduct = conduct or self.identity.conduct
         self.link = ChallengeLink(mux, on_challenge)
         self._lock = threading.Condition()
@@ -113,7 +115,10 @@ class LeaseClient:
                 return
             if not self._begun and self.link.answer(REQUEST_FRESHNESS / 2.0) and self._publisher.get_num_connections():
                 self._begun = True
-                self._intent, self._give_up_at = first_action(self.conduct), time.monotonic() + _START_PATIENCE
+                self._intent, self._give_up_at = (
+                    first_action(self.conduct, self._lease),
+                    time.monotonic() + _START_PATIENCE,
+                )
             if self._intent and (
                 is_settled(self._intent, self._lease, self.client) or time.monotonic() > self._give_up_at
             ):

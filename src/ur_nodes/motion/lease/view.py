@@ -88,10 +88,14 @@ def identify(environment: Mapping[str, str], program: str) -> Identity:
     )
 
 
-def first_action(conduct: Conduct) -> Action | None:
-    """The request that a client of this conduct begins with."""
+def first_action(conduct: Conduct, lease: Lease) -> Action | None:
+    """The request that a client of this conduct begins with.
+
+    A free lease is acquired with the first command; one that a program of the same user on this computer has lost, at
+    once, so that a program that is started again after a crash drives.
+    """
     if conduct == "drive":
-        return "acquire"
+        return "acquire" if lease.state == "lost" else None
     return conduct if conduct in ("take", "ask") else None
 
 

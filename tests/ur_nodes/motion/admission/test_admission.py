@@ -19,7 +19,8 @@ from ur_nodes.motion.admission.admission import (
 from ur_nodes.motion.challenge.freshness import FRESHNESS, NO_STAMP, Challenges, Stamp
 from ur_nodes.motion.lease.record import start_lease
 from ur_nodes.motion.lease.text import Action, Request
-from ur_nodes.motion.mux import Command, MuxSettings, MuxState, Source, Velocity, start_mux, step
+from ur_nodes.motion.mux import MuxState, start_mux, step
+from ur_nodes.motion.mux_events import Command, MuxSettings, Source, Velocity
 from ur_nodes.motion.ramp import Axis
 
 KEYBOARD, NAVIGATION = 0, 1

@@ -44,13 +44,15 @@ class Clients:
         )
 
     def join(self, client: str, conduct: str) -> dict[str, Any]:
-        """A client begins; an earlier one of this id is silent from now on."""
+        """A client begins, with `drive` by a command; an earlier one of this id is silent from now on."""
         if client in self.clients:
             self.vanish(client)
         os.environ |= {"UR_CLIENT": client, "UR_CLIENT_NAME": f"{client}-host", "UR_LEASE": conduct}
         self.clients[client] = joined = LeaseClient("cmd_vel_mux", "test")
         self.fresh[client] = FreshPublisher("key_vel", joined.link, client)
         wait_until(lambda: bool(self.fresh[client].listeners()) and joined.view().state != "unknown", 60.0, "the mux")
+        if conduct == "drive":
+            joined.acquire()
         return self.view(client)
 
     def view(self, client: str) -> dict[str, Any]:

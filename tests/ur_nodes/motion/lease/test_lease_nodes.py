@@ -154,9 +154,24 @@ def test_keys_of_a_pipe_drive_only_where_nobody_else_does(session: Session) -> N
     session.ask("leave", client="a")
 
 
+def test_program_drives_from_its_first_command_and_not_from_its_start(session: Session) -> None:
+    with session.keyboard("laptop") as keys:
+        keys.wait_for("■ stopped")
+        session.join("a")
+        session.becomes("a", mine=True)  # while the keyboard has driven nothing
+        session.ask("leave", client="a")
+        keys.type("i")
+        keys.wait_for("▲ driving")
+        session.join("b", "watch")
+        session.becomes("b", state="held", holder="laptop")
+        session.ask("leave", client="b")
+
+
 def test_screens_of_two_keyboards_say_who_drives(session: Session) -> None:
     with session.keyboard("laptop") as first:
         first.wait_for("■ stopped")
+        first.type("i")
+        first.wait_for("▲ driving")
         with session.keyboard("desktop") as second:
             second.wait_for("laptop (keyboard_drive) drives the robot since")
             second.type("i")
@@ -186,6 +201,7 @@ def test_screens_of_two_keyboards_say_who_drives(session: Session) -> None:
 def test_screen_says_when_the_robot_is_out_of_reach_and_recovers(session: Session) -> None:
     with session.keyboard("laptop") as keys:
         keys.wait_for("■ stopped")
+        keys.type("i")
         session.join("a", "watch")
         session.becomes("a", state="held", holder="laptop")  # so challenges reach the keyboard
         session.mux.send_signal(signal.SIGSTOP)  # connections stay open, nothing comes any more

@@ -60,7 +60,9 @@ def test_request_is_repeated_until_it_has_taken_effect(action: Action, lease: Le
 
 
 def test_conduct_says_what_to_request_first() -> None:
-    assert [first_action(each) for each in ("drive", "take", "ask", "watch")] == ["acquire", "take", "ask", None]
+    free, lost = FREE, Lease("lost", "other", "laptop")
+    assert [first_action(each, free) for each in ("drive", "take", "ask", "watch")] == [None, "take", "ask", None]
+    assert [first_action(each, lost) for each in ("drive", "take", "ask", "watch")] == ["acquire", "take", "ask", None]
 
 
 def test_view_names_others_and_leaves_out_oneself() -> None:

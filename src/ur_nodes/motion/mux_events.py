@@ -1,0 +1,118 @@
+"""Inputs of the mux of velocity commands: sources, locks and settings, and the events that it is stepped with."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ur_nodes.motion.obstacle_stop.guard import Guard
+from ur_nodes.motion.ramp import Axis
+
+IDLE = "idle"
+_SLOWEST = 1e-4  # m/s, rad/s: less is rounding, not a command to move
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """A topic that velocity commands come from. Higher priority wins; `timeout` (s) is its age limit.
+
+    `avoids_obstacles`: its commands come from a program that looks at sensors itself, and are not guarded.
+    """
+
+    name: str
+    topic: str
+    priority: int
+    timeout: float
+    zeros_hold: bool = False
+    avoids_obstacles: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Lock:
+    """A topic that locks out sources with a lower priority. Without a message for `timeout` s they are locked out.
+
+    A timeout of 0 means that it does not age.
+    """
+
+    name: str
+    topic: str
+    priority: int
+    timeout: float
+
+
+@dataclass(frozen=True, slots=True)
+class MuxSettings:
+    """Sources, locks, what the base can do, and the times (s) that the module's text explains."""
+
+    sources: tuple[Source, ...]
+    forward: Axis
+    turn: Axis
+    locks: tuple[Lock, ...] = ()
+    period: float = 0.02
+    brake_period: float = 0.01
+    stop_time: float = 0.3
+    lag: float = 0.11
+    zeros: int = 3
+
+
+@dataclass(frozen=True, slots=True)
+class Velocity:
+    """m/s forward, rad/s about z."""
+
+    forward: float = 0.0
+    turn: float = 0.0
+
+    @property
+    def still(self) -> bool:
+        """True for no motion at all."""
+        return abs(self.forward) < _SLOWEST and abs(self.turn) < _SLOWEST
+
+
+STILL = Velocity()
+
+
+@dataclass(frozen=True, slots=True)
+class Command:
+    """A command of the source with this index, given at the time `at`. Values that are not finite mean a stop.
+
+    `at` is a time of the mux's clock, not an age: a delay of the mux between admission and `step` makes the
+    command older. None means the time of the step. A command that is older than the newest of its source is ignored.
+    """
+
+    source: int
+    velocity: Velocity
+    at: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class LockMessage:
+    """A message of the lock with this index."""
+
+    lock: int
+    locked: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Stop:
+    """Emergency stop: nothing drives until `Release`."""
+
+
+@dataclass(frozen=True, slots=True)
+class Release:
+    """The emergency is over. Sources that ask for motion at this moment stay shut out until they pause."""
+
+
+@dataclass(frozen=True, slots=True)
+class LimitSpeed:
+    """Follow commands with at most this share (0 to 1) of what the base can do, until the next one."""
+
+    share: float
+
+
+@dataclass(frozen=True, slots=True)
+class Watch:
+    """The guard of commands from now on; None: they are not guarded."""
+
+    guard: Guard | None
+
+
+Event = Command | LockMessage | Stop | Release | LimitSpeed | Watch

@@ -1,0 +1,188 @@
+"""The velocity that a base may have before what its sensors see, as a pure function of sight, velocity and time.
+
+The outline is swept along the arc of the velocity. With `t` the time until it meets a point, `reaction` the time until
+the wheels obey, and `b` the time that braking takes, the share k of the velocity is permitted that solves
+
+    k * reaction + k^2 * b / 2 = t
+
+so the base can always stop on its arc, `MARGIN` before what it sees. The braking is gentler than the base's limits;
+what is left is a reserve. A motion that increases the distance from what is near is always permitted. Where the margin
+leaves no motion, a slow one is permitted along what is nearer (`CREEP`), and a turn without the way forward.
+
+What no sensor sees is taken for neither free nor blocked: towards it the base drives at most `BLIND`.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from ur.robot.base import Limits
+from ur_nodes.motion.obstacle_stop.hull import Floats, Hull, time_to_contact
+from ur_nodes.motion.obstacle_stop.sensors import covers
+from ur_nodes.motion.obstacle_stop.sight import Sight
+
+MARGIN = 0.03  # m
+_SCRAPE = 0.005  # m: while creeping
+CREEP = 0.1  # m/s of the fastest point of the outline
+BLIND = 0.2  # m/s
+SILENT = 0.5  # s without a reading: a sensor sees nothing any more
+_PERIODS = 2.5  # likewise, where that is longer
+_GENTLE, _GENTLE_TURN = 1.0, 3.0  # m/s^2, rad/s^2: the braking that is planned, where the base can brake so hard
+_PERIOD = 0.02  # s from one output of the mux to the next
+_STILL = 0.01  # m/s of the fastest point: less is a stop
+_TURN_ONLY = 0.02  # m/s: with less left of the way forward the turn is tried alone
+
+Kind = Literal["obstacle", "bumper", "cliff", "unseen", "silent"]
+Side = Literal["ahead", "behind", "on the left", "on the right"]
+
+
+@dataclass(frozen=True, slots=True)
+class Cause:
+    """A reason for less than the wanted velocity: the side of the base, and m from the outline where that is known.
+
+    `name` is that of a bumper, a cliff sensor or a silent sensor, whose last reading is `age` s old.
+    """
+
+    kind: Kind
+    side: Side
+    distance: float = math.nan
+    name: str = ""
+    age: float = math.nan
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """The velocity that is permitted, m/s and rad/s, and the reason where that is less than the wanted one."""
+
+    forward: float
+    turn: float
+    cause: Cause | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Guard:
+    """A sight and what the base can do: `braking` (m/s^2, rad/s^2) as planned, and `lag` (s) from mux to wheels."""
+
+    sight: Sight
+    braking: tuple[float, float]
+    lag: float
+
+    def permit(self, forward: float, turn: float, now: float) -> Verdict:
+        """The velocity to send at `now` (s) in place of a wanted one, on the same arc."""
+        sight = self.sight
+        cause = None
+        if forward and sight.sensors and (limit := self._blind(forward, now)):
+            cap, cause = limit
+            if abs(forward) > cap:
+                forward, turn = forward * cap / abs(forward), turn * cap / abs(forward)
+            else:
+                cause = None
+        points = sight.points_at(now)
+        touched = list(sight.touched.values())
+        everything = np.concatenate((points, *touched)) if touched else points
+        if not len(everything):
+            return Verdict(forward, turn, cause)
+        swept = self._sweep(everything, forward, turn, now)
+        share, index = swept
+        if share >= 1.0:
+            return Verdict(forward, turn, cause)
+        cause = self._describe(everything[index], index - len(points))
+        if turn and forward and abs(share * forward) < _TURN_ONLY:
+            alone, _ = self._sweep(everything, 0.0, turn, now)
+            if alone > share:
+                return Verdict(0.0, alone * turn, cause)
+        return Verdict(share * forward, share * turn, cause)
+
+    def _sweep(self, points: Floats, forward: float, turn: float, now: float) -> tuple[float, int]:
+        """The share (0 to 1) of a velocity that is permitted, and which of the points limits it; -1 for none."""
+        hull = self.sight.hull
+        reaction = self.lag + _PERIOD + self._age(now)
+        braking = max(abs(forward) / self.braking[0], abs(turn) / self.braking[1])
+        fastest = abs(forward) + abs(turn) * hull.radius
+        if fastest <= 0.0:
+            return 1.0, -1
+        horizon = reaction + braking / 2.0
+        within = np.hypot(*points.T) <= hull.radius + MARGIN + abs(forward) * horizon
+        near = np.nonzero(within)[0]
+        time, first = time_to_contact(hull, points[near], MARGIN, (forward, turn), horizon)
+        share = _share(time, reaction, braking)
+        if first < 0:
+            return 1.0, -1
+        if share * fastest < CREEP:
+            time, _ = time_to_contact(hull, points[near], _SCRAPE, (forward, turn), horizon + MARGIN / fastest)
+            slow = _share(time - (MARGIN - _SCRAPE) / fastest, reaction, braking)
+            share = max(share, min(slow, CREEP / fastest))
+        return (share if share * fastest >= _STILL else 0.0), int(near[first])
+
+    def _age(self, now: float) -> float:
+        """Return how old (s) the readings may be on which a decision rests: as old as the oldest of a live sensor."""
+        sight = self.sight
+        ages = [max(sensor.period, sight.age(sensor, now)) for sensor in sight.sensors]
+        return min(SILENT, max((age for age in ages if age <= SILENT), default=0.0))
+
+    def _blind(self, forward: float, now: float) -> tuple[float, Cause] | None:
+        """The most (m/s) towards what no live sensor sees, and the reason; None where enough is seen."""
+        side: Side = "ahead" if forward > 0.0 else "behind"
+        sensors = self.sight.sensors
+        views = [each.ahead if forward > 0.0 else each.behind for each in sensors]
+        ages = [self.sight.age(each, now) for each in sensors]
+        live = [age <= max(SILENT, _PERIODS * each.period) for age, each in zip(ages, sensors, strict=True)]
+        if covers([view for view, alive in zip(views, live, strict=True) if alive]):
+            return None
+        silent = [pair for pair, alive in zip(zip(sensors, ages, strict=True), live, strict=True) if not alive]
+        if silent and covers(views):
+            sensor, age = max(silent, key=lambda pair: pair[1])
+            return BLIND, Cause("silent", side, name=sensor.label, age=age)
+        return BLIND, Cause("unseen", side)
+
+    def _describe(self, point: Floats, touched: int) -> Cause:
+        hull = self.sight.hull
+        side = side_of(hull, point)
+        if touched < 0:
+            return Cause("obstacle", side, max(0.0, float(hull.distances(point[None])[0])))
+        for (kind, name), points in self.sight.touched.items():
+            if touched < len(points):
+                return Cause(kind, side, 0.0, name)
+            touched -= len(points)
+        return Cause("bumper", side, 0.0)
+
+
+def make_guard(sight: Sight, limits: Limits, lag: float) -> Guard:
+    """Return the guard of a base; `lag` (s) is from the mux's output to wheels that have obeyed it."""
+    return Guard(sight, (min(_GENTLE, limits.deceleration), min(_GENTLE_TURN, limits.angular_deceleration)), lag)
+
+
+def reach_of(hull: Hull, limits: Limits) -> float:
+    """Return how far (m) from the origin of the base a point may matter."""
+    braking = limits.velocity / min(_GENTLE, limits.deceleration) / 2.0
+    return hull.radius + limits.velocity * (braking + SILENT + limits.lag) + 0.5
+
+
+def side_of(hull: Hull, point: Floats) -> Side:
+    """Return the side of the outline on which a point lies furthest out."""
+    (low_x, low_y), (high_x, high_y) = hull.corners.min(axis=0), hull.corners.max(axis=0)
+    x, y = float(point[0]), float(point[1])
+    out: dict[Side, float] = {
+        "ahead": x - high_x,
+        "behind": low_x - x,
+        "on the left": y - high_y,
+        "on the right": low_y - y,
+    }
+    return max(out, key=lambda side: out[side])
+
+
+def _share(time: float, reaction: float, braking: float) -> float:
+    """Solve the equation of this module's text for the share, 0 to 1."""
+    if time <= 0.0:
+        return 0.0
+    if braking < 1e-6:
+        return min(1.0, time / reaction)
+    return (
+        min(1.0, (math.sqrt(reaction * reaction + 2.0 * braking * time) - reaction) / braking)
+        if time < math.inf
+        else 1.0
+    )

@@ -1,0 +1,79 @@
+"""The state of the obstacle stop as a line for screens, as JSON on a topic, and read back from it."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import dataclass
+from typing import Literal, cast, get_args
+
+from ur.source.printable import printable
+from ur_nodes.motion.obstacle_stop.guard import BLIND, Cause, Verdict
+
+State = Literal["none", "off", "clear", "slowed", "stopped"]
+
+_MOST = 2000  # characters
+_LONGEST = 120
+_STEP = 0.05  # m
+_NOTICED = 0.9  # of the wanted velocity: what is not slower than that is not reported
+_TOO_LONG = 3600.0  # s
+
+
+@dataclass(frozen=True, slots=True)
+class Report:
+    """The state, and what it is about in a line: "stopped: obstacle 0.05 m ahead"; empty while nothing is in the way.
+
+    `none`: the base has no sensor that the obstacle stop can use.
+    """
+
+    state: State = "none"
+    text: str = ""
+
+
+OFF = Report("off", "the obstacle stop is off")
+CLEAR = Report("clear")
+
+
+def report_of(verdict: Verdict | None, wanted: tuple[float, float], output: tuple[float, float]) -> Report:
+    """The report of a verdict on a wanted velocity (m/s, rad/s), and what was sent instead."""
+    if verdict is None or verdict.cause is None:
+        return CLEAR
+    if all(abs(sent) >= _NOTICED * abs(asked) for sent, asked in zip(output, wanted, strict=True)):
+        return CLEAR
+    if verdict.forward == 0.0 and verdict.turn == 0.0:
+        return Report("stopped", f"stopped: {_describe(verdict.cause)}")
+    slow = f" to {BLIND:g} m/s" if verdict.cause.kind in ("unseen", "silent") else ""
+    return Report("slowed", f"slowed{slow}: {_describe(verdict.cause)}")
+
+
+def _describe(cause: Cause) -> str:
+    if cause.kind == "bumper":
+        return f"{cause.name} pressed" if "bumper" in cause.name else f"bumper {cause.name} pressed"
+    if cause.kind == "cliff":
+        return f"cliff sensor {cause.name} sees no floor"
+    if cause.kind == "unseen":
+        return f"no sensor sees what is {cause.side}"
+    if cause.kind == "silent":
+        return f"no {cause.name} for {cause.age:.1f} s" if cause.age < _TOO_LONG else f"no {cause.name} yet"
+    if cause.distance < _STEP:
+        return f"obstacle close {cause.side}"
+    return f"obstacle {_STEP * math.floor(cause.distance / _STEP + 1e-6):.2f} m {cause.side}"
+
+
+def write_report(report: Report) -> str:
+    """The report as JSON."""
+    return json.dumps({"state": report.state, "text": report.text})
+
+
+def read_report(text: str) -> Report | None:
+    """The report of JSON that a mux has published; None for anything else."""
+    if len(text) > _MOST:
+        return None
+    try:
+        value = json.loads(text)
+    except (ValueError, RecursionError):
+        return None
+    if not isinstance(value, dict) or value.get("state") not in get_args(State):
+        return None
+    line = value.get("text")
+    return Report(cast(State, value["state"]), printable(line)[:_LONGEST] if isinstance(line, str) else "")

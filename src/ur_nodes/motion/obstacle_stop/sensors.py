@@ -1,0 +1,100 @@
+"""The sensors of a base as the obstacle stop uses them: where each looks, how often, and what lies before the base."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ur.robot.base import Base
+from ur_nodes.geometry.rigid import from_angles
+from ur_nodes.motion.obstacle_stop.hull import Hull
+
+Floats = NDArray[np.float64]
+
+_COVERED = 0.9  # of the width: then a direction is seen
+_STRIP = 21  # positions over the width of a base
+_NEAREST, _FURTHEST, _STEP = 0.05, 0.6, 0.05  # m before the outline
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RangeSensor:
+    """A lidar or a sonar: `rotation` (3, 3) and `offset` (3) of its frame in the base's, m.
+
+    It sees `start` to `end` (rad in its frame, counter-clockwise) and up to `reach` (m), each `period` s. `label` is
+    its name in messages. `ahead` and `behind` tell which of the positions over the width of the base it sees.
+    """
+
+    name: str
+    label: str
+    rotation: Floats
+    offset: Floats
+    start: float
+    end: float
+    reach: float
+    period: float
+    ahead: NDArray[np.bool_]
+    behind: NDArray[np.bool_]
+
+    def sees(self, points: Floats) -> NDArray[np.bool_]:
+        """Return which points (n, 2) of the base's frame lie in its field of view."""
+        return _sees(points, self.rotation, self.offset, (self.start, self.end), self.reach)
+
+
+def _sees(
+    points: Floats, rotation: Floats, offset: Floats, span: tuple[float, float], reach: float
+) -> NDArray[np.bool_]:
+    local = (points - offset[:2]) @ rotation[:2, :2]
+    angles = (np.arctan2(local[:, 1], local[:, 0]) - span[0]) % (2.0 * math.pi)
+    seen: NDArray[np.bool_] = (angles <= span[1] - span[0]) & (np.hypot(*local.T) <= reach)
+    return seen
+
+
+def covers(views: Sequence[NDArray[np.bool_]]) -> bool:
+    """Return whether views of the positions over the width of a base show nearly all of it together."""
+    return bool(views) and float(np.any(views, axis=0).mean()) >= _COVERED
+
+
+def sensors_of(base: Base, hull: Hull, *, sonars: bool = True) -> tuple[RangeSensor, ...]:
+    """The lidar and the sonars of a base. One that looks up or down by more than 45 degrees sees no obstacle."""
+    found = []
+    if base.lidar:
+        lidar, turn = base.lidar, 2.0 * math.pi
+        step = (lidar.angle_max - lidar.angle_min) / max(1, lidar.samples - 1)
+        span = lidar.angle_min, lidar.angle_min + min(turn, lidar.angle_max - lidar.angle_min + step)
+        found.append((lidar.topic, "scan", lidar.pose, span, lidar.range_max, 1.0 / lidar.rate))
+    if base.sonars and sonars:
+        half = base.sonars.field_of_view / 2.0
+        found += [
+            (sonar.frame, sonar.frame, sonar.pose, (-half, half), base.sonars.range_max, 1.0 / base.sonars.rate)
+            for sonar in base.sonars.at
+        ]
+    return tuple(
+        _sensor(hull, name, label, pose, span, reach, period)
+        for name, label, pose, span, reach, period in found
+        if abs(math.cos(pose[4])) >= math.sqrt(0.5)
+    )
+
+
+def _sensor(
+    hull: Hull, name: str, label: str, pose: tuple[float, ...], span: tuple[float, float], reach: float, period: float
+) -> RangeSensor:
+    rigid = from_angles(pose[:3], pose[3:])
+    rotation, offset = rigid[:3, :3], rigid[:3, 3]
+    ahead, behind = (
+        np.array([_sees(column, rotation, offset, span, reach).any() for column in strip]) for strip in _strips(hull)
+    )
+    return RangeSensor(name, label, rotation, offset, *span, reach, period, ahead, behind)
+
+
+def _strips(hull: Hull) -> tuple[Floats, Floats]:
+    """Points before and behind the outline (positions over the width, distances, 2)."""
+    (low_x, low_y), (high_x, high_y) = hull.corners.min(axis=0), hull.corners.max(axis=0)
+    across = np.linspace(low_y, high_y, _STRIP)
+    away = np.arange(_NEAREST, _FURTHEST, _STEP)
+    ahead = np.stack(np.meshgrid(across, high_x + away, indexing="ij")[::-1], axis=-1)
+    behind = np.stack(np.meshgrid(across, low_x - away, indexing="ij")[::-1], axis=-1)
+    return ahead, behind

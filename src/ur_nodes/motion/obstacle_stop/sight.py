@@ -1,0 +1,174 @@
+"""Points that the sensors of a base have seen near it, in the frame of odometry, as steps from reading to reading.
+
+A reading replaces the one before of the same sensor. Points that have left the field of view of their sensor are
+remembered for `MEMORY` s. After REP 117 an infinite range is free, minus infinity nearer than the sensor measures, and
+NaN no measurement; a finite range outside of the limits is none either, but at `range_max` and beyond it is free.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, replace
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ur_nodes.motion.obstacle_stop.hull import Floats, Hull
+from ur_nodes.motion.obstacle_stop.sensors import RangeSensor
+from ur_nodes.motion.obstacle_stop.track import Odometer, Track, follow
+
+MEMORY = 3.0  # s
+_OWN = 0.03  # m: what lies deeper within the outline is a part of the robot
+_HEARD = 0.1  # of the beams: with fewer measurements a scan has seen nothing
+_ARC = 7  # points of a sonar's arc
+_SLACK = 0.05  # m: a point at most so far beyond an echo has made it
+_MOST = 500  # points that are remembered
+Contact = Literal["bumper", "cliff"]
+_NONE: Floats = np.empty((0, 2))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Ranges:
+    """A scan, or the range of a sonar: `ranges` (n) in m, `limits` the least and the greatest that count.
+
+    `at` is when the first was measured (s of the mux's clock), `spacing` (s) and `increment` (rad) are from one to the
+    next, `first` (rad) is the angle of the first. `cone` is the full angle of a sonar, rad; 0 for a lidar.
+    """
+
+    ranges: NDArray[np.floating]
+    limits: tuple[float, float]
+    at: float
+    first: float = 0.0
+    increment: float = 0.0
+    spacing: float = 0.0
+    cone: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Seen:
+    """Points (n, 2) in the frame of odometry that a sensor saw at a time (s)."""
+
+    points: Floats
+    at: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Memory:
+    """Points (n, 2) in the frame of odometry that left the field of view of their sensor, and when each was seen."""
+
+    points: Floats = field(default_factory=lambda: _NONE)
+    times: Floats = field(default_factory=lambda: np.empty(0))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sight:
+    """All that is known: the track of the base, the newest points of each sensor, older ones, and what is touched.
+
+    `touched` holds the points of the outline (n, 2), in the base's frame, of pressed bumpers and of cliffs by name.
+    """
+
+    hull: Hull
+    sensors: tuple[RangeSensor, ...]
+    reach: float  # m from the origin of the base: what is further away is left out
+    track: Track = field(default_factory=Track)
+    seen: dict[str, Seen] = field(default_factory=dict)
+    memory: Memory = field(default_factory=Memory)
+    touched: dict[tuple[Contact, str], Floats] = field(default_factory=dict)
+
+    def points_at(self, now: float) -> Floats:
+        """All points (n, 2) in the base's frame at `now`, remembered ones included, touched ones not."""
+        kept = [each.points for each in self.seen.values() if len(each.points) and now - each.at <= MEMORY]
+        if len(self.memory.points):
+            kept.append(self.memory.points[now - self.memory.times <= MEMORY])
+        if not kept:
+            return _NONE
+        return self.track.pose_at(now).inverse().transform_points(np.concatenate(kept))
+
+    def age(self, sensor: RangeSensor, now: float) -> float:
+        """Return the seconds since a sensor measured; infinite before the first reading."""
+        seen = self.seen.get(sensor.name)
+        return math.inf if seen is None else now - seen.at
+
+
+def move(sight: Sight, reading: Odometer) -> Sight:
+    """The sight after a reading of odometry; one that is not finite is ignored."""
+    if not reading.finite:
+        return sight
+    track, same = follow(sight.track, reading)
+    return replace(sight, track=track) if same else replace(sight, track=track, seen={}, memory=Memory())
+
+
+def touch(sight: Sight, contact: tuple[Contact, str], points: Floats | None) -> Sight:
+    """The sight after a bumper or cliff sensor: the points (n, 2) of the outline that it covers, None for released."""
+    touched = {each: where for each, where in sight.touched.items() if each != contact}
+    return replace(sight, touched=touched if points is None else {**touched, contact: points})
+
+
+def look(sight: Sight, sensor: RangeSensor, reading: Ranges) -> Sight:
+    """The sight after a reading of a sensor; unchanged by one that has measured nothing."""
+    before = sight.seen.get(sensor.name)
+    if before is not None and reading.at < before.at:
+        return sight
+    ranges = np.asarray(reading.ranges, dtype=np.float64)
+    low, high = reading.limits
+    near = np.isneginf(ranges)
+    hits = near | ((ranges >= low) & (ranges < high))
+    if not len(ranges) or np.count_nonzero(hits | (ranges >= high)) < _HEARD * len(ranges):
+        return sight
+    ends = _ends(sight, sensor, reading, np.where(near, low, ranges), hits)
+    seen = dict(sight.seen)
+    seen[sensor.name] = Seen(ends, reading.at)
+    return replace(sight, seen=seen, memory=_remember(sight, sensor, reading, before))
+
+
+def _remember(sight: Sight, sensor: RangeSensor, reading: Ranges, before: Seen | None) -> Memory:
+    """The points about which a reading says nothing: of the memory, and of the reading before of the same sensor."""
+    memory = sight.memory
+    points, times = memory.points, memory.times
+    if before is not None and len(before.points):
+        points = np.concatenate((points, before.points))
+        times = np.concatenate((times, np.full(len(before.points), before.at)))
+    if not len(points):
+        return memory
+    local = sight.track.pose_at(reading.at).inverse().transform_points(points)
+    kept = (reading.at - times <= MEMORY) & _hidden(sensor, reading, local)
+    kept &= np.hypot(*local.T) <= sight.reach
+    return Memory(points[kept][-_MOST:], times[kept][-_MOST:])
+
+
+def _hidden(sensor: RangeSensor, reading: Ranges, points: Floats) -> NDArray[np.bool_]:
+    """Return which earlier points (n, 2) of the base's frame a reading says nothing about."""
+    hidden = ~sensor.sees(points)
+    if reading.cone:
+        hidden |= np.hypot(*(points - sensor.offset[:2]).T) > reading.ranges[0] + _SLACK
+    return hidden
+
+
+def _ends(sight: Sight, sensor: RangeSensor, reading: Ranges, ranges: Floats, hits: NDArray[np.bool_]) -> Floats:
+    """The points (n, 2) in the frame of odometry where beams have ended near the base, its own parts left out."""
+    if reading.cone and not hits[0]:
+        return _NONE
+    if reading.cone:
+        angles = np.linspace(-reading.cone / 2.0, reading.cone / 2.0, _ARC)
+        ranges, hits = np.broadcast_to(ranges, _ARC), np.broadcast_to(hits, _ARC)
+        numbers = np.zeros(_ARC)
+    else:
+        hits = hits & (ranges <= sight.reach + float(np.hypot(*sensor.offset[:2])))
+        numbers = np.nonzero(hits)[0].astype(np.float64)
+        angles = reading.first + numbers * reading.increment
+        ranges, hits = ranges[hits], np.ones(len(numbers), bool)
+    flat = np.column_stack((np.cos(angles), np.sin(angles))) * ranges[:, None]
+    points = flat @ sensor.rotation[:2, :2].T + sensor.offset[:2]
+    near = hits & (np.hypot(*points.T) <= sight.reach)
+    if not near.any():
+        return _NONE
+    near[near] = sight.hull.distances(points[near]) >= -_OWN
+    points, numbers = points[near], numbers[near]
+    if not len(points):
+        return _NONE
+    poses = sight.track.poses_at(reading.at + reading.spacing * numbers)
+    c, s = np.cos(poses[:, 2]), np.sin(poses[:, 2])
+    moved = np.column_stack((c * points[:, 0] - s * points[:, 1], s * points[:, 0] + c * points[:, 1]))
+    ends: Floats = moved + poses[:, :2]
+    return ends

@@ -1,0 +1,86 @@
+"""The recent way of a base by odometry: where it was when a sensor measured, and where it is now."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ur_nodes.geometry.pose import Pose2, wrap_angle
+
+_KEPT = 40  # readings
+_AHEAD = 0.3  # s that the newest velocity is taken to last
+_JUMP = 0.5  # m or rad beyond what the velocity explains: odometry has begun anew
+
+
+@dataclass(frozen=True, slots=True)
+class Odometer:
+    """A reading of odometry at the time `at` (s of the mux's clock): the pose, and m/s forward and rad/s about z."""
+
+    pose: Pose2
+    forward: float
+    turn: float
+    at: float
+
+    @property
+    def finite(self) -> bool:
+        """Return whether every figure is a number."""
+        return all(math.isfinite(each) for each in (*self.pose, self.forward, self.turn))
+
+
+@dataclass(frozen=True, slots=True)
+class Track:
+    """Readings of odometry, the oldest first; none: the base is taken to stay where it is."""
+
+    readings: tuple[Odometer, ...] = ()
+
+    def age(self, now: float) -> float:
+        """Return the seconds since the newest reading; infinite before the first."""
+        return now - self.readings[-1].at if self.readings else math.inf
+
+    def pose_at(self, at: float) -> Pose2:
+        """The pose at a time (s): between two readings, or beyond the newest by its velocity for 0.3 s at most."""
+        if not self.readings:
+            return Pose2(0.0, 0.0, 0.0)
+        if at <= self.readings[0].at:
+            return self.readings[0].pose
+        for before, after in zip(self.readings[-2::-1], self.readings[:0:-1], strict=True):
+            if before.at <= at < after.at:
+                share = (at - before.at) / (after.at - before.at)
+                x, y = (b + share * (a - b) for b, a in zip(before.pose[:2], after.pose[:2], strict=True))
+                return Pose2(x, y, before.pose.yaw + share * wrap_angle(after.pose.yaw - before.pose.yaw))
+        newest = self.readings[-1]
+        seconds = min(at - newest.at, _AHEAD)
+        return newest.pose.compose(_arc_end(newest.forward * seconds, newest.turn * seconds))
+
+    def poses_at(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Poses (n, 3) at times (n) that lie close together, by the poses at the first and the last."""
+        first, last = self.pose_at(float(times[0])), self.pose_at(float(times[-1]))
+        share = ((times - times[0]) / max(times[-1] - times[0], 1e-9))[:, None]
+        change = np.array((last.x - first.x, last.y - first.y, wrap_angle(last.yaw - first.yaw)))
+        poses: NDArray[np.float64] = np.array(first) + share * change
+        return poses
+
+
+def _arc_end(distance: float, angle: float) -> Pose2:
+    half = angle / 2.0
+    chord = distance * (math.sin(half) / half if abs(half) > 1e-6 else 1.0)
+    return Pose2(chord * math.cos(half), chord * math.sin(half), angle)
+
+
+def follow(track: Track, reading: Odometer) -> tuple[Track, bool]:
+    """The track with one more reading; false when odometry has begun anew, so that earlier places mean nothing."""
+    if not track.readings:
+        return Track((reading,)), True
+    newest = track.readings[-1]
+    if reading.at <= newest.at:
+        return track, True
+    expected = newest.pose.compose(
+        _arc_end(newest.forward * (reading.at - newest.at), newest.turn * (reading.at - newest.at))
+    )
+    far = math.hypot(reading.pose.x - expected.x, reading.pose.y - expected.y)
+    if far > _JUMP or abs(wrap_angle(reading.pose.yaw - expected.yaw)) > _JUMP:
+        return Track((reading,)), False
+    return Track((*track.readings[-_KEPT:], reading)), True
