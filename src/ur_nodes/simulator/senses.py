@@ -1,14 +1,18 @@
-"""Sensors of one robot beside lidar and camera: sonars, bumpers, inertial unit and battery."""
+"""Sensors of one robot beside lidar and camera: sonars, bumpers, cliff sensors, inertial unit and battery."""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 import numpy as np
 import numpy.typing as npt
 
 from ur.robot.base import Base
+from ur.worlds.world_file import Drop
 from ur_nodes.simulator.physics import Physics
 from ur_nodes.simulator.sensors.battery import BatteryCharge
 from ur_nodes.simulator.sensors.bumpers import BumperRing
+from ur_nodes.simulator.sensors.cliffs import see_drops
 from ur_nodes.simulator.sensors.imu import InertialUnit, Reading
 from ur_nodes.simulator.sensors.rays import Floats
 
@@ -18,11 +22,20 @@ BATTERY_RATE = 1.0  # Hz
 class Senses:
     """Sensors of one robot, as far as its base has them. Their noise does not depend on subscribers."""
 
-    def __init__(self, base: Base, physics: Physics, robot: int, seed: np.random.SeedSequence, charge: float) -> None:
+    def __init__(
+        self,
+        base: Base,
+        physics: Physics,
+        robot: int,
+        seed: np.random.SeedSequence,
+        charge: float,
+        drops: Sequence[Drop] = (),
+    ) -> None:
         """`charge` is how full the battery is at first, 0 to 1."""
         self._base = base
         self._physics = physics
         self._robot = robot
+        self._drops = drops
         # A stream each, so that one sensor more does not change the readings of the others.
         self._sonar_key, self._imu_key = (each.generate_state(2, np.uint64) for each in seed.spawn(2))
         self._heard = self._felt = 0
@@ -73,6 +86,10 @@ class Senses:
     def pressed(self, time: float) -> dict[str, bool]:
         """Return the states of the bumpers at a time (s), by name."""
         return self._bumpers.state(time) if self._bumpers else {}
+
+    def cliffs(self) -> dict[str, bool]:
+        """Return by name which cliff sensors see no floor."""
+        return see_drops(self._base.cliffs, self._drops, self._physics.pose(self._robot)) if self._base.cliffs else {}
 
     @property
     def battery(self) -> BatteryCharge | None:

@@ -1,4 +1,4 @@
-"""The topics of one simulated robot's sonars, bumpers, inertial unit and battery: what the drivers publish."""
+"""The topics of one simulated robot's sonars, bumpers, cliff sensors, inertial unit and battery."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from geometry_msgs.msg import Quaternion, Vector3
 from sensor_msgs.msg import BatteryState, Imu, Range
 from std_msgs.msg import Bool
 
-from ur.robot.base import Base
+from ur.robot.base import Base, Bumpers, Cliffs
 from ur_nodes.simulator.publisher_node import has_subscribers, make_publisher
 from ur_nodes.simulator.settings import Settings
 from ur_nodes.simulator.simulation import Simulation, Tick
@@ -39,13 +39,8 @@ class SensorTopics:
         self._imu_message = _imu_message(base, prefix)
         self._battery = _publisher(prefix, base.battery, BatteryState, queue)
         self._battery_message = _battery_message(base)
-        self._bumpers: dict[str, Any] = {}
-        if base.bumpers:
-            topics = {bumper.name: f"{prefix}{base.bumpers.topic}/{bumper.name}" for bumper in base.bumpers.at}
-            self._bumpers = {
-                name: rospy.Publisher(topic, Bool, queue_size=1, latch=True) for name, topic in topics.items()
-            }
-        self._sent: dict[str, bool] = {}
+        self._bumpers = _Switches(prefix, base.bumpers)
+        self._cliffs = _Switches(prefix, base.cliffs)
 
     def publish(self, tick: Tick, stamp: rospy.Time) -> None:
         """Publish the readings that are due."""
@@ -58,8 +53,9 @@ class SensorTopics:
             self._publish_imu(stamp)
         if tick.battery and self._battery and has_subscribers(self._battery):
             self._publish_battery(stamp)
-        if self._bumpers:
-            self._publish_bumpers()
+        senses = self._simulation.senses[self._robot]
+        self._bumpers.publish(senses.pressed(self._simulation.time))
+        self._cliffs.publish(senses.cliffs())
 
     def _ranges_now(self) -> list[float]:
         return [float(each) for each in self._simulation.senses[self._robot].ranges()]
@@ -83,15 +79,23 @@ class SensorTopics:
             message.charge, message.percentage = battery.charge, battery.fraction
             self._battery.publish(message)
 
-    def _publish_bumpers(self) -> None:
-        """Sent when one changes."""
-        states = self._simulation.senses[self._robot].pressed(self._simulation.time)
+
+class _Switches:
+    """Bumpers or cliff sensors: a latched topic each, on which a state is sent when it changes."""
+
+    def __init__(self, prefix: str, part: Bumpers | Cliffs | None) -> None:
+        topics = {each.name: f"{prefix}{part.topic}/{each.name}" for each in part.at} if part else {}
+        self._topics = {name: rospy.Publisher(topic, Bool, queue_size=1, latch=True) for name, topic in topics.items()}
+        self._sent: dict[str, bool] = {}
+
+    def publish(self, states: dict[str, bool]) -> None:
+        """Send the states, by name, that differ from those sent before."""
         if states == self._sent:
             return
-        for name, pressed in states.items():
-            if self._sent.get(name) is not pressed:
-                self._sent[name] = pressed
-                self._bumpers[name].publish(pressed)
+        for name, state in states.items():
+            if self._sent.get(name) is not state:
+                self._sent[name] = state
+                self._topics[name].publish(state)
 
 
 def _several(queue: int | None, count: int) -> int | None:

@@ -227,7 +227,7 @@ class Simulation:
         self._random: list[np.random.Generator] = randoms[1::2]
         self._noise = [np.zeros(base.lidar.samples if base.lidar else 0) for _ in range(self.robots)]
         self.senses: list[Senses] = [
-            Senses(base, self._physics, robot, seed, self._charge)
+            Senses(base, self._physics, robot, seed, self._charge, self._world.drops)
             for robot, seed in enumerate(seeds[2 * self.robots :])
         ]
         self._touched = [-math.inf] * self.robots

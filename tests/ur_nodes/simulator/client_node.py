@@ -30,6 +30,8 @@ KINDS = {
     "battery_state": BatteryState,
     "bumper/front": Bool,
     "bumper/back": Bool,
+    "cliff/left": Bool,
+    "cliff/right": Bool,
     "raspicam_node/image_raw": Image,
     "raspicam_node/image/compressed": CompressedImage,
     "raspicam_node/camera_info": CameraInfo,

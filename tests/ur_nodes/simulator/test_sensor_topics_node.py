@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from tests.ur_nodes.simulator.conftest import PACKAGE
 from tests.ur_nodes.simulator.test_simulator_node import Ros
 
 from ur.robot.base import Base
@@ -69,3 +70,18 @@ def test_bumpers_tell_newcomers_and_change_when_the_robot_runs_into_something(ro
     ros.ask("drive_until", topic="bumper/front", count=3, linear=-0.2, seconds=60)
     assert ros.ask("past", topic="bumper/front", count=3)[2] == {"pressed": False}
     assert ros.ask("past", topic="bumper/back")[0] == {"pressed": False}
+
+
+def test_cliff_sensors_report_a_drop_while_the_robot_is_before_it(ros: Ros, tmp_path: Path) -> None:
+    maze = PACKAGE / "n_map_server" / "maps" / "maze.yaml"
+    world = tmp_path / "stair.yaml"
+    world.write_text(f"floor_plan: {maze}\ndrops:\n  - {{pose: [0.7, 0.5, 0.0], size: [0.4, 1.0]}}\n", "utf-8")
+    ros.simulate("_base:=botvac", f"_world_file:={world}", "_speed:=2.0")
+    topics = ["cliff/left", "cliff/right"]
+    ros.ask("listen", topics=topics)
+    assert [ros.ask("past", topic=topic, count=1)[0]["pressed"] for topic in topics] == [False, False]
+    ros.ask("drive_until", topic="cliff/left", count=2, linear=0.2, seconds=60)
+    assert ros.ask("past", topic="cliff/left", count=2)[1] == {"pressed": True}
+    ros.ask("drive_until", topic="cliff/left", count=3, linear=-0.2, seconds=60)
+    assert ros.ask("past", topic="cliff/left", count=3)[2] == {"pressed": False}
+    assert ros.ask("past", topic="cliff/right") == [{"pressed": False}]

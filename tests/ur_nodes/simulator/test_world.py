@@ -87,6 +87,8 @@ def test_world_reads_boxes_obstacles_and_start(make_world: Callable[[str], World
             "  - {name: a, pose: [1, 2, 3, 0], size: [1, 1, 1]}\n",
             r"world.yaml:4:12: name: 'a' is given twice",
         ),
+        ("drops:\n  - {pose: [1, 2, 0], size: [1, 0]}\n", r"world.yaml:3:29: size: .* two lengths above 0"),
+        ("drops:\n  - {pose: [1, 2], size: [1, 1]}\n", r"pose: .* a list of 3 numbers"),
         ("boxes: [\n", r"world.yaml:3:1: not valid YAML"),
     ],
 )
