@@ -1,8 +1,12 @@
-"""The node `map_saver`: the map on the topic `map` as a file."""
+"""The node `map_saver`: the map on the topic `map` as a file.
+
+Launch files name the file in `UR_MAP_NAME`: arguments of a node are split into words, a variable is not.
+"""
 
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 import threading
 from pathlib import Path
@@ -70,7 +74,8 @@ class MapSaver:
 def main() -> int:
     """Read the command line, save one map. Exit code 2 when the command line is wrong, 1 when nothing was saved."""
     parser = argparse.ArgumentParser(prog="map_saver", description="Save the map on the topic `map` to a file.")
-    parser.add_argument("-f", dest="name", type=Path, default=Path("map"), help="NAME of NAME.pgm and NAME.yaml")
+    name = Path(os.environ.get("UR_MAP_NAME") or "map")
+    parser.add_argument("-f", dest="name", type=Path, default=name, help="NAME of NAME.pgm and NAME.yaml")
     parser.add_argument("--occ", type=int, default=65, help="per cent from which on a cell is occupied (default 65)")
     parser.add_argument("--free", type=int, default=25, help="per cent up to which a cell is free (default 25)")
     arguments = parser.parse_args(rospy.myargv(sys.argv)[1:])

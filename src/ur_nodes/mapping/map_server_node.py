@@ -1,7 +1,11 @@
-"""The node `map_server`: a map file as the latched topic `map` and the service `static_map`, and its zones."""
+"""The node `map_server`: a map file as the latched topic `map` and the service `static_map`, and its zones.
+
+Launch files name the map file in `UR_MAP_FILE`: arguments of a node are split into words, a variable is not.
+"""
 
 from __future__ import annotations
 
+import os
 import sys
 from pathlib import Path
 
@@ -43,8 +47,8 @@ class MapServer:
 
 
 def main() -> int:
-    """Read the map file that the command line names, then serve it. Exit code 2 when it cannot be used."""
-    arguments = rospy.myargv(sys.argv)[1:]
+    """Read the map file of the command line or of `UR_MAP_FILE`, then serve it. Exit code 2 when it cannot be used."""
+    arguments = rospy.myargv(sys.argv)[1:] or list(filter(None, [os.environ.get("UR_MAP_FILE")]))
     if arguments and arguments[0] in ("-h", "--help"):
         sys.stdout.write(USAGE)
         return 0

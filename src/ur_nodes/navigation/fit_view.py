@@ -11,6 +11,8 @@ from typing import Any
 import yaml
 
 from ur.source.diagnostic import UserError
+from ur.source.foreign.files import read_text
+from ur.source.foreign.yaml_text import load_yaml
 from ur_nodes.geometry.grid import Grid, load_map
 
 _DOCKS = (370, 90)  # pixels of the window that the list of displays, the menu and the tools take
@@ -48,10 +50,10 @@ def main(arguments: list[str]) -> int:
     home = Path(os.environ.get("ROS_HOME") or Path.home() / ".ros")
     target = home / "rviz" / Path(config).name
     try:
-        fitted = fit_view(yaml.safe_load(Path(config).read_text(encoding="utf-8")) or {}, load_map(map_file))
+        fitted = fit_view(load_yaml(read_text(config)) or {}, load_map(map_file))
         target.parent.mkdir(parents=True, exist_ok=True)
         target.write_text(yaml.safe_dump(fitted, sort_keys=False), encoding="utf-8")
-    except (UserError, OSError, yaml.YAMLError) as problem:
+    except (UserError, OSError, ValueError, yaml.YAMLError) as problem:
         sys.stderr.write(f"warning: the view of RViz is not fitted to the map: {problem}\n")
         return 1
     sys.stdout.write(f"{target}\n")

@@ -18,6 +18,7 @@ from std_srvs.srv import Empty, EmptyRequest, EmptyResponse
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.navigation.goal_pose_node import goal_in_map, make_plan
 from ur_nodes.navigation.goals.attendance import Act
+from ur_nodes.navigation.goals.goal_claim import has_any_heading
 from ur_nodes.navigation.goals.goal_watch_node import GoalWatch, read_watch_settings
 from ur_nodes.navigation.move_base_parameters_node import read_settings
 from ur_nodes.navigation.move_base_view_node import MoveBaseView
@@ -150,7 +151,7 @@ class MoveBase:
         if verdict.act is Act.DRIVE:
             if idle and self._goal is not None:
                 rospy.loginfo("the goal goes on")
-                self._navigator.start(self._goal, now)
+                self._start(self._goal, now)
             return True
         if not idle:
             rospy.logwarn("the goal is %s", verdict.text)
@@ -159,6 +160,9 @@ class MoveBase:
         if self._tick % _REPORT_PERIODS == 0:
             self._give_feedback()
         return False
+
+    def _start(self, goal: Pose2, now: float) -> None:
+        self._navigator.start(goal, now, any_heading=has_any_heading(self._handle.get_goal_id().id))
 
     def _take_handle(self) -> Any:
         """The goal's handle, which is to end now."""
@@ -228,7 +232,7 @@ class MoveBase:
             self._handle, self._goal, self._answer = handle, goal, None
             self._key += 1
             self._path_blocked = False
-            self._navigator.start(goal, rospy.get_time())
+            self._start(goal, rospy.get_time())
             self._view.show_goal(goal)
 
     def _on_cancel(self, handle: Any) -> None:

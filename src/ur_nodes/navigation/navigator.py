@@ -24,6 +24,7 @@ class _Run:
     goal: Pose2
     phase: Phase
     phase_since: float
+    any_heading: bool = False
     path: Points | None = None
     reference: ReferencePath | None = None
     reference_odom: Pose2 | None = None
@@ -64,10 +65,13 @@ class Navigator:
         run = self._run
         return run.path[run.index :] if run and run.path is not None else None
 
-    def start(self, goal: Pose2, now: float) -> None:
-        """Pursue a goal (a pose in the map); what was pursued before is dropped, the motion goes over smoothly."""
+    def start(self, goal: Pose2, now: float, *, any_heading: bool = False) -> None:
+        """Pursue a goal (a pose in the map); what was pursued before is dropped, the motion goes over smoothly.
+
+        `any_heading`: it is reached at its place with any heading.
+        """
         sent = self._run.sent if self._run else (0.0, 0.0)
-        self._run = _Run(goal, Phase.PLANNING, now, sent=sent, moved_at=now)
+        self._run = _Run(goal, Phase.PLANNING, now, any_heading, sent=sent, moved_at=now)
 
     def stop(self) -> None:
         """Pursue nothing any more. The caller stops the robot."""
@@ -164,7 +168,7 @@ class Navigator:
             end = inputs.odom.compose(Pose2(x, y, run.goal.yaw))
         else:
             end = inputs.odom.compose(run.goal)
-        error = wrap_angle(end.yaw - motion.pose.yaw)
+        error = 0.0 if run.any_heading else wrap_angle(end.yaw - motion.pose.yaw)
         away = math.hypot(end.x - motion.pose.x, end.y - motion.pose.y)
         speed = approach(run.sent[0], 0.0, self._limits.acceleration * self._settings.period)
         resting = abs(speed) < 0.02

@@ -9,6 +9,7 @@ from typing import Any
 import rospy
 
 from ur.source.diagnostic import UserError, error
+from ur.source.foreign.yaml_text import load_yaml
 from ur.source.suggest import did_you_mean
 
 _REQUIRED: Any = object()
@@ -71,11 +72,9 @@ class Parameters:
 
     def points(self, name: str, default: Any = _REQUIRED) -> tuple[tuple[float, float], ...]:
         """A list of [x, y] points, or the text of one (move_base's footprints may be either)."""
-        import yaml
-
         value = self._get(name, default, "a list of [x, y] points")
-        listed = yaml.safe_load(value) if isinstance(value, str) else value
         try:
+            listed = load_yaml(value) if isinstance(value, str) else value
             return tuple((float(x), float(y)) for x, y in listed or ())
         except (TypeError, ValueError):
             self.fail(name, value, "a list of [x, y] points")

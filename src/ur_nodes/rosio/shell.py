@@ -16,14 +16,15 @@ from ur.source.diagnostic import UserError
 from ur.source.render import render_human
 from ur_nodes.rosio.connections import bound_connections
 from ur_nodes.rosio.log_errors import report_log_errors, say_nothing
+from ur_nodes.rosio.thread_failure import end_on_failure
 
 
 def run_node(name: str, start: Callable[[], None], *, own_terminal: bool = False) -> int:
     """Register with the master as `name` (remappable), call `start`, spin until shutdown.
 
     `start` creates publishers, subscribers and timers and returns. A UserError from it ends the node with the
-    diagnostics on standard error and exit code 2. With `own_terminal` rospy never writes to the terminal.
-    Returns the exit code.
+    diagnostics on standard error and exit code 2, an exception that ends a thread of ours with exit code 1. With
+    `own_terminal` rospy never writes to the terminal. Returns the exit code.
     """
     if own_terminal:
         os.environ.pop("ROSCONSOLE_CONFIG_FILE", None)
@@ -33,6 +34,7 @@ def run_node(name: str, start: Callable[[], None], *, own_terminal: bool = False
         report_log_errors(say_nothing if own_terminal else None)
         if own_terminal:
             silence_terminal()
+        failed = end_on_failure()
         with shut_down_aside():
             start()
     except UserError as problem:
@@ -45,7 +47,7 @@ def run_node(name: str, start: Callable[[], None], *, own_terminal: bool = False
     except rospy.ROSInterruptException:
         return 0
     rospy.spin()
-    return 0
+    return int(failed.is_set())
 
 
 @contextlib.contextmanager

@@ -104,11 +104,18 @@ class ClosedLoop:
         centres = self.grid.points_of_cells(np.stack((rows, columns), axis=-1))
         self.world |= (abs(centres[..., 0] - x) < size / 2) & (abs(centres[..., 1] - y) < size / 2)
 
-    def drive(self, goal: Pose2, seconds: float = 200.0, obstacles: Iterable[tuple[float, float, float]] = ()) -> Drive:
+    def drive(
+        self,
+        goal: Pose2,
+        seconds: float = 200.0,
+        obstacles: Iterable[tuple[float, float, float]] = (),
+        *,
+        any_heading: bool = False,
+    ) -> Drive:
         """Pursue a goal until it ends or time is up."""
         for obstacle in obstacles:
             self.add_obstacle(*obstacle)
-        self.navigator.start(goal, self.now)
+        self.navigator.start(goal, self.now, any_heading=any_heading)
         began, length, touched, plans, logged = self.now, 0.0, False, 0, []
         speeds, trace = [], []
         answer: PlanAnswer | None = None

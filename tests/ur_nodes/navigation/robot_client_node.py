@@ -85,7 +85,9 @@ class RobotClient:
         self.goals[name] = self.action.send_goal(goal)
         return {}
 
-    def do_claim(self, client: str, x: float, y: float, age: float = 0.0, number: int = 0) -> dict[str, Any]:
+    def do_claim(
+        self, client: str, x: float, y: float, age: float = 0.0, number: int = 0, start: str = "test", yaw: float = 0.0
+    ) -> dict[str, Any]:
         """Send a goal as our clients do: its id says who sends it and answers a challenge, `age` seconds old."""
         mux = self.mux
         assert mux
@@ -98,9 +100,9 @@ class RobotClient:
         wait_until(lambda: mux.issued[-1] - answered.to_sec() > 0.1, 60.0, "challenges after the one that is answered")
         stamp = rospy.Time.from_sec(mux.issued[-1] - age) if age else answered
         goal = MoveBaseActionGoal()
-        goal.goal_id.id = f"test-{number}@{client}@{stamp.secs}.{stamp.nsecs:09d}"
+        goal.goal_id.id = f"{number}-{start}@{client}@{stamp.secs}.{stamp.nsecs:09d}"
         goal.goal.target_pose.header.frame_id = "map"
-        goal.goal.target_pose.pose = pose_message(Pose2(x, y, 0.0))
+        goal.goal.target_pose.pose = pose_message(Pose2(x, y, yaw))
         self.direct.publish(goal)
         return {"id": goal.goal_id.id}
 

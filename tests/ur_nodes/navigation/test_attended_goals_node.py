@@ -74,6 +74,18 @@ def test_goal_is_cancelled_when_another_client_takes_over(robot: Client) -> None
     robot.ask("stopped", seconds=60.0)
 
 
+def test_robot_does_not_turn_at_a_goal_that_asks_for_no_heading(robot: Client) -> None:
+    say(robot, "held")
+    here = robot.ask("stopped", seconds=60.0)
+    x, y = max(ENDS, key=lambda end: math.hypot(end[0] - here["x"], end[1] - here["y"]))
+    arrives = 0.0 if x > here["x"] else math.pi  # about: the door lies between
+    sent = {"client": "aa", "number": next(NUMBERS), "x": x, "y": y, "yaw": arrives + math.pi}
+    goal = robot.ask("claim", start="test!any-heading", **sent)["id"]
+    end = robot.ask("status", id=goal, text="goal reached", state="SUCCEEDED", seconds=60.0)
+    assert math.hypot(end["x"] - x, end["y"] - y) < 0.15
+    assert math.cos(end["yaw"] - arrives) > 0.0
+
+
 def test_goal_that_arrives_late_is_refused_and_changes_nothing(robot: Client) -> None:
     goal = drive_away(robot)
     late = send(robot, age=1.5, x=0.0, y=0.0)

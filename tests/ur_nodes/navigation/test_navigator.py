@@ -121,6 +121,20 @@ def test_navigator_refuses_impossible_goals_at_once_and_says_why(goal: Pose2, re
     assert drive.length == 0.0
 
 
+@pytest.mark.parametrize("any_heading", [False, True])
+def test_goal_without_a_heading_is_reached_where_there_is_no_room_to_turn(any_heading: bool) -> None:
+    goal = Pose2(-1.28, -0.5, 0.8)
+    loop = ClosedLoop(two_rooms(), pose=Pose2(0.5, 0.0, 0.0), outline=MAGNI)
+    drive = loop.drive(goal, any_heading=any_heading)
+    if not any_heading:
+        assert drive.text.startswith("no room to turn at the goal")
+        return
+    assert drive.ending is Ending.REACHED, drive.text
+    assert not drive.touched
+    assert math.hypot(drive.pose.x - goal.x, drive.pose.y - goal.y) <= 0.1
+    assert drive.speeds[-1].tolist() == [0.0, 0.0]
+
+
 def test_navigator_leaves_a_place_where_it_cannot_turn() -> None:
     loop = ClosedLoop(two_rooms(), pose=Pose2(-1.24, 0.0, 2.2), outline=MAGNI)
     drive = loop.drive(Pose2(0.5, 0.0, 0.0))

@@ -9,6 +9,7 @@ import pytest
 from ur.source.diagnostic import UserError, error
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
+from ur_nodes.missions.patrol_text import Answer, PatrolAction, PatrolState, PatrolStatus, Route
 from ur_nodes.teleop.mux.driver_text import DriverRequest
 from ur_nodes.teleop.mux.emergency import MuxRequest
 from ur_nodes.teleop.navigator.model import GoalReport, GoalState, Snapshot
@@ -28,7 +29,10 @@ class FakeNavigator:
     def __init__(self) -> None:
         self.seen = Snapshot(grid=make_grid(), pose=Pose2(0.0, 0.0, 0.0))
         self.goals: list[Pose2] = []
+        self.any_heading = False
         self.poses: list[Pose2] = []
+        self.patrols: list[tuple[PatrolAction, Route]] = []
+        self.patrol_problem = ""
         self.stops = 0
         self.searches = 0
         self.offers_search = True
@@ -40,13 +44,21 @@ class FakeNavigator:
     def snapshot(self) -> Snapshot:
         return self.seen
 
-    def go(self, place: Pose2) -> int:
+    def go(self, place: Pose2, *, any_heading: bool = False) -> int:
         if self.problem:
             raise self.problem
         self.goals.append(place)
+        self.any_heading = any_heading
         number = self.seen.goal.number + 1
-        self.seen = replace(self.seen, goal=GoalReport(number, place, GoalState.DRIVING))
+        self.seen = replace(self.seen, goal=GoalReport(number, place, GoalState.DRIVING, any_heading=any_heading))
         return number
+
+    def ask_patrol(self, action: PatrolAction, route: Route) -> str:
+        self.patrols.append((action, route))
+        answer = Answer(f"id-{len(self.patrols)}", self.patrol_problem)
+        state: PatrolState = "driving" if action in ("start", "resume") and not self.patrol_problem else "ended"
+        self.seen = replace(self.seen, patrol=PatrolStatus(state, route, answer=answer))
+        return answer.id
 
     def stop(self) -> None:
         self.stops += 1

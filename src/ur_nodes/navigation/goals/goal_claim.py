@@ -1,5 +1,8 @@
 """Sender and age of a goal without synchronised clocks, from the text that our clients write into goal ids.
 
+A goal for which any heading counts says so there, too: upstream's `move_base` ignores ids, and arrives with the heading
+of the goal's pose.
+
 The mux publishes a new value (a challenge, in ns of its steady clock) about 30 times a second. A client writes the
 newest one that it has received into the id of its goal, with its own id: `<any>@<client>@<secs>.<nsecs>`. The receiver
 remembers when each challenge arrived, so the age of the goal is at most the time since then.
@@ -14,6 +17,8 @@ REMEMBERED = 2.0
 """Seconds for which a challenge is remembered."""
 
 _SUFFIX = re.compile(r"@([0-9A-Za-z_.:-]{1,64})@(\d{1,10})\.(\d{1,9})\Z", re.ASCII)
+_ANY_HEADING = "!any-heading"
+_ANY_HEADING_ID = re.compile(rf"{_ANY_HEADING}(@[^@]{{1,64}}@[0-9.]{{1,20}})?\Z")
 _NANO = 1_000_000_000
 _AHEAD = 1.0  # s that a challenge may reach the client before the receiver
 _LONGEST_ID = 1024
@@ -77,6 +82,16 @@ def lag_of_answer(challenges: Challenges, answer: int, now: float) -> float | No
 def write_goal_id(start: str, client: str, answer: int) -> str:
     """Return a goal's id with the client that sends it, and the challenge that it answers (ns)."""
     return f"{start}@{client}@{answer // _NANO}.{answer % _NANO:09d}"
+
+
+def write_any_heading(start: str) -> str:
+    """Return the start of a goal's id that says that any heading counts."""
+    return f"{start}{_ANY_HEADING}"
+
+
+def has_any_heading(goal_id: str) -> bool:
+    """Return whether the sender of a goal has asked for no heading."""
+    return len(goal_id) <= _LONGEST_ID and _ANY_HEADING_ID.search(goal_id) is not None
 
 
 def read_claim(goal_id: str) -> Claim | None:

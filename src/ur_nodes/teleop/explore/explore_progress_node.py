@@ -40,6 +40,9 @@ class MapLines(Protocol):
     def lines(self, columns: int, rows: int, now: float) -> list[str]:
         """The map now (s) on so many characters."""
 
+    def press(self, key: str) -> None:
+        """Zoom by a key."""
+
 
 def main() -> int:
     """Run until the exploration or the program ends; see `exit_code`."""
@@ -87,6 +90,8 @@ def show_exploration(
                 mux.ask(request)
             if saving and asks_to_save(event):
                 saving.ask()
+            if isinstance(event, Key) and event.action == "press" and not event.ctrl:
+                growing.press(event.name)
         note = (saving.take_news() if saving else "") or note
         now = time.monotonic()
         again = now - drawn_at >= _REDRAW_ALL

@@ -11,7 +11,7 @@ from ur_nodes.teleop.mux.emergency import MuxView, describe_emergency
 FRONTIER, GIVEN_UP = "?", "x"
 """The characters of frontiers on the map."""
 
-_KEYS = "s: save  space: emergency stop  r: release  Ctrl-C: end and save"
+_KEYS = "s: save  space: emergency stop  r: release  + - 0 f: map  Ctrl-C: end and save"
 _EXPLORING = "▲ exploring"
 _LEGEND = f"{FRONTIER} frontier  {GIVEN_UP} given up"
 _BELOW_MAP = 4  # lines

@@ -9,11 +9,11 @@ from dataclasses import dataclass
 from ur.source.ansi import BOLD, CYAN, DIM, GREEN, RED, RESET, REVERSE, STYLE, YELLOW, cut_styled, strip_styles
 from ur_nodes.teleop.keyboard.drive import DriveState, motion_of
 from ur_nodes.teleop.mux.driver_text import DriverLine
-from ur_nodes.teleop.mux.emergency import MuxView, describe_emergency
+from ur_nodes.teleop.mux.emergency import MuxView, describe_emergency, describe_obstacles
 
 _PLAIN_HELP = (
     "keyboard drive: u i o j l m , . drive while held; q z w x e c change speeds; "
-    "space: emergency stop; r: release it; Ctrl-C: quit"
+    "space: emergency stop; r: release it; g: obstacle stop on or off; Ctrl-C: quit"
 )
 NO_LEASE = DriverLine()
 _BAR = 20
@@ -59,7 +59,7 @@ def draw_drive_screen(
         "",
         f"  {DIM}{_stop_help(state)}{RESET}",
         f"  {DIM}space: emergency stop, whoever drives; r: release it; other keys stop{RESET}",
-        f"  {DIM}Shift: sideways, if the base can; Ctrl-C: quit{RESET}",
+        f"  {DIM}g: obstacle stop on or off; Shift: sideways; Ctrl-C: quit{RESET}",
     ]
     return [cut_styled(line, columns) for line in lines][:rows]
 
@@ -85,7 +85,7 @@ def draw_map_screen(
         _motion_line(state, mux, driver),
         *notes,
         f"{DIM}{_speeds(state)}  s: save  arrows, u i o j l m , .: drive  q z w x e c: speeds{RESET}",
-        f"{DIM}space: emergency stop  r: release  Ctrl-C: end and save  other keys stop{RESET}",
+        f"{DIM}space: emergency stop  r: release  g: obstacle stop  Ctrl-C: end and save{RESET}",
     ]
     return [*map_lines, *(cut_styled(line, columns) for line in below)]
 
@@ -170,6 +170,8 @@ def _notes(state: DriveState, link: Link, mux: MuxView, driver: DriverLine) -> l
         note = "no cmd_vel_mux: space stops this program only, nobody else who drives"
     elif not note and mux.active not in ("", _OWN):
         note = f"{mux.active} drives" + (", with priority over these keys" if state.moving else "")
+    if obstacles := describe_obstacles(mux, "; g turns it on"):
+        note = f"{note}; {obstacles}" if note else obstacles
     return [f"{YELLOW}{note}{RESET}"]
 
 

@@ -32,7 +32,7 @@ from ur_nodes.teleop.mux.driver_text import (
     may_command,
     name_holder,
 )
-from ur_nodes.teleop.mux.emergency import Emergency, mux_request_of
+from ur_nodes.teleop.mux.emergency import Emergency, mux_request_of, obstacle_request_of
 from ur_nodes.teleop.mux.link_node import MuxLink
 from ur_nodes.teleop.navigator.map_saving_node import MapSaving, asks_to_save, call_save
 from ur_nodes.teleop.terminal.foreground_node import run_in_foreground
@@ -171,6 +171,8 @@ def drive_terminal(
 def _pass_on(event: KeyEvent, commander: Commander, mux: Emergency, saving: MapSaving | None) -> None:
     """Ask others for what a key means besides driving."""
     if (mux_request := mux_request_of(event)) is not None:
+        mux.ask(mux_request)
+    if (mux_request := obstacle_request_of(event, mux.view())) is not None:
         mux.ask(mux_request)
     if (request := driver_request_of(event)) is not None:
         commander.request(request)

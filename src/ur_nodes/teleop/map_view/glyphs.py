@@ -10,9 +10,10 @@ from ur.maps.viewport import Viewport
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.teleop.map_view.palette import Colour, Palette
 from ur_nodes.teleop.map_view.picture import ROBOT_LENGTH, SMALL_ROBOT
-from ur_nodes.teleop.navigator.model import Snapshot
+from ur_nodes.teleop.navigator.model import GoalReport, Snapshot
 
 _ARROWS = "→↗↑↖←↙↓↘"
+_NO_HEADING = "◎"
 _LEAST_BAR, _MOST_BAR = 5, 0.25  # columns; of the map's width
 
 Cell = tuple[int, int]
@@ -47,17 +48,18 @@ def place_marks(marks: Sequence[Mark], view: Viewport, palette: Palette) -> list
 
 
 def place_glyphs(
-    snapshot: Snapshot, places: Mapping[str, Pose2], preview: Pose2 | None, view: Viewport, palette: Palette
+    snapshot: Snapshot, places: Mapping[str, Pose2], preview: GoalReport | None, view: Viewport, palette: Palette
 ) -> list[Glyph]:
-    """Characters to be laid over the pixels; later ones cover earlier ones.
+    """Characters to be laid over the pixels; later ones cover earlier ones. `preview` is shown in place of the goal.
 
     Names of waypoints are beside what they would cover: the robot, the goal, other names. A name for which there
     is no room is left out; its dot stays.
     """
     marks = []
-    shown = preview or (None if snapshot.goal.over else snapshot.goal.place)
-    if shown is not None:
-        marks += _mark(view, shown, _arrow_of(shown.yaw), palette.ink, palette.goal)
+    goal = preview or snapshot.goal
+    if goal.place is not None and not goal.over:
+        sign = _NO_HEADING if goal.any_heading else _arrow_of(goal.place.yaw)
+        marks += _mark(view, goal.place, sign, palette.ink, palette.goal)
     if snapshot.pose is not None and ROBOT_LENGTH / view.scale < SMALL_ROBOT:
         marks += _mark(view, snapshot.pose, _arrow_of(snapshot.pose.yaw), palette.ink, palette.robot)
     taken = {(mark.column, mark.row) for mark in marks} | _robot_cells(snapshot.pose, view)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from enum import Enum
 from functools import lru_cache
 
 import numpy as np
@@ -20,6 +21,8 @@ from ur_nodes.teleop.navigator.model import Snapshot
 _BEGIN = (-2.0, -2.0, 2.0, 2.0)  # m: shown while there is no map
 _MARGIN = 0.5  # m round what is known
 _COARSEST = 0.2  # m in a pixel: coarser than that the map moves with the robot instead
+_FINEST, _FARTHEST = 0.01, 2.0  # m in a pixel, of a scale that a person chooses
+_STEPS = {"+": 0.8, "=": 0.8, "-": 1.25}
 _MIDDLE = 0.3  # of the view, from each side: the view moves when the robot leaves this part
 _WALL, _FREE = 120, 30  # brightness from which a pixel is a wall, or floor, without colours
 
@@ -44,20 +47,50 @@ def prepare_map(grid: Grid) -> GrowingMap:
     return GrowingMap(index_grid(grid), known)
 
 
-def follow(view: Viewport | None, growing: GrowingMap | None, snapshot: Snapshot, columns: int, rows: int) -> Viewport:
+class Zoom(Enum):
+    """Choices of the part of the map to show, beside a scale."""
+
+    AUTOMATIC = (
+        "automatic"  # all that is known, as long as a pixel is at most 0.2 m wide, then the robot's surroundings
+    )
+    WHOLE = "whole"
+
+
+def press_zoom(zoom: Zoom | float, key: str, shown: Viewport | None) -> Zoom | float | None:
+    """The choice after a key of the map (`+`, `-`, `0`, `f`); None for other keys. `shown` is on the screen."""
+    if key == "0":
+        return Zoom.WHOLE
+    if key == "f":
+        return Zoom.AUTOMATIC
+    if key not in _STEPS:
+        return None
+    scale = zoom if isinstance(zoom, float) else shown.scale if shown else _COARSEST
+    return min(max(scale * _STEPS[key], _FINEST), _FARTHEST)
+
+
+def follow(
+    view: Viewport | None,
+    growing: GrowingMap | None,
+    snapshot: Snapshot,
+    columns: int,
+    rows: int,
+    zoom: Zoom | float = Zoom.AUTOMATIC,
+) -> Viewport:
     """The part of the map to show on so many characters: all that is known, or the robot's surroundings.
 
     `view` is the part that was shown before: round the robot it moves only when the robot comes near to the edge.
+    `zoom` is what a person has chosen; a number is the width of a pixel in m.
     """
     whole = fit_viewport(growing.known if growing else _BEGIN, columns, 2 * rows)
     pose = snapshot.pose
-    if whole.scale <= _COARSEST or pose is None:
+    scale = zoom if isinstance(zoom, float) else _COARSEST
+    if pose is None or zoom is Zoom.WHOLE or (zoom is Zoom.AUTOMATIC and whole.scale <= _COARSEST):
         return whole
-    if view is not None and (view.width, view.height, view.scale) == (columns, 2 * rows, _COARSEST):
+    if view is not None and (view.width, view.height, view.scale) == (columns, 2 * rows, scale):
         column, row = view.to_pixel(pose.x, pose.y)
         if _MIDDLE * columns < column < (1 - _MIDDLE) * columns and _MIDDLE * 2 * rows < row < (1 - _MIDDLE) * 2 * rows:
             return view
-    return Viewport(pose.x, pose.y, _COARSEST, columns, 2 * rows)
+    return Viewport(pose.x, pose.y, scale, columns, 2 * rows)
 
 
 def draw_map_lines(

@@ -11,7 +11,7 @@ from ur.maps.viewport import Viewport
 from ur.source.diagnostic import UserError
 from ur_nodes.rosio.grid_message import GridMessage, grid_of_message
 from ur_nodes.teleop.map_view.glyphs import Mark
-from ur_nodes.teleop.map_view.growing_map import GrowingMap, draw_map_lines, follow, prepare_map
+from ur_nodes.teleop.map_view.growing_map import GrowingMap, Zoom, draw_map_lines, follow, prepare_map, press_zoom
 from ur_nodes.teleop.navigator.model import Snapshot
 from ur_nodes.teleop.navigator.robot_state_node import RobotState
 
@@ -37,6 +37,7 @@ class MapFeed:
         self._colour = colour
         self._map: GrowingMap | None = None
         self._view: Viewport | None = None
+        self._zoom: Zoom | float = Zoom.AUTOMATIC
         self._shown: tuple[float, tuple[int, int], list[str]] = (0.0, (0, 0), [])
         self._robot = RobotState(map_frame, base_frame)
         rospy.Subscriber("map", GridMessage, self._take, queue_size=1)
@@ -51,10 +52,17 @@ class MapFeed:
         if self._additions:
             snapshot, marks = self._additions.add(snapshot), self._additions.marks()
         growing = self._map
-        self._view = follow(self._view, growing, snapshot, columns, rows)
+        self._view = follow(self._view, growing, snapshot, columns, rows, self._zoom)
         lines = draw_map_lines(growing, snapshot, self._view, colour=self._colour, marks=marks)
         self._shown = (now, (columns, rows), lines)
         return lines
+
+    def press(self, key: str) -> None:
+        """Zoom by a key of the map: `+`, `-`, `0` for all of it, `f` to follow the robot; other keys do nothing."""
+        zoom = press_zoom(self._zoom, key, self._view)
+        if zoom is not None:
+            self._zoom = zoom
+            self._shown = (0.0, (0, 0), [])
 
     def _take(self, message: Any) -> None:
         try:

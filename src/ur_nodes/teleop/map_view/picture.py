@@ -21,7 +21,7 @@ ROBOT_LENGTH = 0.45
 """The diameter of the robot in m when it is large enough to be drawn to scale."""
 
 _OCCUPIED = 50
-_FAINTEST = 0.55  # of a wall's colour: what a pixel over many cells shows at the least when one of them is a wall
+_ONE_PIXEL = 1.5  # pixels: a wall that is thinner is drawn as one pixel, wherever it lies between two
 SMALL_ROBOT = 6.0
 """Pixels below which the robot is one arrow character."""
 
@@ -41,7 +41,10 @@ def index_grid(grid: Grid) -> GridIndex:
 
 
 def draw_map(index: GridIndex | None, view: Viewport, palette: Palette) -> Pixels:
-    """The bare map, (view.height, view.width, 3). A pixel with any wall in it shows it, brighter with more of them."""
+    """The bare map, (view.height, view.width, 3). Each wall is seen, and has one colour.
+
+    A thin wall is one pixel wide, whether it lies within a pixel or on the edge of two.
+    """
     picture = np.empty((view.height, view.width, 3), dtype=np.uint8)
     picture[:] = palette.unknown
     if index is None or not picture.size:
@@ -60,11 +63,8 @@ def draw_map(index: GridIndex | None, view: Viewport, palette: Palette) -> Pixel
     area = np.maximum((right - left) * (top - bottom), 1)
     walls = _box_sum(index.walls, left, right, bottom, top) / area
     known = _box_sum(index.known, left, right, bottom, top) / area
-    faintest = 1.0 if palette.few_colours else _FAINTEST
-    shade = np.where(walls > 0.0, np.clip(walls * max(1.0, half / 0.8), faintest, 1.0), 0.0)[..., None]
-    ground = np.where((known >= 0.5)[..., None], palette.free, palette.unknown)
-    blend: NDArray[np.float64] = ground + (np.array(palette.wall) - ground) * shade
-    picture[:] = blend.round()
+    picture[known >= 0.5] = palette.free
+    picture[thin_walls(walls) if half > 0.5 else walls > 0.0] = palette.wall
     return picture
 
 
@@ -78,6 +78,31 @@ def draw_overlay(picture: Pixels, snapshot: Snapshot, view: Viewport, palette: P
     if snapshot.pose is not None and ROBOT_LENGTH / view.scale >= SMALL_ROBOT:
         _fill_robot(out, snapshot.pose, view, palette)
     return out
+
+
+def thin_walls(share: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """The pixels that show a wall, by the share of walls in each: where a thin wall lies on two, the one with more.
+
+    A pixel is left out only at a straight edge, beside three that hold at least as much: gaps cannot arise.
+    """
+    left = share.copy()
+    for turns in range(4):  # from above, from the right, from below, from the left
+        seen = np.rot90(np.pad(left, 3), turns)
+        beyond, own, other, behind = (_sides(seen[row : row + seen.shape[0] - 5]) for row in (1, 2, 3, 4))
+        backed = np.all(own < other if turns < 2 else own <= other, axis=0, where=own > 0.0)
+        width = beyond[1] + own[1] + other[1] + behind[1]
+        free = (beyond == 0.0).all(axis=0)
+        end = (own[0] == 0.0) & (own[2] == 0.0)
+        dropped = (own[1] > 0.0) & ~end & free & backed & ((own[1] < 0.5) | (width < _ONE_PIXEL))
+        seen[2:-3, 1:-1][dropped] = 0.0
+        left = np.rot90(seen, -turns)[3:-3, 3:-3]
+    kept: NDArray[np.bool_] = left > 0.0
+    return kept
+
+
+def _sides(rows: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Each pixel's left neighbour, itself and its right neighbour, (3, rows, columns - 2)."""
+    return np.stack((rows[:, :-2], rows[:, 1:-1], rows[:, 2:]))
 
 
 def _running_sum(mask: NDArray[np.bool_]) -> NDArray[np.int32]:

@@ -22,11 +22,12 @@ from ur_nodes.teleop.map_view.cells import Run, cells_of_pixels
 from ur_nodes.teleop.map_view.glyphs import place_glyphs, scale_bar
 from ur_nodes.teleop.map_view.palette import Colour, Palette
 from ur_nodes.teleop.map_view.picture import GridIndex, Pixels, draw_map, draw_overlay, index_grid
-from ur_nodes.teleop.navigator.model import Snapshot, heading_there
+from ur_nodes.teleop.navigator.model import GoalReport, GoalState, Snapshot, heading_there
 
 _NO_MAP_BOX = (-5.0, -5.0, 5.0, 5.0)
 _FOLLOW_MARGIN = 0.3  # of the screen: the picture moves only when the robot comes this near to the edge
 _DOUBLE_CLICK = 0.5  # s between the presses of a double click, at the most
+_LEAST_DRAG = 2.0  # pixels, half a row each: a shorter drag is a click, which says nothing about the heading
 _FOLLOW_SCALE = 0.08  # m per pixel: following starts at least this close
 
 
@@ -36,11 +37,11 @@ class MapView(Widget, can_focus=False):
     DEFAULT_CSS = "MapView { width: 1fr; height: 1fr; }"
 
     class GoalPicked(Message):
-        """The mouse chose a goal."""
+        """The mouse chose a goal; `any_heading`: by a click, which says nothing about the heading."""
 
-        def __init__(self, place: Pose2) -> None:
+        def __init__(self, place: Pose2, *, any_heading: bool) -> None:
             super().__init__()
-            self.place = place
+            self.place, self.any_heading = place, any_heading
 
     class ViewChanged(Message):
         """Scale, place or following changed."""
@@ -161,7 +162,8 @@ class MapView(Widget, can_focus=False):
             return
         button, column, row = self._pressed
         if button == 1:
-            self._dragged_to = (event.x, event.y) if (event.x, event.y) != (column, row) else None
+            long = math.hypot(event.x - column, 2.0 * (event.y - row)) >= _LEAST_DRAG
+            self._dragged_to = (event.x, event.y) if long else None
             self.redraw()
         else:
             self._pressed = (button, event.x, event.y)
@@ -175,9 +177,9 @@ class MapView(Widget, can_focus=False):
         if self._pressed is not None and self._pressed[0] == 1:
             if (event.x, event.y) == self._pressed[1:]:
                 self._dragged_to = None
-            place = self._preview()
-            if place is not None:
-                self.post_message(self.GoalPicked(place))
+            goal = self._preview()
+            if goal is not None and goal.place is not None:
+                self.post_message(self.GoalPicked(goal.place, any_heading=goal.any_heading))
         self._pressed = self._dragged_to = None
         self.redraw()
 
@@ -193,16 +195,18 @@ class MapView(Widget, can_focus=False):
         """Further away, about the mouse."""
         self.zoom(0.8, event.x + 0.5, event.y * 2 + 1.0)
 
-    def _preview(self) -> Pose2 | None:
+    def _preview(self) -> GoalReport | None:
         """The goal that letting the button go would set."""
         if self._pressed is None or self._pressed[0] != 1:
             return None
         _, column, row = self._pressed
         x, y = self.view.to_map(column + 0.5, row * 2 + 1.0)
         if self._dragged_to is None:
-            return Pose2(x, y, heading_there(self._snapshot, x, y))
+            place = Pose2(x, y, heading_there(self._snapshot.pose, x, y))
+            return GoalReport(place=place, state=GoalState.WAITING, any_heading=True)
         to_column, to_row = self._dragged_to
-        return Pose2(x, y, math.atan2(2.0 * (row - to_row), to_column - column))
+        place = Pose2(x, y, math.atan2(2.0 * (row - to_row), to_column - column))
+        return GoalReport(place=place, state=GoalState.WAITING)
 
     def _move(self, columns: float, rows: float) -> None:
         self.following = self._fitted = False

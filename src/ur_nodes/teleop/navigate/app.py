@@ -6,10 +6,13 @@ from collections.abc import Callable
 
 from textual import on
 from textual.app import ComposeResult
+from textual.timer import Timer
 from textual.widgets import Static
 
 from ur.source.diagnostic import UserError
+from ur.source.run_users import describe_users
 from ur_nodes.geometry.pose import Pose2
+from ur_nodes.missions.patrol_text import Route
 from ur_nodes.teleop.map_view.widget import MapView
 from ur_nodes.teleop.mux.emergency import MuxRequest
 from ur_nodes.teleop.navigate import commands as c
@@ -21,14 +24,23 @@ from ur_nodes.teleop.navigate.status_text import (
     reason_not_to_drive,
     reason_not_to_send,
 )
-from ur_nodes.teleop.navigate.target import target_of
+from ur_nodes.teleop.navigate.target import route_of, target_of
 from ur_nodes.teleop.navigate.view import NavigateView
 from ur_nodes.teleop.navigator.model import GoalState, format_place
 from ur_nodes.teleop.navigator.waypoints import WaypointStore
 
+MOST_WAITING = 60.0  # s that a goal waits for the robot to be ready
+
 
 class NavigateApp(NavigateView):
-    """The screen of a `Navigator`, which obeys commands and keys."""
+    """The screen of a `Navigator`, which obeys commands and keys.
+
+    A goal that is typed before the robot is ready for the first time is sent as soon as it is; a stop drops it.
+    """
+
+    _waiting_line = ""
+    _asks_to_end = False
+    _waiting_timer: Timer | None = None
 
     def compose(self) -> ComposeResult:
         """Head, map, status, who drives, message, command line."""
@@ -42,11 +54,16 @@ class NavigateApp(NavigateView):
 
     @on(MapView.GoalPicked)
     def _goal_picked(self, message: MapView.GoalPicked) -> None:
-        self._send(message.place)
+        self._send(message.place, any_heading=message.any_heading)
 
     def take_key(self, key: str) -> bool:
-        """Let an open panel have the key; the emergency key is one there, too."""
-        if not self.query_one(Panel).take_key(key):
+        """Let an open panel or question have the key; the emergency key is one there, too."""
+        if self._asks_to_end and key == "q":
+            self.exit()
+        elif self._asks_to_end:
+            self._asks_to_end = False
+            self._say("")
+        elif not self.query_one(Panel).take_key(key):
             return False
         if key == "space":
             self.press_emergency_key()
@@ -69,10 +86,48 @@ class NavigateApp(NavigateView):
         try:
             answers = not line and self._snapshot.goal.state is GoalState.ASKING
             command = c.Resume() if answers else c.parse_command(line)
-            if command is not None:
+            if isinstance(command, (c.Go, c.GoTo)) and not self._was_ready and not reason_not_to_drive(self._snapshot):
+                self._wait_with(line)
+            elif command is not None:
                 self._do(command)
         except UserError as problem:
             self._say(c.error_line(problem), "bold red")
+
+    async def action_quit(self) -> None:
+        """End the program by Ctrl-C, as `q` does."""
+        self._leave()
+
+    def _leave(self) -> None:
+        """End the program; ask once where the robot of another user ends with it."""
+        users = "" if self._asks_to_end else describe_users(self._list_users())
+        if not users:
+            self.exit()
+            return
+        self._asks_to_end = True
+        self._say(
+            f"{users}; it ends with this program. Press q again to end it, or any other key to stay", "bold yellow"
+        )
+
+    def _wait_with(self, line: str) -> None:
+        """Keep a goal that was typed before the robot was ready for the first time; a later one takes its place."""
+        if self._waiting_timer is not None:
+            self._waiting_timer.stop()
+        self._waiting_line = line
+        self._waiting_timer = self.set_timer(MOST_WAITING, self._give_up)
+        self._say(f"'{line}' is sent when the robot is ready; s cancels it")
+
+    def _give_up(self) -> None:
+        if self._waiting_line:
+            self._say(
+                f"'{self._waiting_line}' was not sent: the robot was not ready within {MOST_WAITING:g} s", "yellow"
+            )
+        self._waiting_line = ""
+
+    def _become_ready(self) -> None:
+        """Send the goal that waits. Called once."""
+        line, self._waiting_line = self._waiting_line, ""
+        if line:
+            self.enter(line)
 
     def _panel_clicked(self) -> None:
         self.map.ignore_double_click()
@@ -80,10 +135,11 @@ class NavigateApp(NavigateView):
     def _do(self, command: c.Command) -> None:
         """Run a command. Raises UserError."""
         if isinstance(command, c.Quit):
-            self.exit()
+            self._leave()
         elif isinstance(command, (c.Help, c.ListPlaces, c.Follow, c.SwitchTheme)):
             self._change_view(command)
         elif isinstance(command, c.Stop):
+            self._waiting_line = ""
             self._navigator.stop()
             self._say(describe_stop(self._snapshot), "yellow")
         elif isinstance(command, c.Resume):
@@ -93,8 +149,8 @@ class NavigateApp(NavigateView):
             self._say(REQUESTED[command.request])
         elif isinstance(command, c.AskMux):
             self._ask_mux(command.request)
-        elif isinstance(command, (c.Go, c.GoTo)):
-            self._send(target_of(command, self._snapshot, self._store()))
+        elif isinstance(command, (c.Go, c.GoTo, c.AskPatrol)):
+            self._drive(command)
         elif isinstance(command, c.SetPose):
             self._require_to_drive()
             place = Pose2(command.x, command.y, command.yaw)
@@ -110,6 +166,15 @@ class NavigateApp(NavigateView):
             self._say("searching for the robot on the whole map; drive a little to help")
         else:
             self._change_places(command)
+
+    def _drive(self, command: c.Go | c.GoTo | c.AskPatrol) -> None:
+        if isinstance(command, c.AskPatrol):
+            route = route_of(command, self._store()) if command.names else Route()
+            self._asked = self._navigator.ask_patrol(command.action, route)
+            self._say("asked the robot")
+            return
+        place, any_heading = target_of(command, self._snapshot, self._store())
+        self._send(place, any_heading=any_heading)
 
     def _change_view(self, command: c.Help | c.ListPlaces | c.Follow | c.SwitchTheme) -> None:
         if isinstance(command, c.Help):
@@ -134,8 +199,10 @@ class NavigateApp(NavigateView):
             raise c.bad_command_error(f"not done: {reason}")
 
     def _ask_mux(self, request: MuxRequest) -> None:
-        if request == "stop" and not self._snapshot.goal.over:
-            self._navigator.stop()
+        if request == "stop":
+            self._waiting_line = ""
+            if not self._snapshot.goal.over:
+                self._navigator.stop()
         self._navigator.ask_mux(request)
         self._say("")
         self._look()
@@ -162,12 +229,12 @@ class NavigateApp(NavigateView):
             raise c.bad_command_error("the map has no name yet, expected one as soon as it is saved; try again")
         return store
 
-    def _send(self, place: Pose2) -> None:
+    def _send(self, place: Pose2, *, any_heading: bool) -> None:
         if reason := reason_not_to_send(self._navigator.snapshot()):
             self._say(f"not sent: {reason}", "yellow")
             return
         try:
-            self._sent = self._navigator.go(place)
+            self._sent = self._navigator.go(place, any_heading=any_heading)
         except UserError as problem:
             self._say(f"not sent: {c.error_line(problem)}", "bold red")
         self._look()

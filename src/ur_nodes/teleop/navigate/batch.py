@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from ur.source.diagnostic import UserError
 from ur_nodes.geometry.pose import Pose2
+from ur_nodes.missions.patrol_text import Route
 from ur_nodes.teleop.mux.driver_text import DriverRequest
 from ur_nodes.teleop.mux.emergency import MuxRequest
 from ur_nodes.teleop.navigate.batch_text import Limits, describe_change, goal_change, reason_to_give_up, result_line
@@ -15,6 +16,7 @@ from ur_nodes.teleop.navigate.commands import (
     USAGE,
     AskLease,
     AskMux,
+    AskPatrol,
     Command,
     Follow,
     Forget,
@@ -35,16 +37,17 @@ from ur_nodes.teleop.navigate.commands import (
     parse_command,
 )
 from ur_nodes.teleop.navigate.status_text import reason_not_to_drive, silence_line
-from ur_nodes.teleop.navigate.target import target_of
+from ur_nodes.teleop.navigate.target import route_of, target_of
 from ur_nodes.teleop.navigator.model import GoalState, Navigator, Snapshot, format_place
 from ur_nodes.teleop.navigator.waypoints import WaypointStore
 
 _ANSWER_WAIT = 5.0  # s: for the mux
+_PATROL_DONE = {"start": "started", "pause": "paused", "resume": "goes on", "end": "ended"}
 _CANCEL_WAIT = 1.0  # s: for the confirmation that a goal is cancelled
 
 Write = Callable[[str], None]
 _AtOnce = Remember | Forget | ListPlaces | Stop | Resume | SetPose | Relocalise | Follow | SwitchTheme | Help
-_Awaited = Go | GoTo | AskLease | AskMux | SaveMap  # these wait for other computers or programs
+_Awaited = Go | GoTo | AskPatrol | AskLease | AskMux | SaveMap  # these wait for other computers or programs
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,6 +112,8 @@ class _Batch:
                 return self._drive(command, text)
             case AskLease():
                 return self._ask_lease(command.request, text)
+            case AskPatrol():
+                return self._ask_patrol(command, text)
             case AskMux():
                 return self._ask_mux(command.request, text)
             case SaveMap():
@@ -136,6 +141,21 @@ class _Batch:
         done = "emergency stop" if request == "stop" else "released"
         self._around.out(f"{text}: {mux.problem or late or done}")
         return not (mux.problem or late)
+
+    def _ask_patrol(self, command: AskPatrol, text: str) -> bool:
+        """Send a request to the patrol of the robot and return whether it was accepted; it goes on by itself."""
+        route = route_of(command, self._store) if command.names else Route()
+        deadline = self._around.clock() + _ANSWER_WAIT
+        asked = self._navigator.ask_patrol(command.action, route)
+        while self._around.clock() < deadline:
+            patrol = self._navigator.snapshot().patrol
+            if patrol and patrol.answer and patrol.answer.id == asked:
+                problem = patrol.answer.problem
+                self._around.out(f"{text}: {f'refused: {problem}' if problem else _PATROL_DONE[command.action]}")
+                return not problem
+            self._sleep(0.02)
+        self._around.out(f"{text}: no answer within {_ANSWER_WAIT:g} s")
+        return False
 
     def _ask_lease(self, request: DriverRequest, text: str) -> bool:
         """Send a request and return whether it took effect in time; `ask` waits longer, for a person's answer."""
@@ -191,12 +211,12 @@ class _Batch:
     def _drive(self, command: Go | GoTo, text: str) -> bool:
         """Send a goal and wait for its end; return whether it was reached."""
         navigator, around = self._navigator, self._around
-        place = target_of(command, navigator.snapshot(), self._store)
+        place, any_heading = target_of(command, navigator.snapshot(), self._store)
         if reason := self._wait_until_allowed():
             around.out(f"{text}: not sent: {reason}")
             return False
         start = around.clock()
-        number, noted = navigator.go(place), None
+        number, noted = navigator.go(place, any_heading=any_heading), None
         while True:
             snapshot = navigator.snapshot()
             report, seconds = snapshot.goal, around.clock() - start

@@ -24,7 +24,8 @@ def result_line(text: str, report: GoalReport, snapshot: Snapshot, seconds: floa
     if report.state is GoalState.REACHED and goal is not None and pose is not None:
         off = math.hypot(goal.x - pose.x, goal.y - pose.y)
         turned = math.degrees(abs(wrap_angle(goal.yaw - pose.yaw)))
-        return f"{text}: reached, {off:.2f} m and {turned:.1f} degrees off, {seconds:.1f} s"
+        angle = "" if report.any_heading else f" and {turned:.1f} degrees"
+        return f"{text}: reached, {off:.2f} m{angle} off, {seconds:.1f} s"
     why = f": {report.text}" if report.text else ""
     return f"{text}: {report.state.value} after {seconds:.1f} s{why}"
 

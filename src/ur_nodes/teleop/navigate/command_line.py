@@ -68,13 +68,22 @@ class CommandLine(Input):
             return self._edit(key)
         return True
 
+    def take_typed(self, text: str) -> None:
+        """Take what was typed before the screen opened: whole lines are entered, the rest is left in the line."""
+        *lines, rest = text.replace("\r", "\n").split("\n")
+        for line in lines:
+            self.value = line
+            self._submit()
+        self.value = rest
+        self.cursor_position = len(rest)
+
     def set_map_mode(self, on: bool) -> None:
         """Let letters be the map's keys, or begin commands."""
         self._map_mode = on
         self.placeholder = _MAP_HINT if on else _HINT
 
     def _edit(self, key: str) -> bool:
-        if key == "enter":
+        if key in ("enter", "ctrl+j"):  # what was typed before the screen opened ends with the other one
             self._submit()
         elif key in ("up", "down"):
             self._recall(self._at + (1 if key == "down" else -1))

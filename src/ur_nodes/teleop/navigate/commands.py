@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import math
+import shlex
 from dataclasses import dataclass
+from typing import cast
 
 from ur.source.diagnostic import UserError, error
 from ur.source.printable import printable
 from ur.source.suggest import did_you_mean
+from ur_nodes.missions.patrol_text import LONGEST_WAIT, MOST_PLACES, PatrolAction
 from ur_nodes.teleop.mux.driver_text import DriverRequest
 from ur_nodes.teleop.mux.emergency import MuxRequest
 from ur_nodes.teleop.navigator.waypoints import WAYPOINT_NAME
@@ -15,7 +18,7 @@ from ur_nodes.teleop.navigator.waypoints import WAYPOINT_NAME
 
 @dataclass(frozen=True, slots=True)
 class Go:
-    """Drive to a pose in the map: m, m, rad; without an angle, arrive in the direction of travel."""
+    """Drive to a pose in the map: m, m, rad; without an angle any heading counts."""
 
     x: float
     y: float
@@ -27,6 +30,16 @@ class GoTo:
     """Drive to a waypoint."""
 
     name: str
+
+
+@dataclass(frozen=True, slots=True)
+class AskPatrol:
+    """Start a patrol of waypoints, or pause, resume or end it. `wait` s at each; `loop`: again and again."""
+
+    action: PatrolAction
+    names: tuple[str, ...] = ()
+    loop: bool = False
+    wait: float = 1.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,6 +127,7 @@ class Quit:
 Command = (
     Go
     | GoTo
+    | AskPatrol
     | Remember
     | Forget
     | SetPose
@@ -134,6 +148,7 @@ USAGE: dict[str, tuple[str, str]] = {
     # command: how it is written, what it does
     "g": ("g X Y [ANGLE]", "drive to this place (m, m, degrees)"),
     "m": ("m NAME", "drive to a waypoint"),
+    "patrol": ("patrol [loop] NAME ...", "drive to waypoints in turn (wait=S at each); patrol pause, resume, end"),
     "s": ("s or x", "stop: cancel the goal"),
     "c": ("c", "continue a goal that is held"),
     "e": ("e or Space", "emergency stop, whoever drives"),
@@ -185,7 +200,7 @@ _LEAST_TYPO = 4  # letters: shorter ones are near to everything
 
 def parse_command(line: str) -> Command | None:
     """The command of a line; None for a blank one or a `#` comment. Raises UserError: the value, what was expected."""
-    first, *given = line.split("#", 1)[0].split() or [""]
+    first, *given = _split(line) or [""]
     if not first:
         return None
     word = _ALIASES.get(first.lower(), first)
@@ -207,9 +222,41 @@ def parse_command(line: str) -> Command | None:
         _check_count(word, given, 3, 3)
         x, y, degrees = (_number(word, text) for text in given)
         return SetPose(x, y, math.radians(degrees))
+    if word == "patrol":
+        return _parse_patrol(given)
+    if len(given) > 1:
+        name = " ".join(given)
+        raise bad_command_error(
+            f"unexpected {printable(given[1])!r}, expected: {_ALL_USAGE[word][0]}", f'{word} "{printable(name)}"'
+        )
     _check_count(word, given, 1, 1)
     name = _check_name(given[0])
     return _NAMED[word](name)
+
+
+def _split(line: str) -> list[str]:
+    """Return the words of a line without its comment; quotes hold a name with blanks together."""
+    try:
+        return shlex.split(line, comments=True)
+    except ValueError:
+        raise bad_command_error(f"{printable(line)!r} has an opening quote without a closing one") from None
+
+
+def _parse_patrol(given: list[str]) -> AskPatrol:
+    _check_count("patrol", given, 1, MOST_PLACES + 2)
+    if given in (["pause"], ["resume"], ["end"]):
+        return AskPatrol(cast("PatrolAction", given[0]))
+    loop, wait, names = False, 1.0, list(given)
+    while names and (names[0] == "loop" or names[0].startswith("wait=")):
+        option = names.pop(0)
+        if option == "loop":
+            loop = True
+        else:
+            wait = _number("patrol", option.removeprefix("wait="))
+    if not 0.0 <= wait <= LONGEST_WAIT:
+        raise bad_command_error(f"wait={wait:g}: expected seconds from 0 to {LONGEST_WAIT:g}")
+    _check_count("patrol", names, 1, MOST_PLACES)
+    return AskPatrol("start", tuple(_check_name(name) for name in names), loop, wait)
 
 
 def error_line(problem: UserError) -> str:
@@ -241,7 +288,7 @@ def _number(word: str, text: str) -> float:
 def _check_name(name: str) -> str:
     if not WAYPOINT_NAME.match(name):
         raise bad_command_error(
-            f"{printable(name)!r} is not a valid name, expected at most 40 letters, digits, '_', '-' and '.'"
+            f"{printable(name)!r} is not a valid name, expected at most 40 letters, digits, blanks, '_', '-' and '.'"
         )
     return name
 

@@ -14,6 +14,7 @@ from pathlib import Path
 import rospkg
 
 from ur.source.ansi import is_plain
+from ur.source.run_users import FOLDER_VARIABLE, list_users
 from ur_nodes.rosio.parameters import Parameters
 from ur_nodes.teleop.navigate.batch import BatchContext, InterruptedBatchError, run_batch, wait_until_ready
 from ur_nodes.teleop.navigate.batch_text import Limits
@@ -98,15 +99,24 @@ class _NameOfGrowingMap:
 def _run_screen(
     navigator: RosNavigator, store_for: StoreFor, map_name: str, ended: threading.Event, saving: MapSaving | None = None
 ) -> int:
-    from ur.screen.query import ask_background, is_light  # a pipe needs no Textual
+    from ur.screen.query import ask_background, is_light, typed_text  # a pipe needs no Textual
     from ur_nodes.teleop.navigate.app import NavigateApp
     from ur_nodes.teleop.terminal.textual_screen import own_screen
 
-    light = is_light(os.environ, ask_background(0, 1))
+    answer = ask_background(0, 1)
+    light = is_light(os.environ, answer)
+    folder = os.environ.get(FOLDER_VARIABLE, "")
     log = Path(rospkg.get_log_dir()) / f"{_NAME}-stderr.log"
     with own_screen(log) as driver:
         app = NavigateApp(
-            navigator, store_for, title=Path(map_name).stem, light=light, driver_class=driver, saving=saving
+            navigator,
+            store_for,
+            title=Path(map_name).stem,
+            light=light,
+            driver_class=driver,
+            saving=saving,
+            typed=typed_text(answer),
+            list_users=lambda: list_users(folder) if folder else (),
         )
 
         async def run() -> None:

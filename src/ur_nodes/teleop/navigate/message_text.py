@@ -23,7 +23,7 @@ def announce_goal(snapshot: Snapshot) -> tuple[str, str]:
     """The message about the state of the goal, and its style. The goal has a place."""
     report = snapshot.goal
     assert report.place is not None
-    where = format_place(report.place)
+    where = format_place(report.place, any_heading=report.any_heading)
     if report.state is GoalState.REACHED and snapshot.pose is not None:
         off = math.hypot(report.place.x - snapshot.pose.x, report.place.y - snapshot.pose.y)
         return f"reached {where}, {off:.2f} m off", "green"
@@ -59,6 +59,7 @@ def visible_state(snapshot: Snapshot, places: Mapping[str, Pose2], size: object)
         round(snapshot.spread, 2) if snapshot.spread is not None else None,
         snapshot.missing,
         snapshot.mux,
+        snapshot.patrol,
         replace(snapshot.lease, link_age=0.0),
         (snapshot.silence.who, round(snapshot.silence.seconds, 1)) if snapshot.silence else None,
         tuple(places.items()),

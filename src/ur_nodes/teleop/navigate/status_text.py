@@ -8,8 +8,9 @@ from rich.console import RenderableType
 from rich.table import Table
 from rich.text import Text
 
+from ur_nodes.missions.patrol_text import describe_patrol
 from ur_nodes.teleop.mux.driver_text import clock_time, describe_lost, describe_silence, name_holder
-from ur_nodes.teleop.mux.emergency import describe_emergency
+from ur_nodes.teleop.mux.emergency import describe_emergency, describe_obstacles
 from ur_nodes.teleop.navigate.commands import MAP_USAGE, USAGE
 from ur_nodes.teleop.navigator.model import ROBOT, GoalState, Snapshot, distance_left, format_number
 
@@ -75,8 +76,16 @@ def asking_line(columns: int) -> str:
 
 
 def driver_line(snapshot: Snapshot, columns: int) -> str:
-    """The text about who drives, or asks to; empty while this client drives or may."""
+    """The text about who drives, or asks to, or is slowed by obstacles; empty while this client drives or may."""
+    obstacles = describe_obstacles(snapshot.mux)
+    driver = _driver_line(snapshot, columns)
+    return f"{driver}; {obstacles}" if driver and obstacles else driver or obstacles
+
+
+def _driver_line(snapshot: Snapshot, columns: int) -> str:
     view = snapshot.lease
+    if line := _patrol_line(snapshot, columns):
+        return line
     if view.mine:
         return f"{view.asking[0]} asks to drive; 'give' hands over" if view.asking else ""
     text = _describe_driver(snapshot)
@@ -87,6 +96,15 @@ def driver_line(snapshot: Snapshot, columns: int) -> str:
     if view.state == "held":
         return f"{text}; asked to hand over" if view.asks else f"{text}; drive: take over, ask: ask for it"
     return text
+
+
+def _patrol_line(snapshot: Snapshot, columns: int) -> str:
+    """The text about a patrol that is active or paused, of any client."""
+    patrol = snapshot.patrol
+    if patrol is None or not (patrol.active or patrol.state == "paused"):
+        return ""
+    hint = "; patrol resume, patrol end" if patrol.state == "paused" else "; patrol pause, patrol end"
+    return describe_patrol(patrol) + (hint if columns >= _WIDE else "")
 
 
 def reason_not_to_drive(snapshot: Snapshot) -> str:

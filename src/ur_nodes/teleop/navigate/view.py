@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import ClassVar
 
 from rich.text import Text
@@ -16,6 +17,7 @@ from ur.screen.app import FullScreenApp
 from ur.screen.query import measure_terminal
 from ur.source.diagnostic import UserError
 from ur_nodes.geometry.pose import Pose2
+from ur_nodes.missions.patrol_text import PatrolStatus, describe_patrol
 from ur_nodes.teleop.map_view.palette import Palette, choose_palette
 from ur_nodes.teleop.map_view.widget import MapView
 from ur_nodes.teleop.navigate import commands as c
@@ -30,7 +32,7 @@ from ur_nodes.teleop.navigate.status_text import (
     waiting_line,
 )
 from ur_nodes.teleop.navigator.map_saving_node import MapSaving
-from ur_nodes.teleop.navigator.model import GoalState, Navigator, Snapshot, format_number
+from ur_nodes.teleop.navigator.model import GoalReport, GoalState, Navigator, Snapshot, format_number
 from ur_nodes.teleop.navigator.waypoints import WaypointStore
 
 REFRESH = 1.0 / 6.0
@@ -40,7 +42,8 @@ class NavigateView(FullScreenApp[None]):
     """Shows a `Navigator`; a subclass obeys commands.
 
     `store_for` returns the waypoints once a map is known, None as long as it has no name. With `saving` the map grows:
-    it can be saved, and the view follows the robot from the start.
+    it can be saved, and the view follows the robot from the start. `typed` is what was typed before the screen opened;
+    `list_users` names the other users of the robot, which ends with this program.
     """
 
     CSS = """
@@ -65,18 +68,25 @@ class NavigateView(FullScreenApp[None]):
         saving: MapSaving | None = None,
         light: bool = False,
         driver_class: type[Driver] | None = None,
+        typed: str = "",
+        list_users: Callable[[], Sequence[str]] = tuple,
     ) -> None:
         super().__init__(driver_class=driver_class)
         self._navigator = navigator
         self._store_for = store_for
+        self._list_users = list_users
         self._map_title = title
         self._saving = saving
         self._light = light
         self._snapshot = Snapshot()
         self._places: Mapping[str, Pose2] = {}
         self._sent = 0
+        self._asked = ""  # the id of a request for a patrol that is not answered yet
         self._shown_key: tuple[object, ...] = ()
         self._announced: tuple[int, GoalState] = (0, GoalState.NONE)
+        self._result_shown = False  # the message is about the goal, or nothing came after it
+        self._was_ready = False
+        self._typed = typed
 
     def on_mount(self) -> None:
         """Set colours and focus, and refresh the screen at a steady rate."""
@@ -84,6 +94,7 @@ class NavigateView(FullScreenApp[None]):
         self.query_one(CommandLine).focus()
         self._say("")
         self._look()
+        self.query_one(CommandLine).take_typed(self._typed)
         self.set_interval(REFRESH, self._look)
         self.set_interval(1.0, self._check_size)
 
@@ -112,7 +123,8 @@ class NavigateView(FullScreenApp[None]):
         self._announce(snapshot)
         if self._saving and (news := self._saving.take_news()):
             self._say(news)
-        key = visible_state(snapshot, self._places, self.size)
+        self._announce_patrol(snapshot.patrol)
+        key = (*visible_state(snapshot, self._places, self.size), self._result_shown)
         if key == self._shown_key:
             return
         self._shown_key, self._snapshot = key, snapshot
@@ -120,6 +132,12 @@ class NavigateView(FullScreenApp[None]):
         self.query_one("#status", Static).update(self._status())
         self._show_driver()
         self._draw_head()
+        if not self._was_ready and not snapshot.missing:
+            self._was_ready = True
+            self._become_ready()
+
+    def _become_ready(self) -> None:
+        """Act on the first snapshot in which nothing is missing."""
 
     def _status(self) -> Text:
         snapshot, mux = self._snapshot, self._snapshot.mux
@@ -131,6 +149,8 @@ class NavigateView(FullScreenApp[None]):
             return Text(waiting, "yellow")
         if not silent and snapshot.goal.state is GoalState.ASKING:
             return Text(asking_line(self.size.width - 1), "bold black on yellow")
+        if snapshot.goal.over and not self._result_shown:
+            snapshot = replace(snapshot, goal=GoalReport(snapshot.goal.number))
         return status_line(snapshot, self.size.width - 2)
 
     def _show_driver(self) -> None:
@@ -159,8 +179,16 @@ class NavigateView(FullScreenApp[None]):
         self._announced = (report.number, report.state)
         if report.place is not None:
             self._say(*announce_goal(snapshot))
+            self._result_shown = True
+
+    def _announce_patrol(self, patrol: PatrolStatus | None) -> None:
+        """Show the answer to a request for a patrol."""
+        if self._asked and patrol and patrol.answer and patrol.answer.id == self._asked:
+            problem, self._asked = patrol.answer.problem, ""
+            self._say(f"refused: {problem}" if problem else describe_patrol(patrol), "bold red" if problem else "")
 
     def _say(self, text: str, style: str = "") -> None:
+        self._result_shown = self._result_shown and not text  # a result leaves with its message
         self.query_one("#message", Static).update(Text(text, style))
 
     def _reload_places(self) -> None:

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field, replace
 from typing import Final
 
 from ur_nodes.geometry.pose import Pose2
+from ur_nodes.navigation.goals.goal_claim import has_any_heading
 from ur_nodes.teleop.navigator.model import GoalReport, GoalState
 
 _RUNNING: Final = {0: GoalState.WAITING, 1: GoalState.DRIVING, 6: GoalState.DRIVING, 7: GoalState.WAITING}
@@ -54,8 +55,8 @@ class Hold:
 class Tracker:
     """The goal that is followed. `goal_id` is '' while it belongs to another client and its id is not known yet.
 
-    `known`: move_base has mentioned it. `heard_at` is when it was sent or mentioned last, `listed_at` when the last
-    status list came, `absent_since` since when lists come without the goal.
+    `known`: move_base has listed it as active, or sent its result. `heard_at` is when it was sent or mentioned last,
+    `listed_at` when the last status list came, `absent_since` since when lists come without the goal.
     """
 
     report: GoalReport = field(default_factory=GoalReport)
@@ -69,19 +70,23 @@ class Tracker:
 
 def track_sent(tracker: Tracker, goal_id: str, place: Pose2, now: float) -> Tracker:
     """Start to track a goal that is sent from here."""
-    report = GoalReport(tracker.report.number + 1, place, GoalState.WAITING)
+    any_heading = has_any_heading(goal_id)
+    report = GoalReport(tracker.report.number + 1, place, GoalState.WAITING, any_heading=any_heading)
     return Tracker(report, goal_id, now, listed_at=now, hold=tracker.hold)
 
 
 def track_current(tracker: Tracker, place: Pose2, now: float) -> Tracker:
-    """Take the goal that move_base drives to; another one than ours was sent by another client."""
+    """Take the goal that move_base drives to; another one than ours was sent by another client.
+
+    move_base keeps its last goal on the topic, so that one is reported only once it is known to be active, or ends.
+    """
     ours = tracker.report.place
     same = ours is not None and abs(ours.x - place.x) + abs(ours.y - place.y) < 1e-3
     # Results come by another connection and may overtake the message about the goal that they end.
     if same and (not tracker.report.over or now - tracker.heard_at < LATE):
         return tracker
     report = GoalReport(tracker.report.number + 1, place, GoalState.DRIVING)
-    return Tracker(report, "", now, known=True, listed_at=now, hold=tracker.hold)
+    return Tracker(report, "", now, listed_at=now, hold=tracker.hold)
 
 
 def track_status(tracker: Tracker, statuses: tuple[Status, ...], now: float) -> Tracker:
@@ -93,7 +98,7 @@ def track_status(tracker: Tracker, statuses: tuple[Status, ...], now: float) -> 
             found = replace(tracker, goal_id=status.goal_id, listed_at=now, absent_since=None)
             return _apply(found, status, now)
     if not tracker.goal_id and now - tracker.heard_at > LATE:
-        # It ended before this client came: move_base keeps its last goal on the topic.
+        # It ended before this client came.
         return replace(tracker, listed_at=now, report=GoalReport(tracker.report.number))
     silent = now - tracker.listed_at > SILENCE
     since = now if silent or tracker.absent_since is None else tracker.absent_since
@@ -127,6 +132,8 @@ def report_at(tracker: Tracker, now: float) -> GoalReport:
         return report
     if now - tracker.listed_at > SILENCE:
         return replace(report, state=GoalState.UNKNOWN, text="")
+    if not (tracker.goal_id or tracker.known):
+        return GoalReport(report.number)
     if report.state is GoalState.DRIVING and tracker.hold.goal_id and tracker.hold.goal_id == tracker.goal_id:
         return replace(report, state=GoalState.ASKING if tracker.hold.asking else GoalState.HELD)
     return replace(report, text="")
@@ -156,4 +163,5 @@ def _apply(tracker: Tracker, status: Status, now: float) -> Tracker:
     text = "" if state is GoalState.REACHED else _printable(status.text)
     if state is GoalState.FAILED and not text:
         text = "move_base gave no reason"
-    return replace(tracker, heard_at=now, known=True, report=replace(tracker.report, state=state, text=text))
+    report = replace(tracker.report, state=state, text=text, any_heading=has_any_heading(tracker.goal_id))
+    return replace(tracker, heard_at=now, known=True, report=report)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
+from ur_nodes.missions.patrol_text import PatrolAction, PatrolStatus, Route
 from ur_nodes.motion.lease.view import Conduct, LeaseView
 from ur_nodes.teleop.mux.driver_text import DriverRequest
 from ur_nodes.teleop.mux.emergency import MuxRequest, MuxView
@@ -38,6 +39,7 @@ class GoalState(Enum):
 class GoalReport:
     """The last goal, its number (0: none was sent yet), its state, and why when it failed, is held or has stopped.
 
+    `any_heading`: the sender has asked for no heading, so that of `place` means nothing.
     `UNKNOWN`: the robot is silent; the goal is neither over nor known to be driven to.
     """
 
@@ -45,6 +47,7 @@ class GoalReport:
     place: Pose2 | None = None
     state: GoalState = GoalState.NONE
     text: str = ""
+    any_heading: bool = False
 
     @property
     def over(self) -> bool:
@@ -65,7 +68,8 @@ class Snapshot:
     """The state of the robot at one moment, in the map frame; None for what is not known.
 
     `scan` and `path` are (n, 2) in m; `speed` m/s and `turn` rad/s; `spread` the localiser's standard deviation in m;
-    `missing` names what is waited for, for users; `silence` a sender that has fallen silent.
+    `missing` names what is waited for, for users; `silence` a sender that has fallen silent;
+    `patrol` is None where no node drives patrols.
     """
 
     grid: Grid | None = None
@@ -81,6 +85,7 @@ class Snapshot:
     lease: LeaseView = field(default_factory=LeaseView)
     conduct: Conduct = "drive"
     silence: Silence | None = None
+    patrol: PatrolStatus | None = None
 
 
 class Navigator(Protocol):
@@ -89,7 +94,7 @@ class Navigator(Protocol):
     def snapshot(self) -> Snapshot:
         """Return the newest state."""
 
-    def go(self, place: Pose2) -> int:
+    def go(self, place: Pose2, *, any_heading: bool = False) -> int:
         """Drive there, instead of where it drove so far. Returns the goal's number in `GoalReport`.
 
         Raises UserError when it cannot be sent in time.
@@ -100,6 +105,12 @@ class Navigator(Protocol):
 
     def request_lease(self, request: DriverRequest) -> None:
         """Ask to drive, or let another drive."""
+
+    def ask_patrol(self, action: PatrolAction, route: Route) -> str:
+        """Ask the robot to start, pause, resume or end a patrol; return the request's id, which the answer names.
+
+        Raises UserError: no node drives patrols.
+        """
 
     def stop(self) -> None:
         """Cancel the goal, whoever sent it."""
@@ -128,18 +139,17 @@ def distance_left(snapshot: Snapshot) -> float | None:
     return float(np.sum(np.hypot(*np.diff(rest, axis=0).T))) if len(rest) > 1 else straight
 
 
-def heading_there(snapshot: Snapshot, x: float, y: float) -> float:
-    """Return the yaw to arrive with when none was given: the direction from here to there."""
-    pose = snapshot.pose
+def heading_there(pose: Pose2 | None, x: float, y: float) -> float:
+    """Return the yaw of a goal that asks for none, as upstream needs one: the direction from here to there."""
     if pose is None or math.hypot(x - pose.x, y - pose.y) < 0.05:
         return pose.yaw if pose else 0.0
     return math.atan2(y - pose.y, x - pose.x)
 
 
-def format_place(place: Pose2) -> str:
-    """A pose for people: `1.20 3.40 90`, as `g` takes it."""
+def format_place(place: Pose2, *, any_heading: bool = False) -> str:
+    """A pose for people: `1.20 3.40 90`, as `g` takes it; with `any_heading` without the angle."""
     x, y = format_number(place.x, 2), format_number(place.y, 2)
-    return f"{x} {y} {format_number(math.degrees(place.yaw), 0)}"
+    return f"{x} {y}" if any_heading else f"{x} {y} {format_number(math.degrees(place.yaw), 0)}"
 
 
 def format_number(value: float, digits: int) -> str:

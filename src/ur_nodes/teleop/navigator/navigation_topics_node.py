@@ -32,7 +32,7 @@ from ur_nodes.teleop.navigator.goal_tracker import (
     track_sent,
     track_status,
 )
-from ur_nodes.teleop.navigator.model import Snapshot
+from ur_nodes.teleop.navigator.model import GoalReport, Snapshot
 from ur_nodes.teleop.navigator.robot_state_node import RobotState
 
 _STATUS_SILENT = 3.0
@@ -88,6 +88,11 @@ class NavigationTopics:
                 turn=turn,
                 missing=self._missing(pose, now),
             )
+
+    def goal(self, now: float) -> GoalReport:
+        """The last goal; `now` is time.monotonic()."""
+        with self._lock:
+            return report_at(self._tracker, now)
 
     def status_age(self, now: float) -> float:
         """Seconds since navigation's last list of goals; infinite before the first."""

@@ -11,10 +11,12 @@ from std_srvs.srv import Empty
 
 from ur.source.diagnostic import UserError, error
 from ur_nodes.geometry.pose import Pose2
+from ur_nodes.missions.patrol_link_node import PatrolLink
+from ur_nodes.missions.patrol_text import PatrolAction, PatrolRequest, Route
 from ur_nodes.motion.challenge.freshness import REQUEST_FRESHNESS
 from ur_nodes.motion.lease.client_node import LeaseClient
 from ur_nodes.motion.lease.view import LeaseView
-from ur_nodes.navigation.goals.goal_claim import write_goal_id
+from ur_nodes.navigation.goals.goal_claim import write_any_heading, write_goal_id
 from ur_nodes.teleop.mux.driver_text import DriverRequest, describe_silence
 from ur_nodes.teleop.mux.emergency import MuxRequest
 from ur_nodes.teleop.mux.link_node import MuxLink
@@ -35,6 +37,7 @@ class RosNavigator:
         self._lease_topic = rospy.resolve_name(f"{names.mux}/lease")
         self._leased = any(topic == self._lease_topic for topic, _ in rospy.get_published_topics())
         self._topics = NavigationTopics(names)
+        self._patrol = PatrolLink()
 
     def snapshot(self) -> Snapshot:
         """Return the newest state."""
@@ -45,14 +48,23 @@ class RosNavigator:
             # A mux of ours has to publish its lease before the first goal.
             missing = (*missing, f"the lease of the mux (topic {self._lease_topic})")
         silence = self._silence(lease, now)
-        return replace(seen, missing=missing, mux=mux, lease=lease, conduct=self._lease.conduct, silence=silence)
+        return replace(
+            seen,
+            missing=missing,
+            mux=mux,
+            lease=lease,
+            conduct=self._lease.conduct,
+            silence=silence,
+            patrol=self._patrol.status(),
+        )
 
-    def go(self, place: Pose2) -> int:
+    def go(self, place: Pose2, *, any_heading: bool = False) -> int:
         """See `Navigator`. The goal's id names the client that sends it and answers the mux's newest challenge."""
-        return self._topics.send_goal(self._make_goal_id(), place)
+        return self._topics.send_goal(self._make_goal_id(any_heading=any_heading), place)
 
-    def _make_goal_id(self) -> str:
+    def _make_goal_id(self, *, any_heading: bool) -> str:
         start = f"{rospy.get_name()}-{next(self._numbers)}-{time.time():.3f}"
+        start = write_any_heading(start) if any_heading else start
         view = self._lease.view()
         if view.state == "unknown":
             return start  # a mux without leases, as upstream's
@@ -72,6 +84,23 @@ class RosNavigator:
     def request_lease(self, request: DriverRequest) -> None:
         """Ask to drive, or let another drive."""
         {"take": self._lease.take, "ask": self._lease.ask, "grant": self._lease.grant}[request]()
+
+    def ask_patrol(self, action: PatrolAction, route: Route) -> str:
+        """See `Navigator`. A request that sets the robot in motion answers the mux's newest challenge."""
+        answer = self._lease.link.answer(REQUEST_FRESHNESS / 2.0)
+        who = self._lease.identity
+        request = PatrolRequest(
+            action,
+            route,
+            f"{who.client[:40]}-{next(self._numbers)}",
+            who.client if answer else "",
+            who.name,
+            (answer.secs, answer.nsecs) if answer else None,
+        )
+        if not self._patrol.request(request):
+            expected = "expected a robot that runs it ('ur run keyboard_navigate' does)"
+            raise UserError(error(f"no node drives patrols, {expected}", rule="no-patrol"))
+        return request.id
 
     def close(self) -> None:
         """Release the lease."""

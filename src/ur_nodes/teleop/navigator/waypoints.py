@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping
+from dataclasses import dataclass
 from hashlib import sha1
 from pathlib import Path
 
@@ -19,7 +20,7 @@ from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.teleop.navigator.model import format_number
 
-WAYPOINT_NAME = re.compile(r"\w[\w.-]{0,39}\Z")
+WAYPOINT_NAME = re.compile(r"\w(?:[\w .-]{0,38}[\w.-])?\Z")
 """Names that a program gives: those of people who edit the file may be any text."""
 
 _HEAD = "# Waypoints of the map {name}: name: [x, y, angle], in m, m and degrees, in the map frame.\n"
@@ -40,6 +41,36 @@ def name_of_map(grid: Grid) -> str:
     digest = sha1(repr((resolution, grid.origin)).encode(), usedforsecurity=False)
     digest.update(grid.values.tobytes())
     return f"map-{digest.hexdigest()[:8]}"
+
+
+@dataclass(frozen=True, slots=True)
+class PlaceSettings:
+    """The parameters of `keyboard_navigate` that lead to its file. `grows`: the map gets its name when it is saved."""
+
+    map_name: str = ""
+    file: str = ""
+    grows: bool = False
+
+
+def read_settings(value: object) -> PlaceSettings:
+    """The settings in the parameters of a node; those of a missing one, or of another type, are empty."""
+    if not isinstance(value, Mapping):
+        return PlaceSettings()
+    name, file, service = (value.get(each, "") for each in ("map_name", "waypoints_file", "save_service"))
+    return PlaceSettings(
+        name if isinstance(name, str) else "",
+        file if isinstance(file, str) else "",
+        isinstance(service, str) and service != "",
+    )
+
+
+def choose_file(settings: PlaceSettings, grid: Grid | None, environment: Mapping[str, str]) -> Path | None:
+    """The file of the places; None while there is no map, or it has no name yet."""
+    if settings.file:
+        return Path(settings.file).expanduser()
+    if settings.map_name:
+        return waypoint_path(settings.map_name, environment)
+    return None if grid is None or settings.grows else waypoint_path(name_of_map(grid), environment)
 
 
 class WaypointStore:

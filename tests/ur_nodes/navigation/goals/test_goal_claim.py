@@ -9,9 +9,11 @@ from ur_nodes.navigation.goals.goal_claim import (
     Challenges,
     Claim,
     age_of_answer,
+    has_any_heading,
     lag_of_answer,
     note_challenge,
     read_claim,
+    write_any_heading,
     write_goal_id,
 )
 
@@ -33,6 +35,22 @@ def hear(*arrivals: tuple[float, float]) -> Challenges:
 )
 def test_claim_survives_the_goal_id(start: str, client: str, answer: int) -> None:
     assert read_claim(write_goal_id(start, client, answer)) == Claim(client, answer)
+
+
+def test_goal_without_a_heading_says_so_in_its_id_with_and_without_a_claim() -> None:
+    start = write_any_heading("/node-3-17.250")
+    claimed = write_goal_id(start, "aa:1", 17 * SECOND)
+    assert has_any_heading(start)
+    assert has_any_heading(claimed)
+    assert read_claim(claimed) == Claim("aa:1", 17 * SECOND)
+
+
+@pytest.mark.parametrize(
+    "goal_id", ["", "/node-3-17.250", "!any-heading-1", "!any-heading" + 2000 * " ", "any-heading"]
+)
+def test_other_goals_ask_for_a_heading(goal_id: str) -> None:
+    assert not has_any_heading(goal_id)
+    assert not has_any_heading(write_goal_id("/node-3", "!any-heading", SECOND))
 
 
 @pytest.mark.parametrize(

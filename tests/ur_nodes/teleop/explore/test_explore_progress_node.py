@@ -40,6 +40,9 @@ class FakeMap:
     def lines(self, columns: int, rows: int, now: float) -> list[str]:  # noqa: ARG002 - it never changes
         return ["." * columns] * rows
 
+    def press(self, key: str) -> None:
+        """It never changes."""
+
 
 class Run:
     """The screen of an exploration on a pseudo-terminal."""

@@ -7,7 +7,7 @@ import numpy as np
 from ur.source.ansi import strip_styles
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.teleop.map_view.growing_map import draw_map_lines, follow, prepare_map
+from ur_nodes.teleop.map_view.growing_map import Zoom, draw_map_lines, follow, prepare_map, press_zoom
 from ur_nodes.teleop.navigator.model import Snapshot
 
 
@@ -49,3 +49,18 @@ def test_nothing_known_shows_the_surroundings_of_the_begin() -> None:
     assert draw_map_lines(None, Snapshot(), view, colour=False)[0] == " " * 40
     nothing = prepare_map(Grid(np.full((4, 4), -1, np.int8), 0.05, Pose2(0.0, 0.0, 0.0)))
     assert follow(None, nothing, Snapshot(), 40, 10) == view
+
+
+def test_keys_show_the_whole_of_a_large_map_or_a_scale_of_the_persons_choice() -> None:
+    growing, robot = prepare_map(room(60.0, 40.0)), Snapshot(pose=Pose2(5.0, 5.0, 0.0))
+    near = follow(None, growing, robot, 80, 20)
+    whole = follow(near, growing, robot, 80, 20, Zoom.WHOLE)
+    column, row = whole.to_pixel(60.0, 40.0)
+    assert 0 <= column <= 80
+    assert 0 <= row <= 40
+    closer = press_zoom(Zoom.AUTOMATIC, "+", near)
+    assert isinstance(closer, float)
+    assert follow(near, growing, robot, 80, 20, closer).scale == closer < near.scale
+    assert press_zoom(closer, "0", near) is Zoom.WHOLE
+    assert press_zoom(closer, "f", near) is Zoom.AUTOMATIC
+    assert press_zoom(closer, "s", near) is None

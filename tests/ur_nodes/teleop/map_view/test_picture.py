@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.ndimage import label
 
 from ur.maps.viewport import Viewport
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.teleop.map_view.palette import DARK, DARK_16, Palette
-from ur_nodes.teleop.map_view.picture import draw_map, draw_overlay, index_grid
+from ur_nodes.teleop.map_view.picture import draw_map, draw_overlay, index_grid, thin_walls
 from ur_nodes.teleop.navigator.model import Snapshot
 
 
@@ -41,6 +42,31 @@ def test_wall_thinner_than_a_pixel_is_still_seen() -> None:
     cells[:, 20:22] = 100
     picture = draw_map(index_grid(Grid(cells, 0.05, Pose2(0, 0, 0))), Viewport(1.0, 1.0, 0.4, 5, 5), DARK)
     assert (picture.max(axis=1)[:, 0] > 150).all()
+
+
+@pytest.mark.parametrize("thickness", [1, 2])
+@pytest.mark.parametrize("cells_per_pixel", [2.0, 2.5, 3.0, 4.0])
+def test_thin_walls_are_one_bright_pixel_wherever_they_lie(thickness: int, cells_per_pixel: float) -> None:
+    for place in range(30, 50):
+        cells = np.zeros((80, 80), np.int8)
+        cells[10:70, place : place + thickness] = 100
+        for turned in (cells, cells.T):
+            index = index_grid(Grid(np.ascontiguousarray(turned), 0.05, Pose2(0, 0, 0)))
+            picture = draw_map(index, Viewport(2.0, 2.0, 0.05 * cells_per_pixel, 48, 48), DARK)
+            walls = (picture == DARK.wall).all(axis=2)
+            walls = walls if turned is cells else walls.T
+            assert walls.sum(axis=1)[walls.any(axis=1)].max() == 1
+            assert walls.any(axis=1).sum() >= 60 / cells_per_pixel - 2
+            assert len(np.unique(picture.reshape(-1, 3), axis=0)) <= 3  # walls, floor, unknown: nothing between
+
+
+@given(st.lists(st.lists(st.sampled_from([0.0, 0.0, 0.1, 0.3, 0.5, 0.7, 1.0]), min_size=7, max_size=7), min_size=7))
+def test_thinner_walls_are_neither_cut_nor_lost(shares: list[list[float]]) -> None:
+    share, everywhere = np.array(shares), np.ones((3, 3))
+    before, count = label(share > 0.0, structure=everywhere)
+    after, pieces = label(thin_walls(share), structure=everywhere)
+    assert pieces == count
+    assert {*before[after > 0].tolist()} == {*range(1, count + 1)}
 
 
 def test_turned_map_is_drawn_turned() -> None:

@@ -67,6 +67,13 @@ async def test_goal_command_sends_a_goal_and_says_so(screen: Screen, navigator: 
     assert "driving to 2.00 3.00 90" in screen.text("message")
     assert "driving" in screen.text("status")
     assert "3.6 m left" in screen.text("status")
+    assert not navigator.any_heading
+
+
+async def test_goal_command_without_an_angle_shows_none(screen: Screen, navigator: Any) -> None:
+    await screen.type("g 100 100")
+    assert navigator.any_heading
+    assert screen.text("message").strip() == "driving to 100.00 100.00"
 
 
 async def test_reaching_and_failing_are_announced(screen: Screen, navigator: Any) -> None:
@@ -166,12 +173,13 @@ async def test_stop_pose_and_search_reach_the_robot(screen: Screen, navigator: A
     assert "/global_localization" in screen.text("message")
 
 
-async def test_click_sets_a_goal_there_facing_the_way_one_comes(screen: Screen, navigator: Any) -> None:
+async def test_click_sets_a_goal_there_for_which_any_heading_counts(screen: Screen, navigator: Any) -> None:
     view = screen.app.map.view
     await screen.pilot.click(MapView, offset=(70, 10))
     expected = view.to_map(70.5, 21.0)
     (goal,) = navigator.goals
-    assert goal == pytest.approx((*expected, math.atan2(expected[1], expected[0])))
+    assert goal == pytest.approx((*expected, math.atan2(expected[1], expected[0])))  # for upstream's move_base
+    assert navigator.any_heading
 
 
 async def test_drag_sets_the_heading(screen: Screen, navigator: Any) -> None:
@@ -181,6 +189,62 @@ async def test_drag_sets_the_heading(screen: Screen, navigator: Any) -> None:
     await screen.pilot.mouse_up(MapView, offset=(50, 15))
     (goal,) = navigator.goals
     assert goal == pytest.approx((*view.to_map(50.5, 41.0), math.pi / 2))
+    assert not navigator.any_heading
+
+
+def signs(screen: Screen) -> str:
+    return "".join(text for line in screen.app.map._lines for text, _, _ in line if text in "◎→↗↑↖←↙↓↘")
+
+
+async def test_arrow_is_shown_only_once_a_drag_is_long_enough(screen: Screen, navigator: Any) -> None:
+    await screen.pilot.mouse_down(MapView, offset=(70, 10))
+    await screen.pilot.hover(MapView, offset=(71, 10))
+    assert "◎" in signs(screen)
+    await screen.pilot.hover(MapView, offset=(72, 10))
+    assert "◎" not in signs(screen)
+    await screen.pilot.hover(MapView, offset=(71, 10))
+    await screen.pilot.mouse_up(MapView, offset=(71, 10))
+    assert len(navigator.goals) == 1
+    assert navigator.any_heading
+
+
+async def test_result_of_a_goal_leaves_with_its_message(screen: Screen, navigator: Any) -> None:
+    await screen.type("g 1 1")
+    navigator.end(GoalState.FAILED, "in a wall")
+    await screen.refresh()
+    assert "failed" in screen.text("status")
+    assert "in a wall" in screen.text("message")
+    await screen.type("i 1 2 90")
+    await screen.refresh()
+    assert "failed" not in screen.text("status")
+
+
+@pytest.mark.parametrize("again", ["q", "ctrl+c"])
+async def test_end_that_ends_the_robot_of_others_is_asked_for_once(
+    navigator: Any, store: WaypointStore, again: str
+) -> None:
+    users = ["m_wander.5767", "a page"]
+    app = NavigateApp(navigator, lambda _: store, list_users=lambda: users)
+    async with app.run_test(size=(100, 36)) as pilot:
+        screen = Screen(app, pilot)
+        for ask in ("ctrl+c", "q"):
+            await pilot.press(ask, "enter") if ask == "q" else await pilot.press(ask)
+            assert "m_wander.5767 and a page use this robot; it ends with this program." in screen.text("message")
+            await pilot.press("x")
+            assert app.is_running
+            assert not screen.text("message")
+            assert not app.query_one(CommandLine).value
+        await pilot.press("ctrl+c", "space")
+        assert navigator.asked == ["stop"]  # the emergency key is one there, too
+        await pilot.press("ctrl+c", again)
+        await pilot.pause()
+        assert not app.is_running
+
+
+async def test_end_without_other_users_is_not_asked_for(screen: Screen) -> None:
+    await screen.pilot.press("ctrl+c")
+    await screen.pilot.pause()
+    assert not screen.app.is_running
 
 
 async def test_right_button_drags_the_map(screen: Screen, navigator: Any) -> None:
@@ -273,6 +337,25 @@ async def test_waiting_names_what_is_missing_and_goals_are_not_sent(screen: Scre
     assert "not sent" in screen.text("message")
 
 
+@pytest.mark.parametrize(("keys", "sent"), [([], True), (["s", "enter"], False), (["space"], False)])
+async def test_goal_typed_before_the_robot_is_ready_waits_and_a_stop_drops_it(
+    navigator: Any, store: WaypointStore, keys: list[str], sent: bool
+) -> None:
+    ready = navigator.seen
+    navigator.seen = Snapshot(missing=("the map (topic /map)",))
+    app = NavigateApp(navigator, lambda _: store, typed="g 1 ")
+    async with app.run_test(size=(100, 36)) as pilot:
+        screen = Screen(app, pilot)
+        await pilot.press("2", "ctrl+j")  # Enter, as the terminal passes it on from before the screen opened
+        await screen.refresh()
+        assert "'g 1 2' is sent when the robot is ready" in screen.text("message")
+        assert not navigator.goals
+        await pilot.press(*keys)
+        navigator.seen = ready
+        await screen.refresh()
+        assert [(goal.x, goal.y) for goal in navigator.goals] == ([(1.0, 2.0)] if sent else [])
+
+
 async def test_light_and_dark(screen: Screen) -> None:
     await screen.type("t")
     assert screen.app.theme == "textual-light"
@@ -334,3 +417,18 @@ async def test_map_that_is_made_is_saved_and_has_no_waypoints_before_it_has_a_na
 async def test_nothing_is_saved_where_no_map_is_made(screen: Screen) -> None:
     await screen.type("save")
     assert "no map is being made" in screen.text("message")
+
+
+async def test_patrol_is_started_by_a_command_and_shown_whoever_has_started_it(
+    screen: Screen, navigator: Any, store: WaypointStore
+) -> None:
+    store.remember("sofa", Pose2(1.0, 2.0, 0.0))
+    await screen.type("patrol sofa")
+    await screen.refresh()
+    assert [action for action, _ in navigator.patrols] == ["start"]
+    assert screen.text("message") == "patrol: drives to sofa (1 of 1)"
+    assert screen.text("driver") == "patrol: drives to sofa (1 of 1); patrol pause, patrol end"
+    navigator.patrol_problem = "laptop drives since 14:02"
+    await screen.type("patrol resume")
+    await screen.refresh()
+    assert screen.text("message") == "refused: laptop drives since 14:02"

@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 
 from ur_nodes.geometry.pose import Pose2
+from ur_nodes.missions.patrol_text import Route, Stop
 from ur_nodes.motion.lease.view import LeaseView
 from ur_nodes.teleop.mux.driver_text import clock_time
 from ur_nodes.teleop.mux.emergency import MuxView
@@ -61,10 +62,39 @@ def test_goal_that_is_reached_says_how_well(navigator: Any, store: WaypointStore
     assert world.out == ["g 2 3 90: reached, 0.04 m and 1.2 degrees off, 12.3 s"]
 
 
+def test_goal_without_an_angle_asks_for_no_heading_and_its_result_names_none(
+    navigator: Any, store: WaypointStore
+) -> None:
+    world = World(arriving(navigator))
+    assert run(["g 2 3"], navigator, store, world) == 0
+    assert navigator.any_heading
+    assert world.out == ["g 2 3: reached, 0.00 m off, 0.1 s"]
+    run(["g 2 3 90"], navigator, store, world)
+    assert not navigator.any_heading
+
+
 def test_goal_that_fails_gives_the_reason_and_exit_code_1(navigator: Any, store: WaypointStore) -> None:
     world = World(lambda _: navigator.end(GoalState.FAILED, "the goal is in a wall"))
     assert run(["g 0 5"], navigator, store, world) == 1
     assert world.out == ["g 0 5: failed after 0.1 s: the goal is in a wall"]
+
+
+def test_patrol_is_started_with_the_poses_of_its_waypoints_and_left_to_the_robot(
+    navigator: Any, store: WaypointStore
+) -> None:
+    store.remember("sofa", Pose2(1.0, 2.0, 0.0))
+    store.remember("hall", Pose2(3.0, 0.0, 0.0))
+    world = World(lambda _: None)
+    assert run(["patrol loop sofa hall", "patrol pause"], navigator, store, world) == 0
+    assert world.out == ["patrol loop sofa hall: started", "patrol pause: paused"]
+    (start, pause) = navigator.patrols
+    assert start == ("start", Route((Stop("sofa", 1.0, 2.0, 0.0), Stop("hall", 3.0, 0.0, 0.0)), loop=True))
+    assert pause[0] == "pause"
+    navigator.patrol_problem = "laptop drives since 14:02"
+    assert run(["patrol resume"], navigator, store, world) == 1
+    assert world.out[-1] == "patrol resume: refused: laptop drives since 14:02"
+    assert run(["patrol nowhere"], navigator, store, world) == 1
+    assert "unknown waypoint 'nowhere'" in world.err[-1]
 
 
 def test_goals_are_driven_one_after_another(navigator: Any, store: WaypointStore) -> None:

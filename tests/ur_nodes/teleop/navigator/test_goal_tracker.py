@@ -54,8 +54,9 @@ def test_result_that_got_lost_is_seen_in_the_status_list() -> None:
 
 def test_goal_that_was_over_before_this_client_came_is_forgotten() -> None:
     tracker = track_current(Tracker(), HERE, 0.0)
-    tracker = track_status(tracker, (), 0.5)
-    assert tracker.report.state is GoalState.DRIVING
+    assert report_at(tracker, 0.1) == GoalReport(1)
+    tracker = track_status(tracker, (Status("a", ABORTED, "no way"),), 0.5)
+    assert report_at(tracker, 0.6) == GoalReport(1)
     tracker = track_status(tracker, (Status("a", SUCCEEDED, ""),), 1.2)
     assert (tracker.report.state, tracker.report.place) == (GoalState.NONE, None)
 
@@ -148,10 +149,15 @@ def test_word_of_a_hold_is_read_and_checked(text: str, hold: Hold | None) -> Non
 
 def test_goal_from_elsewhere_is_followed() -> None:
     tracker = track_current(Tracker(), THERE, 0.0)
-    assert (tracker.report.number, tracker.report.state) == (1, GoalState.DRIVING)
     tracker = track_status(tracker, (Status("old", SUCCEEDED, ""), Status("rviz", ACTIVE, "")), 0.2)
+    assert report_at(tracker, 0.3) == GoalReport(1, THERE, GoalState.DRIVING)
     assert tracker.goal_id == "rviz"
     assert track_result(tracker, Status("rviz", SUCCEEDED, ""), 1.0).report.state is GoalState.REACHED
+
+
+def test_goal_from_elsewhere_that_is_refused_at_once_is_reported() -> None:
+    tracker = track_result(track_current(Tracker(), THERE, 0.0), Status("rviz", REJECTED, "in a wall"), 0.1)
+    assert report_at(tracker, 0.2) == GoalReport(1, THERE, GoalState.FAILED, "in a wall")
 
 
 def test_word_of_a_goal_that_its_result_overtook_is_not_another_goal() -> None:

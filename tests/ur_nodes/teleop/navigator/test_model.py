@@ -31,5 +31,5 @@ def test_distance_left_needs_pose_and_goal() -> None:
 
 
 def test_heading_without_an_angle_is_the_way_there() -> None:
-    assert heading_there(DRIVING, 0.0, 2.0) == pytest.approx(math.pi / 2)
-    assert heading_there(replace(DRIVING, pose=Pose2(1.0, 1.0, 0.7)), 1.0, 1.0) == 0.7
+    assert heading_there(DRIVING.pose, 0.0, 2.0) == pytest.approx(math.pi / 2)
+    assert heading_there(Pose2(1.0, 1.0, 0.7), 1.0, 1.0) == 0.7
