@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from ur.source.picture_file import open_picture
+from ur.source.foreign.pictures import open_picture
 
 Pixels = NDArray[np.uint8]
 """(rows, columns, 3), red, green, blue; rows from the top."""

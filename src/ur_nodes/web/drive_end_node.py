@@ -16,6 +16,7 @@ from std_msgs.msg import Float32, String, Time
 from ur.web.wire.requests import (
     Alive,
     AskForLease,
+    AskPatrol,
     BadRequestError,
     Cancel,
     DeleteZone,
@@ -30,20 +31,26 @@ from ur.web.wire.requests import (
     PutZone,
     Request,
     Resume,
+    SaveMap,
     Stick,
+    SwitchObstacleStop,
     read_request,
 )
 from ur_nodes.geometry.pose import Pose2
+from ur_nodes.missions.patrol_link_node import PatrolLink
 from ur_nodes.motion.challenge.freshness import REQUEST_FRESHNESS, Stamp
 from ur_nodes.motion.clock import read_steady_time
 from ur_nodes.motion.lease.text import Action, Lease, clean_computer, clean_name, is_client, read_lease, write_request
 from ur_nodes.motion.lease.text import Request as LeaseRequest
-from ur_nodes.navigation.goals.goal_claim import write_goal_id
+from ur_nodes.navigation.goals.goal_claim import write_any_heading, write_goal_id
 from ur_nodes.rosio.ending import quiet_at_end
 from ur_nodes.teleop.mux.link_node import MuxLink
+from ur_nodes.teleop.navigator.model import heading_there
 from ur_nodes.teleop.navigator.navigation_topics_node import NavigationTopics
 from ur_nodes.web.heard import Heard, age_of_answer, hear
-from ur_nodes.web.page_lease import PageLease, may_drive, request_action, step_page, takes_part
+from ur_nodes.web.map_link_node import MapLink
+from ur_nodes.web.page_lease import PageLease, may_drive, note_end, request_action, step_page, takes_part
+from ur_nodes.web.patrol_requests_node import ask_patrol
 from ur_nodes.web.places import Places, change_places
 from ur_nodes.web.stick import StickState, Verdict, end_stick, expire_stick, let_go, step_stick
 from ur_nodes.web.zone_link_node import ZoneLink
@@ -62,6 +69,7 @@ class _Page:
     lease: PageLease
     stick: StickState = field(default_factory=StickState)
     once: bool = False  # it cannot come again
+    goal: int = 0  # the number of its last goal; 0: it has sent none, or its end is known
 
 
 class DriveEnd:
@@ -77,13 +85,16 @@ class DriveEnd:
         link: MuxLink,
         places: Places,
         zones: ZoneLink,
+        patrol: PatrolLink,
+        maps: MapLink,
         limits: tuple[float, float],
         reply: Reply,
         announce: Callable[[Stamp], None],
     ) -> None:
         """`announce` passes a challenge on to all pages."""
         self._topics, self._link, self._places, self._limits = topics, link, places, limits
-        self._reply, self._announce, self._zones = reply, announce, zones
+        self._reply, self._announce, self._zones, self._patrol = reply, announce, zones, patrol
+        self._maps = maps
         self._lock = threading.RLock()
         self._heard = Heard()
         self._heard_at = float("-inf")
@@ -115,6 +126,12 @@ class DriveEnd:
             self._pages[client] = _Page(clean_name(name) or "a page", lease, once=once)
             while len(self._pages) > _MOST_PAGES:
                 self.leave(next(iter(self._pages)))
+
+    def rename(self, client: str, name: str) -> None:
+        """A page has another name from its next request on."""
+        with self._lock:
+            if client in self._pages:
+                self._pages[client] = replace(self._pages[client], name=clean_name(name) or "a page")
 
     def leave(self, client: str) -> None:
         """A page is gone: what its user held is over at once.
@@ -171,9 +188,17 @@ class DriveEnd:
             if client in self._pages:
                 self._change_zones(client, request)
             return
+        if isinstance(request, SaveMap):
+            if client in self._pages:
+                self._save_map(client)
+            return
         with self._lock:
             page = self._pages.get(client)
-            if page is not None:
+            if page is None:
+                return
+            if isinstance(request, AskPatrol):
+                self._ask_patrol(client, page, request)
+            else:
                 self._obey(client, page, request)
 
     def _obey(self, client: str, page: _Page, request: Request) -> None:
@@ -185,22 +210,29 @@ class DriveEnd:
         elif isinstance(request, Alive):
             self._renew(client, page, request.answers, now)
         elif isinstance(request, AskForLease):
-            page = replace(page, lease=request_action(page.lease, request.action, now))
-            self._renew(client, page, request.answers, now)
+            self._ask_for_lease(client, page, request, now)
         elif isinstance(request, Emergency):
             self._link.ask("stop" if request.stop else "release")
         elif isinstance(request, LimitSpeed):
             self._speed_limit.publish(float(request.percent))
+        elif isinstance(request, SwitchObstacleStop):
+            self._link.ask("obstacles on" if request.on else "obstacles off")
         elif isinstance(request, Cancel):
             self._topics.cancel_goals()
         elif isinstance(request, GoTo):
             place = self._places.find(request.place)
             if place is None:
-                self._reply(client, {"t": "refused", "what": "go_to", "why": "no place"})
+                self._refuse(client, page, "go_to", "no place", now)
             else:
                 self._navigate(client, page, Goal(request.answers, *place), now)
-        elif not isinstance(request, (NamePlace, ForgetPlace, PutZone, DeleteZone)):
+        elif not isinstance(request, (NamePlace, ForgetPlace, PutZone, DeleteZone, SaveMap, AskPatrol)):
             self._navigate(client, page, request, now)
+
+    def _ask_for_lease(self, client: str, page: _Page, request: AskForLease, now: float) -> None:
+        if request.action == "release" and page.goal and self._lease and self._lease.client == client:
+            self._topics.cancel_goals()  # a goal whose client has left would be held
+        page = replace(page, lease=request_action(page.lease, request.action, now))
+        self._renew(client, page, request.answers, now)
 
     def _change_zones(self, client: str, request: PutZone | DeleteZone) -> None:
         what = "put_zone" if isinstance(request, PutZone) else "delete_zone"
@@ -213,6 +245,13 @@ class DriveEnd:
         if not self._zones.change(request, answer):
             answer("no zones")
 
+    def _save_map(self, client: str) -> None:
+        def answer(name: str, problem: str) -> None:
+            what = {"t": "done", "name": name} if name else {"t": "refused", "why": problem}
+            self._reply(client, {**what, "what": "save_map"})
+
+        self._maps.save(answer)
+
     def _drive(self, client: str, page: _Page, command: Stick, now: float) -> None:
         age = age_of_answer(self._heard, command.answers, now)
         stick, verdict = step_stick(page.stick, command.hold, age, now)
@@ -224,6 +263,7 @@ class DriveEnd:
             stick, verdict = end_stick(stick)
             why = "no mux"
         if verdict == "drive":
+            page = replace(page, lease=replace(page.lease, ended_at=None))
             began = command.hold != page.stick.hold and self._lease is not None
             if began and self._lease is not None and self._lease.client != client:
                 page = replace(page, lease=request_action(page.lease, "acquire", now))
@@ -256,6 +296,9 @@ class DriveEnd:
         self._velocities.publish(message)
 
     def _renew(self, client: str, page: _Page, answer: Stamp, now: float) -> None:
+        goal = self._topics.goal(time.monotonic())
+        if page.goal and (goal.number != page.goal or goal.over):
+            page = replace(page, goal=0, lease=note_end(page.lease, now))
         lease, action = step_page(page.lease, self._lease, now)
         page = self._pages[client] = replace(page, lease=lease)
         if action is not None:
@@ -271,9 +314,9 @@ class DriveEnd:
         age = age_of_answer(self._heard, request.answers, now)
         late = age is None or age > REQUEST_FRESHNESS
         if late and (self._lease is not None or self._heard.newest is not None):
-            self._reply(client, {"t": "refused", "what": what, "why": "late"})
+            self._refuse(client, page, what, "late", now)
         elif not may_drive(page.lease, self._lease):
-            self._reply(client, {"t": "refused", "what": what, "why": "driver"})
+            self._refuse(client, page, what, "driver", now)
         elif isinstance(request, Resume):
             self._topics.continue_goal(rospy.Time(*request.answers))
         elif isinstance(request, InitialPose):
@@ -281,14 +324,32 @@ class DriveEnd:
         else:
             self._go(client, page, request, now)
 
+    def _ask_patrol(self, client: str, page: _Page, request: AskPatrol) -> None:
+        def answer(problem: str) -> None:
+            what = {"t": "refused", "why": problem} if problem else {"t": "done"}
+            self._reply(client, {**what, "what": "patrol"})
+
+        name = f"{client[:40]}-{next(self._numbers)}"
+        ask_patrol(self._patrol, self._places, request, name, page.lease.client, page.name, answer)
+
+    def _refuse(self, client: str, page: _Page, what: str, why: str, now: float) -> None:
+        """Refuse a request; a lease that its page has without driving to a goal goes back."""
+        if not page.goal:
+            self._pages[client] = replace(page, lease=note_end(page.lease, now))
+        self._reply(client, {"t": "refused", "what": what, "why": why})
+
     def _go(self, client: str, page: _Page, goal: Goal, now: float) -> None:
-        goal_id = f"{rospy.get_name()}-{next(self._numbers)}-{time.time():.3f}"
+        goal_id, yaw = f"{rospy.get_name()}-{next(self._numbers)}-{time.time():.3f}", goal.yaw
+        if yaw is None:
+            goal_id = write_any_heading(goal_id)
+            yaw = heading_there(self._topics.robot.pose(), goal.x, goal.y)
         if self._lease is not None:
             if self._lease.client != client:
-                page = self._pages[client] = replace(page, lease=request_action(page.lease, "acquire", now))
+                page = replace(page, lease=request_action(page.lease, "acquire", now))
                 self._request(page, "acquire", goal.answers)
             goal_id = write_goal_id(goal_id, page.lease.client, goal.answers[0] * _NANO + goal.answers[1])
-        number = self._topics.send_goal(goal_id, Pose2(goal.x, goal.y, goal.yaw))
+        number = self._topics.send_goal(goal_id, Pose2(goal.x, goal.y, yaw))
+        self._pages[client] = replace(page, goal=number, lease=replace(page.lease, ended_at=None))
         self._reply(client, {"t": "sent", "what": "goal", "number": number})
 
     @quiet_at_end

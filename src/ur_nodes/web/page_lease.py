@@ -14,23 +14,33 @@ from ur_nodes.motion.lease.view import is_settled
 PATIENCE = 2.0
 """Seconds after which a request that has not taken effect is given up."""
 
+HAND_BACK = 3.0
+"""Seconds after the end of a page's goal after which its lease is released."""
+
 
 @dataclass(frozen=True, slots=True)
 class PageLease:
     """A page's client id and its browser (`computer`).
 
-    `wanted` is the action that has not taken effect yet; it is given up after the time `until` (s).
+    `wanted` is the action that has not taken effect yet; it is given up after the time `until` (s). `ended_at` is when
+    the page's goal ended or was refused; None: it drives to one, or its user has driven by hand or asked since.
     """
 
     client: str
     computer: str = ""
     wanted: Action | None = None
     until: float = 0.0
+    ended_at: float | None = None
 
 
 def request_action(page: PageLease, action: Action, now: float) -> PageLease:
     """Note what the user of the page asks for at `now` (s)."""
-    return replace(page, wanted=action, until=now + PATIENCE)
+    return replace(page, wanted=action, until=now + PATIENCE, ended_at=None)
+
+
+def note_end(page: PageLease, now: float) -> PageLease:
+    """Note that the page's goal has ended, or was refused: the lease goes back soon."""
+    return page if page.ended_at is not None else replace(page, ended_at=now)
 
 
 def step_page(page: PageLease, lease: Lease | None, now: float) -> tuple[PageLease, Action | None]:
@@ -41,6 +51,8 @@ def step_page(page: PageLease, lease: Lease | None, now: float) -> tuple[PageLea
         page = replace(page, wanted=None)
     if page.wanted:
         return page, page.wanted
+    if page.ended_at is not None and now - page.ended_at >= HAND_BACK and lease.client == page.client:
+        return request_action(page, "release", now), "release"
     return page, "renew" if takes_part(page, lease) else None
 
 

@@ -10,7 +10,8 @@ import rospy
 
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.rosio.ending import quiet_at_end
-from ur_nodes.web.places import Places, PlaceSettings, choose_file, read_settings
+from ur_nodes.teleop.navigator.waypoints import PlaceSettings, choose_file, read_settings
+from ur_nodes.web.places import Places
 
 _PERIOD = 1.0  # s
 _PARAMETERS_EVERY = 3  # periods

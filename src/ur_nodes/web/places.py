@@ -4,49 +4,17 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from ur.source.diagnostic import UserError
 from ur.source.printable import printable
 from ur.web.wire.requests import ForgetPlace, NamePlace
-from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.teleop.navigator.waypoints import WAYPOINT_NAME, WaypointStore, name_of_map, waypoint_path
+from ur_nodes.teleop.navigator.waypoints import WAYPOINT_NAME, WaypointStore
 
 MOST_PLACES = 200
 _LONGEST_NAME = 64
-
-
-@dataclass(frozen=True, slots=True)
-class PlaceSettings:
-    """The parameters of `keyboard_navigate` that lead to its file. `grows`: the map gets its name when it is saved."""
-
-    map_name: str = ""
-    file: str = ""
-    grows: bool = False
-
-
-def read_settings(value: object) -> PlaceSettings:
-    """The settings in the parameters of a node; those of a missing one, or of another type, are empty."""
-    if not isinstance(value, Mapping):
-        return PlaceSettings()
-    name, file, service = (value.get(each, "") for each in ("map_name", "waypoints_file", "save_service"))
-    return PlaceSettings(
-        name if isinstance(name, str) else "",
-        file if isinstance(file, str) else "",
-        isinstance(service, str) and service != "",
-    )
-
-
-def choose_file(settings: PlaceSettings, grid: Grid | None, environment: Mapping[str, str]) -> Path | None:
-    """The file of the places; None while there is no map, or it has no name yet."""
-    if settings.file:
-        return Path(settings.file).expanduser()
-    if settings.map_name:
-        return waypoint_path(settings.map_name, environment)
-    return None if grid is None or settings.grows else waypoint_path(name_of_map(grid), environment)
 
 
 class Places:

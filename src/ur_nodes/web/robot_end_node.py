@@ -21,11 +21,13 @@ from typing import Any
 import rospy
 
 from ur.web.wire.frames import LENGTH
+from ur_nodes.missions.patrol_link_node import PatrolLink
 from ur_nodes.motion.challenge.freshness import Stamp
 from ur_nodes.rosio.shell import run_node
 from ur_nodes.teleop.mux.link_node import MuxLink
 from ur_nodes.teleop.navigator.navigation_topics_node import Names, NavigationTopics
 from ur_nodes.web.drive_end_node import DriveEnd
+from ur_nodes.web.map_link_node import MapLink
 from ur_nodes.web.places import Places
 from ur_nodes.web.robot_facts_node import RobotFacts
 from ur_nodes.web.view_end_node import ViewEnd
@@ -43,9 +45,13 @@ class RobotEnd:
         self._sending, self._showing = threading.Lock(), threading.Lock()
         names = Names()
         topics, mux, facts, places = NavigationTopics(names), MuxLink(names.mux), RobotFacts(), Places()
-        zones = ZoneLink(rospy.get_name())
-        self._drives = DriveEnd(names.mux, topics, mux, places, zones, facts.limits, self._reply, self._announce)
-        self._views = ViewEnd(topics, mux, self._drives, facts, places, zones, names.mux, self._send_frame)
+        zones, patrol, maps = ZoneLink(rospy.get_name()), PatrolLink(), MapLink()
+        self._drives = DriveEnd(
+            names.mux, topics, mux, places, zones, patrol, maps, facts.limits, self._reply, self._announce
+        )
+        self._views = ViewEnd(
+            topics, mux, self._drives, facts, places, zones, patrol, maps, names.mux, self._send_frame
+        )
         self._run_id = rospy.get_param("/run_id", "")
         rospy.on_shutdown(self._drives.leave_all)
         for target in (self._read_view, self._read_drive, self._watch):
@@ -70,7 +76,8 @@ class RobotEnd:
 
     def _read_view(self) -> None:
         for message in _read_lines(self._view):
-            self._views.look(int(message.get("viewers", 0)), message.get("layers", []), message.get("plots", []))
+            layers, plots = message.get("layers", []), message.get("plots", [])
+            self._views.look(int(message.get("viewers", 0)), layers, plots, message.get("camera", ""))
         rospy.signal_shutdown("the server is gone")
 
     def _read_drive(self) -> None:
@@ -79,6 +86,8 @@ class RobotEnd:
             if message.get("do") == "come":
                 name, computer = str(message.get("name", "")), str(message.get("computer", ""))
                 self._drives.come(page, name, computer, once=message.get("once") is True)
+            elif message.get("do") == "name":
+                self._drives.rename(page, str(message.get("name", "")))
             elif message.get("do") == "leave":
                 self._drives.leave(page)
             elif message.get("do") == "stop":
@@ -99,7 +108,7 @@ class RobotEnd:
             due = time.monotonic() + _MASTER_EVERY
             try:
                 run_id = rospy.get_param("/run_id", "")
-            except Exception:  # noqa: S112 - whatever is wrong with the master, it is not another one
+            except Exception:  # noqa: S112 - a master that answers wrongly is not another one
                 continue
             if run_id != self._run_id:
                 rospy.signal_shutdown("another master has started")

@@ -27,18 +27,22 @@ from ur.web.wire.frames import (
     tile_frame,
 )
 from ur_nodes.geometry.grid import Grid
+from ur_nodes.missions.patrol_link_node import PatrolLink
+from ur_nodes.missions.patrol_text import PatrolStatus, describe_patrol
 from ur_nodes.rosio.ending import quiet_at_end
 from ur_nodes.teleop.mux.emergency import MuxView
 from ur_nodes.teleop.mux.link_node import MuxLink
 from ur_nodes.teleop.navigator.model import GoalReport, Snapshot, distance_left
 from ur_nodes.teleop.navigator.navigation_topics_node import NavigationTopics
 from ur_nodes.web.drive_end_node import DriveEnd
+from ur_nodes.web.exploration_topic_node import ExplorationTopic
 from ur_nodes.web.layers.camera_node import CameraView
 from ur_nodes.web.layers.layers_node import ExtraLayers
 from ur_nodes.web.layers.overlays_node import Overlays
 from ur_nodes.web.layers.plots_node import PlotFeed
 from ur_nodes.web.layers.tiles import Tiles, cut_tiles
 from ur_nodes.web.layers.topic_list_node import list_topics
+from ur_nodes.web.map_link_node import MapLink
 from ur_nodes.web.place_file_node import PlaceFile
 from ur_nodes.web.places import Places
 from ur_nodes.web.robot_facts_node import RobotFacts
@@ -63,15 +67,19 @@ class ViewEnd:
         facts: RobotFacts,
         places: Places,
         zones: ZoneLink,
+        patrol: PatrolLink,
+        maps: MapLink,
         mux_name: str,
         send: Send,
     ) -> None:
         self._topics, self._mux, self._drive, self._facts, self._send = topics, mux, drive, facts, send
         self._places, self._place_file = places, PlaceFile(places)
         self._layers = ExtraLayers(topics.robot.place, send)
-        self._zones, self._camera = zones, CameraView(self._send_picture)
+        self._zones, self._camera = zones, CameraView(self._send_picture, list_topics)
         self._overlays = Overlays(topics.robot.place, send, list_topics)
         self._plots = PlotFeed(send, list_topics)
+        self._exploration, self._patrol = ExplorationTopic(), patrol
+        self._maps = maps
         self._mux_name = mux_name
         self._sources: list[str] = []
         self._places_sent: dict[str, Any] = {}
@@ -88,13 +96,16 @@ class ViewEnd:
         rospy.Subscriber("battery_state", BatteryState, self._on_battery, queue_size=1)
         threading.Thread(target=self._run, name="view", daemon=True).start()
 
-    def look(self, viewers: int, layers: Collection[int], plots: Collection[str]) -> None:
-        """Note how many pages look, and at what: without any, only what changes rarely is sent."""
+    def look(self, viewers: int, layers: Collection[int], plots: Collection[str], camera: str) -> None:
+        """Note how many pages look, and at what: without any, only what changes rarely is sent.
+
+        `camera` is the topic of the chosen camera; "" for none.
+        """
         self._viewers = viewers
         self._layers.want(layers)
         self._overlays.want(layers, watched=viewers > 0)
         self._plots.want(plots, shown=Layer.PLOTS in layers)
-        self._camera.want(wanted=Layer.CAMERA in layers)
+        self._camera.want(camera, wanted=Layer.CAMERA in layers)
         self._awake.set()
 
     def _send_picture(self, frame: bytes) -> None:
@@ -185,10 +196,14 @@ class ViewEnd:
                 "asking": [{"client": each.client, "name": each.name} for each in lease.asking],
                 "takenFrom": lease.taken_from.client if lease.taken_from else None,
             },
+            "patrol": _patrol(self._patrol.status()),
+            "exploring": self._exploration.describe(),
+            "map": self._maps.describe(),
             "spread": None if seen.spread is None else round(seen.spread, 2),
             "battery": self._battery,
             "limit": self._limit,
             "bumpers": self._overlays.pressed(),
+            "cameras": self._camera.describe(),
             "sources": self._sources,
         }
 
@@ -217,9 +232,24 @@ def list_sources(topics: object) -> list[str]:
 
 
 def _goal(goal: GoalReport, left: float | None) -> dict[str, Any]:
-    place = None if goal.place is None else [round(each, 3) for each in goal.place]
+    place: list[float | None] | None = None if goal.place is None else [round(each, 3) for each in goal.place]
+    if place is not None and goal.any_heading:
+        place[2] = None
     rest = None if left is None or goal.over else round(left, 1)
     return {"number": goal.number, "place": place, "state": goal.state.name.lower(), "text": goal.text, "left": rest}
+
+
+def _patrol(status: PatrolStatus | None) -> dict[str, Any] | None:
+    """The patrol of the robot; None where no node drives one. `line` is empty before the first."""
+    if status is None:
+        return None
+    return {
+        "state": status.state,
+        "line": describe_patrol(status),
+        "stops": [[each.name, each.x, each.y] for each in status.route.stops],
+        "index": status.index,
+        "loop": status.route.loop,
+    }
 
 
 def _mux(view: MuxView) -> dict[str, Any]:
@@ -228,6 +258,7 @@ def _mux(view: MuxView) -> dict[str, Any]:
         "active": printable(view.active)[:40],
         "asked": view.asked,
         "problem": printable(view.problem)[:300],
+        "obstacles": {"state": view.obstacles.state, "text": view.obstacles.text},
     }
 
 

@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 
 from ur_nodes.motion.lease.text import FREE, Lease, Person
-from ur_nodes.web.page_lease import PATIENCE, PageLease, may_drive, request_action, step_page
+from ur_nodes.web.page_lease import HAND_BACK, PATIENCE, PageLease, may_drive, note_end, request_action, step_page
 
 PAGE = PageLease("web-1", "browser-1")
 MINE = Lease("held", "web-1", "phone")
@@ -34,6 +34,23 @@ def test_wish_is_repeated_until_it_has_taken_effect() -> None:
 
 def test_wish_that_has_no_effect_is_given_up() -> None:
     assert step_page(request_action(PAGE, "take", 0.0), OTHERS, PATIENCE + 0.1)[1] is None
+
+
+def test_lease_goes_back_some_seconds_after_the_goal_has_ended() -> None:
+    page = note_end(note_end(PAGE, 1.0), 2.0)
+    page, action = step_page(page, MINE, 0.9 + HAND_BACK)
+    assert action == "renew"
+    page, action = step_page(page, MINE, 1.0 + HAND_BACK)
+    assert action == "release"
+    page, action = step_page(page, MINE, 1.2 + HAND_BACK)
+    assert action == "release"  # until it has taken effect
+    assert step_page(page, FREE, 1.4 + HAND_BACK)[1] is None
+
+
+def test_lease_stays_when_the_user_asks_for_it_after_a_goal_and_another_driver_is_left_alone() -> None:
+    taken = request_action(note_end(PAGE, 1.0), "take", 1.5)
+    assert step_page(taken, MINE, 60.0)[1] == "renew"
+    assert step_page(note_end(PAGE, 1.0), OTHERS, 60.0)[1] is None
 
 
 @pytest.mark.parametrize(

@@ -9,8 +9,8 @@ import pytest
 from ur.source.diagnostic import UserError
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.teleop.navigator.waypoints import WaypointStore, name_of_map
-from ur_nodes.web.places import MOST_PLACES, Places, PlaceSettings, choose_file, read_settings
+from ur_nodes.teleop.navigator.waypoints import PlaceSettings, WaypointStore, choose_file, name_of_map, read_settings
+from ur_nodes.web.places import MOST_PLACES, Places
 
 GRID = Grid(np.zeros((3, 4), np.int8), 0.05, Pose2(0.0, 0.0, 0.0))
 
@@ -57,7 +57,7 @@ def test_places_are_shared_with_other_programs(tmp_path: Path) -> None:
 def test_names_that_keyboard_navigate_refuses_are_refused(tmp_path: Path) -> None:
     places = Places()
     places.use(tmp_path / "flat.yaml")
-    for name in ("", "-x", "a b", "a\nb", "../x", "x" * 41):
+    for name in ("", "-x", "a ", "a\tb", "a\nb", "../x", "x" * 41):
         with pytest.raises(ValueError, match="name"):
             places.remember(name, Pose2(0.0, 0.0, 0.0))
     assert list(tmp_path.iterdir()) == []

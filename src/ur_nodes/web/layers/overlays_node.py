@@ -1,4 +1,4 @@
-"""Sonars, fiducials, other robots and the spread of the pose, subscribed to while a page shows them; bumpers.
+"""Sonars, fiducials, other robots, frontiers, the spread of the pose, subscribed to while a page shows them; bumpers.
 
 They are found by the types and names of their topics, since each robot has others.
 """
@@ -10,11 +10,13 @@ import threading
 from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import Any
 
+import numpy as np
 import rospy
 from geometry_msgs.msg import PoseWithCovarianceStamped
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import Range
 from std_msgs.msg import Bool
+from visualization_msgs.msg import Marker, MarkerArray
 
 from ur.source.printable import printable
 from ur.web.wire.frames import Kind, Layer, json_frame
@@ -28,7 +30,8 @@ _EVERY = 0.2  # s between two frames of a layer
 _LOOK_EVERY = 3.0  # s between two looks for topics
 _MOST = 64  # topics of a layer
 _MOST_MARKS = 500
-_OVERLAYS = frozenset({Layer.SONARS, Layer.COVARIANCE, Layer.FIDUCIALS, Layer.ROBOTS})
+_MOST_FRONTIERS, _MOST_CELLS = 200, 60  # of a frontier, evenly
+_OVERLAYS = frozenset({Layer.SONARS, Layer.COVARIANCE, Layer.FIDUCIALS, Layer.ROBOTS, Layer.FRONTIERS})
 
 Place = Callable[[str], "Pose2 | None"]
 Topic = tuple[str, str]
@@ -57,6 +60,7 @@ _RULES: Mapping[int, Callable[[str, str], bool]] = {
     Layer.COVARIANCE: lambda name, _: name == rospy.resolve_name("amcl_pose"),
     Layer.FIDUCIALS: lambda _, kind: kind == "fiducial_msgs/FiducialMapEntryArray",
     Layer.ROBOTS: _is_robot,
+    Layer.FRONTIERS: lambda name, _: name == rospy.resolve_name("explore/frontiers"),
     Layer.NONE: lambda name, kind: kind == "std_msgs/Bool" and name.split("/")[-2:-1] == ["bumper"],
 }
 _CLASSES: Mapping[str, Callable[[], Any]] = {
@@ -65,6 +69,7 @@ _CLASSES: Mapping[str, Callable[[], Any]] = {
     "nav_msgs/Odometry": lambda: Odometry,
     "fiducial_msgs/FiducialMapEntryArray": lambda: message_classes("FiducialMapEntryArray")[0],
     "std_msgs/Bool": lambda: Bool,
+    "visualization_msgs/MarkerArray": lambda: MarkerArray,
 }
 
 
@@ -203,6 +208,23 @@ def _describe_robots(found: Mapping[str, Any], place: Place) -> dict[str, Any]:
     return {"robots": robots}
 
 
+def _describe_frontiers(found: Mapping[str, Any], place: Place) -> dict[str, Any]:
+    """Frontiers of an exploration: 1 for one that was given up, then x, y, x, y, ... (m)."""
+    frontiers = []
+    for message in found.values():
+        shown = [each for each in message.markers if each.action == Marker.ADD and each.points]
+        for marker in shown[:_MOST_FRONTIERS]:
+            frame = place(marker.header.frame_id)
+            if frame is None:
+                continue
+            some = marker.points[:: 1 + len(marker.points) // _MOST_CELLS]
+            points = frame.transform_points(np.array([(point.x, point.y) for point in some]))
+            if np.isfinite(points).all():
+                blocked = marker.color.r > marker.color.b
+                frontiers.append([int(blocked), *(round(each, 2) for each in points.ravel().tolist())])
+    return {"frontiers": frontiers}
+
+
 def _round(*numbers: float) -> list[float]:
     return [round(each, 3) if math.isfinite(each) else 0.0 for each in numbers]
 
@@ -212,4 +234,5 @@ _DESCRIBE: Mapping[int, Callable[[Mapping[str, Any], Place], dict[str, Any]]] = 
     Layer.COVARIANCE: _describe_covariance,
     Layer.FIDUCIALS: _describe_fiducials,
     Layer.ROBOTS: _describe_robots,
+    Layer.FRONTIERS: _describe_frontiers,
 }

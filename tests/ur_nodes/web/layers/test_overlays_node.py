@@ -11,10 +11,11 @@ from ur.web.wire.frames import Kind, Layer, key_of
 
 pytest.importorskip("rospy", reason="ROS is not installed")
 
-from geometry_msgs.msg import PoseWithCovarianceStamped
+from geometry_msgs.msg import Point, PoseWithCovarianceStamped
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import Range
-from std_msgs.msg import Bool
+from std_msgs.msg import Bool, ColorRGBA
+from visualization_msgs.msg import Marker, MarkerArray
 
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.vision.messages_node import message_classes
@@ -33,6 +34,7 @@ TOPICS = [
     ("/eve/base_pose_ground_truth", "nav_msgs/Odometry"),
     ("/base_pose_ground_truth", "nav_msgs/Odometry"),
     ("/fiducial_map", "fiducial_msgs/FiducialMapEntryArray"),
+    ("/explore/frontiers", "visualization_msgs/MarkerArray"),
 ]
 
 
@@ -96,6 +98,16 @@ def test_fiducials_have_numbers_and_places() -> None:
     array, entry = message_classes("FiducialMapEntryArray")
     marks = [entry(fiducial_id=7, x=1.0, y=-2.0), entry(fiducial_id=8, x=math.nan)]
     assert Scene().show(Layer.FIDUCIALS, ("/fiducial_map", array(marks))) == {"marks": [[7, 1.0, -2.0]]}
+
+
+def test_frontiers_are_points_of_which_some_are_given_up() -> None:
+    deleted, left, blocked = Marker(action=Marker.DELETEALL), Marker(), Marker(color=ColorRGBA(1.0, 0.0, 0.0, 1.0))
+    left.header.frame_id, left.points = "map", [Point(1.0, 2.0, 0.0), Point(1.05, 2.0, 0.0)]
+    blocked.header.frame_id, blocked.points = "odom", [Point(1.0, 0.0, 0.0)] * 500
+    shown = Scene().show(Layer.FRONTIERS, ("/explore/frontiers", MarkerArray([deleted, left, blocked])))["frontiers"]
+    assert shown[0] == [0, 1.0, 2.0, 1.05, 2.0]
+    assert shown[1][:3] == [1, 1.0, 1.0]
+    assert len(shown[1]) < 125
 
 
 def test_other_robot_is_where_its_localiser_says_before_where_a_simulator_knows_it() -> None:

@@ -1,0 +1,1 @@
+"""The state of the robot and its computer for pages: diagnostics, processor, memory, disk, wireless."""
