@@ -19,6 +19,7 @@ from aiohttp import web  # noqa: E402
 from ur.web.access.origin import make_origins  # noqa: E402
 from ur.web.access.roles import Role  # noqa: E402
 from ur.web.server.application import Application  # noqa: E402
+from ur.web.server.connections.http_server import open_server  # noqa: E402
 from ur.web.server.gate import Gate  # noqa: E402
 from ur.web.server.static_files import load_files  # noqa: E402
 from ur.web.wire.frames import Kind, Layer, camera_frame, json_frame, key_of, points_frame  # noqa: E402
@@ -62,13 +63,12 @@ async def server(tmp_path: Path) -> AsyncIterator[Server]:
     gate = Gate(make_origins((), port), tmp_path / "sessions.json", log.append)
     environment = {"ROS_MASTER_URI": f"http://localhost:{free_port()}"}
     application = Application(gate, load_files(), environment, "bob", log.append)
-    runner = web.AppRunner(application.build(), access_log=None, shutdown_timeout=1.0)
-    await runner.setup()
-    await web.TCPSite(runner, "127.0.0.1", port).start()
     jar = aiohttp.CookieJar(unsafe=True)
-    async with aiohttp.ClientSession(cookie_jar=jar) as client:
+    async with (
+        open_server(application.build(), gate, "127.0.0.1", port, log.append),
+        aiohttp.ClientSession(cookie_jar=jar) as client,
+    ):
         yield Server(application, gate, f"http://127.0.0.1:{port}", client, log)
-    await runner.cleanup()
 
 
 async def test_nothing_but_the_login_is_seen_without_a_session(server: Server) -> None:
@@ -106,6 +106,14 @@ async def test_malformed_logins_are_refused_in_a_line(server: Server, body: str)
     async with server.client.post(f"{server.url}/login", data=body, headers=server.origin) as answer:
         assert answer.status in (400, 403, 413)
         assert "Traceback" not in await answer.text()
+
+
+@pytest.mark.parametrize("charset", ["bogus", "utf-16", "idna", "'"])
+async def test_login_with_a_strange_charset_is_refused_in_a_line(server: Server, charset: str) -> None:
+    headers = {**server.origin, "Content-Type": f"application/json; charset={charset}"}
+    async with server.client.post(f"{server.url}/login", data=b"\xff{", headers=headers) as answer:
+        assert answer.status == 400
+        assert await answer.text() == "expected JSON\n"
 
 
 @pytest.mark.parametrize(
@@ -173,7 +181,7 @@ async def test_page_changes_what_it_shows_over_its_open_connection(
 ) -> None:
     asked: list[tuple[int, bool, list[str]]] = []
 
-    def look(viewers: int, layers: frozenset[Layer], plots: frozenset[str]) -> None:
+    def look(viewers: int, layers: frozenset[Layer], plots: frozenset[str], _camera: str) -> None:
         asked.append((viewers, Layer.GLOBAL in layers, sorted(plots)))
 
     monkeypatch.setattr(server.application.robot_end, "look", look)
@@ -207,7 +215,7 @@ async def test_camera_has_a_socket_of_its_own_and_waits_for_the_page(
 ) -> None:
     come = asyncio.Event()
 
-    def look(_viewers: int, layers: frozenset[Layer], _plots: frozenset[str]) -> None:
+    def look(_viewers: int, layers: frozenset[Layer], _plots: frozenset[str], _camera: str) -> None:
         if Layer.CAMERA in layers:
             come.set()
 
@@ -229,6 +237,38 @@ async def test_camera_has_a_socket_of_its_own_and_waits_for_the_page(
         for _ in range(100):
             await socket.send_str("shown")
         assert (await socket.receive(timeout=30)).type is aiohttp.WSMsgType.CLOSE
+
+
+@pytest.mark.parametrize(
+    ("role", "text", "passed"),
+    [
+        (Role.DRIVE, "/rear/image", ["/rear/image"]),
+        (Role.DRIVE, "/rear/image?", []),
+        (Role.DRIVE, "rear", []),
+        (Role.DRIVE, "/" + "a" * 201, []),
+        (Role.LOOK, "/rear/image", []),
+    ],
+)
+async def test_camera_is_chosen_for_all_pages_by_those_that_may_drive(
+    server: Server, monkeypatch: pytest.MonkeyPatch, role: Role, text: str, passed: list[str]
+) -> None:
+    chosen, done = list[str](), asyncio.Event()
+
+    def look(_viewers: int, _layers: frozenset[Layer], _plots: frozenset[str], camera: str) -> None:
+        if camera:
+            chosen.append(camera)
+            done.set()
+
+    monkeypatch.setattr(server.application.robot_end, "look", look)
+    await server.log_in(role)
+    async with server.client.ws_connect(f"{server.url}/ws/camera", headers=server.origin) as socket:
+        await socket.send_str(text)
+        if not passed:
+            assert (await socket.receive(timeout=30)).type is aiohttp.WSMsgType.CLOSE
+            assert socket.close_code == aiohttp.WSCloseCode.POLICY_VIOLATION
+        else:
+            await asyncio.wait_for(done.wait(), 30)
+    assert chosen[:1] == passed
 
 
 async def test_page_that_sends_rubbish_is_closed(server: Server) -> None:
@@ -266,7 +306,7 @@ async def test_plots_of_all_pages_are_asked_for_once_and_only_they_get_the_numbe
 ) -> None:
     asked: list[tuple[int, bool, list[str]]] = []
 
-    def look(viewers: int, layers: frozenset[Layer], plots: frozenset[str]) -> None:
+    def look(viewers: int, layers: frozenset[Layer], plots: frozenset[str], _camera: str) -> None:
         asked.append((viewers, Layer.PLOTS in layers, sorted(plots)))
 
     monkeypatch.setattr(server.application.robot_end, "look", look)

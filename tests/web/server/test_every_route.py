@@ -12,11 +12,10 @@ from tests.ros_session import free_port
 
 aiohttp = pytest.importorskip("aiohttp", reason="aiohttp is not installed: requirements/web.lock")
 
-from aiohttp import web  # noqa: E402
-
 from ur.web.access.origin import make_origins  # noqa: E402
 from ur.web.access.roles import SESSION_LIFE, TOKEN_LIFE, Role  # noqa: E402
 from ur.web.server.application import Application  # noqa: E402
+from ur.web.server.connections.http_server import open_server  # noqa: E402
 from ur.web.server.gate import VIEWER_PATH, Gate  # noqa: E402
 from ur.web.server.static_files import load_files  # noqa: E402
 
@@ -33,11 +32,30 @@ LOOK = {  # for every login
     ("GET", "/api/doctor"),
     ("GET", "/ws/view"),
     ("GET", "/ws/camera"),
+    ("GET", "/three.js"),
+    ("GET", "/ws/data"),  # as /ws/runs
+    ("GET", "/api/recordings"),  # without the files: tests/web/server/recordings
+    ("GET", "/api/maps"),  # without pictures: test_map_pages
     ("GET", "/ws/runs"),  # what changes something is refused there: test_role_that_looks_changes_nothing
+    ("GET", "/api/robots"),
+    ("POST", "/api/robots"),  # a link of the session's own role: tests/web/server/robots
     ("POST", "/api/stop"),  # the emergency stop is for every role
     ("POST", "/logout"),
+    ("POST", "/api/sessions/name"),  # its own name: test_sessions
+    ("POST", "/api/invite"),  # others who may look: test_sessions
 }
-DRIVE = {("GET", "/ws/drive")}  # for logins that may drive
+DRIVE = {  # for logins that may drive
+    ("GET", "/ws/drive"),
+    ("GET", "/api/sessions"),
+    ("POST", "/api/sessions/end"),
+    ("GET", "/api/recordings/topics"),
+    ("GET", "/api/recordings/file"),
+    ("POST", "/api/maps/rename"),
+    ("POST", "/api/maps/delete"),
+    ("POST", "/api/recordings/start"),
+    ("POST", "/api/recordings/stop"),
+    ("POST", "/api/recordings/delete"),
+}
 VIEWER = {("GET", VIEWER_PATH)}  # by the secret in the address: no cookie counts
 EVIL = "http://evil.example"
 OLD = "x" * 43
@@ -84,12 +102,11 @@ async def server(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> AsyncIterat
         for each in built.router.routes()
         if each.method != "HEAD" and each.resource is not None
     }
-    runner = web.AppRunner(built, access_log=None, shutdown_timeout=1.0)
-    await runner.setup()
-    await web.TCPSite(runner, "127.0.0.1", port).start()
-    async with aiohttp.ClientSession(cookie_jar=aiohttp.CookieJar(unsafe=True)) as client:
+    async with (
+        open_server(built, gate, "127.0.0.1", port, lambda _: None),
+        aiohttp.ClientSession(cookie_jar=aiohttp.CookieJar(unsafe=True)) as client,
+    ):
         yield Server(gate, f"http://127.0.0.1:{port}", routes, client, passed)
-    await runner.cleanup()
 
 
 async def test_every_route_is_classified(server: Server) -> None:
@@ -168,3 +185,13 @@ async def test_role_that_looks_changes_nothing(server: Server) -> None:
             assert (answer["id"], answer["ok"]) == (number, False)
             assert "may look" in answer["text"]
     assert server.passed == []
+
+
+async def test_role_that_looks_chooses_no_arguments_of_launch_files(server: Server) -> None:
+    path = "%s?program=robot_base&node=/amcl&arguments=%s"
+    await server.log_in(Role.LOOK)
+    for route in ("/api/nodes", "/api/graph", "/api/explain"):
+        address = server.url + path % (route, '{"params":"/etc/passwd"}')
+        async with server.client.get(address) as answer:
+            assert answer.status == 403, route
+            assert "default values" in await answer.text()

@@ -17,11 +17,10 @@ from tests.ros_session import free_port
 
 aiohttp = pytest.importorskip("aiohttp", reason="aiohttp is not installed: requirements/web.lock")
 
-from aiohttp import web  # noqa: E402
-
 from ur.web.access.origin import make_origins  # noqa: E402
 from ur.web.access.roles import Role  # noqa: E402
 from ur.web.server.application import Application  # noqa: E402
+from ur.web.server.connections.http_server import open_server  # noqa: E402
 from ur.web.server.gate import Gate  # noqa: E402
 from ur.web.server.run_pages import RunPages  # noqa: E402
 from ur.web.wire import run_requests  # noqa: E402
@@ -45,16 +44,15 @@ VALID: tuple[dict[str, Any], ...] = (
 async def test_only_requests_that_are_well_formed_reach_the_robot(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("ur.web.server.gate._REQUEST_RATE", 1e6)  # the test opens a page every few milliseconds
     port, chance, log, passed = free_port(), random.Random(COUNT), list[str](), list[Any]()
     gate = Gate(make_origins((), port), tmp_path / "sessions.json", log.append)
     application = Application(gate, {}, {"ROS_MASTER_URI": f"http://localhost:{free_port()}"}, "bob", log.append)
     monkeypatch.setattr(application.robot_end, "send", passed.append)
-    runner = web.AppRunner(application.build(), access_log=None, shutdown_timeout=1.0)
-    await runner.setup()
-    await web.TCPSite(runner, "127.0.0.1", port).start()
     url, seeds = f"http://127.0.0.1:{port}", [json.dumps(each).encode() for each in VALID]
-    async with aiohttp.ClientSession(cookie_jar=aiohttp.CookieJar(unsafe=True), headers={"Origin": url}) as client:
+    async with (
+        open_server(application.build(), gate, "127.0.0.1", port, log.append),
+        aiohttp.ClientSession(cookie_jar=aiohttp.CookieJar(unsafe=True), headers={"Origin": url}) as client,
+    ):
         await (await client.post(f"{url}/login", json={"token": gate.invite(Role.DRIVE)})).release()
         for page in range(0, COUNT, A_PAGE):
             async with client.ws_connect(f"{url}/ws/drive?tab={page:08d}") as socket:
@@ -70,7 +68,6 @@ async def test_only_requests_that_are_well_formed_reach_the_robot(
                 await socket.close()
         answer = await client.get(f"{url}/api/me")
         assert (await answer.json())["role"] == "drive"
-    await runner.cleanup()
     requests = [each["m"] for each in passed if "m" in each]
     assert requests.count('{"t": "cancel"}') == len(range(0, COUNT, A_PAGE))  # each page is heard to its end
     for each in requests:
@@ -99,11 +96,12 @@ async def test_only_run_requests_that_are_well_formed_are_carried_out(
     port, chance, log = free_port(), random.Random(COUNT), list[str]()
     gate = Gate(make_origins((), port), tmp_path / "sessions.json", log.append)
     environment = {"ROS_MASTER_URI": f"http://localhost:{free_port()}", "HOME": str(tmp_path)}
-    runner = web.AppRunner(Application(gate, {}, environment, "bob", log.append).build(), access_log=None)
-    await runner.setup()
-    await web.TCPSite(runner, "127.0.0.1", port).start()
+    built = Application(gate, {}, environment, "bob", log.append).build()
     url, seeds = f"http://127.0.0.1:{port}", [json.dumps(each).encode() for each in VALID_RUNS]
-    async with aiohttp.ClientSession(cookie_jar=aiohttp.CookieJar(unsafe=True), headers={"Origin": url}) as client:
+    async with (
+        open_server(built, gate, "127.0.0.1", port, log.append),
+        aiohttp.ClientSession(cookie_jar=aiohttp.CookieJar(unsafe=True), headers={"Origin": url}) as client,
+    ):
         await (await client.post(f"{url}/login", json={"token": gate.invite(Role.DRIVE)})).release()
         for _ in range(0, COUNT, A_PAGE):
             async with client.ws_connect(f"{url}/ws/runs") as socket:
@@ -121,7 +119,6 @@ async def test_only_run_requests_that_are_well_formed_are_carried_out(
             answer = await client.get(f"{url}/api/{query}")
             assert answer.status == 400, query
             assert "Traceback" not in await answer.text()
-    await runner.cleanup()
     last = read_run_request(json.dumps(VALID_RUNS[2])).request
     assert done.count(last) >= len(range(0, COUNT, A_PAGE))  # each page is heard to its end
     for each in done:

@@ -12,12 +12,11 @@ from tests.ros_session import free_port
 
 aiohttp = pytest.importorskip("aiohttp", reason="aiohttp is not installed: requirements/web.lock")
 
-from aiohttp import web  # noqa: E402
-
 from ur.web.access.origin import make_origins  # noqa: E402
 from ur.web.access.roles import Role  # noqa: E402
 from ur.web.server import run_pages  # noqa: E402
 from ur.web.server.application import Application  # noqa: E402
+from ur.web.server.connections.http_server import open_server  # noqa: E402
 from ur.web.server.gate import Gate  # noqa: E402
 
 
@@ -37,12 +36,12 @@ async def server(tmp_path: Path) -> AsyncIterator[Server]:
     port = free_port()
     gate = Gate(make_origins((), port), tmp_path / "sessions.json", lambda _: None)
     environment = {"ROS_MASTER_URI": f"http://localhost:{free_port()}", "HOME": str(tmp_path)}
-    runner = web.AppRunner(Application(gate, {}, environment, "bob", lambda _: None).build(), access_log=None)
-    await runner.setup()
-    await web.TCPSite(runner, "127.0.0.1", port).start()
-    async with aiohttp.ClientSession(cookie_jar=aiohttp.CookieJar(unsafe=True)) as client:
+    application = Application(gate, {}, environment, "bob", lambda _: None).build()
+    async with (
+        open_server(application, gate, "127.0.0.1", port, lambda _: None),
+        aiohttp.ClientSession(cookie_jar=aiohttp.CookieJar(unsafe=True)) as client,
+    ):
         yield Server(gate, f"http://127.0.0.1:{port}", client)
-    await runner.cleanup()
 
 
 async def ask(socket: Any, **message: Any) -> dict[str, Any]:

@@ -5,7 +5,12 @@ from __future__ import annotations
 import http.client
 import json
 import os
+import pty
+import re
+import select
+import shutil
 import signal
+import socket
 import subprocess
 import sys
 from pathlib import Path
@@ -27,8 +32,8 @@ class Service:
         kept = {name: value for name, value in os.environ.items() if not name.startswith(("XDG", "ROS"))}
         self.env = kept | {"HOME": str(home), "ROS_MASTER_URI": f"http://localhost:{free_port()}"}
 
-    def start(self) -> None:
-        command = [sys.executable, "-I", "-m", "ur", "web", "--service", "--port", str(self.port)]
+    def start(self, *prefix: str) -> None:
+        command = [*prefix, sys.executable, "-I", "-m", "ur", "web", "--service", "--port", str(self.port)]
         pipe = subprocess.PIPE
         self.process = subprocess.Popen(command, env=self.env, stdout=pipe, stderr=subprocess.STDOUT, text=True)
         assert self.process.stdout is not None
@@ -71,3 +76,59 @@ def test_service_prints_no_link_and_admits_one_that_was_made_beside_it_also_afte
     files = [each for each in tmp_path.rglob("*") if each.is_file()]
     assert files
     assert not any(each in path.read_text() for path in files for each in (token, later))
+
+
+def test_enter_in_the_terminal_prints_another_link_and_logins_are_told_there(tmp_path: Path) -> None:
+    ours, its = pty.openpty()
+    service, shown = Service(tmp_path), ""
+    command = [sys.executable, "-I", "-m", "ur", "web", "--no-browser", "--look", "--port", str(service.port)]
+    process = subprocess.Popen(command, env=service.env, stdin=its, stdout=its, stderr=its, start_new_session=True)
+    os.close(its)
+
+    def read_until(pattern: str) -> re.Match[str]:
+        nonlocal shown
+        while not (found := re.search(pattern, shown)):
+            assert select.select([ours], [], [], 60.0)[0], shown
+            shown += os.read(ours, 4096).decode()
+        return found
+
+    try:
+        first = read_until(r"login#(\S+)\s")[1]
+        read_until("Enter prints another one")
+        os.write(ours, b"\n")
+        second = read_until(r"login#\S+\s[\s\S]*login#(\S+)\s")[1]
+        assert first != second
+        for token in (first, second):
+            assert service.ask("POST", "/login", json.dumps({"token": token}))[0] == 200
+        read_until(r"\d\d:\d\d:\d\d a browser 2 logged in from \S+ and may look")
+        listing = [*command[:5], "--sessions"]
+        listed = subprocess.run(listing, env=service.env, capture_output=True, text=True, check=True)
+        assert [line.split()[:3] for line in listed.stdout.splitlines()[1:]].count(["a", "browser", "look"]) == 1
+        assert "a browser 2" in listed.stdout
+        process.send_signal(signal.SIGINT)
+        assert process.wait(20) == 0
+    finally:
+        if process.poll() is None:
+            process.kill()
+            process.wait()
+        os.close(ours)
+
+
+@pytest.mark.skipif(shutil.which("prlimit") is None, reason="prlimit is not installed")
+def test_server_without_descriptors_drops_what_waits_and_logs_one_line(tmp_path: Path) -> None:
+    service, token = Service(tmp_path), make_token()
+    subprocess.run(["sh", "-c", admit_script(token, Role.LOOK)], env=service.env, check=True)
+    service.start("prlimit", "--nofile=48")
+    idle: list[socket.socket] = []
+    try:
+        idle += [socket.create_connection(("127.0.0.1", service.port), 60) for _ in range(200)]
+        code, _, cookie = service.ask("POST", "/login", json.dumps({"token": token}))
+        assert code == 200
+        assert service.ask("GET", "/api/me", cookie=cookie)[0] == 200
+    finally:
+        for each in idle:
+            each.close()
+        service.stop()
+    log = (tmp_path / ".local/state/ubiquity_launches/web/web.log").read_text()
+    assert log.count("connections cannot be accepted: too many open files") == 1
+    assert len(log) < 2000

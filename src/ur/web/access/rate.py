@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,3 +25,21 @@ def draw(bucket: Bucket, now: float) -> tuple[Bucket, bool]:
     level = min(bucket.burst, bucket.level + bucket.rate * max(0.0, now - bucket.at))
     allowed = level >= 1.0
     return replace(bucket, level=level - 1.0 if allowed else level, at=now), allowed
+
+
+@dataclass(slots=True)
+class Buckets:
+    """A bucket for each client, such as an address or a session, at most `most` of those that came last."""
+
+    rate: float
+    burst: float
+    most: int = 1000
+    _buckets: dict[str, Bucket] = field(default_factory=dict)
+
+    def allows(self, client: str, now: float) -> bool:
+        """Take one event out of a client's bucket; whether it is allowed."""
+        bucket = self._buckets.pop(client, None) or make_bucket(self.rate, self.burst, now)
+        self._buckets[client], allowed = draw(bucket, now)
+        while len(self._buckets) > self.most:
+            del self._buckets[next(iter(self._buckets))]
+        return allowed

@@ -9,9 +9,11 @@ seconds since 1970.
 from __future__ import annotations
 
 import hashlib
+import itertools
 import json
 import math
 import secrets
+from collections.abc import Collection, Iterable
 from dataclasses import asdict, dataclass, field, replace
 from enum import Enum
 from typing import Any
@@ -19,12 +21,15 @@ from typing import Any
 TOKEN_LIFE = 3600.0
 """Seconds for which a link may be used."""
 
-SESSION_LIFE = 30 * 86400.0
-"""Seconds after its last use for which a session lasts."""
+DAY = 86400.0
+"""Seconds of a day."""
+
+SESSION_LIFE = 30 * DAY
+"""Seconds for which a session lasts from its login on, unless the server is told otherwise."""
 
 _MOST_SESSIONS = 100
 _MOST_TOKENS = 100
-_NOTED_EVERY = 3600.0  # s: how exactly the last use is known
+_NOTED_EVERY = 60.0  # s: how exactly the last use is known
 _LONGEST_SECRET = 128
 
 
@@ -37,11 +42,26 @@ class Role(str, Enum):
 
 @dataclass(frozen=True, slots=True)
 class Grant:
-    """A right that a secret gives: its role, when it ends, and the name of a session for logs and for the lease."""
+    """A right that a secret gives: its role, when it ends, and the name of a session for people.
+
+    `address` is that of the login, at the time `first`; `last` is the time of the last use; 0 where it is not known.
+    """
 
     role: Role
     until: float
     name: str = ""
+    address: str = ""
+    first: float = 0.0
+    last: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Device:
+    """A device that logs in: the name of its kind for people, its address, and the `life` of the login in s."""
+
+    name: str
+    address: str = ""
+    life: float = SESSION_LIFE
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,23 +80,23 @@ def add_token(ledger: Ledger, role: Role, now: float) -> tuple[Ledger, str]:
     return replace(ledger, tokens=dict(list(tokens.items())[-_MOST_TOKENS:])), secret
 
 
-def use_token(ledger: Ledger, token: object, name: str, now: float) -> tuple[Ledger, str | None]:
+def use_token(ledger: Ledger, token: object, device: Device, now: float) -> tuple[Ledger, str | None]:
     """Use a token up: the ledger with a new session, and the session's secret; None for a token that is not valid."""
     key = _key(token)
     grant = ledger.tokens.get(key) if key else None
     if grant is None or now > grant.until:
         return ledger, None
     tokens = {each: value for each, value in ledger.tokens.items() if each != key}
-    return open_session(replace(ledger, tokens=tokens), grant.role, name, now)
+    return open_session(replace(ledger, tokens=tokens), grant.role, device, now)
 
 
-def open_session(ledger: Ledger, role: Role, name: str, now: float) -> tuple[Ledger, str]:
-    """The ledger with a new session, and the session's secret."""
+def open_session(ledger: Ledger, role: Role, device: Device, now: float) -> tuple[Ledger, str]:
+    """The ledger with a new session, whose name no other one has, and the session's secret."""
     secret = secrets.token_urlsafe(32)
-    sessions = {
-        **_valid(ledger.sessions, now),
-        hash_secret(secret): Grant(role, now + SESSION_LIFE, clean_name(name)),
-    }
+    sessions = _valid(ledger.sessions, now)
+    name = choose_name(device.name, (each.name for each in sessions.values()))
+    grant = Grant(role, now + device.life, name, clean_name(device.address), now, now)
+    sessions = {**sessions, hash_secret(secret): grant}
     return replace(ledger, sessions=dict(list(sessions.items())[-_MOST_SESSIONS:])), secret
 
 
@@ -101,18 +121,44 @@ def find_session(ledger: Ledger, secret: object, now: float) -> tuple[str, Grant
 
 
 def note_use(ledger: Ledger, secret: str, now: float) -> Ledger:
-    """A session was used: it lasts longer. The same ledger if that was noted lately."""
+    """A session was used, which does not prolong it. The same ledger if that was noted lately."""
     key = _key(secret)
     grant = ledger.sessions.get(key)
-    if grant is None or grant.until - SESSION_LIFE > now - _NOTED_EVERY:
+    if grant is None or abs(now - grant.last) < _NOTED_EVERY:
         return ledger
-    return replace(ledger, sessions={**ledger.sessions, key: replace(grant, until=now + SESSION_LIFE)})
+    return replace(ledger, sessions={**ledger.sessions, key: replace(grant, last=now)})
 
 
-def end_session(ledger: Ledger, secret: object) -> Ledger:
-    """Log out."""
-    key = _key(secret)
-    return replace(ledger, sessions={each: grant for each, grant in ledger.sessions.items() if each != key})
+def list_sessions(ledger: Ledger, now: float) -> dict[str, Grant]:
+    """The sessions that are valid, by their ids, oldest first."""
+    return {session_id(key): grant for key, grant in _valid(ledger.sessions, now).items()}
+
+
+def end_sessions(ledger: Ledger, ids: Collection[str]) -> Ledger:
+    """Log out the sessions with these ids."""
+    sessions = {key: grant for key, grant in ledger.sessions.items() if session_id(key) not in ids}
+    return replace(ledger, sessions=sessions)
+
+
+def name_session(ledger: Ledger, number: str, name: str) -> Ledger:
+    """Give the session with an id another name, to which a number is added where another session has it."""
+    others = [grant.name for key, grant in ledger.sessions.items() if session_id(key) != number]
+    chosen = choose_name(name, others)
+    return replace(
+        ledger,
+        sessions={
+            key: replace(grant, name=chosen) if session_id(key) == number else grant
+            for key, grant in ledger.sessions.items()
+        },
+    )
+
+
+def choose_name(name: str, others: Iterable[str]) -> str:
+    """A name as it may be shown that is none of `others`: `Linux`, `Linux 2`, `Linux 3`."""
+    taken = {each.casefold() for each in others}
+    plain = clean_name(name) or "a browser"
+    names = itertools.chain([plain], (f"{plain[:35]} {number}" for number in itertools.count(2)))
+    return next(each for each in names if each.casefold() not in taken)
 
 
 def session_id(key: str) -> str:
@@ -152,10 +198,13 @@ def read_sessions(text: str) -> Ledger:
 def _read_grant(value: Any) -> Grant | None:
     if not isinstance(value, dict) or value.get("role") not in ("look", "drive"):
         return None
-    until = value.get("until")
-    if not isinstance(until, (int, float)) or isinstance(until, bool):
+    times = [value.get("until"), value.get("first", 0.0), value.get("last", 0.0)]
+    if not all(isinstance(each, (int, float)) and not isinstance(each, bool) for each in times):
         return None
-    return Grant(Role(value["role"]), float(until), clean_name(value.get("name")))
+    until, first, last = map(float, times)
+    return Grant(
+        Role(value["role"]), until, clean_name(value.get("name")), clean_name(value.get("address")), first, last
+    )
 
 
 def _valid(grants: dict[str, Grant], now: float) -> dict[str, Grant]:

@@ -15,9 +15,15 @@ from aiohttp import WSCloseCode, WSMsgType, web
 from ur.web.access.rate import draw, make_bucket
 from ur.web.access.roles import Role
 from ur.web.server.cameras import Cameras
+from ur.web.server.data.data_pages import DataPages
 from ur.web.server.drivers import Driver, Drivers
 from ur.web.server.gate import SESSION, VIEWER_PATH, Gate, demand_drive
+from ur.web.server.logins.session_pages import SessionPages
+from ur.web.server.map_pages import MapPages
+from ur.web.server.recordings.recording_pages import RecordingPages
 from ur.web.server.robot_end import RobotEnd
+from ur.web.server.robots.robot_pages import RobotPages
+from ur.web.server.robots.robots import OneRobot, Robots
 from ur.web.server.run_pages import RunPages
 from ur.web.server.static_files import StaticFile
 from ur.web.server.viewer_gate import ViewerGate
@@ -35,7 +41,9 @@ from ur.web.wire.requests import (
     LimitSpeed,
     NamePlace,
     PutZone,
+    SaveMap,
     Stick,
+    SwitchObstacleStop,
     read_request,
 )
 from ur.web.wire.view_request import LONGEST as LONGEST_VIEW
@@ -49,7 +57,9 @@ _CANCEL_AGAIN = 1.0  # s
 _MOST_BAD = 20  # malformed messages of one page
 _RATE, _BURST = 150.0, 150.0  # messages of one page, a second
 _VIEW_RATE, _VIEW_BURST = 10.0, 40.0  # changes of what one page shows, a second
-_LOGGED = (DeleteZone, Emergency, ForgetPlace, GoTo, AskForLease, LimitSpeed, NamePlace, PutZone)
+_LOGGED = (
+    DeleteZone, Emergency, ForgetPlace, GoTo, AskForLease, LimitSpeed, NamePlace, PutZone, SaveMap, SwitchObstacleStop,
+)  # fmt: skip
 _TAB = re.compile(r"[0-9a-z]{8,32}", re.ASCII)
 
 
@@ -63,15 +73,27 @@ class Application:
         environment: Mapping[str, str],
         robot: str,
         log: Callable[[str], None],
+        robots: Robots | None = None,
     ) -> None:
-        """`robot` is the name of the robot that is shown; `log` takes a line about who does what."""
+        """`robot` is the name of the robot that is shown; `log` takes a line about who does what.
+
+        `robots` are those that pages may change to; only that one unless given.
+        """
         self._gate, self._files, self._robot, self._log = gate, files, robot, log
         self._viewers = Viewers()
         self._drivers = Drivers(self._send)
         self._cameras = Cameras()
         self._runs = RunPages(environment, log)
+        self._devices = SessionPages(gate, self._drivers.rename, log)
         self.robot_end = RobotEnd(environment, self.show, self._drivers.take, self._on_start, self._announce, log)
-        self._foxglove = ViewerGate(environment, self._drivers, self._send, lambda: self.robot_end.state == "up", log)
+        self._foxglove = ViewerGate(environment, self._drivers, self._send, self._is_up, log)
+        self._data = DataPages(environment, self._is_up, log)
+        self._maps = MapPages(environment, log)
+        self._recordings = RecordingPages(environment, log)
+        self._robots = RobotPages(robots or OneRobot(robot, self._is_up), log)
+
+    def _is_up(self) -> bool:
+        return self.robot_end.state == "up"
 
     def build(self) -> web.Application:
         """The aiohttp application."""
@@ -88,8 +110,13 @@ class Application:
                 web.get("/ws/drive", self._drive),
                 web.get("/ws/camera", self._show_camera),
                 *self._runs.routes(),
+                *self._data.routes(),
+                *self._recordings.routes(),
+                *self._maps.routes(),
+                *self._robots.routes(),
+                *self._devices.routes(),
                 web.get(VIEWER_PATH, self._foxglove.serve),
-                web.get("/{name:[a-z_]+\\.[a-z]+}", self._serve_file),
+                web.get("/{name:([a-z_]+/)?[a-z_]+\\.[a-z]+}", self._serve_file),
             ]
         )
         app.cleanup_ctx.append(self._run)
@@ -105,6 +132,7 @@ class Application:
                 task.cancel()
             _, pending = await asyncio.wait(pending, timeout=_CANCEL_AGAIN)
         await asyncio.gather(*tasks, return_exceptions=True)
+        self._gate.sessions.save()
 
     async def _close(self, _app: web.Application) -> None:
         """End all web sockets, so that the end of the server waits for none."""
@@ -113,16 +141,21 @@ class Application:
             *self._drivers.sockets(),
             *self._cameras.sockets(),
             *self._runs.sockets(),
+            *self._data.sockets(),
             *self._foxglove.sockets(),
         ]
         closing = [asyncio.create_task(each.close(code=WSCloseCode.GOING_AWAY)) for each in sockets]
         if closing:
             await asyncio.wait(closing, timeout=_CLOSE_LIMIT)
         await self._runs.close()
+        await self._data.close()
+        await self._recordings.close()
+        await self._robots.close()
 
     async def _announce_often(self) -> None:
         while True:
             self._announce()
+            self._gate.sessions.poll()
             await asyncio.sleep(_STATUS_EVERY)
 
     def _announce(self) -> None:
@@ -143,7 +176,8 @@ class Application:
 
     def _look(self) -> None:
         camera = {Layer.CAMERA} if self._cameras.any_open() else set()
-        self.robot_end.look(len(self._viewers), self._viewers.layers() | camera, self._viewers.plots())
+        layers, plots = self._viewers.layers() | camera, self._viewers.plots()
+        self.robot_end.look(len(self._viewers), layers, plots, self._cameras.topic)
 
     def _send(self, message: Mapping[str, Any]) -> None:
         self.robot_end.send(message)
@@ -170,7 +204,7 @@ class Application:
 
     async def _log_in(self, request: web.Request) -> web.Response:
         try:
-            value = json.loads(await request.text())
+            value = json.loads(await request.read())
         except (ValueError, RecursionError):
             raise web.HTTPBadRequest(text="expected JSON\n") from None
         return self._gate.log_in(request, value.get("token") if isinstance(value, dict) else None)
@@ -184,10 +218,12 @@ class Application:
 
     async def _stop(self, request: web.Request) -> web.Response:
         """Stop the robot, for every role."""
-        self._log(f"{request.remote} ({request[SESSION][1].name}): emergency stop")
-        if self.robot_end.state != "up":
+        connected = self.robot_end.state == "up"
+        if connected:
+            self._send({"do": "stop"})
+        self._log(f"{request.remote} ({request[SESSION][1].name}): emergency stop{'' if connected else ' fails'}")
+        if not connected:
             raise web.HTTPServiceUnavailable(text="the robot is not connected\n")
-        self._send({"do": "stop"})
         return web.json_response({"ok": True})
 
     async def _view(self, request: web.Request) -> web.WebSocketResponse:
@@ -223,10 +259,10 @@ class Application:
             self._look()
 
     async def _show_camera(self, request: web.Request) -> web.WebSocketResponse:
-        socket = web.WebSocketResponse(heartbeat=_HEARTBEAT, compress=False, max_msg_size=64)
+        socket = web.WebSocketResponse(heartbeat=_HEARTBEAT, compress=False, max_msg_size=256)
         await socket.prepare(request)
         limit_buffer(request)
-        await self._cameras.serve(socket, self._look)
+        await self._cameras.serve(socket, self._look, may_choose=request[SESSION][1].role is Role.DRIVE)
         return socket
 
     async def _drive(self, request: web.Request) -> web.WebSocketResponse:
@@ -240,11 +276,11 @@ class Application:
         await socket.prepare(request)
         limit_buffer(request, 2048)
         driver = Driver(client, socket)
-        await self._drivers.add(driver, grant.name, session)
-        driver.answer({"t": "hello", "client": client, "name": grant.name, "role": Role.DRIVE.value})
+        name = await self._drivers.add(driver, grant.name, session)
+        driver.answer({"t": "hello", "client": client, "name": name, "role": Role.DRIVE.value})
         sending = asyncio.create_task(driver.run())
         try:
-            await self._receive(socket, client, f"{request.remote} ({grant.name})")
+            await self._receive(socket, client, f"{request.remote} ({name})")
         finally:
             self._drivers.remove(driver)
             sending.cancel()
@@ -271,7 +307,8 @@ class Application:
                     self._log(f"{who}: stick")
                 hold = request.hold
             elif isinstance(request, Goal):
-                self._log(f"{who}: goal {request.x:.2f} {request.y:.2f} {request.yaw:.2f}")
+                heading = "" if request.yaw is None else f" {request.yaw:.2f}"
+                self._log(f"{who}: goal {request.x:.2f} {request.y:.2f}{heading}")
             elif isinstance(request, _LOGGED):
                 self._log(f"{who}: {message.data}")
             self._send({"page": client, "m": message.data})

@@ -10,8 +10,10 @@ from contextlib import suppress
 from aiohttp import WSCloseCode, WSMsgType, web
 
 from ur.web.access.rate import draw, make_bucket
+from ur.web.wire.layers import is_camera_topic
 
 _IN_FLIGHT = 2  # pictures that a page has not confirmed
+_SHOWN = "shown"  # the message of a page that has shown a picture
 _RATE, _BURST = 30.0, 60.0  # confirmations of one page, a second: twice as many as there are pictures
 
 
@@ -39,6 +41,8 @@ class Cameras:
 
     def __init__(self) -> None:
         self._pages: set[_Page] = set()
+        self.topic = ""
+        """The camera that a page has chosen for all pages; "" before."""
 
     def any_open(self) -> bool:
         """Return whether any page shows the camera."""
@@ -54,10 +58,11 @@ class Cameras:
         """List the web sockets of all pages."""
         return [each.socket for each in self._pages]
 
-    async def serve(self, socket: web.WebSocketResponse, on_change: Callable[[], None]) -> None:
-        """Send pictures until the page is gone, or sends more than a page does. Each text confirms a picture.
+    async def serve(self, socket: web.WebSocketResponse, on_change: Callable[[], None], *, may_choose: bool) -> None:
+        """Send pictures until the page is gone, or sends more or other texts than a page does.
 
-        `on_change` is called when the page has come, and when it is gone.
+        A text confirms a picture, or is the topic of a camera that all pages show from now on, where the page
+        `may_choose`. `on_change` is called when the page has come, has chosen, and is gone.
         """
         page = _Page(socket)
         self._pages.add(page)
@@ -67,11 +72,16 @@ class Cameras:
             bucket = make_bucket(_RATE, _BURST, time.monotonic())
             async for message in socket:
                 bucket, allowed = draw(bucket, time.monotonic())
-                if not allowed or message.type is not WSMsgType.TEXT:
+                text = message.data if allowed and message.type is WSMsgType.TEXT else ""
+                if text == _SHOWN:
+                    page.credit = min(_IN_FLIGHT, page.credit + 1)
+                    page.due.set()
+                elif may_choose and is_camera_topic(text):
+                    self.topic = text
+                    on_change()
+                else:
                     await socket.close(code=WSCloseCode.POLICY_VIOLATION)
                     return
-                page.credit = min(_IN_FLIGHT, page.credit + 1)
-                page.due.set()
         finally:
             self._pages.discard(page)
             on_change()

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import asyncio
+import itertools
 import json
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from typing import Any, Protocol
 
 from aiohttp import WSCloseCode, web
+
+_MOST_NUMBERS = 200
 
 
 class DriverPage(Protocol):
@@ -63,12 +66,14 @@ class Drivers:
     def __init__(self, send: Callable[[Mapping[str, Any]], None]) -> None:
         self._send = send
         self._drivers: dict[str, DriverPage] = {}
-        self._arrivals: dict[str, Mapping[str, Any]] = {}
+        self._arrivals: dict[str, dict[str, Any]] = {}
+        self._numbers: dict[str, int] = {}  # of the pages of a browser, by client id
 
-    async def add(self, driver: DriverPage, name: str, computer: str, *, once: bool = False) -> None:
+    async def add(self, driver: DriverPage, name: str, computer: str, *, once: bool = False) -> str:
         """A page has come; an older connection of the same page is closed. `computer` identifies its browser.
 
-        `once`: it cannot come again as the same client, so that nobody waits for it when it has gone.
+        `once`: it does not return as the same client, so its lease is not kept for it when it ends. Returns the name
+        of the page, which has a number where the browser has several.
         """
         client = driver.client
         before = self._drivers.pop(client, None)
@@ -77,8 +82,29 @@ class Drivers:
             with suppress(ConnectionError, asyncio.TimeoutError):
                 await asyncio.wait_for(before.socket.close(code=WSCloseCode.GOING_AWAY, message=b"opened again"), 1.0)
         self._drivers[client] = driver
+        name = _number_name(name, self._choose_number(client, computer))
         self._arrivals[client] = {"do": "come", "page": client, "name": name, "computer": computer, "once": once}
         self._send(self._arrivals[client])
+        return name
+
+    def rename(self, computer: str, name: str) -> None:
+        """The browser of these pages has got another name."""
+        for client, arrival in self._arrivals.items():
+            if arrival["computer"] == computer:
+                arrival["name"] = _number_name(name, self._numbers[client])
+                self._send({"do": "name", "page": client, "name": arrival["name"]})
+
+    def _choose_number(self, client: str, computer: str) -> int:
+        """The number that a page had before, or the lowest that no other page of its browser has at the moment."""
+        others = (each for each, arrival in self._arrivals.items() if arrival["computer"] == computer)
+        taken = {self._numbers[each] for each in others if each != client}
+        number = self._numbers.pop(client, 1)
+        if number in taken:
+            number = next(each for each in itertools.count(1) if each not in taken)
+        self._numbers[client] = number
+        while len(self._numbers) > _MOST_NUMBERS and next(iter(self._numbers)) not in self._arrivals:
+            del self._numbers[next(iter(self._numbers))]
+        return number
 
     def sockets(self) -> list[web.WebSocketResponse]:
         """List the web sockets of all pages."""
@@ -106,3 +132,7 @@ class Drivers:
             found = self._drivers.get(str(message.get("page", "")))
             if found is not None:
                 found.answer(message["m"])
+
+
+def _number_name(name: str, number: int) -> str:
+    return name if number == 1 else f"{name}, page {number}"

@@ -2,35 +2,24 @@
 
 from __future__ import annotations
 
+import json
 import time
 from collections.abc import Callable, Collection
-from contextlib import suppress
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
+from typing import Any
+from urllib.parse import parse_qs
 
 from aiohttp import web
 from aiohttp.typedefs import Handler, Middleware
 
-from ur.source.replace import PRIVATE, replace_file
 from ur.web.access.browsers import name_device
-from ur.web.access.origin import Origins, allows_host, allows_origin, allows_viewer
-from ur.web.access.rate import draw, make_bucket
-from ur.web.access.roles import (
-    SESSION_LIFE,
-    Grant,
-    Ledger,
-    Role,
-    add_token,
-    add_viewer,
-    end_session,
-    find_session,
-    find_viewer,
-    note_use,
-    open_session,
-    read_sessions,
-    use_token,
-    write_sessions,
-)
+from ur.web.access.heads import Head, find_cookies
+from ur.web.access.origin import LOOPBACK, Origins, allows_host, allows_origin, allows_viewer
+from ur.web.access.rate import Buckets
+from ur.web.access.roles import SESSION_LIFE, Grant, Role
 from ur.web.server.link_files import LinkFiles
+from ur.web.server.logins.sessions import Sessions, say_nothing
 
 SESSION: web.RequestKey[tuple[str, Grant]] = web.RequestKey("session", tuple)
 HEADERS = {
@@ -49,7 +38,9 @@ VIEWER_PATH = "/foxglove"
 
 _OPEN = frozenset({"/login", "/login.js", "/style.css", "/texts.js", "/icon.svg"})
 _LOGIN_RATE, _LOGIN_BURST = 0.2, 10.0
-_REQUEST_RATE, _REQUEST_BURST = 50.0, 200.0
+_REQUEST_RATE, _REQUEST_BURST = 50.0, 200.0  # of a session
+_LONGEST_QUERY = 500  # characters
+_UNLIMITED = frozenset({"/api/stop", "/ws/drive"})
 
 
 class Gate:
@@ -62,53 +53,56 @@ class Gate:
         log: Callable[[str], None],
         links: LinkFiles | None = None,
         viewer_origins: Collection[str] = (),
+        report: Callable[[str], None] = say_nothing,
+        life: float = SESSION_LIFE,
     ) -> None:
-        """`links` are those that others have made for this server; `viewer_origins` of viewers besides the known."""
-        self._origins, self._path, self._log, self._links = origins, sessions, log, links
+        """`links` are those that others have made for this server; `viewer_origins` of viewers besides the known.
+
+        `report` takes a line about each login, which is good for `life` s.
+        """
+        self._origins, self._log = origins, log
         self._viewer_origins = frozenset(viewer_origins)
-        self._ledger = _load(sessions)
-        now = time.monotonic()
-        self._logins = make_bucket(_LOGIN_RATE, _LOGIN_BURST, now)
-        self._requests = make_bucket(_REQUEST_RATE, _REQUEST_BURST, now)
+        self.sessions = Sessions(sessions, log, links, report, life)
+        self._logins = Buckets(_LOGIN_RATE, _LOGIN_BURST)  # that fail, by address
+        self._requests = Buckets(_REQUEST_RATE, _REQUEST_BURST)  # by session
 
     @property
     def cookie(self) -> str:
         """The name of the cookie: servers on several ports of one host share its cookies."""
         return f"ur_web_{self._origins.port}"
 
+    @property
+    def port(self) -> int:
+        """The port of the server."""
+        return self._origins.port
+
+    @property
+    def is_local(self) -> bool:
+        """True where only this computer reaches the server."""
+        return self._origins.names <= LOOPBACK
+
     def invite(self, role: Role) -> str:
         """Make a token for one login."""
-        self._ledger, token = add_token(self._ledger, role, time.time())
-        return token
-
-    def invite_viewer(self, role: Role) -> str:
-        """Make the secret of a viewer link."""
-        self._ledger, secret = add_viewer(self._ledger, role, "Foxglove")
-        return secret
+        return self.sessions.invite(role)
 
     def log_in(self, request: web.Request, token: object) -> web.Response:
-        """Answer a login: a cookie for a token that is valid."""
-        self._logins, allowed = draw(self._logins, time.monotonic())
-        if not allowed:
-            raise web.HTTPTooManyRequests(text="too many logins, try again in a minute\n")
+        """Answer a login: a cookie for a token that is valid. Only those that are not are limited."""
         name = name_device(request.headers.get("User-Agent"))
-        self._ledger, secret = use_token(self._ledger, token, name, time.time())
-        role = self._links.use(token) if secret is None and self._links is not None else None
-        if role is not None:
-            self._ledger, secret = open_session(self._ledger, role, name, time.time())
+        before = self.sessions.find(request.cookies.get(self.cookie))
+        secret = self.sessions.log_in(token, name, request.remote or "", before[0] if before else "")
         if secret is None:
+            if not self._logins.allows(request.remote or "", time.monotonic()):
+                raise web.HTTPTooManyRequests(text="too many logins, try again in a minute\n")
             self._log(f"{request.remote}: login refused: the link was used before or is too old")
             raise web.HTTPForbidden(text="this link was used before, or is too old\n")
-        self._save()
-        self._log(f"{request.remote}: login of {name}")
         answer = web.json_response({"ok": True})
-        self._set_cookie(answer, secret)
+        life = int(self.sessions.life)
+        answer.set_cookie(self.cookie, secret, httponly=True, samesite="Strict", path="/", max_age=life)
         return answer
 
     def log_out(self, request: web.Request) -> web.Response:
         """End the session of a request."""
-        self._ledger = end_session(self._ledger, request.cookies.get(self.cookie))
-        self._save()
+        self.sessions.end([request[SESSION][0]])
         answer = web.json_response({"ok": True})
         answer.del_cookie(self.cookie, path="/")
         return answer
@@ -120,9 +114,12 @@ class Gate:
         async def check(request: web.Request, handler: Handler) -> web.StreamResponse:
             try:
                 self._check(request)
-                answer = await handler(request)
+                with self._hold(request):
+                    answer = await handler(request)
             except web.HTTPException as refusal:
                 answer = web.Response(status=refusal.status, text=refusal.text)
+            if SESSION not in request:
+                answer.force_close()
             if not answer.prepared:
                 answer.headers.update(HEADERS)
                 answer.headers.setdefault("Cache-Control", "no-store")
@@ -134,12 +131,12 @@ class Gate:
         host, path = request.headers.get("Host"), request.path
         if not allows_host(self._origins, host, _own_address(request)):
             raise web.HTTPMisdirectedRequest(text="expected the host name of this server\n")
-        self._requests, allowed = draw(self._requests, time.monotonic())
-        if not allowed:
-            raise web.HTTPTooManyRequests(text="too many requests\n")
         if path == VIEWER_PATH:
             self._check_viewer(request)
+            self._limit(request)
             return
+        if _is_embedded(request):
+            raise web.HTTPForbidden(text="expected a request of the page itself\n")
         if (request.method != "GET" or path.startswith("/ws/")) and not allows_origin(
             host, request.headers.get("Origin")
         ):
@@ -147,18 +144,37 @@ class Gate:
         if path in _OPEN:
             return
         secret = request.cookies.get(self.cookie)
-        session = find_session(self._ledger, secret, time.time())
+        session = self.sessions.find(secret)
         if session is None or secret is None:
             raise web.HTTPForbidden(text="log in first: open the link that 'ur web' has printed\n")
-        ledger = note_use(self._ledger, secret, time.time())
-        if ledger is not self._ledger:
-            self._ledger = ledger
-            self._save()
+        self.sessions.note_use(secret)
         request[SESSION] = session
+        if path not in _UNLIMITED:
+            self._limit(request)
+
+    def _hold(self, request: web.Request) -> AbstractContextManager[None]:
+        """Have a web socket closed when its session ends. That of a viewer ends with the server."""
+        if SESSION not in request or not request.path.startswith("/ws/"):
+            return nullcontext()
+        return self.sessions.hold(request[SESSION][0], request.transport)
+
+    def _limit(self, request: web.Request) -> None:
+        """Refuse a request of a session that sends too many; others do not notice. Raises HTTPTooManyRequests."""
+        if not self._requests.allows(request[SESSION][0], time.monotonic()):
+            raise web.HTTPTooManyRequests(text="too many requests\n")
+
+    def recognise(self, head: Head) -> bool:
+        """Return whether the head of a request holds the secret of a session or of a viewer link, which is quick."""
+        if any(self.sessions.find(each) for each in find_cookies(head, self.cookie)):
+            return True
+        path, _, query = head.target.decode("latin-1").partition("?")
+        if path != VIEWER_PATH or len(query) > _LONGEST_QUERY:
+            return False
+        return any(self.sessions.find_viewer(each) for each in parse_qs(query).get("token", ())[:1])
 
     def _check_viewer(self, request: web.Request) -> None:
         """The check of a viewer, which has no cookie. Its address holds the secret."""
-        found = find_viewer(self._ledger, request.query.get("token"))
+        found = self.sessions.find_viewer(request.query.get("token"))
         if found is None:
             text = "expected the address that 'ur web --foxglove' has printed; it ends with the server\n"
             raise web.HTTPForbidden(text=text)
@@ -168,15 +184,6 @@ class Gate:
             raise web.HTTPForbidden(text="this origin is not allowed, see --foxglove-origin of 'ur web'\n")
         request[SESSION] = found
 
-    def _set_cookie(self, answer: web.Response, secret: str) -> None:
-        answer.set_cookie(self.cookie, secret, httponly=True, samesite="Strict", path="/", max_age=int(SESSION_LIFE))
-
-    def _save(self) -> None:
-        try:
-            replace_file(self._path, write_sessions(self._ledger), mode=PRIVATE, parents=True)
-        except OSError as problem:
-            self._log(f"{self._path}: sessions are not saved: {problem.strerror}")
-
 
 def demand_drive(request: web.Request) -> None:
     """Refuse a request of a session that may only look. Raises HTTPForbidden."""
@@ -184,13 +191,24 @@ def demand_drive(request: web.Request) -> None:
         raise web.HTTPForbidden(text="this login may look, expected one that may drive\n")
 
 
+async def read_object(request: web.Request) -> dict[str, Any]:
+    """The JSON object that a request has as its body. Raises HTTPBadRequest."""
+    try:
+        value = json.loads(await request.read())
+    except (ValueError, RecursionError):
+        raise web.HTTPBadRequest(text="expected JSON\n") from None
+    if not isinstance(value, dict):
+        raise web.HTTPBadRequest(text="expected a JSON object\n")
+    return value
+
+
+def _is_embedded(request: web.Request) -> bool:
+    """Return whether a browser sends a request for a page of another origin, its link to ours excepted."""
+    site, mode = request.headers.get("Sec-Fetch-Site", "none"), request.headers.get("Sec-Fetch-Mode", "")
+    return site not in ("none", "same-origin") and mode != "navigate"
+
+
 def _own_address(request: web.Request) -> str:
     """The address of this computer that the request was sent to."""
     name = request.transport.get_extra_info("sockname") if request.transport else None
     return str(name[0]) if name else ""
-
-
-def _load(path: Path) -> Ledger:
-    with suppress(OSError, UnicodeDecodeError):
-        return read_sessions(path.read_text(encoding="utf-8"))
-    return Ledger()

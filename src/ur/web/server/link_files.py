@@ -6,6 +6,8 @@ on no command line.
 
 from __future__ import annotations
 
+import math
+import os
 import re
 import secrets
 import shlex
@@ -18,6 +20,7 @@ from ur.web.access.roles import TOKEN_LIFE, Role, hash_secret
 _FOLDER = "links"
 _NAME = re.compile(r"[0-9a-f]{64}", re.ASCII)
 _LONGEST_TOKEN = 128
+_CLEAR_EVERY = 60.0  # s: an attempt to log in costs no walk over the folder
 _ADMIT = """\
 umask 077
 folder="${{XDG_STATE_HOME:-$HOME/.local/state}}/ubiquity_launches/web/{folder}"
@@ -42,6 +45,7 @@ class LinkFiles:
     def __init__(self, state: Path) -> None:
         """`state` is the folder of sessions and log."""
         self._folder = state / _FOLDER
+        self._cleared = -math.inf
 
     def use(self, token: object, now: float | None = None) -> Role | None:
         """Use a link up: return its role; None for one that was not made, was used, or is too old.
@@ -49,15 +53,20 @@ class LinkFiles:
         `now` is in seconds since 1970, the present unless given.
         """
         now = time.time() if now is None else now
-        self._clear(now)
+        if abs(now - self._cleared) > _CLEAR_EVERY:
+            self._cleared = now
+            self._clear(now)
         if not isinstance(token, str) or not 0 < len(token) <= _LONGEST_TOKEN or not token.isascii():
             return None
         path = self._folder / hash_secret(token)
         try:
             with path.open(encoding="ascii") as file:
                 text = file.read(16).strip()
+                made = os.fstat(file.fileno()).st_mtime
             path.unlink()  # whoever removes it has it: it is good once
         except (OSError, UnicodeDecodeError):
+            return None
+        if now - made > TOKEN_LIFE:
             return None
         return Role(text) if text in (Role.LOOK.value, Role.DRIVE.value) else None
 

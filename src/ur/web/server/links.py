@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import io
+import socket
+
+from ur.source.diagnostic import UserError, error
 
 FIRST_PORT = 8090
 """The port of a page that runs as a service; others take the first free one from here on."""
@@ -12,7 +15,24 @@ LISTENERS = "everybody in this network can read what the page and the robot say:
 
 def make_link(host: str, port: int, token: str) -> str:
     """The address that logs in with a token. It stands behind the `#`, so browsers do not send it."""
-    return f"http://{host}:{port}/login#{token}"
+    return link_to(f"{host}:{port}", token)
+
+
+def link_to(address: str, token: str) -> str:
+    """The same for an address of the form HOST:PORT."""
+    return f"http://{address}/login#{token}"
+
+
+def find_address() -> str:
+    """The address that others of the network know this computer by. Raises UserError: there is no network."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        try:
+            probe.connect(("192.0.2.1", 9))  # sends nothing: the route names the address
+        except OSError:
+            message = "this computer is in no network, expected one that the phone is in, too"
+            help_ = "connect to a network, or leave out --phone"
+            raise UserError(error(message, rule="no-network", help=help_)) from None
+        return str(probe.getsockname()[0])
 
 
 def draw_code(link: str, *, colours: bool) -> str:
@@ -23,3 +43,13 @@ def draw_code(link: str, *, colours: bool) -> str:
     segno.make_qr(link, error="m").terminal(drawing, border=2, compact=True)
     lines = drawing.getvalue().splitlines()
     return "\n".join(f"\x1b[97;40m{line}\x1b[0m" if colours else line for line in lines)
+
+
+def draw_picture(link: str) -> str:
+    """The QR code of a link as SVG, black on white."""
+    import segno
+
+    drawing = io.BytesIO()
+    form = {"xmldecl": False, "nl": False, "border": 4, "scale": 8, "dark": "#000", "light": "#fff"}
+    segno.make_qr(link, error="m").save(drawing, kind="svg", **form)
+    return drawing.getvalue().decode()

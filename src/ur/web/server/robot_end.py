@@ -12,6 +12,10 @@ from contextlib import suppress
 from typing import Any, Literal
 from urllib.parse import urlsplit
 
+from ur.run.join.claims import read_claims
+from ur.run.record.computer import read_computer
+from ur.run.record.registry import list_runs
+from ur.source.run_users import PAGE, forget_user, note_user
 from ur.web.wire.frames import LENGTH, LONGEST
 
 State = Literal["no master", "starting", "up"]
@@ -55,11 +59,23 @@ class RobotEnd:
         if self._drive is not None:
             self._drive.write(json.dumps(message, separators=(",", ":")).encode() + b"\n")
 
-    def look(self, viewers: int, layers: Collection[int], plots: Collection[str] = ()) -> None:
-        """Tell the process how many pages look, and at which layers and plots."""
+    def look(self, viewers: int, layers: Collection[int], plots: Collection[str] = (), camera: str = "") -> None:
+        """Tell the process how many pages look, at which layers and plots, and the topic of the chosen camera."""
         if self._view is not None:
-            value = {"viewers": viewers, "layers": sorted(layers), "plots": sorted(plots)}
+            value = {"viewers": viewers, "layers": sorted(layers), "plots": sorted(plots), "camera": camera}
             self._view.write(json.dumps(value).encode() + b"\n")
+        self._note_pages(viewers)
+
+    def _note_pages(self, viewers: int) -> None:
+        """Let the runs of this computer with which the robot ends know whether pages show it."""
+        for run in list_runs(self._environment, os.getuid(), read_computer()):
+            if run.master_uri.rstrip("/") != self.master.rstrip("/") or not read_claims(run.folder).base:
+                continue
+            if not viewers:
+                forget_user(run.folder, PAGE)
+                continue
+            with suppress(OSError):  # it ends
+                note_user(run.folder, PAGE)
 
     async def run(self) -> None:
         """Start the process whenever a master answers and it does not run."""

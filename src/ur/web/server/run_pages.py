@@ -232,14 +232,21 @@ class RunPages:
 
 
 def _read_query(request: web.Request) -> tuple[str, Mapping[str, str]]:
-    """The program and the arguments (JSON) of a query. Raises HTTPBadRequest."""
+    """The program and the arguments (JSON) of a query; a login that may look has no arguments, only the defaults.
+
+    An argument may name any file, and a message about that file shows a part of it. Raises HTTPBadRequest,
+    HTTPForbidden.
+    """
     try:
         program = read_program_name(request.query.get("program"))
-        return program, read_arguments(json.loads(request.query.get("arguments", "{}")))
+        arguments = read_arguments(json.loads(request.query.get("arguments", "{}")))
     except BadRequestError as problem:
         raise web.HTTPBadRequest(text=f"{problem}\n") from None
     except (ValueError, RecursionError):
         raise web.HTTPBadRequest(text="arguments: expected JSON\n") from None
+    if arguments and request[SESSION][1].role is not Role.DRIVE:
+        raise web.HTTPForbidden(text="this login may look at the default values, expected no arguments\n")
+    return program, arguments
 
 
 async def _answer(work: Awaitable[Any]) -> Any:

@@ -4,37 +4,46 @@ from __future__ import annotations
 
 import asyncio
 import html
-import logging
 import os
+import queue
 import signal
 import socket
 import subprocess
 import sys
+import threading
 import time
-from collections.abc import Awaitable, Callable
-from contextlib import suppress
+from collections.abc import Awaitable, Callable, Sequence
+from contextlib import AsyncExitStack, suppress
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
-from aiohttp import web
-
+from ur.robot.discovery.masters import RobotMaster
 from ur.source.ansi import allows_colour
 from ur.source.diagnostic import UserError, error
 from ur.source.printable import printable
 from ur.source.replace import PRIVATE, replace_file
-from ur.source.user_folders import user_folder
 from ur.web.access.origin import make_origins
-from ur.web.access.roles import Role
+from ur.web.access.roles import DAY, SESSION_LIFE, Role
 from ur.web.server.application import Application
+from ur.web.server.connections.http_server import open_server
+from ur.web.server.enter_key import call_on_enter
 from ur.web.server.gate import VIEWER_PATH, Gate
 from ur.web.server.link_files import LinkFiles
-from ur.web.server.links import FIRST_PORT, LISTENERS, draw_code, make_link
+from ur.web.server.links import FIRST_PORT, LISTENERS, draw_code, find_address, make_link
+from ur.web.server.logins.session_file import state_folder
+from ur.web.server.logins.sessions import say_nothing
 from ur.web.server.robot_end import robot_environment
+from ur.web.server.robots.parent_server import ParentServer, take_connection
+from ur.web.server.robots.robot_servers import RobotServers
+from ur.web.server.robots.robots import Place, Robots
 from ur.web.server.static_files import load_files
 
-LAST_PORT = 8099
+_PORTS = range(FIRST_PORT, 8100)
+_CHILD_PORTS = range(8100, 8200)
 _LONGEST_LOG = 1 << 20  # bytes
-_END_LIMIT = 3.0  # s
+_MOST_LINES = 1000  # that wait for the disk
+_LOG_LIMIT = 5.0  # s for the last lines
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +52,9 @@ class Options:
 
     `phone`: other computers of the network reach the page, too. `service`: they do, and links are made by
     `ur boot link`: none is printed, since what a service prints is kept in a log. `foxglove`: print an address for
-    viewers; `origins`: of viewers besides the known ones.
+    viewers; `origins`: of viewers besides the known ones. `days` for which a login is good. `own`: the robot's name in
+    the list that `known` reads, of robots that pages may change to. `child`: the descriptor of a socket to the server
+    that has started this one, which makes its links and ends it.
     """
 
     robot: str
@@ -54,11 +65,10 @@ class Options:
     service: bool = False
     foxglove: bool = False
     origins: tuple[str, ...] = ()
-
-
-def state_folder() -> Path:
-    """The folder of sessions and log."""
-    return Path(user_folder("XDG_STATE_HOME", os.environ), "ubiquity_launches", "web")
+    days: float = SESSION_LIFE / DAY
+    own: str = ""
+    known: Callable[[], Sequence[RobotMaster]] | None = None
+    child: int | None = None
 
 
 async def serve(
@@ -68,7 +78,8 @@ async def serve(
 
     Raises UserError: no port is free, or a page for phones is wanted and there is no network.
     """
-    address = find_address() if options.phone else "localhost"
+    parent = take_connection(options.child) if options.child is not None else None
+    address = find_address() if options.phone and parent is None else "localhost"
     network = options.phone or options.service
     folder = state_folder()
     folder.mkdir(mode=0o700, parents=True, exist_ok=True)
@@ -77,42 +88,64 @@ async def serve(
     loop = asyncio.get_running_loop()
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         loop.add_signal_handler(number, ended.set)
-    logging.getLogger("aiohttp").addHandler(logging.NullHandler())
-    logging.getLogger("aiohttp").propagate = False
-    port = options.port or (FIRST_PORT if options.service else _free_port())
+    port = options.port or (FIRST_PORT if options.service else _free_port(_PORTS if parent is None else _CHILD_PORTS))
     origins = make_origins(_own_names() if network else (), port)
     links = LinkFiles(folder) if options.service else None
-    gate = Gate(origins, folder / f"sessions-{port}.json", log, links, options.origins)
-    application = Application(gate, load_files(), robot_environment(), options.robot, log)
-    runner = web.AppRunner(application.build(), access_log=None, handle_signals=False, shutdown_timeout=_END_LIMIT)
-    await runner.setup()
-    opened: Path | None = None
-    try:
+    path, life = folder / f"sessions-{port}.json", options.days * DAY
+    quiet = options.service or parent is not None
+    if parent is not None:  # a login is for this robot, and the port may have been another one's
+        path.unlink(missing_ok=True)
+    gate = Gate(origins, path, log, links, options.origins, say_nothing if quiet else report, life)
+    above = ParentServer(options.own, parent, gate.invite) if parent is not None else None
+    robots = above or _make_robots(options, gate, log)
+    application = Application(gate, load_files(), robot_environment(), options.robot, log, robots)
+    host = "0.0.0.0" if network else "localhost"  # noqa: S104 - asked for
+    async with AsyncExitStack() as stack:
+        stack.callback(log.close)
+        if above is not None:
+            stack.callback(path.unlink, missing_ok=True)
         try:
-            await web.TCPSite(runner, "0.0.0.0" if network else "localhost", port).start()  # noqa: S104 - asked for
+            await stack.enter_async_context(open_server(application.build(), gate, host, port, log))
         except OSError as problem:
             raise _taken(port, problem) from None
-        if options.service:
+        if above is not None:
+            until = partial(above.run, port, lambda: gate.sessions.any_open)
+        elif options.service:
             report(f"serves the page on port {port}; a link to it: ur boot link")
         else:
-            link = make_link(address, port, gate.invite(options.role))
-            if options.phone:
-                report(draw_code(link, colours=sys.stdout.isatty() and allows_colour(os.environ)))
-            report(f"open {link}")
-            report("the link is good for one login within an hour; Ctrl-C ends the server")
+
+            def print_link() -> str:
+                """Print a link for one more login, and return it."""
+                link = make_link(address, port, gate.invite(options.role))
+                if options.phone:
+                    report(draw_code(link, colours=sys.stdout.isatty() and allows_colour(os.environ)))
+                report(f"open {link}")
+                return link
+
+            link = print_link()
+            enter = "Enter prints another one, " if stack.enter_context(call_on_enter(print_link)) else ""
+            report(f"the link is good for one login within an hour; {enter}Ctrl-C ends the server")
             if options.foxglove:
-                viewers = f"ws://{address}:{port}{VIEWER_PATH}?token={gate.invite_viewer(options.role)}"
+                viewers = f"ws://{address}:{port}{VIEWER_PATH}?token={gate.sessions.invite_viewer(options.role)}"
                 report(f"Foxglove and Lichtblick: open a connection (Foxglove WebSocket) to {viewers}")
                 report("this address is good until the server ends; whoever has it sees what the robot sees")
             if options.phone:
                 report(LISTENERS)
             elif options.browser and _has_browser():
                 opened = _open(folder / f"open-{os.getpid()}.html", link)
+                stack.callback(opened.unlink, missing_ok=True)
         await _wait_first(ended.wait, *((until,) if until is not None else ()))
-    finally:
-        if opened is not None:
-            opened.unlink(missing_ok=True)
-        await runner.cleanup()
+
+
+def _make_robots(options: Options, gate: Gate, log: Callable[[str], None]) -> Robots | None:
+    if options.known is None:
+        return None
+    arguments = ["--days", str(options.days), *(["--phone"] if options.phone else [])]
+
+    def own_place(role: Role) -> Place:
+        return Place(gate.port, gate.invite(role))
+
+    return RobotServers(options.own, options.known, own_place, arguments, robot_environment(), log)
 
 
 async def _wait_first(*waits: Callable[[], Awaitable[object]]) -> None:
@@ -125,30 +158,37 @@ async def _wait_first(*waits: Callable[[], Awaitable[object]]) -> None:
 
 
 class _Log:
-    """A file of lines with the time; when it is long, the older half goes to another file."""
+    """A file of lines with the time; when it is long, the older half goes to another file.
+
+    A thread writes it: a slow disk delays no request.
+    """
 
     def __init__(self, path: Path) -> None:
         self._path = path
+        self._lines: queue.SimpleQueue[str | None] = queue.SimpleQueue()
+        self._thread = threading.Thread(target=self._run, name="log", daemon=True)
+        self._thread.start()
 
     def __call__(self, line: str) -> None:
-        with suppress(OSError):
-            if self._path.exists() and self._path.stat().st_size > _LONGEST_LOG:
-                self._path.replace(self._path.with_suffix(".log.1"))
-            descriptor = os.open(self._path, os.O_WRONLY | os.O_CREAT | os.O_APPEND | os.O_CLOEXEC, PRIVATE)
-            with os.fdopen(descriptor, "a", encoding="utf-8") as file:
-                file.write(f"{time.strftime('%Y-%m-%d %H:%M:%S')} {printable(line)[:500]}\n")
+        if self._lines.qsize() < _MOST_LINES:
+            self._lines.put(f"{time.strftime('%Y-%m-%d %H:%M:%S')} {printable(line)[:500]}\n")
 
+    def close(self) -> None:
+        """Write what is left."""
+        self._lines.put(None)
+        self._thread.join(_LOG_LIMIT)
 
-def find_address() -> str:
-    """The address that others of the network know this computer by. Raises UserError: there is no network."""
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        try:
-            probe.connect(("192.0.2.1", 9))  # sends nothing: the route names the address
-        except OSError:
-            message = "this computer is in no network, expected one that the phone is in, too"
-            help_ = "connect to a network, or leave out --phone"
-            raise UserError(error(message, rule="no-network", help=help_)) from None
-        return str(probe.getsockname()[0])
+    def _run(self) -> None:
+        while (line := self._lines.get()) is not None:
+            with suppress(OSError):
+                self._write(line)
+
+    def _write(self, line: str) -> None:
+        if self._path.exists() and self._path.stat().st_size > _LONGEST_LOG:
+            self._path.replace(self._path.with_suffix(".log.1"))
+        descriptor = os.open(self._path, os.O_WRONLY | os.O_CREAT | os.O_APPEND | os.O_CLOEXEC, PRIVATE)
+        with os.fdopen(descriptor, "a", encoding="utf-8") as file:
+            file.write(line)
 
 
 def _own_names() -> tuple[str, ...]:
@@ -156,14 +196,14 @@ def _own_names() -> tuple[str, ...]:
     return name, f"{name}.local"
 
 
-def _free_port() -> int:
-    for port in range(FIRST_PORT, LAST_PORT + 1):
+def _free_port(ports: range) -> int:
+    for port in ports:
         with socket.socket() as probe:
             probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
             with suppress(OSError):
                 probe.bind(("127.0.0.1", port))
                 return port
-    message = f"ports {FIRST_PORT} to {LAST_PORT} are in use, expected a free one"
+    message = f"ports {ports[0]} to {ports[-1]} are in use, expected a free one"
     raise UserError(error(message, rule="no-port", help="choose one with --port"))
 
 

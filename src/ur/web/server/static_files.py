@@ -13,6 +13,7 @@ TYPES = {
     ".css": "text/css; charset=utf-8",
     ".html": "text/html; charset=utf-8",
     ".js": "text/javascript; charset=utf-8",
+    ".png": "image/png",
     ".svg": "image/svg+xml",
     ".webmanifest": "application/manifest+json",
 }
@@ -29,11 +30,13 @@ class StaticFile:
 
 
 def load_files(folder: Path = FOLDER) -> Mapping[str, StaticFile]:
-    """Read the files of a folder that have a type of the page's, by name. Links and subfolders are left out."""
+    """Read the files of a folder and its subfolders that have a type of the page's, by path. Links are left out."""
     files = {}
-    for path in sorted(folder.iterdir()):
+    for path in sorted((*folder.glob("*"), *folder.glob("*/*"))):
         if path.suffix in TYPES and path.is_file() and not path.is_symlink():
             plain = path.read_bytes()
             tag = f'"{hashlib.sha256(plain).hexdigest()[:20]}"'
-            files[path.name] = StaticFile(TYPES[path.suffix], plain, gzip.compress(plain, 9, mtime=0), tag)
+            files[path.relative_to(folder).as_posix()] = StaticFile(
+                TYPES[path.suffix], plain, gzip.compress(plain, 9, mtime=0), tag
+            )
     return files

@@ -1,0 +1,53 @@
+"""Heads of HTTP requests, read as far as is needed to tell logged-in clients from others. No I/O.
+
+The HTTP server reads them again. What is decided here is only how much of the server's time a connection gets.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+LONGEST = 32768
+"""Bytes of the longest head. The cookies of all servers of one host are in it, of all their ports."""
+
+_END = b"\r\n\r\n"
+_LENGTH = re.compile(rb"\r\ncontent-length:[ \t]*(\d{1,9})[ \t]*(?=\r\n)", re.IGNORECASE)
+_ENCODING = re.compile(rb"\r\ntransfer-encoding:", re.IGNORECASE)
+_COOKIES = re.compile(rb"\r\ncookie:([^\r\n]*)", re.IGNORECASE)
+_MOST_SECRETS = 4
+
+
+@dataclass(frozen=True, slots=True)
+class Head:
+    """A request line with its headers, and the bytes of body that they announce; None: an unknown number."""
+
+    data: bytes
+    body: int | None
+
+    @property
+    def target(self) -> bytes:
+        """The path and query."""
+        words = self.data.partition(b"\r\n")[0].split(b" ")
+        return words[1] if len(words) == 3 else b""
+
+
+def find_head(buffer: bytes | bytearray, before: int = 0) -> Head | None:
+    """The head at the beginning of a buffer of which `before` bytes held no end; None: it is not complete."""
+    end = buffer.find(_END, max(0, before - len(_END) + 1))
+    if end < 0:
+        return None
+    data = bytes(buffer[: end + len(_END)])
+    lengths = _LENGTH.findall(data)
+    if _ENCODING.search(data) or len(lengths) > 1:
+        return Head(data, None)
+    return Head(data, int(lengths[0]) if lengths else 0)
+
+
+def find_cookies(head: Head, name: str) -> list[str]:
+    """The values of the cookies of a name, the first few."""
+    pattern = re.compile(
+        rb"(?:^|;)[ \t]*" + re.escape(name.encode()) + rb'="?([\w-]{1,128})"?(?=[ \t]*(?:;|$))', re.ASCII
+    )
+    found = [value for line in _COOKIES.findall(head.data)[:_MOST_SECRETS] for value in pattern.findall(line)]
+    return [value.decode() for value in found[:_MOST_SECRETS]]

@@ -1,0 +1,1 @@
+"""Connections before the HTTP server: accepted, told apart, limited, and handed on."""

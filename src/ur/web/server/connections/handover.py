@@ -1,0 +1,87 @@
+"""Connections that the HTTP server gets, with what has been read of them already."""
+
+from __future__ import annotations
+
+import asyncio
+import socket
+from collections.abc import Callable
+from contextlib import suppress
+from typing import cast
+
+_MOST_LEFT = 1 << 16  # bytes that a client may send behind its only request
+
+Handlers = Callable[[], asyncio.Protocol]
+"""Makes the protocol that serves a connection."""
+
+
+async def serve_all(handlers: Handlers, sock: socket.socket, data: bytes) -> None:
+    """Have a connection served whose first bytes are `data`. Returns when it has begun."""
+    with suppress(OSError):
+        await asyncio.get_running_loop().connect_accepted_socket(lambda: _Continued(handlers(), data), sock)
+
+
+async def serve_one(handlers: Handlers, sock: socket.socket, request: bytes, limit: float) -> None:
+    """Have one request served, which is complete, for at most `limit` s. Returns when the connection is closed."""
+    protocol = _OneRequest(handlers(), request)
+    with suppress(OSError):
+        await asyncio.get_running_loop().connect_accepted_socket(lambda: protocol, sock)
+    with suppress(asyncio.TimeoutError):
+        await asyncio.wait_for(protocol.closed.wait(), limit)
+    protocol.abort()
+
+
+class _Continued(asyncio.Protocol):
+    """Leaves the connection to another protocol, and hands it what has been read."""
+
+    def __init__(self, handler: asyncio.Protocol, data: bytes) -> None:
+        self._handler, self._data = handler, data
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        """Hand over."""
+        transport.set_protocol(self._handler)
+        self._handler.connection_made(transport)
+        self._handler.data_received(self._data)
+
+
+class _OneRequest(asyncio.Protocol):
+    """Passes one request to another protocol, and nothing that follows."""
+
+    def __init__(self, handler: asyncio.Protocol, request: bytes) -> None:
+        self._handler, self._request = handler, request
+        self._transport: asyncio.Transport | None = None
+        self._left = _MOST_LEFT
+        self.closed = asyncio.Event()
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        """Pass the request on."""
+        self._transport = cast("asyncio.Transport", transport)
+        self._handler.connection_made(transport)
+        self._handler.data_received(self._request)
+
+    def data_received(self, data: bytes) -> None:
+        """Drop what follows, and the connection when it is much."""
+        self._left -= len(data)
+        if self._left < 0:
+            self.abort()
+
+    def eof_received(self) -> bool:
+        """Keep the connection for the answer."""
+        return True
+
+    def pause_writing(self) -> None:
+        """Pass on."""
+        self._handler.pause_writing()
+
+    def resume_writing(self) -> None:
+        """Pass on."""
+        self._handler.resume_writing()
+
+    def connection_lost(self, problem: Exception | None) -> None:
+        """Pass on."""
+        self.closed.set()
+        self._handler.connection_lost(problem)
+
+    def abort(self) -> None:
+        """Close the connection at once."""
+        if self._transport is not None:
+            self._transport.abort()

@@ -1,0 +1,84 @@
+"""The HTTP server behind the listener, and what it logs of its own errors."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import time
+from collections.abc import AsyncIterator, Callable, Mapping
+from contextlib import asynccontextmanager
+from functools import cache
+from http import HTTPStatus
+from typing import Any
+
+from aiohttp import web
+
+from ur.web.server.connections.listener import Listener
+from ur.web.server.gate import HEADERS, Gate
+
+_END_LIMIT = 3.0  # s
+_KEEP_ALIVE = 300.0  # s: as long as browsers keep an idle connection
+_LOGGED_EVERY = 60.0  # s
+
+
+@asynccontextmanager
+async def open_server(
+    application: web.Application, gate: Gate, host: str, port: int, log: Callable[[str], None]
+) -> AsyncIterator[Listener]:
+    """Serve an application on a port until the block is left. Raises OSError: the port cannot be listened on.
+
+    `log` gets a line a minute at most about connections that fail.
+    """
+    rarely = Rarely(log)
+    logging.getLogger("aiohttp").addHandler(logging.NullHandler())
+    logging.getLogger("aiohttp").propagate = False
+    loop = asyncio.get_running_loop()
+    before = loop.get_exception_handler()
+    loop.set_exception_handler(rarely.report)
+    # Bodies are not unpacked, and what follows a refusal is not read: both would delay all other requests.
+    limits: Mapping[str, Any] = {
+        "auto_decompress": False,
+        "lingering_time": 0.0,
+        "keepalive_timeout": _KEEP_ALIVE,
+        "shutdown_timeout": _END_LIMIT,
+    }
+    runner = web.AppRunner(application, access_log=None, handle_signals=False, **limits)
+    await runner.setup()
+    assert runner.server is not None, "set up"
+    listener = Listener(runner.server, gate.recognise, _answer, rarely)
+    try:
+        listener.open(host, port)
+        yield listener
+    finally:
+        listener.close()
+        await runner.cleanup()
+        loop.set_exception_handler(before)
+
+
+class Rarely:
+    """A log that takes one line a minute, with the number of those that it has left out."""
+
+    def __init__(self, log: Callable[[str], None]) -> None:
+        self._log, self._next, self._left_out = log, 0.0, 0
+
+    def __call__(self, line: str) -> None:
+        """Take a line."""
+        now = time.monotonic()
+        if now < self._next:
+            self._left_out += 1
+            return
+        more = f" ({self._left_out} more were left out before)" if self._left_out else ""
+        self._next, self._left_out = now + _LOGGED_EVERY, 0
+        self._log(line + more)
+
+    def report(self, _loop: asyncio.AbstractEventLoop, context: Mapping[str, Any]) -> None:
+        """Take an error of the event loop."""
+        self(f"{context.get('message')}: {context.get('exception')!r}")
+
+
+@cache
+def _answer(status: int, text: str) -> bytes:
+    """A refusal before a request is read."""
+    headers = {**HEADERS, "Cache-Control": "no-store", "Connection": "close", "Content-Type": "text/plain"}
+    lines = [f"HTTP/1.1 {status} {HTTPStatus(status).phrase}", *(f"{name}: {value}" for name, value in headers.items())]
+    return ("\r\n".join([*lines, f"Content-Length: {len(text)}", "", ""]) + text).encode("ascii")

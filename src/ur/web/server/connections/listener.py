@@ -1,0 +1,291 @@
+"""Connections, accepted and told apart before the HTTP server sees them.
+
+A connection waits here until the head of its first request is complete. One whose head holds the secret of a session
+is handed on at once and without limits. All others have limits: on their number for each address and in all, on their
+rate, on the size of head and body, on time; and each of them is good for one request. Where there are too many, those
+go that have waited longest at the address with the most, so that a new connection of a session always finds room.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import errno
+import os
+import socket
+from collections.abc import Callable, Coroutine
+from contextlib import suppress
+from itertools import takewhile
+from typing import Any
+
+from ur.web.access.heads import LONGEST, Head, find_head
+from ur.web.access.rate import Buckets, draw, make_bucket
+from ur.web.server.connections.handover import Handlers, serve_all, serve_one
+
+HEAD_LIMIT = 10.0
+"""Seconds for the head of a request, and for the rest of a connection without a session."""
+
+LONGEST_BODY = 2048
+"""Bytes of the longest body of a request without a session."""
+
+_MOST_WAITING, _MOST_OF_ADDRESS = 256, 64  # connections whose first head is not complete
+_MOST_SERVED = 32  # connections without a session, of which the HTTP server works on a request
+_MOST_CLOSING, _CLOSE_LIMIT = 64, 1.0  # connections that have got a refusal and may still send, s
+_MOST_READS = 64  # pieces of a head
+_AT_ONCE = 64  # connections accepted before others get a turn
+_BACKLOG = 1024
+_RATE, _BURST = 50.0, 200.0  # requests of an address without a session, a second
+_RATE_OF_ALL, _BURST_OF_ALL = 100.0, 400.0
+_SWEEP_EVERY = 1.0  # s
+_RETRY = 0.2  # s after an accept has failed
+_NO_ROOM = (errno.EMFILE, errno.ENFILE, errno.ENOBUFS, errno.ENOMEM)
+
+
+class _Waiting:
+    """A connection whose first request is not complete."""
+
+    __slots__ = ("address", "buffer", "head", "reads", "sock", "until")
+
+    def __init__(self, sock: socket.socket, address: str, until: float) -> None:
+        self.sock, self.address, self.until = sock, address, until
+        self.buffer, self.reads = bytearray(), 0
+        self.head: Head | None = None
+
+    @property
+    def is_read(self) -> bool:
+        """Return whether all of the request has been read."""
+        head = self.head
+        return head is not None and head.body is not None and len(self.buffer) == len(head.data) + head.body
+
+
+class Listener:
+    """Accepts connections and has `handlers` make the protocol that serves each.
+
+    `recognise` tells whether a head holds the secret of a session; it must be quick. `answer` makes the bytes of a
+    refusal from a status and a text. `log` takes a line.
+    """
+
+    def __init__(
+        self,
+        handlers: Handlers,
+        recognise: Callable[[Head], bool],
+        answer: Callable[[int, str], bytes],
+        log: Callable[[str], None],
+    ) -> None:
+        self._handlers, self._recognise, self._answer, self._log = handlers, recognise, answer, log
+        self._loop = asyncio.get_running_loop()
+        self._listening: list[socket.socket] = []
+        self._waiting: dict[str, dict[socket.socket, _Waiting]] = {}  # by address, oldest first
+        self._count = 0
+        self._closing: dict[socket.socket, float] = {}
+        self._served: set[object] = set()
+        self._tasks: set[asyncio.Task[None]] = set()
+        self._rates = Buckets(_RATE, _BURST)
+        self._rate_of_all = make_bucket(_RATE_OF_ALL, _BURST_OF_ALL, self._loop.time())
+        self._sweeping: asyncio.TimerHandle | None = None
+
+    def open(self, host: str, port: int) -> None:
+        """Listen on all addresses of a host that this computer has. Raises OSError."""
+        found = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)
+        opened = [
+            _listen(family, kind, protocol, address) for family, kind, protocol, _, address in dict.fromkeys(found)
+        ]
+        self._listening = [sock for sock in opened if sock is not None]
+        if not self._listening:
+            raise OSError(errno.EADDRNOTAVAIL, os.strerror(errno.EADDRNOTAVAIL))
+        for sock in self._listening:
+            self._loop.add_reader(sock, self._accept, sock)
+        self._sweep()
+
+    def close(self) -> None:
+        """Stop listening, and drop what waits. Requests that are being served go on."""
+        for sock in self._listening:
+            self._loop.remove_reader(sock)
+            sock.close()
+        self._listening.clear()
+        if self._sweeping is not None:
+            self._sweeping.cancel()
+        for waiting in [each for group in self._waiting.values() for each in group.values()]:
+            self._drop(waiting)
+        for sock in list(self._closing):
+            self._end(sock)
+
+    def __len__(self) -> int:
+        """Return the number of connections without a session."""
+        return self._count + len(self._closing) + len(self._served)
+
+    def _accept(self, listening: socket.socket) -> None:
+        for _ in range(_AT_ONCE):
+            try:
+                sock, address = listening.accept()
+            except (BlockingIOError, InterruptedError):
+                return
+            except OSError as problem:
+                if problem.errno in _NO_ROOM:
+                    self._make_room(listening, problem)
+                    return
+                continue  # this one is gone
+            sock.setblocking(False)
+            waiting = _Waiting(sock, str(address[0]), self._loop.time() + HEAD_LIMIT)
+            self._count += 1
+            self._waiting.setdefault(waiting.address, {})[sock] = waiting
+            self._read(waiting)  # most have their head: no reader is needed
+            if sock in self._waiting.get(waiting.address, ()):
+                self._loop.add_reader(sock, self._read, waiting)
+            if len(self._waiting.get(waiting.address, ())) > _MOST_OF_ADDRESS:
+                self._drop(next(iter(self._waiting[waiting.address].values())))
+            elif self._count > _MOST_WAITING:
+                self._drop(next(iter(max(self._waiting.values(), key=len).values())))
+
+    def _make_room(self, listening: socket.socket, problem: OSError) -> None:
+        """Drop all that waits, and accept again a moment later."""
+        for waiting in [each for group in self._waiting.values() for each in group.values()]:
+            self._drop(waiting)
+        self._log(f"connections cannot be accepted: {(problem.strerror or str(problem)).lower()}")
+        self._loop.remove_reader(listening)
+
+        def go_on() -> None:
+            if listening in self._listening:
+                self._loop.add_reader(listening, self._accept, listening)
+
+        self._loop.call_later(_RETRY, go_on)
+
+    def _read(self, waiting: _Waiting) -> None:
+        """Take what has arrived; go on where the head, or the request of a client without a session, is complete."""
+        try:
+            data = waiting.sock.recv(LONGEST)
+        except (BlockingIOError, InterruptedError):
+            return
+        except OSError:
+            data = b""
+        waiting.reads += 1
+        before = len(waiting.buffer)
+        waiting.buffer += data
+        if not data or waiting.reads > _MOST_READS:
+            self._drop(waiting)
+        elif waiting.head is not None:
+            self._complete(waiting, waiting.head)
+        elif (head := find_head(waiting.buffer, before)) is not None:
+            waiting.head = head
+            self._judge(waiting, head)
+        elif len(waiting.buffer) > LONGEST:
+            self._drop(waiting)
+
+    def _judge(self, waiting: _Waiting, head: Head) -> None:
+        """Decide what a connection gets, by the head of its first request."""
+        if self._recognise(head):
+            self._forget(waiting)
+            self._start(serve_all(self._handlers, waiting.sock, bytes(waiting.buffer)))
+            return
+        now = self._loop.time()
+        allowed = self._rates.allows(waiting.address, now)
+        if allowed:
+            self._rate_of_all, allowed = draw(self._rate_of_all, now)
+        if not allowed:
+            self._refuse(waiting, 429, "too many requests\n")
+        elif head.body is None or head.body > LONGEST_BODY:
+            self._refuse(waiting, 413, f"expected at most {LONGEST_BODY} bytes\n")
+        else:
+            self._complete(waiting, head)
+
+    def _complete(self, waiting: _Waiting, head: Head) -> None:
+        """Hand one request on when its body has arrived."""
+        size = len(head.data) + (head.body or 0)
+        if len(waiting.buffer) < size:
+            return
+        if len(self._served) >= _MOST_SERVED:
+            self._refuse(waiting, 503, "too many connections, try again\n")
+            return
+        self._forget(waiting)
+        self._start(self._serve_once(waiting.sock, bytes(waiting.buffer[:size])))
+
+    async def _serve_once(self, sock: socket.socket, request: bytes) -> None:
+        key = object()
+        self._served.add(key)
+        try:
+            await serve_one(self._handlers, sock, request, HEAD_LIMIT)
+        finally:
+            self._served.discard(key)
+
+    def _start(self, serving: Coroutine[None, None, None]) -> None:
+        task = self._loop.create_task(serving)
+        self._tasks.add(task)
+        task.add_done_callback(self._tasks.discard)
+
+    def _refuse(self, waiting: _Waiting, status: int, text: str) -> None:
+        """Send a refusal, and read what still arrives for a moment: a closed socket would take the refusal back."""
+        self._forget(waiting)
+        sock = waiting.sock
+        with suppress(OSError):
+            sock.send(self._answer(status, text))
+        if waiting.is_read:
+            sock.close()
+            return
+        try:
+            sock.shutdown(socket.SHUT_WR)
+        except OSError:
+            sock.close()
+            return
+        self._closing[sock] = self._loop.time() + _CLOSE_LIMIT
+        self._loop.add_reader(sock, self._discard, sock)
+        if len(self._closing) > _MOST_CLOSING:
+            self._end(next(iter(self._closing)))
+
+    def _discard(self, sock: socket.socket) -> None:
+        with suppress(BlockingIOError, InterruptedError):
+            try:
+                data = sock.recv(LONGEST)
+            except ConnectionError:
+                data = b""
+            if not data:
+                self._end(sock)
+
+    def _end(self, sock: socket.socket) -> None:
+        del self._closing[sock]
+        self._loop.remove_reader(sock)
+        sock.close()
+
+    def _forget(self, waiting: _Waiting) -> None:
+        """Take a connection out of those that wait. Its socket stays open."""
+        self._loop.remove_reader(waiting.sock)
+        group = self._waiting[waiting.address]
+        del group[waiting.sock]
+        if not group:
+            del self._waiting[waiting.address]
+        self._count -= 1
+
+    def _drop(self, waiting: _Waiting) -> None:
+        self._forget(waiting)
+        waiting.sock.close()
+
+    def _sweep(self) -> None:
+        """End what takes too long, from time to time."""
+        now = self._loop.time()
+        late = [
+            each for group in self._waiting.values() for each in takewhile(lambda one: one.until < now, group.values())
+        ]
+        for waiting in late:
+            self._drop(waiting)
+        for sock in [sock for sock, until in self._closing.items() if until < now]:
+            self._end(sock)
+        self._sweeping = self._loop.call_later(_SWEEP_EVERY, self._sweep)
+
+
+def _listen(family: int, kind: int, protocol: int, address: Any) -> socket.socket | None:
+    """Listen on an address; None: this computer has no such one. Raises OSError."""
+    try:
+        sock = socket.socket(family, kind, protocol)
+    except OSError:  # no IPv6
+        return None
+    try:
+        sock.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        if family == socket.AF_INET6:
+            sock.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_V6ONLY, 1)
+        sock.setblocking(False)
+        sock.bind(address)
+        sock.listen(_BACKLOG)
+    except OSError as problem:
+        sock.close()
+        if problem.errno == errno.EADDRNOTAVAIL:
+            return None
+        raise
+    return sock

@@ -1,0 +1,1 @@
+"""Data of the robot for pages: web sockets, and the process that reads it."""

@@ -1,0 +1,119 @@
+"""The process that reads data of the robot: it runs while a page shows any, apart from the one that drives."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import socket
+import sys
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from typing import Literal
+
+from ur.web.server.robot_end import wait_or_kill
+from ur.web.wire.data_frames import DataFrame, unpack_frame
+from ur.web.wire.frames import LENGTH, LONGEST
+
+_MODULE = "ur_nodes.web.data.data_end_node"
+_PAUSE = 1.0  # s before it is started again
+_WAITING = 1 << 20  # bytes of requests that the process has not taken
+
+State = Literal["off", "starting", "up"]
+
+
+class DataEnd:
+    """Keeps the process running from `open` to `close`. `on_start` is called before its first frame.
+
+    `is_up` returns whether the robot is connected: without a master the process would not start.
+    """
+
+    def __init__(
+        self,
+        environment: Mapping[str, str],
+        is_up: Callable[[], bool],
+        on_frame: Callable[[DataFrame], None],
+        on_start: Callable[[], None],
+        log: Callable[[str], None],
+    ) -> None:
+        self._environment, self._is_up = environment, is_up
+        self._on_frame, self._on_start, self._log = on_frame, on_start, log
+        self._link: asyncio.StreamWriter | None = None
+        self._task: asyncio.Task[None] | None = None
+        self.state: State = "off"
+        self.pid = 0
+
+    def open(self) -> None:
+        """Have the process run."""
+        if self._task is None:
+            self.state = "starting"
+            self._task = asyncio.create_task(self._run())
+
+    async def close(self) -> None:
+        """End the process."""
+        task, self._task = self._task, None
+        if task is not None:
+            task.cancel()
+            await asyncio.gather(task, return_exceptions=True)
+        if self._task is None:
+            self.state = "off"
+
+    def send(self, page: int, text: str) -> bool:
+        """Pass a request of a page on, "" when the page is gone. Return whether the process can take it."""
+        if self._link is None or self._link.transport.get_write_buffer_size() > _WAITING:
+            return False
+        self._link.write(json.dumps({"page": page, "m": text}).encode() + b"\n")
+        return True
+
+    async def _run(self) -> None:
+        while True:
+            if self._is_up():
+                await self._run_once()
+                self.state = "starting"
+            await asyncio.sleep(_PAUSE)
+
+    async def _run_once(self) -> None:
+        ours, its = socket.socketpair()
+        with its:
+            process = await asyncio.create_subprocess_exec(
+                *(sys.executable, "-I", "-m", "ur_nodes", _MODULE, str(its.fileno())),
+                pass_fds=(its.fileno(),),
+                stdin=asyncio.subprocess.DEVNULL,
+                stdout=asyncio.subprocess.DEVNULL,
+                stderr=asyncio.subprocess.PIPE,
+                env=dict(self._environment),
+                start_new_session=True,  # Ctrl-C is for this process, which ends that one
+            )
+        self.pid = process.pid
+        errors = asyncio.create_task(self._read_errors(process))
+        reader, link = await asyncio.open_connection(sock=ours)
+        self._link = link
+        try:
+            self._on_start()
+            await self._read_frames(reader)
+        finally:
+            link.close()
+            if self._link is link:
+                self._link = None
+            await asyncio.shield(_finish(process, errors))
+
+    async def _read_frames(self, reader: asyncio.StreamReader) -> None:
+        with suppress(asyncio.IncompleteReadError, ConnectionError, ValueError):
+            while True:
+                (length,) = LENGTH.unpack(await reader.readexactly(LENGTH.size))
+                if length > LONGEST:
+                    raise ValueError(f"frame of {length} bytes")
+                frame = unpack_frame(await reader.readexactly(length))
+                self.state = "up"
+                self._on_frame(frame)
+
+    async def _read_errors(self, process: asyncio.subprocess.Process) -> None:
+        assert process.stderr is not None
+        with suppress(ValueError):
+            while line := await process.stderr.readline():
+                self._log(f"data: {line.decode('utf-8', 'replace').rstrip()}")
+
+
+async def _finish(process: asyncio.subprocess.Process, errors: asyncio.Task[None]) -> None:
+    """Wait for the process, which ends when its socket is closed."""
+    await wait_or_kill(process)
+    await asyncio.gather(errors, return_exceptions=True)

@@ -1,0 +1,203 @@
+"""Web sockets of pages that show data of the robot: requests are checked here, and answered at the robot's end."""
+
+from __future__ import annotations
+
+import asyncio
+import itertools
+import json
+import math
+import time
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from typing import Any
+
+from aiohttp import WSCloseCode, WSMsgType, web
+
+from ur.web.access.rate import draw, make_bucket
+from ur.web.access.roles import Role
+from ur.web.runs.commands import Commands
+from ur.web.server.data.data_end import DataEnd
+from ur.web.server.data.three import ThreeScript
+from ur.web.server.gate import SESSION
+from ur.web.server.viewers import limit_buffer
+from ur.web.wire.data_frames import ALL, DataFrame
+from ur.web.wire.data_requests import CHANGES, LONGEST, Show, find_number, read_data_request
+from ur.web.wire.requests import BadRequestError
+
+BEAT = 1.0
+"""Seconds between two beats of the server."""
+
+OLDEST = 5.0
+"""Seconds after which a beat is no proof that a request is fresh."""
+
+_HEARTBEAT = 5.0  # s between pings of a web socket
+_RATE, _BURST = 10.0, 40.0  # requests of one page, a second
+_CHANGE_RATE, _CHANGE_BURST = 5.0, 10.0  # of these, what changes something
+_MOST_BAD = 20
+_MOST_ANSWERS = 100
+_MOST_PAGES = 20
+_UNUSED = 3.0  # s without a page after which the process ends
+
+
+class _Page:
+    """A page: what it shows, and what it has not taken yet."""
+
+    def __init__(self, number: int, socket: web.WebSocketResponse) -> None:
+        self.number, self.socket = number, socket
+        self.shows = ""
+        self.due = asyncio.Event()
+        self._newest: dict[str, bytes] = {}
+        self._answers: list[bytes] = []
+        self._beats: dict[int, float] = {}
+        self._numbers = itertools.count(1)
+
+    def put(self, frame: DataFrame) -> None:
+        """Have a frame sent: in place of the one with its key, or after all others without a key."""
+        if frame.key:
+            self._newest[frame.key] = frame.body
+        else:
+            self._answers = [*self._answers[1 - _MOST_ANSWERS :], frame.body]
+        self.due.set()
+
+    def answer(self, number: int, text: str) -> None:
+        """Have a refusal sent."""
+        value = {"t": "answer", "id": number, "ok": False, "text": text}
+        self.put(DataFrame(self.number, "", json.dumps(value).encode()))
+
+    def is_fresh(self, beat: int) -> bool:
+        """Return whether a request with this beat was made a moment ago."""
+        return time.monotonic() - self._beats.get(beat, -math.inf) < OLDEST
+
+    async def run(self, describe: Callable[[], Mapping[str, Any]]) -> None:
+        """Send beats, answers, and the newest frame of each key until the page is gone."""
+        beaten = -math.inf
+        with suppress(ConnectionError):
+            while not self.socket.closed:
+                now = time.monotonic()
+                if now - beaten >= BEAT:
+                    beaten, number = now, next(self._numbers)
+                    self._beats = {each: at for each, at in self._beats.items() if now - at < OLDEST} | {number: now}
+                    await self.socket.send_str(json.dumps({"t": "beat", "n": number, **describe()}))
+                elif self._answers:
+                    await self._send(self._answers.pop(0))
+                elif self._newest:
+                    await self._send(self._newest.pop(next(iter(self._newest))))
+                else:
+                    self.due.clear()
+                    with suppress(asyncio.TimeoutError):
+                        await asyncio.wait_for(self.due.wait(), max(0.0, beaten + BEAT - now))
+
+    async def _send(self, body: bytes) -> None:
+        if body.startswith(b"{"):
+            await self.socket.send_str(body.decode("utf-8", "replace"))
+        else:
+            await self.socket.send_bytes(body)
+
+
+class DataPages:
+    """The route, and what it needs. `is_up` returns whether the robot is connected; `log` takes a line."""
+
+    def __init__(self, environment: Mapping[str, str], is_up: Callable[[], bool], log: Callable[[str], None]) -> None:
+        self._log = log
+        self._pages: dict[int, _Page] = {}
+        self._numbers = itertools.count(ALL + 1)
+        self._end = DataEnd(environment, is_up, self._take, self._show_again, log)
+        self._ending: asyncio.Task[None] | None = None
+        self._three = ThreeScript(Commands(environment))
+
+    def routes(self) -> list[web.RouteDef]:
+        """The routes."""
+        return [web.get("/ws/data", self._serve), web.get("/three.js", self._three.serve)]
+
+    def sockets(self) -> list[web.WebSocketResponse]:
+        """List the web sockets of all pages."""
+        return [each.socket for each in self._pages.values()]
+
+    async def close(self) -> None:
+        """End the process."""
+        if self._ending is not None:
+            self._ending.cancel()
+        await self._end.close()
+
+    def _take(self, frame: DataFrame) -> None:
+        pages = self._pages.values() if frame.page == ALL else filter(None, [self._pages.get(frame.page)])
+        for page in pages:
+            page.put(frame)
+
+    def _show_again(self) -> None:
+        """Tell a new process what pages show."""
+        for page in self._pages.values():
+            if page.shows:
+                self._end.send(page.number, page.shows)
+
+    def _describe(self) -> Mapping[str, Any]:
+        return {"end": self._end.state}
+
+    async def _serve(self, request: web.Request) -> web.WebSocketResponse:
+        if len(self._pages) >= _MOST_PAGES:
+            raise web.HTTPServiceUnavailable(text=f"{_MOST_PAGES} pages show data, expected no more\n")
+        _, grant = request[SESSION]
+        socket = web.WebSocketResponse(heartbeat=_HEARTBEAT, compress=False, max_msg_size=LONGEST)
+        await socket.prepare(request)
+        limit_buffer(request)
+        page = _Page(next(self._numbers), socket)
+        self._pages[page.number] = page
+        self._end.open()
+        sending = asyncio.create_task(page.run(self._describe))
+        try:
+            await self._receive(page, grant.role, f"{request.remote} ({grant.name})")
+        finally:
+            del self._pages[page.number]
+            self._end.send(page.number, "")
+            sending.cancel()
+            if self._ending is None or self._ending.done():
+                self._ending = asyncio.create_task(self._end_unused())
+        return socket
+
+    async def _end_unused(self) -> None:
+        await asyncio.sleep(_UNUSED)
+        if not self._pages:
+            await self._end.close()
+            if self._pages:  # one that has come meanwhile
+                self._end.open()
+
+    async def _receive(self, page: _Page, role: Role, who: str) -> None:
+        now = time.monotonic()
+        bad, bucket, changes = 0, make_bucket(_RATE, _BURST, now), make_bucket(_CHANGE_RATE, _CHANGE_BURST, now)
+        async for message in page.socket:
+            bucket, allowed = draw(bucket, time.monotonic())
+            text = message.data if message.type is WSMsgType.TEXT else None
+            try:
+                envelope = read_data_request(text)
+            except BadRequestError as problem:
+                bad += 1
+                if allowed and bad <= _MOST_BAD:
+                    page.answer(find_number(text), str(problem))
+                    continue
+                allowed = False
+            if not allowed:
+                self._log(f"{who}: data: closed: too many messages")
+                await page.socket.close(code=WSCloseCode.POLICY_VIOLATION)
+                return
+            if isinstance(envelope.request, CHANGES):
+                changes, allowed = draw(changes, time.monotonic())
+                refusal = _refuse(role, fresh=page.is_fresh(envelope.beat), allowed=allowed)
+                if refusal:
+                    page.answer(envelope.number, refusal)
+                    continue
+                self._log(f"{who}: {text}")
+            elif isinstance(envelope.request, Show):
+                page.shows = str(text)
+            if not self._end.send(page.number, str(text)) and envelope.number:
+                page.answer(envelope.number, "the robot is not connected: start a program of it")
+
+
+def _refuse(role: Role, *, fresh: bool, allowed: bool) -> str:
+    """The reason why a page may not change something; "" if it may."""
+    if role is not Role.DRIVE:
+        return "this login may look, expected one that may drive"
+    if not allowed:
+        return f"too many requests, expected at most {_CHANGE_RATE:g} a second; nothing was done"
+    if not fresh:
+        return "the connection was too slow, nothing was done; try again"
+    return ""

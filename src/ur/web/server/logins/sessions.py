@@ -1,0 +1,172 @@
+"""The sessions of a running server: their file, their open connections, and reports of logins."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import Callable, Collection, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from ur.web.access.roles import (
+    SESSION_LIFE,
+    Device,
+    Grant,
+    Ledger,
+    Role,
+    add_token,
+    add_viewer,
+    end_sessions,
+    find_session,
+    find_viewer,
+    list_sessions,
+    name_session,
+    note_use,
+    open_session,
+    use_token,
+)
+from ur.web.server.link_files import LinkFiles
+from ur.web.server.logins.session_file import SessionFile
+
+_SAVED_EVERY = 3600.0  # s: how exactly the last use is known after the server was killed
+
+
+def say_nothing(_line: str) -> None:
+    """For servers whose logins only the log has."""
+
+
+class Sessions:
+    """Tokens, sessions and viewer links of a server. The end of a session closes its open connections."""
+
+    def __init__(
+        self,
+        path: Path,
+        log: Callable[[str], None],
+        links: LinkFiles | None = None,
+        report: Callable[[str], None] = say_nothing,
+        life: float = SESSION_LIFE,
+    ) -> None:
+        """`links` are those that others have made for this server. `report` takes a line about each login.
+
+        `life` is the time in s for which a login is good.
+        """
+        self._file, self._path, self._log, self._links = SessionFile(path), path, log, links
+        self._report, self._life = report, life
+        self._ledger: Ledger = self._file.load()
+        self._open: dict[str, set[asyncio.Transport]] = {}
+        self._saved_at = time.monotonic()
+
+    @property
+    def life(self) -> float:
+        """The seconds for which a login is good."""
+        return self._life
+
+    def invite(self, role: Role) -> str:
+        """Make a token for one login."""
+        self._ledger, token = add_token(self._ledger, role, time.time())
+        return token
+
+    def invite_viewer(self, role: Role) -> str:
+        """Make the secret of a viewer link."""
+        self._ledger, secret = add_viewer(self._ledger, role, "Foxglove")
+        return secret
+
+    def log_in(self, token: object, name: str, address: str, before: str = "") -> str | None:
+        """Use a token up: return the secret of a new session; None for a token that is not valid.
+
+        `before` is the id of the session that the browser has had: the new one takes its place, and its name.
+        """
+        now, former = time.time(), self.list().get(before)
+        device = Device(former.name if former else name, address, self._life)
+        kept = end_sessions(self._ledger, [before])
+        ledger, secret = use_token(kept, token, device, now)
+        role = self._links.use(token) if secret is None and self._links is not None else None
+        if role is not None:
+            ledger, secret = open_session(kept, role, device, now)
+        if secret is None:
+            return None
+        self._ledger = ledger
+        self.save()
+        for transport in list(self._open.get(before, ())):
+            transport.close()
+        found = find_session(self._ledger, secret, now)
+        assert found is not None, "just opened"
+        line = f"{found[1].name} logged in from {address} and may {found[1].role.value}"
+        self._log(line)
+        self._report(f"{time.strftime('%H:%M:%S')} {line}")
+        return secret
+
+    def find(self, secret: object) -> tuple[str, Grant] | None:
+        """The id of a session, which is no secret, and what it grants; None for a secret that is not valid."""
+        return find_session(self._ledger, secret, time.time())
+
+    def find_viewer(self, secret: object) -> tuple[str, Grant] | None:
+        """The same of a viewer link."""
+        return find_viewer(self._ledger, secret)
+
+    def note_use(self, secret: str) -> None:
+        """A session was used. The file has that when it is written next, or within an hour."""
+        self._ledger = note_use(self._ledger, secret, time.time())
+
+    def list(self) -> dict[str, Grant]:
+        """List the sessions that are valid, by their ids, oldest first."""
+        return list_sessions(self._ledger, time.time())
+
+    def count_open(self, number: str) -> int:
+        """Count the web sockets that a session has open."""
+        return len(self._open.get(number, ()))
+
+    @property
+    def any_open(self) -> bool:
+        """Return whether a session has a web socket open."""
+        return bool(self._open)
+
+    def rename(self, number: str, name: str) -> str:
+        """Give a session another name, and return the one that it has got."""
+        self._ledger = name_session(self._ledger, number, name)
+        self.save()
+        grant = self.list().get(number)
+        return grant.name if grant else ""
+
+    def end(self, ids: Collection[str]) -> None:
+        """End sessions, and close their connections."""
+        before = self.list()
+        self._ledger = end_sessions(self._ledger, ids)
+        self.save()
+        for number in ids:
+            if number in before:
+                self._log(f"{before[number].name}: the session has ended")
+            for transport in list(self._open.get(number, ())):
+                transport.close()
+
+    def poll(self) -> None:
+        """End the sessions that another process has taken out of the file, and those whose time is over."""
+        valid = self.list().keys()
+        ended = {*self._file.list_ended(), *(number for number in self._open if number not in valid)}
+        ended = {each for each in ended if each in valid or each in self._open}
+        if ended:
+            self.end(ended)
+        elif time.monotonic() - self._saved_at > _SAVED_EVERY:
+            self.save(lasting=False)  # a slow disk would delay every request
+
+    @contextmanager
+    def hold(self, number: str, transport: asyncio.Transport | None) -> Iterator[None]:
+        """Have a connection closed when its session ends while this lasts."""
+        if transport is None:
+            yield
+            return
+        self._open.setdefault(number, set()).add(transport)
+        try:
+            yield
+        finally:
+            self._open[number].discard(transport)
+            if not self._open[number]:
+                del self._open[number]
+
+    def save(self, *, lasting: bool = True) -> None:
+        """Write the file; `lasting`: it is on the disk when this returns."""
+        self._saved_at = time.monotonic()
+        try:
+            self._ledger = self._file.store(self._ledger, lasting=lasting)
+        except OSError as problem:
+            self._log(f"{self._path}: sessions are not saved: {problem.strerror}")

@@ -1,0 +1,61 @@
+"""Stored maps over the web: the list for every login, another name and deletion for those that may drive."""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable, Mapping
+from typing import Any
+
+from aiohttp import web
+
+from ur.web.access.roles import Role
+from ur.web.runs.commands import Commands
+from ur.web.runs.programs import ProgramsError
+from ur.web.runs.stored_maps import StoredMaps
+from ur.web.server.gate import SESSION, demand_drive, read_object
+
+
+class MapPages:
+    """The routes, and what they need. `log` takes a line about who does what."""
+
+    def __init__(self, environment: Mapping[str, str], log: Callable[[str], None]) -> None:
+        self._log = log
+        self._maps = StoredMaps(Commands(environment))
+
+    def routes(self) -> list[web.RouteDef]:
+        """The routes."""
+        return [
+            web.get("/api/maps", self._list),
+            web.post("/api/maps/rename", self._rename),
+            web.post("/api/maps/delete", self._delete),
+        ]
+
+    async def _list(self, request: web.Request) -> web.Response:
+        """The maps; without pictures for a login that may look."""
+        rows = await _answer(self._maps.list_all())
+        if request[SESSION][1].role is not Role.DRIVE:
+            rows = [{**row, "picture": []} for row in rows]
+        return web.json_response(rows)
+
+    async def _rename(self, request: web.Request) -> web.Response:
+        demand_drive(request)
+        value = await read_object(request)
+        await _answer(self._maps.rename(value.get("name"), value.get("new_name")))
+        self._note(request, f"has renamed map {value['name']} to {value['new_name']}")
+        return web.json_response({"ok": True})
+
+    async def _delete(self, request: web.Request) -> web.Response:
+        demand_drive(request)
+        value = await read_object(request)
+        await _answer(self._maps.delete(value.get("name")))
+        self._note(request, f"has deleted map {value['name']}")
+        return web.json_response({"ok": True})
+
+    def _note(self, request: web.Request, what: str) -> None:
+        self._log(f"{request.remote} ({request[SESSION][1].name}): {what}")
+
+
+async def _answer(work: Awaitable[Any]) -> Any:
+    try:
+        return await work
+    except ProgramsError as problem:
+        raise web.HTTPConflict(text=f"{problem}\n") from None

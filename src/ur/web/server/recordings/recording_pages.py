@@ -1,0 +1,118 @@
+"""Recordings over the web: state and list, start, stop, download and removal."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from dataclasses import asdict
+from typing import Any
+
+from aiohttp import web
+
+from ur.run.master.xml_rpc import Refused, Unanswered
+from ur.source.diagnostic import UserError
+from ur.web.access.roles import Role
+from ur.web.server.gate import SESSION, demand_drive, read_object
+from ur.web.server.recordings.recorder import Recorder, RecorderError
+from ur.web.server.recordings.store import BusyError, Store, recordings_folder
+from ur.web.server.recordings.topics import Topic, list_topics, read_topics, select
+from ur.web.server.recordings.writer import Rosbag, Writer
+from ur.web.wire.requests import BadRequestError
+
+
+class RecordingPages:
+    """The routes, and what they need. `log` takes a line about who does what."""
+
+    def __init__(self, environment: Mapping[str, str], log: Callable[[str], None]) -> None:
+        self._log = log
+        self._master = environment.get("ROS_MASTER_URI", "http://localhost:11311")
+        writer: Writer = Rosbag(environment)
+        self._store = Store(recordings_folder(environment), writer.ending, writer.unfinished)
+        self._recorder = Recorder(self._store, writer, environment, log)
+
+    def routes(self) -> list[web.RouteDef]:
+        """The routes."""
+        return [
+            web.get("/api/recordings", self._describe),
+            web.get("/api/recordings/topics", self._list_topics),
+            web.get("/api/recordings/file", self._download),
+            web.post("/api/recordings/start", self._start),
+            web.post("/api/recordings/stop", self._stop),
+            web.post("/api/recordings/delete", self._delete),
+        ]
+
+    async def close(self) -> None:
+        """End the recording that is under way."""
+        await self._recorder.close()
+
+    async def _describe(self, request: web.Request) -> web.Response:
+        """The recording that is under way, the reason why the last one has ended, and the files for who may drive."""
+        running = self._recorder.running
+        value: dict[str, Any] = {"running": asdict(running) if running else None, "end": self._recorder.end}
+        if request[SESSION][1].role is Role.DRIVE:
+            if running is None:
+                with suppress(BusyError, OSError), self._store.lock():
+                    self._store.adopt()
+            value["files"] = [asdict(each) for each in self._store.list()]
+        return web.json_response(value)
+
+    async def _list_topics(self, request: web.Request) -> web.Response:
+        demand_drive(request)
+        return web.json_response([asdict(each) for each in await self._ask_topics()])
+
+    async def _start(self, request: web.Request) -> web.Response:
+        """Start to record: all topics but what is large, or those that the request names."""
+        demand_drive(request)
+        try:
+            chosen = read_topics((await read_object(request)).get("topics"))
+        except BadRequestError as problem:
+            raise web.HTTPBadRequest(text=f"{problem}\n") from None
+        selection = select(chosen, await self._ask_topics())
+        try:
+            self._recorder.start(selection)
+        except RecorderError as problem:
+            raise web.HTTPConflict(text=f"{problem}\n") from None
+        self._note(request, f"records {', '.join(chosen) or 'all topics but pictures and clouds'}")
+        return web.json_response({"ok": True})
+
+    async def _stop(self, request: web.Request) -> web.Response:
+        demand_drive(request)
+        if not await self._recorder.stop(f"stopped by {request[SESSION][1].name}"):
+            raise web.HTTPConflict(text="nothing is recorded\n")
+        self._note(request, "stops the recording")
+        return web.json_response({"ok": True})
+
+    async def _download(self, request: web.Request) -> web.StreamResponse:
+        """Send a file, part by part as the page takes it."""
+        demand_drive(request)
+        path = self._store.find(request.query.get("id"))
+        if path is None:
+            raise web.HTTPNotFound(text="there is no recording of this name\n")
+        self._note(request, f"downloads {path.name}")
+        disposition = f'attachment; filename="{path.name}"'  # a name of ours
+        return web.FileResponse(
+            path, headers={"Content-Disposition": disposition, "Content-Type": "application/octet-stream"}
+        )
+
+    async def _delete(self, request: web.Request) -> web.Response:
+        demand_drive(request)
+        path = self._store.find((await read_object(request)).get("id"))
+        if path is None:
+            raise web.HTTPNotFound(text="there is no recording of this name\n")
+        self._note(request, f"deletes {path.name}")
+        try:
+            path.unlink(missing_ok=True)
+        except OSError as problem:
+            raise web.HTTPConflict(text=f"{path.name}: {(problem.strerror or str(problem)).lower()}\n") from None
+        return web.json_response({"ok": True})
+
+    async def _ask_topics(self) -> tuple[Topic, ...]:
+        """List the topics. Raises HTTPConflict: no master answers."""
+        try:
+            return await asyncio.get_running_loop().run_in_executor(None, list_topics, self._master)
+        except (Unanswered, Refused, UserError):
+            raise web.HTTPConflict(text="the robot is not connected: start a program of it\n") from None
+
+    def _note(self, request: web.Request, what: str) -> None:
+        self._log(f"{request.remote} ({request[SESSION][1].name}): {what}")

@@ -1,0 +1,76 @@
+"""Topics of a recording: those that a page has chosen, or all but pictures and point clouds."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from ur.run.master.client import parse_master_uri
+from ur.run.master.xml_rpc import WrongServer
+from ur.web.wire.requests import BadRequestError
+
+MOST_TOPICS = 40
+"""Topics that a page may choose."""
+
+_MOST_LEFT_OUT = 200
+_NAME = re.compile(r"(/[A-Za-z][A-Za-z0-9_]{0,99}){1,10}", re.ASCII)
+_LARGE = {
+    "sensor_msgs/Image",
+    "sensor_msgs/CompressedImage",
+    "sensor_msgs/PointCloud",
+    "sensor_msgs/PointCloud2",
+    "stereo_msgs/DisparityImage",
+    "theora_image_transport/Packet",
+}
+_LARGE_BY_NAME = r"(/.*)?/(image|points|cloud)[^/]*(/.*)?|/.*/(compressed|compressedDepth|theora)"
+
+
+@dataclass(frozen=True, slots=True)
+class Topic:
+    """A topic that is published, and its type."""
+
+    name: str
+    kind: str
+
+
+@dataclass(frozen=True, slots=True)
+class Selection:
+    """The `topics` that are recorded. Without any: all, but those whose whole name matches the pattern `left_out`."""
+
+    topics: tuple[str, ...] = ()
+    left_out: str = ""
+
+
+def is_topic(name: object) -> bool:
+    """Return whether a value is the full name of a topic, which has no character with a meaning elsewhere."""
+    return isinstance(name, str) and _NAME.fullmatch(name) is not None
+
+
+def read_topics(value: object) -> tuple[str, ...]:
+    """The topics that a request names; none for all. Raises BadRequestError."""
+    if value is None:
+        return ()
+    if not isinstance(value, list) or not 0 < len(value) <= MOST_TOPICS or not all(map(is_topic, value)):
+        raise BadRequestError(f"topics: expected 1 to {MOST_TOPICS} full names, such as /scan")
+    return tuple(dict.fromkeys(value))
+
+
+def select(chosen: tuple[str, ...], published: Iterable[Topic]) -> Selection:
+    """The selection for what a page has chosen: without a choice, all but what is large, also what starts later."""
+    if chosen:
+        return Selection(chosen)
+    large = [each.name for each in published if each.kind in _LARGE][:_MOST_LEFT_OUT]
+    return Selection(left_out="|".join([*large, _LARGE_BY_NAME]))
+
+
+def list_topics(master: str) -> tuple[Topic, ...]:
+    """List the topics that are published at a master; this waits for its answer.
+
+    Raises Unanswered, Refused or UserError: there is no answer of a master.
+    """
+    found = parse_master_uri(master).call("getPublishedTopics", "")
+    if not isinstance(found, list):
+        raise WrongServer("expected the topics of a ROS master")
+    pairs = [each for each in found if isinstance(each, list) and len(each) == 2]
+    return tuple(Topic(name, str(kind)[:200]) for name, kind in sorted(pairs, key=str) if is_topic(name))

@@ -1,0 +1,89 @@
+"""Requests and answers between two servers of this computer, as lines of JSON over a socket that only they have."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from collections.abc import Awaitable, Callable, Mapping
+from contextlib import suppress
+from typing import Any
+
+LONGEST_LINE = 1 << 16
+_ANSWER_LIMIT = 30.0  # s: a server may have to be started first
+
+Handler = Callable[[Mapping[str, Any]], Awaitable[Any]]
+
+
+class PeerError(Exception):
+    """A request that was refused or not answered, with the reason for users."""
+
+
+class Peer:
+    """One end. `handle` answers requests of the other one; a PeerError that it raises is raised there.
+
+    `ended` is true when the other end has ended.
+    """
+
+    def __init__(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter, handle: Handler) -> None:
+        self._reader, self._writer, self._handle = reader, writer, handle
+        self._answers: dict[int, asyncio.Future[Any]] = {}
+        self._tasks: set[asyncio.Task[None]] = set()
+        self._number = 0
+        self.ended = False
+
+    async def run(self) -> None:
+        """Serve until the other end has ended. All requests that wait then fail."""
+        try:
+            with suppress(ConnectionError, ValueError):  # ValueError: a line that is too long, or no JSON
+                while line := await self._reader.readline():
+                    self._take(json.loads(line))
+        finally:
+            self.ended = True
+            for task in self._tasks:
+                task.cancel()
+            for answer in self._answers.values():
+                if not answer.done():
+                    answer.set_exception(PeerError("the server of this robot has ended"))
+            self._writer.close()
+
+    async def ask(self, request: Mapping[str, Any]) -> Any:
+        """Return the answer to a request. Raises PeerError."""
+        if self.ended:
+            raise PeerError("the server of this robot has ended")
+        self._number += 1
+        number = self._number
+        answer = self._answers[number] = asyncio.get_running_loop().create_future()
+        try:
+            self._write({"ask": number, "value": dict(request)})
+            return await asyncio.wait_for(answer, _ANSWER_LIMIT)
+        except asyncio.TimeoutError:
+            raise PeerError("the server of this robot does not answer") from None
+        finally:
+            del self._answers[number]
+
+    def close(self) -> None:
+        """Have `run` return on both ends."""
+        self._writer.close()
+
+    def _write(self, message: Mapping[str, Any]) -> None:
+        self._writer.write(json.dumps(message, separators=(",", ":")).encode() + b"\n")
+
+    def _take(self, message: Mapping[str, Any]) -> None:
+        if "ask" in message:
+            task = asyncio.create_task(self._answer(message["ask"], message["value"]))
+            self._tasks.add(task)
+            task.add_done_callback(self._tasks.discard)
+            return
+        answer = self._answers.get(message["answer"])
+        if answer is None or answer.done():
+            return
+        if "problem" in message:
+            answer.set_exception(PeerError(message["problem"]))
+        else:
+            answer.set_result(message["value"])
+
+    async def _answer(self, number: int, request: Mapping[str, Any]) -> None:
+        try:
+            self._write({"answer": number, "value": await self._handle(request)})
+        except PeerError as problem:
+            self._write({"answer": number, "problem": str(problem)})

@@ -1,0 +1,75 @@
+"""The list of robots for pages, and links to the pages of others."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Callable
+from dataclasses import asdict
+
+from aiohttp import web
+
+from ur.web.access.rate import Buckets
+from ur.web.server.gate import SESSION
+from ur.web.server.links import link_to
+from ur.web.server.robots.peer import PeerError
+from ur.web.server.robots.robots import Robots
+
+_OPEN_RATE, _OPEN_BURST = 0.2, 20.0  # of a session
+_LONGEST_NAME = 63  # characters of a host name
+
+
+class RobotPages:
+    """The routes. `log` takes a line about who does what."""
+
+    def __init__(self, robots: Robots, log: Callable[[str], None]) -> None:
+        self._robots, self._log = robots, log
+        self._opened = Buckets(_OPEN_RATE, _OPEN_BURST)
+
+    def routes(self) -> list[web.RouteDef]:
+        """The routes."""
+        return [web.get("/api/robots", self._list), web.post("/api/robots", self._open)]
+
+    async def close(self) -> None:
+        """End the servers of other robots."""
+        await self._robots.close()
+
+    async def _list(self, _request: web.Request) -> web.Response:
+        try:
+            rows = await self._robots.list()
+        except PeerError as problem:
+            raise web.HTTPServiceUnavailable(text=f"{problem}\n") from None
+        return web.json_response([{**asdict(each), "shown": each.name == self._robots.own} for each in rows])
+
+    async def _open(self, request: web.Request) -> web.Response:
+        """Make a link to the page of a robot of the list, for one login of the role that the session has."""
+        name = _read_name(await request.read())
+        if name == self._robots.own:
+            raise web.HTTPConflict(text="this page shows this robot\n")
+        session, grant = request[SESSION]
+        if not self._opened.allows(session, time.monotonic()):
+            raise web.HTTPTooManyRequests(text="too many robots were opened, try again in a minute\n")
+        self._log(f"{request.remote} ({grant.name}): opens the page of {name}")
+        try:
+            place = await self._robots.invite(name, grant.role)
+        except PeerError as problem:
+            raise web.HTTPConflict(text=f"{problem}\n") from None
+        host = request.headers["Host"]  # the browser finds this computer by it
+        return web.json_response({"link": link_to(f"{_strip_port(host)}:{place.port}", place.token)})
+
+
+def _read_name(body: bytes) -> str:
+    """The name in the body of a request. Raises HTTPBadRequest."""
+    try:
+        value = json.loads(body)
+    except (ValueError, RecursionError):
+        raise web.HTTPBadRequest(text="expected JSON\n") from None
+    name = value.get("name") if isinstance(value, dict) else None
+    if not isinstance(name, str) or not 0 < len(name) <= _LONGEST_NAME:
+        raise web.HTTPBadRequest(text="name: expected the name of a robot\n")
+    return name
+
+
+def _strip_port(host: str) -> str:
+    name, colon, port = host.rpartition(":")
+    return name if colon and port.isdigit() else host

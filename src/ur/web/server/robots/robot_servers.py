@@ -1,0 +1,192 @@
+"""Servers for other robots: started when a page asks for one, and ended with this server."""
+
+from __future__ import annotations
+
+import asyncio
+import socket
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from typing import Any
+
+from ur.robot.discovery.masters import RobotMaster
+from ur.web.access.roles import Role
+from ur.web.server.robot_end import wait_or_kill
+from ur.web.server.robots.masters_check import MastersCheck
+from ur.web.server.robots.peer import LONGEST_LINE, Peer, PeerError
+from ur.web.server.robots.robots import Place, Row, write_rows
+
+MOST = 8
+"""Servers that run at the same time."""
+
+_START_LIMIT = 30.0  # s
+_OLD_VARIABLES = ("ROS_NAMESPACE",)
+
+
+class RobotServers:
+    """The robots that this computer knows. `own` is the one that this server shows: it needs no other server."""
+
+    def __init__(
+        self,
+        own: str,
+        known: Callable[[], Sequence[RobotMaster]],
+        own_place: Callable[[Role], Place],
+        options: Sequence[str],
+        environment: Mapping[str, str],
+        log: Callable[[str], None],
+    ) -> None:
+        """`known` reads the list; `options` of `ur web` are those of every server: they hold no secret."""
+        self.own = own
+        self._known, self._own_place, self._options = known, own_place, options
+        self._environment, self._log = environment, log
+        self._check = MastersCheck()
+        self._servers: dict[str, _Server] = {}
+        self._starts = asyncio.Lock()
+        self._closed = False
+
+    async def list(self) -> list[Row]:
+        """List the robots, and check their masters."""
+        known = await self._read()
+        masters = {each.name: self._master_of(each) for each in known}
+        answering = await self._check.check(list(dict.fromkeys(masters.values())))
+        return [
+            Row(each.name, label_of(each), masters[each.name] in answering, self._is_open(each.name)) for each in known
+        ]
+
+    async def invite(self, name: str, role: Role) -> Place:
+        """Have a server run for a robot of the list, and make a token of a role there. Raises PeerError."""
+        if name == self.own:
+            return self._own_place(role)
+        robot = next((each for each in await self._read() if each.name == name), None)
+        if robot is None:
+            raise PeerError("this robot is not in the list")
+        server = await self._find_or_start(robot)
+        token = await server.peer.ask({"invite": role.value})
+        self._log(f"makes a link that may {role.value} to the page of {robot.name}")
+        return Place(server.port, str(token))
+
+    async def close(self) -> None:
+        """End the servers."""
+        self._closed = True
+        self._check.close()
+        servers = list(self._servers.values())
+        for each in servers:
+            each.peer.close()
+        await asyncio.gather(*(each.ended for each in servers))
+
+    async def _read(self) -> Sequence[RobotMaster]:
+        return await asyncio.get_running_loop().run_in_executor(None, self._known)
+
+    def _master_of(self, robot: RobotMaster) -> str:
+        """The robot's master; for the own one that of the environment, which the user may have set."""
+        return self._environment.get("ROS_MASTER_URI", robot.master) if robot.name == self.own else robot.master
+
+    def _is_open(self, name: str) -> bool:
+        return name == self.own or name in self._servers
+
+    async def _find_or_start(self, robot: RobotMaster) -> _Server:
+        async with self._starts:
+            server = self._servers.get(robot.name)
+            if server is not None and not server.peer.ended:
+                return server
+            if server is not None:  # its last page has been closed for long
+                await server.ended
+            if self._closed:
+                raise PeerError("this server ends")
+            if len(self._servers) >= MOST:
+                raise PeerError(f"{MOST} other robots are open, close the pages of one: its server ends after 10 min")
+            return await self._start(robot)
+
+    async def _start(self, robot: RobotMaster) -> _Server:
+        environment = {name: value for name, value in self._environment.items() if name not in _OLD_VARIABLES}
+        environment["ROS_MASTER_URI"] = robot.master
+        ours, its = socket.socketpair()
+        with its:
+            process = await asyncio.create_subprocess_exec(
+                *(sys.executable, "-I", "-m", "ur", "web", robot.selection, "--no-browser", *self._options),
+                *("--child", str(its.fileno())),
+                pass_fds=(its.fileno(),),
+                stdin=asyncio.subprocess.DEVNULL,
+                stdout=asyncio.subprocess.DEVNULL,
+                stderr=asyncio.subprocess.PIPE,
+                env=environment,
+                start_new_session=True,  # Ctrl-C is for this process, which ends that one
+            )
+        reader, writer = await asyncio.open_connection(sock=ours, limit=LONGEST_LINE)
+        server = self._servers[robot.name] = _Server(process, reader, writer, self._handle, self._log)
+
+        def forget(_ended: asyncio.Future[None]) -> None:
+            if self._servers.get(robot.name) is server:
+                del self._servers[robot.name]
+            self._log(f"the server of {robot.name} has ended")
+
+        server.ended.add_done_callback(forget)
+        if self._closed:
+            server.peer.close()
+        try:
+            await asyncio.wait({server.ended, server.ready}, timeout=_START_LIMIT, return_when="FIRST_COMPLETED")
+            if not server.ready.done() or server.ended.done():
+                server.peer.close()
+                await server.ended
+                raise PeerError(server.problem or f"the server of {robot.name} does not start, see the log of 'ur web'")
+        except asyncio.CancelledError:
+            server.peer.close()
+            raise
+        self._log(f"the server of {robot.name} runs on port {server.port}")
+        return server
+
+    async def _handle(self, request: Mapping[str, Any]) -> Any:
+        """Answer a server that was started here: the list, and the place of another robot."""
+        if "open" in request:
+            place = await self.invite(str(request["open"]), Role(request["role"]))
+            return [place.port, place.token]
+        return write_rows(await self.list())
+
+
+class _Server:
+    """A server that was started, until its process has ended."""
+
+    def __init__(
+        self,
+        process: asyncio.subprocess.Process,
+        reader: asyncio.StreamReader,
+        writer: asyncio.StreamWriter,
+        handle: Callable[[Mapping[str, Any]], Any],
+        log: Callable[[str], None],
+    ) -> None:
+        self._process, self._handle, self._log = process, handle, log
+        self.peer = Peer(reader, writer, self._answer)
+        self.ready: asyncio.Future[None] = asyncio.get_running_loop().create_future()
+        self.port = 0
+        self.problem = ""
+        self.ended = asyncio.ensure_future(self._run())
+
+    async def _answer(self, request: Mapping[str, Any]) -> Any:
+        if "ready" not in request:
+            return await self._handle(request)
+        self.port = int(request["ready"])
+        if not self.ready.done():
+            self.ready.set_result(None)
+        return None
+
+    async def _run(self) -> None:
+        errors = asyncio.create_task(self._read_errors())
+        try:
+            await self.peer.run()
+        finally:
+            await wait_or_kill(self._process)
+            await errors
+
+    async def _read_errors(self) -> None:
+        assert self._process.stderr is not None
+        with suppress(ValueError):
+            while line := await self._process.stderr.readline():
+                text = line.decode("utf-8", "replace").strip()
+                self._log(text)
+                if not self.problem and text.startswith("error: "):
+                    self.problem = text.removeprefix("error: ")[:200]
+
+
+def label_of(robot: RobotMaster) -> str:
+    """The name of a robot for people."""
+    return "simulated robot" if robot.simulated else robot.name

@@ -1,0 +1,209 @@
+"""Clients without a login that try to silence the page: a session is served, and what they take is bounded.
+
+`bench/web_attack` measures the delays.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import json
+import zlib
+from collections.abc import AsyncIterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pytest
+from tests.ros_session import free_port
+
+aiohttp = pytest.importorskip("aiohttp", reason="aiohttp is not installed: requirements/web.lock")
+
+from ur.web.access.origin import make_origins  # noqa: E402
+from ur.web.access.rate import Buckets  # noqa: E402
+from ur.web.access.roles import Role  # noqa: E402
+from ur.web.server.application import Application  # noqa: E402
+from ur.web.server.connections import listener as listening  # noqa: E402
+from ur.web.server.connections.http_server import Rarely, open_server  # noqa: E402
+from ur.web.server.connections.listener import Listener  # noqa: E402
+from ur.web.server.gate import Gate  # noqa: E402
+from ur.web.server.static_files import load_files  # noqa: E402
+
+DRIVE = "/ws/drive?tab=0123456789ab"
+PACKED = (lambda packer: packer.compress(bytes(1 << 26)) + packer.flush())(zlib.compressobj(9, wbits=31))
+
+
+@dataclass
+class Server:
+    gate: Gate
+    listener: Listener
+    port: int
+    log: list[str]
+    stopped: list[Any]
+
+    @property
+    def url(self) -> str:
+        return f"http://127.0.0.1:{self.port}"
+
+    async def log_in(self, role: Role = Role.DRIVE) -> Any:
+        """A client with a session."""
+        client = aiohttp.ClientSession(cookie_jar=aiohttp.CookieJar(unsafe=True), headers={"Origin": self.url})
+        async with client.post(f"{self.url}/login", json={"token": self.gate.invite(role)}) as answer:
+            assert answer.status == 200
+        return client
+
+    async def stop(self, client: Any) -> None:
+        """Press STOP, over the connection that is open and over another one."""
+        before = len(self.stopped)
+        for headers in ({}, {"Connection": "close"}):
+            async with client.post(f"{self.url}/api/stop", headers=headers) as answer:
+                assert answer.status == 200
+        assert self.stopped[before:] == [{"do": "stop"}] * 2
+
+    async def open(self, data: bytes = b"") -> tuple[asyncio.StreamReader, asyncio.StreamWriter]:
+        reader, writer = await asyncio.open_connection("127.0.0.1", self.port)
+        writer.write(data)
+        return reader, writer
+
+    async def answer(self, data: bytes) -> bytes:
+        """All that the server sends until it closes the connection."""
+        reader, writer = await self.open(data)
+        with contextlib.suppress(ConnectionError):
+            return await asyncio.wait_for(reader.read(), 60.0)
+        writer.close()
+        return b""
+
+    def request(self, line: str = "GET /main.js", body: bytes = b"", *headers: str) -> bytes:
+        lines = [f"{line} HTTP/1.1", f"Host: 127.0.0.1:{self.port}", f"Origin: {self.url}", *headers]
+        return "\r\n".join([*lines, f"Content-Length: {len(body)}", "", ""]).encode() + body
+
+
+@pytest.fixture
+async def server(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[Server]:
+    port, log, stopped = free_port(), list[str](), list[Any]()
+    gate = Gate(make_origins((), port), tmp_path / "sessions.json", log.append)
+    application = Application(gate, load_files(), {}, "bob", log.append)
+
+    async def run() -> None:
+        application.robot_end.state = "up"
+        await asyncio.Event().wait()
+
+    monkeypatch.setattr(application.robot_end, "run", run)
+    monkeypatch.setattr(application.robot_end, "send", lambda each: stopped.append(each) if "do" in each else None)
+    async with open_server(application.build(), gate, "127.0.0.1", port, log.append) as listener:
+        yield Server(gate, listener, port, log, stopped)
+
+
+@pytest.mark.parametrize("data", [b"", b"GET /login HTTP/1.1\r\nHost: loc"])
+async def test_connections_that_wait_for_nothing_are_bounded_and_a_session_finds_room(
+    server: Server, data: bytes
+) -> None:
+    client = await server.log_in()
+    idle = [await server.open(data) for _ in range(300)]
+    async with client, client.ws_connect(server.url + DRIVE) as drive:
+        assert (await drive.receive_json(timeout=30))["t"] == "hello"
+        server.stopped.clear()
+        await server.stop(client)
+        assert len(server.listener) <= 64
+        assert not drive.closed
+        assert (await client.get(f"{server.url}/main.js")).status == 200
+    for _, writer in idle:
+        writer.close()
+
+
+async def test_head_that_does_not_end_in_time_ends_the_connection(
+    server: Server, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(listening, "HEAD_LIMIT", 0.0)
+    assert await server.answer(b"GET /login HTTP/1.1\r\nX: ") == b""
+    monkeypatch.undo()
+    assert await server.answer(b"GET / HTTP/1.1\r\n" + b"X: y\r\n" * 10_000) == b""
+    _, writer = await server.open()
+    with contextlib.suppress(ConnectionError):
+        for _ in range(1000):  # a byte at a time
+            writer.write(b"G")
+            await writer.drain()
+            await asyncio.sleep(0)
+    assert len(server.listener) <= 1
+    writer.close()
+
+
+async def test_requests_without_a_login_are_limited_and_never_those_of_a_session(server: Server) -> None:
+    client, other = await server.log_in(), await server.log_in(Role.LOOK)
+    async with client, other, client.ws_connect(server.url + DRIVE) as drive:
+        server.listener._rates = Buckets(0.0, 50.0)
+        codes = {(await server.answer(server.request()))[9:12] for _ in range(60)}
+        assert codes == {b"403", b"429"}
+        assert (await drive.receive_json(timeout=30))["t"] == "hello"
+        server.stopped.clear()
+        await server.stop(client)
+        await server.stop(other)
+        async with client.ws_connect(server.url + DRIVE.replace("9ab", "9ac")) as again:
+            assert (await again.receive_json(timeout=30))["t"] == "hello"
+        assert not drive.closed
+    assert len(server.log) < 50
+
+
+async def test_session_that_asks_too_much_limits_itself_only_and_can_stop(server: Server) -> None:
+    busy, client = await server.log_in(), await server.log_in(Role.LOOK)
+    async with busy, client:
+        server.gate._requests = Buckets(0.0, 50.0)
+        codes = [(await busy.get(f"{server.url}/api/me")).status for _ in range(60)]
+        assert set(codes) == {200, 429}
+        assert (await client.get(f"{server.url}/api/me")).status == 200
+        await server.stop(busy)
+        await server.stop(client)
+
+
+async def test_connection_without_a_login_is_good_for_one_request(server: Server) -> None:
+    answer = await server.answer(server.request("GET /login") * 3)
+    assert answer.count(b"HTTP/1.1 200") == 1
+    assert b"connection: close" in answer.lower()
+
+
+async def test_wrong_logins_do_not_keep_a_good_link_out(server: Server) -> None:
+    token = server.gate.invite(Role.LOOK)
+    wrong, good = json.dumps({"token": "x" * 24}).encode(), json.dumps({"token": token}).encode()
+    codes = [(await server.answer(server.request("POST /login", wrong)))[9:12] for _ in range(20)]
+    assert codes[-1] == b"429"
+    assert (await server.answer(server.request("POST /login", good)))[9:12] == b"200"
+    assert len([line for line in server.log if "refused" in line]) <= 11
+
+
+@pytest.mark.parametrize("encoding", ["gzip", "deflate"])
+async def test_packed_bodies_are_refused_and_not_unpacked(server: Server, encoding: str) -> None:
+    assert len(PACKED) > 2048
+    packed = server.request("POST /login", PACKED, f"Content-Encoding: {encoding}")
+    assert (await server.answer(packed))[9:12] in (b"413", b"")
+    small = zlib.compress(bytes(1 << 20), 9)
+    assert len(small) < 2048
+    answer = await server.answer(server.request("POST /login", small, f"Content-Encoding: {encoding}"))
+    assert b"expected JSON" in answer
+    chunked = server.request("POST /login").replace(b"Content-Length: 0", b"Transfer-Encoding: chunked")
+    assert (await server.answer(chunked + b"1\r\nx\r\n" * 9))[9:12] == b"413"
+    async with await server.log_in() as client:  # with a login the HTTP server reads the body itself
+        headers = {"Content-Encoding": encoding}
+        async with client.post(f"{server.url}/login", data=small, headers=headers) as found:
+            assert found.status == 400
+
+
+async def test_pages_of_other_origins_are_refused_before_they_count(server: Server) -> None:
+    async with await server.log_in() as client:
+        for site in ("cross-site", "same-site"):  # another port of this host is the same site: the cookie is sent
+            headers = {"Sec-Fetch-Site": site, "Sec-Fetch-Mode": "no-cors"}
+            for _ in range(300):
+                assert (await client.get(f"{server.url}/main.js", headers=headers)).status == 403
+        link = {"Sec-Fetch-Site": "cross-site", "Sec-Fetch-Mode": "navigate"}
+        assert (await client.get(f"{server.url}/login", headers=link)).status == 200
+        assert (await client.get(f"{server.url}/main.js")).status == 200
+
+
+def test_errors_of_connections_fill_no_log(monkeypatch: pytest.MonkeyPatch) -> None:
+    lines, now = list[str](), [1000.0]
+    monkeypatch.setattr("ur.web.server.connections.http_server.time.monotonic", lambda: now[0])
+    rarely = Rarely(lines.append)
+    for _ in range(10_000):
+        rarely("connections cannot be accepted: too many open files")
+    now[0] += 61.0
+    rarely("again")
+    assert lines == ["connections cannot be accepted: too many open files", "again (9999 more were left out before)"]

@@ -1,0 +1,55 @@
+"""The script of three.js: served out of its package, and explained where that cannot be installed."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+pytest.importorskip("aiohttp", reason="aiohttp is not installed: requirements/web.lock")
+
+from aiohttp import web
+from aiohttp.test_utils import make_mocked_request
+
+from ur.web.runs.commands import Done
+from ur.web.server.data import three
+from ur.web.server.data.three import ThreeScript
+
+
+class Commands:
+    """Commands of which each fails."""
+
+    def __init__(self) -> None:
+        self.run_words: list[tuple[str, ...]] = []
+
+    async def run(self, *words: str, limit: float) -> Done:
+        assert limit > 0
+        self.run_words.append(words)
+        return Done(1, "", "installing\nerror: jupyter_threejs_sage could not be installed: no network\n")
+
+
+async def test_script_that_cannot_be_installed_is_explained(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(three, "find_script", lambda: None)
+    commands: Any = Commands()
+    with pytest.raises(web.HTTPServiceUnavailable) as refusal:
+        await ThreeScript(commands).serve(make_mocked_request("GET", "/three.js"))
+    assert "could not be installed: no network" in (refusal.value.text or "")
+    assert commands.run_words == [("web", "--prepare-3d")]
+
+
+async def test_installed_script_is_served_compressed_and_once(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    path = tmp_path / "three.min.js"
+    path.write_text("script " * 100)
+    monkeypatch.setattr(three, "find_script", lambda: path)
+    commands: Any = Commands()
+    script = ThreeScript(commands)
+    packed = await script.serve(make_mocked_request("GET", "/three.js", headers={"Accept-Encoding": "gzip"}))
+    plain = await script.serve(make_mocked_request("GET", "/three.js"))
+    assert isinstance(packed.body, bytes)
+    assert len(packed.body) < 100
+    assert plain.body == path.read_bytes()
+    again = await script.serve(
+        make_mocked_request("GET", "/three.js", headers={"If-None-Match": plain.headers["ETag"]})
+    )
+    assert again.status == 304

@@ -1,0 +1,141 @@
+"""Recordings over HTTP: roles, ids, download and removal. No robot runs."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pytest
+from tests.ros_session import free_port
+
+aiohttp = pytest.importorskip("aiohttp", reason="aiohttp is not installed: requirements/web.lock")
+
+from ur.web.access.origin import make_origins  # noqa: E402
+from ur.web.access.roles import Role  # noqa: E402
+from ur.web.server.application import Application  # noqa: E402
+from ur.web.server.connections.http_server import open_server  # noqa: E402
+from ur.web.server.gate import Gate  # noqa: E402
+from ur.web.server.recordings import recording_pages  # noqa: E402
+from ur.web.server.recordings.store import recordings_folder  # noqa: E402
+from ur.web.server.recordings.topics import Selection, Topic  # noqa: E402
+
+NAME = "2026-03-01_14-05-31_0.bag"
+BYTES = b"#ROSBAG V2.0\n" + bytes(300_000)
+SCRIPT = 'trap "mv $0_0.bag.active $0_0.bag; exit" INT; echo $@ > $0_0.bag.active; while :; do sleep 0.05; done'
+
+
+class Writer:
+    ending, unfinished = ".bag", ".bag.active"
+
+    def __init__(self, _environment: object) -> None: ...
+
+    def make_command(self, stem: Path, selection: Selection) -> list[str]:
+        return ["/bin/sh", "-c", SCRIPT, str(stem), *selection.topics]
+
+
+@dataclass
+class Server:
+    gate: Gate
+    url: str
+    client: Any
+    folder: Path
+
+    async def log_in(self, role: Role) -> None:
+        token = {"token": self.gate.invite(role)}
+        async with self.client.post(f"{self.url}/login", json=token, headers={"Origin": self.url}) as answer:
+            assert answer.status == 200
+
+    async def post(self, what: str, value: object) -> tuple[int, str]:
+        headers = {"Origin": self.url}
+        async with self.client.post(f"{self.url}/api/recordings/{what}", json=value, headers=headers) as answer:
+            return answer.status, await answer.text()
+
+    async def state(self) -> Any:
+        async with self.client.get(f"{self.url}/api/recordings") as answer:
+            assert answer.status == 200
+            return await answer.json()
+
+
+@pytest.fixture
+async def server(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[Server]:
+    monkeypatch.setattr(recording_pages, "Rosbag", Writer)
+    port = free_port()
+    gate = Gate(make_origins((), port), tmp_path / "sessions.json", lambda _: None)
+    environment = {"ROS_MASTER_URI": f"http://localhost:{free_port()}", "HOME": str(tmp_path), "PATH": "/usr/bin:/bin"}
+    folder = recordings_folder(environment)
+    folder.mkdir(parents=True)
+    (folder / NAME).write_bytes(BYTES)
+    application = Application(gate, {}, environment, "bob", lambda _: None)
+    async with (
+        open_server(application.build(), gate, "127.0.0.1", port, lambda _: None),
+        aiohttp.ClientSession(cookie_jar=aiohttp.CookieJar(unsafe=True)) as client,
+    ):
+        yield Server(gate, f"http://127.0.0.1:{port}", client, folder)
+
+
+async def test_file_is_downloaded_as_an_attachment(server: Server) -> None:
+    await server.log_in(Role.DRIVE)
+    async with server.client.get(f"{server.url}/api/recordings/file?id={NAME}") as answer:
+        assert answer.status == 200
+        assert answer.headers["Content-Disposition"] == f'attachment; filename="{NAME}"'
+        assert answer.headers["X-Content-Type-Options"] == "nosniff"
+        assert answer.headers["Content-Type"] == "application/octet-stream"
+        assert answer.headers["Cache-Control"] == "no-store"
+        assert await answer.read() == BYTES
+
+
+async def test_only_listed_files_are_downloaded_and_deleted(server: Server) -> None:
+    await server.log_in(Role.DRIVE)
+    secret = server.folder.parent / "sessions.json"
+    secret.write_text("secret")
+    for name in ("../sessions.json", "..%2Fsessions.json", "%2Fetc%2Fpasswd", "lock", "", f"{NAME}%00", f".%2F{NAME}"):
+        async with server.client.get(f"{server.url}/api/recordings/file?id={name}") as answer:
+            assert answer.status == 404, name
+    for each in ("../sessions.json", str(secret), None, [NAME], {"id": NAME}, 1):
+        assert (await server.post("delete", {"id": each}))[0] == 404, each
+    assert secret.read_text() == "secret"
+    assert (await server.post("delete", {"id": NAME}))[0] == 200
+    assert not (server.folder / NAME).exists()
+    assert (await server.post("delete", {"id": NAME}))[0] == 404
+
+
+async def test_role_that_looks_sees_that_it_records_and_no_files(server: Server) -> None:
+    await server.log_in(Role.LOOK)
+    assert await server.state() == {"running": None, "end": ""}
+    for what in ("start", "stop", "delete"):
+        assert (await server.post(what, {"id": NAME, "topics": ["/scan"]}))[0] == 403
+    for what in ("topics", f"file?id={NAME}"):
+        async with server.client.get(f"{server.url}/api/recordings/{what}") as answer:
+            assert answer.status == 403
+    assert (server.folder / NAME).exists()
+
+
+async def test_recording_without_a_robot_and_with_bad_topics_is_refused(server: Server) -> None:
+    await server.log_in(Role.DRIVE)
+    assert await server.post("start", {}) == (409, "the robot is not connected: start a program of it\n")
+    for topics in (["--all"], ["/a b"], [], "/scan", ["/scan", "-O/tmp/x"]):
+        status, text = await server.post("start", {"topics": topics})
+        assert (status, "full names" in text) == (400, True)
+    assert await server.post("stop", {}) == (409, "nothing is recorded\n")
+    assert (await server.post("start", ["topics"]))[0] == 400
+
+
+async def test_page_starts_and_stops_a_recording(server: Server, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(recording_pages, "list_topics", lambda _: (Topic("/scan", "sensor_msgs/LaserScan"),))
+    monkeypatch.setattr("ur.web.server.recordings.store.Store.free", lambda _: 1 << 40)
+    await server.log_in(Role.DRIVE)
+    assert (await server.post("start", {"topics": ["/scan"]}))[0] == 200
+    assert (await server.post("start", {}))[0] == 409
+    while not (state := await server.state())["running"]["size"]:
+        await asyncio.sleep(0.05)
+    assert state["running"]["topics"] == 1
+    assert [each["name"] for each in state["files"]] == [NAME]
+    assert (await server.post("stop", {}))[0] == 200
+    state = await server.state()
+    assert (state["running"], state["end"].startswith("stopped by")) == (None, True)
+    assert len(state["files"]) == 2
+    made = server.folder / state["files"][0]["name"]
+    assert made.read_text() == "/scan\n"

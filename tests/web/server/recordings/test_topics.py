@@ -1,0 +1,39 @@
+"""Topics that may be recorded, and those that are left out."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from ur.web.server.recordings.topics import MOST_TOPICS, Selection, Topic, read_topics, select
+from ur.web.wire.requests import BadRequestError
+
+
+@pytest.mark.parametrize(
+    "name", ["scan", "", "/", "--all", "-O", "/a b", "/a;b", "/a/../b", "/a|b", "/$(x)", "/a\n", "/é", "/a//b", 1, None]
+)
+def test_topic_that_is_no_full_name_is_refused(name: object) -> None:
+    with pytest.raises(BadRequestError, match="expected 1 to"):
+        read_topics(["/scan", name])
+
+
+@pytest.mark.parametrize("value", [[], "/scan", {"/scan": 1}, ["/a"] * (MOST_TOPICS + 1), 3, True])
+def test_choice_that_is_no_short_list_is_refused(value: object) -> None:
+    with pytest.raises(BadRequestError):
+        read_topics(value)
+
+
+def test_chosen_topics_are_recorded_once_each() -> None:
+    assert read_topics(["/scan", "/robot/odom", "/scan"]) == ("/scan", "/robot/odom")
+    assert select(("/image",), [Topic("/image", "sensor_msgs/Image")]) == Selection(("/image",))
+
+
+def test_pictures_and_clouds_are_left_out_by_type_and_later_ones_by_name() -> None:
+    published = [Topic("/eye", "sensor_msgs/Image"), Topic("/scan", "sensor_msgs/LaserScan")]
+    selection = select((), published)
+    assert selection.topics == ()
+    out = ["/eye", "/camera/image_raw", "/camera/image_raw/compressed", "/depth/points", "/cloud", "/x/theora"]
+    kept = ["/scan", "/odom", "/tf", "/eye_state", "/map", "/diagnostics", "/cmd_vel", "/robot/scan"]
+    matched = [name for name in (*out, *kept) if re.fullmatch(selection.left_out, name)]
+    assert matched == out

@@ -1,0 +1,57 @@
+from __future__ import annotations
+
+import asyncio
+import socket
+import threading
+
+import pytest
+from tests.ros_session import free_port
+
+from ur.web.server.robots import masters_check
+from ur.web.server.robots.masters_check import MastersCheck, answers
+
+
+def test_master_answers_when_its_port_takes_a_connection() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        assert answers(f"http://127.0.0.1:{server.getsockname()[1]}")
+    assert not answers(f"http://127.0.0.1:{free_port()}")
+
+
+def test_malformed_address_does_not_answer() -> None:
+    for master in ("http://[", "http://x:99999999", "", "http://"):
+        assert not answers(master)
+
+
+async def test_masters_are_asked_again_only_after_some_seconds(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[str] = []
+
+    def note(master: str) -> bool:
+        asked.append(master)
+        return True
+
+    monkeypatch.setattr(masters_check, "answers", note)
+    check = MastersCheck()
+    for _ in range(5):
+        assert await check.check(["a", "b"]) == {"a", "b"}
+    assert sorted(asked) == ["a", "b"]
+    check.close()
+
+
+async def test_master_that_hangs_is_not_waited_for_and_asked_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    release, asked = threading.Event(), list[str]()
+
+    def hang(master: str) -> bool:
+        asked.append(master)
+        return release.wait(60) if master == "slow" else True
+
+    monkeypatch.setattr(masters_check, "answers", hang)
+    monkeypatch.setattr(masters_check, "LIMIT", 0.05)
+    check = MastersCheck()
+    await check.check(["fast", "slow"])
+    assert await check.check(["fast", "slow"]) == {"fast"}
+    assert asked.count("slow") == 1
+    waiting = list(check._running.values())
+    release.set()
+    await asyncio.wait(waiting)
+    assert await check.check(["slow"]) == {"slow"}
+    check.close()
