@@ -33,4 +33,4 @@ def browser(robot: Robot, tmp_path_factory: pytest.TempPathFactory) -> Iterator[
         browser.open(robot.link)
         wait(lambda: browser.holds("globalThis.page?.state && page.map.pose && page.drive.newest"))
         yield browser
-        assert browser.complaints == []
+        assert browser.faults == []

@@ -10,12 +10,12 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from aiohttp import web
 from tests.ros_session import free_port
 
 from ur.web.access.origin import make_origins
 from ur.web.access.roles import Role
 from ur.web.server.application import Application
+from ur.web.server.connections.http_server import open_server
 from ur.web.server.gate import Gate
 from ur.web.server.static_files import load_files
 from ur.web.wire.frames import Kind, Layer, PoseSample, json_frame, pose_frame
@@ -32,6 +32,7 @@ STATE: dict[str, Any] = {
     "limit": 100,
     "bumpers": ["front"],
     "sources": ["joystick", "web"],
+    "cameras": {"topic": "/front/image", "topics": ["/front/image", "/rear/image"]},
 }
 
 
@@ -65,6 +66,11 @@ class Robot:
     def show(self, kind: Kind, value: Mapping[str, Any]) -> None:
         self._loop.call_soon_threadsafe(self._application.show, json_frame(kind, value))
 
+    @property
+    def camera(self) -> str:
+        """The topic that a page has chosen."""
+        return self._application._cameras.topic
+
     def find(self, kind: str) -> list[Any]:
         return [each for each in self.asked if each["t"] == kind]
 
@@ -77,12 +83,9 @@ class Robot:
 
     async def _serve(self) -> None:
         self._over = asyncio.Event()
-        runner = web.AppRunner(self._application.build(), access_log=None, shutdown_timeout=1.0)
-        await runner.setup()
-        await web.TCPSite(runner, "127.0.0.1", self.port).start()
-        self._ready.set()
-        await self._over.wait()
-        await runner.cleanup()
+        async with open_server(self._application.build(), self._gate, "127.0.0.1", self.port, lambda _: None):
+            self._ready.set()
+            await self._over.wait()
 
     async def _play(self) -> None:
         """Challenges and poses as of a robot that stands."""

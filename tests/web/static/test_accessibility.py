@@ -17,7 +17,26 @@ from tests.web.static.played_robot import PLOT, STATE, Robot, wait
 from ur.web.wire.frames import Kind
 
 pytestmark = MARKS
-PANELS = ["places", "zones", "camera", "speed", "layers", "plots", "programs", "runs", "doctor"]
+PANELS = [
+    "places",
+    "route",
+    "map_tools",
+    "maps",
+    "zones",
+    "camera",
+    "speed",
+    "layers",
+    "plots",
+    "programs",
+    "runs",
+    "topics",
+    "recordings",
+    "scene",
+    "status",
+    "doctor",
+    "devices",
+    "robots",
+]
 CONTROLS = {
     "button", "checkbox", "combobox", "DisclosureTriangle", "img", "image", "link", "listbox", "log", "menuitem",
     "PopUpButton", "radio", "searchbox", "slider", "spinbutton", "switch", "tab", "textbox",
@@ -29,6 +48,7 @@ ARGUMENTS = [
     {"name": "debug", "doc": "", "default": "false", "values": [{"text": text, "help": ""} for text in TRUTH]},
 ]  # fmt: skip
 COMMAND = {"on": "here", "command": "ls", "fix": True}
+MAP_FACTS = {"width": 4.0, "height": 2.0, "changed": 1.7e9, "places": 1, "latest": True}
 ANSWERS = {
     "/api/programs": [
         {"name": "make_map", "summary": "Make a map.", "lack": "", "problem": "", "file": True, "arguments": ARGUMENTS}
@@ -36,6 +56,26 @@ ANSWERS = {
     "/api/nodes": ["/amcl"],
     "/api/explain": "amcl.launch starts it",
     "/api/graph": "<svg xmlns='http://www.w3.org/2000/svg'/>",
+    "/api/sessions": [
+        {"id": "a", "name": "Linux", "role": "drive", "address": "127.0.0.1", "own": True, "open": True}
+        | {"first": 1.7e9, "last": 1.7e9, "until": 2e9},
+        {"id": "b", "name": "iPhone", "role": "look", "address": "192.168.1.9", "own": False, "open": False}
+        | {"first": 1.7e9, "last": 1.7e9, "until": 2e9},
+    ],
+    "/api/recordings": {
+        "running": {"size": 1000, "seconds": 61, "topics": 2},
+        "end": "stopped by Linux",
+        "files": [{"name": "2026-03-01_14-05-31_0.bag", "size": 1000, "started": 1.7e9, "part": 1, "cut": True}],
+    },
+    "/api/recordings/topics": [{"name": "/scan", "kind": "sensor_msgs/LaserScan"}],
+    "/api/maps": [
+        {"name": "flat", "picture": ["##", ".."], "problem": ""} | MAP_FACTS,
+        {"name": "hall", "picture": [], "problem": "not an image"} | MAP_FACTS,
+    ],
+    "/api/robots": [
+        {"name": "sim", "label": "simulated robot", "answers": True, "open": True, "shown": True},
+        {"name": "bob", "label": "bob", "answers": False, "open": False, "shown": False},
+    ],
     "/api/doctor": {
         "findings": [{"rule": "x", "message": "m", "help": "h", "commands": [COMMAND]}],
         "steps": [],
@@ -99,6 +139,18 @@ def open_panel(browser: Chromium, name: str) -> None:
     elif name == "runs":
         state = {"runs": [RUN], "ended": []}
         browser.run(f"for (const show of page.runs.onState) show({json.dumps(state)}); 0")
+    elif name == "devices":
+        wait(lambda: browser.run("document.querySelectorAll('#devices-panel li').length") == 2)
+    elif name == "maps":
+        wait(lambda: browser.holds("document.querySelectorAll('#maps-panel li').length === 2"))
+        browser.run("page.mapList.edit('flat'); 0")
+        wait(lambda: browser.holds("document.querySelector('#map-name')"))
+    elif name == "robots":
+        wait(lambda: browser.run("document.querySelectorAll('#robots-panel li').length") == 2)
+    elif name == "recordings":
+        wait(lambda: browser.holds("document.querySelector('#recordings-panel a')"))
+        browser.run("document.querySelector('#recordings-panel details').open = true; 0")
+        wait(lambda: browser.holds("document.querySelector('#recordings-panel input')"))
     elif name == "doctor":
         wait(lambda: browser.holds("document.querySelector('#doctor-panel section')"))
 

@@ -51,7 +51,9 @@ def test_driver_who_is_out_of_reach_is_not_said_to_drive(robot: Robot, browser: 
     robot.show(Kind.STATE, STATE)
 
 
-def test_patrol_drives_to_the_ticked_places_in_turn_until_another_goal_is_sent(robot: Robot, browser: Chromium) -> None:
+def test_patrol_is_asked_of_the_robot_and_shown_as_the_robot_says(robot: Robot, browser: Chromium) -> None:
+    patrol = {"state": "idle", "line": "", "stops": [], "index": 0, "loop": False}
+    robot.show(Kind.STATE, STATE | {"patrol": patrol})
     robot.show(Kind.PLACES, {"named": True, "places": {"desk": [0, 0, 0], "door": [1, 0, 0]}, "problem": ""})
     browser.run("page.panels.toggle('places'); 0")
     wait(lambda: browser.run("document.querySelectorAll('#places-panel li').length") == 2)
@@ -59,20 +61,40 @@ def test_patrol_drives_to_the_ticked_places_in_turn_until_another_goal_is_sent(r
     for name in ("door", "desk"):
         browser.run(f"document.querySelector('#places-panel input[aria-label=\"Patrol: {name}\"]').click(); 0")
     browser.run("document.getElementById('patrol').click(); 0")
-    wait(lambda: len(robot.find("go_to")) == 1)
-    robot.show(Kind.STATE, STATE | {"goal": GOAL | {"number": 1, "state": "driving"}})
-    robot.show(Kind.STATE, STATE | {"goal": GOAL | {"number": 1, "state": "reached"}})
-    wait(lambda: browser.holds("page.places.patrol.reachedAt < Infinity"))
-    browser.run("page.places.patrol.reachedAt -= 1000; 0")
-    robot.show(Kind.STATE, STATE | {"goal": GOAL | {"number": 1, "state": "reached"}})
-    wait(lambda: len(robot.find("go_to")) == 2)
-    assert [each["place"] for each in robot.find("go_to")] == ["door", "desk"]
-    robot.show(Kind.STATE, STATE | {"goal": GOAL | {"number": 2, "state": "driving"}})
-    wait(lambda: browser.run("page.places.patrol.mine") == 2)
-    robot.show(Kind.STATE, STATE | {"goal": GOAL | {"number": 3, "state": "driving"}})
-    wait(lambda: "The patrol ended: another goal was sent." in browser.run("document.body.innerText"))
+    wait(lambda: robot.find("patrol"))
+    (asked,) = robot.find("patrol")
+    assert (asked["do"], asked["places"], asked["loop"]) == ("start", ["door", "desk"], False)
+    lease = {"client": "patrol", "name": "patrol", "program": "", "since": 1.0, "until": None, "asking": []}
+    shown = patrol | {"state": "waiting", "line": "patrol: waits at door (1 of 2)"}
+    robot.show(Kind.STATE, STATE | {"patrol": shown, "lease": lease | {"state": "held"}})
+    banner = "[...document.querySelectorAll('.banner')].find((each) => each.innerText.startsWith('Patrol'))"
+    wait(lambda: browser.holds(f"{banner}?.innerText.includes('Patrol: waits at door (1 of 2)')"))
+    assert browser.run("document.getElementById('driver').textContent") == "patrol drives"
+    assert browser.run("document.getElementById('banners').innerText").count("drives") == 0  # said once
+    browser.run(f"{banner}.querySelector('button').click(); 0")
+    wait(lambda: [each["do"] for each in robot.find("patrol")] == ["start", "pause"])
+    robot.show(Kind.STATE, STATE | {"patrol": shown | {"state": "paused", "line": "patrol paused: by ann"}})
+    wait(lambda: browser.holds(f"{banner}?.innerText.includes('Continue')"))
+    for _ in range(5):  # an answer, another page, the battery: a page starts nothing by itself
+        robot.show(Kind.STATE, STATE | {"patrol": patrol, "goal": GOAL | {"number": 1, "state": "reached"}})
+        robot.show(Kind.STATE, STATE | {"patrol": patrol})
+    wait(lambda: browser.holds(f"!{banner}"))
+    assert [each["do"] for each in robot.find("patrol")] == ["start", "pause"]
+    assert robot.find("go_to") == []
     robot.show(Kind.STATE, STATE)
     browser.run("page.panels.close(); 0")
+
+
+def test_exploration_is_shown_until_its_end_and_after_it(robot: Robot, browser: Chromium) -> None:
+    lease = {"client": "", "name": "", "program": "", "since": 0.0, "until": None, "asking": [], "state": "free"}
+    for state, line, driver in (
+        ("exploring", "72 m2 known, 85 m driven; 22 frontiers left", "exploring drives"),
+        ("complete", "the map is complete: 0 frontiers reachable; 5 corners left out", "Nobody drives"),
+    ):
+        robot.show(Kind.STATE, STATE | {"lease": lease, "exploring": {"state": state, "line": line}})
+        wait(lambda driver=driver: browser.run("document.getElementById('driver').textContent") == driver)
+        assert line[3:] in browser.run("document.getElementById('banners').innerText")
+    robot.show(Kind.STATE, STATE)
 
 
 def test_gamepad_drives_while_its_stick_is_pushed_and_its_button_stops(robot: Robot, browser: Chromium) -> None:

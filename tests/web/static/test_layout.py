@@ -64,7 +64,97 @@ def test_no_control_covers_another_while_lines_are_shown(
     browser.run("page.setMode('look'); 0")
 
 
-@pytest.mark.parametrize("size", [*PHONES, *WIDE])
+DESKS = [(1280, 800), (1440, 900), (1024, 640)]
+TALL = [size for size in PHONES if size[0] < size[1]]
+SHOW_WIDE_MAP = """(() => {
+      const size = { column: 0, row: 0, width: 400, height: 300 };
+      page.map.setGrid(1, { generation: 1, resolution: 0.05, x: -10, y: -5, yaw: 0, ...size });
+      page.map.fit();
+      const bounds = page.map.tiles.bounds();
+      const corners = [[bounds[0], bounds[1]], [bounds[2], bounds[3]]].map((each) => page.map.view.toScreen(...each));
+      return [Math.abs(corners[0][0] - corners[1][0]), Math.abs(corners[0][1] - corners[1][1])];
+    })()"""
+
+
+@pytest.mark.parametrize("size", PHONES)
+def test_controls_lie_over_the_map_on_a_phone(browser: Chromium, size: tuple[int, int]) -> None:
+    set_size(browser, size)
+    assert browser.run("[page.map.canvas.clientWidth, page.map.canvas.clientHeight]") == list(size)
+
+
+@pytest.mark.parametrize("size", TALL)
+def test_map_takes_nine_tenths_of_the_width_of_a_phone(browser: Chromium, size: tuple[int, int]) -> None:
+    set_size(browser, size)
+    width, height = browser.run(SHOW_WIDE_MAP)
+    assert 0.9 * size[0] <= width <= size[0]
+    assert height > 1.2 * width, "a wide map is turned"
+
+
+@pytest.mark.parametrize("size", PHONES)
+def test_menu_of_a_phone_opens_a_panel_and_leaves_the_stop_in_reach(browser: Chromium, size: tuple[int, int]) -> None:
+    set_size(browser, size)
+    assert not browser.run("document.getElementById('panels').checkVisibility()")
+    browser.run("document.getElementById('menu').click(); 0")
+    assert browser.run("[document.activeElement.id, document.getElementById('menu').ariaExpanded]") == [
+        "places",
+        "true",
+    ]
+    assert list_covered(browser, "#stop, #menu, #modes button") == []
+    assert browser.run("[...document.querySelectorAll('#panels button')].every((each) => each.innerText.trim())")
+    browser.run("document.getElementById('layers').click(); 0")
+    assert browser.run("[page.panels.shown, document.activeElement.id]") == [["layers"], "layers-panel"]
+    assert not browser.run("document.getElementById('panels').checkVisibility()")
+    browser.press("Escape")
+    assert browser.run("[page.panels.shown, document.activeElement.id]") == [[], "menu"]
+
+
+@pytest.mark.parametrize("size", DESKS)
+def test_panels_stand_beside_the_map_of_a_desk_and_cover_nothing(
+    robot: Robot, browser: Chromium, size: tuple[int, int]
+) -> None:
+    robot.show(Kind.STATE, BUSY)
+    set_size(browser, size)
+    browser.run("page.setMode('drive'); page.panels.show(['places', 'plots']); 0")
+    assert browser.run("page.panels.shown") == ["places", "plots"]
+    beside = "body > button, body > nav button, #stick, #goal button, .panel .close, .banner button"
+    assert list_covered(browser, beside) == []
+    boxes = browser.run("""[...document.querySelectorAll("#map, .panel:not([hidden])")]
+      .map((each) => each.getBoundingClientRect())
+      .map((box) => [box.left, box.top, box.right, box.bottom])""")
+    for index, (left, top, right, bottom) in enumerate(boxes):
+        for other in boxes[index + 1 :]:
+            assert right <= other[0] or other[2] <= left or bottom <= other[1] or other[3] <= top
+    assert boxes[0][2] - boxes[0][0] >= 360
+    browser.run("page.setMode('look'); page.panels.show([]); 0")
+
+
+@pytest.mark.parametrize("size", [(1280, 800), (1133, 744), (1024, 640)])
+def test_buttons_of_all_panels_are_in_reach_on_a_tablet(browser: Chromium, size: tuple[int, int]) -> None:
+    set_size(browser, size)
+    browser.ask("Emulation.setTouchEmulationEnabled", enabled=True)
+    assert browser.run("document.querySelectorAll('#panels button').length") == browser.run("page.panels.panels.size")
+    browser.run("document.getElementById('panels').lastElementChild.scrollIntoView(); 0")
+    assert list_covered(browser, "#panels button:last-child, #stop, #modes button") == []
+    browser.ask("Emulation.setTouchEmulationEnabled", enabled=False)
+
+
+def test_open_panels_and_their_width_are_in_the_address(browser: Chromium) -> None:
+    set_size(browser, (1280, 800))
+    browser.run("page.panels.show(['layers', 'speed']); document.getElementById('dock-width').focus(); 0")
+    before = browser.run("document.getElementById('dock').offsetWidth")
+    browser.press("ArrowLeft")
+    assert browser.run("document.getElementById('dock').offsetWidth") == before + 32
+    wait(lambda: browser.run("location.search") == f"?panels=layers,speed&dock={before + 32}")
+    browser.run("globalThis.page = null; location.reload(); 0")
+    wait(lambda: browser.holds("globalThis.page?.panels?.shown.join() === 'layers,speed'"))
+    assert browser.run("document.getElementById('dock').offsetWidth") == before + 32
+    set_size(browser, PHONES[0])
+    assert browser.run("page.panels.shown") == ["speed"]
+    browser.run("page.panels.show([]); page.panels.dock.width = 0; 0")
+    wait(lambda: browser.holds("page.state && page.drive.newest && location.search === ''"))
+
+
+@pytest.mark.parametrize("size", [(1440, 900), (720, 450)])
 def test_whole_map_is_shown_between_the_bars(browser: Chromium, size: tuple[int, int]) -> None:
     set_size(browser, size)
     left, right, start, end = browser.run("""(() => {
@@ -72,7 +162,8 @@ def test_whole_map_is_shown_between_the_bars(browser: Chromium, size: tuple[int,
       page.map.setGrid(1, { generation: 1, resolution: 0.05, x: -10, y: -5, yaw: 0, ...size });
       page.map.fit();
       const boxes = ["panels", "view"].map((id) => document.getElementById(id).getBoundingClientRect());
-      return [boxes[0].right, boxes[1].left, page.map.view.toScreen(-10, 0)[0], page.map.view.toScreen(10, 0)[0]];
+      const end = innerWidth < 900 ? innerWidth : boxes[1].left;
+      return [boxes[0].right, end, page.map.view.toScreen(-10, 0)[0], page.map.view.toScreen(10, 0)[0]];
     })()""")
     assert left < start < end < right
 
@@ -98,7 +189,7 @@ def test_a_finger_can_hit_what_is_shown_in_panels(robot: Robot, browser: Chromiu
     robot.show(Kind.STATE, BUSY)
     robot.show(Kind.PLACES, {"named": True, "places": {"desk": [0, 0, 0], "d": [1, 0, 0]}, "problem": ""})
     robot.show(Kind.ZONES, {"served": True, "zones": [], "problem": ""})
-    for name in ("places", "zones", "layers", "plots", "speed"):
+    for name in ("places", "route", "map_tools", "maps", "zones", "layers", "plots", "speed"):
         browser.run(f"page.panels.toggle('{name}'); 0")
         assert browser.run(f"({SMALL})(44)") == [], name
         browser.run("page.panels.close(); 0")
@@ -109,7 +200,12 @@ def test_back_button_of_a_phone_closes_the_panel_and_leaves_the_page_open(browse
         pytest.skip("this Chromium has no CloseWatcher")
     browser.run("page.panels.toggle('places'); page.panels.toggle('layers'); 0")
     browser.run("page.panels.back.requestClose(); 0")
-    assert browser.run("[page.panels.open, document.activeElement.id, page.panels.back]") == ["", "layers", None]
+    opener = "(document.getElementById('layers').checkVisibility() ? 'layers' : 'menu')"
+    assert browser.run(f"[page.panels.open, document.activeElement.id === {opener}, page.panels.back]") == [
+        "",
+        True,
+        None,
+    ]
 
 
 def test_every_id_is_that_of_one_element(browser: Chromium) -> None:

@@ -20,9 +20,9 @@ pytestmark = pytest.mark.skipif(NODE is None, reason="Node.js is not installed")
 def run(script: str) -> Any:
     assert NODE is not None
     source = (FOLDER / "link_state.js").read_text() + (
-        "const read = (text) => { const { layers, at, follow, plots } = readLink(text);"
+        "const read = (text) => { const { layers, plots, ...more } = readLink(text);"
         " const again = writeLink(readLink(text));"
-        " return { layers: [...layers], at, follow, plots: plots && [...plots], again }; };\n"
+        " return { layers: [...layers], ...more, plots: plots && [...plots], again }; };\n"
         f"console.log(JSON.stringify({script}));"
     )
     command = [NODE, "--input-type=module", "-"]
@@ -39,9 +39,11 @@ def test_links_show_the_same_and_what_is_malformed_is_left_out() -> None:
         "?layers=",
         "?layers=scan,drop,local,scan&at=1,2&follow=yes",
         "?at=NaN,1e999,-Infinity",
+        "?at=1,2,3&turned=1",
     ]
-    first, full, none, bad, wild = run(f"{json.dumps(texts)}.map(read)")
-    assert first == {"layers": ["scan", "plan"], "at": None, "follow": False, "plots": None, "again": ""}
+    first, full, none, bad, wild, turned = run(f"{json.dumps(texts)}.map(read)")
+    closed: dict[str, Any] = {"turned": False, "plots": None, "panels": [], "dock": 0}
+    assert first == {"layers": ["scan", "plan", "frontiers"], "at": None, "follow": False, "again": "", **closed}
     assert full["layers"] == ["scan", "local"]
     assert (full["at"], full["follow"]) == ([1.5, -2.25, 40], True)
     assert full["again"] == "?layers=scan,local&follow=1&at=1.5,-2.25,40"
@@ -49,6 +51,7 @@ def test_links_show_the_same_and_what_is_malformed_is_left_out() -> None:
     assert (bad["layers"], bad["at"], bad["follow"]) == (["scan", "local"], None, False)
     assert bad["again"] == "?layers=scan,local"
     assert wild["at"] is None
+    assert (turned["turned"], turned["again"]) == (True, texts[5])
 
 
 def test_link_holds_the_plots_while_they_are_shown() -> None:
@@ -68,3 +71,19 @@ def test_link_holds_the_plots_while_they_are_shown() -> None:
     assert len(full["plots"]) == MOST_PLOTS
     assert run("listLayers(new Set(['trail', 'scan']))") == "scan", "the trail is the page's own"
     assert trail["layers"] == ["trail"]
+
+
+def test_link_holds_the_open_panels_and_their_width() -> None:
+    texts = [
+        "?panels=places,camera&dock=420",
+        "?panels=places,plots&plots=/a:b",
+        "?panels=camera&plots=/a:b",
+        "?panels=a,b,a,<i>,c,d,e,f&dock=-5",
+        "?plots=/a:b",
+    ]
+    two, plotted, added, many, plots = run(f"{json.dumps(texts)}.map(read)")
+    assert (two["panels"], two["dock"], two["again"]) == (["places", "camera"], 420, texts[0])
+    assert (plotted["panels"], plotted["again"]) == (["places", "plots"], texts[1])
+    assert added["panels"] == ["camera", "plots"]
+    assert (many["panels"], many["dock"]) == (["c", "d", "e", "f"], 0)
+    assert (plots["panels"], plots["again"]) == (["plots"], texts[4])

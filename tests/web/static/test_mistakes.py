@@ -42,7 +42,7 @@ def lines(page: Chromium) -> str:
     return text
 
 
-@pytest.mark.parametrize("name", ["with space", "<b>bold</b>", 'it"s', "-first", "a" * 41, ""])
+@pytest.mark.parametrize("name", ["two\tparts", "<b>bold</b>", 'it"s', "-first", "a" * 41, ""])
 def test_bad_name_of_a_place_stays_in_its_field_and_is_not_sent(robot: Robot, page: Chromium, name: str) -> None:
     page.run("page.panels.toggle('places'); 0")
     name_place(page, name)
@@ -151,3 +151,55 @@ def test_new_link_that_is_opened_in_the_tab_of_an_old_one_logs_in(robot: Robot, 
     wait(lambda: "another one" in page.run("document.body.innerText"))
     page.run(f"location.hash = {robot.link.partition('#')[2]!r}; 0")
     wait(lambda: page.holds("globalThis.page?.state"))
+
+
+def test_slow_connection_is_said_with_its_delay_and_a_way_out(page: Chromium) -> None:
+    page.run("""globalThis.real = fetch;
+      globalThis.fetch = (...all) => new Promise((done) => setTimeout(done, 400)).then(() => real(...all));
+      page.setMode("drive"); page.drive.move(0.1, 0); page.drive.end("late"); 0""")
+    wait(lambda: "driving by hand needs less than 150. Send goals, or go nearer." in lines(page))
+    page.run("page.drive.letGo(); globalThis.fetch = real; page.drive.move(0.1, 0); page.drive.end('late'); 0")
+    wait(lambda: "The connection paused" in lines(page))
+    page.run("page.drive.letGo(); page.setMode('look'); 0")
+
+
+def test_run_in_the_way_is_ended_by_a_button_and_the_program_started(page: Chromium) -> None:
+    found = page.run("""(async () => {
+      const { RUNS } = await import("/run_socket.js"), asked = [];
+      const run = { run: "m_navigate.1", title: "navigate", started: 1, stopping: null, lost: null, nodes: [] };
+      const programs = ["raspicam", "rviz_robot", "keyboard_navigate", "make_map"].map((name) =>
+        ({ name, summary: "s", lack: "", problem: "", file: false, arguments: [] }));
+      const real = fetch, { request, use } = RUNS;
+      RUNS.use = () => {}; // no state of the server takes the place of this one
+      const list = JSON.stringify(programs);
+      globalThis.fetch = async (path, ...more) => path === "/api/programs" ? new Response(list) : real(path, ...more);
+      RUNS.request = async (message) => {
+        asked.push([message.t, message.run ?? message.program]);
+        if (message.t === "end") RUNS.state = { runs: [], ended: [] };
+        else if (RUNS.state.runs.length) {
+          return { ok: false, text: "error: /amcl of run m_navigate.1 would end [node-runs-already]" };
+        }
+        return { ok: true, text: "" };
+      };
+      page.panels.show(["programs"]);
+      const soon = (get) => new Promise((done) => {
+        const look = () => get() ? done(get()) : setTimeout(look, 20);
+        look();
+      });
+      await soon(() => document.querySelector("#program-make_map"));
+      RUNS.state = { runs: [run], ended: [] };
+      const titles = [...document.querySelectorAll("#programs-panel .programs > details > summary")];
+      const names = titles.map((e) => e.innerText.split(" (")[0]);
+      document.querySelector("#program-make_map summary").click();
+      (await soon(() => document.querySelector("#program-make_map .start"))).click();
+      const button = await soon(() => document.querySelector("#program-make_map .problem button"));
+      const text = button.textContent;
+      button.click();
+      await soon(() => asked.length === 3);
+      page.panels.show([]); Object.assign(RUNS, { request, use, state: null }); globalThis.fetch = real;
+      return [asked, text, names];
+    })()""")
+    assert found[0] == [["start", "make_map"], ["end", "m_navigate.1"], ["start", "make_map"]]
+    assert found[1].startswith("End navigate, since ")
+    assert found[1].endswith(" and start this")
+    assert found[2] == ["Navigate", "Make a map", "Camera", "Other programs"]

@@ -69,10 +69,10 @@ def programs() -> Path:
 
 
 def test_scripts_are_typed(programs: Path, tmp_path: Path) -> None:
-    for script in FOLDER.glob("*.js"):
+    for script in FOLDER.rglob("*.js"):
         assert script.read_text().startswith("// @ts-check\n"), script.name
     settings = tmp_path / "tsconfig.json"
-    settings.write_text(json.dumps({"compilerOptions": OPTIONS, "include": [f"{FOLDER}/*.js"]}))
+    settings.write_text(json.dumps({"compilerOptions": OPTIONS, "include": [f"{FOLDER}/**/*.js"]}))
     command = [str(programs / "tsc"), "--pretty", "false", "-p", str(settings)]
     done = subprocess.run(command, capture_output=True, text=True, timeout=240, check=False)
     assert done.returncode == 0, done.stdout

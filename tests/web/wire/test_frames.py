@@ -45,6 +45,18 @@ def test_points_far_from_the_first_are_clipped_and_nothing_overflows() -> None:
     assert struct.unpack_from("<4h", points_frame(Layer.PLAN, [(0.0, 0.0), (1e6, -1e6)]), 14) == (0, 0, 32767, -32768)
 
 
+@pytest.mark.parametrize("far", [1e39, -1e300, 1.7e308])
+def test_numbers_beyond_32_bits_are_bounded_instead_of_refused(far: float) -> None:
+    pose = struct.unpack_from("<7f", pose_frame(PoseSample(far, -far, far, age=math.inf)), 6)
+    assert all(math.isfinite(each) for each in pose[:5])
+    assert pose[5] == math.inf
+    assert len(points_frame(Layer.PARTICLES, [(far, far), (-far, 0.0), (1.0, 2.0)])) == 14 + 12
+    grid = GridFrame(1, far, (far, far, 0.0), round(far), -round(far), 10, 10)
+    assert len(grid_frame(Layer.MAP, grid)) == len(grid_frame(Layer.MAP, GRID))
+    with pytest.raises(OverflowError):
+        struct.pack("<f", far)
+
+
 def test_tiles_and_grids_carry_their_generation() -> None:
     cells = bytes(range(256)) * TILE
     tile = tile_frame(Layer.MAP, 3, 0, 1, cells)

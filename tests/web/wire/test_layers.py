@@ -12,7 +12,7 @@ ALWAYS = {Layer.NONE, Layer.MAP}
 @pytest.mark.parametrize(
     ("text", "layers"),
     [
-        (None, {Layer.SCAN, Layer.PLAN}),
+        (None, {Layer.SCAN, Layer.PLAN, Layer.FRONTIERS}),
         ("", set()),
         ("local", {Layer.LOCAL}),
         (",".join(LAYERS), set(Layer) - ALWAYS - {Layer.CAMERA, Layer.PLOTS}),  # which are asked for otherwise

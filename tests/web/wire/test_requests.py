@@ -12,6 +12,7 @@ from ur.web.wire.requests import (
     LONGEST,
     Alive,
     AskForLease,
+    AskPatrol,
     BadRequestError,
     Cancel,
     Emergency,
@@ -20,7 +21,9 @@ from ur.web.wire.requests import (
     GoTo,
     LetGo,
     NamePlace,
+    SaveMap,
     Stick,
+    SwitchObstacleStop,
     read_request,
 )
 
@@ -35,12 +38,19 @@ STICK = {"t": "stick", "n": N, "hold": 1, "forward": 0.5, "turn": -1}
         ({"t": "alive", "n": N}, Alive((12, 500))),
         ({"t": "let_go", "hold": 3}, LetGo(3)),
         ({"t": "goal", "n": N, "x": 1, "y": 2.5, "yaw": 3.1}, Goal((12, 500), 1.0, 2.5, 3.1)),
+        ({"t": "patrol", "n": N, "do": "pause"}, AskPatrol((12, 500), "pause")),
+        (
+            {"t": "patrol", "n": N, "do": "start", "places": ["sofa", [1, -2.5]], "loop": True, "wait": 2},
+            AskPatrol((12, 500), "start", ("sofa", (1.0, -2.5)), True, 2.0),
+        ),
+        ({"t": "goal", "n": N, "x": 1, "y": 2.5, "yaw": None}, Goal((12, 500), 1.0, 2.5, None)),
         ({"t": "go_to", "n": N, "place": "door"}, GoTo((12, 500), "door")),
         ({"t": "name_place", "place": "door", "x": 1, "y": 2, "yaw": 0}, NamePlace("door", 1.0, 2.0, 0.0)),
         ({"t": "forget_place", "place": "door"}, ForgetPlace("door")),
         ({"t": "cancel"}, Cancel()),
         ({"t": "stop"}, Emergency(stop=True)),
         ({"t": "release"}, Emergency(stop=False)),
+        ({"t": "obstacles", "on": False}, SwitchObstacleStop(on=False)),
         ({"t": "lease", "n": N, "do": "take"}, AskForLease((12, 500), "take")),
     ],
 )
@@ -103,3 +113,7 @@ def test_whatever_json_comes_is_read_or_refused(value: object, kind: str) -> Non
     for text in (json.dumps(value), json.dumps({**(value if isinstance(value, dict) else {"n": value}), "t": kind})):
         with suppress(BadRequestError):
             assert read_request(text)
+
+
+def test_request_to_save_the_map_carries_no_name() -> None:
+    assert read_request('{"t": "save_map", "name": "../flat"}') == SaveMap()

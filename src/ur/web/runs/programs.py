@@ -45,7 +45,7 @@ class Programs:
         )
         run = done.out.strip().rpartition("\n")[2]
         if done.code != 0 or not run:
-            raise ProgramsError(_explain(done, f"program {program['name']} did not start"))
+            raise ProgramsError(explain_failure(done, f"program {program['name']} did not start"))
         return run
 
     async def draw(self, program: str, arguments: Mapping[str, str]) -> str:
@@ -55,7 +55,7 @@ class Programs:
             "graph", *_address(found), *_check_arguments(found, arguments), "--as", "svg", limit=_READING
         )
         if not done.out.startswith("<svg"):
-            raise ProgramsError(_explain(done, "the launch file cannot be drawn"))
+            raise ProgramsError(explain_failure(done, "the launch file cannot be drawn"))
         return done.out
 
     async def list_nodes(self, program: str, arguments: Mapping[str, str]) -> list[str]:
@@ -64,7 +64,7 @@ class Programs:
         assignments = _check_arguments(found, arguments)
         done = await self._commands.run("launch", *_address(found), *assignments, "--nodes", limit=_READING)
         if done.code != 0:
-            raise ProgramsError(_explain(done, "the launch file cannot be read"))
+            raise ProgramsError(explain_failure(done, "the launch file cannot be read"))
         return [line for line in done.out.splitlines() if line.startswith("/")]
 
     async def explain(self, program: str, arguments: Mapping[str, str], node: str) -> str:
@@ -73,7 +73,7 @@ class Programs:
         assignments = _check_arguments(found, arguments)
         done = await self._commands.run("explain", *_address(found), *assignments, node, limit=_READING)
         if done.code != 0:
-            raise ProgramsError(_explain(done, f"{node} cannot be explained"))
+            raise ProgramsError(explain_failure(done, f"{node} cannot be explained"))
         return printable_lines(done.out)
 
     async def diagnose(self) -> dict[str, Any]:
@@ -81,7 +81,7 @@ class Programs:
         if self._finding is not None and time.monotonic() - self._finding[0] < _FRESH:
             return self._finding[1]
         done = await self._commands.run("doctor", "--json", limit=_DIAGNOSING)
-        found = _parse(done, "the doctor found out nothing")
+        found = parse_output(done, "the doctor found out nothing")
         if not isinstance(found, dict):
             raise ProgramsError("the doctor found out nothing")
         self._finding = (time.monotonic(), found)
@@ -90,7 +90,7 @@ class Programs:
     async def _read_list(self) -> list[dict[str, Any]]:
         if self._listed is None or time.monotonic() - self._listed[0] > _FRESH:
             done = await self._commands.run("list", "--json", limit=_READING)
-            self._listed = (time.monotonic(), _parse(done, "the programs cannot be listed"))
+            self._listed = (time.monotonic(), parse_output(done, "the programs cannot be listed"))
         return self._listed[1]
 
     async def _find(self, name: str) -> dict[str, Any]:
@@ -118,14 +118,15 @@ def _check_arguments(program: Mapping[str, Any], given: Mapping[str, str]) -> li
     return [f"{name}:={value}" for name, value in given.items()]
 
 
-def _parse(done: Done, otherwise: str) -> Any:
+def parse_output(done: Done, otherwise: str) -> Any:
+    """Parse the JSON that a command printed. Raises ProgramsError."""
     try:
         return json.loads(done.out)
     except (ValueError, RecursionError):
-        raise ProgramsError(_explain(done, otherwise)) from None
+        raise ProgramsError(explain_failure(done, otherwise)) from None
 
 
-def _explain(done: Done, otherwise: str) -> str:
+def explain_failure(done: Done, otherwise: str) -> str:
     """The reason for people: the first error that a command printed with its help, or `otherwise`."""
     if done.late:
         return f"{otherwise}: it took too long"

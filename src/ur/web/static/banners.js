@@ -112,6 +112,7 @@ export function describeDriving(state, client) {
   if (!lease) return "";
   const active = state.mux.active;
   const source = TEXTS.sources[active] ?? active;
+  if (lease.state !== "held" && state.exploring?.state === "exploring") return TEXTS.driver(TEXTS.sources.exploring);
   if (lease.state !== "held") return active ? TEXTS.driver(source) : TEXTS.nobodyDrives;
   const who = lease.client === client ? TEXTS.youDrive : TEXTS.driver(lease.name);
   return active ? `${who} (${source})` : who;

@@ -6,6 +6,8 @@ import { TEXTS } from "./texts.js";
 
 /** @typedef {import("./main.js").Mode} Mode */
 
+const MARGIN = 8; // pixels round the map
+
 /** @param {import("./main.js").Page} page @param {string} robot */
 export function labelControls(page, robot) {
   document.title = robot;
@@ -29,19 +31,28 @@ export function labelControls(page, robot) {
     element(id).title = label;
     element(id).addEventListener("click", act);
   }
+  element("holding-text").textContent = TEXTS.youDrive;
+  element("hand-back").textContent = TEXTS.handBack;
+  element("hand-back").title = TEXTS.handBackHelp;
+  element("hand-back").addEventListener("click", () => (page.setMode("look"), page.leave()));
   element("modes").hidden = !page.mayDrive;
   for (const mode of /** @type {Mode[]} */ (["look", "goal", "drive", "pose"])) {
-    const button = makeButton(TEXTS.modes[mode], () => page.setMode(mode));
+    const button = makeButton(TEXTS.modes[mode], () => (page.setMode(mode), mode === "look" && page.leave()));
     button.id = `mode-${mode}`;
     element("modes").append(button);
   }
 }
 
-/** The pixels that controls need: left, right, above and below the map. */
+/** The pixels that controls need: left, right, above and below the map. A small page has the map below its controls. */
 export function measureEdges() {
-  const [left, right] = [element("panels"), element("view")].map((bar) => bar.getBoundingClientRect());
-  const below = innerHeight - element("stop").getBoundingClientRect().bottom < 15 ? 66 : 125; // where the page is low, or not
-  return [left.right + 6, innerWidth - right.left + 6, 65, below];
+  const [map, head, bar, view, stop, modes] = ["map", "header", "panels", "view", "stop", "modes"].map((name) =>
+    /** @type {HTMLElement} */ (document.querySelector(name === "header" ? name : `#${name}`)).getBoundingClientRect(),
+  );
+  const above = head.bottom + MARGIN;
+  const desk = element("menu").offsetWidth === 0;
+  if (desk) return [bar.right + MARGIN, map.right - view.left + MARGIN, above, map.bottom - (modes.top || stop.top) + MARGIN];
+  const low = Math.min(modes.top || map.bottom, map.height > map.width ? stop.top : map.bottom);
+  return [MARGIN, MARGIN, above, map.bottom - low + MARGIN];
 }
 
 /** Show a mode as chosen. @param {Mode} mode @param {boolean} mayDrive */

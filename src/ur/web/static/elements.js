@@ -69,12 +69,12 @@ export const sentence = (text) => text.charAt(0).toUpperCase() + text.slice(1);
 /** Why a place or a zone cannot have a name; "" if it can. As `WAYPOINT_NAME` and `ZONE_NAME` of the robot. @param {string} name */
 export function checkName(name) {
   if (!name) return TEXTS.noName;
-  return /^[\p{L}\p{N}_][\p{L}\p{N}_.-]{0,39}$/u.test(name) ? "" : TEXTS.badName;
+  return /^[\p{L}\p{N}_]([\p{L}\p{N}_ .-]{0,38}[\p{L}\p{N}_.-])?$/u.test(name) ? "" : TEXTS.badName;
 }
 
 /** Whether keys belong to a control: what is typed there drives nothing. @param {EventTarget | null} target */
 export function takesKeys(target) {
-  return target instanceof HTMLInputElement || target instanceof HTMLSelectElement;
+  return [HTMLInputElement, HTMLSelectElement, HTMLTextAreaElement].some((each) => target instanceof each);
 }
 
 /**

@@ -21,6 +21,10 @@ export class Gestures {
     this.onPan = onPan;
     /** Called with the point of the map that is tapped, where somebody wants taps. @type {((x: number, y: number) => void) | null} */
     this.onTap = null;
+    /** Called when another part of the page takes the taps, or a press on the map gets another meaning. */
+    this.onTapsLost = () => {};
+    /** Called once with the place that is pointed at next, in place of what the mode does. @type {((place: import("./map_view.js").Place) => void) | null} */
+    this.picker = null;
     /** @type {[number, number] | null} */
     this.tapped = null;
     /** @type {Map<number, [number, number]>} */
@@ -37,6 +41,25 @@ export class Gestures {
     canvas.addEventListener("contextmenu", (event) => event.preventDefault());
     canvas.addEventListener("keydown", (event) => this.key(event));
     addEventListener("blur", () => this.drop());
+  }
+
+  /** Give taps to a part of the page. @param {(x: number, y: number) => void} tap @param {() => void} onLost another part takes them */
+  takeTaps(tap, onLost) {
+    const lost = this.onTap === tap ? () => {} : this.onTapsLost;
+    [this.onTap, this.onTapsLost] = [tap, onLost];
+    lost();
+  }
+
+  /** Give taps to no part, if this one has them. @param {(x: number, y: number) => void} tap */
+  dropTaps(tap) {
+    if (this.onTap === tap) [this.onTap, this.onTapsLost] = [null, () => {}];
+  }
+
+  /** Take the taps from the part that has them. */
+  loseTaps() {
+    const lost = this.onTapsLost;
+    [this.onTap, this.onTapsLost] = [null, () => {}];
+    lost();
   }
 
   /** Forget what was begun. */
@@ -57,7 +80,7 @@ export class Gestures {
     this.pressed = null;
     this.map.pointed = null;
     this.tapped = this.onTap && this.fingers.size === 1 ? [event.offsetX, event.offsetY] : null;
-    if (this.fingers.size === 1 && !this.onTap && this.points()) {
+    if (this.fingers.size === 1 && !this.onTap && (this.picker || this.points())) {
       const [x, y] = this.map.view.toPlane(event.offsetX, event.offsetY);
       this.pressed = { x, y, left: event.offsetX, top: event.offsetY };
       this.map.pointed = { x, y, yaw: this.headingThere(x, y) };
@@ -105,7 +128,9 @@ export class Gestures {
     this.pressed = null;
     this.map.pointed = null;
     this.map.request();
-    if (place) this.onPoint(place);
+    const { picker } = this;
+    if (place) this.picker = null;
+    if (place) (picker ?? this.onPoint)(place);
     if (tapped) this.onTap?.(...this.map.view.toPlane(...tapped));
   }
 
@@ -113,7 +138,8 @@ export class Gestures {
   placeAt(event) {
     const { x, y, left, top } = /** @type {NonNullable<typeof this.pressed>} */ (this.pressed);
     const [dx, dy] = [event.offsetX - left, top - event.offsetY];
-    return { x, y, yaw: Math.hypot(dx, dy) < DRAG ? this.headingThere(x, y) : Math.atan2(dy, dx) };
+    const dragged = Math.hypot(dx, dy) >= DRAG;
+    return { x, y, yaw: dragged ? this.map.view.toYaw(Math.atan2(dy, dx)) : this.headingThere(x, y), dragged };
   }
 
   /** The direction from the robot to a place. @param {number} x @param {number} y */

@@ -7,6 +7,7 @@ import { element, takesKeys } from "./elements.js";
 import { FrameHandlers, showOnMap } from "./frames.js";
 import { Gestures } from "./gestures.js";
 import { keepLink, listLayers, openLink } from "./link_state.js";
+import { MapScale } from "./map_scale.js";
 import { MapView } from "./map_view.js";
 import { Overlays } from "./overlays.js";
 import { PANELS } from "./panel_list.js";
@@ -17,6 +18,8 @@ import { Stick } from "./stick.js";
 import { TEXTS } from "./texts.js";
 import { ViewSocket } from "./view_socket.js";
 import { KIND, readJson, readPose } from "./wire.js";
+
+const STOP_PULSE = 200; // ms that a phone vibrates
 
 /** @typedef {"look" | "goal" | "drive" | "pose"} Mode */
 
@@ -32,6 +35,7 @@ export class Page {
     /** @type {Mode} */
     this.mode = "look";
     this.map = new MapView(/** @type {HTMLCanvasElement} */ (element("map")), measureEdges);
+    this.scale = new MapScale(this.map, element("scale"));
     this.gestures = new Gestures(
       this.map,
       () => this.mode === "goal" || this.mode === "pose",
@@ -58,6 +62,7 @@ export class Page {
     /** Numbers that are plotted over time, `TOPIC:FIELD`. @type {Set<string>} */
     this.plots = link.plots ?? new Set();
     this.plotting = link.plots !== null;
+    this.dockWidth = link.dock;
     labelControls(this, session.robot);
     this.setMode("look");
     this.socket = new ViewSocket(
@@ -71,10 +76,12 @@ export class Page {
     this.gamepads = null;
     /** @type {import("./places.js").PlacePanel | null} */
     this.places = null;
+    /** @type {import("./map_list.js").MapList | null} */
+    this.mapList = null;
     this.status = new Status(this);
     this.runs = RUNS;
     this.panels = new Panels(element("panels"), PANELS, this);
-    if (this.plotting) this.panels.toggle("plots");
+    this.panels.show(link.panels);
     setInterval(() => keepLink(this), 1000);
     addEventListener("keydown", (event) => this.key(event));
     addEventListener("pagehide", () => this.leave());
@@ -107,6 +114,8 @@ export class Page {
   setMode(mode) {
     this.mode = mode;
     this.gestures.drop();
+    this.gestures.picker = null;
+    if (mode === "goal" || mode === "pose") this.gestures.loseTaps(); // a press on the map points at a place
     showMode(mode, this.mayDrive);
     this.stick.enable(mode === "drive");
   }
@@ -114,7 +123,18 @@ export class Page {
   /** Send a request about a place. @param {Record<string, unknown>} message */
   sendPlace(message) {
     if (!this.drive?.request(message)) this.sayNotSent();
-    else if (message.t === "go_to") this.panels.toggle(this.panels.open);
+    else if (message.t === "go_to") this.panels.showMap();
+  }
+
+  /** Have the user point at a place of the map, once. @param {string} help @param {(place: import("./map_view.js").Place) => void} take */
+  pick(help, take) {
+    this.setMode("look");
+    this.gestures.loseTaps();
+    this.panels.showMap();
+    element("hint").textContent = help;
+    document.body.dataset.mode = "goal"; // its cursor
+    this.gestures.picker = (place) => (this.setMode("look"), take(place));
+    this.map.canvas.focus();
   }
 
   /** @param {boolean} follow */
@@ -127,7 +147,8 @@ export class Page {
 
   /** @param {import("./map_view.js").Place} place */
   point(place) {
-    const sent = this.drive?.request({ t: this.mode === "pose" ? "pose" : "goal", ...place });
+    const { x, y, yaw, dragged } = place;
+    const sent = this.drive?.request(this.mode === "pose" ? { t: "pose", x, y, yaw } : { t: "goal", x, y, yaw: dragged === false ? null : yaw });
     if (!sent) this.sayNotSent();
     this.setMode("look");
   }
@@ -147,15 +168,16 @@ export class Page {
 
   /** @param {any} answer */
   take(answer) {
-    if (answer.t !== "refused") return;
+    if (answer.what === "save_map") this.mapList?.answered(answer);
+    if (answer.t !== "refused" || answer.what === "save_map") return;
     const why = TEXTS.refused[/** @type {"late"} */ (answer.why)] ?? answer.why;
-    if (this.places?.patrol?.running && this.places.patrol.mine === null) this.places.patrol.end("refused", why);
-    else this.say(why);
+    this.say(why);
   }
 
   /** Stop everything that drives, by whatever connection there is. */
   async stop() {
     this.stick.drop();
+    if (navigator.userActivation?.hasBeenActive) navigator.vibrate?.(STOP_PULSE);
     this.status.stopAsked = true;
     this.drive?.send({ t: "stop" });
     this.status.refresh();

@@ -118,7 +118,11 @@ export class MapTiles {
       return;
     }
     if (!this.grid) return;
-    if (view.scale * this.grid.resolution < 1) {
+    if (view.turned) {
+      context.save();
+      this.draw(context, view.straighten(context));
+      context.restore();
+    } else if (view.scale * this.grid.resolution < 1) {
       this.cache.draw(context, view, this.version, (target, seen) => this.drawTiles(target, seen));
     } else {
       this.cache.drop();

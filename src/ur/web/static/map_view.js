@@ -5,7 +5,7 @@ import { MapTiles } from "./map_tiles.js";
 import { View } from "./view.js";
 import { LAYER } from "./wire.js";
 
-/** @typedef {{x: number, y: number, yaw: number}} Place */
+/** `dragged`: the user has drawn the heading. @typedef {{x: number, y: number, yaw: number | null, dragged?: boolean}} Place */
 
 const LONGEST_LABEL = 24; // characters of a name on the map
 
@@ -53,7 +53,7 @@ export class MapView {
 
   readColours() {
     const style = getComputedStyle(document.documentElement);
-    for (const name of ["unknown", "free", "wall", "scan", "plan", "goal", "place", "keep-out", "slow", "local", "global", "particles", "covariance", "sonars", "fiducials", "robots", "trail", "robot", "robot-edge"]) {
+    for (const name of ["unknown", "free", "wall", "scan", "plan", "goal", "place", "keep-out", "slow", "local", "global", "particles", "covariance", "sonars", "fiducials", "robots", "frontiers", "trail", "robot", "robot-edge"]) {
       this.colours[name] = style.getPropertyValue(`--map-${name}`).trim();
     }
     this.tiles.setColours(this.colours.unknown, this.colours.free, this.colours.wall);
@@ -78,11 +78,11 @@ export class MapView {
     return layer === LAYER.GLOBAL ? this.costs.global : layer === LAYER.LOCAL ? this.costs.local : null;
   }
 
-  /** Show a point in the middle: x, y in m, pixels a metre. @param {number[]} at */
-  show([x, y, scale]) {
+  /** Show a point in the middle: x, y in m, pixels a metre. @param {number[]} at @param {boolean} turned */
+  show([x, y, scale], turned = false) {
     this.whole = false;
     this.fitted = true;
-    Object.assign(this.view, { x, y });
+    Object.assign(this.view, { x, y, turned });
     this.view.scale = Math.min(400, Math.max(1, scale));
     this.request();
   }
@@ -98,7 +98,14 @@ export class MapView {
     const bounds = this.tiles.bounds();
     if (!bounds || this.view.width < 2) return;
     this.fitted = this.whole = true;
-    this.view.fit(bounds, this.edges());
+    this.view.fit(bounds, this.edges(), innerHeight > innerWidth);
+    this.request();
+  }
+
+  /** Turn what is shown by 90 degrees, or back. */
+  turn() {
+    this.whole = false;
+    this.view.turned = !this.view.turned;
     this.request();
   }
 
@@ -167,13 +174,14 @@ export class MapView {
     for (const [name, [px, py, yaw]] of Object.entries(this.places)) {
       const [x, y] = view.toScreen(px, py);
       if (x < -200 || y < -20 || x > view.width + 20 || y > view.height + 20) continue;
+      const [along, across] = [Math.cos(view.toAngle(yaw)), -Math.sin(view.toAngle(yaw))];
       for (const [width, colour] of /** @type {[number, string][]} */ ([[5, colours["robot-edge"]], [2.5, colours.place]])) {
         context.strokeStyle = colour;
         context.lineWidth = width;
         context.beginPath();
         context.arc(x, y, 5, 0, 2 * Math.PI);
-        context.moveTo(x + 5 * Math.cos(yaw), y - 5 * Math.sin(yaw));
-        context.lineTo(x + 12 * Math.cos(yaw), y - 12 * Math.sin(yaw));
+        context.moveTo(x + 5 * along, y + 5 * across);
+        context.lineTo(x + 12 * along, y + 12 * across);
         context.stroke();
       }
       context.strokeStyle = colours["robot-edge"];
@@ -193,7 +201,7 @@ export class MapView {
     const scale = Math.max(view.scale, 9 / reach); // seen from far away, too
     context.save();
     context.translate(x, y);
-    context.rotate(-pose.yaw);
+    context.rotate(-view.toAngle(pose.yaw));
     context.beginPath();
     for (const corner of outline) context.lineTo(corner[0] * scale, -corner[1] * scale);
     context.closePath();
@@ -220,18 +228,20 @@ export class MapView {
     const length = Math.max(34, metres * view.scale);
     context.save();
     context.translate(...view.toScreen(place.x, place.y));
-    context.rotate(-place.yaw);
+    context.rotate(-view.toAngle(place.yaw ?? 0));
     context.lineCap = context.lineJoin = "round";
     for (const [width, stroke] of /** @type {[number, string][]} */ ([[8, this.colours["robot-edge"]], [4, colour]])) {
       context.lineWidth = width;
       context.strokeStyle = stroke;
       context.beginPath();
       context.arc(0, 0, 7, 0, 2 * Math.PI);
-      context.moveTo(9, 0);
-      context.lineTo(length, 0);
-      context.moveTo(length - 10, -8);
-      context.lineTo(length, 0);
-      context.lineTo(length - 10, 8);
+      if (place.yaw !== null) {
+        context.moveTo(9, 0);
+        context.lineTo(length, 0);
+        context.moveTo(length - 10, -8);
+        context.lineTo(length, 0);
+        context.lineTo(length - 10, 8);
+      }
       context.stroke();
     }
     context.restore();

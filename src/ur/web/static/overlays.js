@@ -1,5 +1,5 @@
 // @ts-check
-/** Small things over the map: sonars, other robots, fiducials, the spread of the pose, and the robot's trail. */
+/** Small things over the map: sonars, other robots, fiducials, frontiers, the spread of the pose, and the robot's trail. */
 
 import { KIND, LAYER, readJson } from "./wire.js";
 
@@ -39,6 +39,7 @@ export class Overlays {
   paint(context, view, colours) {
     const { layers } = this.map;
     const of = (/** @type {number} */ layer) => this.found.get(layer) ?? {};
+    if (layers.has("frontiers")) drawFrontiers(context, view, colours, of(LAYER.FRONTIERS).frontiers ?? []);
     if (layers.has("trail")) drawTrail(context, view, colours.trail, this.trail);
     if (layers.has("fiducials")) drawFiducials(context, view, colours, of(LAYER.FIDUCIALS).marks ?? []);
     if (layers.has("sonars")) drawCones(context, view, colours.sonars, of(LAYER.SONARS).cones ?? []);
@@ -69,7 +70,8 @@ function drawCones(context, view, colour, cones) {
   const before = context.globalAlpha;
   for (const [px, py, yaw, range, width, echo] of cones) {
     const [x, y] = view.toScreen(px, py);
-    const [from, to] = [-yaw - width / 2, -yaw + width / 2];
+    const angle = view.toAngle(yaw);
+    const [from, to] = [-angle - width / 2, -angle + width / 2];
     context.fillStyle = context.strokeStyle = colour;
     context.beginPath();
     context.moveTo(x, y);
@@ -94,7 +96,8 @@ function drawSpread(context, view, colour, { at, spread }) {
   const [mean, half] = [(xx + yy) / 2, Math.hypot((xx - yy) / 2, xy)];
   const axes = [mean + half, mean - half].map((each) => 2.45 * Math.sqrt(Math.max(0, each)) * view.scale);
   context.beginPath();
-  context.ellipse(...view.toScreen(at[0], at[1]), Math.max(2, axes[0]), Math.max(2, axes[1]), -Math.atan2(2 * xy, xx - yy) / 2, 0, 2 * Math.PI);
+  const angle = view.toAngle(Math.atan2(2 * xy, xx - yy) / 2);
+  context.ellipse(...view.toScreen(at[0], at[1]), Math.max(2, axes[0]), Math.max(2, axes[1]), -angle, 0, 2 * Math.PI);
   context.strokeStyle = context.fillStyle = colour;
   context.lineWidth = 2;
   context.stroke();
@@ -117,6 +120,18 @@ function drawFiducials(context, view, colours, marks) {
   }
 }
 
+/** 1 for one that was given up, then x, y, ... @param {Context} context @param {View} view @param {Colours} colours @param {number[][]} frontiers */
+function drawFrontiers(context, view, colours, frontiers) {
+  const size = Math.max(4, 0.08 * view.scale);
+  for (const [blocked, ...points] of frontiers) {
+    context.fillStyle = blocked ? colours.scan : colours.frontiers;
+    for (let index = 0; index < points.length; index += 2) {
+      const [x, y] = view.toScreen(points[index], points[index + 1]);
+      context.fillRect(x - size / 2, y - size / 2, size, size);
+    }
+  }
+}
+
 /** x, y, yaw by name. @param {Context} context @param {View} view @param {Colours} colours @param {Record<string, number[]>} robots */
 function drawRobots(context, view, colours, robots) {
   const size = Math.max(10, 0.25 * view.scale);
@@ -124,7 +139,7 @@ function drawRobots(context, view, colours, robots) {
     const [x, y] = view.toScreen(px, py);
     context.save();
     context.translate(x, y);
-    context.rotate(-yaw);
+    context.rotate(-view.toAngle(yaw));
     context.beginPath();
     for (const [along, across] of [[1, 0], [-0.7, 0.7], [-0.35, 0], [-0.7, -0.7]]) context.lineTo(along * size, across * size);
     context.closePath();

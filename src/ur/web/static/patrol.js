@@ -1,82 +1,86 @@
 // @ts-check
-/** A patrol: from place to place, in the order in which they were chosen, until it ends or a goal fails. */
+/** The patrol of the robot, shown and asked for: the robot drives it, whether a page is open or not. */
 
-/** @typedef {{number: number, state: string, text: string}} Goal */
-/** @typedef {"late" | "failed" | "replaced" | "refused" | "emergency" | "done" | "ended"} PatrolEnd */
+import { make, makeNote, sentence } from "./elements.js";
+import { TEXTS } from "./texts.js";
 
-const ANSWER_TIME = 5000; // ms until a goal that was sent must be known to navigation
-const PAUSE = 1000; // ms at each place
+/**
+ * @typedef {"start" | "pause" | "resume" | "end"} PatrolAction
+ * @typedef {{state: string, line: string, stops: [string, number, number][], index: number, loop: boolean}} PatrolState
+ * @typedef {(request: Record<string, unknown>) => void} Send
+ */
 
-export class Patrol {
-  /**
-   * @param {string[]} places @param {boolean} repeat begin again after the last place
-   * @param {(place: string) => boolean} send send a goal; false: it cannot be sent now
-   * @param {(end: PatrolEnd, place: string, text: string) => void} onEnd
-   */
-  constructor(places, repeat, send, onEnd) {
-    this.places = places;
-    this.repeat = repeat;
-    this.send = send;
-    this.onEnd = onEnd;
-    this.index = 0;
-    this.running = true;
-    /** The number of the goal of this patrol; null: not known yet. @type {number | null} */
-    this.mine = null;
-    this.newest = -1; // of the goals before
-    this.sentAt = -Infinity;
-    this.reachedAt = Infinity;
+const ACTIVE = ["starting", "driving", "waiting"];
+
+/** Whether the patrol drives, or will by itself. @param {PatrolState | null | undefined} patrol */
+export const isActive = (patrol) => ACTIVE.includes(patrol?.state ?? "");
+
+/** Whether the patrol is to be seen on every screen. @param {PatrolState | null | undefined} patrol */
+export const isOn = (patrol) => isActive(patrol) || patrol?.state === "paused";
+
+/** Requests that fit the state, with their labels. @param {PatrolState} patrol @returns {[PatrolAction, string][]} */
+export function listActions(patrol) {
+  const first = /** @type {[PatrolAction, string]} */ (isActive(patrol) ? ["pause", TEXTS.patrol.pause] : ["resume", TEXTS.resume]);
+  return [first, ["end", TEXTS.patrol.end]];
+}
+
+/** The line above the map about a patrol. @param {PatrolState} patrol @param {Send | null} send null: this page may look only */
+export function describePatrol(patrol, send) {
+  const buttons = send ? listActions(patrol).map(([action, label]) => ({ label, act: () => send({ t: "patrol", do: action }) })) : [];
+  return { text: sentence(patrol.line), buttons };
+}
+
+/** The part of a panel that chooses places and starts a patrol. */
+export class PatrolBox {
+  /** @param {boolean} mayDrive @param {Send} send */
+  constructor(mayDrive, send) {
+    this.mayDrive = mayDrive;
+    /** The places in their order. @type {string[]} */
+    this.chosen = [];
+    /** @type {PatrolState | null} */
+    this.patrol = null;
+    this.box = make("div", "", "patrol");
+    this.note = makeNote();
+    this.repeat = make("input");
+    this.repeat.type = "checkbox";
+    this.repeat.id = "patrol-repeat";
+    const label = make("label");
+    label.append(this.repeat, TEXTS.patrol.repeat);
+    this.button = make("button");
+    this.button.type = "button";
+    this.button.id = "patrol";
+    this.button.addEventListener("click", () =>
+      send(isOn(this.patrol) ? { t: "patrol", do: "end" } : { t: "patrol", do: "start", places: this.chosen, loop: this.repeat.checked }),
+    );
+    this.box.append(this.note, label, this.button);
   }
 
-  get place() {
-    return this.places[this.index] ?? "";
+  /** @param {string[]} names of all places */
+  offer(names) {
+    this.chosen = this.chosen.filter((name) => names.includes(name));
+    this.box.hidden = !this.mayDrive || names.length < 2;
+    this.refresh();
   }
 
-  /** Begin, or go on to the next place. @param {Goal} goal the newest one @param {number} now in ms */
-  begin(goal, now) {
-    this.mine = null;
-    this.reachedAt = Infinity;
-    this.newest = goal.number;
-    this.sentAt = now;
-    if (!this.send(this.place)) this.end("late");
+  /** @param {string} name @param {boolean} wanted */
+  choose(name, wanted) {
+    this.chosen = this.chosen.filter((each) => each !== name);
+    if (wanted) this.chosen.push(name);
+    this.refresh();
   }
 
-  /** Take the state of navigation. @param {Goal} goal @param {boolean} stopped by an emergency @param {number} now in ms */
-  step(goal, stopped, now) {
-    if (!this.running) return;
-    if (stopped) {
-      this.end("emergency");
-      return;
-    }
-    if (this.mine === null) {
-      if (goal.number <= this.newest) {
-        if (now - this.sentAt > ANSWER_TIME) this.end("late");
-        return;
-      }
-      this.mine = goal.number;
-    }
-    if (goal.number > this.mine) this.end("replaced");
-    else if (goal.state === "stopped") this.end("ended");
-    else if (goal.state === "failed") this.end("failed", goal.text);
-    else if (goal.state === "reached") this.arrive(goal, now);
+  /** Show the state of the robot's patrol. @param {PatrolState | null} patrol null: no node drives patrols */
+  show(patrol) {
+    this.patrol = patrol;
+    this.refresh();
   }
 
-  /** @param {Goal} goal @param {number} now */
-  arrive(goal, now) {
-    this.reachedAt = Math.min(this.reachedAt, now);
-    if (now - this.reachedAt < PAUSE) return;
-    const last = this.index + 1 === this.places.length;
-    if (last && !this.repeat) {
-      this.end("done");
-      return;
-    }
-    this.index = last ? 0 : this.index + 1;
-    this.begin(goal, now);
-  }
-
-  /** @param {PatrolEnd} why @param {string} text */
-  end(why, text = "") {
-    if (!this.running) return;
-    this.running = false;
-    this.onEnd(why, this.place, text);
+  refresh() {
+    const on = isOn(this.patrol);
+    this.button.textContent = on ? TEXTS.patrol.end : TEXTS.patrol.start;
+    this.button.disabled = !on && (this.chosen.length < 2 || !this.patrol);
+    this.repeat.disabled = on;
+    const over = this.patrol?.line && !this.chosen.length ? sentence(this.patrol.line) : TEXTS.patrol.chosen(this.chosen);
+    this.note.textContent = !this.patrol ? TEXTS.refused["no patrol"] : on ? sentence(this.patrol.line) : over;
   }
 }

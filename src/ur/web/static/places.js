@@ -1,8 +1,9 @@
 // @ts-check
 /** The list of the map's places: drive to one or to several in turn, name the robot's, delete one. */
 
-import { checkName, make, makeNote, makeSureButton, replaceRows, sentence } from "./elements.js";
-import { Patrol } from "./patrol.js";
+import { checkName, make, makeButton, makeNote, makeSureButton, replaceRows, sentence } from "./elements.js";
+import { PatrolBox } from "./patrol.js";
+import { PlaceEditor } from "./place_editor.js";
 import { TEXTS } from "./texts.js";
 import { KIND, readJson } from "./wire.js";
 
@@ -19,18 +20,10 @@ export const PLACE_PANEL = {
       page.mayDrive,
       (message) => page.sendPlace(message),
       () => (page.poseAge < 2 ? (page.pose ?? null) : null),
-      (places, repeat, onEnd) => {
-        const patrol = new Patrol(places, repeat, (place) => page.drive?.request({ t: "go_to", place }) ?? false, onEnd);
-        patrol.begin(page.state.goal, performance.now());
-        return patrol;
-      },
-      () => page.drive?.send({ t: "cancel" }),
       (text) => page.say(text),
+      (help, take) => page.pick(help, take),
     );
-    page.frames.on(KIND.STATE, (frame) => {
-      const { goal, mux } = readJson(frame);
-      places.patrol?.step(goal, mux.stopped === true, performance.now());
-    });
+    page.frames.on(KIND.STATE, (frame) => places.patrol.show(readJson(frame).patrol ?? null));
     page.places = places;
     page.frames.on(KIND.PLACES, (frame) => {
       const found = readJson(frame);
@@ -46,24 +39,22 @@ export class PlacePanel {
    * @param {HTMLElement} box @param {boolean} mayDrive
    * @param {(message: Record<string, unknown>) => void} send
    * @param {() => import("./wire.js").Pose | null} where
-   * @param {(places: string[], repeat: boolean, onEnd: (end: import("./patrol.js").PatrolEnd, place: string, text: string) => void) => Patrol} startPatrol
-   * @param {() => void} cancel the goal
    * @param {(text: string) => void} say
+   * @param {(help: string, take: (place: import("./map_view.js").Place) => void) => void} pick has a place of the map pointed at
    */
-  constructor(box, mayDrive, send, where, startPatrol, cancel, say) {
+  constructor(box, mayDrive, send, where, say, pick) {
     this.box = box;
     this.mayDrive = mayDrive;
     this.send = send;
     this.where = where;
-    this.startPatrol = startPatrol;
-    this.cancel = cancel;
     this.say = say;
-    /** The places of a patrol in its order. @type {string[]} */
-    this.chosen = [];
-    /** @type {Patrol | null} */
-    this.patrol = null;
+    this.pick = pick;
+    this.editor = new PlaceEditor(send, where, pick, say, () => this.show(this.found));
+    this.patrol = new PatrolBox(mayDrive, send);
     /** The name of a place that is moved when its name is given again. */
     this.sureOf = "";
+    /** @type {PlaceList} */
+    this.found = { named: false, places: {}, problem: "" };
     /** @type {string[]} */
     this.names = [];
     this.note = makeNote();
@@ -78,57 +69,25 @@ export class PlacePanel {
     const button = document.createElement("button");
     button.textContent = TEXTS.nameHere;
     button.id = "place-here";
-    this.form.append(this.input, button);
-    this.form.addEventListener("submit", (event) => this.name(event));
-    this.patrolBox = make("div", "", "patrol");
-    this.patrolNote = makeNote();
-    this.patrolButton = make("button");
-    this.patrolButton.type = "button";
-    this.patrolButton.id = "patrol";
-    this.patrolButton.addEventListener("click", () => this.togglePatrol());
-    this.repeat = make("input");
-    this.repeat.type = "checkbox";
-    this.repeat.id = "patrol-repeat";
-    const label = make("label");
-    label.append(this.repeat, TEXTS.patrol.repeat);
-    this.patrolBox.append(this.patrolNote, label, this.patrolButton);
-    box.append(this.note, this.list, this.patrolBox, this.form);
+    const onMap = makeButton(TEXTS.nameOnMap, () => this.name(true), TEXTS.nameOnMapHelp);
+    onMap.id = "place-on-map";
+    this.form.append(this.input, button, onMap);
+    this.form.addEventListener("submit", (event) => (event.preventDefault(), this.name(false)));
+    box.append(this.note, this.list, this.patrol.box, this.form);
     this.show({ named: false, places: {}, problem: "" });
   }
 
   /** @param {PlaceList} found */
   show(found) {
+    this.found = found;
     const names = Object.keys(found.places);
+    this.editor.take(found.places);
     this.names = names;
     this.note.textContent = sentence(found.problem) || (!found.named ? TEXTS.noMapName : names.length ? "" : TEXTS.noPlaces);
     this.note.hidden = !this.note.textContent;
     this.form.hidden = !this.mayDrive || !found.named;
-    this.chosen = this.chosen.filter((name) => names.includes(name));
-    replaceRows(this.list, names.map((name) => this.makeRow(name)));
-    this.showPatrol();
-  }
-
-  showPatrol() {
-    const patrol = this.patrol?.running ? this.patrol : null;
-    this.patrolBox.hidden = !this.mayDrive || this.list.children.length < 2;
-    this.patrolButton.textContent = patrol ? TEXTS.patrol.end : TEXTS.patrol.start;
-    this.patrolButton.disabled = !patrol && this.chosen.length < 2;
-    this.repeat.disabled = patrol !== null;
-    const list = patrol ? TEXTS.patrol.drives(patrol.place, patrol.places) : TEXTS.patrol.chosen(this.chosen);
-    this.patrolNote.textContent = list;
-  }
-
-  togglePatrol() {
-    if (this.patrol?.running) {
-      this.patrol.end("ended");
-      this.cancel();
-      return;
-    }
-    this.patrol = this.startPatrol([...this.chosen], this.repeat.checked, (why, place, text) => {
-      this.say(TEXTS.patrol.over[why](place, sentence(text)));
-      this.showPatrol();
-    });
-    this.showPatrol();
+    this.patrol.offer(names);
+    replaceRows(this.list, names.flatMap((name) => (name === this.editor.name ? [this.makeRow(name), this.editor.row] : [this.makeRow(name)])));
   }
 
   /** @param {string} name */
@@ -147,25 +106,22 @@ export class PlacePanel {
     const remove = makeSureButton(TEXTS.remove, () => this.send({ t: "forget_place", place: name }), TEXTS.removePlace(name));
     const tick = make("input");
     tick.type = "checkbox";
-    tick.checked = this.chosen.includes(name);
+    tick.checked = this.patrol.chosen.includes(name);
     tick.ariaLabel = TEXTS.patrol.include(name);
-    tick.addEventListener("change", () => {
-      this.chosen = this.chosen.filter((each) => each !== name);
-      if (tick.checked) this.chosen.push(name);
-      this.showPatrol();
-    });
+    tick.addEventListener("change", () => this.patrol.choose(name, tick.checked));
     const target = make("label", "", "tick");
     target.append(tick);
-    row.append(target, go, remove);
+    const edit = makeButton(TEXTS.editPlace, () => this.editor.toggle(name), TEXTS.editPlaceOf(name));
+    edit.ariaExpanded = String(this.editor.name === name);
+    row.append(target, go, edit, remove);
     return row;
   }
 
-  /** @param {SubmitEvent} event */
-  name(event) {
-    event.preventDefault();
+  /** Give the name that was typed to the robot's place, or to one that is pointed at. @param {boolean} onMap */
+  name(onMap) {
     const [pose, place] = [this.where(), this.input.value.trim()];
-    const problem = checkName(place) || (pose ? "" : TEXTS.noPose);
-    if (problem || !pose) {
+    const problem = checkName(place) || (pose || onMap ? "" : TEXTS.noPose);
+    if (problem) {
       this.say(problem);
       return;
     }
@@ -175,8 +131,10 @@ export class PlacePanel {
       return;
     }
     this.sureOf = "";
-    this.send({ t: "name_place", place, x: pose.x, y: pose.y, yaw: pose.yaw });
+    const send = (/** @type {{x: number, y: number, yaw?: number | null}} */ { x, y, yaw }) => this.send({ t: "name_place", place, x, y, yaw: yaw ?? 0 });
     this.input.value = "";
     this.input.blur(); // the keys drive again
+    if (onMap) this.pick(TEXTS.pickPlace(place), send);
+    else if (pose) send(pose);
   }
 }

@@ -27,6 +27,9 @@ export const PROGRAM_PANEL = {
   },
 };
 
+const IN_THE_WAY = "[node-runs-already]"; // the rule, which an error of ur ends with
+const ENDS_WITHIN = 30000; // ms
+
 class ProgramPanel {
   /** @param {HTMLElement} box @param {import("./main.js").Page} page */
   constructor(box, page) {
@@ -51,7 +54,12 @@ class ProgramPanel {
     this.shown = text;
     /** @type {Program[]} */
     const programs = JSON.parse(text);
-    this.list.replaceChildren(...programs.map((program) => this.makeProgram(program)));
+    const first = Object.keys(TEXTS.programNames).flatMap((name) => programs.filter((each) => each.name === name));
+    const others = make("details", "", "others");
+    others.append(make("summary", TEXTS.otherPrograms));
+    others.append(...programs.filter((each) => !first.includes(each)).map((program) => this.makeProgram(program)));
+    others.open = first.length === 0;
+    this.list.replaceChildren(...first.map((program) => this.makeProgram(program)), others);
   }
 
   /** @param {Program} program */
@@ -60,7 +68,8 @@ class ProgramPanel {
     box.name = "program"; // one is open at a time
     box.id = `program-${program.name.replace("/", "-")}`;
     const title = make("summary");
-    title.append(make("b", program.name), ` ${program.summary}`);
+    const word = TEXTS.programNames[program.name];
+    title.append(make("b", word ?? program.name), word ? ` (${program.name}) ${program.summary}` : ` ${program.summary}`);
     if (program.lack) title.append(make("span", ` ${program.lack}`, "lack"));
     box.append(title);
     box.addEventListener("toggle", () => {
@@ -82,7 +91,7 @@ class ProgramPanel {
     start.hidden = !this.page.mayDrive;
     form.addEventListener("submit", (event) => {
       event.preventDefault();
-      this.start(program, form, start, answer);
+      startProgram(this.page, program.name, () => readForm(form), start, answer);
     });
     box.append(form);
     if (program.file) {
@@ -93,18 +102,56 @@ class ProgramPanel {
     form.append(row, answer);
     fillForm(form, program.arguments, box.id);
   }
+}
 
-  /** @param {Program} program @param {HTMLFormElement} form @param {HTMLButtonElement} button @param {HTMLElement} note */
-  async start(program, form, button, note) {
-    button.disabled = true;
-    note.hidden = false;
-    note.textContent = TEXTS.startingProgram;
-    const answer = await RUNS.request({ t: "start", program: program.name, arguments: readForm(form) });
-    button.disabled = false;
-    note.textContent = answer ? answer.text : TEXTS.noAnswer;
-    if (!answer?.ok) return;
-    note.hidden = true;
-    this.page.say(TEXTS.started(program.name));
-    if (this.page.panels.open === "programs") this.page.panels.toggle("runs");
-  }
+/**
+ * Start a program; what comes of it is shown in `note`, with a button where a run is in the way.
+ * @param {import("./main.js").Page} page @param {string} program @param {() => Record<string, string>} read values of its arguments
+ * @param {HTMLButtonElement} button @param {HTMLElement} note
+ */
+export async function startProgram(page, program, read, button, note) {
+  button.disabled = true;
+  note.hidden = false;
+  note.textContent = TEXTS.startingProgram;
+  const answer = await RUNS.request({ t: "start", program, arguments: read() });
+  button.disabled = false;
+  note.textContent = answer ? answer.text : TEXTS.noAnswer;
+  if (answer && !answer.ok) offerToEnd(answer.text, note, () => startProgram(page, program, read, button, note));
+  if (!answer?.ok) return;
+  note.hidden = true;
+  page.say(TEXTS.started(program));
+  const { panels } = page;
+  if ((panels.isOpen("programs") || panels.isOpen("maps")) && !panels.isOpen("runs")) panels.toggle("runs");
+}
+
+/** Offer to end the run that keeps a program from starting. @param {string} problem @param {HTMLElement} note @param {() => void} start */
+function offerToEnd(problem, note, start) {
+  const run = problem.includes(IN_THE_WAY) ? RUNS.state?.runs.find((each) => problem.includes(each.run)) : undefined;
+  if (run) offerToEndRun(run, TEXTS.runInTheWay, note, start);
+}
+
+/** Offer to end a run, and to start a program then. @param {import("./run_socket.js").Run} run @param {string} why @param {HTMLElement} note @param {() => void} start */
+export function offerToEndRun(run, why, note, start) {
+  const name = TEXTS.runName(run.title, run.started);
+  const act = async () => {
+    note.textContent = TEXTS.endingRun(name);
+    const answer = await RUNS.request({ t: "end", run: run.run });
+    if (answer?.ok && (await hasEnded(run.run))) start();
+    else note.textContent = answer && !answer.ok ? answer.text : answer ? TEXTS.runStays : TEXTS.noAnswer;
+  };
+  note.hidden = false;
+  note.replaceChildren(`${why} `, makeButton(TEXTS.endAndStart(name), act));
+}
+
+/** Whether a run is gone from the list before long. @param {string} run @returns {Promise<boolean>} */
+function hasEnded(run) {
+  const gone = () => RUNS.state !== null && !RUNS.state.runs.some((each) => each.run === run);
+  return new Promise((done) => {
+    const end = performance.now() + ENDS_WITHIN;
+    const timer = setInterval(() => {
+      if (!gone() && performance.now() < end) return;
+      clearInterval(timer);
+      done(gone());
+    }, 200);
+  });
 }

@@ -4,9 +4,13 @@
 import { Banners, describeDriver, describeDriving, describeLink } from "./banners.js";
 import { element, make, sentence } from "./elements.js";
 import { announce } from "./heard.js";
+import { LinkDelay } from "./link_delay.js";
+import { Obstacles } from "./obstacles.js";
+import { describePatrol, isActive, isOn } from "./patrol.js";
 import { TEXTS } from "./texts.js";
 
 const NOTE_TIME = 5000; // ms
+const EXPLORED = ["complete", "incomplete", "stopped"];
 const OVER = ["none", "reached", "stopped", "failed"];
 
 export class Status {
@@ -14,8 +18,10 @@ export class Status {
   constructor(page) {
     this.page = page;
     this.banners = new Banners(element("banners"));
+    this.obstacles = new Obstacles(page);
     this.note = { text: "", until: 0, red: false };
     this.stopAsked = false;
+    this.delay = new LinkDelay();
     this.goalSeen = "";
     /** The number of the newest goal, of which the end was said. @type {number | null} */
     this.goalKnown = null;
@@ -65,7 +71,7 @@ export class Status {
     const { state, drive, map, pose } = page;
     const link = describeLink({ age: page.socket.age, server: page.server, pose: pose ?? null, poseAge: page.poseAge });
     const old = link.length > 0;
-    if (page.server?.end === "no master" && page.mayDrive && link.length && page.panels.open !== "programs") {
+    if (page.server?.end === "no master" && page.mayDrive && link.length && !page.panels.isOpen("programs")) {
       link[0].buttons = [{ label: TEXTS.programs, act: () => page.panels.toggle("programs") }];
     }
     /** @type {import("./banners.js").Banner[]} */
@@ -78,15 +84,27 @@ export class Status {
     if (!old && state?.bumpers?.length) banners.push({ text: TEXTS.bumpers(state.bumpers), red: true });
     if (!old && state) {
       const request = (/** @type {string} */ action) => void drive?.request({ t: "lease", do: action });
-      banners.push(...describeDriver(state.lease, drive?.client ?? "", page.mayDrive, request));
+      const ask = page.mayDrive ? (/** @type {Record<string, unknown>} */ message) => void drive?.request(message) : null;
+      if (isOn(state.patrol)) banners.push(describePatrol(state.patrol, ask));
+      if (!isActive(state.patrol)) banners.push(...describeDriver(state.lease, drive?.client ?? "", page.mayDrive, request));
       if (state.missing.length && page.mode !== "drive") banners.push({ text: TEXTS.missing(state.missing[0]) });
     }
-    if (drive?.press === "dead") banners.push({ text: TEXTS.over[/** @type {"late"} */ (drive.why)] });
+    const { exploring } = state ?? {};
+    if (exploring && (!old || EXPLORED.includes(exploring.state))) banners.push({ text: sentence(exploring.line) });
+    if (drive?.press === "dead") {
+      const { delay } = this;
+      if (drive.why === "late") void delay.measure(drive.hold);
+      const slow = drive.why === "late" && delay.slow > 0;
+      banners.push({ text: slow ? TEXTS.slowLink(delay.slow) : TEXTS.over[/** @type {"late"} */ (drive.why)] });
+    }
     if (this.note.until > performance.now()) banners.push({ text: this.note.text, red: this.note.red });
     this.banners.show(banners);
+    this.obstacles.show(old ? null : state);
     element("dot").classList.toggle("up", !old);
     element("empty").hidden = map.tiles.grid !== null || old;
     element("driver").textContent = old ? "" : describeDriving(state, drive?.client ?? "");
+    const mine = !old && drive !== null && state?.lease?.state === "held" && state.lease.client === drive.client;
+    element("holding").hidden = !mine || page.mode === "drive" || !element("goal").hidden;
     element("velocity").textContent = pose && !old ? TEXTS.speed(pose.speed) : "";
     if (map.old !== old) {
       map.old = old;

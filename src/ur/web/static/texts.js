@@ -16,6 +16,8 @@ export const TEXTS = {
   takeOver: "Take over",
   ask: "Ask",
   handOver: "Hand over",
+  handBack: "Hand back",
+  handBackHelp: "Let others drive: a client, or the exploration",
   cancel: "Cancel",
   resume: "Continue",
   zoomIn: "Zoom in",
@@ -23,6 +25,9 @@ export const TEXTS = {
   follow: "Follow the robot",
   fit: "Show the whole map",
   panels: "Panels",
+  dockWidth: "Width of the panels",
+  /** @param {string} label */
+  closePanel: (label) => `Close ${label}`,
   layers: "Layers",
   layerNames: {
     scan: "Lidar",
@@ -34,6 +39,7 @@ export const TEXTS = {
     sonars: "Sonars",
     fiducials: "Fiducials",
     robots: "Other robots",
+    frontiers: "Frontiers of an exploration",
     trail: "Trail",
   },
   plots: {
@@ -68,10 +74,24 @@ export const TEXTS = {
   places: "Places",
   placeName: "Name of a place",
   nameHere: "Name here",
+  nameOnMap: "On the map",
+  nameOnMapHelp: "Name a place of the map",
+  /** @param {string} name */
+  pickPlace: (name) => `Press where ${name} is, drag to where the robot is to face there, let go.`,
+  editPlace: "Edit",
+  /** @param {string} name */
+  editPlaceOf: (name) => `Rename or move the place ${name}`,
+  rename: "Rename",
+  /** @param {string} name */
+  newName: (name) => `New name of ${name}`,
+  moveOnMap: "Move on the map",
+  moveHere: "Move to the robot",
+  /** @param {string} name */
+  nameTaken: (name) => `Not renamed: there is a place ${name}.`,
   noPlaces: "No place has a name yet. Name the place where the robot is.",
   noName: "Not named: type a name first.",
   noPose: "Not named: the place of the robot is not known.",
-  badName: "Not named: a name has at most 40 letters, digits, '_', '-' and '.', without spaces, and begins with a letter or digit.",
+  badName: "Not named: a name has at most 40 letters, digits, spaces, '_', '-' and '.', and begins with a letter or digit.",
   /** @param {string} name */
   placeTaken: (name) => `There is a place ${name}. Press again to move it to the robot.`,
   noMapName: "Places belong to a map with a name. Start a program that navigates, or save the map that is being made.",
@@ -84,29 +104,38 @@ export const TEXTS = {
   patrol: {
     start: "Start the patrol",
     end: "End the patrol",
+    pause: "Pause",
     repeat: "Again and again",
     /** @param {string} name */
     include: (name) => `Patrol: ${name}`,
     /** @param {string[]} names */
     chosen: (names) => (names.length ? `Patrol: ${names.join(", ")}` : "Tick places to drive to one after the other."),
-    /** @param {string} place @param {string[]} places */
-    drives: (place, places) => `Patrol: drives to ${place} (${places.join(", ")}). It ends with this page.`,
-    /** @type {Record<import("./patrol.js").PatrolEnd, (place: string, text: string) => string>} */
-    over: {
-      late: (place) => `The patrol ended: the goal ${place} could not be sent. Start it again.`,
-      failed: (place, text) => `The patrol ended: ${place} was not reached. ${text}`,
-      replaced: () => "The patrol ended: another goal was sent.",
-      refused: (place, text) => `The patrol ended before ${place}. ${text}`,
-      emergency: () => "The patrol ended: emergency stop.",
-      ended: () => "The patrol ended.",
-      done: () => "The patrol is done.",
-    },
+  },
+  route: {
+    title: "Route",
+    tap: "Tap a route",
+    help: "Tap points of the map, and the robot drives to them in turn.",
+    /** @param {number} count @param {number} most */
+    points: (count, most) =>
+      count >= most ? `A route has at most ${most} points. Press Start.` : count < 2 ? "Tap the points of the route on the map, two or more." : `Route of ${count} points. Tap more, or press Start.`,
+    undo: "Undo",
+    clear: "Clear",
   },
   camera: {
     title: "Camera",
     picture: "Picture of the robot's camera",
     waiting: "Waiting for a picture. If none comes, the robot has no camera, or no program that runs starts it.",
     old: "No new picture: the camera or the connection paused.",
+    choose: "Camera",
+    larger: "Full screen",
+    smaller: "Leave full screen",
+  },
+  obstacles: {
+    name: "the obstacle stop",
+    clear: "Stops before obstacles",
+    off: "Does not stop before obstacles",
+    turnOn: "Turn on",
+    turnOff: "Turn off",
   },
   speedLimit: {
     title: "Speed limit",
@@ -147,6 +176,58 @@ export const TEXTS = {
     /** @param {string} name */
     remove: (name) => `Delete the zone ${name}`,
   },
+  mapTools: {
+    title: "Map",
+    help: "Measure a distance, or turn the map by 90 degrees.",
+    measure: "Measure",
+    tap: "Tap points of the map.",
+    undo: "Undo",
+    done: "Done",
+    turn: "Turn the map",
+    /** @param {number} metres */
+    length: (metres) => `Length of the line: ${metres.toFixed(2)} m.`,
+  },
+  mapList: {
+    title: "Maps",
+    none: "This computer has no maps yet. Start the program that makes one.",
+    /** @param {{width: number | null, height: number | null, changed: number, places: number, latest: boolean, problem: string}} map */
+    facts: ({ width, height, changed, places, latest, problem }) =>
+      problem
+        ? `damaged: ${problem}`
+        : [
+            width === null || height === null ? "" : `${width.toFixed(1)} x ${height.toFixed(1)} m`,
+            changed ? new Date(1000 * changed).toLocaleDateString() : "",
+            places ? `${places} ${places === 1 ? "place" : "places"}` : "",
+            latest ? "the last one of this robot" : "",
+          ].filter(Boolean).join(" \u00b7 "),
+    inUse: "in use",
+    drive: "Drive on this map",
+    /** @param {string} name */
+    driveOn: (name) => `Drive on this map: ${name}`,
+    /** @param {string} name */
+    picture: (name) => `Picture of the map ${name}`,
+    /** @param {string} name */
+    rename: (name) => `Rename the map ${name}`,
+    /** @param {string} name */
+    remove: (name) => `Delete the map ${name}`,
+    badName: "Not renamed: a letter, then letters, digits, '-', '_' and '.', at most 64 in all.",
+    makes: "A map is being made.",
+    makesStill: "A run makes a map. It saves that map when it ends.",
+    endFirst: "Not started: a map is being made. End the program that makes it where it was started.",
+    save: "Save",
+    saving: "Saving the map ...",
+    /** @param {string} name */
+    saved: (name) => `Saved as ${name}.`,
+    /** @param {string} why */
+    notSaved: (why) => `Not saved: ${why}.`,
+    why: /** @type {Record<string, string>} */ ({ "no map": "no map is being made", busy: "it is being saved already" }),
+  },
+  /** @param {number} metres */
+  metres: (metres) => `${metres.toFixed(2)} m`,
+  /** @param {number} metres */
+  length: (metres) => (metres < 1 ? `${Math.round(100 * metres)} cm` : `${metres} m`),
+  /** @param {number} x @param {number} y m */
+  coordinates: (x, y) => `x ${x.toFixed(2)}  y ${y.toFixed(2)} m`,
   stick: "Stick",
   map: "Map with the robot",
   lookOnly: "This link shows the robot and can stop it. To drive, open one of 'ur web' without --look.",
@@ -154,6 +235,8 @@ export const TEXTS = {
   stopAsked: "Stopping ...",
   stopFailed: "NOT STOPPED: no connection to the robot. Use its own switch.",
   waitingForMap: "Waiting for a map ...",
+  /** @param {number} delay ms */
+  slowLink: (delay) => `The connection takes ${delay} ms; driving by hand needs less than 150. Send goals, or go nearer.`,
   over: {
     late: "The connection paused. Let go, then drive again.",
     driver: "Somebody else drives. Let go, take over, then drive.",
@@ -164,7 +247,7 @@ export const TEXTS = {
     `No connection to the server. What you see is ${seconds(age)} old.${age > 10 ? " Does 'ur web' run, in the network of this device?" : ""}`,
   connecting: "Connecting ...",
   /** @param {string} robot */
-  noMaster: (robot) => `Nothing runs on the ${robot}. Start a program.`,
+  noMaster: (robot) => `Nothing runs on ${robot === "simulated robot" ? "the simulated robot" : robot}. Start a program.`,
   starting: "Connecting to the robot ...",
   /** @param {number} age */
   silent: (age) =>
@@ -199,11 +282,12 @@ export const TEXTS = {
     late: "Not sent: the connection was too slow. Try again.",
     away: "Not sent: the robot is not connected.",
     driver: "Not sent: somebody else drives.",
-    name: "Not named: expected at most 40 letters, digits, '_', '-' and '.'.",
+    name: "Not named: expected at most 40 letters, digits, spaces, '_', '-' and '.'.",
     full: "Not named: this map has 200 places, expected fewer.",
     "no map": "Not named: the map has no name yet.",
     "no place": "Not sent: the map has no place of this name any more.",
     "no zones": "Not changed: no map server that has zones runs.",
+    "no patrol": "This robot drives no patrols. Start a program that navigates.",
     "no mux": "Not sent: the robot takes no commands of the page.",
   },
   sources: /** @type {Record<string, string>} */ ({
@@ -211,19 +295,28 @@ export const TEXTS = {
     keyboard: "keyboard",
     web: "page",
     navigation: "navigation",
+    exploring: "exploring",
   }),
   speed: /** @param {number} speed */ (speed) => `${Math.abs(speed) < 0.005 ? "0.00" : speed.toFixed(2)} m/s`,
   battery: "Battery",
   percent: /** @param {number} share */ (share) => `${Math.round(100 * share)} %`,
   volts: /** @param {number} volts */ (volts) => `${volts} V`,
-  close: "Close",
   loading: "Loading ...",
   noAnswer: "No connection to the server: nothing was done.",
   programs: "Programs",
   start: "Start",
   /** @param {string} name */
-  started: (name) => `${name} started.`,
+  started: (name) => `The program ${name} started.`,
   startingProgram: "Starting ...",
+  /** Programs that most people want, in words. @type {Record<string, string>} */
+  programNames: { keyboard_navigate: "Navigate", make_map: "Make a map", raspicam: "Camera" },
+  otherPrograms: "Other programs",
+  /** @param {string} name */
+  endAndStart: (name) => `End ${name} and start this`,
+  runInTheWay: "A run that is in the way has nodes of the same names.",
+  /** @param {string} name */
+  endingRun: (name) => `${name} ends ...`,
+  runStays: "The run has not ended. Try again, or end it in Nodes.",
   whatItStarts: "What it starts",
   startsNodes: "It starts these nodes:",
   /** @param {string} name */
@@ -292,9 +385,48 @@ export const TEXTS = {
   commandOn: (where) => `Type on ${where}:`,
   /** @param {string} where */
   commandFix: (where) => `Type on ${where}, or run "ur doctor --fix":`,
+  devices: {
+    title: "Devices",
+    /** @param {{role: "look" | "drive", address: string, last: number, until: number, own: boolean, open: boolean}} device @param {number} now seconds since 1970 */
+    facts: ({ role, address, last, until, own, open }, now) =>
+      [
+        own ? "this device" : address,
+        role === "drive" ? "may drive" : "may look",
+        own ? "" : open ? "page open" : last ? `seen ${seconds(Math.max(0, now - last))} ago` : "",
+        `until ${new Date(1000 * until).toLocaleDateString()}`,
+      ].filter(Boolean).join(" \u00b7 "),
+    end: "Log out",
+    /** @param {string} name */
+    endOf: (name) => `Log out ${name}`,
+    endOthers: "Log out all others",
+    ownName: "Name of this device",
+    name: "Name it",
+    /** @param {string} name */
+    named: (name) => `This device is called ${name}.`,
+    invite: "Another device",
+    inviteLook: "Invite to look",
+    inviteDrive: "Invite to drive",
+    /** @param {"look" | "drive"} role */
+    invited: (role) => `Scan this with the device. It may ${role === "drive" ? "drive, and start programs" : "look, and press Stop"}. Good for one login within an hour.`,
+    code: "QR code of the link",
+    local: "Only this computer reaches this page: start it with 'ur web --phone' for other devices.",
+  },
+  robots: {
+    title: "Robots",
+    help: "Open shows another robot in this tab. Its page has this list, too.",
+    shown: "shown here",
+    answers: "answers",
+    away: "does not answer",
+    open: "Open",
+    /** @param {string} name */
+    openOf: (name) => `Open ${name}`,
+    /** @param {string} name */
+    opening: (name) => `Opening the page of ${name} ...`,
+    none: "This computer knows no other robot. Set one up with 'ur robot setup HOST'.",
+  },
   loggingIn: "Logging in ...",
-  noToken: "Open the link that 'ur web' has printed. A link is good for one login: start 'ur web' again for another one.",
-  loginFailed: "This link was used before, or is too old. Start 'ur web' again for a new one, or 'ur boot link' for a page on a robot.",
+  noToken: "Open the link that 'ur web' has printed. A link is good for one login: press Enter there for another one.",
+  loginFailed: "This link was used before, or is too old. Press Enter where 'ur web' runs for a new one, or type 'ur boot link' for a page on a robot.",
   loginOffline: "The server does not answer. Does 'ur web' run?",
 };
 

@@ -24,7 +24,8 @@ export class TileCache {
 
   /** @param {CanvasRenderingContext2D} context @param {View} view @param {number} version of the tiles @param {Paint} paint */
   draw(context, view, version, paint) {
-    const ratio = context.getTransform().a;
+    const { a, b } = context.getTransform();
+    const ratio = Math.hypot(a, b);
     const key = [version, view.scale, ratio, view.width, view.height].join(" ");
     if (key !== this.key) {
       this.key = key;

@@ -100,7 +100,7 @@ export class ZonePanel {
     this.undo.disabled = !corners?.length;
     this.done.disabled = (corners?.length ?? 0) < 3;
     this.box.classList.toggle("low", drawing); // the map has to be seen
-    this.page.gestures.onTap = drawing ? (x, y) => this.add(x, y) : null;
+    if (!drawing) this.page.gestures.dropTaps(this.add);
   }
 
   /** @param {Zone} zone */
@@ -118,13 +118,14 @@ export class ZonePanel {
   begin() {
     this.page.setMode("look");
     this.corners = [];
+    this.page.gestures.takeTaps(this.add, () => this.cancel());
     this.rectangle.clear();
     this.refresh();
     this.page.map.canvas.focus();
   }
 
   /** @param {number} x @param {number} y m */
-  add(x, y) {
+  add = (x, y) => {
     if (this.typed) this.corners = []; // another zone than the typed one
     this.typed = false;
     const { corners } = this;
@@ -136,7 +137,7 @@ export class ZonePanel {
     }
     if (corners.length < MOST_CORNERS) corners.push([round(x), round(y)]);
     this.changed();
-  }
+  };
 
   /** Take corners that were typed, and show them all. @param {[number, number][]} corners */
   type(corners) {

@@ -33,6 +33,9 @@ UNIT = 0.005
 LONGEST = 1 << 22
 """Bytes of the longest frame."""
 
+_MOST = (2.0 - 2.0**-23) * 2.0**127  # the largest number of 32 bits
+_WHOLE = (1 << 31) - 1
+
 
 class Kind(IntEnum):
     """The kind of a frame. Its number is that in `static/wire.js`."""
@@ -66,6 +69,7 @@ class Layer(IntEnum):
     FIDUCIALS = 9
     ROBOTS = 10
     PLOTS = 11
+    FRONTIERS = 12
     CAMERA = 16
 
 
@@ -118,9 +122,9 @@ def json_frame(kind: Kind, value: Mapping[str, Any], layer: Layer = Layer.NONE) 
 
 
 def pose_frame(sample: PoseSample) -> bytes:
-    """The frame of a pose."""
+    """The frame of a pose. Numbers beyond 32 bits become the largest ones."""
     numbers = (sample.x, sample.y, sample.yaw, sample.speed, sample.turn, sample.age, sample.link_age)
-    return _KEY.pack(Kind.POSE, 0, 0, 0) + _POSE.pack(*numbers)
+    return _KEY.pack(Kind.POSE, 0, 0, 0) + _POSE.pack(*map(_single, numbers))
 
 
 def camera_frame(stamp: float, jpeg: bytes) -> bytes:
@@ -134,15 +138,16 @@ def points_frame(layer: Layer, points: Sequence[Sequence[float]]) -> bytes:
     good = [(x, y) for x, y in points if math.isfinite(x) and math.isfinite(y)]
     if not good:
         return key + _ANCHOR.pack(0.0, 0.0)
-    x0, y0 = _ANCHOR.unpack(_ANCHOR.pack(*good[0]))
+    x0, y0 = _ANCHOR.unpack(_ANCHOR.pack(*map(_single, good[0])))
     numbers = [number for x, y in good for number in (_steps(x - x0), _steps(y - y0))]
     return key + _ANCHOR.pack(x0, y0) + struct.pack(f"<{len(numbers)}h", *numbers)
 
 
 def grid_frame(layer: Layer, grid: GridFrame) -> bytes:
-    """The frame of a grid's extent."""
-    numbers = (grid.generation, grid.resolution, *grid.origin, grid.column, grid.row, grid.width, grid.height)
-    return _KEY.pack(Kind.GRID, layer, 0, 0) + _GRID.pack(*numbers)
+    """The frame of a grid's extent. Numbers beyond 32 bits become the largest ones."""
+    corner = (max(-_WHOLE, min(_WHOLE, each)) for each in (grid.column, grid.row))
+    lengths = map(_single, (grid.resolution, *grid.origin))
+    return _KEY.pack(Kind.GRID, layer, 0, 0) + _GRID.pack(grid.generation, *lengths, *corner, grid.width, grid.height)
 
 
 def tile_frame(layer: Layer, generation: int, column: int, row: int, cells: bytes) -> bytes:
@@ -159,4 +164,9 @@ def generation_of(frame: bytes) -> int:
 
 
 def _steps(metres: float) -> int:
-    return max(-32768, min(32767, round(metres / UNIT)))
+    return round(max(-32768.0, min(32767.0, metres / UNIT)))
+
+
+def _single(number: float) -> float:
+    """Bound a finite number to 32 bits, which `struct` refuses to do."""
+    return max(-_MOST, min(_MOST, number)) if math.isfinite(number) else number

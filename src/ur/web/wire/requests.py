@@ -18,10 +18,14 @@ Stamp = tuple[int, int]
 LONGEST_NAME = 64
 """Characters of the longest name of a place."""
 
+PatrolAction = Literal["start", "pause", "resume", "end"]
 LeaseAction = Literal["acquire", "take", "ask", "grant", "release"]
 
-LONGEST = 1024
+LONGEST = 4096
 """Characters of the longest request."""
+
+MOST_STOPS = 50
+"""Places of a patrol."""
 
 MOST_CORNERS = 32
 """Corners of a zone."""
@@ -59,12 +63,12 @@ class LetGo:
 
 @dataclass(frozen=True, slots=True)
 class Goal:
-    """Drive to a pose in the map frame."""
+    """Drive to a place in the map frame; any heading counts there where `yaw` is None."""
 
     answers: Stamp
     x: float
     y: float
-    yaw: float
+    yaw: float | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,6 +116,11 @@ class DeleteZone:
 
 
 @dataclass(frozen=True, slots=True)
+class SaveMap:
+    """Save the map that is being made."""
+
+
+@dataclass(frozen=True, slots=True)
 class InitialPose:
     """The robot is here, in the map frame."""
 
@@ -149,10 +158,31 @@ class Emergency:
 
 
 @dataclass(frozen=True, slots=True)
+class AskPatrol:
+    """Have the robot start a patrol, or pause, resume or end the one that it drives.
+
+    `stops` are names of places, or x, y in m in the map frame, where any heading counts. `wait` s at each.
+    """
+
+    answers: Stamp
+    action: PatrolAction
+    stops: tuple[str | tuple[float, float], ...] = ()
+    loop: bool = False
+    wait: float = 1.0
+
+
+@dataclass(frozen=True, slots=True)
 class LimitSpeed:
     """Let nothing drive faster than this percentage of the base's highest speeds."""
 
     percent: int
+
+
+@dataclass(frozen=True, slots=True)
+class SwitchObstacleStop:
+    """Let the mux stop commands of people before obstacles, or follow them."""
+
+    on: bool
 
 
 Request = (
@@ -165,12 +195,15 @@ Request = (
     | ForgetPlace
     | PutZone
     | DeleteZone
+    | SaveMap
     | InitialPose
     | Cancel
     | Resume
     | AskForLease
     | Emergency
+    | AskPatrol
     | LimitSpeed
+    | SwitchObstacleStop
 )
 
 
@@ -237,6 +270,10 @@ def _pose(value: Mapping[str, Any]) -> tuple[float, float, float]:
     return _number(value, "x", _FARTHEST), _number(value, "y", _FARTHEST), _number(value, "yaw", 7.0)
 
 
+def _goal(value: Mapping[str, Any]) -> tuple[float, float, float | None]:
+    return _pose(value) if value.get("yaw") is not None else (*_pose({**value, "yaw": 0.0})[:2], None)
+
+
 def _name(value: Mapping[str, Any], key: str = "place") -> str:
     name = value.get(key)
     if not isinstance(name, str) or not 0 < len(name) <= LONGEST_NAME or not name.isprintable():
@@ -254,11 +291,39 @@ def _put_zone(value: Mapping[str, Any]) -> PutZone:
     return PutZone(_name(value, "zone"), percent, tuple(zip(numbers[::2], numbers[1::2], strict=True)))
 
 
+def _patrol(value: Mapping[str, Any]) -> AskPatrol:
+    action, found, loop = value.get("do"), value.get("places", []), value.get("loop", False)
+    if not isinstance(action, str) or action not in ("start", "pause", "resume", "end"):
+        raise BadRequestError("do: expected one of start, pause, resume, end")
+    least = 1 if action == "start" else 0
+    if not isinstance(found, list) or not least <= len(found) <= MOST_STOPS or not isinstance(loop, bool):
+        raise BadRequestError(f"places: expected 1 to {MOST_STOPS} names or [x, y]; loop: true or false")
+    stops = tuple(_stop(each) for each in found)
+    wait = _number(value, "wait", 3600.0) if "wait" in value else 1.0
+    if wait < 0.0:
+        raise BadRequestError("wait: expected seconds from 0 to 3600")
+    return AskPatrol(_stamp(value), cast("PatrolAction", action), stops, loop, wait)
+
+
+def _stop(value: object) -> str | tuple[float, float]:
+    if isinstance(value, list) and len(value) == 2:
+        x, y = (_number({"places": each}, "places", _FARTHEST) for each in value)
+        return x, y
+    return _name({"places": value}, "places")
+
+
 def _limit(value: Mapping[str, Any]) -> LimitSpeed:
     percent = value.get("percent")
     if type(percent) is not int or not LEAST_LIMIT <= percent <= 100:
         raise BadRequestError(f"percent: expected a whole number from {LEAST_LIMIT} to 100")
     return LimitSpeed(percent)
+
+
+def _obstacles(value: Mapping[str, Any]) -> SwitchObstacleStop:
+    on = value.get("on")
+    if not isinstance(on, bool):
+        raise BadRequestError("on: expected true or false")
+    return SwitchObstacleStop(on)
 
 
 def _lease(value: Mapping[str, Any]) -> AskForLease:
@@ -274,17 +339,20 @@ _READERS: Mapping[str, Callable[[Mapping[str, Any]], Request]] = {
         _stamp(value), _hold(value), _number(value, "forward", 100.0), _number(value, "turn", 100.0)
     ),
     "let_go": lambda value: LetGo(_hold(value)),
-    "goal": lambda value: Goal(_stamp(value), *_pose(value)),
+    "goal": lambda value: Goal(_stamp(value), *_goal(value)),
     "go_to": lambda value: GoTo(_stamp(value), _name(value)),
     "name_place": lambda value: NamePlace(_name(value), *_pose(value)),
     "forget_place": lambda value: ForgetPlace(_name(value)),
     "put_zone": _put_zone,
     "delete_zone": lambda value: DeleteZone(_name(value, "zone")),
+    "save_map": lambda _: SaveMap(),
     "pose": lambda value: InitialPose(_stamp(value), *_pose(value)),
     "cancel": lambda _: Cancel(),
     "resume": lambda value: Resume(_stamp(value)),
     "lease": _lease,
     "limit": _limit,
+    "obstacles": _obstacles,
+    "patrol": _patrol,
     "stop": lambda _: Emergency(stop=True),
     "release": lambda _: Emergency(stop=False),
 }

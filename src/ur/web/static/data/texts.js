@@ -1,0 +1,112 @@
+// @ts-check
+/** English texts of the panels with data of the robot; see `../texts.js`. */
+
+export const DATA_TEXTS = {
+  topics: "Topics",
+  services: "Services",
+  parameters: "Parameters",
+  kinds: "Topics, services or parameters",
+  filter: "Filter by name or type",
+  columns: ["Topic", "Type", "Rate", "Bandwidth"],
+  notConnected: "Waiting for the robot. Start a program of it.",
+  connecting: "Connecting ...",
+  none: "Nothing of this name.",
+  noneYet: "Nothing yet. Start a program.",
+  loading: "Loading ...",
+  noAnswer: "No connection to the server: nothing was done.",
+  /** @param {number} shown @param {number} all */
+  count: (shown, all) => (shown === all ? `${all}` : `${shown} of ${all}`),
+  /** @param {number} publishers @param {number} subscribers */
+  ends: (publishers, subscribers) => `${publishers} ${publishers === 1 ? "publisher" : "publishers"}, ${subscribers} ${subscribers === 1 ? "subscriber" : "subscribers"}`,
+  back: "Back to the list",
+  waiting: "Waiting for a message ...",
+  /** @param {number} size @param {number} count */
+  message: (size, count) => `Message ${count}, ${bytes(size)}.`,
+  pause: "Pause",
+  resume: "Continue",
+  publish: "Publish",
+  publishHelp: "One message with these fields. Velocities, goals and what sensors measure are not published from here.",
+  call: "Call",
+  calling: "Waiting for the answer ...",
+  set: "Set",
+  value: "Value (JSON)",
+  type: "Type",
+  typeHelp: "Type of the message, as PACKAGE/NAME",
+  newTopic: "Publish on another topic",
+  topicName: "Name of the topic",
+  describe: "Show its fields",
+  mayNot: "This link may look: it publishes, calls and sets nothing.",
+  /** @param {string} name */
+  open: (name) => `Open ${name}`,
+  whole: "Shown in part: a value as long as this is not set from here.",
+  status: "Status",
+  levels: /** @type {Record<string, string>} */ ({ ok: "OK", warn: "Warning", error: "Error", stale: "No word" }),
+  noDiagnostics: "No node publishes diagnostics (/diagnostics).",
+  /** @param {number} bad @param {number} all */
+  components: (bad, all) => (bad ? `${bad} of ${all} components need attention.` : `${all} components are OK.`),
+  /** @param {string} name */
+  computer: (name) => `Computer ${name}`,
+  computerHelp: "This computer serves the page.",
+  /** @param {string} name */
+  otherComputer: (name) => `This computer serves the page. The robot is ${name}: open the page that it serves itself to see its figures.`,
+  figures: { cpu: "Processor", load: "Load", memory: "Memory", disk: "Disk", uptime: "Since its start", link: "Master answers in" },
+  temperature: /** @param {string} name */ (name) => `Temperature ${name}`,
+  wireless: /** @param {string} name */ (name) => `WiFi ${name}`,
+  /** @param {number} signal @param {number} quality */
+  signal: (signal, quality) => `${Math.round(signal)} dBm (${signal >= -60 ? "good" : signal >= -75 ? "fair" : "weak"}), quality ${Math.round(quality)}`,
+  degrees: /** @param {number} value */ (value) => `${value.toFixed(0)} \u00b0C`,
+  percent: /** @param {number} share */ (share) => `${Math.round(100 * share)} %`,
+  milliseconds: /** @param {number} time */ (time) => `${time.toFixed(1)} ms`,
+  /** @param {number} used @param {number} all */
+  used: (used, all) => `${bytes(used)} of ${bytes(all)}, ${Math.round((100 * used) / Math.max(all, 1))} %`,
+  time: /** @param {number} seconds */ (seconds) => (seconds < 7200 ? `${Math.round(seconds / 60)} min` : `${(seconds / 3600).toFixed(1)} h`),
+  battery: "Battery since the page was opened",
+  noBattery: "No battery state yet.",
+  /** @param {number} minutes */
+  ago: (minutes) => (minutes ? `-${minutes} min` : "now"),
+  scene: "3D view",
+  sceneHelp: "Drag to turn, drag with Shift or two fingers to move, scroll or pinch to zoom. With the keyboard: arrows, + and -.",
+  scenePicture: "Robot, map and sensors in three dimensions",
+  loadingScene: "Loading the 3D view. The first time it is installed (1 MB).",
+  noWebgl: "This browser shows no 3D (WebGL): switch on hardware acceleration.",
+  layers: { model: "Robot", frames: "Frames", map: "Map", scan: "Lidar", follow: "Follow the robot" },
+  sceneTopics: "Point clouds and markers",
+  noSceneTopics: "No topic with point clouds or markers.",
+  /** @param {number} most */
+  tooMany: (most) => `At most ${most} topics: untick one first.`,
+  tree: "Tree of frames",
+  /** @param {string} name @param {string} problem */
+  noMesh: (name, problem) => `${name} is drawn as a box. ${problem}`,
+  recordings: "Recording",
+  recordingHelp: "All topics but pictures and point clouds are recorded, unless you choose some. At most 60 minutes, and 2 GB in all.",
+  nothingRecorded: "Nothing is recorded.",
+  /** @param {number} size @param {number} seconds @param {number} topics */
+  recording: (size, seconds, topics) => `Recording ${topics === 0 ? "all topics but pictures and point clouds" : topics === 1 ? "1 topic" : `${topics} topics`}: ${duration(seconds)}, ${bytes(size)}.`,
+  /** @param {string} reason */
+  lastRecording: (reason) => `The last recording has ended: ${reason}.`,
+  startRecording: "Start",
+  stopRecording: "Stop",
+  chooseTopics: "Choose topics",
+  finished: "Finished",
+  noRecordings: "No recordings yet.",
+  /** @param {{size: number, started: number, part: number, cut: boolean}} file */
+  recorded: ({ size, started, part, cut }) => [new Date(1000 * started).toLocaleString(), part > 1 ? `part ${part}` : "", bytes(size), cut ? "incomplete: rosbag reindex repairs it" : ""].filter(Boolean).join(", "),
+  download: "Download",
+  delete: "Delete",
+  /** @param {string} verb @param {string} name */
+  of: (verb, name) => `${verb} ${name}`,
+  rate: /** @param {number | undefined} rate */ (rate) => (rate === undefined ? "" : `${rate.toFixed(rate < 10 ? 1 : 0)} Hz`),
+  bandwidth: /** @param {number | undefined} size */ (size) => (size === undefined ? "" : `${bytes(size)}/s`),
+};
+
+/** @param {number} size */
+function bytes(size) {
+  if (size < 1000) return `${Math.round(size)} B`;
+  if (size < 1e6) return `${(size / 1e3).toFixed(1)} kB`;
+  return size < 1e9 ? `${(size / 1e6).toFixed(1)} MB` : `${(size / 1e9).toFixed(1)} GB`;
+}
+
+/** @param {number} seconds */
+function duration(seconds) {
+  return `${Math.floor(seconds / 60)}:${String(Math.floor(seconds % 60)).padStart(2, "0")}`;
+}

@@ -1,0 +1,111 @@
+// @ts-check
+/** Tools of the map: measure distances on it, and turn it. */
+
+import { make, makeButton, makeNote } from "./elements.js";
+import { TEXTS } from "./texts.js";
+
+/** @type {import("./panels.js").Panel} */
+export const MAP_PANEL = {
+  name: "map_tools",
+  label: TEXTS.mapTools.title,
+  icon: "M3 17L17 3l4 4L7 21zM7 13l2 2M10 10l2 2M13 7l2 2",
+  make: (box, page) => {
+    const panel = new MapPanel(box, page);
+    return { show: (open) => !open && panel.end() };
+  },
+};
+
+export class MapPanel {
+  /** @param {HTMLElement} box @param {import("./main.js").Page} page */
+  constructor(box, page) {
+    this.box = box;
+    this.page = page;
+    /** Points that are measured, m; null: none are taken. @type {[number, number][] | null} */
+    this.points = null;
+    this.note = makeNote();
+    this.measure = makeButton(TEXTS.mapTools.measure, () => this.begin());
+    this.measure.id = "measure";
+    this.undo = makeButton(TEXTS.mapTools.undo, () => (this.points?.pop(), this.changed()));
+    this.done = makeButton(TEXTS.mapTools.done, () => this.end());
+    this.done.id = "measure-done";
+    this.turn = makeButton(TEXTS.mapTools.turn, () => page.map.turn());
+    this.turn.id = "map-turn";
+    const row = make("div", "", "row");
+    row.append(this.measure, this.undo, this.done, this.turn);
+    box.append(this.note, row);
+    page.map.painters.push((context, view, colours) => this.paint(context, view, colours));
+    this.refresh();
+  }
+
+  begin() {
+    this.page.setMode("look");
+    this.points = [];
+    this.page.gestures.takeTaps(this.tap, () => this.end());
+    this.changed();
+    this.page.map.canvas.focus();
+  }
+
+  end() {
+    if (!this.points) return;
+    this.points = null;
+    this.changed();
+  }
+
+  changed() {
+    this.refresh();
+    this.page.map.request();
+  }
+
+  refresh() {
+    const { points } = this;
+    const measuring = points !== null;
+    this.note.textContent = !measuring ? TEXTS.mapTools.help : points.length < 2 ? TEXTS.mapTools.tap : TEXTS.mapTools.length(lengthOf(points));
+    this.measure.hidden = this.turn.hidden = measuring;
+    this.undo.hidden = this.done.hidden = !measuring;
+    this.undo.disabled = !points?.length;
+    this.box.classList.toggle("low", measuring); // the map has to be seen
+    if (!measuring) this.page.gestures.dropTaps(this.tap);
+  }
+
+  /** @param {number} x @param {number} y m */
+  tap = (x, y) => {
+    this.points?.push([x, y]);
+    this.changed();
+  };
+
+  /** @param {CanvasRenderingContext2D} context @param {import("./view.js").View} view @param {Record<string, string>} colours */
+  paint(context, view, colours) {
+    const { points } = this;
+    if (!points?.length) return;
+    const seen = points.map((point) => view.toScreen(...point));
+    context.lineJoin = "round";
+    for (const [width, colour] of /** @type {[number, string][]} */ ([[6, colours["robot-edge"]], [2.5, colours.wall]])) {
+      context.beginPath();
+      for (const point of seen) context.lineTo(...point);
+      context.lineWidth = width;
+      context.strokeStyle = colour;
+      context.stroke();
+    }
+    context.font = "600 13px system-ui, sans-serif";
+    context.textAlign = "center";
+    context.fillStyle = colours.wall;
+    context.lineWidth = 4;
+    context.strokeStyle = colours["robot-edge"];
+    for (const [index, [x, y]] of seen.entries()) {
+      context.beginPath();
+      context.arc(x, y, 5, 0, 2 * Math.PI);
+      context.fill();
+      if (!index) continue;
+      const text = TEXTS.metres(lengthOf(points.slice(index - 1, index + 1)));
+      const [atX, atY] = [(x + seen[index - 1][0]) / 2, (y + seen[index - 1][1]) / 2 - 8];
+      context.strokeText(text, atX, atY);
+      context.fillText(text, atX, atY);
+    }
+    context.textAlign = "start";
+  }
+}
+
+/** The length of a line, m. @param {[number, number][]} points */
+export function lengthOf(points) {
+  return points.slice(1).reduce((sum, [x, y], index) => sum + Math.hypot(x - points[index][0], y - points[index][1]), 0);
+}
