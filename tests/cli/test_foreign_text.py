@@ -25,8 +25,9 @@ from ur.robot.ssh.address import Address
 
 ROOT = Path(__file__).parents[2]
 CLIPBOARD = "\x1b]52;c;cm0gLXJmIH4=\x07"
+MOVES = "\x1b[2J\x1b[?1000h"  # an empty screen, and reports of the mouse
 FORGED = "\nerror: forged"
-NASTY = f"x{CLIPBOARD}{FORGED}"
+NASTY = f"x{CLIPBOARD}{MOVES}{FORGED}"
 ACTING = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e]")
 NODE = "bad\u009b\u202e"  # XML 1.0 allows C1 and bidirectional marks, and no ESC
 
@@ -55,6 +56,12 @@ CALLS = [
     "stop NASTY",
     "use NASTY",
     "NASTY",
+    "setup NASTY",
+    "env NASTY",
+    "check --NASTY",
+    "find --NASTY",
+    "debian NASTY",
+    "list --format=NASTY",
 ]
 
 

@@ -71,10 +71,15 @@ def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         (["run", "../ur"], "unknown program '../ur'", ""),
         (["boot", "stat"], "unknown command 'ur boot stat'", "did you mean 'ur boot status'?"),
         (["robot", "xyz"], "unknown command 'ur robot xyz'", "'ur robot --help' lists the commands"),
-        (["check", "--explain"], "ur check: option '--explain' requires a value", "'ur check --help' lists"),
+        (["check", "--explain", "nix"], "--explain nix: no such rule, expected an id", "'ur check --explain' lists"),
         (["graph", ""], "no file '', expected a launch file", "give a path, or a package and a file name"),
-        (["run", "robot_base", "simulate:=flase"], "argument 'simulate' is 'flase'", "did you mean simulate:=false?"),
-        (["run", "robot_base", "bring_up:=on"], "argument 'bring_up' is 'on', expected true or false", "for example"),
+        (["topic", "list"], "unknown command 'topic'", "use the tool of ROS: rostopic list"),
+        (["maps", "join", "a", "b"], "unknown command 'ur maps join'", "did you mean 'ur maps merge'?"),
+        (
+            ["world:=office"],
+            "unknown command 'world:=office'",
+            "arguments follow a program: ur run PROGRAM world:=office",
+        ),
         (["help", "lst"], "unknown command 'lst'", "did you mean 'ur help list'?"),
     ],
 )

@@ -47,6 +47,35 @@ FILES: Mapping[str, str] = {
 LINES = """
 lanch
 xyzzy
+topic list
+node list
+service list
+param set a b
+bag record
+rosrun demo talker
+roscore
+rviz
+status
+update
+install demo
+rename bob
+world
+world=office
+commit
+drive
+goto 2 3
+ssh bob
+explore
+maps join a b
+maps ls
+maps rm a
+launch ubiquity_launches m_robot_base.launch.xml x:=abc
+launch ubiquity_launches m_robot_base.launch.xml office
+launch ubiquity_launches m_robot_base.launch.xml world=office
+launch ubiquity_launches m_robot_base.launch.xml --world office
+launch ubiquity_launches m_make_map.launch.xml explore:=yes map:=x
+launch ubiquity_launches m_robot_base.launch.xml robot_base:=turtlebot4
+use sim:turtlebot4
 keyboard_driv
 empty.launch
 --versoin
@@ -54,8 +83,8 @@ help lst
 run keyboard_navigat
 run ../ur
 run src/demo/launch/talker.launch
-run robot_base simulate:=flase
-run robot_base bring_up:=on
+launch ubiquity_launches m_robot_base.launch.xml simulate:=flase
+launch ubiquity_launches m_robot_base.launch.xml bring_up:=on
 launch nothing.launch
 launch empty
 launch demo
@@ -138,6 +167,10 @@ use sim:magni:lidra
 use a:b:c:d
 use 'a b'
 use robot.example.org
+web nosuchrobot
+web sim:mangi
+web --end nothing
+web --days never
 debian install
 setup --undo --dry-run more
 robots 'a b'

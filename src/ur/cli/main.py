@@ -13,7 +13,7 @@ import click
 from ur.cli.usage import describe_usage_error
 from ur.cli.verbs import VERBS, VerbGroup
 from ur.source.diagnostic import UserError
-from ur.source.printable import OutputLost, guard_output, printable
+from ur.source.printable import OutputLost, guard_output, printable, printable_lines
 from ur.source.render import render_human, shows_colour
 
 HELP = "Finds, selects and drives small ROS robots, simulated or real, and starts launch files."
@@ -37,7 +37,7 @@ def _run(argv: list[str]) -> int:
         _say(describe_usage_error(problem, argv))
         return 2
     except click.ClickException as problem:
-        _say(f"error: {problem.format_message()}")
+        _say(f"error: {printable_lines(problem.format_message())}")
         return 2
     except UserError as problem:
         sys.stderr.write(render_human(problem.diagnostics, colour=shows_colour(sys.stderr)))

@@ -19,6 +19,8 @@ ROBOT_PAGES: Mapping[str, HelpPage] = {
             ("ur web", "Serve the page of the selected robot and print a link to it."),
             ("ur web --phone", "Let a phone in the same network open it; prints a QR code."),
             ("ur web bob --look", "Make a link that may look but not drive."),
+            ("ur web --sessions", "List the devices that are logged in."),
+            ("ur web --end 'Linux 2'", "Log one of them out."),
         ),
     ),
     "completion": HelpPage(
@@ -149,6 +151,7 @@ ROBOT_PAGES: Mapping[str, HelpPage] = {
             ("ur get my_robot bringup.launch", "Install what a launch file needs."),
             ("ur get xacro --yes", "Install a package without a question."),
             ("ur get --missing --dry-run", "Show what the workspace needs."),
+            ("ur get --missing --ask-servers", "Also ask GitHub and others for what no index has."),
             ("ur get --undo", "Remove what was installed."),
         ),
     ),

@@ -7,12 +7,22 @@ from collections.abc import Sequence
 
 import click
 
+from ur.cli.other_tools import suggest_for
 from ur.cli.verbs import VERBS, load_verb
+from ur.source.printable import printable
 from ur.source.suggest import did_you_mean
 
 
 def describe_usage_error(problem: click.UsageError, argv: Sequence[str]) -> str:
-    """One line that says what is wrong with a command line, and one that helps. `argv` follows `ur`."""
+    """One line that says what is wrong with a command line, and one that helps. `argv` follows `ur`.
+
+    Words of a command line are foreign text: the shell makes them of the names of files.
+    """
+    message, help_line = _describe(problem, argv)
+    return f"error: {printable(message)}\n  help: {printable(help_line)}"
+
+
+def _describe(problem: click.UsageError, argv: Sequence[str]) -> tuple[str, str]:
     context = problem.ctx
     where = context.command_path if context is not None and context.parent is not None else "ur"
     if context is None and argv[0] in VERBS:  # click does not say where an option lacks its value
@@ -21,7 +31,7 @@ def describe_usage_error(problem: click.UsageError, argv: Sequence[str]) -> str:
     if isinstance(problem, click.NoSuchOption):
         message = f"{where}: unknown option '{problem.option_name}'"
         names = [name for param in context.command.params for name in param.opts] if context else []
-        near = did_you_mean(problem.option_name, names)
+        near = _suggest_argument(problem.option_name, argv) or did_you_mean(problem.option_name, names)
         help_line = f"did you mean {near!r}?" if near else help_line
     elif isinstance(problem, click.BadOptionUsage):
         message = f"{where}: option '{problem.option_name}' requires a value"
@@ -38,17 +48,40 @@ def describe_usage_error(problem: click.UsageError, argv: Sequence[str]) -> str:
         message = f"{where}: {message[:1].lower()}{message[1:]}"
         if where == "ur run" and isinstance(problem, click.MissingParameter):
             help_line = "'ur list' lists the programs"
-    return f"error: {message}\n  help: {help_line}"
+    return message, help_line
 
 
-def _describe_unknown_command(problem: click.exceptions.NoSuchCommand, where: str) -> str:
+def _suggest_argument(option: str, argv: Sequence[str]) -> str:
+    """The argument of the launch file of `ur launch` that was written as an option: 'world:=office'; '' if none was."""
+    if argv[:1] != ["launch"]:
+        return ""
+    from ur.launchfile.address import resolve_addresses
+    from ur.request.launch_request import LaunchFiles
+    from ur.request.misspelt import suggest_assignment
+    from ur.request.plan_files import make_world
+    from ur.source.diagnostic import UserError
+
+    place = next((index for index, word in enumerate(argv) if word.partition("=")[0] == option), len(argv))
+    world = make_world()
+    try:
+        declared = LaunchFiles(resolve_addresses(argv[1:place], world), world).declared
+    except UserError:
+        return ""
+    following = "".join(argv[place + 1 : place + 2])
+    text = argv[place] if place < len(argv) else option
+    return suggest_assignment(text, declared, "" if following.startswith("-") else following)
+
+
+def _describe_unknown_command(problem: click.exceptions.NoSuchCommand, where: str) -> tuple[str, str]:
     name = problem.command_name
     if where == "ur":
         help_line = _suggest_command(name) or "'ur --help' lists the commands"
-        return f"error: unknown command {name!r}\n  help: {help_line}"
+        return f"unknown command {name!r}", help_line
     near = did_you_mean(name, getattr(problem.ctx.command, "commands", ()) if problem.ctx else ())
-    help_line = f"did you mean '{where} {near}'?" if near else f"'{where} --help' lists the commands"
-    return f"error: unknown command {f'{where} {name}'!r}\n  help: {help_line}"
+    help_line = suggest_for(where, name) or (
+        f"did you mean '{where} {near}'?" if near else f"'{where} --help' lists the commands"
+    )
+    return f"unknown command {f'{where} {name}'!r}", help_line
 
 
 def _describe_value(problem: click.BadParameter, argv: Sequence[str]) -> str:
@@ -83,10 +116,18 @@ def _suggest_command(word: str) -> str | None:
     # A launch file or a program alone: the verb was left out.
     if word.endswith((".launch", ".launch.xml")):
         return f"start a launch file: ur launch {word}"
+    name, assigned, value = word.replace(":=", "=").partition("=")
+    if assigned:
+        from ur.request.misspelt import write_assignment
+
+        shown = name if name.isascii() and name.isidentifier() else "NAME"
+        return f"arguments follow a program: ur run PROGRAM {write_assignment(shown, value)}"
     from ur.request.environment import PACKAGE, add_own_package
     from ur.request.programs import index_programs
 
     programs = {program.name for program in index_programs(PACKAGE, add_own_package(os.environ)).programs}
+    if word not in programs and (known := suggest_for("ur", word)):
+        return known
     near = did_you_mean(word, VERBS) if word not in programs else None
     if near:
         return f"did you mean 'ur {near}'?"

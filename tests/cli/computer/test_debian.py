@@ -94,3 +94,54 @@ def test_folder_with_a_mount_in_it_is_neither_deleted_nor_given_away(tmp_path: P
     line = f'. {SCRIPT}; is_free / || echo mounted; is_free "$1" && echo free'
     done = subprocess.run(["bash", "-c", line, "bash", tmp_path], capture_output=True, text=True, check=False)
     assert done.stdout == "mounted\nfree\n"
+
+
+@pytest.mark.parametrize("kind", ["plain", "link", "link in the middle", "blank", "backslash"])
+@pytest.mark.parametrize("call", ['delete "$1"', 'delete "$1/host-etc"', 'give 4242 4242 "$1"'])
+def test_what_is_mounted_in_the_root_keeps_its_files_and_owner(tmp_path: Path, kind: str, call: str) -> None:
+    if os.geteuid() != 0:
+        pytest.skip("only root can mount a folder")
+    names = {"blank": "the data", "backslash": "the\\040data\n2"}
+    real = tmp_path / names.get(kind, "data") / "below"
+    etc = tmp_path / "etc"
+    etc.mkdir()
+    (etc / "passwd").write_text("root\n")
+    (real / "host-etc").mkdir(parents=True)
+    (tmp_path / "link").symlink_to(real if kind == "link" else real.parent)
+    data = {"link": tmp_path / "link", "link in the middle": tmp_path / "link" / "below"}.get(kind, real)
+    line = f'mount --bind "$2" "$1/host-etc" && . {SCRIPT} && {call}'
+    done = subprocess.run(
+        ["unshare", "--mount", "--propagation", "private", "bash", "-c", line, "bash", data, etc],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 1
+    assert "is mounted in" in done.stderr
+    assert (etc / "passwd").read_text() == "root\n"
+    assert etc.stat().st_uid == real.stat().st_uid == 0
+
+
+def test_root_behind_a_link_is_deleted_with_the_link(tmp_path: Path) -> None:
+    (tmp_path / "disk" / "root").mkdir(parents=True)
+    (tmp_path / "data").symlink_to(tmp_path / "disk")
+    line = f'. {SCRIPT} && delete "$1"'
+    subprocess.run(["bash", "-c", line, "bash", tmp_path / "data"], check=True)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("name", ["var/lib/apt/lists", "etc/apt/apt.conf.d", "etc/apt/auth.conf.d", "host-etc", "dev"])
+def test_link_in_the_place_of_a_folder_of_the_root_is_not_followed(tmp_path: Path, name: str) -> None:
+    root, victim = tmp_path / "root", tmp_path / "victim"
+    for each in ("host-etc", "run", "dev", "proc", "etc/apt/apt.conf.d", "etc/apt/auth.conf.d", "var/lib/apt/lists"):
+        (root / each).mkdir(parents=True)
+    victim.mkdir()
+    (victim / "precious").touch()
+    (root / name).rmdir()
+    (root / name).symlink_to(victim)
+    stubs = "mount() { :; }; cp() { :; }; apt-config() { :; }; chroot() { :; }"
+    line = f'. {SCRIPT}; {stubs}; change "$1" 0 0 install x'
+    done = subprocess.run(["bash", "-c", line, "bash", tmp_path], capture_output=True, text=True, check=False)
+    assert done.returncode == 1
+    assert f"'{root}/{name}' is not a folder, or leads out of '{root}'" in done.stderr
+    assert [each.name for each in victim.iterdir()] == ["precious"]

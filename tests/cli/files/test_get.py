@@ -90,6 +90,63 @@ def computer(tmp_path: Path) -> Computer:
     return Computer(tmp_path)
 
 
+def _private_folder(computer: Computer) -> Path:
+    """A folder of a private repository, whose launch file names a package that only its owner knows."""
+    folder = computer.folder / "work"
+    (folder / ".git").mkdir(parents=True)
+    (folder / ".git" / "config").write_text('[remote "origin"]\n\turl = git@github.com:secretcorp/robot.git\n')
+    (folder / "a.launch").write_text('<launch><node pkg="project_nightfall" type="x" name="x"/></launch>')
+    (computer.folder / "index.yaml").write_text("repositories: {}\n")
+    git = computer.folder / "bin" / "git"
+    git.write_text(
+        f'#!/bin/sh\necho "$*" >>{computer.folder}/asked\necho "fatal: repository not found" >&2\nexit 128\n'
+    )
+    git.chmod(0o755)
+    return folder
+
+
+@pytest.mark.parametrize("words", [[], ["--dry-run"], ["--yes"], ["--no-ask-servers"]])
+def test_names_of_private_packages_stay_on_this_computer(computer: Computer, words: list[str]) -> None:
+    folder = _private_folder(computer)
+    index = str(computer.folder / "index.yaml")
+    _, text = computer.run("--missing", str(folder), "--index", index, *words)
+    assert not (computer.folder / "asked").exists()
+    assert "https://github.com/secretcorp/project_nightfall.git" in text
+    assert "--ask-servers" in text
+
+
+def test_servers_are_asked_when_the_user_says_so(computer: Computer) -> None:
+    folder = _private_folder(computer)
+    index = str(computer.folder / "index.yaml")
+    computer.run("--missing", str(folder), "--index", index, "--dry-run", "--ask-servers")
+    asked = (computer.folder / "asked").read_text()
+    assert "ls-remote --quiet --symref https://github.com/secretcorp/project_nightfall.git" in asked
+
+
+OTHERS = """
+for name in "$@"; do
+  case "$name" in ros-made-up-sensor|openssh-server) printf 'Package: %s\\nFilename: a.deb\\n\\n' "$name" ;; esac
+done
+"""
+
+
+@pytest.mark.parametrize("words", [["--yes"], ["--yes", "--others"]])
+def test_packages_that_are_not_of_ros_need_a_word_of_their_own(computer: Computer, words: list[str]) -> None:
+    (computer.folder / "bin" / "apt-cache").write_text(f"#!/bin/sh{OTHERS}")
+    (computer.folder / "bin" / "apt-get").write_text(
+        f'#!/bin/sh\ncase "$*" in *" install "*) echo "$*" >>{computer.folder}/apt ;; esac\n'
+    )
+    folder = computer.folder / "work"
+    folder.mkdir()
+    depends = "<depend>made_up_sensor</depend><depend>openssh-server</depend>"
+    (folder / "package.xml").write_text(f"<package><name>p</name>{depends}</package>")
+    _, text = computer.run("--missing", str(folder), *words)
+    assert "other Debian packages, which are not of ROS:\n  openssh-server: openssh-server\n" in text
+    installed = (computer.folder / "apt").read_text()
+    assert "ros-made-up-sensor" in installed
+    assert ("openssh-server" in installed) == ("--others" in words)
+
+
 RECORD = ".local/state/ubiquity_launches/get.json"
 
 

@@ -44,6 +44,27 @@ def test_map_is_imported_listed_renamed_exported_and_deleted(
     assert capsys.readouterr().out == "home: deleted\nno maps yet; make one: ur run make_map\n"
 
 
+def test_facts_for_scripts_hold_size_places_and_picture_and_a_damaged_map_hides_no_other(
+    plan: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for name in ("flat", "hall"):
+        assert main(["maps", "import", str(plan), name]) == 0
+    data = tmp_path / "data/ubiquity_launches"
+    (data / "waypoints").mkdir()
+    (data / "waypoints/flat.yaml").write_text("door: [1, 2, 90]\nsofa: [1, 1, 0]\n", encoding="utf-8")
+    (data / "maps/hall/map.json").write_text("{", encoding="utf-8")
+    capsys.readouterr()
+    assert main(["maps", "--json", "--pictures"]) == 0
+    flat, hall = json.loads(capsys.readouterr().out)
+    assert (flat["width"], flat["height"], flat["places"], flat["problem"]) == (4.0, 2.0, 2, "")
+    assert [len(line) for line in flat["picture"]] == [40] * 10
+    assert set(flat["picture"][-1]) == {"#"}
+    assert (hall["width"], hall["picture"]) == (None, [])
+    assert "not the record of a map" in hall["problem"]
+    assert main(["maps", "--json"]) == 0
+    assert "picture" not in json.loads(capsys.readouterr().out)[0]
+
+
 def test_map_is_edited_by_commands(plan: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["maps", "import", str(plan), "flat"]) == 0
     for words in (

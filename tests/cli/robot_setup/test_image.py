@@ -82,10 +82,14 @@ def test_image_is_prepared_and_its_robot_is_remembered(place: Place) -> None:
     public = data["ssh_keys"]["ed25519_public"]
     assert (place.folder / "home/.ssh/known_hosts").read_text() == f"bob.local,bob {public}\n"
     assert f"its host key is {HostKey(public).fingerprint}" in out
+    assert "only you can read this file: it holds the robot's host key and hashes of its passwords\n" in out
+    assert place.image.stat().st_mode & 0o777 == 0o600
     before = place.image.stat().st_mtime_ns
+    place.image.chmod(0o644)  # as earlier versions left it
     out, _ = place.prepare("ubuntu.img", "--ssid", "home", "--country", "de", stdin="secret\nwifi-secret\n")
     assert "nothing to do: it is prepared for bob\n" in out
     assert place.image.stat().st_mtime_ns == before
+    assert place.image.stat().st_mode & 0o777 == 0o600
 
 
 def test_passwords_are_nowhere_but_hashed(place: Place) -> None:

@@ -60,8 +60,9 @@ def command(
     """Find what is wrong between this computer and a robot.
 
     Looks from both ends; each finding says what to do, as a command where there is one. ROBOT is a name, HOST or
-    USER@HOST; without it, the selected robot, or, when that is a simulated one, this computer alone. Several robots are
-    examined side by side, with a line for each. The exit code is 0 when all is well, 1 when something is wrong, 2 when
+    USER@HOST; without it, the selected robot, or, when that is a simulated one, this computer alone; what only a real
+    robot needs is no problem then, until one is set up from here. Several robots are examined side by side, with a
+    line for each. The exit code is 0 when all is well, 1 when something is wrong, 2 when
     a robot could not be reached.
     """
     chosen = choose_robots(robots, every=every)
@@ -122,15 +123,19 @@ def _examine(
 
 def _examine_alone(here: LocalShell, *, fix: bool, as_json: bool) -> int:
     side = _inspect_alone(here)
-    report = Report({"here": side.name, "there": ""}, diagnose_alone(side))
+    simulation = not load_records(records_folder(os.environ))
+    report = Report({"here": side.name, "there": ""}, diagnose_alone(side, simulation=simulation))
+    if simulation:
+        known = {finding.rule for finding in report.findings}
+        report.for_robot = [finding for finding in diagnose_alone(side) if finding.rule not in known]
     if not as_json:
-        click.echo(f"no robot is named or selected: this computer alone ({side.name})")
+        click.echo(f"a simulated robot is selected: this computer alone ({side.name})")
         click.echo(describe_system(find_root(os.environ)))
         print_report(report, fixable="" if fix else "ur doctor --fix")
 
     def apply(commands: Sequence[tuple[str, Command]]) -> list[Finding]:
         _apply(commands, here, here, report, quiet=as_json)
-        return diagnose_alone(_inspect_alone(here))
+        return diagnose_alone(_inspect_alone(here), simulation=simulation)
 
     return _conclude(report, apply if fix else None, as_json=as_json)
 

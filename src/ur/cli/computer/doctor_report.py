@@ -21,12 +21,16 @@ MARKS = {True: ("ok", "green"), False: ("NO", "red"), None: ("-", "bright_black"
 
 @dataclass(slots=True)
 class Report:
-    """One run of the doctor. `names`: what the two computers are called in front of a command."""
+    """One run of the doctor. `names`: what the two computers are called in front of a command.
+
+    `for_robot` are findings that are no problem before the first real robot is set up from here.
+    """
 
     names: Mapping[str, str]
     findings: Sequence[Finding] = ()
     steps: Sequence[Step] = ()
     fixed: list[tuple[str, str]] = field(default_factory=list)
+    for_robot: Sequence[Finding] = ()
 
 
 def print_report(report: Report, *, fixable: str = "") -> None:
@@ -47,24 +51,36 @@ def print_report(report: Report, *, fixable: str = "") -> None:
         click.echo("all is well")
     elif fixable_count and fixable:
         click.echo(f"{fixable_count} of {len(report.findings)} can be fixed by: {fixable}")
+    if report.for_robot:
+        click.echo("before you set up a real robot, run: ur setup")
+        for finding in report.for_robot:
+            click.echo(f"  {printable(finding.message)}")
 
 
 def print_json(report: Report) -> None:
     """The same for programs."""
-    findings = [
-        {
-            "rule": finding.rule,
-            "message": finding.message,
-            "help": finding.help,
-            "commands": [
-                {"on": report.names[each.where], "where": each.where, "command": each.typed, "fix": each.safe}
-                for each in finding.commands
-            ],
-        }
-        for finding in report.findings
-    ]
+    findings, for_robot = (
+        [
+            {
+                "rule": finding.rule,
+                "message": finding.message,
+                "help": finding.help,
+                "commands": [
+                    {"on": report.names[each.where], "where": each.where, "command": each.typed, "fix": each.safe}
+                    for each in finding.commands
+                ],
+            }
+            for finding in found
+        ]
+        for found in (report.findings, report.for_robot)
+    )
     fixed = [{"rule": rule, "result": result} for rule, result in report.fixed]
-    whole = {"findings": findings, "steps": [asdict(step) for step in report.steps], "fixed": fixed}
+    whole = {
+        "findings": findings,
+        "for_robot": for_robot,
+        "steps": [asdict(step) for step in report.steps],
+        "fixed": fixed,
+    }
     click.echo(json.dumps(whole, indent=2))
 
 

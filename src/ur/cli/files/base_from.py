@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import re
 import sys
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -15,10 +15,18 @@ import click
 from ur.cli.files.new_parts import Target, find_target
 from ur.cli.files.new_things import FIGURES
 from ur.new.model import NewFile
-from ur.source.diagnostic import UserError, error
+from ur.source.diagnostic import UserError, error, error_about
+from ur.source.file import SourceFile
+from ur.source.foreign.files import MAX_MANIFEST, read_file, refuse_file
+from ur.source.suggest import did_you_mean
 
 if TYPE_CHECKING:
+    from ur.robot.description.load import Loaded
     from ur.robot.description.reading import Reading
+    from ur.robot.description.surroundings import Surroundings
+
+
+_EXPECTED = "a URDF or xacro file"
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +54,8 @@ def target_of(package: str | None, workspace: str | None) -> Place:
     from ur.robot.base.search import MARKER
 
     if workspace is None:
-        target = find_target(package)
+        help_ = "add --workspace ~/FOLDER, or change to the folder of a package, or name one with --package"
+        target = find_target(package, help_)
         return Place(target, target.folder)
     if package is not None:
         message = "--package and --workspace name two places for the base, expected one of them"
@@ -55,6 +64,15 @@ def target_of(package: str | None, workspace: str | None) -> Place:
     prefix = f"share/{PACKAGE.name}/"
     marker = () if (root / MARKER).exists() else (NewFile(MARKER, ""),)
     return Place(Target(PACKAGE.name, root), PACKAGE, prefix, (root / prefix).as_uri(), marker)
+
+
+def check_source(source: Path) -> None:
+    """Raise UserError for a description that does not exist, before anything is asked."""
+    if not source.exists():
+        near = did_you_mean(source.name, (each.name for each in source.absolute().parent.glob("*")))
+        help_ = f"did you mean '{near}'?" if near else "give the path of the robot's description"
+        reason = "no such file or directory, expected a URDF or xacro file"
+        raise UserError(error_about(source, reason, rule="unreadable-file", help=help_))
 
 
 def next_step(place: Place, name: str) -> str:
@@ -81,7 +99,6 @@ def describe_base(
     `arguments` are those of a xacro file.
     """
     from ur.robot.description.base_text import write_base_file
-    from ur.robot.description.load import load_description
     from ur.robot.description.reading import read_base_figures
 
     if raspicam:
@@ -92,13 +109,17 @@ def describe_base(
         if not re.match(r"\w+:=", each):
             message = f"unexpected argument '{each}', expected ARG:=VALUE for '{source.name}'"
             raise UserError(error(message, rule="bad-value", subject=each))
-    loaded = load_description(source, os.environ, lambda: list_packages(source), arguments)
+    around = look_around(source)
+    loaded = load_file(source, around, arguments, consent=_ask_to_run)
     description = loaded.description
     reading = read_base_figures(description, given, lidar=lidar)
     click.echo(_describe(reading), err=True, nl=False)
     if loaded.missing:
         names = " ".join(loaded.missing)
         click.echo(f"note: left out, since their packages are not here: files of {names} (ur get {names})", err=True)
+    if loaded.outside:
+        names = ", ".join(loaded.outside[:5]) + (" ..." if len(loaded.outside) > 5 else "")
+        click.echo(f"note: meshes outside of '{around.folder}' and of packages are not read: {names}", err=True)
     if lidar is None and not reading.has_lidar:
         lidar = _ask_for_lidar(reading)
     while reading.open:
@@ -122,19 +143,59 @@ def _ask_for_lidar(reading: Reading) -> bool | None:
     return None
 
 
-def list_packages(source: Path) -> dict[str, str]:
+def _ask_to_run(what: str) -> bool:
+    """Ask whether Python of a description may run with all rights; without a terminal the answer is no."""
+    if not sys.stdin.isatty():
+        return False
+    click.echo(f"warning: {what}", err=True)
+    answer = click.prompt("run it? [y/N]", default="n", show_default=False, type=str).strip().lower()
+    return answer in ("y", "yes")
+
+
+def look_around(source: Path) -> Surroundings:
+    """The surroundings of the file of a description. Raises UserError where it is not there."""
+    from ur.robot.description.surroundings import find_surroundings
+
+    try:
+        return find_surroundings(source, os.environ)
+    except OSError as problem:
+        SourceFile.read(source, expected=_EXPECTED)  # which names files beside it
+        raise refuse_file(source, problem, _EXPECTED) from None
+
+
+def load_file(
+    source: Path, around: Surroundings, arguments: Sequence[str] = (), *, consent: Callable[[str], bool] | None = None
+) -> Loaded:
+    """Read a description with the xacro and the packages of this computer. Raises UserError.
+
+    `consent` is asked, with what would run, before a xacro runs that cannot be confined; without it none does.
+    """
+    from ur.request.environment import own_packages
+    from ur.robot.description.expansion.xacro import Computer
+    from ur.robot.description.load import load_description
+
+    made = Path(own_packages(os.environ))
+    computer = Computer(os.environ, lambda: list_packages(around), made, consent or (lambda _: False))
+    return load_description(source, around, computer, arguments)
+
+
+def list_packages(around: Surroundings) -> dict[str, str]:
     """The folders of packages by name: those of this computer, and before them the file's own and those beside it."""
+    from ur.launchfile.world.packages import package_name_in
     from ur.launchfile.world.system import SystemWorld
     from ur.request.environment import add_own_package
 
-    environment = add_own_package(os.environ)
-    own = next((folder for folder in source.resolve().parents if (folder / "package.xml").is_file()), None)
-    if own is not None:
-        beside = sorted(path.parent for path in own.parent.glob("*/package.xml") if path.parent != own)
-        folders = [*map(str, (own, *beside)), environment.get("ROS_PACKAGE_PATH", "")]
-        environment = {**environment, "ROS_PACKAGE_PATH": os.pathsep.join(filter(None, folders))}
-    world = SystemWorld(environment)
-    return {name: world.find_package(name) for name in world.package_names()}
+    world = SystemWorld(add_own_package(os.environ))
+    found = {name: world.find_package(name) for name in world.package_names()}
+    for folder in reversed(around.packages):
+        try:
+            manifest = folder / "package.xml"
+            name = package_name_in(str(manifest), read_file(manifest, MAX_MANIFEST, inside=folder))
+        except (OSError, ValueError):
+            continue
+        if name:
+            found[name] = str(folder)
+    return found
 
 
 def _ask_for(source: Path, reading: Reading, lidar: bool | None) -> dict[str, float]:

@@ -30,7 +30,13 @@ if TYPE_CHECKING:
     help="How findings are printed.",
 )
 @click.option("--no-cache", is_flag=True, help="Find everything again, and keep nothing for the next check.")
-@click.option("--explain", metavar="RULE", help="Print the page of a rule and check nothing.")
+@click.option(
+    "--explain",
+    is_flag=False,
+    flag_value="",
+    metavar="[RULE]",
+    help="Print the page of a rule and check nothing; without a rule, list all.",
+)
 def command(
     paths: tuple[str, ...],
     select: tuple[str, ...],
@@ -51,7 +57,7 @@ def command(
     """
     from ur.check.cache.program import digest_program
     from ur.check.cache.store import cache_folder, load_recall, name_cache, store_recall
-    from ur.check.catalogue import choose_rules, find_rule, load_rules
+    from ur.check.catalogue import choose_rules, find_rule, list_rules, load_rules
     from ur.check.computer import make_world
     from ur.check.links import describe_left_out
     from ur.check.render.pages import render_rule_page
@@ -61,7 +67,7 @@ def command(
     from ur.source.progress_line import show_progress
 
     if explain is not None:
-        click.echo(render_rule_page(find_rule(explain)), nl=False)
+        click.echo(render_rule_page(find_rule(explain)) if explain else list_rules(), nl=False)
         return 0
     chosen = choose_rules(_words(select), _words(ignore))
     names, arguments = split_argv(paths)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from ur.source.foreign.files import read_file
 from ur.source.printable import printable
 
 if TYPE_CHECKING:
@@ -116,10 +117,11 @@ def _doc_attributes(repository: Repository) -> dict[Path, str]:
 def _settle(files: Mapping[Path, str], check: bool, *, brief: bool = False, follow: bool = True) -> int:
     from ur.docs.difference import show_difference
 
-    differences = []
+    differences, fresh = [], 0
     for path, text in sorted(files.items()):
         old = _read(path)
         if old != text:
+            fresh += not path.exists()
             name = _short(path)
             differences.append(f"{name} is out of date\n" if brief else show_difference(name, old, text))
             if not check:
@@ -127,7 +129,8 @@ def _settle(files: Mapping[Path, str], check: bool, *, brief: bool = False, foll
                 _write(path, text, lasting=not brief, follow=follow)
     if not check:
         names = ", ".join(_short(path) for path in sorted(files)[:3]) + (", ..." if len(files) > 3 else "")
-        written = f"{len(differences)} of {len(files)} files changed: {names}" if files else "nothing to change"
+        counts = f"{fresh} new, {len(differences) - fresh} changed, {len(files) - len(differences)} up to date"
+        written = f"{len(files)} files ({counts}): {names}" if files else "nothing to change"
         click.echo(written if len(files) != 1 else f"{names}: {'written' if differences else 'up to date'}", err=True)
         return 0
     click.echo("".join(differences), nl=False)
@@ -190,7 +193,7 @@ def _manifest(folder: Path) -> list[str]:
 
 def _read(path: Path) -> str | None:
     try:
-        return path.read_bytes().decode("utf-8", "surrogateescape")
+        return read_file(path).decode("utf-8", "surrogateescape")
     except OSError:
         return None
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,14 +17,54 @@ from ur.source.progress_line import show_progress
 if TYPE_CHECKING:
     from ur.get.model import GetPlan, Needs
 
+_SHOWN = 10  # addresses
 _ROUNDS = 5  # what was installed may name more
+
+
+@dataclass(slots=True)
+class _Choices:
+    """The choices of the user, by options or by answers; each question is asked once."""
+
+    missing: bool = False
+    yes: bool = False
+    dry_run: bool = False
+    others: bool | None = None
+    ask_servers: bool | None = None
+
+    def may_ask(self, addresses: Sequence[str]) -> bool:
+        """Return whether servers may be told these addresses. Without a terminal they are not."""
+        if self.ask_servers is None:
+            click.echo("packages that no index has; their names would be sent to these servers:", err=True)
+            for address in addresses[:_SHOWN]:
+                click.echo(f"  {address}", err=True)
+            if len(addresses) > _SHOWN:
+                click.echo(f"  and {len(addresses) - _SHOWN} more", err=True)
+            self.ask_servers = self._confirm("ask these servers?")
+        return self.ask_servers
+
+    def may_install(self, names: Sequence[str]) -> bool:
+        """Return whether these packages, which are not of ROS, may be installed."""
+        if self.others is None:
+            self.others = self._confirm(f"also install {', '.join(names)}, which are not packages of ROS?")
+        return self.others
+
+    def _confirm(self, question: str) -> bool:
+        # `--yes` is no answer to these: it is given for what ROS needs.
+        asks = sys.stdin.isatty() and not self.yes and not self.dry_run
+        return asks and click.confirm(question, default=False, err=True)
 
 
 @click.command("get")
 @click.argument("words", nargs=-1, metavar="[FILE | PACKAGE | FOLDER]... [NAME:=VALUE]...")
 @click.option("--missing", is_flag=True, help="All that the launch files below FOLDER need. [default: ~/catkin_ws/src]")
 @click.option("--robot", metavar="ROBOT", help="Install on this robot; names are looked up there.")
-@click.option("--yes", is_flag=True, help="Do not ask.")
+@click.option("--yes", is_flag=True, help="Do not ask before packages of ROS are installed.")
+@click.option("--others", is_flag=True, help="Also install Debian packages that are not of ROS.")
+@click.option(
+    "--ask-servers/--no-ask-servers",
+    default=None,
+    help="Send names of unknown packages to GitHub, GitLab or Bitbucket. [default: ask on a terminal]",
+)
 @click.option("--dry-run", is_flag=True, help="Print the plan, and install nothing.")
 @click.option("--undo", is_flag=True, help="Remove what 'ur get' has installed, and nothing else.")
 @click.option("--index", multiple=True, metavar="FILE", help="A distribution.yaml of ROS, in place of fetching it.")
@@ -35,6 +76,8 @@ def command(
     dry_run: bool,
     undo: bool,
     index: tuple[str, ...],
+    others: bool,
+    ask_servers: bool | None,
 ) -> int:
     """Install what launch files need.
 
@@ -48,18 +91,21 @@ def command(
             error("nothing to get, expected a launch file or a package", rule="usage", help="ur get --missing")
         )
     if robot is not None:
-        return _run_on_robot(
-            robot, words, [("--missing", missing), ("--yes", yes), ("--dry-run", dry_run), ("--undo", undo)]
-        )
-    return _undo(yes=yes, dry_run=dry_run) if undo else _get(words, index, missing=missing, yes=yes, dry_run=dry_run)
+        flags = [("--missing", missing), ("--yes", yes), ("--dry-run", dry_run), ("--undo", undo), ("--others", others)]
+        flags += [("--ask-servers", ask_servers is True), ("--no-ask-servers", ask_servers is False)]
+        return _run_on_robot(robot, words, flags)
+    if undo:
+        return _undo(yes=yes, dry_run=dry_run)
+    choices = _Choices(missing=missing, yes=yes, dry_run=dry_run, others=others or None, ask_servers=ask_servers)
+    return _get(words, index, choices)
 
 
 def get_packages(names: Sequence[str]) -> int:
     """Do what `ur get NAME...` does, and return its exit code. Raises UserError."""
-    return _get(names, (), missing=False, yes=False, dry_run=False)
+    return _get(names, (), _Choices())
 
 
-def _get(words: Sequence[str], index: Sequence[str], *, missing: bool, yes: bool, dry_run: bool) -> int:
+def _get(words: Sequence[str], index: Sequence[str], choices: _Choices) -> int:
     from ur.get.install import install
     from ur.get.record import record_path
     from ur.get.render import render_plan
@@ -67,30 +113,54 @@ def _get(words: Sequence[str], index: Sequence[str], *, missing: bool, yes: bool
 
     tried: set[str] = set()
     for _ in range(_ROUNDS):
-        plan = _find_plan(words, index, missing=missing)
+        plan = _find_plan(words, index, choices)
         if not plan.steps:
             click.echo("".join(f"note: {note}\n" for note in plan.notes) + "nothing is missing")
             return 0
-        new = {step.missing.package for step in (*plan.steps_by("debian"), *plan.steps_by("pypi"))} - tried
         click.echo(render_plan(plan), nl=False)
-        if dry_run or not new:
+        if choices.dry_run:
             return 1
-        _ask("install these packages?", yes=yes)
+        plan = _take_others(plan, choices)
+        new = {step.missing.package for step in (*plan.steps_by("debian"), *plan.steps_by("pypi"))} - tried
+        if not new:
+            return 1
+        if not all(step.chosen for step in (*plan.steps_by("debian"), *plan.steps_by("pypi"))):
+            _ask("install these packages?", yes=choices.yes)
         install(plan, record_path(os.environ), Path(own_packages(os.environ)))
         tried |= new
     return 1
 
 
-def _find_plan(words: Sequence[str], index: Sequence[str], *, missing: bool) -> GetPlan:
-    from ur.get.computer import ThisComputer, load_tables
+def _find_plan(words: Sequence[str], index: Sequence[str], choices: _Choices) -> GetPlan:
+    from ur.get.computer import ThisComputer, confirm_tables, find_questions, load_tables
     from ur.get.plan import make_plan
 
     with show_progress("reading what is needed") as progress:
-        needs = _find_needs(words, missing=missing, progress=progress)
+        needs = _find_needs(words, missing=choices.missing, progress=progress)
         progress("looking for packages")
         computer = ThisComputer(os.environ, index)
-        tables, notes = load_tables(needs.missing, computer, _distribution(), needs.hints, needs.names)
-    return make_plan(needs.missing, tables, needs.is_there, (*needs.notes, *notes) if needs.missing else needs.notes)
+        tables, found = load_tables(needs.missing, computer, _distribution(), needs.hints, needs.names)
+    notes = (*needs.notes, *found) if needs.missing else needs.notes
+    plan = make_plan(needs.missing, tables, needs.is_there, notes)
+    questions = find_questions(plan)
+    if not questions:
+        return plan
+    if not choices.may_ask(questions):
+        many = f" and {len(questions) - 1} more" if len(questions) > 1 else ""
+        note = f"no server was asked for {questions[0]}{many}, which would tell it the name; --ask-servers does"
+        return make_plan(needs.missing, tables, needs.is_there, (*notes, note))
+    with show_progress("asking servers for repositories"):
+        tables = confirm_tables(tables, plan, computer)
+    return make_plan(needs.missing, tables, needs.is_there, notes)
+
+
+def _take_others(plan: GetPlan, choices: _Choices) -> GetPlan:
+    """The plan with its other Debian packages among those to install, where the user wants them."""
+    others = plan.steps_by("other")
+    if not others or not choices.may_install([name for step in others for name in step.names]):
+        return plan
+    steps = (replace(step, way="debian", chosen=True) if step.way == "other" else step for step in plan.steps)
+    return replace(plan, steps=tuple(steps))
 
 
 def _find_needs(words: Sequence[str], *, missing: bool, progress: object) -> Needs:

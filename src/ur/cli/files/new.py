@@ -179,10 +179,12 @@ def new_base(
     With --from its figures, wheels and sensors are read from a URDF or xacro file, and only the rest is asked for.
     ARG:=VALUE are arguments of the xacro file.
     """
-    from ur.cli.files.base_from import describe_base, next_step, refuse_arguments, target_of
+    from ur.cli.files.base_from import check_source, describe_base, next_step, refuse_arguments, target_of
     from ur.new.model import NewFile
     from ur.new.package import write_base
 
+    if source is not None:
+        check_source(Path(source))
     place = target_of(package, workspace)
     like = check_like(place.library, place.target.name, like)
     name = ask(name, "NAME", "Name of the base")

@@ -12,6 +12,7 @@ import click
 
 from ur.new.model import NewFile
 from ur.source.diagnostic import UserError, error
+from ur.source.foreign.files import MAX_MANIFEST, read_text
 
 SUMMARY = click.option("--summary", help="One line that says what it does.")
 in_package = click.option(
@@ -57,8 +58,14 @@ class _Done:
 show_done = _Done()
 
 
-def find_target(place: str | None) -> Target:
-    """The package of a name or folder, or the one around the current folder. Raises UserError."""
+_NAME_A_PACKAGE = "change to the folder of a package, name one with --package, or create one: ur new package"
+
+
+def find_target(place: str | None, help_: str = _NAME_A_PACKAGE) -> Target:
+    """The package of a name or folder, or the one around the current folder.
+
+    Raises UserError: no such folder or package, or no package around the folder, with the advice `help_`.
+    """
     if place is not None and not Path(place).is_dir():
         from ur.launchfile.world.protocol import PackageNotFound
         from ur.launchfile.world.system import SystemWorld
@@ -72,16 +79,10 @@ def find_target(place: str | None) -> Target:
     start = Path(place or ".").resolve()
     for folder in (start, *start.parents):
         if (folder / "package.xml").is_file():
-            named = re.search(r"<name>\s*([\w-]+)\s*</name>", (folder / "package.xml").read_text(encoding="utf-8"))
+            named = re.search(r"<name>\s*([\w-]+)\s*</name>", read_text(folder / "package.xml", MAX_MANIFEST))
             return Target(named.group(1) if named else folder.name, folder)
     message = f"no package.xml in {start} or its parent folders"
-    raise UserError(
-        error(
-            message,
-            rule="no-package",
-            help="change to the folder of a package, name one with --package, or create one: ur new package",
-        )
-    )
+    raise UserError(error(message, rule="no-package", help=help_))
 
 
 def _formatted(target: Target, file: NewFile) -> NewFile:

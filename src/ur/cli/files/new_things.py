@@ -17,6 +17,7 @@ import click
 from ur.cli.files.new_parts import Target
 from ur.new.model import BaseRequest, NewFile, NodeRequest, Observed, Part
 from ur.source.diagnostic import UserError, error
+from ur.source.file import SourceFile
 from ur.source.suggest import did_you_mean
 
 if TYPE_CHECKING:
@@ -63,13 +64,23 @@ def node_request(
     observed = Observed()
     program = find_program(package, kind)
     if seconds is not None:
+        from ur.new.node_defaults import add_defaults, read_defaults
         from ur.new.observe import observe_node
         from ur.source.progress_line import show_progress
 
         with show_progress(f"waiting for {kind} to register its topics and services"):
             observed = observe_node([program, *arguments], os.environ, seconds, lambda text: click.echo(text, err=True))
+        observed = add_defaults(observed, read_defaults(_source(program)))
         click.echo(describe_observed(observed), err=True)
     return NodeRequest(name, package, kind, summary, "", observed, per_base, list_bases(target.folder))
+
+
+def _source(program: str) -> str:
+    """The text of a program, empty if it is not text."""
+    try:
+        return SourceFile.read(program).text
+    except UserError:
+        return ""
 
 
 def describe_observed(observed: Observed) -> str:

@@ -22,7 +22,7 @@ def command(path: str, write: bool) -> int:
     from ur.check.computer import make_world
     from ur.cli.files.new_parts import find_target
     from ur.cli.output import replace_file
-    from ur.package.cmake import choose_folders, put_block, write_block
+    from ur.package.cmake import choose_folders, describe_changes, put_block, write_block
     from ur.package.manifest import add_run_dependencies, read_optional, read_run_dependencies
     from ur.package.uses import find_used_packages
     from ur.request.environment import add_own_package
@@ -50,8 +50,8 @@ def command(path: str, write: bool) -> int:
         manifest: add_run_dependencies(texts[manifest], used),
         cmake: put_block(texts[cmake], write_block(folders, files)),
     }
-    if wanted[cmake] != texts[cmake]:
-        click.echo("CMakeLists.txt: its install rules are not those of what is here")
+    for change in describe_changes(texts[cmake], wanted[cmake]):
+        click.echo(f"CMakeLists.txt: {change}")
     changed = [each for each in wanted if wanted[each] != texts[each] or not each.exists()]
     if not changed:
         click.echo(f"{package.name}: package.xml and CMakeLists.txt hold what it needs")

@@ -10,6 +10,7 @@ from textwrap import fill, wrap
 from typing import TYPE_CHECKING
 
 from ur.request.programs import Program, find_launch_file
+from ur.source.foreign.files import read_text
 from ur.source.printable import printable
 from ur.source.render import shows_colour
 
@@ -32,7 +33,7 @@ def describe_program(program: Program, environment: Mapping[str, str]) -> str:
     from ur.source.file import SourceFile
 
     width = min(_WIDEST, shutil.get_terminal_size().columns)
-    text = program.path.read_text(encoding="utf-8", errors="replace")
+    text = read_text(program.path)
     headings = read_headings(SourceFile(str(program.path), text))
     overview = headings.get("Overview", "")
     path = find_launch_file(program)

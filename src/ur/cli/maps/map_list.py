@@ -1,15 +1,19 @@
-"""List of stored maps for a terminal: a small picture of each, and its size, age, robot and contents."""
+"""List of stored maps for a terminal or a script: a small picture of each, its size, age, robot and contents."""
 
 from __future__ import annotations
 
 import time
+from collections.abc import Mapping
 
+from ur.maps.record import MapRecord
 from ur.maps.store import MapStore
+from ur.maps.waypoint_path import waypoint_path
 from ur.source.ansi import BOLD, RESET, strip_styles
 from ur.source.diagnostic import UserError
 from ur.source.printable import printable
 
 _PICTURE = (30, 6)  # columns and lines of the picture of a map in a list
+_SCRIPT_PICTURE = (64, 32)  # the same for a script
 _NARROW = 70  # columns: without pictures
 
 
@@ -53,3 +57,36 @@ def list_maps(store: MapStore, columns: int, *, colour: bool) -> list[str]:
             lines.append((left + " " * (width - len(strip_styles(left))) + right).rstrip())
         lines.append("")
     return lines[:-1]
+
+
+def list_facts(store: MapStore, name: str, environment: Mapping[str, str], *, picture: bool) -> dict[str, object]:
+    """Facts of a map for a script: `width` and `height` in m, `places` by number, and `problem` where it is damaged.
+
+    `picture` is a list of lines as `draw_lines` draws them without colours.
+    """
+    from ur.maps.change import read_places
+    from ur.maps.drawing import draw_lines
+    from ur.worlds.map_file import read_map
+
+    record, image, places, problem = MapRecord(), None, 0, ""
+    try:
+        record, image = store.record(name), read_map(store.picture(name))
+        places = len(read_places(waypoint_path(name, environment)))
+    except UserError as found:
+        problem = printable(found.diagnostics[0].message)
+    facts: dict[str, object] = {
+        "name": name,
+        "robot": record.robot,
+        "made": record.made,
+        "changed": record.changed,
+        "keyframes": record.keyframes,
+        "width": None if image is None else round(image.width * image.resolution, 2),
+        "height": None if image is None else round(image.height * image.resolution, 2),
+        "places": places,
+        "file": str(store.picture(name)),
+        "latest": store.latest() == name,
+        "problem": problem,
+    }
+    if picture:
+        facts["picture"] = [] if image is None else draw_lines(image.values, *_SCRIPT_PICTURE, colour=False)
+    return facts

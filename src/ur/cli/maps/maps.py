@@ -13,7 +13,7 @@ from typing import TypeVar
 import click
 
 from ur.cli.maps.edit import edit
-from ur.cli.maps.map_list import describe_map, list_maps
+from ur.cli.maps.map_list import describe_map, list_facts, list_maps
 from ur.maps.store import MapStore, own_store
 from ur.maps.waypoint_path import waypoint_path
 from ur.source.diagnostic import UserError, error
@@ -25,9 +25,10 @@ _NAME = click.argument("name")
 
 @click.group("maps", invoke_without_command=True)
 @click.option("--json", "as_json", is_flag=True, help="As JSON, for a script.")
+@click.option("--pictures", is_flag=True, help="With --json: a small picture of each, as lines of ' ', '.' and '#'.")
 @click.option("--robot", help="The maps on a robot, by name only.")
 @click.pass_context
-def command(context: click.Context, as_json: bool, robot: str | None) -> None:
+def command(context: click.Context, as_json: bool, pictures: bool, robot: str | None) -> None:
     """List, show, edit and exchange the maps that robots have made.
 
     They are in ~/.local/share/ubiquity_launches/maps of the computer where the mapping ran.
@@ -41,7 +42,7 @@ def command(context: click.Context, as_json: bool, robot: str | None) -> None:
         return
     store = _store()
     if as_json:
-        rows = [{"name": name, **_facts(store, name)} for name in store.names()]
+        rows = [list_facts(store, name, os.environ, picture=pictures) for name in store.names()]
         click.echo(json.dumps(rows, indent=1))
         return
     names = store.names()
@@ -183,18 +184,6 @@ def merge(first: str, second: str, new_name: str) -> int:
 
 def _store() -> MapStore:
     return own_store(os.environ)
-
-
-def _facts(store: MapStore, name: str) -> dict[str, object]:
-    record = store.record(name)
-    return {
-        "robot": record.robot,
-        "made": record.made,
-        "changed": record.changed,
-        "keyframes": record.keyframes,
-        "file": str(store.picture(name)),
-        "latest": store.latest() == name,
-    }
 
 
 def _guard(action: Callable[[], Result]) -> Result:

@@ -123,15 +123,23 @@ def prepare(
                 _show(writes)
             elif not writes and target is None:
                 _say(f"nothing to do: it is prepared for {options.robot.name}")
+                _protect(source, device)
             else:
                 _confirm(device, writes, yes=yes)
                 with show_progress(f"writing {target or image}"):
                     commit(writes)
                 _say(f"{target or image}: prepared for {options.robot.name}")
+                _protect(target or source, device)
         if not dry_run:
             _remember(options)
             _tell(options)
     return 0
+
+
+def _protect(image: Path, device: Device | None) -> None:
+    if device is None:
+        image.chmod(0o600)  # also one that an earlier version has prepared, with the mode of the download
+        _say("only you can read this file: it holds the robot's host key and hashes of its passwords")
 
 
 def _take_back(source: Path, *, dry_run: bool, yes: bool) -> int:

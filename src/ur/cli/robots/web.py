@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import asyncio
 import os
+from functools import partial
 
 import click
 
-from ur.request.environment import apply_selection, current_selection
+from ur.request.environment import CHOSEN, apply_selection, current_selection
 from ur.request.requirements.python_packages import need_all
 from ur.robot.selection import parse_selection
 from ur.source.diagnostic import UserError, error
@@ -27,8 +28,19 @@ from ur.source.diagnostic import UserError, error
     metavar="ORIGIN",
     help="As --foxglove; viewers of this site may connect, too, such as https://viewer.example; may be repeated.",
 )
+@click.option(
+    "--days",
+    type=click.FloatRange(0.01, 3650),
+    default=30.0,
+    show_default=True,
+    help="Days for which a login is good, however often it is used.",
+)
+@click.option("--sessions", is_flag=True, help="List the devices that are logged in, and start no server.")
+@click.option("--end", metavar="NAME|all", help="Log out the device of this name, or all, and start no server.")
 @click.option("--service", is_flag=True, hidden=True)
+@click.option("--child", type=int, hidden=True, help="Descriptor of a socket to the server that starts this one.")
 @click.option("--prepare", is_flag=True, hidden=True)
+@click.option("--prepare-3d", is_flag=True, hidden=True)
 def command(
     robot: str | None,
     port: int | None,
@@ -37,8 +49,13 @@ def command(
     no_browser: bool,
     foxglove: bool,
     origins: tuple[str, ...],
+    days: float,
+    sessions: bool,
+    end: str | None,
     service: bool,
+    child: int | None,
     prepare: bool,
+    prepare_3d: bool,
 ) -> int:
     """Show and drive a robot in a browser.
 
@@ -46,7 +63,19 @@ def command(
     login. The page shows the robot whose program runs, for example `ur run keyboard_navigate`, and waits for it where
     none does.
     """
-    selection = parse_selection(robot) if robot else current_selection(os.environ)
+    if prepare_3d:  # for the page, when its 3D view is opened first
+        need_all(["jupyter_threejs_sage"], "three.lock", "what the 3D view needs (1 MB to download)")
+        return 0
+    if sessions or end is not None:
+        return _manage_logins(end)
+    selection = stored = current_selection(os.environ)
+    if robot and (chosen := parse_selection(robot)) != selection:
+        from ur.cli.robots.use import check_base, check_robot
+
+        note = "" if chosen.simulated else check_robot(chosen, away=False)
+        check_base(chosen)
+        click.echo(note, nl=False, err=True)
+        selection = chosen
     viewers = [_read_origin(each) for each in origins]
     need_all(["aiohttp", "segno"], "web.lock", "what the page needs (2 MB to download)")
     if prepare:  # for `ur boot install web`, which then has a service run with --service
@@ -54,16 +83,40 @@ def command(
     foxglove = foxglove or bool(viewers)
     if foxglove:
         need_all(["foxglove"], "foxglove.lock", "what Foxglove and Lichtblick need (20 MB to download)")
+    from ur.robot.discovery.masters import list_masters
     from ur.web.access.roles import Role
     from ur.web.server.serve import Options, serve
 
     apply_selection(selection)
+    if robot:  # programs that the page starts are for this robot, whichever is selected
+        os.environ[CHOSEN] = str(selection)
     name = "simulated robot" if selection.simulated else selection.robot
     if service:
         name = os.uname().nodename.split(".")[0]
     role = Role.LOOK if look else Role.DRIVE
-    options = Options(name, port or 0, role, not no_browser, phone, service, foxglove, tuple(viewers))
+    known = None if service else partial(list_masters, os.environ, selection, stored)
+    options = Options(
+        name, port or 0, role, not no_browser, phone, service, foxglove, tuple(viewers), days,
+        own=selection.robot if not service else name, known=known, child=child,
+    )  # fmt: skip
     asyncio.run(serve(options, click.echo))
+    return 0
+
+
+def _manage_logins(end: str | None) -> int:
+    """List the devices that are logged in, after the end of some."""
+    import time
+
+    from ur.web.server.logins.session_file import state_folder
+    from ur.web.server.logins.session_list import draw_logins, end_logins, find_logins
+
+    logins = find_logins(state_folder(), time.time())
+    if end is not None:
+        count = end_logins(logins, end)
+        click.echo(f"logged out {count} {'device' if count == 1 else 'devices'}")
+        return 0
+    for line in draw_logins(logins):
+        click.echo(line)
     return 0
 
 

@@ -1,0 +1,81 @@
+"""The table of what commands trust: it has every verb, and those that start and send nothing do neither."""
+
+from __future__ import annotations
+
+import runpy
+import subprocess
+import sys
+from pathlib import Path
+
+import click
+import pytest
+
+from ur.cli.trust import NOTHING, TRUST
+from ur.cli.verbs import VERBS, load_verb
+
+ROOT = Path(__file__).parents[2]
+# Python tells its audit hooks of every program that it starts and every address that it looks up or connects to.
+WATCHED = """
+import sys
+from ur.cli.main import main
+ACTS = ("subprocess.", "os.exec", "os.posix_spawn", "os.system", "socket.connect", "socket.send", "socket.getaddr")
+def note(event, details):
+    if event.startswith(ACTS):
+        print("ACTED", event, details, file=sys.stderr)
+sys.addaudithook(note)
+sys.exit(main(sys.argv[1:]))
+"""
+CALLS = {
+    "logs": "logs nothing",
+    "check": "check .",
+    "package": "package .",
+    "format": "format --check .",
+    "find": "find a",
+    "docs": "docs . --output -",
+    "explain": "explain a.launch a",
+    "maps": "maps",
+    "completion": "completion bash",
+    "env": "env",
+    "image": "image prepare image.img --dry-run",
+    "graph": "graph a.launch",
+}
+
+
+def test_every_verb_says_what_it_trusts() -> None:
+    assert {name.split()[0] for name in TRUST} == set(VERBS)
+    for name in TRUST:
+        verb, *below = name.split()
+        command = load_verb(verb)
+        assert not below or (isinstance(command, click.Group) and below[0] in command.commands), name
+
+
+def test_table_of_the_page_is_that_of_the_declarations() -> None:
+    tool = runpy.run_path(str(ROOT / "tools" / "make_trust_table.py"))
+    page = tool["PAGE"].read_text(encoding="utf-8")
+    assert page == tool["put_table"](page), "run tools/make_trust_table.py"
+    assert len([line for line in page.splitlines() if line.startswith("| `ur ")]) >= len(TRUST)
+
+
+def test_every_command_that_starts_and_sends_nothing_is_watched() -> None:
+    quiet = {name for name, trust in TRUST.items() if (trust.starts, trust.sends) == (NOTHING, NOTHING)}
+    assert quiet <= set(CALLS)
+
+
+@pytest.mark.parametrize("call", CALLS.values())
+def test_command_that_starts_and_sends_nothing_does_neither(call: str, tmp_path: Path) -> None:
+    hostile = '<launch>\n  <arg name="a" default="1"/>\n  <param name="p" command="touch ran $(arg a)"/>\n</launch>\n'
+    (tmp_path / "a.launch").write_text(hostile)
+    (tmp_path / "image.img").write_text("no image")
+    (tmp_path / "package.xml").write_text("<package><name>mine</name></package>")
+    environment = {"PATH": "/usr/bin:/bin", "HOME": str(tmp_path / "home"), "ROS_PACKAGE_PATH": str(tmp_path)}
+    done = subprocess.run(
+        [sys.executable, "-I", "-c", WATCHED, *call.split()],
+        cwd=tmp_path,
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode in (0, 1, 2)
+    assert [line for line in done.stderr.splitlines() if line.startswith("ACTED")] == []
+    assert not (tmp_path / "ran").exists()
