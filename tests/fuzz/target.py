@@ -68,4 +68,9 @@ _KINDS = {
     "package_xml": "packages",
     "partitions": "packages",
     "messages": "packages",
+    "get": "folders",
+    "map_folder": "folders",
+    "archive": "folders",
+    "urdf": "descriptions",
+    "xacro": "descriptions",
 }
