@@ -27,6 +27,8 @@ def list_topics(base: Base) -> dict[str, str]:
         topics[f"/{base.battery.topic}"] = "sensor_msgs/BatteryState"
     if base.bumpers:
         topics |= {f"/{base.bumpers.topic}/{bumper.name}": "std_msgs/Bool" for bumper in base.bumpers.at}
+    if base.cliffs:
+        topics |= {f"/{base.cliffs.topic}/{cliff.name}": "std_msgs/Bool" for cliff in base.cliffs.at}
     if base.raspicam:
         topics[f"/{base.raspicam.name}/image_raw"] = "sensor_msgs/Image"
         topics[f"/{base.raspicam.name}/image/compressed"] = "sensor_msgs/CompressedImage"
@@ -38,4 +40,5 @@ def list_frames(base: Base) -> set[str]:
     """Frames that messages of a base are in."""
     frames = {"odom", "base_footprint"}
     frames |= {part.frame for part in (base.lidar, base.imu, base.raspicam) if part}
+    frames |= {cliff.frame for cliff in (base.cliffs.at if base.cliffs else ())}
     return frames | {sonar.frame for sonar in (base.sonars.at if base.sonars else ())}

@@ -105,9 +105,18 @@ def test_dependencies_and_extras_are_those_of_the_requirement_files(wheel: Path)
         match = re.search(r"(?:and|;)\s*extra == ['\"](\w+)['\"]$", line)
         plain = re.sub(r"\s*(?:and|;)\s*extra == .*$", "", line)
         wanted.setdefault(match[1] if match else "ur", set()).add(normalise(plain))
-    files = {path.stem for path in (ROOT / "requirements").glob("*.in")} - {"build"}
-    assert wanted == {name: read_requirements(name) for name in files}
+    files = {path.stem for path in (ROOT / "requirements").glob("*.in")} - {"build", "audit"}
+    pins = (ROOT / "requirements/ur.pins").read_text().splitlines()
+    assert wanted == {name: read_requirements(name) for name in files} | {"ur": set(map(normalise, pins))}
     assert set(metadata.get_all("Provides-Extra", [])) == files - {"ur"}
+
+
+def test_wheel_is_installed_with_exactly_the_versions_of_the_lock() -> None:
+    locked = re.sub(r" \\\n( +--hash=\S+( \\\n)?)+", "", (ROOT / "requirements/run.lock").read_text()).splitlines()
+    pins = (ROOT / "requirements/ur.pins").read_text().splitlines()
+    assert [pin for pin in pins if pin not in locked] == []
+    named = {normalise(line).partition(";")[0] for line in read_requirements("ur")}
+    assert named <= {pin.partition("==")[0] for pin in pins}
 
 
 def test_every_requirement_is_locked() -> None:
@@ -118,6 +127,8 @@ def test_every_requirement_is_locked() -> None:
         "vision": ("vision",),
         "web": ("web",),
         "foxglove": ("foxglove",),
+        "three": ("three",),
+        "audit": ("audit",),
     }.items():
         text = (ROOT / "requirements" / f"{lock}.lock").read_text()
         locked = {name.lower() for name in re.findall(r"^([\w.-]+)==", text, re.MULTILINE)}

@@ -37,7 +37,7 @@ PUBLISHED: dict[tuple[str, str], dict[str, str]] = {
 LEFT_OUT = {
     "magni": set[str](),
     "loki": {"battery_state"},
-    "botvac": {"battery_state"},
+    "botvac": {"battery_state", "cliffs"},
     "stage": {"battery_state", "bumpers", "camera", "imu/data"},
 }
 
@@ -88,6 +88,8 @@ def left_out(base: Base) -> set[str]:
     topics = {f"/{word}" for word in words}
     if base.bumpers and "bumpers" in words:
         topics |= {f"/{base.bumpers.topic}/{bumper.name}" for bumper in base.bumpers.at}
+    if base.cliffs and "cliffs" in words:
+        topics |= {f"/{base.cliffs.topic}/{cliff.name}" for cliff in base.cliffs.at}
     if base.raspicam and "camera" in words:
         topics |= {topic for topic in list_topics(base) if topic.startswith(f"/{base.raspicam.name}/")}
     return topics

@@ -34,7 +34,8 @@ class ChromiumError(RuntimeError):
 class Chromium:
     """A browser with one page. What pages write to the console as an error is in `complaints`."""
 
-    def __init__(self, program: str, folder: Path) -> None:
+    def __init__(self, program: str, folder: Path, *more: str) -> None:
+        """Start it with a profile in a folder; `more` are options of its command line."""
         low_read, our_write = os.pipe()
         our_read, low_write = os.pipe()
         to_browser, from_browser = (fcntl.fcntl(each, fcntl.F_DUPFD_CLOEXEC, 20) for each in (low_read, low_write))
@@ -45,7 +46,8 @@ class Chromium:
         options = [
             "--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--remote-debugging-pipe",
             "--no-first-run", "--disable-background-networking", "--disable-extensions", "--mute-audio",
-            "--disable-component-update", "--hide-scrollbars", f"--user-data-dir={folder / 'profile'}", "about:blank",
+            "--disable-component-update", "--hide-scrollbars", f"--user-data-dir={folder / 'profile'}", *more,
+            "about:blank",
         ]  # fmt: skip
         self._process = subprocess.Popen(
             ["bash", "-c", script, "bash", program, *options],
@@ -73,6 +75,11 @@ class Chromium:
         for domain in ("Page", "Runtime", "Log"):
             self.ask(f"{domain}.enable")
         return self
+
+    @property
+    def faults(self) -> list[str]:
+        """The complaints, but for those of drawing in three dimensions without a graphics card."""
+        return [each for each in self.complaints if "software WebGL" not in each and "ReadPixels" not in each]
 
     def kill(self) -> None:
         """End it at once, as a crash does."""

@@ -22,6 +22,7 @@ pytestmark = [
     pytest.mark.timeout(900),
     pytest.mark.skipif(shutil.which("tmux") is None, reason="tmux is not installed"),
 ]
+_FINDING = re.compile(r"(?:^|\s)(?:error|warning|note|help): ")
 _BLOCK = re.compile(r"^```(\w+)(?: (\S+))?\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
 
@@ -29,7 +30,7 @@ _BLOCK = re.compile(r"^```(\w+)(?: (\S+))?\n(.*?)^```$", re.MULTILINE | re.DOTAL
 class Block:
     # bash: typed line by line; keys: typed, looked at, quit; watch: typed in a second terminal, looked at after the
     # next block, and quit; second: typed in a second terminal, used, ended by Ctrl-C; file: written; edit: its first
-    # line is replaced
+    # line is replaced; diff: its line with - is replaced by the one with +
     kind: str
     path: str
     text: str
@@ -101,6 +102,8 @@ def see_it_wander(terminal: Terminal, first: Terminal) -> None:
         time.sleep(0.2)
     run(first, "ur ps | grep m_wander")
     terminal.type("q", "Enter")
+    terminal.until("uses this robot; it ends with this program. Press q again to end it")
+    terminal.type("q")
     terminal.until("ended", 120.0)
     first.type("clear; while ur ps | grep m_; do sleep 0.2; done; echo go''ne", "Enter")
     first.until("gone", 60.0)
@@ -122,6 +125,8 @@ def test_every_command_of_the_tutorial_works(terminals: tuple[Terminal, Terminal
     for block in BLOCKS:
         if block.kind == "bash":
             screens = "".join(run(terminal, line) for line in block.text.splitlines())
+            found = [line for line in screens.splitlines() if _FINDING.search(line)]
+            assert not found, f"the tutorial does not announce these lines: {found}"
             if watching:
                 assert re.search(r"joining the robot that m_keyboard_navigate\.\d+ started", screens), screens
                 see_it_wander(second, terminal)
@@ -142,12 +147,13 @@ def test_every_command_of_the_tutorial_works(terminals: tuple[Terminal, Terminal
             (package / block.path).parent.mkdir(parents=True, exist_ok=True)
             (package / block.path).write_text(block.text)
         else:
-            first = block.text.splitlines(keepends=True)[0]
+            lines = block.text.splitlines(keepends=True)
+            old, new = (lines[0][1:], lines[1][1:]) if block.kind == "diff" else (lines[0], block.text)
             before = (package / block.path).read_text()
-            assert before.count(first) == 1, f"{block.path} has no line {first!r}:\n{before}"
-            (package / block.path).write_text(before.replace(first, block.text))
+            assert before.splitlines(keepends=True).count(old) == 1, f"{block.path} has no line {old!r}:\n{before}"
+            (package / block.path).write_text(before.replace(old, new))
 
 
 def test_tutorial_has_steps_of_every_kind() -> None:
-    assert {block.kind for block in BLOCKS} == {"bash", "keys", "watch", "second", "file", "edit"}
+    assert {block.kind for block in BLOCKS} == {"bash", "keys", "watch", "second", "file", "edit", "diff"}
     assert sum(len(block.text.splitlines()) for block in BLOCKS if block.kind == "bash") > 25

@@ -6,6 +6,7 @@ rospy can be started only once in a process, so each test session's client is a 
 from __future__ import annotations
 
 import contextlib
+import json
 import math
 from typing import Any
 
@@ -18,12 +19,14 @@ from move_base_msgs.msg import MoveBaseAction, MoveBaseActionGoal, MoveBaseGoal
 from nav_msgs.msg import Odometry
 from nav_msgs.srv import GetPlan, SetMap, SetMapRequest
 from sensor_msgs.msg import LaserScan
-from std_msgs.msg import Bool, String, Time
+from std_msgs.msg import Bool, Int32, String, Time
 from std_srvs.srv import Empty, Trigger
 from tests.json_client import answer_requests, claim_output, wait_until
 
 from ur_nodes.geometry.pose import Pose2
+from ur_nodes.missions.patrol_text import PatrolStatus, read_status
 from ur_nodes.motion.lease.client_node import LeaseClient
+from ur_nodes.motion.obstacle_stop.report import read_report
 from ur_nodes.rosio.geometry import pose3_of_transform, pose_message, pose_of_message
 
 _STATES = {value: name for name, value in vars(GoalStatus).items() if name.isupper()}
@@ -39,6 +42,8 @@ class Client:
         self.placed: list[Pose2] = []
         self.scans = 0
         self.active: list[str] = []
+        self.collisions = 0
+        self.obstacle_stop = ""
         self.stopped: bool | None = None
         self.challenge: rospy.Time | None = None
         self.goals: list[GoalStatus] = []
@@ -56,8 +61,13 @@ class Client:
         self.direct = rospy.Publisher("move_base/goal", MoveBaseActionGoal, queue_size=1)
         rospy.Subscriber("move_base/status", GoalStatusArray, self._set_goals)
         rospy.Subscriber("cmd_vel_mux/challenge", Time, self._set_challenge, queue_size=1)
+        rospy.Subscriber("simulator/collisions", Int32, self._set_collisions)
+        rospy.Subscriber("cmd_vel_mux/obstacle_stop", String, self._set_obstacle_stop)
         rospy.Subscriber("cmd_vel_mux/active", String, self._add_active)
         rospy.Subscriber("cmd_vel_mux/stopped", Bool, self._set_stopped)
+        self.patrols: list[PatrolStatus] = []
+        self.patrol_requests = rospy.Publisher("patrol/request", String, queue_size=5)
+        rospy.Subscriber("patrol/status", String, self._add_patrol, queue_size=50)
 
     def do_ready(self, seconds: float) -> dict[str, Any]:
         """Wait until the robot is localised and takes goals."""
@@ -102,6 +112,30 @@ class Client:
             raise TimeoutError(f"no goal {state} {text!r} within {seconds:g} s, the last are {said}") from None
         return self.do_where()
 
+    def do_ask_patrol(self, seconds: float, action: str, **request: Any) -> dict[str, Any]:
+        """Ask for a patrol as a script does, and return why it was refused."""
+        wait_until(self.patrol_requests.get_num_connections, seconds, "a node that drives patrols")
+        name = f"script-{len(self.patrols)}"
+        self.patrol_requests.publish(json.dumps({"id": name, "do": action, **request}))
+        wait_until(lambda: any(each.answer and each.answer.id == name for each in self.patrols), seconds, "an answer")
+        return {"problem": next(e.answer.problem for e in self.patrols if e.answer and e.answer.id == name)}
+
+    def do_patrol(self, state: str, seconds: float, rounds: int = 0) -> dict[str, Any]:
+        """Wait until the patrol is in this state and has driven so many rounds."""
+
+        def is_so() -> bool:
+            return bool(self.patrols) and self.patrols[-1].state == state and self.patrols[-1].rounds >= rounds
+
+        try:
+            wait_until(is_so, seconds, "")
+        except TimeoutError:
+            raise TimeoutError(f"no patrol {state} within {seconds:g} s, the last are {self.patrols[-3:]}") from None
+        return {"reason": self.patrols[-1].reason, "index": self.patrols[-1].index}
+
+    def do_patrol_states(self) -> list[str]:
+        """Return all states of the patrol so far."""
+        return [each.state for each in self.patrols]
+
     def do_late_goal(self, client: str, x: float, y: float, age: float) -> dict[str, Any]:
         """Send a goal as our clients do, which answers a challenge so many seconds old."""
         wait_until(self.direct.get_num_connections, 60, "a subscriber of goals")
@@ -144,7 +178,8 @@ class Client:
             self.buffer.lookup_transform("map", "base_footprint", rospy.Time()).transform
         ).planar()
         twist = self.truth.twist.twist
-        return {"true": true, "believed": believed, "speed": math.hypot(twist.linear.x, twist.angular.z)}
+        speed = math.hypot(twist.linear.x, twist.angular.z)
+        return {"true": true, "believed": believed, "speed": speed, "collisions": self.collisions}
 
     def do_drive(self, forward: float, turn: float, seconds: float) -> dict[str, Any]:
         """Drive as a keyboard does, at 20 Hz for a while, then nothing."""
@@ -172,6 +207,16 @@ class Client:
         told = self.active[:]
         del self.active[: len(told) - 1]
         return {"active": [each for n, each in enumerate(told) if n == 0 or told[n - 1] != each]}
+
+    def do_touched(self, count: int, seconds: float) -> dict[str, Any]:
+        """Wait until the robot has touched something so often."""
+        wait_until(lambda: self.collisions >= count, seconds, f"{count} collisions")
+        return {}
+
+    def do_obstacle_stop(self, state: str, seconds: float) -> dict[str, Any]:
+        """Wait until the mux reports this state of its obstacle stop."""
+        wait_until(lambda: self.obstacle_stop == state, seconds, f"the obstacle stop to be {state}")
+        return {}
 
     def do_stopped(self, value: bool, seconds: float) -> dict[str, Any]:
         """Wait until the mux says so of an emergency."""
@@ -242,6 +287,11 @@ class Client:
     def _add_active(self, message: String) -> None:
         self.active.append(message.data)
 
+    def _add_patrol(self, message: String) -> None:
+        status = read_status(message.data)
+        assert status is not None
+        self.patrols.append(status)
+
     def _set_stopped(self, message: Bool) -> None:
         self.stopped = bool(message.data)
 
@@ -253,6 +303,13 @@ class Client:
 
     def _add_placed(self, message: PoseWithCovarianceStamped) -> None:
         self.placed.append(pose_of_message(message.pose.pose))
+
+    def _set_obstacle_stop(self, message: String) -> None:
+        report = read_report(message.data)
+        self.obstacle_stop = report.state if report else ""
+
+    def _set_collisions(self, message: Int32) -> None:
+        self.collisions = message.data
 
     def _set_odom(self, message: Odometry) -> None:
         self.odom = message

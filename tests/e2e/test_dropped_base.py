@@ -50,9 +50,9 @@ def test_program_runs_on_a_base_that_was_dropped_in(program: str, tmp_path: Path
 
 def test_launch_files_name_no_folder_of_the_package_that_a_workspace_would_hide() -> None:
     """roslaunch takes a whole folder from the workspace that has it: only files may be looked for."""
-    whole = re.compile(r"\$\(find ubiquity_launches\)/(?:[\w.]+/)*[\w]+\"")
+    looked_for = re.compile(r"\$\(find ubiquity_launches\)/([\w./]+)\"")
     for path in PACKAGE.glob("*/launch/*.xml"):
-        found = [text for text in whole.findall(path.read_text(encoding="utf-8")) if "." not in text.rpartition("/")[2]]
+        found = [place for place in looked_for.findall(path.read_text(encoding="utf-8")) if (PACKAGE / place).is_dir()]
         assert not found, f"{path}: {found}"
 
 

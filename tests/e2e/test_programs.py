@@ -20,9 +20,12 @@ def run_program(folder: Path, program: str, *arguments: str, keys: str) -> subpr
     return run_command(folder, str(ROOT / "ur"), "run", program, *arguments, keys=keys)
 
 
-def run_command(folder: Path, *command: str, keys: str) -> subprocess.CompletedProcess[str]:
+def run_command(
+    folder: Path, *command: str, keys: str, more: dict[str, str] | None = None
+) -> subprocess.CompletedProcess[str]:
     env = make_environment(folder)
     env["PATH"] = f"{ROOT / 'ubiquity_launches' / 'bin'}:{env['PATH']}"  # as `ur env` does
+    env |= more or {}
     done = subprocess.run(
         command, env=env, input=keys, capture_output=True, text=True, timeout=150, cwd=folder, check=False
     )
@@ -42,6 +45,18 @@ def test_piped_goals_are_driven_one_after_the_other(tmp_path: Path) -> None:
     assert first.startswith("g 2 3 90: reached, ")
     assert second.startswith("g 1.5 0 180: reached, ")
     assert done.returncode == 0
+
+
+def test_shell_that_has_sourced_ros_2_drives_the_robot(tmp_path: Path) -> None:
+    ros2 = tmp_path / "humble"
+    packages = ros2 / "lib" / "python3.10" / "site-packages"
+    for name in ("geometry_msgs", "sensor_msgs", "std_msgs"):
+        (packages / name).mkdir(parents=True)
+        (packages / name / "__init__.py").write_text("raise ImportError('of ROS 2')\n")
+    more = {"AMENT_PREFIX_PATH": str(ros2), "PYTHONPATH": str(packages), "ROS_VERSION": "2", "ROS_DISTRO": "humble"}
+    command = (str(ROOT / "ur"), "run", "keyboard_navigate")
+    done = run_command(tmp_path, *command, keys="g 1 0.5\n", more=more)
+    assert done.stdout.startswith("g 1 0.5: reached, "), done.stderr
 
 
 def test_failed_goal_and_malformed_command_make_the_exit_code_one(tmp_path: Path) -> None:

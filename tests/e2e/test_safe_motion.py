@@ -19,10 +19,11 @@ NAVIGATE = str(ROOT / "ubiquity_launches" / "n_keyboard_navigate" / "bin" / "key
 ON_KEYS = ("cmd_vel:=key_vel", "_speed:=0.3", "_turn:=0.6")
 
 
-def stand(robot: Robot) -> None:
-    """It stands, and nobody drives any more."""
+def stand(robot: Robot, *, holding: bool = False) -> None:
+    """It stands, and nobody drives any more, unless a key is held that drives nowhere."""
     robot.ask("still", seconds=60)
-    robot.ask("active", name="idle", seconds=60)
+    if not holding:
+        robot.ask("active", name="idle", seconds=60)
 
 
 def test_keyboard_takes_over_from_navigation_which_then_goes_on(robot: Robot) -> None:
@@ -98,6 +99,35 @@ def test_space_in_keyboard_drive_stops_navigation_too(robot: Robot) -> None:
         robot.ask("moving", seconds=60)
         terminal.hold("")
         stand(robot)
+
+
+def test_robot_driven_by_hand_stops_before_a_wall_until_that_is_turned_off(robot: Robot) -> None:
+    put_at_start(robot)
+    touched = robot.ask("where")["collisions"]
+    with Terminal([KEYBOARD, *ON_KEYS, "__name:=drive_by_hand"], robot.env) as terminal:
+        terminal.wait_for("■ stopped")
+        terminal.hold(",")  # a wall is 0.3 m behind
+        terminal.wait_for("slowed: obstacle")
+        terminal.wait_for("stopped: obstacle close behind")
+        stand(robot, holding=True)
+        where = robot.ask("where")
+        assert where["collisions"] == touched
+        assert -0.295 < where["true"][0] < -0.2
+        terminal.hold("i")
+        robot.ask("moving", seconds=60)
+        terminal.hold("")
+        stand(robot)
+        terminal.type("g")
+        terminal.wait_for("the obstacle stop is off; g turns it on")
+        put_at_start(robot)
+        terminal.wait_for("■ stopped")
+        terminal.hold(",")
+        robot.ask("touched", count=touched + 1, seconds=60)
+        terminal.hold("")
+        stand(robot)
+        terminal.type("g")
+        terminal.wait_for("■ stopped")
+        assert robot.ask("obstacle_stop", state="clear", seconds=60) == {}
 
 
 def test_robot_stands_when_the_keyboard_is_killed(robot: Robot) -> None:

@@ -4,18 +4,15 @@ from __future__ import annotations
 
 import math
 import os
-import re
 import signal
-import subprocess
-import time
 from collections.abc import Iterator
 from pathlib import Path
 
 import psutil
 import pytest
 from tests.docs.chromium import Chromium
-from tests.e2e.conftest import ROOT, Robot, end, free_port
-from tests.e2e.web_page import PHONE, PROGRAM, Page, open_second
+from tests.e2e.conftest import Robot
+from tests.e2e.web_page import PHONE, PROGRAM, Page, open_first, open_second, start_server
 
 DESK = (1400, 900)
 
@@ -31,32 +28,13 @@ pytest.importorskip("aiohttp", reason="aiohttp is not installed: requirements/we
 @pytest.fixture(scope="module")
 def server(robot: Robot) -> Iterator[tuple[int, Path]]:
     """`ur web`: its port, and the file of what it prints."""
-    port, log = free_port(), robot.log.with_name("web.log")
-    command = [str(ROOT / "ur"), "web", "--port", str(port), "--no-browser"]
-    with log.open("w") as output:
-        process = subprocess.Popen(
-            command, env=robot.env, stdin=subprocess.DEVNULL, stdout=output, stderr=output, text=True, cwd=log.parent
-        )
-    try:
-        deadline = time.monotonic() + 60
-        while "login#" not in log.read_text():
-            assert process.poll() is None, log.read_text()
-            assert time.monotonic() < deadline, "ur web printed no link"
-            time.sleep(0.1)
-        yield port, log
-    finally:
-        end(process)
+    with start_server(robot.env, robot.log.parent) as server:
+        yield server
 
 
 @pytest.fixture(scope="module")
 def browser(server: tuple[int, Path], tmp_path_factory: pytest.TempPathFactory) -> Iterator[Chromium]:
-    assert PROGRAM is not None
-    with Chromium(PROGRAM, tmp_path_factory.mktemp("chromium")) as browser:
-        browser.resize(*PHONE, phone=True)
-        browser.ask("Emulation.setTouchEmulationEnabled", enabled=True)
-        link = re.search(r"http\S+", server[1].read_text())
-        assert link
-        browser.open(link[0])
+    with open_first(server, tmp_path_factory.mktemp("chromium")) as browser:
         yield browser
 
 
@@ -118,13 +96,14 @@ def test_goal_is_set_by_press_drag_release_and_reached(page: Page) -> None:
     page.touch("End")
     page.wait("page.state.goal.place")
     place = page.run("page.state.goal.place")
-    assert [round(each, 1) for each in place] == pytest.approx([1.4, 0.0, 1.6], abs=0.15)
+    heading = page.run("page.map.view.toYaw(Math.PI / 2)")  # a wide map is turned on a phone
+    assert place == pytest.approx([1.4, 0.0, heading], abs=0.15)
     page.wait("page.state.goal.state === 'reached'", 120)
     page.run("page.map.fit()")
 
 
 def test_place_is_named_on_the_page_and_driven_to(page: Page, robot: Robot) -> None:
-    page.tap("#places")
+    page.tap_panel("places")
     page.wait("document.getElementById('place-here').checkVisibility()")
     page.run("document.getElementById('place-name').value = 'here'; document.getElementById('place-here').click(); 0")
     page.wait("page.map.places.here")
@@ -137,12 +116,69 @@ def test_place_is_named_on_the_page_and_driven_to(page: Page, robot: Robot) -> N
     page.tap("#places-panel .go")
     page.wait("page.state.goal.place?.[0] === 0.7 && page.state.goal.state === 'reached'", 120)
     assert abs(float(page.run("page.pose.x")) - 0.7) < 0.3
-    page.tap("#places")
+    page.tap_panel("places")
     for _ in range(2):  # the second press confirms
         page.tap("#places-panel li button:last-child")
     page.wait("!page.map.places.door")
     assert "door" not in file.read_text()
-    page.tap("#places")
+    page.tap_panel("places")
+
+
+def test_patrol_goes_on_at_each_place_and_without_the_page_that_started_it(
+    page: Page, robot: Robot, server: tuple[int, Path], tmp_path: Path
+) -> None:
+    for name, x in (("sofa", 0.6), ("hall", 1.0)):
+        page.run(f"page.sendPlace({{t: 'name_place', place: '{name}', x: {x}, y: 0, yaw: 0}}); 0")
+    with open_second(page, server, tmp_path) as other:
+        other.wait("page.map.places.sofa && page.map.places.hall && page.state.patrol")
+        other.wait("page.state.lease.state === 'free'")  # the other page keeps it for 3 s after a goal
+        other.tap_panel("places")
+        other.wait("document.querySelectorAll('#places-panel .tick input').length >= 2")
+        for name in ("sofa", "hall"):
+            other.run(f"document.querySelector('#places-panel input[aria-label=\"Patrol: {name}\"]').click(); 0")
+        other.run("document.getElementById('patrol-repeat').click(); document.getElementById('patrol').click(); 0")
+        other.wait("page.state.patrol.state === 'driving'")
+        other.browser.kill()
+    robot.ask("patrol", state="driving", rounds=1, seconds=120)  # with no page that says anything else
+    page.wait("document.getElementById('driver').textContent.startsWith('patrol drives')")
+    page.press_banner("Pause")
+    robot.ask("patrol", state="paused", seconds=60)
+    robot.ask("still", seconds=60)
+    page.press_banner("Continue")
+    robot.ask("patrol", state="driving", seconds=60)
+    page.press_banner("End the patrol")
+    robot.ask("patrol", state="ended", seconds=60)
+    robot.ask("still", seconds=60)
+    page.wait("page.state.lease.state === 'free'")
+
+
+def test_route_that_is_tapped_is_driven_and_shown(page: Page, robot: Robot) -> None:
+    wanted = [[1.0, 0.0], [0.5, 0.0]]
+    page.run("page.map.show([0.7, 0, 60]); 0")
+    page.tap_panel("route")
+    page.wait("page.state.patrol && document.getElementById('route-tap').checkVisibility()")
+    page.tap("#route-tap")
+    for each in wanted:
+        page.touch("Start", *page.run(f"page.map.view.toScreen(...{each})"))
+        page.touch("End")
+    page.wait("document.querySelector('#route-panel p').textContent.startsWith('Route of 2 points')")
+    page.tap("#route-start")
+    page.wait("page.state.patrol.state === 'driving' && document.getElementById('route-end').checkVisibility()")
+    stops = page.run("page.state.patrol.stops")
+    assert [each[1:] for each in stops] == [pytest.approx(each, abs=0.05) for each in wanted]
+    robot.ask("patrol", state="done", seconds=120)
+    page.wait("document.getElementById('route-tap').checkVisibility()")
+    page.tap_panel("route")
+
+
+def test_goal_that_is_tapped_asks_for_no_heading(page: Page) -> None:
+    page.tap("#mode-goal")
+    page.run("page.map.show([page.pose.x, page.pose.y, 60]); 0")
+    x, y = page.run("page.map.view.toScreen(page.pose.x + 0.3, page.pose.y)")
+    page.touch("Start", x, y)
+    page.touch("End")
+    page.wait("page.state.goal.place?.[2] === null && page.state.goal.state === 'reached'", 120)
+    page.run("page.map.fit(); 0")
 
 
 def drive_to(page: Page, x: float, y: float) -> None:
@@ -155,11 +191,11 @@ def drive_to(page: Page, x: float, y: float) -> None:
 def test_zone_that_is_drawn_on_the_page_is_kept_out_of(page: Page, robot: Robot) -> None:
     goal = 1.6  # m: in the corridor along the x axis, far from its ends
     drive_to(page, 0.6, 0.0)
-    page.tap("#zones")
+    page.tap_panel("zones")
     page.wait("document.getElementById('zone-draw').checkVisibility()")
     page.tap("#zone-draw")
-    # Below the panel, and so near that corners are farther apart than a fingertip.
-    page.run("page.map.show([page.pose.x, page.pose.y + 1, 60]); 0")
+    # Above the panel, and so near that corners are farther apart than a fingertip.
+    page.run("page.map.show([page.pose.x, page.pose.y, 60]); 0")
     here = page.run("[page.pose.x, page.pose.y]")
     for dx, dy in ((0.35, -0.4), (0.75, -0.4), (0.75, 0.4), (0.35, 0.4)):  # between the robot and the goal
         x, y = page.run(f"page.map.view.toScreen({here[0] + dx}, {here[1] + dy})")
@@ -171,15 +207,15 @@ def test_zone_that_is_drawn_on_the_page_is_kept_out_of(page: Page, robot: Robot)
     (file,) = Path(robot.env["XDG_DATA_HOME"], "ubiquity_launches", "zones").glob("*/keepout_mask.yaml")
     assert "mode: raw" in file.read_text()
     inside = [here[0] + 0.55, here[1]]
-    page.tap("#zones")
+    page.tap_panel("zones")
     page.run(f"page.setMode('goal'); page.point({{x: {inside[0]}, y: {inside[1]}, yaw: 0}}); 0")
     page.wait("document.getElementById('banners').innerText.includes('in a keep-out zone')", 60)
-    page.tap("#zones")
+    page.tap_panel("zones")
     for _ in range(2):  # the second press confirms
         page.tap("#zones-panel li button:last-child")
     page.wait("!document.querySelector('#zones-panel li')")
     assert not file.exists()
-    page.tap("#zones")
+    page.tap_panel("zones")
     drive_to(page, goal, 0.0)
     page.wait("!document.getElementById('banners').innerText.includes('keep-out')")
     page.run("page.map.fit(); 0")
@@ -193,11 +229,11 @@ def test_layers_are_switched_and_a_link_shows_the_same(page: Page) -> None:
     page.wait("location.search.startsWith('?layers=scan,local,global,particles')")
     page.run("globalThis.page = null; location.reload(); 0")
     page.wait("globalThis.page?.map.costs.local.tiles.size && page.map.pose && page.state && page.drive.newest")
-    assert page.run("[...page.map.layers].sort().join()") == "global,local,particles,scan"
+    assert page.run("[...page.map.layers].sort().join()") == "frontiers,global,local,particles,scan"
     page.run("document.getElementById('layer-local').click(); 0")
     page.run("history.replaceState(null, '', '/'); globalThis.page = null; location.reload(); 0")
     page.wait("globalThis.page?.map.tiles.tiles.size && page.map.pose && page.state && page.drive.newest")
-    assert page.run("[...page.map.layers].sort().join()") == "plan,scan"
+    assert page.run("[...page.map.layers].sort().join()") == "frontiers,plan,scan"
 
 
 def test_map_is_never_empty_while_its_size_changes(page: Page) -> None:

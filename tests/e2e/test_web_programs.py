@@ -158,7 +158,7 @@ class Page:
         self.run(f"document.querySelector('{selector}').click(); 0")
 
     def open(self, panel: str) -> None:
-        if self.run("page.panels.open") != panel:
+        if not self.run(f"page.panels.isOpen('{panel}')"):
             self.click(f"#{panel}")
 
 
@@ -210,7 +210,7 @@ def test_program_is_started_with_an_argument_and_its_nodes_are_seen(page: Page, 
 def test_log_is_read_and_filtered_and_a_node_is_restarted(page: Page, tmp_path: Path) -> None:
     page.open("programs")
     page.wait("document.getElementById('program-talk')")
-    page.run("document.getElementById('program-talk').open = true; 0")
+    page.run("document.querySelector('.others').open = document.getElementById('program-talk').open = true; 0")
     page.wait("document.getElementById('program-talk-word')?.required")
     page.run("document.getElementById('program-talk-word').value = 'cat\\u003ci\\u003e'; 0")
     page.click("#program-talk .start")
@@ -273,7 +273,7 @@ def kill(site: Site) -> None:
 def test_launch_file_is_drawn_and_each_node_is_explained(page: Page, tmp_path: Path) -> None:
     page.open("programs")
     page.wait("document.getElementById('program-robot_base')")
-    page.run("document.getElementById('program-robot_base').open = true; 0")
+    page.run("document.querySelector('.others').open = document.getElementById('program-robot_base').open = true; 0")
     page.click("#program-robot_base .row button:last-child")
     page.wait("document.querySelector('#program-robot_base img')?.naturalWidth > 100")
     page.wait("document.querySelector('#program-robot_base .launch li')")

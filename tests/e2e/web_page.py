@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import re
+import subprocess
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 from tests.docs.chromium import Chromium, find_chromium
+from tests.e2e.conftest import ROOT, end, free_port
 
 PROGRAM = find_chromium()
 PHONE = (390, 844)
@@ -53,6 +56,14 @@ class Page:
         self.touch("Start", *point)
         self.touch("End")
 
+    def tap_panel(self, name: str) -> None:
+        """Open a panel by the menu, or close it."""
+        if self.run(f"page.panels.isOpen('{name}')"):
+            self.tap(f"#{name}-panel .close")
+        else:
+            self.tap("#menu")
+            self.tap(f"#{name}")
+
     def press_banner(self, text: str) -> None:
         """Tap a button of a line above the map as soon as it is there."""
         button = f"[...document.querySelectorAll('.banner button')].find((e) => e.textContent === '{text}')"
@@ -76,6 +87,39 @@ class Page:
                     return
             self.touch("End")
         raise AssertionError(f"the stick does not drive: {self.explain()}")
+
+
+@contextmanager
+def start_server(env: Mapping[str, str], folder: Path) -> Iterator[tuple[int, Path]]:
+    """`ur web`: its port, and the file of what it prints."""
+    port, log = free_port(), folder / "web.log"
+    command = [str(ROOT / "ur"), "web", "--port", str(port), "--no-browser"]
+    with log.open("w") as output:
+        process = subprocess.Popen(
+            command, env=env, stdin=subprocess.DEVNULL, stdout=output, stderr=output, text=True, cwd=folder
+        )
+    try:
+        deadline = time.monotonic() + 60
+        while "login#" not in log.read_text():
+            assert process.poll() is None, log.read_text()
+            assert time.monotonic() < deadline, "ur web printed no link"
+            time.sleep(0.1)
+        yield port, log
+    finally:
+        end(process)
+
+
+@contextmanager
+def open_first(server: tuple[int, Path], folder: Path) -> Iterator[Chromium]:
+    """A browser on a phone that has logged in by the link that the server has printed."""
+    assert PROGRAM is not None
+    with Chromium(PROGRAM, folder) as browser:
+        browser.resize(*PHONE, phone=True)
+        browser.ask("Emulation.setTouchEmulationEnabled", enabled=True)
+        link = re.search(r"http\S+", server[1].read_text())
+        assert link
+        browser.open(link[0])
+        yield browser
 
 
 @contextmanager

@@ -30,7 +30,7 @@ def test_simulator_publishes_a_scan_when_the_base_has_a_lidar() -> None:
 
 def test_simulator_publishes_what_the_base_has() -> None:
     assert {"/sonars", "/battery_state", "/raspicam_node/image/compressed", "/odom"} <= topics(load())
-    assert {"/scan", "/bumper/left_front", "/bumper/right_side"} <= topics(load(base="botvac"))
+    assert {"/scan", "/bumper/left_front", "/bumper/right_side", "/cliff/left"} <= topics(load(base="botvac"))
     assert topics(load(), "subscribes") == {"/cmd_vel"}
 
 

@@ -197,7 +197,7 @@ def test_healthy_pair_has_no_findings(pair: Bench) -> None:
         alone = pair["laptop"].run(f"{UR} doctor", user="pat").check()
     finally:
         pair["laptop"].run(f"{UR} use bob", user="pat").check()
-    said = "no robot is named or selected: this computer alone (laptop)\nROS: the packages of this computer\n"
+    said = "a simulated robot is selected: this computer alone (laptop)\nROS: the packages of this computer\n"
     assert alone.out == f"{said}all is well\n"
 
 

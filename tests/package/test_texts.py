@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ur.package.cmake import choose_folders, put_block, write_block
+from ur.package.cmake import choose_folders, describe_changes, put_block, write_block
 from ur.package.manifest import add_run_dependencies, read_optional, read_run_dependencies
 
 MANIFEST = """<?xml version="1.0"?>
@@ -55,3 +55,14 @@ def test_block_is_put_at_the_end_and_then_replaced() -> None:
 
 def test_folders_of_sources_and_tests_are_not_installed() -> None:
     assert choose_folders(["n_a", "src", "tests", ".git", "bin", "include"]) == ("bin", "n_a")
+
+
+def test_changes_of_install_rules_name_each_folder_and_file() -> None:
+    before = put_block("project(p)\n", write_block(["bin", "old"]))
+    after = put_block(before, write_block(["bin", "n_wander"], ["drive.launch"]))
+    assert describe_changes(before, after) == (
+        "drive.launch is not installed",
+        "n_wander is not installed",
+        "old is installed and does not exist",
+    )
+    assert describe_changes(after, after) == ()

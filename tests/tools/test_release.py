@@ -69,16 +69,35 @@ def test_clone_with_changes_is_refused(clone: Path, capsys: pytest.CaptureFixtur
     assert "the clone has changes, expected none: M README.md" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(
+    ("line", "why"),
+    [
+        ("echo 'web.lock: Found 1 known vulnerability'; exit 1", "vulnerabilities:\nweb.lock: Found 1"),
+        (
+            "echo 'help: this needs the index' >&2; exit 2",
+            "could not be audited; --without-audit leaves it out\nhelp: ",
+        ),
+    ],
+)
+def test_release_with_locks_that_are_vulnerable_or_not_audited_is_refused(
+    clone: Path, line: str, why: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (clone / "tools" / "audit_locks.bash").write_text(line)
+    git(clone, "commit", "-q", "-a", "-m", "tools: report a vulnerability")
+    assert main(["9.9.9", "--without-tests"], clone) == 2
+    assert why in capsys.readouterr().err
+
+
 @pytest.mark.long
 def test_release_is_built_tried_and_tagged_and_a_dry_run_changes_nothing(
     clone: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     before = git(clone, "rev-parse", "HEAD")
-    assert main(["9.9.9", "--without-tests", "--dry-run"], clone) == 0
+    assert main(["9.9.9", "--without-tests", "--without-audit", "--dry-run"], clone) == 0
     assert "tried ur 9.9.9, help of" in capsys.readouterr().out
     assert (git(clone, "rev-parse", "HEAD"), git(clone, "tag"), git(clone, "status", "--porcelain")) == (before, "", "")
     dist = tmp_path / "dist"
-    assert main(["9.9.9", "--without-tests", "--into", str(dist)], clone) == 0
+    assert main(["9.9.9", "--without-tests", "--without-audit", "--into", str(dist)], clone) == 0
     subprocess.run(["sha256sum", "--quiet", "--check", "SHA256SUMS"], cwd=dist, check=True)
     assert {each.name for each in dist.iterdir()} == {
         "SHA256SUMS",

@@ -1,0 +1,119 @@
+"""The panels of the page that show data of the robot, in a real browser with the real simulator."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from tests.docs.chromium import Chromium
+from tests.e2e.conftest import PYTHON, ROOT, Robot, end
+from tests.e2e.test_web_page import DESK, server
+from tests.e2e.web_page import PROGRAM, Page
+
+__all__ = ["server"]  # a fixture
+
+pytestmark = [
+    pytest.mark.ros,
+    pytest.mark.long,
+    pytest.mark.timeout(300),
+    pytest.mark.skipif(PROGRAM is None, reason="Chromium is not installed"),
+]
+
+
+WEBGL = ("--enable-unsafe-swiftshader", "--use-gl=angle", "--use-angle=swiftshader")
+
+
+@pytest.fixture(scope="module")
+def browser(server: tuple[int, Path], tmp_path_factory: pytest.TempPathFactory) -> Iterator[Chromium]:
+    assert PROGRAM is not None
+    with Chromium(PROGRAM, tmp_path_factory.mktemp("chromium"), *WEBGL) as browser:
+        link = re.search(r"http\S+", server[1].read_text())
+        assert link
+        browser.open(link[0])
+        yield browser
+
+
+@pytest.fixture
+def page(browser: Chromium, robot: Robot) -> Iterator[Page]:
+    assert robot.launch.poll() is None
+    page = Page(browser)
+    browser.resize(*DESK)
+    page.wait("globalThis.page?.state && page.map.pose")
+    browser.complaints.clear()
+    yield page
+    page.run("page.panels.show([]); 0")
+    assert browser.faults == []
+
+
+def press(page: Page, selector: str) -> None:
+    """Press the first control that is in sight, as soon as it is there."""
+    button = f"[...document.querySelectorAll({selector!r})].find((e) => e.checkVisibility())"
+    page.wait(button)
+    page.run(f"{button}.click(); 0")
+
+
+def open_row(page: Page, name: str) -> None:
+    """Open a topic, a service or a parameter by its name in a list."""
+    button = f"[...document.querySelectorAll('#topics-panel .go')].find((e) => e.textContent === '{name}')"
+    page.wait(f"{button}?.checkVisibility()")
+    page.run(f"{button}.click(); 0")
+
+
+def test_topic_is_measured_printed_and_published(page: Page) -> None:
+    page.run("page.panels.show(['topics']); 0")
+    page.wait("globalThis.page.topicPanel")
+    page.run("document.getElementById('topic-filter').value = 'odometry'; page.topicPanel.views.topics.draw(); 0")
+    page.wait("[...document.querySelectorAll('table.topics tr')].some((e) => /odom[^]*[0-9] Hz/.test(e.innerText))")
+    open_row(page, "/odom")
+    page.wait("document.getElementById('topic-message').textContent.includes('child_frame_id: \"base_')")
+    press(page, "#topics-panel .publish summary")
+    press(page, "#topics-panel .publish .start")
+    page.wait("document.querySelector('#topics-panel').innerText.includes('it is measured by the robot')")
+
+
+def test_service_is_called_and_parameter_is_set(page: Page) -> None:
+    page.run("page.panels.show(['topics']); 0")
+    press(page, "#data-services")
+    open_row(page, "/amcl/get_loggers")
+    press(page, "#topics-panel .one form .start")
+    page.wait("document.querySelector('#topics-panel').innerText.includes('level: \"INFO\"')")
+    press(page, "#data-parameters")
+    open_row(page, "/run_id")
+    press(page, "#topics-panel form .start")
+    page.wait("document.querySelector('#topics-panel').innerText.includes('belongs to the run')")
+
+
+@pytest.fixture
+def scene(robot: Robot) -> Iterator[None]:
+    """A node that publishes clouds, markers and diagnostics."""
+    process = subprocess.Popen([str(PYTHON), "-m", "tests.e2e.scene_node"], cwd=ROOT, env=robot.env)
+    yield
+    end(process)
+
+
+@pytest.mark.usefixtures("scene")
+def test_scene_shows_robot_cloud_and_markers_in_their_frames(page: Page) -> None:
+    page.run("page.panels.show(['scene']); 0")
+    page.wait("globalThis.page.scenePanel?.view?.model.length > 3 && page.scenePanel.view.root === 'map'", 120)
+    page.wait("document.querySelectorAll('#scene-panel li input').length === 2")
+    page.run("for (const each of document.querySelectorAll('#scene-panel li input')) each.click(); 0")
+    page.wait("page.scenePanel.view.topics.get('/cloud')?.length === 1")
+    page.wait("page.scenePanel.view.topics.get('/markers')?.length === 6")  # without the one that is not finite
+    assert page.run("page.scenePanel.view.topics.get('/cloud')[0].geometry.attributes.position.count") == 3085
+    base = page.run("page.scenePanel.view.find('base_link').elements.slice(12, 14)")
+    assert base == pytest.approx(page.run("[page.pose.x, page.pose.y]"), abs=0.2)
+    drawn = page.run("page.scenePanel.view.drawn")
+    page.wait(f"page.scenePanel.view.drawn > {drawn}")
+
+
+@pytest.mark.usefixtures("scene")
+def test_status_shows_diagnostics_by_level_and_the_computer(page: Page) -> None:
+    page.run("page.panels.show(['status']); 0")
+    page.wait("document.querySelectorAll('#status-panel .components details').length === 2")
+    lines = page.run("[...document.querySelectorAll('#status-panel .components summary')].map((e) => e.textContent)")
+    assert lines == ["Error: lidar <img src=x>, no\\x1b[2J word", "OK: motors, fine"]
+    page.wait("/Memory\\s+[0-9.]+ [MG]B of/.test(document.querySelector('#status-panel').innerText)")
+    page.wait("/Processor\\s+[0-9]+ %/.test(document.querySelector('#status-panel').innerText)")
