@@ -1,14 +1,15 @@
 #!/bin/bash
 # Look the locked Python packages up in a database of known vulnerabilities: audit_locks.bash [OPTION OF PIP-AUDIT ...]
 #
-# All lock files in requirements/ are audited with pip-audit, which is installed in .cache/audit on first use. Nothing of
-# the locks is installed. Without options the database is that of the Python Package Index; `-s osv` asks
+# All lock files in requirements/ are audited with pip-audit, which is installed in .cache/audit from requirements/audit.lock,
+# by its hashes. Nothing of the other locks is installed. Without options the database is that of the Python Package Index; `-s osv` asks
 # OSV, and `-s osv --osv-url URL` a mirror of it. Exit code 1: vulnerabilities; 2: some packages could not be audited.
 set -u
 cd "$(dirname "$(readlink -f "$0")")/.." || exit 2
 audit=.cache/audit/bin/pip-audit
-if [[ ! -x $audit ]]; then
-  if ! python3 -m venv .cache/audit || ! .cache/audit/bin/python -m pip install -q --disable-pip-version-check pip-audit; then
+if [[ ! -x $audit || requirements/audit.lock -nt $audit ]]; then
+  install=(.cache/audit/bin/python -m pip install -q --disable-pip-version-check --require-hashes --no-deps -r requirements/audit.lock)
+  if ! python3 -m venv --clear .cache/audit || ! "${install[@]}"; then
     rm -rf .cache/audit
     echo "error: pip-audit could not be installed in .cache/audit" >&2
     echo "help: check the network and pip's settings (pip config list), then run this again" >&2

@@ -15,7 +15,7 @@ debian_mark=/etc/ubiquity_debian # exists in the root only
 debian_packages=(openssh-client rsync less procps iproute2 iputils-ping libnss-mdns libnss-myhostname tzdata)
 
 debian_die() {
-  printf 'error: %s\n' "$1" >&2
+  printf 'error: %s\n' "${1//[[:cntrl:]]/?}" >&2 # a word of the command line may be the name of a file
   [[ -n ${2-} ]] && printf '  help: %s\n' "$2" >&2
   exit "${3:-2}"
 }
@@ -244,7 +244,9 @@ build() {
 change() {
   local target="$1/root"
   shift 3
-  apt_settings >"$target/etc/apt/apt.conf.d/98computer"
+  has_folders "$target" host-etc run dev proc etc/apt/apt.conf.d etc/apt/auth.conf.d var/lib/apt/lists || return
+  rm -f "$target/etc/apt/apt.conf.d/98computer"
+  (set -o noclobber && apt_settings >"$target/etc/apt/apt.conf.d/98computer")
   mount --bind /etc "$target/host-etc" && mount -o remount,bind,ro "$target/host-etc" && mount --bind /run "$target/run" && mount --rbind /dev "$target/dev" &&
     mount -t proc proc "$target/proc" && mount -t tmpfs tmpfs "$target/etc/apt/auth.conf.d" || return
   cp -rL /etc/apt/auth.conf.d/. "$target/etc/apt/auth.conf.d/" 2>/dev/null
@@ -252,23 +254,44 @@ change() {
   chroot "$target" dpkg --configure -a && "${apt[@]}" update && "${apt[@]}" "$@"
   local status=$?
   "${apt[@]}" clean
-  rm -rf "$target"/var/lib/apt/lists/*
+  (cd -P "$target/var/lib/apt/lists" && has_folders "$target" var/lib/apt/lists && rm -rf -- ./*)
   return "$status"
+}
+
+# has_folders ROOT NAME...: return whether the user, who owns the root, has put no link in the place of one of its folders: root
+# writes into them.
+has_folders() {
+  local root name
+  root="$(readlink -f -- "$1")"
+  for name in "${@:2}"; do
+    [[ "$(readlink -f -- "$1/$name")" == "$root/$name" ]] && continue
+    echo "error: '$1/$name' is not a folder, or leads out of '$1'" >&2
+    echo "  help: 'ur debian remove', then 'ur debian install', make a new one" >&2
+    return 1
+  done
 }
 
 # give UID GID FOLDER: give the user all of a folder. Outside the namespaces in which it was changed: what was mounted in it there,
 # /etc of this computer for one, may be of the same file system, where no option of find or rm would spare it.
 give() {
-  is_free "$3" && find "$3" -xdev \( ! -uid "$1" -o ! -gid "$2" \) -exec chown --no-dereference "$1:$2" {} + && sync -f "$3"
+  local folder
+  folder="$(readlink -m -- "$3")"
+  is_free "$folder" && find "$folder" -xdev \( ! -uid "$1" -o ! -gid "$2" \) -exec chown --no-dereference "$1:$2" {} + && sync -f "$folder"
 }
 
-delete() { is_free "$1" && rm -rf --one-file-system "$1"; }
+delete() {
+  local folder
+  folder="$(readlink -m -- "$1")"
+  is_free "$folder" && rm -rf --one-file-system -- "$folder" && rm -f -- "${1%/}" # a link to it
+}
 
-# Return whether nothing is mounted in a folder.
+# Return whether nothing is mounted in a folder, by the kernel's list, whose paths are resolved and write a blank as \040.
 is_free() {
-  local place
+  local folder place
+  folder="$(readlink -m -- "$1")"
   while read -r _ _ _ _ place _; do
-    [[ $place/ == "$1"/* ]] && echo "error: '$place' is mounted in '$1', which is not touched therefore" >&2 && return 1
+    place="${place//\\040/ }" place="${place//\\011/$'\t'}" place="${place//\\012/$'\n'}" place="${place//\\134/\\}"
+    [[ ${place%/}/ == "${folder%/}"/* ]] && echo "error: '$place' is mounted in '$1', which is not touched therefore" >&2 && return 1
   done </proc/self/mountinfo
   return 0
 }

@@ -7,6 +7,9 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from ur.robot.base import Base, Driver, list_bases, list_variants, load_base
+from ur_nodes.motion.obstacle_stop.base import make_sight
+from ur_nodes.motion.obstacle_stop.guard import BLIND
+from ur_nodes.motion.obstacle_stop.sensors import covers
 
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = ROOT / "ubiquity_launches"
@@ -47,6 +50,7 @@ def list_sensors(base: Base) -> list[str]:
             ("camera", base.raspicam),
             (f"{len(base.sonars.at)} sonars" if base.sonars else "", base.sonars),
             ("bumpers", base.bumpers),
+            ("cliff sensors", base.cliffs),
             ("inertial sensor", base.imu),
         )
         if there
@@ -146,6 +150,23 @@ def _bumpers(base: Base) -> str:
     return f"`{base.bumpers.topic}`: {', '.join(bumper.name for bumper in base.bumpers.at)}"
 
 
+def _cliffs(base: Base) -> str:
+    if not base.cliffs:
+        return "none"
+    return f"`{base.cliffs.topic}`: {', '.join(cliff.name for cliff in base.cliffs.at)}"
+
+
+def _obstacle_stop(base: Base) -> str:
+    """Describe where the base sees obstacles while people drive it."""
+    sensors = make_sight(base).sensors
+    sides = {"ahead": [sensor.ahead for sensor in sensors], "behind": [sensor.behind for sensor in sensors]}
+    seen = [side for side, views in sides.items() if covers(views)]
+    if not sensors:
+        return "where a bumper is pressed" if base.bumpers else "at cliffs" if base.cliffs else "none"
+    slow = [side for side in sides if side not in seen]
+    return " and ".join(seen) + (f"; {' and '.join(slow)} at most {BLIND:g} m/s" if slow else "")
+
+
 def _imu(base: Base) -> str:
     return f"`{base.imu.topic}`: {base.imu.rate:g} Hz" if base.imu else "none"
 
@@ -168,6 +189,8 @@ _ROWS: tuple[tuple[str, Callable[[Base], str]], ...] = (
     ("camera", _camera),
     ("sonars", _sonars),
     ("bumpers", _bumpers),
+    ("cliff sensors", _cliffs),
+    ("stops before obstacles", _obstacle_stop),
     ("inertial sensor", _imu),
     ("battery", _battery),
 )

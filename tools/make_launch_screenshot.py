@@ -73,6 +73,10 @@ class StillServices:
         """As it was set."""
         return self.time
 
+    def has_content(self, path: str) -> bool:
+        """There are no logs here."""
+        return bool(path)
+
     def find_pager(self) -> list[str] | None:
         """None."""
         return None

@@ -54,21 +54,16 @@ def make_page(rows: Sequence[Release] | None = None) -> str:
 
 
 def make_sentences(rows: Sequence[Release] | None = None) -> str:
-    """The sentences of the README, one a line, about the releases that have a name."""
+    """The sentence of the README about the releases that have a name."""
     rows = [row for row in (load_releases() if rows is None else rows) if not row.name.startswith(("other ", "any "))]
-    sentences = []
-    tried = [row.name for row in rows if row.tried and row.ros == "native"]
-    sentences.append(f"It runs on {_join(tried)} on x86-64, with or without a display.")
-    expected = [row.name for row in rows if not row.tried and row.ros == "native"]
-    sentences.append(f"It is expected to work on {_join([*expected, 'arm64'])}, which were not tried.")
-    brought = [row for row in rows if row.ros == "brought"]
-    for wanted in (True, False):
-        if names := [row.name for row in brought if row.tried is wanted]:
-            sentences.append(f"Where ROS 1 is not packaged ({_join(names)}), it makes a Debian 13 root for it.")
-            if not wanted:
-                sentences.append(f"That is expected to work there; it was tried on {_STAND_IN}.")
-    sentences.append("[All releases](docs/reference/releases.md), and what each packages.")
-    return "\n".join(sentences)
+    native = [row for row in rows if row.ros == "native"]
+    tried = [row.name for row in native if row.tried]
+    expected = [*(row.name for row in native if not row.tried), "arm64"]
+    sentence = f"It was tried on {_join(tried)}, and is expected to work on {_join(expected)}"
+    if brought := [row.name for row in rows if row.ros == "brought"]:
+        root = "[a Debian 13 root](docs/explain/debian-root.md)"
+        sentence += f" and, in {root} that it makes in your home folder, on {_join(brought)}"
+    return f"{sentence}: [all releases](docs/reference/releases.md)."
 
 
 def replace_sentences(text: str, sentences: str) -> str:

@@ -20,6 +20,7 @@ from textual.widgets import Input
 
 from ur_nodes.geometry.grid import Grid, load_map
 from ur_nodes.geometry.pose import Pose2
+from ur_nodes.missions.patrol_text import PatrolAction, Route
 from ur_nodes.teleop.mux.driver_text import DriverRequest
 from ur_nodes.teleop.mux.emergency import MuxRequest
 from ur_nodes.teleop.navigate.app import NavigateApp
@@ -44,9 +45,13 @@ class StillNavigator:
         """Always the same."""
         return self._snapshot
 
-    def go(self, _place: Pose2) -> int:
+    def go(self, _place: Pose2, *, any_heading: bool = False) -> int:  # noqa: ARG002 - see Navigator
         """Nothing."""
         return 1
+
+    def ask_patrol(self, _action: PatrolAction, _route: Route) -> str:
+        """Nothing."""
+        return ""
 
     def resume(self) -> None:
         """Nothing."""

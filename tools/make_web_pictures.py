@@ -1,7 +1,8 @@
 """Make the pictures of the page of `ur web`, in docs/images, from the real page of a simulated robot. Needs Chromium.
 
 Usage: tools/make_web_pictures.py. It drives to a goal, and writes web_phone.png and web_desk.png when the robot is on
-its way, and first_drive.png: the page on a phone beside the terminal (docs/images/keyboard_navigate.svg).
+its way, first_drive.png, the page on a phone beside the terminal (docs/images/keyboard_navigate.svg), and drive.gif,
+the page while the robot drives on to the goal, five times as fast as it was.
 """
 
 from __future__ import annotations
@@ -23,7 +24,8 @@ from tests.ros_session import free_port
 
 ROOT = Path(__file__).resolve().parents[1]
 IMAGES = ROOT / "docs" / "images"
-PHONE, DESK = (390, 844), (1200, 750)
+PHONE, DESK, MOVING = (390, 844), (1200, 750), (840, 525)
+EVERY, SHOWN_FOR = 0.5, 100  # s between the frames of drive.gif; ms that each is shown
 GOAL = "g 12.1 7.65 90"  # that of tools/make_screenshot.py
 LIMIT = 120.0  # s
 COLOURS = 96
@@ -52,6 +54,9 @@ def _take_pictures(program: str, folder: Path, link: str, drive: Callable[[str],
         browser.resize(*DESK)
         time.sleep(1.0)  # one more picture of the map
         _save(browser.screenshot(), IMAGES / "web_desk.png")
+        browser.resize(*MOVING)
+        time.sleep(1.0)
+        _save_moving(_film(browser), IMAGES / "drive.gif")
         beside = folder / "beside.html"
         beside.write_text(_page_beside_terminal(phone))
         browser.resize(1260, 690)
@@ -106,6 +111,25 @@ def _page_beside_terminal(phone: bytes) -> str:
         "svg{width:900px;height:auto}img{height:590px;border:5px solid #222;border-radius:26px}</style>"
         f"{terminal}<img src='{source}' alt=''>"
     )
+
+
+def _film(browser: Chromium) -> list[bytes]:
+    """Screenshots of the page until the robot is at its goal, and two seconds more."""
+    frames: list[bytes] = []
+    begin, more = time.monotonic(), 4
+    while more and time.monotonic() - begin < LIMIT:
+        frames.append(browser.screenshot())
+        more -= not browser.run("Boolean(page.map.plan?.length > 1)")
+        time.sleep(max(begin + len(frames) * EVERY - time.monotonic(), 0.0))
+    return frames
+
+
+def _save_moving(frames: list[bytes], path: Path) -> None:
+    pictures = [Image.open(io.BytesIO(png)).convert("RGB") for png in frames]
+    palette = pictures[-1].quantize(COLOURS, dither=Image.Dither.NONE)
+    first, *others = (picture.quantize(palette=palette, dither=Image.Dither.NONE) for picture in pictures)
+    first.save(path, save_all=True, append_images=others, duration=SHOWN_FOR, loop=0, optimize=True)
+    print(f"{path.relative_to(ROOT)}: {len(frames)} frames, {path.stat().st_size // 1024} kB")
 
 
 def _save(png: bytes, path: Path) -> None:

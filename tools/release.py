@@ -1,14 +1,15 @@
-"""Build, try and sign off a release: release.py VERSION [--dry-run] [--into FOLDER] [--without-tests]. Uploads nothing.
+"""Build, try and sign off a release: release.py VERSION [OPTION ...]. Uploads nothing.
 
 1. Checks that the clone has no changes, that VERSION follows the last one, and that CHANGELOG.md has something to say.
 2. In a clone of its own, sets the version in pyproject.toml, and in the package.xml that ROS reads, closes the
    changelog's section and commits all three.
-3. Builds sdist and wheel of that commit, installs the wheel without a clone and asks every command for its help.
-4. Runs ./test, and the long tests of the wheel.
-5. Writes the files and SHA256SUMS into FOLDER, takes the commit over, and tags it vVERSION with the changelog's section
+3. Looks every locked Python package up in the database of known vulnerabilities (tools/audit_locks.bash).
+4. Builds sdist and wheel of that commit, installs the wheel without a clone and asks every command for its help.
+5. Runs ./test, and the long tests of the wheel.
+6. Writes the files and SHA256SUMS into FOLDER, takes the commit over, and tags it vVERSION with the changelog's section
    as its message; the tag is signed if git has a key (user.signingkey).
 
-With --dry-run it stops before step 5, and this clone is as it was.
+With --dry-run it stops before step 6, and this clone is as it was.
 """
 
 from __future__ import annotations
@@ -115,6 +116,16 @@ def prepare(root: Path, clone: Path, version: str) -> str:
     return changes
 
 
+def audit(root: Path) -> str:
+    """Look the locks up in the database of known vulnerabilities; what was found. Raises ReleaseError for any."""
+    done = subprocess.run(["bash", root / "tools/audit_locks.bash"], capture_output=True, text=True, check=False)
+    if done.returncode == 1:
+        raise ReleaseError(f"locked packages have known vulnerabilities:\n{done.stdout.strip()}")
+    if done.returncode:
+        raise ReleaseError(f"the locks could not be audited; --without-audit leaves it out\n{done.stderr.strip()}")
+    return "no known vulnerabilities in the locked packages"
+
+
 def try_wheel(wheel: Path, version: str, folder: Path) -> str:
     """Install a wheel into an environment that sees no clone, and ask it; what was tried. Raises ReleaseError."""
     with zipfile.ZipFile(wheel) as archive:
@@ -153,6 +164,7 @@ def main(arguments: list[str], root: Path = ROOT) -> int:
     parser.add_argument("version", metavar="VERSION")
     parser.add_argument("--dry-run", action="store_true", help="change nothing in this clone")
     parser.add_argument("--into", type=Path, default=root / "dist", metavar="FOLDER", help="default: dist")
+    parser.add_argument("--without-audit", action="store_true", help="the database cannot be reached from here")
     parser.add_argument("--without-tests", action="store_true", help="they have passed for this commit: .ci/run")
     options = parser.parse_args(arguments)
     try:
@@ -172,6 +184,7 @@ def _release(root: Path, folder: Path, options: argparse.Namespace) -> None:
     version, clone = options.version, folder / "clone"
     changes = prepare(root, clone, version)
     print(f"version {version}, {sum(line.startswith('- ') for line in changes.splitlines())} changes")
+    print("locks not audited, as asked" if options.without_audit else audit(root))
     files = build(folder / "dist", clone)
     for path in files:
         print(f"built {path.name}, {path.stat().st_size / 1e6:.1f} MB")

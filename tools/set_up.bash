@@ -29,6 +29,8 @@ packages=(python3 python3-venv ca-certificates "${packages[@]}")
 [[ $profile == test ]] && packages+=(git openssh-client shellcheck tmux zsh fish xvfb liburdfdom-tools libegl1 libopengl0 libgl1-mesa-dri)
 # Images of systems are made and read back with the tools of others.
 [[ $profile == test ]] && packages+=(mtools dosfstools fdisk e2fsprogs openssl)
+# What a command opens and starts is compared with what it may.
+[[ $profile == test ]] && packages+=(strace)
 # The site of ur docs is tried in Chromium. Ubuntu has it as a snap only, which tests cannot drive: they are left out.
 site_packages=("chromium-headless-shell|chromium" fonts-dejavu-core)
 [[ $profile == test ]] && grep -qx 'ID=debian' /etc/os-release && packages+=("${site_packages[@]}")
@@ -223,7 +225,7 @@ END
 install_python() {
   local locks=(-r "$root/requirements/run.lock") name kept=()
   if [[ $profile == test ]]; then # 260 MB, 20 s
-    for name in dev vision robot web foxglove; do locks+=(-r "$root/requirements/$name.lock"); done
+    for name in dev vision robot web foxglove three; do locks+=(-r "$root/requirements/$name.lock"); done
   fi
   # What was fetched before an interruption is kept until the end; a user of pip has a cache of his own.
   [[ -d ${XDG_CACHE_HOME:-$HOME/.cache}/pip ]] || kept=(--cache-dir "$PWD/.cache/pip")
