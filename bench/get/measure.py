@@ -76,7 +76,7 @@ def main() -> int:
 
 def way_of(step: Step) -> str:
     """The way to get a package; "here" where something in the folder is to be changed instead."""
-    return "here" if step.here else step.way
+    return "here" if step.here else "debian" if step.way == "other" else step.way
 
 
 def report(name: str, plan: GetPlan) -> None:

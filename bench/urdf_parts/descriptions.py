@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import os
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from ur.cli.files.base_from import list_packages
+from ur.cli.files.base_from import load_file, look_around
 from ur.request.environment import PACKAGE
 from ur.robot.base import list_bases
 from ur.robot.description.drive import find_drive
-from ur.robot.description.load import load_description
 from ur.robot.description.model import Description
 from ur.source.diagnostic import UserError
 
@@ -79,7 +77,7 @@ def _short(path: str) -> str:
 
 def _read(path: Path) -> Robot:
     try:
-        return Robot("", path, load_description(path, os.environ, lambda: list_packages(path)).description)
+        return Robot("", path, load_file(path, look_around(path)).description)
     except UserError as problem:
         return Robot("", path, None, problem.diagnostics[0].message)
 
