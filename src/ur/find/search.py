@@ -125,8 +125,8 @@ def _resolved(view: LaunchView, world: CachedWorld, kinds: frozenset[Kind]) -> I
         if isinstance(step, ParamSpec) and "param" in kinds:
             yield Occurrence("param", step.name, True, step.origin.span)
         elif isinstance(step, RemapStep) and "topic" in kinds:
-            yield Occurrence("topic", step.target, True, step.origin.span, f"in place of {step.source}")
-            yield Occurrence("topic", step.source, False, step.origin.span, f"becomes {step.target}")
+            yield Occurrence("topic", step.target, True, step.origin.span, f"remapped from {step.source}")
+            yield Occurrence("topic", step.source, False, step.origin.span, f"remapped to {step.target}")
 
 
 def _waited_for(plan: Plan) -> Iterator[Occurrence]:

@@ -60,6 +60,8 @@ def _sensor_topics(own: Mapping[str, ParamValue]) -> Iterator[tuple[str, str]]:
             yield part.topic, ""
     if base.bumpers is not None:
         yield from ((f"{base.bumpers.topic}/{bumper.name}", "") for bumper in base.bumpers.at)
+    if base.cliffs is not None:
+        yield from ((f"{base.cliffs.topic}/{cliff.name}", "") for cliff in base.cliffs.at)
     if base.raspicam is not None:
         yield from ((f"raspicam_node/{name}", "") for name in _CAMERA)
 

@@ -32,6 +32,23 @@ def write_block(folders: Iterable[str], files: Iterable[str] = ()) -> str:
     return "\n".join([*lines, _END, ""])
 
 
+def describe_changes(before: str, after: str) -> tuple[str, ...]:
+    """Differences between the install rules of two texts of a CMakeLists.txt, one line each, empty for equal texts."""
+    if before == after:
+        return ()
+    old, new = _read_names(before), _read_names(after)
+    changes = [f"{name} is not installed" for name in sorted(new - old)]
+    changes += [f"{name} is installed and does not exist" for name in sorted(old - new)]
+    return tuple(changes) or ("its install rules are out of date",)
+
+
+def _read_names(text: str) -> frozenset[str]:
+    """The folders and files that the block installs."""
+    block = _BLOCK.search(text)
+    rules = re.findall(r"install\((?:DIRECTORY|FILES)\n(.*?)\n  DESTINATION", block.group() if block else "", re.DOTALL)
+    return frozenset(name.strip() for rule in rules for name in rule.splitlines())
+
+
 def put_block(text: str, block: str) -> str:
     """The text of a CMakeLists.txt with the block: it replaces an earlier block, else it is appended."""
     if _BLOCK.search(text):
