@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from ur.source import SourceFile, Span, UserError
+from ur.source.read import read_source
 
 
 def test_position_counts_lines_and_characters_from_one() -> None:
@@ -24,6 +25,6 @@ def test_span_prints_where_it_starts() -> None:
 def test_file_that_is_not_text_is_named(tmp_path: Path) -> None:
     (tmp_path / "x").write_bytes(b"ab\xff")
     with pytest.raises(UserError, match="byte 2 is not UTF-8"):
-        SourceFile.read(tmp_path / "x")
+        read_source(tmp_path / "x")
     with pytest.raises(UserError, match="no such file"):
-        SourceFile.read(tmp_path / "y")
+        read_source(tmp_path / "y")

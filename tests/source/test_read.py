@@ -9,34 +9,35 @@ from pathlib import Path
 
 import pytest
 
-from ur.source import SourceFile, UserError
+from ur.source import UserError
+from ur.source.read import read_source
 
 
 def test_pipe_is_not_waited_for(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "robot.yaml")
     with pytest.raises(UserError, match="not a regular file"):
-        SourceFile.read(tmp_path / "robot.yaml")
+        read_source(tmp_path / "robot.yaml")
 
 
 @pytest.mark.parametrize("device", ["/dev/zero", "/dev/full", "/dev/urandom"])
 def test_link_to_an_endless_device_is_refused(tmp_path: Path, device: str) -> None:
     (tmp_path / "robot.yaml").symlink_to(device)
     with pytest.raises(UserError, match="not a regular file"):
-        SourceFile.read(tmp_path / "robot.yaml")
+        read_source(tmp_path / "robot.yaml")
 
 
 def test_large_file_is_refused(tmp_path: Path) -> None:
     with (tmp_path / "large").open("wb") as file:
         file.truncate(100 * 1024 * 1024)
     with pytest.raises(UserError, match="larger than"):
-        SourceFile.read(tmp_path / "large")
+        read_source(tmp_path / "large")
 
 
 def test_pipe_of_a_shell_is_read() -> None:
     reader, writer = os.pipe()
     os.write(writer, b"a: 1\r\n")
     os.close(writer)
-    assert SourceFile.read(f"/dev/fd/{reader}").text == "a: 1\n"
+    assert read_source(f"/dev/fd/{reader}").text == "a: 1\n"
     os.close(reader)
 
 

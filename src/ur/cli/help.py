@@ -14,8 +14,7 @@ from rich_click import RichCommand, RichContext, RichGroup, RichHelpConfiguratio
 from rich_click.utils import CommandGroupDict, OptionGroupDict
 
 from ur.cli.help_pages import LAUNCH_GROUPS, PAGES
-from ur.cli.main import EPILOG, HELP
-from ur.cli.verbs import VERBS, HelpPage, load_verb
+from ur.cli.verbs import EPILOG, HELP, VERBS, HelpPage, load_verb
 from ur.source.diagnostic import UserError, error
 from ur.source.render import shows_colour
 from ur.source.suggest import did_you_mean

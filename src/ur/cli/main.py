@@ -11,13 +11,10 @@ from collections.abc import Sequence
 import click
 
 from ur.cli.usage import describe_usage_error
-from ur.cli.verbs import VERBS, VerbGroup
+from ur.cli.verbs import HELP, VERBS, VerbGroup
 from ur.source.diagnostic import UserError
 from ur.source.printable import OutputLost, guard_output, printable, printable_lines
 from ur.source.render import render_human, shows_colour
-
-HELP = "Finds, selects and drives small ROS robots, simulated or real, and starts launch files."
-EPILOG = "First drive: ur run keyboard_navigate"
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -7,6 +7,9 @@ from importlib import import_module
 
 import click
 
+HELP = "Finds, selects and drives small ROS robots, simulated or real, and starts launch files."
+EPILOG = "First drive: ur run keyboard_navigate"
+
 # The summary stands here so that `ur --help` imports no verb; a test compares it with the verb's own.
 VERBS = {
     "run": ("ur.cli.launch.run", "Run a program on the selected robot."),

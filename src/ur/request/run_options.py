@@ -7,7 +7,7 @@ from collections.abc import Callable
 from ur.request.launch_request import LaunchRequest
 from ur.request.options import LaunchOptions
 from ur.run.options import Options
-from ur.run.record.registry import RunEntry
+from ur.run.record.entry import RunEntry
 from ur.run.startup.timings import Timings
 from ur.run.supervisor.model import Limits
 

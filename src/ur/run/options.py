@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from ur.run.supervisor.model import Limits
 
 if TYPE_CHECKING:
-    from ur.run.record.registry import RunEntry
+    from ur.run.record.entry import RunEntry
     from ur.run.startup.timings import Timings
 
 

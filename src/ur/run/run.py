@@ -15,7 +15,7 @@ from ur.run.supervisor.model import Limits
 
 if TYPE_CHECKING:
     from ur.run.clients.protocol import RunStarted
-    from ur.run.record.registry import RunEntry
+    from ur.run.record.entry import RunEntry
     from ur.run.startup.timings import Timings
 
 Job = Callable[[], Event]

@@ -3,12 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from pathlib import Path
 from typing import NamedTuple
-
-from ur.source.diagnostic import UserError, error_about
-from ur.source.foreign.files import MAX_BYTES, PIPES, read_file, read_pipe, refuse_file
-from ur.source.suggest import did_you_mean
 
 
 class Position(NamedTuple):
@@ -30,26 +25,6 @@ class SourceFile:
 
     def __repr__(self) -> str:
         return f"SourceFile({self.path!r})"
-
-    @classmethod
-    def read(
-        cls, path: str | Path, expected: str = "a readable text file", limit: int = MAX_BYTES, *, piped: bool = True
-    ) -> SourceFile:
-        """Read a file of at most `limit` bytes as UTF-8. Raises UserError, which names the path, when that fails.
-
-        A path that another file names is not `piped`: it is never read from standard input or a shell's `<(...)`.
-        """
-        name = str(path)
-        try:
-            data = read_pipe(name, limit) if piped and name.startswith(PIPES) else read_file(name, limit)
-            return cls(name, data.replace(b"\r\n", b"\n").replace(b"\r", b"\n").decode("utf-8"))
-        except UnicodeDecodeError as problem:
-            raise UserError(
-                error_about(path, f"byte {problem.start} is not UTF-8, expected {expected}", rule="unreadable-file")
-            ) from None
-        except OSError as problem:
-            missing = isinstance(problem, FileNotFoundError)
-            raise refuse_file(path, problem, expected, help=_suggest_sibling(Path(path)) if missing else None) from None
 
     def position(self, offset: int) -> Position:
         """Line and column of a character offset (0-based; the end of the text is allowed)."""
@@ -94,14 +69,3 @@ class Span(NamedTuple):
     def __str__(self) -> str:
         line, column = self.position
         return f"{self.file.path}:{line}:{column}"
-
-
-def _suggest_sibling(path: Path) -> str | None:
-    try:
-        names = [item.name for item in path.parent.iterdir() if item.suffix == path.suffix]
-    except OSError:
-        return f"there is no folder {path.parent}"
-    near = did_you_mean(path.name, names)
-    if near:
-        return f"did you mean {path.with_name(near)}?"
-    return f"there is {', '.join(sorted(names))}" if 0 < len(names) <= 12 else None

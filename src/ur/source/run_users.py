@@ -1,6 +1,6 @@
 """Users of a run: other runs that have joined it, and pages, as files in its control folder.
 
-They note themselves there, and a run's program with the terminal, which finds the folder in `FOLDER_VARIABLE`, reads them.
+They note themselves there. A run's program with the terminal finds the folder in `FOLDER_VARIABLE`, and reads them.
 """
 
 from __future__ import annotations

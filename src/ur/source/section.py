@@ -12,6 +12,7 @@ import yaml
 from ur.source.diagnostic import UserError, error, error_about
 from ur.source.file import SourceFile, Span
 from ur.source.foreign.yaml_text import compose_yaml, construct_yaml
+from ur.source.read import read_source
 from ur.source.suggest import did_you_mean
 
 _REQUIRED: Any = object()
@@ -20,10 +21,10 @@ _REQUIRED: Any = object()
 def read_section(path: str | Path, what: str, *, piped: bool = True) -> Section:
     """The top-level mapping of a YAML file. `what` names the kind of file in errors: "a base file".
 
-    `piped` as in SourceFile.read: not for a path that another file names.
+    `piped` as in read_source: not for a path that another file names.
     Raises UserError with file, line and column: unreadable, not YAML, or not a mapping.
     """
-    return parse_section(SourceFile.read(path, expected=what, piped=piped), what)
+    return parse_section(read_source(path, expected=what, piped=piped), what)
 
 
 def parse_section(file: SourceFile, what: str) -> Section:

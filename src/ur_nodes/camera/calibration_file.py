@@ -16,6 +16,7 @@ from urllib.parse import unquote
 
 from ur.source.diagnostic import UserError, error
 from ur.source.file import SourceFile
+from ur.source.read import read_source
 from ur.source.replace import replace_file
 from ur.source.section import Section, parse_section
 
@@ -45,7 +46,7 @@ class Calibration:
 
 def read_calibration(path: Path) -> Calibration:
     """Read a file. Raises UserError with file, line and column."""
-    return parse_calibration(SourceFile.read(path, expected=_WHAT).text, str(path))
+    return parse_calibration(read_source(path, expected=_WHAT).text, str(path))
 
 
 def parse_calibration(text: str, path: str) -> Calibration:

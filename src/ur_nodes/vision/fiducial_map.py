@@ -16,6 +16,7 @@ import numpy as np
 
 from ur.source.diagnostic import UserError, error
 from ur.source.file import SourceFile, Span
+from ur.source.read import read_source
 from ur.source.replace import replace_file
 from ur_nodes.geometry.rigid import Floats, from_angles, to_angles
 
@@ -69,7 +70,7 @@ def write_map(path: str | Path, entries: Iterable[MapEntry]) -> None:
 
 def read_map(path: str | Path) -> tuple[MapEntry, ...]:
     """Read a map file of ours or of fiducial_slam. Raises UserError with file and line."""
-    return parse_map(SourceFile.read(path, expected="a map of fiducials"))
+    return parse_map(read_source(path, expected="a map of fiducials"))
 
 
 def parse_map(file: SourceFile) -> tuple[MapEntry, ...]:

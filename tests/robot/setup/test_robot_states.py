@@ -9,6 +9,7 @@ from xml.etree import ElementTree as ET
 
 import pytest
 
+from ur.robot.discovery.ask import clock_offset
 from ur.robot.robot_file import ROBOT_FILE, RobotFile, load_robot_file
 from ur.robot.setup.facts import ABSENT, Facts, FileState
 from ur.robot.setup.keys import HOST_KEY
@@ -23,7 +24,6 @@ from ur.robot.setup.robot_states import (
     robot_file,
     wanted_there,
 )
-from ur.robot.setup.verify import clock_offset
 from ur.robot.setup.wanted import WantedFile
 from ur.robot.ssh.secret import Secret
 

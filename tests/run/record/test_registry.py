@@ -11,18 +11,9 @@ import pytest
 
 from ur.cli.main import main
 from ur.run.clients.client import RunGone, connect_run
-from ur.run.record import registry
 from ur.run.record.computer import Computer, read_computer
-from ur.run.record.registry import (
-    DESCRIPTION,
-    RunEntry,
-    find_run,
-    list_runs,
-    make_run_name,
-    register_run,
-    runs_folders,
-    unregister_run,
-)
+from ur.run.record.entry import RunEntry, runs_folders
+from ur.run.record.registry import DESCRIPTION, find_run, list_runs, make_run_name, register_run, unregister_run
 from ur.source.diagnostic import UserError
 from ur.source.run_users import read_birth
 
@@ -73,7 +64,7 @@ def test_run_is_private_listed_and_reached_until_it_is_unregistered(environment:
 
 def fall_back(monkeypatch: pytest.MonkeyPatch, shared: Path) -> dict[str, str]:
     """An environment in which runs are registered below `shared`, which is in the place of /tmp."""
-    monkeypatch.setattr(registry, "SHARED", str(shared))
+    monkeypatch.setattr("ur.run.record.entry.SHARED", str(shared))
     shared.mkdir()
     shared.chmod(0o1777)
     return {"XDG_STATE_HOME": "/proc/nowhere"}

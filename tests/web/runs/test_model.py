@@ -13,7 +13,7 @@ from ur.run.clients.protocol import (
     Synchronised,
 )
 from ur.run.record.ended import EndedRun
-from ur.run.record.registry import RunEntry
+from ur.run.record.entry import RunEntry
 from ur.web.runs.model import MOST_ENDED, begin_view, describe_runs, take_event
 
 ENTRY = RunEntry("demo.7", 7, 1, "demo", "http://localhost:11311", "/secret/log", 100.0, True, "here", "/secret/run")

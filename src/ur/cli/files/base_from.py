@@ -16,8 +16,8 @@ from ur.cli.files.new_parts import Target, find_target
 from ur.cli.files.new_things import FIGURES
 from ur.new.model import NewFile
 from ur.source.diagnostic import UserError, error, error_about
-from ur.source.file import SourceFile
 from ur.source.foreign.files import MAX_MANIFEST, read_file, refuse_file
+from ur.source.read import read_source
 from ur.source.suggest import did_you_mean
 
 if TYPE_CHECKING:
@@ -159,7 +159,7 @@ def look_around(source: Path) -> Surroundings:
     try:
         return find_surroundings(source, os.environ)
     except OSError as problem:
-        SourceFile.read(source, expected=_EXPECTED)  # which names files beside it
+        read_source(source, expected=_EXPECTED)  # which names files beside it
         raise refuse_file(source, problem, _EXPECTED) from None
 
 

@@ -17,7 +17,7 @@ import click
 from ur.cli.files.new_parts import Target
 from ur.new.model import BaseRequest, NewFile, NodeRequest, Observed, Part
 from ur.source.diagnostic import UserError, error
-from ur.source.file import SourceFile
+from ur.source.read import read_source
 from ur.source.suggest import did_you_mean
 
 if TYPE_CHECKING:
@@ -78,7 +78,7 @@ def node_request(
 def _source(program: str) -> str:
     """The text of a program, empty if it is not text."""
     try:
-        return SourceFile.read(program).text
+        return read_source(program).text
     except UserError:
         return ""
 

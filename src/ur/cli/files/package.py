@@ -27,16 +27,16 @@ def command(path: str, write: bool) -> int:
     from ur.package.uses import find_used_packages
     from ur.request.environment import add_own_package
     from ur.source.diagnostic import UserError, error
-    from ur.source.file import SourceFile
     from ur.source.progress_line import show_progress
+    from ur.source.read import read_source
 
     folder = find_target(path).folder
     with show_progress("finding launch files") as progress:
         world = make_world([str(folder)], add_own_package(os.environ))
         package, used = find_used_packages(str(folder), world, progress)
     manifest, cmake = folder / "package.xml", folder / "CMakeLists.txt"
-    texts = {manifest: SourceFile.read(manifest).text}
-    texts[cmake] = SourceFile.read(cmake).text if cmake.exists() else _start_of_cmake(package.name)
+    texts = {manifest: read_source(manifest).text}
+    texts[cmake] = read_source(cmake).text if cmake.exists() else _start_of_cmake(package.name)
     known = read_run_dependencies(texts[manifest])
     for name in sorted(set(used) - known - read_optional(texts[manifest])):
         line, column = used[name].position

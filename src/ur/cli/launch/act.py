@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
 from ur.request.arguments import split_argv
 from ur.request.environment import apply_selection, current_selection
 from ur.request.options import LaunchOptions, Reporter, choose_query
 from ur.robot.selection import Selection
-from ur.source.diagnostic import Diagnostic, Severity, UserError
+from ur.source.diagnostic import Diagnostic, UserError
 
 # What optparse finds wrong ends roslaunch with 2, everything later with 1.
 _WRONG_ARGUMENTS = frozenset({"bad-argument", "bad-options", "refused-option"})
@@ -58,7 +58,7 @@ def _start(argv: Sequence[str], selection: Selection, options: LaunchOptions, re
 
     if not options.detach:
         return run_launch(argv, selection, options, reporter, None)
-    from ur.cli.runs.detached import start_detached
+    from ur.cli.runs.wait import start_detached
 
     return start_detached(
         lambda detach: run_launch(argv, selection, options, reporter, detach),
@@ -69,6 +69,8 @@ def _start(argv: Sequence[str], selection: Selection, options: LaunchOptions, re
 def explain_problem(problem: UserError, report: str | None = None) -> int:
     """Print errors about what a person gave, and write them to `report` too; returns the exit code."""
     if report is not None:
+        from ur.cli.launch.start import write_report
+
         write_report(problem.diagnostics, report)
     _print_diagnostics(problem.diagnostics)
     return 2 if any(each.rule in _WRONG_ARGUMENTS for each in problem.diagnostics) else 1
@@ -78,23 +80,3 @@ def _print_diagnostics(diagnostics: Sequence[Diagnostic]) -> None:
     from ur.source.render import render_human, shows_colour
 
     sys.stderr.write(render_human(diagnostics, colour=shows_colour(sys.stderr)))
-
-
-def write_report(diagnostics: Iterable[Diagnostic], path: str) -> None:
-    """Write errors to a file, for the laptop that has asked for this run."""
-    import json
-    from contextlib import suppress
-    from pathlib import Path
-
-    errors = [each for each in diagnostics if each.severity is Severity.ERROR]
-    fields = [
-        {
-            "message": each.message,
-            "help": each.help or "",
-            "rule": each.rule,
-            "place": str(each.span) if each.span else "",
-        }
-        for each in errors
-    ]
-    with suppress(OSError):
-        Path(path).write_text(json.dumps(fields), encoding="utf-8")

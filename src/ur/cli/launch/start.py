@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from ur.run.clients.protocol import Severity as EventSeverity
     from ur.run.output.console import Console
     from ur.run.process.detach import Detach
-    from ur.run.record.registry import RunEntry
+    from ur.run.record.entry import RunEntry
     from ur.tui.start import Viewer
 
 
@@ -116,9 +116,27 @@ def _call_started(console: Console, detach: Detach | None) -> Callable[[RunEntry
 
 def _write_findings(findings: Sequence[Diagnostic], options: LaunchOptions) -> None:
     if options.report is not None:
-        from ur.cli.launch.act import write_report
-
         write_report(findings, options.report)
+
+
+def write_report(diagnostics: Iterable[Diagnostic], path: str) -> None:
+    """Write errors to a file, for the laptop that has asked for this run."""
+    import json
+    from contextlib import suppress
+    from pathlib import Path
+
+    errors = [each for each in diagnostics if each.severity is Severity.ERROR]
+    fields = [
+        {
+            "message": each.message,
+            "help": each.help or "",
+            "rule": each.rule,
+            "place": str(each.span) if each.span else "",
+        }
+        for each in errors
+    ]
+    with suppress(OSError):
+        Path(path).write_text(json.dumps(fields), encoding="utf-8")
 
 
 def _make_console(viewer: Viewer | None) -> Console:

@@ -25,7 +25,7 @@ from ur.run.clients.protocol import (
     dump_line,
 )
 from ur.run.output.messages import describe_status
-from ur.run.record.registry import RunEntry
+from ur.run.record.entry import RunEntry
 from ur.run.supervisor.model import ExitStatus
 from ur.source.render import shows_colour
 

@@ -1,18 +1,16 @@
-"""Functions that verbs about runs share: finding one, following it, and starting one that is detached."""
+"""Functions that verbs about runs share: finding one, and following it."""
 
 from __future__ import annotations
 
 import os
-import sys
 import time
-from collections.abc import Callable
 
 from ur.run.clients.client import RunClient, RunGone, connect_run
 from ur.run.join.claims import read_claims
-from ur.run.process.detach import Detach, run_detached
 from ur.run.record.computer import read_computer
 from ur.run.record.ended import EndedRun, find_ended, list_ended
-from ur.run.record.registry import RunEntry, find_run, list_runs
+from ur.run.record.entry import RunEntry
+from ur.run.record.registry import find_run, list_runs
 from ur.source.diagnostic import UserError, error
 from ur.source.printable import printable
 from ur.source.suggest import did_you_mean
@@ -108,20 +106,3 @@ def find_node_name(name: str, names: list[str]) -> str:
             subject=name,
         )
     )
-
-
-def start_detached(run: Callable[[Detach], int], wait: float | None) -> int:
-    """Start a run that is detached, print how to reach it, and with `wait` (s) wait until every node is up."""
-
-    def tell(name: str) -> int:
-        sys.stdout.write(f"{name}\n")
-        sys.stdout.flush()
-        if sys.stderr.isatty():
-            sys.stderr.write(f"it runs on: ur attach {name}, ur logs NODE, ur stop {name}\n")
-        if wait is None:
-            return 0
-        from ur.cli.runs.wait import wait_ready
-
-        return wait_ready(choose_run(name), wait)
-
-    return run_detached(run, tell)

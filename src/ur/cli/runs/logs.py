@@ -13,7 +13,7 @@ from ur.cli.runs.ended_logs import find_ended_run, show_ended
 from ur.run.clients.client import RunClient, iterate_events
 from ur.run.clients.protocol import NodeChanged, Synchronised
 from ur.run.output.log_follower import LogFollower
-from ur.run.record.registry import RunEntry
+from ur.run.record.entry import RunEntry
 from ur.source.diagnostic import UserError, error_about
 
 POLL_PERIOD = 0.1  # s

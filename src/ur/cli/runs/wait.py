@@ -1,16 +1,18 @@
-"""`ur wait`: until every node of a run is up."""
+"""`ur wait`: until every node of a run is up; and runs that are detached once they are."""
 
 from __future__ import annotations
 
 import select
 import sys
 import time
+from collections.abc import Callable
 
 import click
 
 from ur.cli.runs.detached import choose_run, connect
 from ur.run.clients.protocol import NodeChanged, NodeReadiness, RunStopping, Watch
-from ur.run.record.registry import RunEntry
+from ur.run.process.detach import Detach, run_detached
+from ur.run.record.entry import RunEntry
 from ur.source.progress_line import show_progress
 
 
@@ -63,6 +65,21 @@ def wait_ready(entry: RunEntry, timeout: float) -> int:
             progress(f"waiting for {len(late)} of {len(nodes)} nodes: {', '.join(late)}")
     _say_missing({name: missing[name] for name in nodes if missing[name] and not _is_done(nodes[name])}, timeout)
     return 1
+
+
+def start_detached(run: Callable[[Detach], int], wait: float | None) -> int:
+    """Start a run that is detached, print how to reach it, and with `wait` (s) wait until every node is up."""
+
+    def tell(name: str) -> int:
+        sys.stdout.write(f"{name}\n")
+        sys.stdout.flush()
+        if sys.stderr.isatty():
+            sys.stderr.write(f"it runs on: ur attach {name}, ur logs NODE, ur stop {name}\n")
+        if wait is None:
+            return 0
+        return wait_ready(choose_run(name), wait)
+
+    return run_detached(run, tell)
 
 
 def _is_done(node: NodeChanged) -> bool:

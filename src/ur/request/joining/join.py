@@ -12,7 +12,7 @@ from ur.launchfile.plan.model import Plan
 if TYPE_CHECKING:
     from ur.request.options import Report
     from ur.request.plan_files import Loaded
-    from ur.run.record.registry import RunEntry
+    from ur.run.record.entry import RunEntry
     from ur.run.remote.lease import Mode
 
 

@@ -12,7 +12,7 @@ from ur.request.arguments import Argument
 from ur.run.join.claims import Definition, read_claims
 from ur.run.join.lock import MasterLock, lock_master
 from ur.run.master.client import Master, parse_master_uri
-from ur.run.record.registry import RunEntry
+from ur.run.record.entry import RunEntry
 from ur.source.diagnostic import Diagnostic, UserError, error
 
 if TYPE_CHECKING:

@@ -11,7 +11,6 @@ from typing import IO
 
 from ur.robot.boot.units import PREFIX
 from ur.robot.discovery.listing import Answer
-from ur.robot.setup.verify import clock_offset
 
 ROUNDS = 4
 UNKNOWN_KEY = "host key unknown"
@@ -136,3 +135,8 @@ def parse_services(lines: Iterable[str]) -> tuple[tuple[str, str], ...]:
         for row in rows
         if len(row) >= 4 and row[1] == "loaded"
     )
+
+
+def clock_offset(before: float, middle: float, after: float) -> float:
+    """The least offset (s) of a clock that was read between two readings of ours: 0 when it lies between them."""
+    return min(middle - before, 0.0) + max(middle - after, 0.0)

@@ -10,10 +10,10 @@ from dataclasses import dataclass, replace
 
 from ur.devices.model import Expected
 from ur.robot.devices import inspect_devices
+from ur.robot.discovery.ask import clock_offset
 from ur.robot.doctor.model import Advertised, Owner, Pair, Where
 from ur.robot.doctor.observe import STRICT, observe_script, parse_side
 from ur.robot.doctor.side import Side
-from ur.robot.setup.verify import clock_offset
 from ur.robot.ssh.openssh import SshShell
 from ur.robot.ssh.shell import Shell, quote
 from ur.source.diagnostic import UserError, error_about

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from ur.robot.boot.units import LIBRARIES
+from ur.robot.discovery.ask import clock_offset
 from ur.robot.robot_file import ROBOT_FILE
 from ur.robot.setup.login import Task
 from ur.robot.setup.robot_states import SERVICE_TYPE, Viewer, robot_file
@@ -116,11 +117,6 @@ def _clock(here: Shell, there: Shell) -> Check:
     except ValueError:
         return Check("clock", there.place, False, f"not a time: {_one_line(middle)}")
     return Check("clock", there.place, abs(offset) < CLOCK_SECONDS, f"{offset:+.3f} s")
-
-
-def clock_offset(before: float, middle: float, after: float) -> float:
-    """The least offset (s) of a clock that was read between two readings of ours: 0 when it lies between them."""
-    return min(middle - before, 0.0) + max(middle - after, 0.0)
 
 
 def _one_line(text: str) -> str:

@@ -13,7 +13,8 @@ from ur.run.join.claims import read_claims
 from ur.run.master.client import Master, parse_master_uri
 from ur.run.master.xml_rpc import Refused, Unanswered
 from ur.run.record.computer import read_computer
-from ur.run.record.registry import RunEntry, list_runs
+from ur.run.record.entry import RunEntry
+from ur.run.record.registry import list_runs
 from ur.run.supervisor.events import Event, OwnerEnded
 from ur.source.run_users import read_birth
 

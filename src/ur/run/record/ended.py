@@ -11,7 +11,7 @@ from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
 
 from ur.run.record.computer import Computer
-from ur.run.record.registry import RunEntry, is_own, runs_folders
+from ur.run.record.entry import RunEntry, is_own, runs_folders
 
 MAX_RUNS = 50
 MAX_LINES = 30

@@ -14,7 +14,8 @@ from ur.run.master.client import Master
 from ur.run.options import Options
 from ur.run.output.console import Console
 from ur.run.record.computer import read_computer
-from ur.run.record.registry import RunEntry, make_run_name, register_run, runs_folders
+from ur.run.record.entry import RunEntry, runs_folders
+from ur.run.record.registry import make_run_name, register_run
 from ur.run.run import RunClients
 from ur.source.diagnostic import UserError, error
 from ur.source.run_users import note_user, read_birth

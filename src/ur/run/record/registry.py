@@ -6,51 +6,19 @@ import os
 import socket
 import stat
 from collections.abc import Iterable, Mapping
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, fields
 
 from ur.run.record.computer import Computer
+from ur.run.record.entry import RunEntry, is_own, runs_folders
 from ur.source.diagnostic import UserError, error, error_about
 from ur.source.run_users import read_birth
 from ur.source.suggest import did_you_mean
-from ur.source.user_folders import user_folder
 
 SOCKET = "control"
 DESCRIPTION = "run.json"
-SHARED = "/tmp"  # noqa: S108 - what is in it is used only if it is private
 MOST_CHARACTERS = 100_000
 _LATEST = 1e12  # s since the epoch; what calculates with times later than that fails
 _TYPES = {"str": (str,), "int": (int,), "float": (float, int), "bool": (bool,)}
-
-
-@dataclass(frozen=True, slots=True)
-class RunEntry:
-    """A run: `born` is when its process started, in clock ticks since the boot `boot`: a reused process id is not it.
-
-    `run` is its id, `title` the launch file, `started` s since the epoch, `folder` its control folder. It belongs to
-    the computer `machine` (see `ur.run.record.computer`); `host` is the name of this computer when the run started.
-    Entries of earlier versions have neither `machine` nor `boot`.
-    """
-
-    run: str
-    pid: int
-    born: int
-    title: str
-    master_uri: str
-    log_folder: str
-    started: float
-    detached: bool
-    host: str
-    folder: str = ""
-    machine: str = ""
-    boot: str = ""
-
-
-def runs_folders(environment: Mapping[str, str], uid: int) -> list[str]:
-    """Registry folders of a user's runs, best first. The session's runtime folder is not first: logout deletes it."""
-    found = [f"{user_folder('XDG_STATE_HOME', environment)}/ur/runs"]
-    runtime = environment.get("XDG_RUNTIME_DIR", "")
-    found.append(f"{runtime}/ur/runs" if runtime.startswith("/") else f"{SHARED}/ur-{uid}/runs")
-    return found
 
 
 def register_run(entry: RunEntry, environment: Mapping[str, str], uid: int) -> tuple[RunEntry, socket.socket] | None:
@@ -106,11 +74,6 @@ def list_runs(environment: Mapping[str, str], uid: int, computer: Computer) -> l
                 write_killed(entry, environment, uid)
                 unregister_run(entry)
     return sorted(found, key=lambda entry: entry.started)
-
-
-def is_own(entry: RunEntry, computer: Computer) -> bool:
-    """Return whether a run belongs to this computer, which may have had another name when the run started."""
-    return entry.machine == computer.machine if entry.machine else entry.host == computer.host
 
 
 def is_alive(entry: RunEntry, computer: Computer) -> bool:

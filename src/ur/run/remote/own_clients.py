@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from ur.run.record.registry import runs_folders
+from ur.run.record.entry import runs_folders
 
 
 @contextmanager

@@ -19,7 +19,8 @@ from ur.robot.remote_run import MODULE
 from ur.run.master.client import Master, parse_master_uri
 from ur.run.master.xml_rpc import Refused, Unanswered
 from ur.run.record.computer import Computer, read_computer
-from ur.run.record.registry import RunEntry, list_runs
+from ur.run.record.entry import RunEntry
+from ur.run.record.registry import list_runs
 from ur.run.remote.clients import (
     TooManyClientsError,
     add_client,

@@ -16,7 +16,7 @@ from ur.run.clients.protocol import (
     Synchronised,
 )
 from ur.run.record.ended import EndedRun
-from ur.run.record.registry import RunEntry
+from ur.run.record.entry import RunEntry
 
 MOST_ENDED = 5
 """Runs that have ended, of which the page shows so many."""

@@ -22,7 +22,8 @@ from ur.run.clients.protocol import (
 )
 from ur.run.record.computer import read_computer
 from ur.run.record.ended import list_ended
-from ur.run.record.registry import RunEntry, list_runs
+from ur.run.record.entry import RunEntry
+from ur.run.record.registry import list_runs
 from ur.web.runs.log_lines import LogLines
 from ur.web.runs.model import RunView, begin_view, describe_runs, take_event
 from ur.web.runs.read_back import ReadBack

@@ -19,7 +19,7 @@ from ur.robot.description.expansion.library import clean_path, find_library, fin
 from ur.robot.description.expansion.process import MOST_READ, SECONDS, Answer, Outcome, Refused, expand
 from ur.robot.description.surroundings import Surroundings
 from ur.source.diagnostic import UserError, error
-from ur.source.file import SourceFile
+from ur.source.read import read_source
 
 _MOST_FILES = 1000  # that one pattern of an include may find
 _WILD = re.compile(r"[*?\[]")
@@ -56,7 +56,7 @@ def read_description(
 
     `arguments` are NAME:=VALUE. Raises UserError.
     """
-    text = SourceFile.read(path, expected="a URDF or xacro file").text
+    text = read_source(path, expected="a URDF or xacro file").text
     if path.suffix == ".xacro":
         return _expand(path, around, computer, arguments)
     if arguments:
@@ -146,7 +146,7 @@ def _list_answers(around: Surroundings, computer: Computer) -> Mapping[str, Answ
         if found is None:
             raise Refused(f"outside of '{around.folder}' and of all packages, or hidden")
         try:
-            text = SourceFile.read(found).text
+            text = read_source(found).text
         except UserError as problem:
             reason = problem.diagnostics[0].message.removeprefix(f"{found}: ")
             raise Refused(reason) from None

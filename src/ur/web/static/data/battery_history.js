@@ -25,3 +25,6 @@ export class BatteryHistory {
     this.samples = [...this.samples.slice(1 - MOST), [now, this.newest.share, this.newest.volts]];
   }
 }
+
+/** The battery since the page was opened. */
+export const BATTERY = new BatteryHistory();

@@ -3,7 +3,7 @@
 
 import { make } from "../elements.js";
 import { KIND, readJson } from "../wire.js";
-import { BatteryHistory } from "./battery_history.js";
+import { BATTERY } from "./battery_history.js";
 import { DATA_TEXTS } from "./texts.js";
 
 /** @typedef {(box: HTMLElement, page: import("../main.js").Page) => {show: (open: boolean) => void}} Maker */
@@ -43,9 +43,6 @@ function makeLazy(name, label, icon, load, early) {
 }
 
 export const TOPIC_PANEL = makeLazy("topics", DATA_TEXTS.topics, "M4 6h10M4 12h16M4 18h7M18 4v4M11 16v4", async () => (await import("./topic_panel.js")).makeTopicPanel);
-
-/** The battery since the page was opened. */
-export const BATTERY = new BatteryHistory();
 
 export const STATUS_PANEL = makeLazy(
   "status",

@@ -2,7 +2,7 @@
 /** Diagnostics, figures of the computer, and the battery over time. */
 
 import { make, makeNote } from "../elements.js";
-import { BATTERY } from "./data_panels.js";
+import { BATTERY } from "./battery_history.js";
 import { DATA } from "./data_socket.js";
 import { DATA_TEXTS } from "./texts.js";
 
