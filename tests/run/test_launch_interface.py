@@ -93,12 +93,16 @@ def test_calm_line_instead_of_a_screen(world: World, words: tuple[str, ...], siz
     launched.wait_nothing_left()
 
 
-def test_plain_lines_when_asked_for(world: World) -> None:
+def test_plain_lines_when_asked_for_and_ctrl_c_is_recorded_in_words(world: World) -> None:
     launched = start(world, "--plain")
     launched.until("[/one] started")
     assert not any("ur.tui" in child.cmdline() for child in psutil.Process(launched.process.pid).children())
     press(launched, "\x03")
     assert launched.wait() == 0
+    assert "stopping: Ctrl-C" in launched.text
+    ended = world.ur("ps", "--ended")
+    assert ended.wait() == 0
+    assert ended.text.rstrip().endswith("in a terminal  by Ctrl-C")
 
 
 def test_run_that_never_begins_does_not_touch_the_screen(world: World) -> None:

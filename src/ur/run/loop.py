@@ -33,6 +33,7 @@ from ur.run.supervisor.actions import (
 )
 from ur.run.supervisor.changes import is_before
 from ur.run.supervisor.events import (
+    CTRL_C,
     Begin,
     Event,
     Exited,
@@ -73,6 +74,7 @@ class _Loop:
         self._run = run
         self._host = host
         self._console = console
+        self._terminal = terminal
         self._programs = {program.unit.name: program for program in run.programs}
         self._state = begin_state(
             (program.unit for program in run.programs),
@@ -180,7 +182,8 @@ class _Loop:
     def _handle_signal(self, signum: int) -> None:
         # roslaunch exits with 0 after Ctrl-C; a program that owns the terminal has not done what it was asked to.
         code = 0 if self._run.terminal_program is None else 128 + signum
-        self._handle_event(StopRequested(signal.Signals(signum).name, code))
+        typed = signum == signal.SIGINT and self._terminal is not None and self._terminal.in_foreground()
+        self._handle_event(StopRequested(CTRL_C if typed else signal.Signals(signum).name, code))
 
     def _handle_host_event(self, event: Event | Suspended) -> None:
         """Handle an event of the process host."""

@@ -9,6 +9,7 @@ from textual.binding import BindingType
 
 from ur.run.clients.protocol import KillNode, RestartNode, RunCommand, StartNode, StopNode, StopRun
 from ur.run.debugger.attach import DebugMethod
+from ur.run.supervisor.events import CTRL_C
 from ur.tui.dialogs import Choice, Question
 from ur.tui.keys import make_bindings
 from ur.tui.log_actions import LogActions
@@ -108,7 +109,7 @@ class WatchApp(LogActions):
 
     def _stop_run(self) -> None:
         self._stops += 1
-        self._send(StopRun("Ctrl-C" if self._stops == 1 else "Ctrl-C again"), "stopping everything")
+        self._send(StopRun(CTRL_C if self._stops == 1 else f"{CTRL_C} again"), "stopping everything")
 
     def _steerable(self) -> NodeRow | None:
         row = self.nodes.chosen

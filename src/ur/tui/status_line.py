@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 from ur.run.clients.client import RunControl
 from ur.run.clients.protocol import Notice, OutputLine, RunEvent, RunStarted, StopRun, Watch
+from ur.run.supervisor.events import CTRL_C
 from ur.source.ansi import BOLD, CLEAR_LINE, DIM, GREEN, RED, YELLOW, paint, strip_styles
 from ur.tui.run_state import STANDING, Mood, RunState, apply_events, begin_state
 
@@ -109,7 +110,7 @@ def show_status_line(
                 answered += 1
                 if guest or state.run.detached:
                     return "detached", 0
-                control.send(StopRun("Ctrl-C"))
+                control.send(StopRun(CTRL_C))
             received = control.receive() if control.fileno() in ready else []
             if received is None:
                 return ("gone", 1) if state.exit_code is None else ("ended", state.exit_code)

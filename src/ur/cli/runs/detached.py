@@ -11,6 +11,7 @@ from ur.run.record.computer import read_computer
 from ur.run.record.ended import EndedRun, find_ended, list_ended
 from ur.run.record.entry import RunEntry
 from ur.run.record.registry import find_run, list_runs
+from ur.run.supervisor.events import CTRL_C
 from ur.source.diagnostic import UserError, error
 from ur.source.printable import printable
 from ur.source.suggest import did_you_mean
@@ -64,9 +65,11 @@ def describe_end(run: EndedRun, now: float) -> str:
 
 
 def describe_reason(run: EndedRun) -> str:
-    """Say how and why a run ended: 'exit code 1: /wander is required and has ended'."""
+    """Say how and why a run ended: 'by Ctrl-C', or 'exit code 1: /wander is required and has ended'."""
     if run.exit_code is None:
         return printable(run.cause)
+    if run.cause == CTRL_C:
+        return f"by {CTRL_C}"
     return f"exit code {run.exit_code}" + (f": {printable(run.cause)}" if run.cause else "")
 
 

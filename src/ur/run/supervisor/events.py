@@ -6,6 +6,9 @@ from dataclasses import dataclass
 
 from ur.run.supervisor.model import ExitStatus
 
+CTRL_C = "Ctrl-C"
+"""The cause of a StopRequested from the keyboard."""
+
 
 @dataclass(frozen=True, slots=True)
 class Begin:
