@@ -80,6 +80,14 @@ async def test_nothing_but_the_login_is_seen_without_a_session(server: Server) -
         assert await server.status("GET", path) == 200, path
 
 
+async def test_browser_without_a_session_is_shown_the_page_of_the_login(server: Server) -> None:
+    for path in ("/", "/api/me"):
+        async with server.client.get(server.url + path, headers={"Accept": "text/html,*/*"}) as answer:
+            assert (answer.url.path, answer.status) == ("/login", 200)
+            assert "Content-Security-Policy" in answer.history[0].headers
+            assert "login.js" in await answer.text()
+
+
 async def test_other_hosts_and_origins_are_refused_even_with_a_session(server: Server) -> None:
     await server.log_in()
     for path in [*GUARDED, "/login"]:

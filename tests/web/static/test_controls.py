@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import pytest
@@ -95,6 +96,24 @@ def test_exploration_is_shown_until_its_end_and_after_it(robot: Robot, browser: 
         wait(lambda driver=driver: browser.run("document.getElementById('driver').textContent") == driver)
         assert line[3:] in browser.run("document.getElementById('banners').innerText")
     robot.show(Kind.STATE, STATE)
+
+
+def test_command_of_the_doctor_is_copied_by_its_button_or_else_selected(browser: Chromium) -> None:
+    command = "sudo apt-get install chrony"
+    finding = {"rule": "x", "message": "m", "help": "", "commands": [{"on": "bob", "command": command, "fix": False}]}
+    answer = json.dumps({"findings": [finding], "steps": []})
+    browser.run(f"globalThis.real = fetch; fetch = async () => new Response({answer!r}); 0")
+    browser.run("page.panels.toggle('doctor'); 0")
+    button = "document.querySelector('#doctor-panel .command button')"
+    wait(lambda: browser.holds(button))
+    assert browser.run(f"{button}.ariaLabel") == f"Copy {command}"
+    for refused, text in (("", "Copied"), ("throw 0", "Selected: copy it with Ctrl-C")):
+        browser.run(f"navigator.clipboard.writeText = async (text) => {{ copied = text; {refused} }}; 0")
+        browser.run(f"{button}.click(); 0")
+        wait(lambda text=text: browser.run(f"{button}.textContent") == text)
+        assert browser.run("copied") == command
+        assert browser.run("getSelection().toString()").strip() == command
+    browser.run("fetch = real; page.panels.close(); 0")
 
 
 def test_gamepad_drives_while_its_stick_is_pushed_and_its_button_stops(robot: Robot, browser: Chromium) -> None:

@@ -116,6 +116,8 @@ class Gate:
                 self._check(request)
                 with self._hold(request):
                     answer = await handler(request)
+            except web.HTTPRedirection as elsewhere:
+                answer = web.Response(status=elsewhere.status, headers={"Location": elsewhere.headers["Location"]})
             except web.HTTPException as refusal:
                 answer = web.Response(status=refusal.status, text=refusal.text)
             if SESSION not in request:
@@ -146,6 +148,8 @@ class Gate:
         secret = request.cookies.get(self.cookie)
         session = self.sessions.find(secret)
         if session is None or secret is None:
+            if request.method == "GET" and "text/html" in request.headers.get("Accept", ""):
+                raise web.HTTPSeeOther("/login")  # which tells a person what to do
             raise web.HTTPForbidden(text="log in first: open the link that 'ur web' has printed\n")
         self.sessions.note_use(secret)
         request[SESSION] = session

@@ -2,6 +2,7 @@
 /** Findings of the doctor, each with the commands that fix it, to be typed in a terminal. */
 
 import { make, makeButton } from "./elements.js";
+import { announce } from "./heard.js";
 import { TEXTS } from "./texts.js";
 
 /** @typedef {{on: string, command: string, fix: boolean}} Command */
@@ -49,7 +50,24 @@ function makeFinding({ rule, message, help, commands }) {
   box.append(title);
   if (help) box.append(make("p", help));
   for (const { on, command, fix } of commands) {
-    box.append(make("p", fix ? TEXTS.commandFix(on) : TEXTS.commandOn(on)), make("pre", command));
+    box.append(make("p", fix ? TEXTS.commandFix(on) : TEXTS.commandOn(on)), makeCommand(command));
   }
+  return box;
+}
+
+/** A command with a button that copies it. @param {string} command */
+function makeCommand(command) {
+  const box = make("div", "", "command");
+  const text = make("pre", command);
+  const button = makeButton(TEXTS.copy, async () => {
+    getSelection()?.selectAllChildren(text); // where it cannot be copied, Ctrl-C does it
+    // Browsers give the clipboard to pages of https and of this computer only.
+    const done = navigator.clipboard
+      ? await navigator.clipboard.writeText(command).then(() => true, () => false)
+      : document.execCommand("copy");
+    button.textContent = done ? TEXTS.copied : TEXTS.notCopied;
+    announce(button.textContent);
+  }, TEXTS.copyCommand(command));
+  box.append(text, button);
   return box;
 }

@@ -385,6 +385,11 @@ export const TEXTS = {
   commandOn: (where) => `Type on ${where}:`,
   /** @param {string} where */
   commandFix: (where) => `Type on ${where}, or run "ur doctor --fix":`,
+  copy: "Copy",
+  copied: "Copied",
+  notCopied: "Selected: copy it with Ctrl-C",
+  /** @param {string} command */
+  copyCommand: (command) => `Copy ${command}`,
   devices: {
     title: "Devices",
     /** @param {{role: "look" | "drive", address: string, last: number, until: number, own: boolean, open: boolean}} device @param {number} now seconds since 1970 */
