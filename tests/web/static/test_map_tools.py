@@ -27,14 +27,20 @@ def page(robot: Robot, browser: Chromium) -> Iterator[Chromium]:
     robot.show(Kind.PLACES, {"named": True, "places": PLACES, "problem": ""})
     browser.resize(1200, 800)
     wait(lambda: browser.run("Object.keys(page.map.places).join()") == "desk,door")
+    settle(browser)
     browser.run("page.map.show([2, 1, 100]); 0")
     yield browser
     browser.run("page.panels.show([]); page.setMode('look'); 0")
 
 
+def settle(page: Chromium) -> None:
+    """Wait until the map has the size that panels which were opened or closed leave to it."""
+    page.run("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+
+
 def drag(page: Chromium, start: tuple[float, float], end: tuple[float, float]) -> None:
     """Press the mouse at a point of the map (m), and let go at another one."""
-    page.run("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")  # it has its size
+    settle(page)
     first, last = page.run(f"[{list(start)}, {list(end)}].map((point) => page.map.view.toScreen(...point))")
     for kind, (x, y) in (("mousePressed", first), ("mouseMoved", last), ("mouseReleased", last)):
         page.ask("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", clickCount=1)
