@@ -32,6 +32,7 @@ from ur_nodes.exploration.explorer_step import ExplorerSettings  # noqa: E402
 from ur_nodes.exploration.status import describe_end  # noqa: E402
 from ur_nodes.geometry.grid import FREE, OCCUPIED, Grid  # noqa: E402
 from ur_nodes.geometry.pose import Pose2  # noqa: E402
+from ur_nodes.geometry.scan import Mount  # noqa: E402
 from ur_nodes.simulator.simulation import Simulation  # noqa: E402
 from ur_nodes.slam.matching.scan import make_scan  # noqa: E402
 from ur_nodes.slam.occupancy import OccupancyMap  # noqa: E402
@@ -90,11 +91,11 @@ def _maps(
     taken = list(drive(Simulation(world, base, seed=0), base, floor, tour))[::EVERY]
     angles = np.linspace(base.lidar.angle_min, base.lidar.angle_max, base.lidar.samples)
     directions = np.column_stack((np.cos(angles), np.sin(angles)))
-    limits, offset = (base.lidar.range_min, base.lidar.range_max), np.array(base.lidar.pose[:2])
+    limits, mount = (base.lidar.range_min, base.lidar.range_max), Mount(np.eye(3), np.array(base.lidar.pose[:3]))
     ends = [max(1, round(moment * len(taken))) for moment in moments]
     tracker, pictures = Tracker(), []
     for number, moment in enumerate(taken, start=1):
-        scan = make_scan(moment.ranges, directions, limits, np.eye(2), offset)
+        scan = make_scan(moment.ranges, directions, limits, mount)
         estimate = tracker.add_scan(scan, moment.odometry)
         if number in ends:
             drawn = OccupancyMap()

@@ -16,6 +16,7 @@ from ur_nodes.exploration.search.floor import nearest_cell
 from ur_nodes.exploration.status import Status
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
+from ur_nodes.geometry.scan import Mount
 from ur_nodes.slam.matching.scan import make_scan
 from ur_nodes.slam.occupancy import OccupancyMap
 
@@ -58,7 +59,7 @@ def explore_quickly(truth: Truth, settings: ExplorerSettings, most: int = 2000) 
     for version in range(most):
         ranges = truth.ranges(robot.x, robot.y, robot.yaw)
         poses.append(robot)
-        scans.append(make_scan(ranges, directions, (0.1, 12.0), np.eye(2), np.zeros(2)))
+        scans.append(make_scan(ranges, directions, (0.1, 12.0), Mount(np.eye(3), np.zeros(3))))
         drawn.update(poses, scans)
         if most_at == math.inf and np.mean(drawn.grid().values_at(floor) >= 0) >= ENOUGH:
             most_at = way

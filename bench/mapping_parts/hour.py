@@ -16,6 +16,7 @@ from bench.mapping_parts.simulated import Moment, drive, grid_of_world, read_ben
 
 from ur.robot.base import Base
 from ur_nodes.geometry.pose import Pose2
+from ur_nodes.geometry.scan import Mount
 from ur_nodes.simulator.simulation import Simulation
 from ur_nodes.slam.matching.scan import make_scan
 from ur_nodes.slam.occupancy import OccupancyMap
@@ -81,7 +82,8 @@ def drive_long(name: str, seed: int, base: Base, minutes: float, report: float) 
 
 def _map(pipe: Connection, angles: Floats, mount: Pose2, limits: tuple[float, float]) -> None:
     """Map what comes through a pipe, and answer with live poses; None asks for a Part."""
-    directions, offset = np.column_stack((np.cos(angles), np.sin(angles))), np.array(mount[:2])
+    directions = np.column_stack((np.cos(angles), np.sin(angles)))
+    level = Mount(np.eye(3), np.array((*mount[:2], 0.0)))
     tracker, drawn = Tracker(), OccupancyMap()
     scans: list[float] = []
     drawings: list[float] = []
@@ -98,7 +100,7 @@ def _map(pipe: Connection, angles: Floats, mount: Pose2, limits: tuple[float, fl
             drawings.clear()
             continue
         began = time.process_time()
-        scan = make_scan(moment.ranges, directions, limits, np.eye(2), offset)
+        scan = make_scan(moment.ranges, directions, limits, level)
         estimate = tracker.add_scan(scan, moment.odometry)
         scans.append(time.process_time() - began)
         if moment.stamp >= due:

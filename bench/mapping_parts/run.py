@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
+from ur_nodes.geometry.scan import Mount
 from ur_nodes.slam.matching.scan import make_scan
 from ur_nodes.slam.occupancy import OccupancyMap
 from ur_nodes.slam.tracker import Tracker
@@ -44,7 +45,7 @@ def run_apart(log: Log, *, odometry: bool = True) -> Result:
     """Map a log in a fresh process."""
     context = multiprocessing.get_context("spawn")
     here, there = context.Pipe()
-    arguments = (there, log.directions, np.array(log.mount[:2]), log.range_limits)
+    arguments = (there, log.directions, Mount(np.eye(3), np.array((*log.mount[:2], 0.0))), log.range_limits)
     mapper = context.Process(target=_run, args=arguments)
     mapper.start()
     there.close()
@@ -56,7 +57,7 @@ def run_apart(log: Log, *, odometry: bool = True) -> Result:
     return result
 
 
-def _run(pipe: Connection, directions: Floats, offset: Floats, limits: tuple[float, float]) -> None:
+def _run(pipe: Connection, directions: Floats, mount: Mount, limits: tuple[float, float]) -> None:
     """Map what comes through a pipe until None comes, then answer with the result."""
     tracker, drawn = Tracker(), OccupancyMap()
     seconds: list[float] = []
@@ -66,7 +67,7 @@ def _run(pipe: Connection, directions: Floats, offset: Floats, limits: tuple[flo
     while (received := pipe.recv()) is not None:
         stamp, ranges, odometry = received
         began = time.process_time()
-        scan = make_scan(ranges, directions, limits, np.eye(2), offset)
+        scan = make_scan(ranges, directions, limits, mount)
         estimate = tracker.add_scan(scan, odometry)
         seconds.append(time.process_time() - began)
         lost.append(tracker.lost)

@@ -176,7 +176,7 @@ class Drive:
             local = pose.inverse().transform_points(points)
             clear = self._sight.hull.distances(local) > _CLEAR if len(local) else np.empty(0, bool)
             for sensor, value in sensors:
-                near = np.hypot(*(local - sensor.offset[:2]).T) <= value + 0.1
+                near = np.hypot(*(local - sensor.mount.offset[:2]).T) <= value + 0.1
                 if (sensor.sees(local) & clear & near).any():
                     return True
         return False

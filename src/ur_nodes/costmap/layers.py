@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -11,6 +10,7 @@ from numpy.typing import NDArray
 
 from ur_nodes.geometry.grid import CellFrame
 from ur_nodes.geometry.pose import Pose2, Pose3, rotate
+from ur_nodes.geometry.scan import RangeScan, angles_of_beams, classify_ranges
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,22 +39,16 @@ def level_beams(mount: Pose3, beams: Beams) -> tuple[Pose2, Beams]:
     return mount.planar(), beams if upright else Beams(-beams.angles, beams.ranges, beams.hits)
 
 
-def beams_of_scan(
-    ranges: NDArray[np.floating],
-    angle_min: float,
-    increment: float,
-    range_min: float,
-    range_max: float,
-    *,
-    inf_is_valid: bool,
-) -> Beams:
-    """Rays of a sensor_msgs/LaserScan (REP 117: +inf is nothing in range, -inf too near, NaN no measurement)."""
-    values = np.asarray(ranges, dtype=np.float64)
-    angles = angle_min + increment * np.arange(len(values))
-    hits = (values >= range_min) & (values < range_max)
-    keep = hits | (values == math.inf) if inf_is_valid else hits
-    far = np.where(hits, values, range_max).astype(np.float64)
-    return Beams(angles[keep].astype(np.float64), far[keep], hits[keep])
+def beams_of_scan(scan: RangeScan, *, inf_is_valid: bool) -> Beams:
+    """Rays of a scan; +inf is free up to the greatest range if `inf_is_valid`.
+
+    As in costmap_2d, a finite range at the upper limit or beyond says nothing.
+    """
+    ranges = np.asarray(scan.ranges, dtype=np.float64)
+    hits = classify_ranges(ranges, (scan.range_min, scan.range_max)).hits
+    keep = hits | np.isposinf(ranges) if inf_is_valid else hits
+    angles = angles_of_beams(len(ranges), scan.angle_min, scan.angle_increment)
+    return Beams(angles[keep], np.where(hits, ranges, scan.range_max)[keep], hits[keep])
 
 
 def trace_beams(

@@ -6,7 +6,6 @@ import sys
 from collections import deque
 from dataclasses import dataclass
 
-import numpy as np
 import rospy
 from geometry_msgs.msg import Point32, PolygonStamped
 from nav_msgs.msg import OccupancyGrid
@@ -101,11 +100,7 @@ class LocalCostmap:
         rospy.Timer(rospy.Duration.from_sec(1.0 / settings.publish_frequency), self._publish)
 
     def _take_scan(self, message: LaserScan) -> None:
-        ranges = np.asarray(message.ranges)
-        limits = message.range_min, message.range_max
-        inf = self._settings.inf_is_valid
-        beams = beams_of_scan(ranges, message.angle_min, message.angle_increment, *limits, inf_is_valid=inf)
-        self._keep(message, beams)
+        self._keep(message, beams_of_scan(message, inf_is_valid=self._settings.inf_is_valid))
 
     def _take_range(self, message: Range) -> None:
         beams = beams_of_range(message.range, message.field_of_view, message.min_range, message.max_range)

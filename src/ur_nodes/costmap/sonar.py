@@ -9,6 +9,7 @@ import numpy as np
 from ur_nodes.costmap.costmap import FREE, LETHAL, Costmap
 from ur_nodes.costmap.layers import Beams
 from ur_nodes.geometry.pose import Pose2
+from ur_nodes.geometry.scan import classify_ranges
 
 _SLACK, _TURN = 0.25, 0.15  # m, rad by which a wall of the map may seem to be elsewhere
 _STEP = 0.035  # rad between rays: half a cell of 5 cm at 0.7 m, where sonars matter
@@ -17,15 +18,14 @@ _STEP = 0.035  # rad between rays: half a cell of 5 cm at 0.7 m, where sonars ma
 def beams_of_range(distance: float, field_of_view: float, range_min: float, range_max: float) -> Beams:
     """The cone of a sensor_msgs/Range: the echo may come from anywhere on the arc at `distance`, nothing is nearer.
 
-    `field_of_view` is the full angle, in rad. Beyond `range_max` (or +inf, REP 117) there was no echo: the cone is
-    free. Nearer than `range_min`, and NaN, is no measurement: no rays.
+    `field_of_view` is the full angle, in rad. A clear range frees the cone; one that says nothing has no rays.
     """
-    if math.isnan(distance) or distance < range_min:
+    returns = classify_ranges(np.array([distance]), (range_min, range_max))
+    if not (returns.hits | returns.clear)[0]:
         return Beams(np.empty(0), np.empty(0), np.empty(0, bool))
     count = max(2, math.ceil(field_of_view / _STEP) + 1)
     angles = np.linspace(-field_of_view / 2.0, field_of_view / 2.0, count)
-    heard = distance < range_max
-    return Beams(angles, np.full(count, min(distance, range_max)), np.full(count, heard))
+    return Beams(angles, np.full(count, min(distance, range_max)), np.full(count, returns.hits[0]))
 
 
 def without_walls(beams: Beams, sensor: Pose2, known: Costmap) -> Beams:

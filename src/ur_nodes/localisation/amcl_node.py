@@ -16,8 +16,8 @@ from std_srvs.srv import Empty, EmptyRequest, EmptyResponse
 from ur.source.diagnostic import UserError
 from ur_nodes.geometry.difference import describe_places
 from ur_nodes.geometry.grid import Grid
-from ur_nodes.geometry.laser import Mount, directions_of_beams, points_of_ranges
 from ur_nodes.geometry.pose import Pose2
+from ur_nodes.geometry.scan import Mount, points_of_scan
 from ur_nodes.localisation.amcl_output_node import Outputs
 from ur_nodes.localisation.amcl_settings import read_settings
 from ur_nodes.localisation.likelihood import make_field
@@ -41,7 +41,6 @@ class AmclNode:
         self._localiser: Localiser | None = None
         self._grid: Grid | None = None  # that it works on
         self._places = 0  # that fit, as reported last
-        self._beams: tuple[tuple[int, float, float], np.ndarray] | None = None
         self._work = threading.RLock()  # guards the localiser
         self._queue = ScanQueue(settings.odom_frame, settings.base_frame, frozenset((settings.odom_frame,)))
         rospy.Subscriber("scan", LaserScan, self._queue.add, queue_size=2, tcp_nodelay=True)
@@ -173,12 +172,9 @@ class AmclNode:
         self._places = len(places)
 
     def _points(self, scan: LaserScan, mount: Mount) -> np.ndarray:
-        key = (len(scan.ranges), scan.angle_min, scan.angle_increment)
-        if not self._beams or self._beams[0] != key:
-            self._beams = (key, directions_of_beams(*key))
         low, high = self._settings.laser_limits
         limits = (max(low, scan.range_min), min(high, scan.range_max) if high > 0.0 else scan.range_max)
-        return points_of_ranges(np.array(scan.ranges, dtype=np.float32), self._beams[1], limits, mount)
+        return points_of_scan(scan, mount, limits)
 
 
 def _call_static_map() -> OccupancyGrid | None:

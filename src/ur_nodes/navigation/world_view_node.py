@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import rospy
@@ -12,7 +12,7 @@ from sensor_msgs.msg import LaserScan, Range
 
 from ur.source.diagnostic import UserError
 from ur_nodes.costmap.costmap import Costmap
-from ur_nodes.costmap.layers import Beams, beams_of_scan, level_beams
+from ur_nodes.costmap.layers import beams_of_scan, level_beams
 from ur_nodes.costmap.map_costmap import MapCostmap
 from ur_nodes.costmap.rolling_costmap import RollingCostmap
 from ur_nodes.costmap.sonar import beams_of_range, without_walls
@@ -100,7 +100,7 @@ class WorldView:
         if self._laid and self.global_costmap is not None and place is not None:
             self.local_costmap.lay(robot.newest, self.global_costmap.zones or _NOTHING, place)
             self._laid = self.global_costmap.zones is not None
-        sensor, beams = level_beams(mount, _beams(scan, inf_is_valid=source.inf_is_valid))
+        sensor, beams = level_beams(mount, beams_of_scan(scan, inf_is_valid=source.inf_is_valid))
         self.local_costmap.update(robot.newest, robot.in_odom.compose(sensor), beams)
         if self.global_costmap is not None and robot.in_map is not None:
             self.global_costmap.update(robot.in_map.compose(sensor), beams)
@@ -247,14 +247,3 @@ class WorldView:
 
     def _take_scan(self, message: LaserScan) -> None:
         self._scan = message
-
-
-def _beams(scan: Any, *, inf_is_valid: bool) -> Beams:
-    return beams_of_scan(
-        np.asarray(scan.ranges),
-        scan.angle_min,
-        scan.angle_increment,
-        scan.range_min,
-        scan.range_max,
-        inf_is_valid=inf_is_valid,
-    )

@@ -9,8 +9,8 @@ from collections.abc import Callable
 import rospy
 from sensor_msgs.msg import LaserScan
 
-from ur_nodes.geometry.laser import Mount, mount_of_pose
 from ur_nodes.geometry.pose import Pose2
+from ur_nodes.geometry.scan import Mount, mount_of_pose
 from ur_nodes.rosio.frames import Frames
 
 LONGEST_QUEUE = 30  # scans

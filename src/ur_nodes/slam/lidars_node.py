@@ -11,8 +11,8 @@ import rospy
 from numpy.typing import NDArray
 from sensor_msgs.msg import LaserScan
 
-from ur_nodes.geometry.laser import directions_of_beams
 from ur_nodes.geometry.pose import Pose2
+from ur_nodes.geometry.scan import directions_of_scan
 from ur_nodes.rosio.scan_queue import SILENCE, ScanQueue
 from ur_nodes.slam.gmapping_settings import GmappingSettings
 from ur_nodes.slam.matching.scan import Scan, join_scans, make_scan
@@ -28,7 +28,6 @@ class Lidars:
     def __init__(self, settings: GmappingSettings, queue: ScanQueue, others: Sequence[str]) -> None:
         """`others` are the topics of the other lidars; they are subscribed to."""
         self._settings, self._queue = settings, queue
-        self._beams: dict[tuple[int, float, float], NDArray[np.float64]] = {}
         self._others: dict[str, deque[LaserScan]] = {topic: deque(maxlen=_KEPT) for topic in others}
         self._missed = dict.fromkeys(others, 0)  # scans in a row that had none of this topic beside them
         for topic, newest in self._others.items():
@@ -66,21 +65,12 @@ class Lidars:
             frame, base = message.header.frame_id, self._settings.base_frame
             rospy.logwarn_throttle(SILENCE, f"no transform from {frame} to {base}, expected one")
             return None
-        key = (len(message.ranges), message.angle_min, message.angle_increment)
-        if key not in self._beams:
-            self._beams = {**dict(list(self._beams.items())[-len(self._others) :]), key: directions_of_beams(*key)}
         settings = self._settings
         far = min(settings.max_range or math.inf, message.range_max)
         # As upstream: beams without an echo are free floor only where less than the lidar's range is to be used.
         free = settings.max_usable if settings.max_usable < far else 0.0
-        return make_scan(
-            np.array(message.ranges, dtype=np.float32),
-            self._beams[key],
-            (message.range_min, far),
-            mount.rotation[:2, :2],
-            mount.offset[:2],
-            free,
-        )
+        ranges = np.array(message.ranges, dtype=np.float32)
+        return make_scan(ranges, directions_of_scan(message), (message.range_min, far), mount, free)
 
 
 def _apart(one: LaserScan, other: LaserScan) -> float:

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from tests.ur_nodes.scans import FakeScan
 
 from ur_nodes.costmap.costmap import LETHAL, Costmap, Inflation
 from ur_nodes.costmap.layers import Beams, Ranges, beams_of_scan, shift_cells, trace_beams
@@ -76,10 +77,10 @@ def test_trace_beams_reports_no_change_for_the_same_scan_again() -> None:
 
 
 def test_beams_of_scan_reads_infinity_as_free_only_when_told() -> None:
-    ranges = np.array([1.0, math.inf, math.nan, 0.01, 30.0, -math.inf])
-    strict = beams_of_scan(ranges, 0.0, 0.1, 0.1, 12.0, inf_is_valid=False)
+    scan = FakeScan(np.array([1.0, math.inf, math.nan, 0.01, 30.0, -math.inf]))
+    strict = beams_of_scan(scan, inf_is_valid=False)
     assert strict.ranges.tolist() == [1.0]
-    wide = beams_of_scan(ranges, 0.0, 0.1, 0.1, 12.0, inf_is_valid=True)
+    wide = beams_of_scan(scan, inf_is_valid=True)
     assert wide.ranges.tolist() == [1.0, 12.0]
     assert wide.hits.tolist() == [True, False]
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from tests.ur_nodes.scans import FakeScan
 
 from ur_nodes.costmap.costmap import LETHAL, Costmap, Inflation
 from ur_nodes.costmap.footprint import Footprint, footprint_of_outline
@@ -196,7 +197,7 @@ class ClosedLoop:
         hit = np.where(inside, self.world[np.where(inside, cells[..., 0], 0), np.where(inside, cells[..., 1], 0)], True)
         first = hit.argmax(axis=1)
         ranges = np.where(hit.any(axis=1), steps[first] + self.random.normal(0.0, 0.01, 360), math.inf)
-        beams = beams_of_scan(ranges, -math.pi, math.tau / 360, 0.12, 5.0, inf_is_valid=True)
+        beams = beams_of_scan(FakeScan(ranges, 0.12, 5.0), inf_is_valid=True)
         self.global_costs.update(self.pose, beams)
         here = self.odom.compose(self.pose)
         if self.global_costs.zones is not None:

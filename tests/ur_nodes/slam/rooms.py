@@ -8,11 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ur_nodes.geometry.pose import Pose2
+from ur_nodes.geometry.scan import Mount
 from ur_nodes.slam.matching.scan import Scan, make_scan
 
 Floats = NDArray[np.float64]
 ANGLES = np.linspace(-math.pi, math.pi, 360, endpoint=False)
 DIRECTIONS = np.column_stack((np.cos(ANGLES), np.sin(ANGLES)))
+CENTRE = Mount(np.eye(3), np.zeros(3))
 RANGE = 12.0
 
 
@@ -51,4 +53,4 @@ def scan_at(
     """The scan that a robot at a pose sees with a lidar of so wide a view (rad), ahead, and of so long a reach (m)."""
     ahead = np.abs(ANGLES) <= 0.5 * view
     ranges = ranges_at(walls, pose, noise, seed, reach)[ahead]
-    return make_scan(ranges, DIRECTIONS[ahead], (0.1, reach), np.eye(2), np.zeros(2))
+    return make_scan(ranges, DIRECTIONS[ahead], (0.1, reach), CENTRE)

@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from tests.ur_nodes.slam.drives import SOFA, WALLS, distances, drive
-from tests.ur_nodes.slam.rooms import DIRECTIONS, RANGE, Floats, box, ranges_at, scan_at, walls_of
+from tests.ur_nodes.slam.rooms import CENTRE, DIRECTIONS, RANGE, Floats, box, ranges_at, scan_at, walls_of
 
 from ur_nodes.geometry.grid import OCCUPIED
 from ur_nodes.geometry.pose import Pose2
@@ -109,9 +109,7 @@ def test_wall_of_glass_spoils_no_other_wall() -> None:
         beams = DIRECTIONS @ turn
         ends = np.where(np.isfinite(whole), whole, 0.0)[:, None] * beams + (pose.x, pose.y)
         through = (distances(ends, PANE) < 0.1) & (np.abs(beams[:, 0]) < math.cos(0.15))
-        return make_scan(
-            np.where(through, ranges_at(behind[1:], pose), whole), DIRECTIONS, (0.1, RANGE), np.eye(2), np.zeros(2)
-        )
+        return make_scan(np.where(through, ranges_at(behind[1:], pose), whole), DIRECTIONS, (0.1, RANGE), CENTRE)
 
     path = [*drive(6.5, -2.0, 0.15), *drive(-2.0, 1.0, 0.15)]
     tracker, worst, lost = run(path, see, path)

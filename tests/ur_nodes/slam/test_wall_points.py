@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from tests.ur_nodes.slam.rooms import box, scan_at, walls_of
+from tests.ur_nodes.slam.rooms import CENTRE, box, scan_at, walls_of
 
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.slam.matching.scan import Scan, make_scan
@@ -35,13 +35,13 @@ def test_lone_point_stays_where_it_was_seen() -> None:
 
 
 def test_scan_without_hits_has_no_points() -> None:
-    scan = make_scan(np.full(4, np.inf), np.eye(4)[:, :2], (0.1, 10.0), np.eye(2), np.zeros(2))
+    scan = make_scan(np.full(4, np.inf), np.eye(4)[:, :2], (0.1, 10.0), CENTRE)
     assert wall_points(scan, 0.03).shape == (0, 2)
 
 
 def test_scan_with_more_beams_than_are_matched_has_a_point_for_each() -> None:
     angles = np.linspace(-0.5, 0.5, 1001)
     directions = np.column_stack((np.cos(angles), np.sin(angles)))
-    scan = make_scan(2.0 / directions[:, 0], directions, (0.1, 10.0), np.eye(2), np.zeros(2))
+    scan = make_scan(2.0 / directions[:, 0], directions, (0.1, 10.0), CENTRE)
     assert len(scan.facing) < len(scan.hits) == 1001
     assert wall_points(scan, 0.03)[:, 0] == pytest.approx(2.03, abs=0.002)

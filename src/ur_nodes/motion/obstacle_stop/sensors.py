@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ur.robot.base import Base
 from ur_nodes.geometry.rigid import from_angles
+from ur_nodes.geometry.scan import Mount
 from ur_nodes.motion.obstacle_stop.hull import Hull
 
 Floats = NDArray[np.float64]
@@ -22,7 +23,7 @@ _NEAREST, _FURTHEST, _STEP = 0.05, 0.6, 0.05  # m before the outline
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RangeSensor:
-    """A lidar or a sonar: `rotation` (3, 3) and `offset` (3) of its frame in the base's, m.
+    """A lidar or a sonar on the base.
 
     It sees `start` to `end` (rad in its frame, counter-clockwise) and up to `reach` (m), each `period` s. `label` is
     its name in messages. `ahead` and `behind` tell which of the positions over the width of the base it sees.
@@ -30,8 +31,7 @@ class RangeSensor:
 
     name: str
     label: str
-    rotation: Floats
-    offset: Floats
+    mount: Mount
     start: float
     end: float
     reach: float
@@ -41,13 +41,11 @@ class RangeSensor:
 
     def sees(self, points: Floats) -> NDArray[np.bool_]:
         """Return which points (n, 2) of the base's frame lie in its field of view."""
-        return _sees(points, self.rotation, self.offset, (self.start, self.end), self.reach)
+        return _sees(points, self.mount, (self.start, self.end), self.reach)
 
 
-def _sees(
-    points: Floats, rotation: Floats, offset: Floats, span: tuple[float, float], reach: float
-) -> NDArray[np.bool_]:
-    local = (points - offset[:2]) @ rotation[:2, :2]
+def _sees(points: Floats, mount: Mount, span: tuple[float, float], reach: float) -> NDArray[np.bool_]:
+    local = (points - mount.offset[:2]) @ mount.rotation[:2, :2]
     angles = (np.arctan2(local[:, 1], local[:, 0]) - span[0]) % (2.0 * math.pi)
     seen: NDArray[np.bool_] = (angles <= span[1] - span[0]) & (np.hypot(*local.T) <= reach)
     return seen
@@ -83,11 +81,9 @@ def _sensor(
     hull: Hull, name: str, label: str, pose: tuple[float, ...], span: tuple[float, float], reach: float, period: float
 ) -> RangeSensor:
     rigid = from_angles(pose[:3], pose[3:])
-    rotation, offset = rigid[:3, :3], rigid[:3, 3]
-    ahead, behind = (
-        np.array([_sees(column, rotation, offset, span, reach).any() for column in strip]) for strip in _strips(hull)
-    )
-    return RangeSensor(name, label, rotation, offset, *span, reach, period, ahead, behind)
+    mount = Mount(rigid[:3, :3], rigid[:3, 3])
+    ahead, behind = (np.array([_sees(column, mount, span, reach).any() for column in strip]) for strip in _strips(hull))
+    return RangeSensor(name, label, mount, *span, reach, period, ahead, behind)
 
 
 def _strips(hull: Hull) -> tuple[Floats, Floats]:

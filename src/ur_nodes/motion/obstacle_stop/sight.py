@@ -1,8 +1,7 @@
 """Points that the sensors of a base have seen near it, in the frame of odometry, as steps from reading to reading.
 
 A reading replaces the one before of the same sensor. Points that have left the field of view of their sensor are
-remembered for `MEMORY` s. After REP 117 an infinite range is free, minus infinity nearer than the sensor measures, and
-NaN no measurement; a finite range outside of the limits is none either, but at `range_max` and beyond it is free.
+remembered for `MEMORY` s. What is nearer than a sensor can measure (-inf, REP 117) counts as at its least range.
 """
 
 from __future__ import annotations
@@ -14,6 +13,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from ur_nodes.geometry.scan import classify_ranges, directions_of_beams, ends_of_beams
 from ur_nodes.motion.obstacle_stop.hull import Floats, Hull
 from ur_nodes.motion.obstacle_stop.sensors import RangeSensor
 from ur_nodes.motion.obstacle_stop.track import Odometer, Track, follow
@@ -111,12 +111,11 @@ def look(sight: Sight, sensor: RangeSensor, reading: Ranges) -> Sight:
     if before is not None and reading.at < before.at:
         return sight
     ranges = np.asarray(reading.ranges, dtype=np.float64)
-    low, high = reading.limits
-    near = np.isneginf(ranges)
-    hits = near | ((ranges >= low) & (ranges < high))
-    if not len(ranges) or np.count_nonzero(hits | (ranges >= high)) < _HEARD * len(ranges):
+    returns = classify_ranges(ranges, reading.limits)
+    hits = returns.near | returns.hits
+    if not len(ranges) or np.count_nonzero(hits | returns.clear) < _HEARD * len(ranges):
         return sight
-    ends = _ends(sight, sensor, reading, np.where(near, low, ranges), hits)
+    ends = _ends(sight, sensor, reading, np.where(returns.near, reading.limits[0], ranges), hits)
     seen = dict(sight.seen)
     seen[sensor.name] = Seen(ends, reading.at)
     return replace(sight, seen=seen, memory=_remember(sight, sensor, reading, before))
@@ -141,7 +140,7 @@ def _hidden(sensor: RangeSensor, reading: Ranges, points: Floats) -> NDArray[np.
     """Return which earlier points (n, 2) of the base's frame a reading says nothing about."""
     hidden = ~sensor.sees(points)
     if reading.cone:
-        hidden |= np.hypot(*(points - sensor.offset[:2]).T) > reading.ranges[0] + _SLACK
+        hidden |= np.hypot(*(points - sensor.mount.offset[:2]).T) > reading.ranges[0] + _SLACK
     return hidden
 
 
@@ -151,16 +150,14 @@ def _ends(sight: Sight, sensor: RangeSensor, reading: Ranges, ranges: Floats, hi
         return _NONE
     if reading.cone:
         angles = np.linspace(-reading.cone / 2.0, reading.cone / 2.0, _ARC)
-        ranges, hits = np.broadcast_to(ranges, _ARC), np.broadcast_to(hits, _ARC)
-        numbers = np.zeros(_ARC)
+        directions = np.column_stack((np.cos(angles), np.sin(angles)))
+        ranges, numbers = np.broadcast_to(ranges, _ARC), np.zeros(_ARC)
     else:
-        hits = hits & (ranges <= sight.reach + float(np.hypot(*sensor.offset[:2])))
-        numbers = np.nonzero(hits)[0].astype(np.float64)
-        angles = reading.first + numbers * reading.increment
-        ranges, hits = ranges[hits], np.ones(len(numbers), bool)
-    flat = np.column_stack((np.cos(angles), np.sin(angles))) * ranges[:, None]
-    points = flat @ sensor.rotation[:2, :2].T + sensor.offset[:2]
-    near = hits & (np.hypot(*points.T) <= sight.reach)
+        hits = hits & (ranges <= sight.reach + float(np.hypot(*sensor.mount.offset[:2])))
+        directions = directions_of_beams(len(ranges), reading.first, reading.increment)[hits]
+        ranges, numbers = ranges[hits], np.nonzero(hits)[0].astype(np.float64)
+    points = ends_of_beams(directions, ranges, sensor.mount)
+    near = np.hypot(*points.T) <= sight.reach
     if not near.any():
         return _NONE
     near[near] = sight.hull.distances(points[near]) >= -_OWN

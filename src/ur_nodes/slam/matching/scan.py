@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ur_nodes.geometry.pose import Pose2
+from ur_nodes.geometry.scan import Mount, classify_ranges, ends_of_beams
 from ur_nodes.slam.matching.surface import Floats, Surface, beam_spacing, surface_of_points
 
 MOST_POINTS = 400
@@ -64,24 +65,20 @@ def make_scan(
     ranges: NDArray[np.floating],
     directions: Floats,
     limits: tuple[float, float],
-    rotation: Floats,
-    offset: Floats,
+    mount: Mount,
     free: float = 0.0,
 ) -> Scan:
     """Make a scan from ranges (n) in m along `directions` (n, 2) in the lidar's plane.
 
-    Readings within `limits` (the upper one not included) have hit something. Longer ones leave the floor free up to
-    `free` m (0: they say nothing, as many lidars see no glass). `rotation` (2, 2) and `offset` (2) are the planar part
-    of the lidar's mount; a mirrored one stands for a lidar that hangs upside down.
+    Readings within `limits` have hit something. Clear ones leave the floor free up to `free` m (0: they say nothing,
+    as many lidars see no glass).
     """
     values = np.asarray(ranges, dtype=np.float64)
-    seen = (values >= limits[0]) & (values < limits[1])  # false for nan and inf
-    numbers = np.flatnonzero(seen)
-    points = (directions[seen] * values[seen, None]) @ rotation.T + offset
-    beyond = values >= limits[1] if free > 0.0 else np.zeros(len(values), dtype=bool)
-    misses = directions[beyond] * free @ rotation.T + offset
-    stored = np.minimum(numbers, _MOST_NUMBERS).astype(np.uint16)
-    return restore_scan(points.astype(np.float32), stored, misses.astype(np.float32), offset)
+    returns = classify_ranges(values, limits)
+    points = ends_of_beams(directions[returns.hits], values[returns.hits], mount)
+    misses = ends_of_beams(directions[returns.clear if free > 0.0 else []], free, mount)
+    stored = np.minimum(np.flatnonzero(returns.hits), _MOST_NUMBERS).astype(np.uint16)
+    return restore_scan(points.astype(np.float32), stored, misses.astype(np.float32), mount.offset[:2])
 
 
 def join_scans(scans: Sequence[Scan]) -> Scan:

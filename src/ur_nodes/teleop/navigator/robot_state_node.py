@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from rospy.numpy_msg import numpy_msg
 from sensor_msgs.msg import LaserScan
 
-from ur_nodes.geometry.laser import directions_of_beams, mount_of_pose, points_of_ranges
 from ur_nodes.geometry.pose import Pose2
+from ur_nodes.geometry.scan import mount_of_pose, points_of_scan
 from ur_nodes.geometry.transform_tree import TransformError
 from ur_nodes.rosio.frames import Frames
 
@@ -83,6 +83,4 @@ class RobotState:
             mount = mount_of_pose(self._frames.lookup(parent, message.header.frame_id))
         except TransformError:
             return
-        directions = directions_of_beams(len(message.ranges), message.angle_min, message.angle_increment)
-        points = points_of_ranges(message.ranges, directions, (message.range_min, message.range_max), mount)
-        self._scan = (parent, points)
+        self._scan = (parent, points_of_scan(message, mount))

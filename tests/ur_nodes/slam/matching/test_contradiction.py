@@ -1,7 +1,7 @@
 from __future__ import annotations
 
 import numpy as np
-from tests.ur_nodes.slam.rooms import ROOM, box, scan_at, walls_of
+from tests.ur_nodes.slam.rooms import CENTRE, ROOM, box, scan_at, walls_of
 
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.slam.matching.contradiction import contradiction
@@ -26,5 +26,5 @@ def test_walls_behind_what_a_scan_sees_are_out_of_sight() -> None:
 
 
 def test_scan_without_points_contradicts_the_map() -> None:
-    empty = make_scan(np.full(4, np.inf), np.zeros((4, 2)), (0.1, 10.0), np.eye(2), np.zeros(2))
+    empty = make_scan(np.full(4, np.inf), np.zeros((4, 2)), (0.1, 10.0), CENTRE)
     assert contradiction(scan_at(CELL, HERE).surface, empty, HERE) == 1.0

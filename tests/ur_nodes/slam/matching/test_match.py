@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from tests.ur_nodes.slam.rooms import CORRIDOR, DIRECTIONS, ROOM, Floats, box, ranges_at, scan_at, walls_of
+from tests.ur_nodes.slam.rooms import CENTRE, CORRIDOR, DIRECTIONS, ROOM, Floats, box, ranges_at, scan_at, walls_of
 
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.slam.matching.local_map import LocalMap
@@ -85,7 +85,7 @@ def test_turn_that_odometry_reports_is_believed_where_a_scan_fits_only_a_little_
     ranges = ranges_at(ROOM, HERE, 0.01, seed=1)
     people = random.random(len(ranges)) < 0.55
     ranges[people] = random.uniform(0.3, 1.0, int(people.sum()))
-    crowd = make_scan(ranges, DIRECTIONS, (0.1, 12.0), np.eye(2), np.zeros(2)).surface
+    crowd = make_scan(ranges, DIRECTIONS, (0.1, 12.0), CENTRE).surface
     prior, spread = np.diag(np.square((0.02, 0.02, 0.05))), np.diag(np.square((0.1, 0.1, 0.15)))
     found = locate_surface(local_map(ROOM), crowd, guess, prior, HERE, spread)
     assert 0.3 < match_surface(local_map(ROOM), crowd, HERE, spread).agreement < 0.6

@@ -7,6 +7,7 @@ from tests.ur_nodes.slam.drives import SOFA, WALLS, drive
 from tests.ur_nodes.slam.rooms import DIRECTIONS, Floats, ranges_at
 
 from ur_nodes.geometry.pose import Pose2
+from ur_nodes.geometry.scan import Mount
 from ur_nodes.slam.matching.scan import Scan, join_scans, make_scan
 from ur_nodes.slam.tracker import Tracker
 
@@ -19,7 +20,7 @@ def half(walls: Floats, robot: Pose2, mount: Pose2, seed: int) -> Scan:
     """The scan of a lidar that sees 180 degrees and is mounted so on a robot."""
     ranges = ranges_at(walls, robot.compose(mount), 0.01, seed)[AHEAD]
     c, s = math.cos(mount.yaw), math.sin(mount.yaw)
-    return make_scan(ranges, DIRECTIONS[AHEAD], (0.1, 12.0), np.array(((c, -s), (s, c))), np.array(mount[:2]))
+    return make_scan(ranges, DIRECTIONS[AHEAD], (0.1, 12.0), Mount(np.array(((c, -s), (s, c))), np.array(mount[:2])))
 
 
 def test_joined_scan_has_the_beams_of_all_lidars_and_those_of_two_are_no_neighbours() -> None:
