@@ -4,18 +4,23 @@ from __future__ import annotations
 
 import shutil
 import subprocess
+import sys
+from datetime import datetime, timezone
 from pathlib import Path
 
 import pytest
+from tools.second_tries import read_entries
 
+ROOT = Path(__file__).parents[1]
 _FAKE = """\
 #!/bin/bash
 mkdir -p .pytest_cache/v/cache
 if [[ -e mended ]]; then exit 0; fi
 {
+  comma=''
   echo '{'
-  for name in ${FAILED:-tests/test_a.py::test_b}; do echo "  \\"$name\\": true,"; done
-  echo '}'
+  for name in ${FAILED:-tests/test_a.py::test_b}; do printf '%b  "%s": true' "$comma" "$name" && comma=',\\n'; done
+  printf '\\n}'
 } >.pytest_cache/v/cache/lastfailed
 [[ $LASTING ]] || touch mended
 exit 1
@@ -25,10 +30,13 @@ exit 1
 @pytest.fixture
 def tree(tmp_path: Path) -> Path:
     """A repository whose ./test fails once."""
-    (tmp_path / "tests").mkdir()
-    shutil.copy(Path(__file__).with_name("twice"), tmp_path / "tests" / "twice")
-    (tmp_path / "test").write_text(_FAKE)
-    (tmp_path / "test").chmod(0o755)
+    for name in ("tests/twice", "tools/second_tries.py"):
+        (tmp_path / name).parent.mkdir()
+        shutil.copy(ROOT / name, tmp_path / name)
+    for name, text in (("test", _FAKE), (".venv/bin/python", f'#!/bin/sh\nexec "{sys.executable}" "$@"\n')):
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text(text)
+        (tmp_path / name).chmod(0o755)
     return tmp_path
 
 
@@ -38,27 +46,33 @@ def run_twice(tree: Path, lasting: str = "", failed: str = "") -> subprocess.Com
     return subprocess.run(words, env=environment, capture_output=True, text=True)
 
 
-def test_test_that_passes_the_second_time_is_recorded_and_shown_by_later_runs(tree: Path) -> None:
-    assert run_twice(tree).returncode == 0
-    record = (tree / ".cache" / "passed_second_time").read_text()
-    assert record.endswith(" unknown tests/test_a.py::test_b\n")
-    later = run_twice(tree)
-    assert later.returncode == 0
-    assert record in later.stdout
-    assert (tree / ".cache" / "passed_second_time").read_text() == record
+def read_record(tree: Path) -> list[str]:
+    return list(read_entries((tree / "tests" / "second_tries.yaml").read_text()))
+
+
+def test_test_that_passes_the_second_time_is_recorded_and_its_line_printed(tree: Path) -> None:
+    before = datetime.now(timezone.utc).date()
+    done = run_twice(tree)
+    assert done.returncode == 0, done.stderr
+    record = (tree / "tests" / "second_tries.yaml").read_text()
+    ((test, day),) = read_entries(record).items()
+    assert test == "tests/test_a.py::test_b"
+    assert before <= day <= datetime.now(timezone.utc).date()
+    assert f'"{test}": {day}' in done.stdout.splitlines()
 
 
 def test_test_that_fails_twice_fails_and_is_not_recorded(tree: Path) -> None:
     assert run_twice(tree, lasting="yes").returncode == 1
-    assert not (tree / ".cache").exists()
+    assert not (tree / "tests" / "second_tries.yaml").exists()
 
 
 def test_all_tests_of_one_file_have_a_second_chance_together(tree: Path) -> None:
-    assert run_twice(tree, failed=" ".join(f"tests/test_a.py::test_{name}" for name in "bcde")).returncode == 0
-    assert (tree / ".cache" / "passed_second_time").read_text().count("tests/test_a.py::") == 4
+    tests = [f"tests/test_a.py::test_{name}" for name in "bcde"]
+    assert run_twice(tree, failed=" ".join(tests)).returncode == 0
+    assert read_record(tree) == tests
 
 
 def test_more_than_three_tests_of_several_files_have_no_second_chance(tree: Path) -> None:
     failed = "tests/test_a.py::test_b tests/test_a.py::test_c tests/test_a.py::test_d tests/test_e.py::test_f"
     assert run_twice(tree, failed=failed).returncode == 1
-    assert not (tree / ".cache").exists()
+    assert not (tree / "tests" / "second_tries.yaml").exists()
