@@ -1,7 +1,7 @@
 """Keep the list of tests that failed and then passed on a second try, and fail once one has been in it for too long.
 
     .venv/bin/python tools/second_tries.py               # print the list; exit code 1 when a test is in it for 14 days
-    .venv/bin/python tools/second_tries.py --add FILE    # add the tests of a cache/lastfailed of pytest, with today's date
+    .venv/bin/python tools/second_tries.py --add FILE    # add the tests of pytest's lastfailed, with the date
 
 The list is tests/second_tries.yaml. Its lines are added to the repository and removed with the fix of the test. A test
 that is in it keeps its first date.
