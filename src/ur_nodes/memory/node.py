@@ -1,0 +1,343 @@
+"""A node on a `Bus`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+from ur_nodes.memory.bus import Bus, Listener, Offer
+from ur_nodes.memory.goals import MemoryGoalServer
+from ur_nodes.ports.actions import GoalTakers
+from ur_nodes.ports.node import Sender
+from ur_nodes.ports.parameters import Parameters
+from ur_nodes.ports.qualities import Quality
+from ur_nodes.ports.transforms import Transforms
+from ur_nodes.ports.values import Result, Transform
+
+Value = TypeVar("Value")
+
+TRANSFORMS = "/tf"
+FIXED_TRANSFORMS = "/tf_static"
+
+
+class MemoryNode:
+    """See `ports.node.Node`. `lines` are those of its log: pairs of a level and a text; `ended` says why it ended."""
+
+    def __init__(self, bus: Bus, name: str, remaps: dict[str, str]) -> None:
+        self.name = "/" + name.lstrip("/")
+        self.lines: list[tuple[str, str]] = []
+        self.ended: str | None = None
+        self.failed = False
+        self.facts = MemoryFacts(bus)
+        self.parameters = Parameters(MemoryParameters(self, bus.parameters))
+        self.log = MemoryLog(self)
+        self._bus = bus
+        self._remaps = remaps
+        self._transforms: Transforms | None = None
+        self._listeners: list[tuple[str, Listener]] = []
+        self._offers: list[tuple[str, Offer]] = []
+        self._services: list[str] = []
+        self._at_end: list[Callable[[], None]] = []
+        self._fixed: dict[str, Transform] = {}
+        self._senders: dict[str, MemoryPublisher] = {}
+
+    @property
+    def transforms(self) -> Transforms:
+        """See Node."""
+        if self._transforms is None:
+            self._transforms = tree = Transforms(self._send_transforms)
+            for topic in (FIXED_TRANSFORMS, TRANSFORMS):
+                self.subscribe(topic, tuple, tree.take, Quality.EVERY)
+        return self._transforms
+
+    def publish(
+        self,
+        topic: str,
+        kind: type[Value],
+        quality: Quality = Quality.NEWEST,
+        greet: Callable[[], Value | None] | None = None,
+    ) -> MemoryPublisher:
+        """See Node."""
+        full = self.resolve(topic)
+
+        def answer() -> None:
+            value = greet() if greet is not None and self.ended is None else None
+            if value is not None:
+                publisher.send(value)
+
+        offer = Offer(self.name, _runtime(kind), quality is Quality.LATCHED, answer if greet else None)
+        publisher = MemoryPublisher(self._bus, full, offer)
+        self._offers.append((full, offer))
+        self._bus.offer(full, offer)
+        return publisher
+
+    def subscribe(
+        self,
+        topic: str,
+        kind: type[Value],
+        take: Callable[[Value], None],
+        quality: Quality = Quality.NEWEST,
+    ) -> MemorySubscription:
+        """See Node."""
+        return self._listen(topic, kind, lambda value, _sender, _kept: take(value), quality)
+
+    def subscribe_from(
+        self,
+        topic: str,
+        kind: type[Value],
+        take: Callable[[Value, Sender | None], None],
+        quality: Quality = Quality.NEWEST,
+    ) -> MemorySubscription:
+        """See Node."""
+        return self._listen(topic, kind, lambda value, sender, kept: take(value, Sender(sender, kept)), quality)
+
+    def serve(self, service: str, kind: type[Value], answer: Callable[[Value], Result]) -> None:
+        """See Node."""
+        full = self.resolve(service)
+
+        def check(request: Any) -> Result:
+            if not isinstance(request, kind):
+                return Result(False, f"{full}: a request {type(request).__name__}, expected {kind.__name__}")
+            return answer(request)
+
+        self._services.append(full)
+        self._bus.services[full] = check
+
+    def call(self, service: str, request: object, take: Callable[[Result], None], within: float = 5.0) -> None:
+        """See Node."""
+        full, end = self.resolve(service), self._bus.now + round(within * 1e9)
+
+        def give(result: Result) -> None:
+            self._bus.at(self._bus.now, lambda: take(result) if self.ended is None else None)
+
+        def ask() -> None:
+            serve = self._bus.services.get(full)
+            if serve is not None:
+                give(serve(request))
+            elif self._bus.now < end:
+                self._bus.at(min(self._bus.now + 100_000_000, end), ask)
+            else:
+                give(Result(False, f"no service {full} within {within:g} s"))
+
+        self._bus.at(self._bus.now, ask)
+
+    def serve_goals(self, action: str, takers: GoalTakers) -> MemoryGoalServer:
+        """See Node."""
+        return MemoryGoalServer(self, action, takers)
+
+    def every(self, seconds: float, call: Callable[[], None]) -> MemoryTimer:
+        """See Node."""
+        timer, period = MemoryTimer(), round(seconds * 1e9)
+
+        def beat(due: int) -> None:
+            if self.ended is None and timer.on:
+                self._bus.at(due + period, lambda: beat(due + period))
+                call()
+
+        self._bus.at(self._bus.now + period, lambda first=self._bus.now + period: beat(first))  # type: ignore[misc]
+        return timer
+
+    def work(self, job: Callable[[], Value], take: Callable[[Value], None]) -> None:
+        """See Node. The job runs at once; its result comes with the next event."""
+        result = job()
+        self._bus.at(self._bus.now, lambda: take(result) if self.ended is None else None)
+
+    def now(self) -> int:
+        """See Node."""
+        return self._bus.now
+
+    def steady(self) -> float:
+        """See Node."""
+        return self._bus.now * 1e-9
+
+    def resolve(self, name: str) -> str:
+        """See Node."""
+        if name in self._remaps:
+            name = self._remaps[name]
+        full = f"{self.name}/{name[1:]}" if name.startswith("~") else f"/{name.lstrip('/')}"
+        return self._remaps.get(full, full)
+
+    def on_end(self, call: Callable[[], None]) -> None:
+        """See Node."""
+        self._at_end.append(call)
+
+    def end(self, reason: str, *, failed: bool = False) -> None:
+        """See Node."""
+        if self.ended is not None:
+            return
+        for call in self._at_end:
+            call()
+        self.ended, self.failed = reason, failed
+        for topic, listener in self._listeners:
+            listener.open = False
+            self._bus.topics[topic].listeners.remove(listener)
+        for topic, offer in self._offers:
+            self._bus.topics[topic].offers.remove(offer)
+        for service in self._services:
+            self._bus.services.pop(service, None)
+        if self._bus.nodes.get(self.name.lstrip("/")) is self:
+            del self._bus.nodes[self.name.lstrip("/")]
+
+    def _listen(
+        self, topic: str, kind: type[Any], deliver: Callable[[Any, str, bool], None], quality: Quality
+    ) -> MemorySubscription:
+        full = self.resolve(topic)
+        listener = self._bus.listen(full, _runtime(kind), quality, deliver)
+        self._listeners.append((full, listener))
+        return MemorySubscription(self._bus, full, listener, lambda: self._listeners.remove((full, listener)))
+
+    def _send_transforms(self, transforms: tuple[Transform, ...]) -> None:
+        fixed = [each for each in transforms if each.fixed]
+        moving = tuple(each for each in transforms if not each.fixed)
+        if fixed:
+            self._fixed.update({each.child: each for each in fixed})
+            self._sender(FIXED_TRANSFORMS, Quality.LATCHED).send(tuple(self._fixed.values()))
+        if moving:
+            self._sender(TRANSFORMS, Quality.EVERY).send(moving)
+
+    def _sender(self, topic: str, quality: Quality) -> MemoryPublisher:
+        if topic not in self._senders:
+            self._senders[topic] = self.publish(topic, tuple, quality)
+        return self._senders[topic]
+
+
+class MemoryPublisher:
+    """See `ports.node.Publisher`."""
+
+    def __init__(self, bus: Bus, topic: str, offer: Offer) -> None:
+        self.topic = topic
+        self._bus, self._offer = bus, offer
+
+    def send(self, value: Any) -> None:
+        """See Publisher."""
+        if self._offer in self._bus.topics[self.topic].offers:
+            self._bus.send(self.topic, self._offer, value)
+
+    def listeners(self) -> int:
+        """See Publisher."""
+        return len(self._bus.topics[self.topic].listeners)
+
+    def close(self) -> None:
+        """See Publisher."""
+        self._offer.latched, self._offer.greet, self._offer.kept = False, None, None
+
+
+class MemorySubscription:
+    """See `ports.node.Subscription`."""
+
+    def __init__(self, bus: Bus, topic: str, listener: Listener, forget: Callable[[], None]) -> None:
+        self.topic = topic
+        self._bus, self._listener, self._forget = bus, listener, forget
+
+    def publishers(self) -> int:
+        """See Subscription."""
+        return len(self._bus.topics[self.topic].offers)
+
+    def close(self) -> None:
+        """See Subscription."""
+        if self._listener.open:
+            self._listener.open = False
+            self._bus.topics[self.topic].listeners.remove(self._listener)
+            self._forget()
+
+
+class MemoryTimer:
+    """See `ports.node.Timer`."""
+
+    def __init__(self) -> None:
+        self.on = True
+
+    def cancel(self) -> None:
+        """See Timer."""
+        self.on = False
+
+
+class MemoryFacts:
+    """See `ports.facts.Facts`: the bus's."""
+
+    simulated_time = True
+
+    def __init__(self, bus: Bus) -> None:
+        self._facts = bus.facts
+
+    def get(self, name: str, default: Any = None) -> Any:
+        """See Facts."""
+        return self._facts.get(name, default)
+
+    def set(self, name: str, value: Any) -> None:
+        """See Facts."""
+        self._facts[name] = value
+
+
+class MemoryParameters:
+    """See `ports.parameters.ParameterStore`: those of the bus, by full names, as on a parameter server."""
+
+    def __init__(self, node: MemoryNode, parameters: dict[str, Any]) -> None:
+        self._node, self._parameters = node, parameters
+
+    def resolve(self, name: str) -> str:
+        """See ParameterStore."""
+        return self._node.resolve(name)
+
+    def has(self, name: str) -> bool:
+        """See ParameterStore."""
+        full = self.resolve(name).rstrip("/")
+        return full in self._parameters or any(each.startswith(full + "/") for each in self._parameters)
+
+    def get(self, name: str) -> Any:
+        """See ParameterStore."""
+        full = self.resolve(name).rstrip("/")
+        if full in self._parameters:
+            return self._parameters[full]
+        below = {
+            name[len(full) + 1 :]: value for name, value in self._parameters.items() if name.startswith(full + "/")
+        }
+        if not below:
+            raise KeyError(full)
+        tree: dict[str, Any] = {}
+        for path, value in below.items():
+            *folders, last = path.split("/")
+            place = tree
+            for folder in folders:
+                place = place.setdefault(folder, {})
+            place[last] = value
+        return tree
+
+    def set(self, name: str, value: Any) -> None:
+        """See ParameterStore."""
+        self._parameters[self.resolve(name).rstrip("/")] = value
+
+
+class MemoryLog:
+    """See `ports.log.Log`. Writes to the node's `lines`."""
+
+    def __init__(self, node: MemoryNode) -> None:
+        self._node = node
+        self._last: dict[str, int] = {}
+
+    def debug(self, text: str) -> None:
+        """See Log."""
+        self._node.lines.append(("debug", text))
+
+    def info(self, text: str) -> None:
+        """See Log."""
+        self._node.lines.append(("info", text))
+
+    def warn(self, text: str, *, every: float = 0.0) -> None:
+        """See Log. With `every`, equal texts count as of one place."""
+        self._write("warn", text, every)
+
+    def error(self, text: str, *, every: float = 0.0) -> None:
+        """As `warn`."""
+        self._write("error", text, every)
+
+    def _write(self, level: str, text: str, every: float) -> None:
+        now = self._node.now()
+        if every and now - self._last.get(text, -(10**18)) < every * 1e9:
+            return
+        self._last[text] = now
+        self._node.lines.append((level, text))
+
+
+def _runtime(kind: type) -> Any:
+    return (float, int) if kind is float else kind

@@ -1,0 +1,18 @@
+"""Facts that hold for all nodes of a run: base, variant, run, clock."""
+
+from __future__ import annotations
+
+from typing import Any, Protocol
+
+
+class Facts(Protocol):
+    """Reads and writes facts, by names such as 'base_name'."""
+
+    simulated_time: bool
+    """Whether the time of `Node.now` is a simulation's."""
+
+    def get(self, name: str, default: Any = None) -> Any:
+        """The value of a fact; `default` while it is not known."""
+
+    def set(self, name: str, value: Any) -> None:
+        """Make a fact known."""

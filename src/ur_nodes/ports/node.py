@@ -1,0 +1,144 @@
+"""The protocol of a node's surroundings: topics, services, goals, time, parameters and the end.
+
+All callbacks of a node run one after the other, on one thread that the backend owns; nothing of a node needs a lock.
+A callback must not wait: long work goes to `work`, which posts its result back. An exception in a callback ends the
+node. Names are those of ROS: 'scan' below the namespace, '~goal' below the node, '/tf' as it is; all can be remapped.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol, TypeVar
+
+from ur_nodes.ports.actions import GoalServer, GoalTakers
+from ur_nodes.ports.facts import Facts
+from ur_nodes.ports.log import Log
+from ur_nodes.ports.parameters import Parameters
+from ur_nodes.ports.qualities import Quality
+from ur_nodes.ports.transforms import Transforms
+from ur_nodes.ports.values import Result
+
+Value = TypeVar("Value")
+Sent = TypeVar("Sent", contravariant=True)
+
+SECOND = 1_000_000_000
+"""ns"""
+
+
+@dataclass(frozen=True, slots=True)
+class Sender:
+    """The sender of a value: the name of a node, and whether the value is one that the topic had kept (LATCHED)."""
+
+    name: str
+    kept: bool = False
+
+
+class Publisher(Protocol[Sent]):
+    """One end of a topic."""
+
+    topic: str
+
+    def send(self, value: Sent) -> None:
+        """Send a value to all who listen. After the end of the node nothing happens."""
+
+    def listeners(self) -> int:
+        """The number of listeners: a value that is dear to make is made for somebody only."""
+
+    def close(self) -> None:
+        """Send no more."""
+
+
+class Subscription(Protocol):
+    """The other end of a topic."""
+
+    topic: str
+
+    def publishers(self) -> int:
+        """The number of publishers."""
+
+    def close(self) -> None:
+        """Hear no more; what waits is dropped."""
+
+
+class Node(Protocol):
+    """A node's surroundings. See the module for threads and names."""
+
+    name: str
+    parameters: Parameters
+
+    @property
+    def facts(self) -> Facts:
+        """The facts of the run."""
+
+    @property
+    def log(self) -> Log:
+        """The log."""
+
+    @property
+    def transforms(self) -> Transforms:
+        """The transform tree; it listens from the first use on."""
+
+    def publish(
+        self,
+        topic: str,
+        kind: type[Value],
+        quality: Quality = Quality.NEWEST,
+        greet: Callable[[], Value | None] | None = None,
+    ) -> Publisher[Value]:
+        """Offer a topic. `greet` is asked, when somebody begins to listen, for what all listeners then get."""
+
+    def subscribe(
+        self,
+        topic: str,
+        kind: type[Value],
+        take: Callable[[Value], None],
+        quality: Quality = Quality.NEWEST,
+    ) -> Subscription:
+        """Listen to a topic. What cannot be a `kind` is reported once and dropped."""
+
+    def subscribe_from(
+        self,
+        topic: str,
+        kind: type[Value],
+        take: Callable[[Value, Sender | None], None],
+        quality: Quality = Quality.NEWEST,
+    ) -> Subscription:
+        """Listen, and be told who sent each value; None where the middleware does not know it."""
+
+    def serve(self, service: str, kind: type[Value], answer: Callable[[Value], Result]) -> None:
+        """Answer requests of a kind, see `ports.services`."""
+
+    def call(self, service: str, request: object, take: Callable[[Result], None], within: float = 5.0) -> None:
+        """Ask a service; `take` gets the answer, or a result without success after `within` s."""
+
+    def serve_goals(self, action: str, takers: GoalTakers) -> GoalServer:
+        """Take goals of an action that drives to a pose."""
+
+    def every(self, seconds: float, call: Callable[[], None]) -> Timer:
+        """Call again and again, in the time of `now`. A beat that is late by more than one is left out."""
+
+    def work(self, job: Callable[[], Value], take: Callable[[Value], None]) -> None:
+        """Run a job beside the node, one after the other, and take its result as any other callback."""
+
+    def now(self) -> int:
+        """The time of all nodes in ns: simulated where they are."""
+
+    def steady(self) -> float:
+        """Seconds of a clock that is never set and that runs on while the computer sleeps."""
+
+    def resolve(self, name: str) -> str:
+        """The full name that a name of this node stands for."""
+
+    def on_end(self, call: Callable[[], None]) -> None:
+        """Call when the node ends, before its topics close; what it sends then still leaves."""
+
+    def end(self, reason: str, *, failed: bool = False) -> None:
+        """End the node."""
+
+
+class Timer(Protocol):
+    """A call that is repeated."""
+
+    def cancel(self) -> None:
+        """Call no more."""

@@ -1,0 +1,130 @@
+"""Parameters of a node, typed, with errors that name the parameter and what was expected."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from typing import Any, Protocol
+
+from ur.source.diagnostic import UserError, error
+from ur.source.foreign.yaml_text import load_yaml
+from ur.source.suggest import did_you_mean
+
+_REQUIRED: Any = object()
+
+
+class ParameterStore(Protocol):
+    """A backend's store of parameters; names are as for `Node.resolve`."""
+
+    def resolve(self, name: str) -> str:
+        """The full name, for messages."""
+
+    def has(self, name: str) -> bool:
+        """Return True when the parameter is set."""
+
+    def get(self, name: str) -> Any:
+        """Its value: a bool, int, float, str, list or dict. Raises KeyError."""
+
+    def set(self, name: str, value: Any) -> None:
+        """Set it."""
+
+
+class Parameters:
+    """Reads parameters below `namespace` ('~' is the node itself). Raises UserError."""
+
+    def __init__(self, store: ParameterStore, namespace: str = "~") -> None:
+        self._store = store
+        self._namespace = namespace
+
+    def below(self, name: str) -> Parameters:
+        """The parameters of a sub-namespace."""
+        return Parameters(self._store, f"{self._namespace}{name}/")
+
+    def has(self, name: str) -> bool:
+        """Return True when the parameter is set."""
+        return self._store.has(self._namespace + name)
+
+    def any(self, name: str, default: Any = None) -> Any:
+        """The value as it is; `default` when it is not set."""
+        try:
+            return self._store.get(self._namespace + name)
+        except KeyError:
+            return default
+
+    def keep(self, name: str, value: Any) -> None:
+        """Set a parameter, so that the node finds it when it is started again."""
+        self._store.set(self._namespace + name, value)
+
+    def name(self, name: str) -> str:
+        """The full name of a parameter, for messages."""
+        return self._store.resolve(self._namespace + name)
+
+    def number(
+        self, name: str, default: Any = _REQUIRED, *, minimum: float = -math.inf, maximum: float = math.inf
+    ) -> float:
+        """A finite number within limits (inclusive)."""
+        value = self._get(name, default, "a number")
+        good = isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
+        if not good or not minimum <= value <= maximum:
+            limits = "" if (minimum, maximum) == (-math.inf, math.inf) else f" from {minimum:g} to {maximum:g}"
+            self.fail(name, value, f"a number{limits}")
+        return float(value)
+
+    def integer(self, name: str, default: Any = _REQUIRED, *, minimum: int | None = None) -> int:
+        """A whole number not below `minimum`."""
+        value = self._get(name, default, "a whole number")
+        if not isinstance(value, int) or isinstance(value, bool) or (minimum is not None and value < minimum):
+            at_least = "" if minimum is None else f" of at least {minimum}"
+            self.fail(name, value, f"a whole number{at_least}")
+        return int(value)
+
+    def text(self, name: str, default: Any = _REQUIRED, *, choices: Iterable[str] = ()) -> str:
+        """A string; with `choices`, one of them."""
+        value = self._get(name, default, "a text")
+        allowed = list(choices)
+        if not isinstance(value, str) or (allowed and value not in allowed):
+            self.fail(name, value, f"one of {', '.join(allowed)}" if allowed else "a text", allowed)
+        return str(value)
+
+    def boolean(self, name: str, default: Any = _REQUIRED) -> bool:
+        """True or false."""
+        value = self._get(name, default, "true or false")
+        if not isinstance(value, bool):
+            self.fail(name, value, "true or false")
+        return bool(value)
+
+    def texts(self, name: str, default: Any = _REQUIRED) -> tuple[str, ...]:
+        """A list of strings."""
+        value = self._get(name, default, "a list of texts")
+        if not isinstance(value, (list, tuple)) or not all(isinstance(each, str) for each in value):
+            self.fail(name, value, "a list of texts")
+        return tuple(value)
+
+    def points(self, name: str, default: Any = _REQUIRED) -> tuple[tuple[float, float], ...]:
+        """A list of [x, y] points, or the text of one (move_base's footprints may be either)."""
+        value = self._get(name, default, "a list of [x, y] points")
+        try:
+            listed = load_yaml(value) if isinstance(value, str) else value
+            return tuple((float(x), float(y)) for x, y in listed or ())
+        except (TypeError, ValueError):
+            self.fail(name, value, "a list of [x, y] points")
+            raise AssertionError from None
+
+    def fail(self, name: str, value: object, expected: str, choices: Iterable[str] = ()) -> None:
+        """Raise UserError: this parameter has this value, and what was expected."""
+        near = did_you_mean(str(value), choices)
+        raise UserError(
+            error(
+                f"parameter {self.name(name)}: {value!r}, expected {expected}",
+                rule="bad-parameter",
+                help=f"did you mean {near!r}?" if near else None,
+            )
+        )
+
+    def _get(self, name: str, default: Any, expected: str) -> Any:
+        try:
+            return self._store.get(self._namespace + name)
+        except KeyError:
+            if default is not _REQUIRED:
+                return default
+        raise UserError(error(f"parameter {self.name(name)} is not set, expected {expected}", rule="missing-parameter"))

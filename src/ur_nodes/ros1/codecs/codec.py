@@ -1,0 +1,60 @@
+"""The parts of a codec."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import genpy
+
+from ur_nodes.ports.values import Result
+
+_SECOND = 1_000_000_000
+
+
+@dataclass(frozen=True, slots=True)
+class Codec:
+    """A kind of value as messages. `fill` writes a value into one; `value_of` reads it, raises ValueError or UserError.
+
+    A message may be filled again for the next value.
+    """
+
+    message_class: Any
+    fill: Callable[[Any, Any], None]
+    value_of: Callable[[Any], Any]
+
+
+@dataclass(frozen=True, slots=True)
+class ServiceCodec:
+    """A kind of request, and what it is answered with, as the messages of a service.
+
+    `response` raises rospy.ServiceException where a failure cannot be told otherwise.
+    """
+
+    service_class: Any
+    request: Callable[[Any], Any]
+    request_of: Callable[[Any], Any]
+    response: Callable[[Result], Any]
+    result_of: Callable[[Any], Result]
+
+
+def time_of(stamp: int) -> genpy.Time:
+    """A stamp (ns) as a message has it."""
+    return genpy.Time(*divmod(stamp, _SECOND))
+
+
+def stamp_of(time: genpy.Time) -> int:
+    """The stamp (ns) of a message's time."""
+    return int(time.secs) * _SECOND + int(time.nsecs)
+
+
+def fill_header(message: Any, stamp: int, frame: str) -> None:
+    """Write a message's header."""
+    message.header.stamp = time_of(stamp)
+    message.header.frame_id = frame
+
+
+def frame_of(message: Any) -> str:
+    """The frame of a message, without the slash that tf once had."""
+    return str(message.header.frame_id).lstrip("/")

@@ -1,0 +1,46 @@
+"""Maps and what changes in them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ur_nodes.ports.values import Map, MapUpdate
+from ur_nodes.ros1.codecs.codec import Codec, fill_header, frame_of, stamp_of, time_of
+from ur_nodes.rosio.grid_message import GridMessage, grid_of_message, metadata_message
+from ur_nodes.rosio.grid_update import GridUpdate
+
+
+def fill_map(message: Any, value: Map) -> None:
+    """Write a nav_msgs/OccupancyGrid; the message shares the cells."""
+    fill_header(message, value.stamp, value.frame)
+    message.info = metadata_message(value.grid, time_of(value.stamp))
+    message.data = value.grid.values.ravel()
+
+
+def map_of(message: Any) -> Map:
+    """Read a nav_msgs/OccupancyGrid. Raises UserError: size, data and resolution do not fit together."""
+    grid = grid_of_message(message)
+    message.data = ()  # rospy keeps the last message, which is as large as the map
+    return Map(stamp_of(message.header.stamp), frame_of(message), grid)
+
+
+def _fill_update(message: Any, value: MapUpdate) -> None:
+    fill_header(message, value.stamp, value.frame)
+    message.x, message.y = value.column, value.row
+    message.height, message.width = value.values.shape
+    message.data = value.values.ravel()
+
+
+def _update_of(message: Any) -> MapUpdate:
+    if message.width * message.height != len(message.data):
+        raise ValueError(
+            f"update of {message.width} x {message.height} cells with {len(message.data)} values, expected one per cell"
+        )
+    values = message.data.reshape(message.height, message.width)
+    return MapUpdate(stamp_of(message.header.stamp), frame_of(message), message.y, message.x, values)
+
+
+CODECS = {
+    Map: Codec(GridMessage, fill_map, map_of),
+    MapUpdate: Codec(GridUpdate, _fill_update, _update_of),
+}

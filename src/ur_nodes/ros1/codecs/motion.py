@@ -1,0 +1,80 @@
+"""Velocities, odometry, joints and joysticks."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from geometry_msgs.msg import Twist as TwistMessage
+from geometry_msgs.msg import TwistStamped
+from nav_msgs.msg import Odometry as OdometryMessage
+from sensor_msgs.msg import JointState, Joy
+
+from ur_nodes.ports.values import Joints, Joystick, Odometry, StampedTwist, Twist
+from ur_nodes.ros1.codecs.codec import Codec, fill_header, frame_of, stamp_of
+from ur_nodes.ros1.codecs.matrices import matrix_of, numbers_of
+from ur_nodes.rosio.geometry import fill_pose, pose_of_message
+
+
+def _fill_twist(message: Any, value: Twist) -> None:
+    message.linear.x, message.linear.y, message.angular.z = value.forward, value.left, value.turn
+
+
+def _twist_of(message: Any) -> Twist:
+    return Twist(message.linear.x, message.angular.z, message.linear.y)
+
+
+def _fill_stamped(message: Any, value: StampedTwist) -> None:
+    fill_header(message, value.stamp, value.frame)
+    _fill_twist(message.twist, value.twist)
+
+
+def _stamped_of(message: Any) -> StampedTwist:
+    return StampedTwist(stamp_of(message.header.stamp), message.header.frame_id, _twist_of(message.twist))
+
+
+def _fill_odometry(message: Any, value: Odometry) -> None:
+    fill_header(message, value.stamp, value.frame)
+    message.child_frame_id = value.child
+    fill_pose(message.pose.pose, value.pose)
+    _fill_twist(message.twist.twist, value.twist)
+    message.pose.covariance = numbers_of(value.pose_covariance)
+    message.twist.covariance = numbers_of(value.twist_covariance)
+
+
+def _odometry_of(message: Any) -> Odometry:
+    return Odometry(
+        stamp_of(message.header.stamp),
+        frame_of(message),
+        message.child_frame_id.lstrip("/"),
+        pose_of_message(message.pose.pose),
+        _twist_of(message.twist.twist),
+        matrix_of(message.pose.covariance),
+        matrix_of(message.twist.covariance),
+    )
+
+
+def _fill_joints(message: Any, value: Joints) -> None:
+    fill_header(message, value.stamp, "")
+    message.name, message.position, message.velocity = value.names, value.angles, value.speeds
+
+
+def _joints_of(message: Any) -> Joints:
+    return Joints(stamp_of(message.header.stamp), tuple(message.name), tuple(message.position), tuple(message.velocity))
+
+
+def _fill_joystick(message: Any, value: Joystick) -> None:
+    fill_header(message, value.stamp, "")
+    message.axes, message.buttons = value.axes, value.buttons
+
+
+def _joystick_of(message: Any) -> Joystick:
+    return Joystick(stamp_of(message.header.stamp), tuple(message.axes), tuple(message.buttons))
+
+
+CODECS = {
+    Twist: Codec(TwistMessage, _fill_twist, _twist_of),
+    StampedTwist: Codec(TwistStamped, _fill_stamped, _stamped_of),
+    Odometry: Codec(OdometryMessage, _fill_odometry, _odometry_of),
+    Joints: Codec(JointState, _fill_joints, _joints_of),
+    Joystick: Codec(Joy, _fill_joystick, _joystick_of),
+}

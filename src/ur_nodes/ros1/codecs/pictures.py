@@ -1,0 +1,43 @@
+"""Pictures."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from sensor_msgs.msg import CompressedImage, Image
+
+from ur_nodes.ports.values import PackedPicture, Picture
+from ur_nodes.ros1.codecs.codec import Codec, fill_header, frame_of, stamp_of
+
+
+def _fill_picture(message: Any, value: Picture) -> None:
+    fill_header(message, value.stamp, value.frame)
+    message.width, message.height, message.step = value.width, value.height, value.step
+    message.encoding, message.data = value.encoding, value.data
+
+
+def _picture_of(message: Any) -> Picture:
+    return Picture(
+        stamp_of(message.header.stamp),
+        frame_of(message),
+        message.width,
+        message.height,
+        message.encoding,
+        message.step,
+        message.data,
+    )
+
+
+def _fill_packed(message: Any, value: PackedPicture) -> None:
+    fill_header(message, value.stamp, value.frame)
+    message.format, message.data = value.format, value.data
+
+
+def _packed_of(message: Any) -> PackedPicture:
+    return PackedPicture(stamp_of(message.header.stamp), frame_of(message), message.format, message.data)
+
+
+CODECS = {
+    Picture: Codec(Image, _fill_picture, _picture_of),
+    PackedPicture: Codec(CompressedImage, _fill_packed, _packed_of),
+}

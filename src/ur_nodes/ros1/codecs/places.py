@@ -1,0 +1,87 @@
+"""Poses in frames, and lines of them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from geometry_msgs.msg import Point32, PolygonStamped, PoseArray, PoseStamped, PoseWithCovarianceStamped
+from nav_msgs.msg import Path as PathMessage
+from numpy.typing import NDArray
+
+from ur_nodes.geometry.pose import Pose2
+from ur_nodes.ports.values import Outline, Path, PlacedPose, PoseEstimate, Poses
+from ur_nodes.ros1.codecs.codec import Codec, fill_header, frame_of, stamp_of
+from ur_nodes.ros1.codecs.matrices import matrix_of, numbers_of
+from ur_nodes.rosio.geometry import fill_pose, pose_message, pose_of_message
+
+
+def fill_placed(message: Any, value: PlacedPose) -> None:
+    """Write a geometry_msgs/PoseStamped."""
+    fill_header(message, value.stamp, value.frame)
+    fill_pose(message.pose, value.pose)
+
+
+def placed_of(message: Any) -> PlacedPose:
+    """Read a geometry_msgs/PoseStamped."""
+    return PlacedPose(stamp_of(message.header.stamp), frame_of(message), pose_of_message(message.pose))
+
+
+def _fill_estimate(message: Any, value: PoseEstimate) -> None:
+    fill_header(message, value.stamp, value.frame)
+    fill_pose(message.pose.pose, value.pose)
+    message.pose.covariance = numbers_of(value.covariance)
+
+
+def estimate_of(message: Any) -> PoseEstimate:
+    """Read a geometry_msgs/PoseWithCovarianceStamped."""
+    return PoseEstimate(
+        stamp_of(message.header.stamp),
+        frame_of(message),
+        pose_of_message(message.pose.pose),
+        matrix_of(message.pose.covariance),
+    )
+
+
+def _fill_poses(message: Any, value: Poses) -> None:
+    fill_header(message, value.stamp, value.frame)
+    message.poses = [pose_message(Pose2(*each)) for each in value.poses.tolist()]
+
+
+def _poses_of(message: Any) -> Poses:
+    return Poses(stamp_of(message.header.stamp), frame_of(message), _rows(pose_of_message(p) for p in message.poses))
+
+
+def _fill_path(message: Any, value: Path) -> None:
+    fill_header(message, value.stamp, value.frame)
+    message.poses = [
+        PoseStamped(header=message.header, pose=pose_message(Pose2(*each))) for each in value.poses.tolist()
+    ]
+
+
+def _path_of(message: Any) -> Path:
+    rows = _rows(pose_of_message(each.pose) for each in message.poses)
+    return Path(stamp_of(message.header.stamp), frame_of(message), rows)
+
+
+def _fill_outline(message: Any, value: Outline) -> None:
+    fill_header(message, value.stamp, value.frame)
+    message.polygon.points = [Point32(x, y, 0.0) for x, y in value.corners.tolist()]
+
+
+def _outline_of(message: Any) -> Outline:
+    corners = np.array([(p.x, p.y) for p in message.polygon.points], dtype=np.float64).reshape(-1, 2)
+    return Outline(stamp_of(message.header.stamp), frame_of(message), corners)
+
+
+def _rows(poses: Any) -> NDArray[np.float64]:
+    return np.array(list(poses), dtype=np.float64).reshape(-1, 3)
+
+
+CODECS = {
+    PlacedPose: Codec(PoseStamped, fill_placed, placed_of),
+    PoseEstimate: Codec(PoseWithCovarianceStamped, _fill_estimate, estimate_of),
+    Poses: Codec(PoseArray, _fill_poses, _poses_of),
+    Path: Codec(PathMessage, _fill_path, _path_of),
+    Outline: Codec(PolygonStamped, _fill_outline, _outline_of),
+}

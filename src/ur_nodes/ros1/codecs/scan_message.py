@@ -1,0 +1,70 @@
+"""sensor_msgs/LaserScan with arrays, sent and received without lists of Python numbers."""
+
+from __future__ import annotations
+
+import struct
+from typing import Any
+
+import genpy
+import numpy as np
+from numpy.typing import NDArray
+from sensor_msgs.msg import LaserScan
+from std_msgs.msg import Header
+
+_HEADER = struct.Struct("<4I")  # sequence number, stamp, length of the frame's name
+_FIGURES = struct.Struct("<7f")
+_COUNT = struct.Struct("<I")
+
+
+class ScanMessage(LaserScan):  # type: ignore[misc]  # generated without types
+    """A LaserScan whose `ranges` and `intensities` are float32 arrays; those received share the memory of what came."""
+
+    __slots__ = tuple(LaserScan.__slots__)  # genpy reads the fields from it
+    ranges: NDArray[np.float32]
+    intensities: NDArray[np.float32]
+
+    def serialize(self, buff: Any) -> None:
+        """Write the message to a binary file."""
+        self.header.serialize(buff)
+        buff.write(
+            _FIGURES.pack(
+                self.angle_min,
+                self.angle_max,
+                self.angle_increment,
+                self.time_increment,
+                self.scan_time,
+                self.range_min,
+                self.range_max,
+            )
+        )
+        for numbers in (self.ranges, self.intensities):
+            array = np.ascontiguousarray(numbers, "<f4")
+            buff.write(_COUNT.pack(len(array)))
+            buff.write(array.data)
+
+    def deserialize(self, str: bytes) -> ScanMessage:
+        """Fill the message from bytes. Raises genpy.DeserializationError: they end too early."""
+        try:
+            self.header = Header().deserialize(str)
+            start = _HEADER.size + _HEADER.unpack_from(str)[3]
+            (
+                self.angle_min,
+                self.angle_max,
+                self.angle_increment,
+                self.time_increment,
+                self.scan_time,
+                self.range_min,
+                self.range_max,
+            ) = _FIGURES.unpack_from(str, start)
+            self.ranges, start = _read_numbers(str, start + _FIGURES.size)
+            self.intensities, _ = _read_numbers(str, start)
+        except (struct.error, ValueError) as problem:
+            raise genpy.DeserializationError(problem) from problem
+        return self
+
+
+def _read_numbers(data: bytes, start: int) -> tuple[NDArray[np.float32], int]:
+    """The numbers from a place on, and where they end."""
+    (count,) = _COUNT.unpack_from(data, start)
+    start += _COUNT.size
+    return np.frombuffer(data, np.float32, count, start), start + 4 * count

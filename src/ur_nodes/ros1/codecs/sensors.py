@@ -1,0 +1,126 @@
+"""Scans, sonars, inertia and batteries."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from geometry_msgs.msg import Quaternion, Vector3
+from sensor_msgs.msg import BatteryState
+from sensor_msgs.msg import Imu as ImuMessage
+from sensor_msgs.msg import Range as RangeMessage
+
+from ur_nodes.ports.values import Battery, Imu, Range, Scan
+from ur_nodes.ros1.codecs.codec import Codec, fill_header, frame_of, stamp_of
+from ur_nodes.ros1.codecs.scan_message import ScanMessage
+
+# sensor_msgs/BatteryState knows no lead.
+_TECHNOLOGIES = {
+    "lifepo4": BatteryState.POWER_SUPPLY_TECHNOLOGY_LIFE,
+    "lithium-ion": BatteryState.POWER_SUPPLY_TECHNOLOGY_LION,
+    "lithium-polymer": BatteryState.POWER_SUPPLY_TECHNOLOGY_LIPO,
+    "nicd": BatteryState.POWER_SUPPLY_TECHNOLOGY_NICD,
+    "nimh": BatteryState.POWER_SUPPLY_TECHNOLOGY_NIMH,
+}
+_TECHNOLOGY_OF = {number: name for name, number in _TECHNOLOGIES.items()}
+
+
+def _fill_scan(message: Any, value: Scan) -> None:
+    fill_header(message, value.stamp, value.frame)
+    last = value.angle_min + (len(value.ranges) - 1) * value.angle_increment
+    message.angle_min, message.angle_increment = value.angle_min, value.angle_increment
+    message.angle_max = last if value.angle_max is None else value.angle_max
+    message.range_min, message.range_max, message.scan_time = value.range_min, value.range_max, value.scan_time
+    message.ranges, message.intensities = value.ranges, value.intensities
+
+
+def _scan_of(message: Any) -> Scan:
+    return Scan(
+        stamp_of(message.header.stamp),
+        frame_of(message),
+        message.angle_min,
+        message.angle_increment,
+        message.range_min,
+        message.range_max,
+        message.ranges,
+        message.intensities,
+        message.scan_time,
+        message.angle_max,
+    )
+
+
+def _fill_range(message: Any, value: Range) -> None:
+    fill_header(message, value.stamp, value.frame)
+    message.radiation_type = RangeMessage.INFRARED if value.infrared else RangeMessage.ULTRASOUND
+    message.range, message.field_of_view = value.range, value.field_of_view
+    message.min_range, message.max_range = value.range_min, value.range_max
+
+
+def _range_of(message: Any) -> Range:
+    return Range(
+        stamp_of(message.header.stamp),
+        frame_of(message),
+        message.range,
+        message.field_of_view,
+        message.min_range,
+        message.max_range,
+        message.radiation_type == RangeMessage.INFRARED,
+    )
+
+
+def _fill_imu(message: Any, value: Imu) -> None:
+    fill_header(message, value.stamp, value.frame)
+    message.orientation = Quaternion(*value.orientation)
+    message.angular_velocity, message.linear_acceleration = Vector3(*value.turning), Vector3(*value.force)
+    message.orientation_covariance = _diagonal(value.orientation_variance)
+    message.angular_velocity_covariance = _diagonal(value.turning_variance)
+    message.linear_acceleration_covariance = _diagonal(value.force_variance)
+
+
+def _imu_of(message: Any) -> Imu:
+    q, turning, force = message.orientation, message.angular_velocity, message.linear_acceleration
+    return Imu(
+        stamp_of(message.header.stamp),
+        frame_of(message),
+        (q.x, q.y, q.z, q.w),
+        (turning.x, turning.y, turning.z),
+        (force.x, force.y, force.z),
+        message.orientation_covariance[0],
+        message.angular_velocity_covariance[0],
+        message.linear_acceleration_covariance[0],
+    )
+
+
+def _diagonal(variance: float) -> list[float]:
+    return [variance, 0.0, 0.0, 0.0, variance, 0.0, 0.0, 0.0, variance]
+
+
+def _fill_battery(message: Any, value: Battery) -> None:
+    fill_header(message, value.stamp, "")
+    message.voltage, message.current, message.charge = value.voltage, value.current, value.charge
+    message.capacity = message.design_capacity = value.capacity
+    message.percentage, message.temperature, message.present = value.fraction, float("nan"), True
+    charging, discharging = BatteryState.POWER_SUPPLY_STATUS_CHARGING, BatteryState.POWER_SUPPLY_STATUS_DISCHARGING
+    message.power_supply_status = charging if value.charging else discharging
+    message.power_supply_health = BatteryState.POWER_SUPPLY_HEALTH_GOOD
+    message.power_supply_technology = _TECHNOLOGIES.get(value.technology, 0)
+
+
+def _battery_of(message: Any) -> Battery:
+    return Battery(
+        stamp_of(message.header.stamp),
+        message.voltage,
+        message.current,
+        message.charge,
+        message.capacity,
+        message.percentage,
+        message.power_supply_status == BatteryState.POWER_SUPPLY_STATUS_CHARGING,
+        _TECHNOLOGY_OF.get(message.power_supply_technology, ""),
+    )
+
+
+CODECS = {
+    Scan: Codec(ScanMessage, _fill_scan, _scan_of),
+    Range: Codec(RangeMessage, _fill_range, _range_of),
+    Imu: Codec(ImuMessage, _fill_imu, _imu_of),
+    Battery: Codec(BatteryState, _fill_battery, _battery_of),
+}

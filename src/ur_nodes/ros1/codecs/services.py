@@ -1,0 +1,128 @@
+"""Requests of services and their answers."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import rospy
+from geometry_msgs.msg import PoseStamped
+from nav_msgs.srv import GetMapRequest, GetPlan, GetPlanRequest, GetPlanResponse, SetMap, SetMapRequest, SetMapResponse
+from std_srvs.srv import (
+    Empty,
+    EmptyRequest,
+    EmptyResponse,
+    SetBool,
+    SetBoolRequest,
+    SetBoolResponse,
+    TriggerRequest,
+    TriggerResponse,
+)
+from std_srvs.srv import Trigger as TriggerService
+
+from ur_nodes.ports.services import AskMap, AskPath, Silent, Switch, Trigger, UseMap
+from ur_nodes.ports.values import Path, PoseEstimate, Result
+from ur_nodes.ros1.codecs import maps, places
+from ur_nodes.ros1.codecs.codec import ServiceCodec
+from ur_nodes.rosio.grid_message import GridMessage, GridResponse, GridService
+
+
+def _done(result: Result) -> Result:
+    """Raise the failure of a service whose answer cannot tell it."""
+    if not result.success:
+        raise rospy.ServiceException(result.text)
+    return result
+
+
+def _fail_or(result: Result, response: Any) -> Any:
+    _done(result)
+    return response
+
+
+def _told(response: Any) -> Result:
+    return Result(bool(response.success), str(response.message))
+
+
+def _map_response(result: Result) -> Any:
+    response = GridResponse()
+    response.map = GridMessage()
+    maps.fill_map(response.map, _done(result).value)  # type: ignore[arg-type]  # AskMap is answered with a Map
+    return response
+
+
+def _use_map_request(value: UseMap) -> Any:
+    request = SetMapRequest()
+    request.map = GridMessage()
+    maps.fill_map(request.map, value.map)
+    places.CODECS[PoseEstimate].fill(
+        request.initial_pose, PoseEstimate(value.stamp, value.frame, value.pose, value.covariance)
+    )
+    return request
+
+
+def _use_map_of(request: Any) -> UseMap:
+    start = places.estimate_of(request.initial_pose)
+    return UseMap(maps.map_of(request.map), start.stamp, start.frame, start.pose, start.covariance)
+
+
+def _ask_path_request(value: AskPath) -> Any:
+    request = GetPlanRequest(start=PoseStamped(), goal=PoseStamped(), tolerance=value.tolerance)
+    places.fill_placed(request.start, value.start)
+    places.fill_placed(request.goal, value.goal)
+    return request
+
+
+def _path_response(result: Result) -> Any:
+    response = GetPlanResponse()
+    value = _done(result).value
+    places.CODECS[Path].fill(response.plan, value)
+    return response
+
+
+SERVICES = {
+    Trigger: ServiceCodec(
+        TriggerService,
+        lambda _value: TriggerRequest(),
+        lambda _request: Trigger(),
+        lambda result: TriggerResponse(result.success, result.text),
+        _told,
+    ),
+    Silent: ServiceCodec(
+        Empty,
+        lambda _value: EmptyRequest(),
+        lambda _request: Silent(),
+        lambda result: _fail_or(result, EmptyResponse()),
+        lambda _response: Result(success=True),
+    ),
+    Switch: ServiceCodec(
+        SetBool,
+        lambda value: SetBoolRequest(value.on),
+        lambda request: Switch(bool(request.data)),
+        lambda result: SetBoolResponse(result.success, result.text),
+        _told,
+    ),
+    AskMap: ServiceCodec(
+        GridService,
+        lambda _value: GetMapRequest(),
+        lambda _request: AskMap(),
+        _map_response,
+        lambda response: Result(success=True, value=maps.map_of(response.map)),
+    ),
+    UseMap: ServiceCodec(
+        SetMap,
+        _use_map_request,
+        _use_map_of,
+        lambda result: (
+            _fail_or(result, SetMapResponse(success=True)) if result.text else SetMapResponse(result.success)
+        ),
+        lambda response: Result(bool(response.success)),
+    ),
+    AskPath: ServiceCodec(
+        GetPlan,
+        _ask_path_request,
+        lambda request: AskPath(
+            places.placed_of(request.start), places.placed_of(request.goal), float(request.tolerance)
+        ),
+        _path_response,
+        lambda response: Result(success=True, value=places.CODECS[Path].value_of(response.plan)),
+    ),
+}

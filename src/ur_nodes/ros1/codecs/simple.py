@@ -1,0 +1,33 @@
+"""Values that are one word or number."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from std_msgs.msg import Bool, Empty, Float32, Int32, String
+from std_msgs.msg import Time as TimeMessage
+
+from ur_nodes.ports.values import Signal, Time
+from ur_nodes.ros1.codecs.codec import Codec, stamp_of, time_of
+
+
+def _data(message_class: Any, kind: Callable[[Any], Any]) -> Codec:
+    def fill(message: Any, value: Any) -> None:
+        message.data = value
+
+    return Codec(message_class, fill, lambda message: kind(message.data))
+
+
+def _fill_time(message: Any, value: Time) -> None:
+    message.data = time_of(value.stamp)
+
+
+CODECS = {
+    str: _data(String, str),
+    bool: _data(Bool, bool),
+    float: _data(Float32, float),
+    int: _data(Int32, int),
+    Signal: Codec(Empty, lambda _message, _value: None, lambda _message: Signal()),
+    Time: Codec(TimeMessage, _fill_time, lambda message: Time(stamp_of(message.data))),
+}

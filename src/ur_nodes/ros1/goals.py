@@ -1,0 +1,100 @@
+"""Goals as upstream's navigation takes them: the action move_base_msgs/MoveBaseAction, and ACTION_simple/goal."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import rospy
+from actionlib import ActionServer
+from geometry_msgs.msg import PoseStamped
+from move_base_msgs.msg import MoveBaseAction, MoveBaseActionGoal, MoveBaseFeedback, MoveBaseResult
+
+from ur_nodes.ports.actions import Goal, GoalTakers
+from ur_nodes.ports.parameters import Parameters
+from ur_nodes.ports.values import PlacedPose
+from ur_nodes.ros1.codecs.places import fill_placed, placed_of
+from ur_nodes.ros1.loop import Loop
+from ur_nodes.rosio.ending import quiet_at_end
+
+_STATUS_KEPT = 5.0  # s, as upstream
+
+
+class RosGoalServer:
+    """See `ports.actions.GoalServer`. The server's own lock is never held while the node runs."""
+
+    def __init__(self, action: str, takers: GoalTakers, loop: Loop, parameters: Parameters) -> None:
+        self._takers = takers
+        self._handles: dict[str, RosGoalHandle] = {}
+        take_goal = loop.mailbox(100, self._take_goal)
+        take_cancel = loop.mailbox(100, self._take_cancel)
+        self._server = ActionServer(action, MoveBaseAction, take_goal, take_cancel, auto_start=False)
+        self._server.publish_status = quiet_at_end(self._server.publish_status)  # a thread of its own calls it
+        self._goals = rospy.Publisher(f"{action}/goal", MoveBaseActionGoal, queue_size=1)
+        rospy.Subscriber(f"{action}_simple/goal", PoseStamped, self._pass_on, queue_size=1)
+        self._server.start()
+        self._server.status_list_timeout = rospy.Duration(
+            parameters.number("actionlib_status_list_timeout", _STATUS_KEPT, minimum=0.0)
+        )
+
+    def publish_status(self) -> None:
+        """See GoalServer."""
+        self._server.publish_status()
+
+    def _pass_on(self, message: PoseStamped) -> None:
+        goal = MoveBaseActionGoal()
+        goal.header.stamp = rospy.Time.now()
+        goal.goal.target_pose = message
+        self._goals.publish(goal)
+
+    def _take_goal(self, handle: Any) -> None:
+        own = RosGoalHandle(handle)
+        self._handles = {id: each for id, each in self._handles.items() if each.open} | {own.goal.id: own}
+        self._takers.take_goal(own)
+
+    def _take_cancel(self, handle: Any) -> None:
+        own = self._handles.get(handle.get_goal_id().id)
+        if own is not None and own.open:
+            self._takers.take_cancel(own)
+
+
+class RosGoalHandle:
+    """See `ports.actions.GoalHandle`."""
+
+    def __init__(self, handle: Any) -> None:
+        self._handle = handle
+        self.open = True
+        self.goal = Goal(handle.get_goal_id().id, placed_of(handle.get_goal().target_pose))
+
+    def accept(self) -> None:
+        """See GoalHandle."""
+        self._handle.set_accepted()
+
+    def refuse(self, text: str) -> None:
+        """See GoalHandle."""
+        self._handle.set_accepted()
+        self.abort(text)
+
+    def note(self, text: str) -> None:
+        """See GoalHandle."""
+        self._handle.status_tracker.status.text = text
+
+    def report(self, pose: PlacedPose) -> None:
+        """See GoalHandle."""
+        message = PoseStamped()
+        fill_placed(message, pose)
+        self._handle.publish_feedback(MoveBaseFeedback(base_position=message))
+
+    def succeed(self, text: str) -> None:
+        """See GoalHandle."""
+        self.open = False
+        self._handle.set_succeeded(MoveBaseResult(), text)
+
+    def abort(self, text: str) -> None:
+        """See GoalHandle."""
+        self.open = False
+        self._handle.set_aborted(MoveBaseResult(), text)
+
+    def cancel(self, text: str) -> None:
+        """See GoalHandle."""
+        self.open = False
+        self._handle.set_canceled(MoveBaseResult(), text)

@@ -1,0 +1,141 @@
+"""The one thread of a node: calls that arrive from anywhere, and those that repeat, one after the other."""
+
+from __future__ import annotations
+
+import heapq
+import itertools
+import queue
+import threading
+from collections import deque
+from collections.abc import Callable
+from typing import Any
+
+_POLL = 0.005  # s: simulated time cannot be waited for
+_LONGEST_WAIT = 1.0  # s
+
+
+class Beat:
+    """A call that repeats. See `ports.node.Timer`."""
+
+    def __init__(self, period: float, call: Callable[[], None]) -> None:
+        self.period = period
+        self.call = call
+        self.on = True
+
+    def cancel(self) -> None:
+        """See Timer."""
+        self.on = False
+
+
+class Loop:
+    """Runs calls in the order in which they were posted, and beats when they are due by `read` (s).
+
+    `steady`: `read` passes at the rate of real time, so that the wait for a beat can be slept.
+    """
+
+    def __init__(self, read: Callable[[], float], *, steady: bool) -> None:
+        self._read = read
+        self._steady = steady
+        self._calls: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
+        self._beats: list[tuple[float, int, Beat]] = []
+        self._numbers = itertools.count()
+        self._thread: threading.Thread | None = None
+        self._ended = False
+
+    def start(self) -> None:
+        """Begin; what was posted before comes first."""
+        self._thread = threading.Thread(target=self._run, name="node", daemon=True)
+        self._thread.start()
+
+    def post(self, call: Callable[[], None]) -> None:
+        """Have a call made. May come from any thread; after the end it does nothing."""
+        self._calls.put(call)
+
+    def mailbox(self, depth: int, take: Callable[[Any], None]) -> Callable[[Any], None]:
+        """A function, for any thread, that posts what it gets to `take`; of more than `depth` the oldest goes."""
+        waiting: deque[Any] = deque(maxlen=depth)
+
+        def deliver() -> None:
+            try:
+                item = waiting.popleft()
+            except IndexError:  # a newer one took its place
+                return
+            take(item)
+
+        def put(item: Any) -> None:
+            waiting.append(item)
+            self._calls.put(deliver)
+
+        return put
+
+    def every(self, seconds: float, call: Callable[[], None]) -> Beat:
+        """Repeat a call. Only from the loop's own thread, or before it starts."""
+        beat = Beat(seconds, call)
+        heapq.heappush(self._beats, (self._read() + seconds, next(self._numbers), beat))
+        return beat
+
+    def end(self, last: Callable[[], None], within: float) -> None:
+        """Make a last call on the loop's thread, drop what waits, and wait until it is done, at most `within` s."""
+
+        def finish() -> None:
+            self._ended = True
+            last()
+
+        if self._thread is None or threading.current_thread() is self._thread:
+            finish()
+            return
+        self._calls.put(finish)
+        self._thread.join(within)
+
+    def _run(self) -> None:
+        while not self._ended:
+            if (beat := self._take_beat()) is not None:
+                beat()
+            try:
+                call = self._calls.get(timeout=wait) if (wait := self._wait()) > 0.0 else self._calls.get_nowait()
+            except queue.Empty:
+                continue
+            call()
+
+    def _wait(self) -> float:
+        """The longest time (s) to wait for a call."""
+        if not self._beats:
+            return _LONGEST_WAIT
+        left = self._beats[0][0] - self._read()
+        return min(left, _LONGEST_WAIT if self._steady else _POLL)
+
+    def _take_beat(self) -> Callable[[], None] | None:
+        """The call of the beat that is due; None: there is none."""
+        while self._beats and not self._beats[0][2].on:
+            heapq.heappop(self._beats)
+        if not self._beats:
+            return None
+        due, number, beat = self._beats[0]
+        now = self._read()
+        if due - now > beat.period:  # time was set back
+            self._beats = [(now + each.period, count, each) for _, count, each in self._beats]
+            heapq.heapify(self._beats)
+        if due > now:
+            return None
+        heapq.heapreplace(self._beats, (max(due + beat.period, now), number, beat))
+        return beat.call
+
+
+class Worker:
+    """Jobs beside the loop, one after the other, on a thread that begins with the first."""
+
+    def __init__(self, name: str) -> None:
+        self._name = name
+        self._jobs: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
+        self._thread: threading.Thread | None = None
+
+    def add(self, job: Callable[[], None]) -> None:
+        """Have a job done."""
+        if self._thread is None:
+            self._thread = threading.Thread(target=self._run, name=self._name, daemon=True)
+            self._thread.start()
+        self._jobs.put(job)
+
+    def _run(self) -> None:
+        while True:
+            self._jobs.get()()

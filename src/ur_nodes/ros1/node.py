@@ -1,0 +1,267 @@
+"""A node of ROS 1."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from concurrent.futures import Future
+from typing import Any, TypeVar
+
+import rospy
+
+from ur.source.diagnostic import UserError
+from ur_nodes.ports.actions import GoalTakers
+from ur_nodes.ports.node import Sender
+from ur_nodes.ports.parameters import Parameters
+from ur_nodes.ports.qualities import Quality
+from ur_nodes.ports.transforms import Transforms
+from ur_nodes.ports.values import Result
+from ur_nodes.ros1.codecs import Codec, find_codec, find_service
+from ur_nodes.ros1.facts import RosFacts, RosLog, RosParameters
+from ur_nodes.ros1.loop import Beat, Loop, Worker
+
+Value = TypeVar("Value")
+
+_DEPTHS = {Quality.NEWEST: 1, Quality.LATCHED: 1, Quality.EVERY: 100, Quality.COMMAND: 100}
+_END_LIMIT = 2.0  # s
+_ANSWER_LIMIT = 60.0  # s
+
+
+class RosNode:
+    """See `ports.node.Node`. Made after rospy.init_node; `begin` starts its thread."""
+
+    def __init__(self) -> None:
+        self.name: str = rospy.get_name()
+        self.facts = RosFacts()
+        self.parameters = Parameters(RosParameters())
+        self.log = RosLog()
+        self.failed = False
+        self._transforms: Transforms | None = None
+        self._loop = Loop(
+            rospy.get_time if self.facts.simulated_time else time.monotonic, steady=not self.facts.simulated_time
+        )
+        self._worker = Worker("work")
+        self._caller = Worker("calls")
+        self._at_end: list[Callable[[], None]] = []
+        rospy.on_shutdown(lambda: self._loop.end(self._finish, _END_LIMIT))
+
+    def begin(self) -> None:
+        """Let callbacks come."""
+        self._loop.start()
+
+    @property
+    def transforms(self) -> Transforms:
+        """See Node."""
+        if self._transforms is None:
+            from ur_nodes.ros1.transforms import TransformTopics
+
+            topics = TransformTopics()
+            self._transforms = tree = Transforms(topics.send)
+            topics.listen(self._loop.mailbox(_DEPTHS[Quality.EVERY], tree.take))
+        return self._transforms
+
+    def publish(
+        self,
+        topic: str,
+        kind: type[Value],
+        quality: Quality = Quality.NEWEST,
+        greet: Callable[[], Value | None] | None = None,
+    ) -> RosPublisher:
+        """See Node."""
+        publisher = RosPublisher(topic, find_codec(kind), quality)
+        if greet is not None:
+
+            def answer() -> None:
+                if (value := greet()) is not None:
+                    publisher.send(value)
+
+            publisher.watch(lambda: self._loop.post(answer))
+        return publisher
+
+    def subscribe(
+        self,
+        topic: str,
+        kind: type[Value],
+        take: Callable[[Value], None],
+        quality: Quality = Quality.NEWEST,
+    ) -> RosSubscription:
+        """See Node."""
+        return RosSubscription(topic, find_codec(kind), quality, self._loop, lambda value, _message: take(value))
+
+    def subscribe_from(
+        self,
+        topic: str,
+        kind: type[Value],
+        take: Callable[[Value, Sender | None], None],
+        quality: Quality = Quality.NEWEST,
+    ) -> RosSubscription:
+        """See Node."""
+        return RosSubscription(
+            topic, find_codec(kind), quality, self._loop, lambda value, message: take(value, _sender_of(message))
+        )
+
+    def serve(self, service: str, kind: type[Value], answer: Callable[[Value], Result]) -> None:
+        """See Node."""
+        codec = find_service(kind)
+
+        def respond(message: Any) -> Any:
+            done: Future[Result] = Future()
+
+            def work() -> None:
+                try:
+                    done.set_result(answer(codec.request_of(message)))
+                except Exception as problem:
+                    done.set_exception(problem)
+                    raise
+
+            self._loop.post(work)
+            return codec.response(done.result(_ANSWER_LIMIT))
+
+        rospy.Service(service, codec.service_class, respond)
+
+    def call(self, service: str, request: object, take: Callable[[Result], None], within: float = 5.0) -> None:
+        """See Node."""
+        codec = find_service(type(request))
+
+        def ask() -> None:
+            try:
+                rospy.wait_for_service(service, timeout=within)
+                answer = rospy.ServiceProxy(service, codec.service_class)(codec.request(request))
+                result = codec.result_of(answer)
+            except (rospy.ROSException, rospy.ServiceException) as problem:
+                result = Result(False, str(problem))
+            self._loop.post(lambda: take(result))
+
+        self._caller.add(ask)
+
+    def serve_goals(self, action: str, takers: GoalTakers) -> Any:
+        """See Node."""
+        from ur_nodes.ros1.goals import RosGoalServer
+
+        return RosGoalServer(action, takers, self._loop, self.parameters)
+
+    def every(self, seconds: float, call: Callable[[], None]) -> Beat:
+        """See Node."""
+        return self._loop.every(seconds, call)
+
+    def work(self, job: Callable[[], Value], take: Callable[[Value], None]) -> None:
+        """See Node."""
+
+        def carry_out() -> None:
+            result = job()
+            self._loop.post(lambda: take(result))
+
+        self._worker.add(carry_out)
+
+    def now(self) -> int:
+        """See Node."""
+        return int(rospy.Time.now().to_nsec())
+
+    def steady(self) -> float:
+        """See Node."""
+        return time.clock_gettime(time.CLOCK_BOOTTIME)
+
+    def resolve(self, name: str) -> str:
+        """See Node."""
+        return str(rospy.resolve_name(name))
+
+    def on_end(self, call: Callable[[], None]) -> None:
+        """See Node."""
+        self._at_end.append(call)
+
+    def end(self, reason: str, *, failed: bool = False) -> None:
+        """See Node."""
+        self.failed = self.failed or failed
+        rospy.signal_shutdown(reason)
+
+    def _finish(self) -> None:
+        for call in self._at_end:
+            call()
+
+
+class RosPublisher:
+    """See `ports.node.Publisher`. One message is filled again for each value, unless the topic keeps it."""
+
+    def __init__(self, topic: str, codec: Codec, quality: Quality) -> None:
+        self.topic = str(rospy.resolve_name(topic))
+        self._codec = codec
+        self._latched = quality is Quality.LATCHED
+        self._message = codec.message_class()
+        self._publisher = rospy.Publisher(
+            topic, codec.message_class, queue_size=_DEPTHS[quality], latch=self._latched, tcp_nodelay=True
+        )
+
+    def send(self, value: Any) -> None:
+        """See Publisher."""
+        message = self._codec.message_class() if self._latched else self._message
+        self._codec.fill(message, value)
+        try:
+            self._publisher.publish(message)
+        except rospy.ROSException:  # its topics are closed at the end
+            if not (rospy.is_shutdown() or rospy.core.is_shutdown_requested()):
+                raise
+
+    def listeners(self) -> int:
+        """See Publisher. Without locks, as it may be asked before each value."""
+        implementation = self._publisher.impl
+        return len(implementation.connections) if implementation is not None else 0
+
+    def close(self) -> None:
+        """See Publisher."""
+        self._publisher.unregister()
+
+    def watch(self, call: Callable[[], None]) -> None:
+        """Call, on any thread, when somebody begins to listen."""
+        self._publisher.impl.add_subscriber_listener(_Watcher(call))
+
+
+class RosSubscription:
+    """See `ports.node.Subscription`. Messages are decoded on the node's thread: what is dropped costs nothing more."""
+
+    def __init__(
+        self, topic: str, codec: Codec, quality: Quality, loop: Loop, take: Callable[[Any, Any], None]
+    ) -> None:
+        self.topic = str(rospy.resolve_name(topic))
+        self._codec = codec
+        self._take = take
+        self._reported = False
+        depth = _DEPTHS[quality]
+        self._subscriber = rospy.Subscriber(
+            topic, codec.message_class, loop.mailbox(depth, self._deliver), queue_size=depth, tcp_nodelay=True
+        )
+
+    def publishers(self) -> int:
+        """See Subscription."""
+        return int(self._subscriber.get_num_connections())
+
+    def close(self) -> None:
+        """See Subscription."""
+        self._subscriber.unregister()
+
+    def _deliver(self, message: Any) -> None:
+        try:
+            value = self._codec.value_of(message)
+        except (ValueError, UserError) as problem:
+            if not self._reported:
+                self._reported = True
+                rospy.logerr("%s: %s", self.topic, problem)
+            return
+        self._take(value, message)
+
+
+class _Watcher(rospy.SubscribeListener):  # type: ignore[misc]  # rospy has no types
+    """Calls for each new subscriber."""
+
+    def __init__(self, call: Callable[[], None]) -> None:
+        super().__init__()
+        self._call = call
+
+    def peer_subscribe(self, *_: object) -> None:
+        """See rospy."""
+        self._call()
+
+
+def _sender_of(message: Any) -> Sender | None:
+    header = getattr(message, "_connection_header", None) or {}
+    name = str(header.get("callerid", ""))[:256]
+    return Sender(name, header.get("latching") == "1") if name else None

@@ -1,0 +1,367 @@
+"""What every backend of `ur_nodes.ports` promises: checks that are given two nodes and a way to let time pass.
+
+Run as a program (NAME ...) it makes checks on ROS 1, and prints one line of JSON: the failures by the names of checks.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+import threading
+import time
+import traceback
+from collections.abc import Callable
+from functools import partial
+from typing import Any, Protocol
+
+import numpy as np
+import pytest
+
+from ur.source.diagnostic import UserError
+from ur_nodes.geometry.grid import Grid
+from ur_nodes.geometry.pose import Pose2, Pose3
+from ur_nodes.ports import values
+from ur_nodes.ports.node import Node, Sender
+from ur_nodes.ports.qualities import Quality
+from ur_nodes.ports.services import AskMap, AskPath, Silent, Switch, Trigger, UseMap
+from ur_nodes.ports.values import Result, Transform, Twist
+
+STAMP = 1_700_000_000_123_456_789
+_POSES = np.array([(1.0, 2.0, 0.5), (-1.0, 0.0, -3.0)])
+_GRID = Grid(np.array([[0, 100, -1], [7, 0, 0]], np.int8), 0.05, Pose2(-1.0, 2.0, 0.0))
+
+VALUES: tuple[object, ...] = (
+    "some text",
+    True,
+    0.25,
+    -7,
+    values.Signal(),
+    values.Time(STAMP),
+    Twist(0.5, -0.25, 0.125),
+    values.StampedTwist(STAMP, "client", Twist(0.5, 0.0)),
+    values.Odometry(STAMP, "odom", "base", Pose2(1.0, 2.0, 0.5), Twist(0.5, 0.25), np.eye(3) * 0.5, np.eye(3) * 0.25),
+    values.Scan(STAMP, "laser", -1.5, 0.25, 0.125, 8.0, np.array([1.0, np.inf, np.nan], np.float32)),
+    values.Range(STAMP, "sonar", 1.5, 0.25, 0.125, 4.0),
+    values.Imu(STAMP, "imu", (0.0, 0.0, 0.0, 1.0), (0.5, 0.0, 0.0), (0.0, 0.0, 9.75), 0.5, 0.25, 0.125),
+    values.Battery(STAMP, 12.5, -1.5, 2.5, 4.0, 0.625, technology="nimh"),
+    values.Joints(STAMP, ("left", "right"), (0.5, -0.5), (1.0, 2.0)),
+    values.Joystick(STAMP, (0.5, -1.0), (0, 1)),
+    values.PlacedPose(STAMP, "map", Pose2(1.0, 2.0, 0.5)),
+    values.PoseEstimate(STAMP, "map", Pose2(1.0, 2.0, 0.5), np.arange(9.0).reshape(3, 3)),
+    values.Poses(STAMP, "map", _POSES),
+    values.Path(STAMP, "map", _POSES),
+    values.Outline(STAMP, "map", np.array([(0.5, 0.25), (1.0, 2.0)])),
+    values.Map(STAMP, "map", _GRID),
+    values.MapUpdate(STAMP, "map", 1, 2, np.array([[1, 2], [3, 4]], np.int8)),
+    values.Picture(STAMP, "camera", 2, 1, "rgb8", 6, b"\x01\x02\x03\x04\x05\x06"),
+    values.PackedPicture(STAMP, "camera", "jpeg", b"\xff\xd8"),
+)
+
+
+class Stage(Protocol):
+    """Two nodes (one and the same, where a process has only one), and time. `begin` lets their callbacks come."""
+
+    one: Node
+    other: Node
+
+    def begin(self) -> None:
+        """Start."""
+
+    def until(self, condition: Callable[[], bool]) -> None:
+        """Let time pass until a condition is true; fails after a while."""
+
+
+def check_value_of_each_kind_arrives_as_it_was_sent(stage: Stage) -> None:
+    got: dict[int, object] = {}
+    publishers = []
+    for index, value in enumerate(VALUES):
+        kind: type[Any] = type(value)
+        stage.other.subscribe(f"values/{index}", kind, partial(got.__setitem__, index))
+        publishers.append(stage.one.publish(f"values/{index}", kind, Quality.LATCHED))
+    stage.begin()
+    for publisher, value in zip(publishers, VALUES, strict=True):
+        publisher.send(value)
+    stage.until(lambda: len(got) == len(VALUES))
+    for index, value in enumerate(VALUES):
+        assert type(got[index]) is type(value)
+        assert _fields(got[index]) == _fields(value)
+
+
+def check_each_counts_in_order_where_every_one_counts(stage: Stage) -> None:
+    got: list[int] = []
+    publisher = stage.one.publish("every", int, Quality.EVERY)
+    stage.other.subscribe("every", int, got.append, Quality.EVERY)
+    stage.begin()
+    stage.until(lambda: publisher.listeners() == 1)
+    for number in range(50):
+        publisher.send(number)
+    stage.until(lambda: len(got) == 50)
+    assert got == list(range(50))
+
+
+def check_newest_replaces_those_that_wait(stage: Stage) -> None:
+    got: list[int] = []
+    publisher = stage.one.publish("newest", int)
+    stage.other.subscribe("newest", int, got.append)
+    stage.begin()
+    stage.until(lambda: publisher.listeners() == 1)
+    for number in range(1000):  # no callback comes between them
+        publisher.send(number)
+    stage.until(lambda: 999 in got)
+    assert got == sorted(got)
+    assert len(got) < 1000
+
+
+def check_latched_topic_gives_its_last_value_to_who_comes_later(stage: Stage) -> None:
+    got: list[tuple[str, Sender | None]] = []
+    publisher = stage.one.publish("kept", str, Quality.LATCHED)
+    publisher.send("old")
+    publisher.send("new")
+    stage.other.subscribe_from("kept", str, lambda value, sender: got.append((value, sender)))
+    stage.begin()
+    stage.until(lambda: bool(got))
+    assert [value for value, _ in got] == ["new"]
+    sender = got[0][1]
+    assert sender is not None
+    assert sender.name == stage.one.name
+
+
+def check_who_begins_to_listen_is_greeted(stage: Stage) -> None:
+    got: list[float] = []
+    stage.one.publish("greeted", float, greet=lambda: 0.5)
+    stage.other.subscribe("greeted", float, got.append)
+    stage.begin()
+    stage.until(lambda: bool(got))
+    assert set(got) == {0.5}
+
+
+def check_closed_subscription_hears_nothing(stage: Stage) -> None:
+    got: list[int] = []
+    publisher = stage.one.publish("closed", int, Quality.EVERY)
+    heard: list[int] = []
+    closed = stage.other.subscribe("closed", int, heard.append, Quality.EVERY)
+    closed.close()
+    stage.other.subscribe("closed", int, got.append, Quality.EVERY)
+    stage.begin()
+    stage.until(lambda: publisher.listeners() == 1)
+    publisher.send(3)
+    stage.until(lambda: got == [3])
+    assert heard == []
+
+
+def check_service_answers_with_result_and_text(stage: Stage) -> None:
+    got: list[Result] = []
+    stage.other.serve("light", Switch, lambda request: Result(request.on, "on" if request.on else "there is no light"))
+    stage.begin()
+    stage.one.call("light", Switch(on=True), got.append)
+    stage.until(lambda: len(got) == 1)
+    stage.one.call("light", Switch(on=False), got.append)
+    stage.until(lambda: len(got) == 2)
+    assert got == [Result(True, "on"), Result(False, "there is no light")]
+
+
+def check_each_request_arrives_as_it_was_made(stage: Stage) -> None:
+    placed = values.PlacedPose(STAMP, "map", Pose2(1.0, 2.0, 0.5))
+    path = values.Path(STAMP, "map", _POSES)
+    map_of = values.Map(STAMP, "map", _GRID)
+    asked: tuple[tuple[object, object], ...] = (
+        (Trigger(), None),
+        (Silent(), None),
+        (AskMap(), map_of),
+        (UseMap(map_of, STAMP, "map", Pose2(0.5, 0.25, 0.125), np.arange(9.0).reshape(3, 3)), None),
+        (AskPath(placed, placed, 0.25), path),
+    )
+    requests: list[object] = []
+    results: list[Result] = []
+
+    def answer(value: object, request: object) -> Result:
+        requests.append(request)
+        return Result(success=True, value=value)
+
+    for request, value in asked:
+        kind: type[Any] = type(request)
+        stage.other.serve(f"ask_{kind.__name__}", kind, partial(answer, value))
+    stage.begin()
+    for number, (request, value) in enumerate(asked, 1):
+        stage.one.call(f"ask_{type(request).__name__}", request, results.append)
+        stage.until(lambda count=number: len(results) == count)  # type: ignore[misc]  # mypy infers no default
+        assert results[-1].success, results[-1].text
+        assert _fields(requests[-1]) == _fields(request)
+        assert _fields(results[-1].value) == _fields(value)
+
+
+def check_failure_of_a_silent_service_reaches_its_client(stage: Stage) -> None:
+    got: list[Result] = []
+    stage.other.serve("scatter", Silent, lambda _request: Result(False, "there is no map"))
+    stage.begin()
+    stage.one.call("scatter", Silent(), got.append)
+    stage.until(lambda: bool(got))
+    assert not got[0].success
+    assert "there is no map" in got[0].text
+
+
+def check_missing_service_is_a_result(stage: Stage) -> None:
+    got: list[Result] = []
+    stage.begin()
+    stage.one.call("nobody/serves_this", Trigger(), got.append, 0.3)
+    stage.until(lambda: bool(got))
+    assert not got[0].success
+    assert "nobody/serves_this" in got[0].text
+
+
+def check_callbacks_of_a_node_share_one_thread(stage: Stage) -> None:
+    threads: set[int] = set()
+    done: list[object] = []
+
+    def note(value: object) -> None:
+        threads.add(threading.get_ident())
+        done.append(value)
+
+    def answer(_request: Trigger) -> Result:
+        note("service")
+        return Result(success=True)
+
+    publisher = stage.one.publish("threads", str, Quality.LATCHED)
+    stage.one.subscribe("threads", str, note)
+    stage.one.serve("threads", Trigger, answer)
+    stage.begin()
+    timer = stage.one.every(0.01, lambda: note("beat") if "beat" not in done else None)
+    stage.one.work(lambda: "job", note)
+    stage.one.call("threads", Trigger(), lambda _result: note("result"))
+    publisher.send("value")
+    stage.until(lambda: {"service", "beat", "job", "result", "value"} <= set(done))
+    timer.cancel()
+    assert len(threads) == 1
+
+
+def check_beats_repeat_until_they_are_cancelled(stage: Stage) -> None:
+    beats: list[int] = []
+    others: list[int] = []
+    timer = stage.one.every(0.01, lambda: beats.append(stage.one.now()))
+    stage.begin()
+    stage.until(lambda: len(beats) >= 5)
+    timer.cancel()
+    stage.one.every(0.01, lambda: others.append(0))
+    stage.until(lambda: len(others) >= 2)
+    count = len(beats)
+    stage.until(lambda: len(others) >= 6)
+    assert len(beats) <= count + 1
+    assert beats == sorted(beats)
+
+
+def check_parameters_are_typed_and_kept(stage: Stage) -> None:
+    own = stage.one.parameters
+    assert own.number("speed", 0.5) == 0.5
+    own.keep("speed", 0.75)
+    own.keep("deep/er", 3)
+    assert own.number("speed", 0.5) == 0.75
+    assert own.below("deep").integer("er") == 3
+    assert own.has("deep")
+    assert own.any("deep") == {"er": 3}
+    own.keep("word", "fast")
+    with pytest.raises(UserError, match="expected a number"):
+        own.number("word")
+    with pytest.raises(UserError, match="is not set"):
+        own.text("absent")
+
+
+def check_facts_are_known_to_all_nodes(stage: Stage) -> None:
+    assert stage.one.facts.get("contract_fact", 1) == 1
+    stage.one.facts.set("contract_fact", "known")
+    assert stage.other.facts.get("contract_fact") == "known"
+
+
+def check_transforms_reach_other_nodes(stage: Stage) -> None:
+    tree = stage.other.transforms
+    mount = Pose3(0.25, 0.0, 0.5, 0.0, 0.0, 0.0, 1.0)
+    moved = Pose3(1.0, 2.0, 0.0, 0.0, 0.0, 0.0, 1.0)
+    stage.one.transforms.send(Transform(STAMP, "base", "laser", mount, fixed=True))
+    stage.one.transforms.send(Transform(STAMP, "base", "imu", mount, fixed=True))
+    stage.begin()
+    stamp = iter(range(STAMP, STAMP + 10**12, 10**7))
+    stage.one.every(0.02, lambda: stage.one.transforms.send(Transform(next(stamp), "odom", "base", moved)))
+    stage.until(lambda: None not in (tree.find("odom", "laser"), tree.find("odom", "imu")))
+    found = tree.find("odom", "laser")
+    assert found == moved.compose(mount)
+
+
+def check_what_is_sent_at_the_end_still_leaves(stage: Stage) -> None:
+    if stage.one is stage.other:
+        return  # the listener would end with it
+    got: list[Twist] = []
+    publisher = stage.one.publish("last", Twist, Quality.COMMAND)
+    stage.other.subscribe("last", Twist, got.append)
+    stage.one.on_end(lambda: publisher.send(Twist(0.0, 0.0)))
+    stage.begin()
+    stage.one.end("the test is over")
+    stage.until(lambda: got == [Twist(0.0, 0.0)])
+
+
+def check_names_are_resolved(stage: Stage) -> None:
+    assert stage.one.resolve("scan") == "/scan"
+    assert stage.one.resolve("/tf") == "/tf"
+    assert stage.one.resolve("~goal") == f"{stage.one.name}/goal"
+
+
+CHECKS: dict[str, Callable[[Stage], None]] = {
+    name.removeprefix("check_"): check for name, check in list(globals().items()) if name.startswith("check_")
+}
+
+
+def _fields(value: object) -> object:
+    """A value in a form that compares: arrays as lists, NaN as a word."""
+    if isinstance(value, np.ndarray):
+        return [("nan" if each != each else each) for each in value.ravel().tolist()], value.shape
+    if isinstance(value, float) and value != value:
+        return "nan"
+    names = getattr(type(value), "__dataclass_fields__", None)
+    if names is None or isinstance(value, Grid):
+        return (_fields(value.values), value.resolution, value.origin) if isinstance(value, Grid) else value
+    left_out = {"angle_max"} if getattr(value, "angle_max", 0) is None else set()
+    both = {"angle_max"} | left_out  # a driver's own figure; from the others where it gave none
+    return {name: _fields(getattr(value, name)) for name in names if name not in both}
+
+
+class RosStage:
+    """One node of ROS 1, for both ends."""
+
+    def __init__(self) -> None:
+        from ur_nodes.ros1.node import RosNode
+
+        self._node = RosNode()
+        self.one: Node = self._node
+        self.other: Node = self._node
+
+    def begin(self) -> None:
+        self._node.begin()
+
+    def until(self, condition: Callable[[], bool]) -> None:
+        end = time.monotonic() + 60.0
+        while not condition():
+            assert time.monotonic() < end, "waited for 60 s"
+            time.sleep(0.005)
+
+
+def main(names: list[str]) -> None:
+    import rospy
+
+    rospy.init_node("contract")
+    failures: dict[str, str] = {}
+    for name in names:
+        if problem := _failure(CHECKS[name]):
+            failures[name] = problem
+    sys.stdout.write(json.dumps(failures) + "\n")
+    sys.stdout.flush()
+    rospy.signal_shutdown("done")
+
+
+def _failure(check: Callable[[Stage], None]) -> str:
+    try:
+        check(RosStage())
+    except Exception:
+        return traceback.format_exc()
+    return ""
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
