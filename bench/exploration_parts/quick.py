@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import time
 from dataclasses import dataclass
+from statistics import median
 
 import numpy as np
 from bench.exploration_parts.truth import Truth
@@ -22,6 +23,7 @@ from ur_nodes.slam.occupancy import OccupancyMap
 
 _STEP = 0.25  # m between two scans
 _SPEED = 0.5  # m/s
+_LAST = 15.0  # s before the end, in which no estimate of the time left is judged
 
 ENOUGH = 0.98
 """The share of the reachable floor that is to be found."""
@@ -33,6 +35,7 @@ class Quick:
 
     `seconds` of CPU time for the longest decision; `touched`: how often the robot was where it does not fit.
     `most` is the way (m) after which `ENOUGH` of the floor was known, inf: never.
+    `off` is the median factor by which the estimates of the time left were off, until 15 s before the end; nan: none.
     """
 
     status: Status
@@ -43,6 +46,7 @@ class Quick:
     seconds: float
     touched: int
     most: float
+    off: float
 
 
 def explore_quickly(truth: Truth, settings: ExplorerSettings, most: int = 2000) -> Quick:
@@ -55,6 +59,7 @@ def explore_quickly(truth: Truth, settings: ExplorerSettings, most: int = 2000) 
     goal: Pose2 | None = None
     ended: GoalEnd | None = None
     status, longest, touched, most_at = Status(), 0.0, 0, math.inf
+    guesses: list[tuple[float, float]] = []  # s: when, and how long it was to take
     floor = truth.grid.points_of_cells(np.argwhere(truth.floor))
     for version in range(most):
         ranges = truth.ranges(robot.x, robot.y, robot.yaw)
@@ -67,6 +72,8 @@ def explore_quickly(truth: Truth, settings: ExplorerSettings, most: int = 2000) 
         out = explorer.step(Inputs(now, drawn.grid(), version, robot, ended=ended))
         longest = max(longest, time.process_time() - began)
         status, ended = out.status, None
+        if status.left is not None:
+            guesses.append((now, status.left))
         if status.ended:
             break
         if out.cancel:
@@ -86,7 +93,9 @@ def explore_quickly(truth: Truth, settings: ExplorerSettings, most: int = 2000) 
             touched += int(not truth.fits[tuple(truth.grid.cells_of_points(np.array(robot[:2])))])
     grid = drawn.grid()
     known = grid.values_at(floor) >= 0
-    return Quick(status, grid, way, float(known.mean()), tuple(poses), longest, touched, most_at)
+    wrong = [abs(math.log(left / (now - at))) for at, left in guesses if now - at > _LAST]
+    off = math.exp(median(wrong)) if wrong else math.nan
+    return Quick(status, grid, way, float(known.mean()), tuple(poses), longest, touched, most_at, off)
 
 
 def _drive(truth: Truth, robot: Pose2, goal: Pose2) -> Pose2 | None:

@@ -9,6 +9,7 @@ import numpy as np
 
 from ur_nodes.exploration.explorer_step import ExplorerSettings, GoalEnd, Inputs, Outputs
 from ur_nodes.exploration.memory import Memory
+from ur_nodes.exploration.pace import Pace
 from ur_nodes.exploration.reasons import Reason, at
 from ur_nodes.exploration.search.choice import choose_viewpoint
 from ur_nodes.exploration.search.corners import Places, sort_corners
@@ -50,6 +51,7 @@ class Explorer:
         self._robot: Pose2 | None = None  # at the last step
         self._travelled = 0.0  # m
         self._known, self._travelled_at_news = 0.0, 0.0  # m2 and m, when the map last grew
+        self._pace = Pace()
 
     def step(self, inputs: Inputs) -> Outputs:
         """Decide what to do now. After a status that has ended there is nothing more to do."""
@@ -215,16 +217,19 @@ class Explorer:
             return Status(state=state, way=self._travelled, seconds=seconds, reason=reason)
         places = self._places(survey)
         frontiers = tuple(each.frontier for each in places.ahead)
+        unknown = unknown_behind(survey.floor, frontiers)
+        self._pace = self._pace.note(now, survey.floor.known) if state == "exploring" else Pace()
         return Status(
             state=state,
             reachable=len(frontiers),
-            unknown=unknown_behind(survey.floor, frontiers),
+            unknown=unknown,
             known=survey.floor.known,
             way=self._travelled,
             seconds=seconds,
             unreachable=tuple(dict.fromkeys(reason.text for _, reason in survey.blocked)),
             corners=tuple(at(each.frontier.place) for each in places.left_out),
             reason=reason,
+            left=self._pace.seconds_left(unknown),
         )
 
 

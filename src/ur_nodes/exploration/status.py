@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from dataclasses import asdict, dataclass, replace
 from typing import Literal
 
@@ -20,6 +21,7 @@ class Status:
     `reachable` frontiers are left, and about `unknown` of floor; each of `unreachable` is a clause that says why.
     `corners` are places that hide so little that nobody drives there.
     `reason` says why it is paused or has ended; `saved` is the name of the map once it is stored.
+    `left` is a rough estimate of the time until the end, s; None while there is none.
     """
 
     state: State = "starting"
@@ -32,6 +34,7 @@ class Status:
     corners: tuple[str, ...] = ()
     reason: str = ""
     saved: str = ""
+    left: float | None = None
 
     @property
     def ended(self) -> bool:
@@ -54,11 +57,12 @@ def read_status(text: str) -> Status | None:
         fields = json.loads(text[:_LONGEST])
         lists = {"unreachable": tuple(fields["unreachable"]), "corners": tuple(fields.get("corners", ()))}
         status = Status(**{**fields, **lists})
-    except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
+        texts = (status.state, status.reason, status.saved, *status.unreachable, *status.corners)
+        left = 0.0 if status.left is None else status.left
+        numbers = (status.reachable, status.unknown, status.known, status.way, status.seconds, left)
+        good = all(isinstance(each, str) for each in texts) and all(map(math.isfinite, numbers))
+    except (ValueError, TypeError, KeyError, AttributeError, RecursionError, OverflowError):
         return None
-    texts = (status.state, status.reason, status.saved, *status.unreachable, *status.corners)
-    numbers = (status.reachable, status.unknown, status.known, status.way, status.seconds)
-    good = all(isinstance(each, str) for each in texts) and all(isinstance(each, (int, float)) for each in numbers)
     return status if good and status.state in (*ENDED, "starting", "exploring", "paused") else None
 
 
@@ -88,8 +92,9 @@ def describe_done(status: Status) -> str:
 
 
 def describe_left(status: Status) -> str:
-    """The clause about the frontiers that are left."""
-    return f"{_count(status.reachable, 'frontier')} left, about {status.unknown:.0f} m2 unknown"
+    """The clause about the frontiers that are left, and how long they will take where that can be estimated."""
+    time = "" if status.left is None else f", about {max(1, round(status.left / 60.0))} min left"
+    return f"{_count(status.reachable, 'frontier')} left, about {status.unknown:.0f} m2 unknown{time}"
 
 
 def describe_blocked(status: Status) -> str:

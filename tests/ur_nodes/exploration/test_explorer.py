@@ -202,3 +202,17 @@ def test_way_and_time_are_measured() -> None:
     status = run.step(seconds=2.0).status
     assert status.way == pytest.approx(0.5)
     assert status.seconds == 2.0
+
+
+def test_time_left_is_estimated_while_the_map_grows_and_not_while_paused() -> None:
+    run = Run()
+    room = run.grid
+    for column in range(48, 88):  # cells of 0.05 m
+        values = room.values.copy()
+        values[:, column:] = -1
+        run.grid = Grid(values, room.resolution, room.origin)
+        status = run.step().status
+        assert status.state == "exploring"
+        assert (status.left is None) == (run.now <= 30.0)
+    assert run.step(paused="the emergency stop is pressed").status.left is None
+    assert run.step().status.left is None

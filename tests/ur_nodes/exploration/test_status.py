@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from ur_nodes.exploration.status import Status, describe_status, read_status, write_status
@@ -10,6 +12,7 @@ BLOCKED = ("behind the glass or through a gap at (1.00, 2.00)", "too narrow at (
 def test_status_survives_its_way_as_json() -> None:
     status = Status("exploring", 3, 12.5, 40.0, 17.0, 65.0, BLOCKED, ("(1.00, 2.00)",), "", "/maps/flat.yaml")
     assert read_status(write_status(status)) == status
+    assert read_status(write_status(replace(status, left=240.0))) == replace(status, left=240.0)
 
 
 @pytest.mark.parametrize(
@@ -22,6 +25,9 @@ def test_status_survives_its_way_as_json() -> None:
         '{"state": "gone", "unreachable": []}',
         '{"state": "exploring", "unreachable": [3]}',
         '{"state": "exploring", "unreachable": [], "way": "far"}',
+        '{"state": "exploring", "unreachable": [], "left": "long"}',
+        '{"state": "exploring", "unreachable": [], "left": Infinity}',
+        '{"state": "exploring", "unreachable": [], "seconds": 1' + 400 * "0" + "}",
         '{"state": "exploring", "unreachable": [], "corners": [3]}',
         '{"state": "exploring", "unreachable": [], "more": 1}',
         '{"state": ["exploring"], "unreachable": []}',
@@ -34,6 +40,12 @@ def test_what_is_no_status_is_none(text: str) -> None:
 def test_line_says_how_much_is_left() -> None:
     line = describe_status(Status("exploring", 1, 12.4, 40.2, 17.3, 65.0))
     assert line == "40 m2 known, 17 m driven in 1:05 min; 1 frontier left, about 12 m2 unknown"
+
+
+@pytest.mark.parametrize(("seconds", "words"), [(10.0, "about 1 min left"), (230.0, "about 4 min left")])
+def test_line_says_how_long_it_will_take(seconds: float, words: str) -> None:
+    line = describe_status(Status("exploring", 1, 12.4, 40.2, 17.3, 65.0, left=seconds))
+    assert line.endswith(f"1 frontier left, about 12 m2 unknown, {words}")
 
 
 def test_end_is_explained_with_what_cannot_be_reached() -> None:

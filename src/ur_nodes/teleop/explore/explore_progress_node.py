@@ -7,6 +7,7 @@ import signal
 import sys
 import threading
 import time
+from dataclasses import replace
 from typing import Protocol
 
 from ur.source.ansi import allows_colour, is_plain
@@ -119,7 +120,7 @@ def _print_lines(statuses: Statuses, every: float, ended: threading.Event) -> No
 def _finish(status: Status) -> int:
     """Print how the exploration has ended and where its map is; return the exit code."""
     if not status.ended:
-        left = f"; {describe_left(status)}" if status.known else ""
+        left = f"; {describe_left(replace(status, left=None))}" if status.known else ""
         _write(f"stopped before the map was complete{left}")
     else:
         _write(describe_status(status))

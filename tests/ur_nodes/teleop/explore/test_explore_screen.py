@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 from ur.source.ansi import strip_styles
 from ur_nodes.exploration.status import Status
 from ur_nodes.teleop.explore.explore_screen import draw_explore_screen, room_for_map
@@ -47,3 +49,8 @@ def test_small_terminal_shows_text_without_a_map() -> None:
     assert len(lines) <= 8
     assert "too narrow" in " ".join(lines)
     assert all(len(line) <= 60 for line in lines)
+
+
+def test_time_left_stands_beside_what_is_left() -> None:
+    lines = shown(replace(EXPLORING, left=250.0), columns=110)
+    assert lines[26].endswith("3 frontiers left, about 12 m2 unknown, about 4 min left")
