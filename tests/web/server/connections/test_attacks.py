@@ -96,8 +96,9 @@ async def server(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> AsyncIterat
 
 @pytest.mark.parametrize("data", [b"", b"GET /login HTTP/1.1\r\nHost: loc"])
 async def test_connections_that_wait_for_nothing_are_bounded_and_a_session_finds_room(
-    server: Server, data: bytes
+    server: Server, monkeypatch: pytest.MonkeyPatch, data: bytes
 ) -> None:
+    monkeypatch.setattr(listening, "_MOST_WAITING", 64)
     client = await server.log_in()
     idle = [await server.open(data) for _ in range(300)]
     async with client, client.ws_connect(server.url + DRIVE) as drive:
@@ -109,6 +110,17 @@ async def test_connections_that_wait_for_nothing_are_bounded_and_a_session_finds
         assert (await client.get(f"{server.url}/main.js")).status == 200
     for _, writer in idle:
         writer.close()
+
+
+async def test_session_whose_head_is_late_is_served_beside_hundreds_of_others(server: Server) -> None:
+    async with await server.log_in() as client:
+        (cookie,) = client.cookie_jar
+        reader, writer = await server.open()  # and the client is held up
+        others = [await server.open() for _ in range(400)]
+        writer.write(server.request("POST /api/stop", b"", f"Cookie: {cookie.key}={cookie.value}", "Connection: close"))
+        assert (await asyncio.wait_for(reader.read(), 60.0))[9:12] == b"200"
+    for _, each in [(reader, writer), *others]:
+        each.close()
 
 
 async def test_head_that_does_not_end_in_time_ends_the_connection(

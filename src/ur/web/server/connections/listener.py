@@ -1,9 +1,10 @@
 """Connections, accepted and told apart before the HTTP server sees them.
 
 A connection waits here until the head of its first request is complete. One whose head holds the secret of a session
-is handed on at once and without limits. All others have limits: on their number for each address and in all, on their
-rate, on the size of head and body, on time; and each of them is good for one request. Where there are too many, those
-go that have waited longest at the address with the most, so that a new connection of a session always finds room.
+is handed on at once and without limits. All others have limits: on their number, on their rate, on the size of head and
+body, on time; and each of them is good for one request. Where there are too many, those go that have waited longest at
+the address with the most: a new connection of a session always finds room, and has time until hundreds of others have
+arrived from its address.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ HEAD_LIMIT = 10.0
 LONGEST_BODY = 2048
 """Bytes of the longest body of a request without a session."""
 
-_MOST_WAITING, _MOST_OF_ADDRESS = 256, 64  # connections whose first head is not complete
+_MOST_WAITING = 512  # connections whose first head is not complete
 _MOST_SERVED = 32  # connections without a session, of which the HTTP server works on a request
 _MOST_CLOSING, _CLOSE_LIMIT = 64, 1.0  # connections that have got a refusal and may still send, s
 _MOST_READS = 64  # pieces of a head
@@ -131,9 +132,7 @@ class Listener:
             self._read(waiting)  # most have their head: no reader is needed
             if sock in self._waiting.get(waiting.address, ()):
                 self._loop.add_reader(sock, self._read, waiting)
-            if len(self._waiting.get(waiting.address, ())) > _MOST_OF_ADDRESS:
-                self._drop(next(iter(self._waiting[waiting.address].values())))
-            elif self._count > _MOST_WAITING:
+            if self._count > _MOST_WAITING:
                 self._drop(next(iter(max(self._waiting.values(), key=len).values())))
 
     def _make_room(self, listening: socket.socket, problem: OSError) -> None:
