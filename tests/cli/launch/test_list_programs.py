@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import json
+import re
 import socket
 from pathlib import Path
 
 import pytest
 
+import ur.web
+from ur.cli.launch.list_programs import FIRST
 from ur.cli.main import main
 
 
@@ -23,7 +26,7 @@ def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def find_line(text: str, name: str) -> str:
-    (line,) = (line for line in text.splitlines() if line.split()[0] == name)
+    (line,) = (line for line in text.splitlines() if line.split()[:1] == [name])
     return line
 
 
@@ -47,12 +50,25 @@ def test_base_that_is_not_known_is_said_and_the_list_comes_all_the_same(
     assert find_line(captured.out, "rviz_sonar")
 
 
+def test_programs_that_most_people_want_come_first_as_on_the_page(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["list"]) == 0
+    first, others = capsys.readouterr().out.split("\n\n")
+    assert tuple(line.split()[0] for line in first.splitlines()) == FIRST
+    head, *rest = (line.split()[0] for line in others.splitlines())
+    assert head == "other"
+    assert rest == sorted(rest)
+    assert not set(rest) & set(FIRST)
+    texts = Path(ur.web.__path__[0], "static/texts.js").read_text(encoding="utf-8")
+    (names,) = re.findall(r"programNames: \{(.*)\}", texts)
+    assert tuple(re.findall(r"(\w+):", names)) == FIRST
+
+
 def test_programs_are_grouped_by_package_where_others_have_some(
     home: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.delenv("ROS_PACKAGE_PATH", raising=False)
     assert main(["list"]) == 0
-    assert not capsys.readouterr().out.startswith(("ubiquity_launches", " "))
+    assert "ubiquity_launches:" not in capsys.readouterr().out
     folder = home / "my_robot"
     (folder / "bin").mkdir(parents=True)
     (folder / "package.xml").write_text("<package><name>my_robot</name></package>")
@@ -60,7 +76,7 @@ def test_programs_are_grouped_by_package_where_others_have_some(
     (folder / "bin" / "ur_wander").chmod(0o755)
     monkeypatch.setenv("ROS_PACKAGE_PATH", str(home))
     assert main(["list"]) == 0
-    own, theirs = capsys.readouterr().out.split("\n\n")
+    _, own, theirs = capsys.readouterr().out.split("\n\n")
     assert own.startswith("ubiquity_launches:\n  ")
     assert theirs.split() == ["my_robot:", "wander", "Let", "a", "robot", "wander."]
 

@@ -16,6 +16,9 @@ from ur.source.diagnostic import UserError
 from ur.source.printable import printable
 from ur.source.render import shows_colour
 
+FIRST = ("keyboard_navigate", "make_map", "raspicam")
+"""Programs of the library that most people want, in this order; the page has the same."""
+
 _DIM, _PLAIN = "\x1b[2m", "\x1b[0m"
 
 
@@ -44,20 +47,27 @@ def command(as_json: bool) -> int:
 
 
 def render_list(programs: Sequence[Program], base: Base | None, *, colour: bool) -> str:
-    """A line for each program, below the name of its package where there are several packages."""
-    width = max((len(program.name) for program in programs), default=0)
+    """A line for each program: those of FIRST, then the others, by package where there are several packages."""
+    width = max((len(program.name) for program in programs), default=0) + 2  # indented
     dim = (_DIM, _PLAIN) if colour else ("", "")
-    packages = list(dict.fromkeys(program.package for program in programs))
-    lines: list[str] = []
-    for package in packages:
-        if len(packages) > 1:
-            lines += ([""] if lines else []) + [f"{package}:"]
-        indent = "  " if len(packages) > 1 else ""
-        for program in (each for each in programs if each.package == package):
-            line = f"{indent}{program.name:<{width}}  {printable(program.summary)}".rstrip()
+
+    def lines(group: Sequence[Program], indent: str = "") -> str:
+        text = ""
+        for program in group:
             lack = _lack(program, base) if base else ""
-            lines.append(line + (f"  {dim[0]}[{lack}]{dim[1]}" if lack else ""))
-    return "".join(f"{line}\n" for line in lines)
+            line = f"{indent + program.name:<{width}}  {printable(program.summary)}".rstrip()
+            text += line + (f"  {dim[0]}[{lack}]{dim[1]}" if lack else "") + "\n"
+        return text
+
+    own = {program.name: program for program in programs if program.package == PACKAGE.name}
+    first = [own[name] for name in FIRST if name in own]
+    others = [program for program in programs if program not in first]
+    packages = list(dict.fromkeys(program.package for program in others))
+    groups = [lines(first)] if first else []
+    for package in packages:
+        title = package if len(packages) > 1 else "other programs"
+        groups.append(f"{title}:\n" + lines([each for each in others if each.package == package], "  "))
+    return "\n".join(groups)
 
 
 def _selected_base() -> Base | None:
