@@ -34,6 +34,10 @@ class Pose2(NamedTuple):
         c, s = math.cos(self.yaw), math.sin(self.yaw)
         return Pose2(-c * self.x - s * self.y, s * self.x - c * self.y, -self.yaw)
 
+    def in_space(self) -> Pose3:
+        """This pose on the ground."""
+        return Pose3(self.x, self.y, 0.0, *quaternion_of_yaw(self.yaw))
+
     def transform_points(self, points: NDArray[np.floating]) -> NDArray[np.float64]:
         """Express points (..., 2) in m, given in this pose's frame, in this pose's parent frame."""
         c, s = math.cos(self.yaw), math.sin(self.yaw)

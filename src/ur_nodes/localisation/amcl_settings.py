@@ -13,7 +13,7 @@ from ur_nodes.localisation.likelihood import BeamModel
 from ur_nodes.localisation.localiser import FilterSettings
 from ur_nodes.localisation.motion_model import MotionModel, OdometryKind
 from ur_nodes.localisation.particle_filter import SampleSize
-from ur_nodes.rosio.parameters import Parameters
+from ur_nodes.ports.parameters import Parameters
 
 _LEAST_SAVED_SPREAD = (0.1, 0.1, 0.05)  # m, m, rad: the robot may have been moved a little while the node was down
 

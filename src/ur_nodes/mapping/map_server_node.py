@@ -17,7 +17,7 @@ from ur.source.diagnostic import UserError
 from ur.source.render import render_human
 from ur_nodes.geometry.grid import Grid, load_map
 from ur_nodes.mapping.zone_server_node import ZoneServer
-from ur_nodes.rosio.freed_memory import return_large_arrays
+from ur_nodes.memory_use import return_large_arrays
 from ur_nodes.rosio.grid_message import GridResponse, GridService, grid_message, metadata_message
 from ur_nodes.rosio.parameters import Parameters
 from ur_nodes.rosio.sent import SentMessages

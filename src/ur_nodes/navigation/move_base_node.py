@@ -16,6 +16,7 @@ from std_msgs.msg import Bool
 from std_srvs.srv import Empty, EmptyRequest, EmptyResponse
 
 from ur_nodes.geometry.pose import Pose2
+from ur_nodes.memory_use import return_large_arrays
 from ur_nodes.navigation.goal_pose_node import goal_in_map, make_plan
 from ur_nodes.navigation.goals.attendance import Act
 from ur_nodes.navigation.goals.goal_claim import has_any_heading
@@ -31,7 +32,6 @@ from ur_nodes.navigation.rollout import FollowSettings
 from ur_nodes.navigation.velocity_output_node import VelocityOutput
 from ur_nodes.navigation.world_view_node import WorldView
 from ur_nodes.rosio.ending import quiet_at_end
-from ur_nodes.rosio.freed_memory import return_large_arrays
 from ur_nodes.rosio.geometry import pose_message
 from ur_nodes.rosio.shell import run_node
 

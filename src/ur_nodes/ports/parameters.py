@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Any, Protocol
 
 from ur.source.diagnostic import UserError, error
@@ -54,6 +55,12 @@ class Parameters:
     def keep(self, name: str, value: Any) -> None:
         """Set a parameter, so that the node finds it when it is started again."""
         self._store.set(self._namespace + name, value)
+
+    def keep_all(self, values: Mapping[str, Any]) -> None:
+        """Set parameters, unless the store is gone."""
+        with contextlib.suppress(OSError):
+            for name, value in values.items():
+                self.keep(name, value)
 
     def name(self, name: str) -> str:
         """The full name of a parameter, for messages."""

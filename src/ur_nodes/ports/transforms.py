@@ -9,7 +9,12 @@ from ur_nodes.geometry.pose import Pose2, Pose3
 from ur_nodes.geometry.transform_tree import TransformError, TransformTree
 from ur_nodes.ports.values import Transform
 
-SECOND = 1e-9  # s a ns
+_SECOND = 1_000_000_000
+
+
+def seconds_of(stamp: int) -> float:
+    """A stamp (ns) in s, rounded as all of ROS rounds it: transforms and scans of one moment stay of one moment."""
+    return float(stamp // _SECOND) + float(stamp % _SECOND) / 1e9
 
 
 class TransformLink(Protocol):
@@ -45,7 +50,7 @@ class Transforms(TransformTree):
         """Take what another node has sent."""
         used = [each for each in transforms if each.child.lstrip("/") not in self._ignored]
         for each in used:
-            self.add(each.parent, each.child, each.stamp * SECOND, each.pose, fixed=each.fixed)
+            self.add(each.parent, each.child, seconds_of(each.stamp), each.pose, fixed=each.fixed)
         if used:
             for call in self._watchers:
                 call()
@@ -53,7 +58,7 @@ class Transforms(TransformTree):
     def find(self, target: str, source: str, stamp: int = 0) -> Pose3 | None:
         """The pose of frame `source` in `target` at a time in ns (0: the newest), None while it is not known."""
         try:
-            return self.lookup(target, source, stamp * SECOND if stamp else None)
+            return self.lookup(target, source, seconds_of(stamp) if stamp else None)
         except TransformError:
             return None
 

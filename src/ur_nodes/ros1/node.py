@@ -17,12 +17,14 @@ from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.transforms import Transforms
 from ur_nodes.ports.values import Result
 from ur_nodes.ros1.codecs import Codec, find_codec, find_service
-from ur_nodes.ros1.facts import RosFacts, RosLog, RosParameters
+from ur_nodes.ros1.facts import RosFacts, RosLog
 from ur_nodes.ros1.loop import Beat, Loop, Worker
+from ur_nodes.rosio.parameters import RosParameters
 
 Value = TypeVar("Value")
 
 _DEPTHS = {Quality.NEWEST: 1, Quality.LATCHED: 1, Quality.EVERY: 100, Quality.COMMAND: 100}
+_MOST_TRANSFORMS = 1000  # messages that wait while a callback takes long: a history with gaps is of no use
 _END_LIMIT = 2.0  # s
 _ANSWER_LIMIT = 60.0  # s
 
@@ -57,7 +59,7 @@ class RosNode:
 
             topics = TransformTopics()
             self._transforms = tree = Transforms(topics.send)
-            topics.listen(self._loop.mailbox(_DEPTHS[Quality.EVERY], tree.take))
+            topics.listen(self._loop.mailbox(_MOST_TRANSFORMS, tree.take))
         return self._transforms
 
     def publish(
@@ -128,7 +130,7 @@ class RosNode:
                 rospy.wait_for_service(service, timeout=within)
                 answer = rospy.ServiceProxy(service, codec.service_class)(codec.request(request))
                 result = codec.result_of(answer)
-            except (rospy.ROSException, rospy.ServiceException) as problem:
+            except (rospy.ROSException, rospy.ServiceException, UserError, ValueError) as problem:
                 result = Result(False, str(problem))
             self._loop.post(lambda: take(result))
 

@@ -9,14 +9,15 @@ from ur_nodes.ros1.node import RosNode
 from ur_nodes.rosio.shell import run_node
 
 
-def run(name: str, start: Callable[[Node], None], *, own_terminal: bool = False) -> int:
+def run(name: str, start: Callable[[Node], object], *, own_terminal: bool = False) -> int:
     """Run a node until it ends; see `ur_nodes.run.run`."""
     nodes: list[RosNode] = []
+    wired: list[object] = []
 
     def begin() -> None:
         node = RosNode()
         nodes.append(node)
-        start(node)
+        wired.append(start(node))
         node.begin()
 
     code = run_node(name, begin, own_terminal=own_terminal)

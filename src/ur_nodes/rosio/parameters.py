@@ -1,104 +1,36 @@
-"""Private parameters of a node, typed, with errors that name the parameter and what was expected."""
+"""Parameters of a node from the parameter server."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterable
 from typing import Any
 
 import rospy
 
-from ur.source.diagnostic import UserError, error
-from ur.source.foreign.yaml_text import load_yaml
-from ur.source.suggest import did_you_mean
-
-_REQUIRED: Any = object()
+from ur_nodes.ports import parameters
 
 
-class Parameters:
-    """Reads from the parameter server below `namespace` ('~' is the node itself). Raises UserError."""
+class RosParameters:
+    """See `ports.parameters.ParameterStore`."""
 
-    def __init__(self, namespace: str = "~") -> None:
-        self._namespace = namespace
-
-    def below(self, name: str) -> Parameters:
-        """The parameters of a sub-namespace."""
-        return Parameters(f"{self._namespace}{name}/")
+    def resolve(self, name: str) -> str:
+        """See ParameterStore."""
+        return str(rospy.resolve_name(name))
 
     def has(self, name: str) -> bool:
-        """Return True when the parameter is set."""
-        return bool(rospy.has_param(self._namespace + name))
+        """See ParameterStore."""
+        return bool(rospy.has_param(name))
 
-    def number(
-        self, name: str, default: Any = _REQUIRED, *, minimum: float = -math.inf, maximum: float = math.inf
-    ) -> float:
-        """A finite number within limits (inclusive)."""
-        value = self._get(name, default, "a number")
-        good = isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
-        if not good or not minimum <= value <= maximum:
-            limits = "" if (minimum, maximum) == (-math.inf, math.inf) else f" from {minimum:g} to {maximum:g}"
-            self.fail(name, value, f"a number{limits}")
-        return float(value)
+    def get(self, name: str) -> Any:
+        """See ParameterStore."""
+        return rospy.get_param(name)
 
-    def integer(self, name: str, default: Any = _REQUIRED, *, minimum: int | None = None) -> int:
-        """A whole number not below `minimum`."""
-        value = self._get(name, default, "a whole number")
-        if not isinstance(value, int) or isinstance(value, bool) or (minimum is not None and value < minimum):
-            at_least = "" if minimum is None else f" of at least {minimum}"
-            self.fail(name, value, f"a whole number{at_least}")
-        return int(value)
+    def set(self, name: str, value: Any) -> None:
+        """See ParameterStore."""
+        rospy.set_param(name, value)
 
-    def text(self, name: str, default: Any = _REQUIRED, *, choices: Iterable[str] = ()) -> str:
-        """A string; with `choices`, one of them."""
-        value = self._get(name, default, "a text")
-        allowed = list(choices)
-        if not isinstance(value, str) or (allowed and value not in allowed):
-            self.fail(name, value, f"one of {', '.join(allowed)}" if allowed else "a text", allowed)
-        return str(value)
 
-    def boolean(self, name: str, default: Any = _REQUIRED) -> bool:
-        """True or false."""
-        value = self._get(name, default, "true or false")
-        if not isinstance(value, bool):
-            self.fail(name, value, "true or false")
-        return bool(value)
+class Parameters(parameters.Parameters):
+    """Parameters below `namespace` ('~' is the node itself)."""
 
-    def texts(self, name: str, default: Any = _REQUIRED) -> tuple[str, ...]:
-        """A list of strings."""
-        value = self._get(name, default, "a list of texts")
-        if not isinstance(value, (list, tuple)) or not all(isinstance(each, str) for each in value):
-            self.fail(name, value, "a list of texts")
-        return tuple(value)
-
-    def points(self, name: str, default: Any = _REQUIRED) -> tuple[tuple[float, float], ...]:
-        """A list of [x, y] points, or the text of one (move_base's footprints may be either)."""
-        value = self._get(name, default, "a list of [x, y] points")
-        try:
-            listed = load_yaml(value) if isinstance(value, str) else value
-            return tuple((float(x), float(y)) for x, y in listed or ())
-        except (TypeError, ValueError):
-            self.fail(name, value, "a list of [x, y] points")
-            raise AssertionError from None
-
-    def fail(self, name: str, value: object, expected: str, choices: Iterable[str] = ()) -> None:
-        """Raise UserError: this parameter has this value, and what was expected."""
-        near = did_you_mean(str(value), choices)
-        raise UserError(
-            error(
-                f"parameter {rospy.resolve_name(self._namespace + name)}: {value!r}, expected {expected}",
-                rule="bad-parameter",
-                help=f"did you mean {near!r}?" if near else None,
-            )
-        )
-
-    def _get(self, name: str, default: Any, expected: str) -> Any:
-        if default is not _REQUIRED:
-            return rospy.get_param(self._namespace + name, default)
-        if not self.has(name):
-            raise UserError(
-                error(
-                    f"parameter {rospy.resolve_name(self._namespace + name)} is not set, expected {expected}",
-                    rule="missing-parameter",
-                )
-            )
-        return rospy.get_param(self._namespace + name)
+    def __init__(self, namespace: str = "~") -> None:
+        super().__init__(RosParameters(), namespace)

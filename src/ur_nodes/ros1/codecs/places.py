@@ -43,9 +43,25 @@ def estimate_of(message: Any) -> PoseEstimate:
     )
 
 
+class _PosesMessage(PoseArray):  # type: ignore[misc]  # generated without types
+    """Many poses, written fast: `planar` is float64 (n, 3), m, m, rad; `poses` stays empty in what is sent."""
+
+    __slots__ = ("planar",)
+
+    def serialize(self, buff: Any) -> None:
+        """Write header, number and poses as http://wiki.ros.org/msg describes (little-endian)."""
+        self.header.serialize(buff)
+        buff.write(np.uint32(len(self.planar)).astype("<u4").tobytes())
+        poses = np.zeros((len(self.planar), 7), dtype="<f8")
+        poses[:, :2] = self.planar[:, :2]
+        poses[:, 5] = np.sin(0.5 * self.planar[:, 2])
+        poses[:, 6] = np.cos(0.5 * self.planar[:, 2])
+        buff.write(poses.tobytes())
+
+
 def _fill_poses(message: Any, value: Poses) -> None:
     fill_header(message, value.stamp, value.frame)
-    message.poses = [pose_message(Pose2(*each)) for each in value.poses.tolist()]
+    message.planar = value.poses
 
 
 def _poses_of(message: Any) -> Poses:
@@ -81,7 +97,7 @@ def _rows(poses: Any) -> NDArray[np.float64]:
 CODECS = {
     PlacedPose: Codec(PoseStamped, fill_placed, placed_of),
     PoseEstimate: Codec(PoseWithCovarianceStamped, _fill_estimate, estimate_of),
-    Poses: Codec(PoseArray, _fill_poses, _poses_of),
+    Poses: Codec(_PosesMessage, _fill_poses, _poses_of),
     Path: Codec(PathMessage, _fill_path, _path_of),
     Outline: Codec(PolygonStamped, _fill_outline, _outline_of),
 }

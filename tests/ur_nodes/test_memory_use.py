@@ -9,7 +9,7 @@ _USE = """
 import sys, threading
 import numpy as np
 from pathlib import Path
-from ur_nodes.rosio.freed_memory import return_large_arrays
+from ur_nodes.memory_use import return_large_arrays
 
 if sys.argv[1] == "returned":
     return_large_arrays()

@@ -1,0 +1,108 @@
+"""The work of the node `amcl`: its map, its localiser, and what they have to say."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ur_nodes.geometry.difference import describe_places
+from ur_nodes.geometry.grid import Grid
+from ur_nodes.geometry.pose import Pose2
+from ur_nodes.geometry.scan import Mount, points_of_scan
+from ur_nodes.localisation.amcl_settings import AmclSettings
+from ur_nodes.localisation.likelihood import LikelihoodField, make_field
+from ur_nodes.localisation.localiser import Estimate, Localiser
+from ur_nodes.localisation.particle_filter import Particles
+from ur_nodes.ports.log import Log
+from ur_nodes.ports.values import Map, PoseEstimate, Result, Scan
+
+
+class Amcl:
+    """Localises on the map in use. `last` is the newest estimate, also that of an earlier map; None before the first.
+
+    `correction` is the pose of the odometry's frame in the map.
+    """
+
+    def __init__(self, settings: AmclSettings, log: Log) -> None:
+        self._settings = settings
+        self._log = log
+        self._rng = np.random.default_rng(settings.seed)
+        self._localiser: Localiser | None = None
+        self._grid: Grid | None = None
+        self._places = 0  # that fit, as reported last
+        self.last: Estimate | None = None
+        self.correction: Pose2 | None = None
+
+    @property
+    def has_map(self) -> bool:
+        """Whether there is a map in use."""
+        return self._localiser is not None
+
+    @property
+    def particles(self) -> Particles:
+        """The particles after the last update; there is a map."""
+        assert self._localiser
+        return self._localiser.particles
+
+    def prepare(self, given: Map) -> LikelihoodField:
+        """Work a map out; takes long where it is large, and changes nothing."""
+        return make_field(given.grid, self._settings.beams)
+
+    def use_map(self, given: Map, field: LikelihoodField) -> None:
+        """Start on a map. The pose on the last one is kept if there was one."""
+        if given.frame != self._settings.map_frame:
+            self._log.warn(f"map in frame {given.frame!r}, expected ~global_frame_id, {self._settings.map_frame!r}")
+        self._localiser = localiser = Localiser(field, self._settings.filter, self._rng)
+        self._grid = grid = given.grid
+        if self.last:
+            localiser.place(self.last.pose, self.last.covariance)
+        else:
+            localiser.place(self._settings.initial_pose, self._settings.initial_covariance)
+        self._log.info(f"map of {grid.width} x {grid.height} cells of {grid.resolution:g} m")
+
+    def place(self, given: PoseEstimate, moved: Pose2) -> None:
+        """A person says where the robot was; `moved` is its motion since."""
+        if given.frame and given.frame != self._settings.map_frame:
+            self._log.warn(f"initialpose in frame {given.frame!r} ignored, expected {self._settings.map_frame!r}")
+            return
+        pose = given.pose.compose(moved)
+        if self._localiser and np.isfinite(pose).all() and np.isfinite(given.covariance).all():
+            self._localiser.place(pose, given.covariance)
+            self._log.info(f"placed at x {pose.x:.2f} m, y {pose.y:.2f} m, yaw {pose.yaw:.2f} rad")
+        else:
+            self._log.warn("initialpose ignored, expected a map first and finite numbers")
+
+    def scatter(self) -> Result:
+        """The robot may be anywhere."""
+        if not self._localiser or not self._localiser.scatter():
+            return Result(False, "there is no map with free cells yet, expected one")
+        self._log.info("global localisation: the robot may be anywhere")
+        return Result(success=True)
+
+    def request_update(self) -> Result:
+        """Use the next scan even when the robot has not moved."""
+        if self._localiser:
+            self._localiser.request_update()
+        return Result(success=True)
+
+    def update(self, scan: Scan, mount: Mount, odometry: Pose2) -> Estimate | None:
+        """Use a scan taken at a pose of the odometry. Returns the estimate if there is a new one."""
+        assert self._localiser
+        assert self._grid
+        low, high = self._settings.laser_limits
+        limits = (max(low, scan.range_min), min(high, scan.range_max) if high > 0.0 else scan.range_max)
+        estimate = self._localiser.update(odometry, points_of_scan(scan, mount, limits))
+        if estimate:
+            self.last = estimate
+            self.correction = estimate.pose.compose(odometry.inverse())
+            self._report_places(self._localiser.places, self._grid)
+        return estimate
+
+    def _report_places(self, places: list[Pose2], grid: Grid) -> None:
+        """Log when more than one place fits, with what would tell the best two apart, and when one is left."""
+        if len(places) == self._places:
+            return
+        if places:
+            self._log.warn(describe_places(grid, places, "place the robot by hand"))
+        else:
+            self._log.info("only one place on the map fits now")
+        self._places = len(places)

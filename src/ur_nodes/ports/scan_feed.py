@@ -1,0 +1,78 @@
+"""Scans that wait until the odometry of their time is known."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+
+from ur_nodes.geometry.pose import Pose2
+from ur_nodes.geometry.scan import Mount, mount_of_pose
+from ur_nodes.ports.node import SECOND, Node
+from ur_nodes.ports.values import Scan
+
+LONGEST_QUEUE = 30  # scans
+SILENCE = 15.0  # s without a scan before the log reports it, and again after as long
+
+
+class ScanFeed:
+    """Listens to `scan`, and gives `use` the newest scan that can be used; older ones are dropped with it.
+
+    Odometry is the transform from `odom_frame` to `base_frame` at the scan's time. Without an `odom_frame` ('') no scan
+    waits, and its odometry is None.
+    """
+
+    def __init__(self, node: Node, odom_frame: str, base_frame: str, use: Callable[[Scan, Pose2 | None], None]) -> None:
+        self._node = node
+        self._use = use
+        self._odom_frame, self._base_frame = odom_frame, base_frame
+        self._mounts: dict[str, Mount] = {}
+        self._scans: deque[Scan] = deque(maxlen=LONGEST_QUEUE)
+        self._quiet_since = node.now()
+        node.transforms.watch(self._try)
+        node.subscribe("scan", Scan, self.add)
+        node.every(1.0, self._explain_silence)
+
+    def odometry(self, stamp: int = 0) -> Pose2 | None:
+        """The pose of the base in the odometry's frame at a time (0: the newest), None when it is not known."""
+        return (
+            self._node.transforms.find_planar(self._odom_frame, self._base_frame, stamp) if self._odom_frame else None
+        )
+
+    def mount(self, frame: str) -> Mount | None:
+        """The mount of a lidar by its frame, which does not move on the robot; None, with a log, while not known."""
+        if frame not in self._mounts:
+            found = self._node.transforms.find(self._base_frame, frame)
+            if not found:
+                self._node.log.warn(f"no transform from {frame} to {self._base_frame}, expected one", every=SILENCE)
+                return None
+            self._mounts[frame] = mount_of_pose(found)
+        return self._mounts[frame]
+
+    def add(self, scan: Scan) -> None:
+        """Take a scan in; of more than LONGEST_QUEUE the oldest goes."""
+        self._scans.append(scan)
+        self._try()
+
+    def _try(self) -> None:
+        for index in range(len(self._scans) - 1, -1, -1):
+            scan = self._scans[index]
+            odometry = self.odometry(scan.stamp)
+            if odometry or not self._odom_frame:
+                for _ in range(index + 1):
+                    self._scans.popleft()
+                self._quiet_since = self._node.now()
+                self._use(scan, odometry)
+                return
+
+    def _explain_silence(self) -> None:
+        now = self._node.now()
+        if 0 <= now - self._quiet_since <= SILENCE * SECOND:
+            return
+        self._quiet_since = now
+        topic, log = self._node.resolve("scan"), self._node.log
+        if not self._scans:
+            log.warn(f"no scan on {topic} for {SILENCE:g} s; is the lidar driver running?")
+        elif not self.odometry():
+            log.warn(f"no transform from {self._base_frame} to {self._odom_frame}, expected one")
+        else:
+            log.warn(f"{topic} and tf timestamps do not overlap; do all nodes use the same clock?")
