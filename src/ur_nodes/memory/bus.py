@@ -60,7 +60,7 @@ class Bus:
         self.facts: dict[str, Any] = {}
         self.parameters: dict[str, Any] = {}
         self.topics: dict[str, Topic] = {}
-        self.services: dict[str, Callable[[Any], Any]] = {}
+        self.services: dict[str, Callable[[Any, Callable[[Any], None]], None]] = {}
         self.nodes: dict[str, MemoryNode] = {}
         self._delay = delay or (lambda _topic: 0)
         self._events: list[tuple[int, int, Callable[[], None]]] = []

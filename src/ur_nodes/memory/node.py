@@ -93,12 +93,19 @@ class MemoryNode:
 
     def serve(self, service: str, kind: type[Value], answer: Callable[[Value], Result]) -> None:
         """See Node."""
+        self.serve_later(service, kind, lambda request, give: give(answer(request)))
+
+    def serve_later(
+        self, service: str, kind: type[Value], take: Callable[[Value, Callable[[Result], None]], None]
+    ) -> None:
+        """See Node."""
         full = self.resolve(service)
 
-        def check(request: Any) -> Result:
-            if not isinstance(request, kind):
-                return Result(False, f"{full}: a request {type(request).__name__}, expected {kind.__name__}")
-            return answer(request)
+        def check(request: Any, give: Callable[[Result], None]) -> None:
+            if isinstance(request, kind):
+                take(request, give)
+            else:
+                give(Result(False, f"{full}: a request {type(request).__name__}, expected {kind.__name__}"))
 
         self._services.append(full)
         self._bus.services[full] = check
@@ -106,14 +113,18 @@ class MemoryNode:
     def call(self, service: str, request: object, take: Callable[[Result], None], within: float = 5.0) -> None:
         """See Node."""
         full, end = self.resolve(service), self._bus.now + round(within * 1e9)
+        waiting = [take]
 
         def give(result: Result) -> None:
-            self._bus.at(self._bus.now, lambda: take(result) if self.ended is None else None)
+            if waiting:
+                waiting.pop()
+                self._bus.at(self._bus.now, lambda: take(result) if self.ended is None else None)
 
         def ask() -> None:
             serve = self._bus.services.get(full)
             if serve is not None:
-                give(serve(request))
+                serve(request, give)
+                self._bus.at(end, lambda: give(Result(False, f"no answer of {full} within {within:g} s")))
             elif self._bus.now < end:
                 self._bus.at(min(self._bus.now + 100_000_000, end), ask)
             else:
@@ -125,8 +136,8 @@ class MemoryNode:
         """See Node."""
         return MemoryGoalServer(self, action, takers)
 
-    def every(self, seconds: float, call: Callable[[], None]) -> MemoryTimer:
-        """See Node."""
+    def every(self, seconds: float, call: Callable[[], None], *, steady: bool = False) -> MemoryTimer:  # noqa: ARG002
+        """See Node. Both times are the bus's."""
         timer, period = MemoryTimer(), round(seconds * 1e9)
 
         def beat(due: int) -> None:
@@ -137,7 +148,14 @@ class MemoryNode:
         self._bus.at(self._bus.now + period, lambda first=self._bus.now + period: beat(first))  # type: ignore[misc]
         return timer
 
-    def work(self, job: Callable[[], Value], take: Callable[[Value], None]) -> None:
+    def after(self, seconds: float, call: Callable[[], None], *, steady: bool = False) -> MemoryTimer:  # noqa: ARG002
+        """See Node."""
+        timer = MemoryTimer()
+        due = self._bus.now + round(seconds * 1e9)
+        self._bus.at(due, lambda: call() if self.ended is None and timer.on else None)
+        return timer
+
+    def work(self, job: Callable[[], Value], take: Callable[[Value], None], lane: str = "") -> None:  # noqa: ARG002
         """See Node. The job runs at once; its result comes with the next event."""
         result = job()
         self._bus.at(self._bus.now, lambda: take(result) if self.ended is None else None)

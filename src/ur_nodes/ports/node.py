@@ -109,17 +109,32 @@ class Node(Protocol):
     def serve(self, service: str, kind: type[Value], answer: Callable[[Value], Result]) -> None:
         """Answer requests of a kind, see `ports.services`."""
 
+    def serve_later(
+        self, service: str, kind: type[Value], take: Callable[[Value, Callable[[Result], None]], None]
+    ) -> None:
+        """As `serve`, where an answer needs work: `take` gets the request, and what to call with the answer, once."""
+
     def call(self, service: str, request: object, take: Callable[[Result], None], within: float = 5.0) -> None:
-        """Ask a service; `take` gets the answer, or a result without success after `within` s."""
+        """Ask a service; `take` gets the answer, or a result without success after `within` s.
+
+        Calls do not wait for each other, and may overtake.
+        """
 
     def serve_goals(self, action: str, takers: GoalTakers) -> GoalServer:
         """Take goals of an action that drives to a pose."""
 
-    def every(self, seconds: float, call: Callable[[], None]) -> Timer:
-        """Call again and again, in the time of `now`. A beat that is late by more than one is left out."""
+    def every(self, seconds: float, call: Callable[[], None], *, steady: bool = False) -> Timer:
+        """Call again and again, in the time of `now`, or of `steady`. A beat late by more than one is left out."""
 
-    def work(self, job: Callable[[], Value], take: Callable[[Value], None]) -> None:
-        """Run a job beside the node, one after the other, and take its result as any other callback."""
+    def after(self, seconds: float, call: Callable[[], None], *, steady: bool = False) -> Timer:
+        """Call once, in so many seconds of `now`, or of `steady`."""
+
+    def work(self, job: Callable[[], Value], take: Callable[[Value], None], lane: str = "") -> None:
+        """Run a job beside the node, and take its result as any other callback.
+
+        Jobs of a lane run one after the other, lanes side by side. Those that wait at the end of the node are dropped;
+        those of `on_end` are still done, within 2 s.
+        """
 
     def now(self) -> int:
         """The time of all nodes in ns: simulated where they are."""
@@ -138,7 +153,7 @@ class Node(Protocol):
 
 
 class Timer(Protocol):
-    """A call that is repeated."""
+    """A call that is repeated, or made later."""
 
     def cancel(self) -> None:
         """Call no more."""

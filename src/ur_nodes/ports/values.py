@@ -82,6 +82,8 @@ class Scan:
     scan_time: float = 0.0
     angle_max: float | None = None
     """The angle of the last beam as its driver says it; None: from the others."""
+    time_increment: float = 0.0
+    """s from one beam to the next."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import heapq
 import itertools
 import queue
 import threading
+import time
 from collections import deque
 from collections.abc import Callable
 from typing import Any
@@ -15,16 +17,58 @@ _LONGEST_WAIT = 1.0  # s
 
 
 class Beat:
-    """A call that repeats. See `ports.node.Timer`."""
+    """A call that is made every `period` s, or once after it. See `ports.node.Timer`."""
 
-    def __init__(self, period: float, call: Callable[[], None]) -> None:
+    def __init__(self, period: float, call: Callable[[], None], *, once: bool = False) -> None:
         self.period = period
         self.call = call
+        self.once = once
         self.on = True
 
     def cancel(self) -> None:
         """See Timer."""
         self.on = False
+
+
+class Beats:
+    """Beats in the order in which they are due by `read` (s). See `Loop` for `steady`."""
+
+    def __init__(self, read: Callable[[], float], *, steady: bool) -> None:
+        self._read = read
+        self._steady = steady
+        self._beats: list[tuple[float, int, Beat]] = []
+        self._numbers = itertools.count()
+
+    def add(self, beat: Beat) -> Beat:
+        """Have a beat called from its period on."""
+        heapq.heappush(self._beats, (self._read() + beat.period, next(self._numbers), beat))
+        return beat
+
+    def wait(self) -> float:
+        """The longest time (s) until a beat may be due."""
+        if not self._beats:
+            return _LONGEST_WAIT
+        left = self._beats[0][0] - self._read()
+        return min(left, _LONGEST_WAIT if self._steady else _POLL)
+
+    def take(self) -> Callable[[], None] | None:
+        """The call of the beat that is due; None: there is none."""
+        while self._beats and not self._beats[0][2].on:
+            heapq.heappop(self._beats)
+        if not self._beats:
+            return None
+        due, number, beat = self._beats[0]
+        now = self._read()
+        if due - now > beat.period:  # time was set back
+            self._beats = [(now + each.period, count, each) for _, count, each in self._beats]
+            heapq.heapify(self._beats)
+        if due > now:
+            return None
+        if beat.once:
+            heapq.heappop(self._beats)
+        else:
+            heapq.heapreplace(self._beats, (max(due + beat.period, now), number, beat))
+        return beat.call
 
 
 class Loop:
@@ -34,11 +78,10 @@ class Loop:
     """
 
     def __init__(self, read: Callable[[], float], *, steady: bool) -> None:
-        self._read = read
-        self._steady = steady
         self._calls: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
-        self._beats: list[tuple[float, int, Beat]] = []
-        self._numbers = itertools.count()
+        self._beats = Beats(read, steady=steady)
+        self._steady_beats = self._beats if steady else Beats(time.monotonic, steady=True)
+        self._all_beats = (self._beats,) if steady else (self._beats, self._steady_beats)
         self._thread: threading.Thread | None = None
         self._ended = False
 
@@ -68,11 +111,13 @@ class Loop:
 
         return put
 
-    def every(self, seconds: float, call: Callable[[], None]) -> Beat:
-        """Repeat a call. Only from the loop's own thread, or before it starts."""
-        beat = Beat(seconds, call)
-        heapq.heappush(self._beats, (self._read() + seconds, next(self._numbers), beat))
-        return beat
+    def every(self, seconds: float, call: Callable[[], None], *, steady: bool = False) -> Beat:
+        """Repeat a call; `steady`: in real time. Only from the loop's own thread, or before it starts."""
+        return (self._steady_beats if steady else self._beats).add(Beat(seconds, call))
+
+    def after(self, seconds: float, call: Callable[[], None], *, steady: bool = False) -> Beat:
+        """As `every`, once."""
+        return (self._steady_beats if steady else self._beats).add(Beat(seconds, call, once=True))
 
     def end(self, last: Callable[[], None], within: float) -> None:
         """Make a last call on the loop's thread, drop what waits, and wait until it is done, at most `within` s."""
@@ -89,36 +134,15 @@ class Loop:
 
     def _run(self) -> None:
         while not self._ended:
-            if (beat := self._take_beat()) is not None:
-                beat()
+            for beats in self._all_beats:
+                if (beat := beats.take()) is not None:
+                    beat()
+            wait = min(beats.wait() for beats in self._all_beats)
             try:
-                call = self._calls.get(timeout=wait) if (wait := self._wait()) > 0.0 else self._calls.get_nowait()
+                call = self._calls.get(timeout=wait) if wait > 0.0 else self._calls.get_nowait()
             except queue.Empty:
                 continue
             call()
-
-    def _wait(self) -> float:
-        """The longest time (s) to wait for a call."""
-        if not self._beats:
-            return _LONGEST_WAIT
-        left = self._beats[0][0] - self._read()
-        return min(left, _LONGEST_WAIT if self._steady else _POLL)
-
-    def _take_beat(self) -> Callable[[], None] | None:
-        """The call of the beat that is due; None: there is none."""
-        while self._beats and not self._beats[0][2].on:
-            heapq.heappop(self._beats)
-        if not self._beats:
-            return None
-        due, number, beat = self._beats[0]
-        now = self._read()
-        if due - now > beat.period:  # time was set back
-            self._beats = [(now + each.period, count, each) for _, count, each in self._beats]
-            heapq.heapify(self._beats)
-        if due > now:
-            return None
-        heapq.heapreplace(self._beats, (max(due + beat.period, now), number, beat))
-        return beat.call
 
 
 class Worker:
@@ -128,14 +152,35 @@ class Worker:
         self._name = name
         self._jobs: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
         self._thread: threading.Thread | None = None
+        self._added = False
 
     def add(self, job: Callable[[], None]) -> None:
         """Have a job done."""
         if self._thread is None:
             self._thread = threading.Thread(target=self._run, name=self._name, daemon=True)
             self._thread.start()
+        self._added = True
         self._jobs.put(job)
+
+    def drop(self) -> None:
+        """Forget the jobs that wait."""
+        self._added = False
+        with contextlib.suppress(queue.Empty):
+            while True:
+                self._jobs.get_nowait()
+
+    def finish(self, within: float) -> None:
+        """Wait until the jobs that were added since `drop` are done, at most `within` s."""
+        if self._added:
+            last = threading.Event()
+            self._jobs.put(last.set)
+            last.wait(within)
 
     def _run(self) -> None:
         while True:
             self._jobs.get()()
+
+
+def run_aside(call: Callable[[], None]) -> None:
+    """Make a call on a thread of its own."""
+    threading.Thread(target=call, name="call", daemon=True).start()

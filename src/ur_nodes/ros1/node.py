@@ -18,14 +18,16 @@ from ur_nodes.ports.transforms import Transforms
 from ur_nodes.ports.values import Result
 from ur_nodes.ros1.codecs import Codec, find_codec, find_service
 from ur_nodes.ros1.facts import RosFacts, RosLog
-from ur_nodes.ros1.loop import Beat, Loop, Worker
+from ur_nodes.ros1.loop import Beat, Loop, Worker, run_aside
 from ur_nodes.rosio.parameters import RosParameters
 
 Value = TypeVar("Value")
 
 _DEPTHS = {Quality.NEWEST: 1, Quality.LATCHED: 1, Quality.EVERY: 100, Quality.COMMAND: 100}
 _MOST_TRANSFORMS = 1000  # messages that wait while a callback takes long: a history with gaps is of no use
-_END_LIMIT = 2.0  # s
+_END_LIMIT = 3.0  # s
+_JOBS_LIMIT = 2.0  # s
+_LEAVE = 0.03  # s: for what was sent last to leave
 _ANSWER_LIMIT = 60.0  # s
 
 
@@ -42,8 +44,7 @@ class RosNode:
         self._loop = Loop(
             rospy.get_time if self.facts.simulated_time else time.monotonic, steady=not self.facts.simulated_time
         )
-        self._worker = Worker("work")
-        self._caller = Worker("calls")
+        self._workers: dict[str, Worker] = {}
         self._at_end: list[Callable[[], None]] = []
         rospy.on_shutdown(lambda: self._loop.end(self._finish, _END_LIMIT))
 
@@ -104,6 +105,12 @@ class RosNode:
 
     def serve(self, service: str, kind: type[Value], answer: Callable[[Value], Result]) -> None:
         """See Node."""
+        self.serve_later(service, kind, lambda request, give: give(answer(request)))
+
+    def serve_later(
+        self, service: str, kind: type[Value], take: Callable[[Value, Callable[[Result], None]], None]
+    ) -> None:
+        """See Node."""
         codec = find_service(kind)
 
         def respond(message: Any) -> Any:
@@ -111,7 +118,7 @@ class RosNode:
 
             def work() -> None:
                 try:
-                    done.set_result(answer(codec.request_of(message)))
+                    take(codec.request_of(message), done.set_result)
                 except Exception as problem:
                     done.set_exception(problem)
                     raise
@@ -124,6 +131,12 @@ class RosNode:
     def call(self, service: str, request: object, take: Callable[[Result], None], within: float = 5.0) -> None:
         """See Node."""
         codec = find_service(type(request))
+        late = Result(False, f"no answer of {self.resolve(service)} within {within:g} s")
+        waiting = [take]
+
+        def give(result: Result) -> None:
+            if waiting:
+                waiting.pop()(result)
 
         def ask() -> None:
             try:
@@ -132,9 +145,10 @@ class RosNode:
                 result = codec.result_of(answer)
             except (rospy.ROSException, rospy.ServiceException, UserError, ValueError) as problem:
                 result = Result(False, str(problem))
-            self._loop.post(lambda: take(result))
+            self._loop.post(lambda: give(result))
 
-        self._caller.add(ask)
+        run_aside(ask)
+        self._loop.after(within, lambda: give(late), steady=True)
 
     def serve_goals(self, action: str, takers: GoalTakers) -> Any:
         """See Node."""
@@ -142,18 +156,22 @@ class RosNode:
 
         return RosGoalServer(action, takers, self._loop, self.parameters)
 
-    def every(self, seconds: float, call: Callable[[], None]) -> Beat:
+    def every(self, seconds: float, call: Callable[[], None], *, steady: bool = False) -> Beat:
         """See Node."""
-        return self._loop.every(seconds, call)
+        return self._loop.every(seconds, call, steady=steady)
 
-    def work(self, job: Callable[[], Value], take: Callable[[Value], None]) -> None:
+    def after(self, seconds: float, call: Callable[[], None], *, steady: bool = False) -> Beat:
+        """See Node."""
+        return self._loop.after(seconds, call, steady=steady)
+
+    def work(self, job: Callable[[], Value], take: Callable[[Value], None], lane: str = "") -> None:
         """See Node."""
 
         def carry_out() -> None:
             result = job()
             self._loop.post(lambda: take(result))
 
-        self._worker.add(carry_out)
+        self._workers.setdefault(lane, Worker(f"work {lane}".strip())).add(carry_out)
 
     def now(self) -> int:
         """See Node."""
@@ -177,8 +195,15 @@ class RosNode:
         rospy.signal_shutdown(reason)
 
     def _finish(self) -> None:
+        for worker in self._workers.values():
+            worker.drop()
         for call in self._at_end:
             call()
+        if self._at_end:
+            time.sleep(_LEAVE)
+        end = time.monotonic() + _JOBS_LIMIT
+        for worker in self._workers.values():
+            worker.finish(max(0.0, end - time.monotonic()))
 
 
 class RosPublisher:

@@ -249,6 +249,42 @@ def check_beats_repeat_until_they_are_cancelled(stage: Stage) -> None:
     assert beats == sorted(beats)
 
 
+def check_later_call_comes_once_unless_it_is_cancelled(stage: Stage) -> None:
+    calls: list[str] = []
+    stage.one.after(0.01, lambda: calls.append("once"))
+    stage.one.after(0.01, lambda: calls.append("steady"), steady=True)
+    stage.one.after(0.01, lambda: calls.append("cancelled")).cancel()
+    stage.begin()
+    stage.one.after(0.05, lambda: calls.append("last"))
+    stage.until(lambda: "last" in calls)
+    assert calls == ["once", "steady", "last"]
+
+
+def check_answer_may_come_later(stage: Stage) -> None:
+    got: list[Result] = []
+    stage.other.serve_later(
+        "slow", Trigger, lambda _request, give: stage.other.work(lambda: Result(True, "done"), give, "writes")
+    )
+    stage.other.serve_later("never", Trigger, lambda _request, _give: None)
+    stage.begin()
+    stage.one.call("never", Trigger(), got.append, 0.3)
+    stage.one.call("slow", Trigger(), got.append)
+    stage.until(lambda: len(got) == 2)
+    assert got[0] == Result(True, "done")
+    assert not got[1].success
+    assert "never" in got[1].text
+
+
+def check_jobs_of_the_end_are_done(stage: Stage) -> None:
+    if stage.one is stage.other:
+        return  # the test's own process would end with it
+    done: list[str] = []
+    stage.one.on_end(lambda: stage.one.work(lambda: done.append("saved"), lambda _none: None))
+    stage.begin()
+    stage.one.end("the test is over")
+    stage.until(lambda: done == ["saved"])
+
+
 def check_parameters_are_typed_and_kept(stage: Stage) -> None:
     own = stage.one.parameters
     assert own.number("speed", 0.5) == 0.5

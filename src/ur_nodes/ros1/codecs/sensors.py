@@ -31,6 +31,7 @@ def _fill_scan(message: Any, value: Scan) -> None:
     message.angle_max = last if value.angle_max is None else value.angle_max
     message.range_min, message.range_max, message.scan_time = value.range_min, value.range_max, value.scan_time
     message.ranges, message.intensities = value.ranges, value.intensities
+    message.time_increment = value.time_increment
 
 
 def _scan_of(message: Any) -> Scan:
@@ -45,6 +46,7 @@ def _scan_of(message: Any) -> Scan:
         message.intensities,
         message.scan_time,
         message.angle_max,
+        message.time_increment,
     )
 
 
