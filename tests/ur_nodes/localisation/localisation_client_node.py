@@ -52,10 +52,6 @@ class Client:
         maps = [[m.info.width, m.info.height, m.header.frame_id, sum(m.data)] for m in (topic, again, service)]
         return {"maps": maps, "meta": [meta.width, meta.height, round(meta.resolution, 6)]}
 
-    def teleport(self, x: float, y: float, yaw: float) -> None:
-        """Carry the robot somewhere; odometry does not notice."""
-        self._robot.truth = Pose2(x, y, yaw)
-
     def initialpose(self, x: float, y: float, yaw: float) -> None:
         """Say where the robot is."""
         message = PoseWithCovarianceStamped()
