@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import heapq
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
@@ -15,7 +16,9 @@ if TYPE_CHECKING:
 DEPTH = 100
 """How many values of quality EVERY or COMMAND may wait."""
 
-_DEPTHS = {Quality.NEWEST: 1, Quality.LATCHED: 1, Quality.EVERY: DEPTH, Quality.COMMAND: DEPTH}
+_DEPTHS = {Quality.NEWEST: 1, Quality.LATCHED: 1, Quality.EVERY: DEPTH, Quality.COMMAND: DEPTH} | {
+    Quality.LOSSLESS: sys.maxsize
+}
 
 
 @dataclass(eq=False, slots=True)

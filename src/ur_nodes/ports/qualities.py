@@ -19,3 +19,6 @@ class Quality(Enum):
 
     COMMAND = "command"
     """As EVERY, and sent without waiting for more to send with it."""
+
+    LOSSLESS = "lossless"
+    """As EVERY, and none is lost: sending waits for who listens. For a source that can be slowed down."""

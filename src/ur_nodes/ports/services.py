@@ -35,13 +35,22 @@ class AskMap:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class UseMap:
-    """Use a map from now on, with the robot at a pose in it; the frame of the map may name a thing to place."""
+    """Use a map from now on, with the robot at a pose in it."""
 
     map: Map
     stamp: int
     frame: str
     pose: Pose2
     covariance: NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """Put a thing of a simulated world, by name, at a pose in a frame."""
+
+    name: str
+    frame: str
+    pose: Pose2
 
 
 @dataclass(frozen=True, slots=True)

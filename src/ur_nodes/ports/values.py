@@ -31,6 +31,13 @@ class Time:
 
 
 @dataclass(frozen=True, slots=True)
+class ClockTime:
+    """The time of all nodes, ns, as their clock sends it."""
+
+    stamp: int
+
+
+@dataclass(frozen=True, slots=True)
 class Twist:
     """A planar velocity in the frame of the base: ahead and to the left, m/s; turning to the left, rad/s."""
 
@@ -245,6 +252,21 @@ class PackedPicture:
     frame: str
     format: str
     data: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class Calibration:
+    """A camera's size (px), and D, K (3, 3), R (3, 3) and P (3, 4), by rows, as in sensor_msgs/CameraInfo."""
+
+    stamp: int
+    frame: str
+    width: int
+    height: int
+    model: str
+    distortion: tuple[float, ...]
+    matrix: tuple[float, ...]
+    rectification: tuple[float, ...]
+    projection: tuple[float, ...]
 
 
 @dataclass(frozen=True, slots=True)

@@ -94,7 +94,7 @@ class Loop:
         """Have a call made. May come from any thread; after the end it does nothing."""
         self._calls.put(call)
 
-    def mailbox(self, depth: int, take: Callable[[Any], None]) -> Callable[[Any], None]:
+    def mailbox(self, depth: int | None, take: Callable[[Any], None]) -> Callable[[Any], None]:
         """A function, for any thread, that posts what it gets to `take`; of more than `depth` the oldest goes."""
         waiting: deque[Any] = deque(maxlen=depth)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+import warnings
 from collections.abc import Callable
 from concurrent.futures import Future
 from typing import Any, TypeVar
@@ -23,7 +24,13 @@ from ur_nodes.rosio.parameters import RosParameters
 
 Value = TypeVar("Value")
 
-_DEPTHS = {Quality.NEWEST: 1, Quality.LATCHED: 1, Quality.EVERY: 100, Quality.COMMAND: 100}
+_DEPTHS: dict[Quality, int | None] = {
+    Quality.NEWEST: 1,
+    Quality.LATCHED: 1,
+    Quality.EVERY: 100,
+    Quality.COMMAND: 100,
+    Quality.LOSSLESS: None,  # rospy then sends at once, and waits until each connection has taken it
+}
 _MOST_TRANSFORMS = 1000  # messages that wait while a callback takes long: a history with gaps is of no use
 _END_LIMIT = 3.0  # s
 _JOBS_LIMIT = 2.0  # s
@@ -118,7 +125,12 @@ class RosNode:
 
             def work() -> None:
                 try:
-                    take(codec.request_of(message), done.set_result)
+                    request = codec.request_of(message)
+                except (ValueError, UserError) as problem:
+                    done.set_exception(rospy.ServiceException(str(problem)))
+                    return
+                try:
+                    take(request, done.set_result)
                 except Exception as problem:
                     done.set_exception(problem)
                     raise
@@ -214,9 +226,11 @@ class RosPublisher:
         self._codec = codec
         self._latched = quality is Quality.LATCHED
         self._message = codec.message_class()
-        self._publisher = rospy.Publisher(
-            topic, codec.message_class, queue_size=_DEPTHS[quality], latch=self._latched, tcp_nodelay=True
-        )
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", SyntaxWarning)  # rospy takes LOSSLESS for a mistake
+            self._publisher = rospy.Publisher(
+                topic, codec.message_class, queue_size=_DEPTHS[quality], latch=self._latched, tcp_nodelay=True
+            )
 
     def send(self, value: Any) -> None:
         """See Publisher."""

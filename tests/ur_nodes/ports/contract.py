@@ -23,7 +23,7 @@ from ur_nodes.geometry.pose import Pose2, Pose3
 from ur_nodes.ports import values
 from ur_nodes.ports.node import Node, Sender
 from ur_nodes.ports.qualities import Quality
-from ur_nodes.ports.services import AskMap, AskPath, Silent, Switch, Trigger, UseMap
+from ur_nodes.ports.services import AskMap, AskPath, Place, Silent, Switch, Trigger, UseMap
 from ur_nodes.ports.values import Result, Transform, Twist
 
 STAMP = 1_700_000_000_123_456_789
@@ -37,6 +37,7 @@ VALUES: tuple[object, ...] = (
     -7,
     values.Signal(),
     values.Time(STAMP),
+    values.ClockTime(STAMP),
     Twist(0.5, -0.25, 0.125),
     values.StampedTwist(STAMP, "client", Twist(0.5, 0.0)),
     values.Odometry(STAMP, "odom", "base", Pose2(1.0, 2.0, 0.5), Twist(0.5, 0.25), np.eye(3) * 0.5, np.eye(3) * 0.25),
@@ -54,7 +55,9 @@ VALUES: tuple[object, ...] = (
     values.Map(STAMP, "map", _GRID),
     values.MapUpdate(STAMP, "map", 1, 2, np.array([[1, 2], [3, 4]], np.int8)),
     values.Picture(STAMP, "camera", 2, 1, "rgb8", 6, b"\x01\x02\x03\x04\x05\x06"),
+    values.Calibration(STAMP, "camera", 4, 2, "plumb_bob", (0.5,) * 5, (2.0,) * 9, (1.0,) * 9, (4.0,) * 12),
     values.PackedPicture(STAMP, "camera", "jpeg", b"\xff\xd8"),
+    (Transform(STAMP, "odom", "base", Pose3(1.0, 2.0, 0.0, 0.0, 0.0, 0.0, 1.0)),) * 2,
 )
 
 
@@ -97,6 +100,18 @@ def check_each_counts_in_order_where_every_one_counts(stage: Stage) -> None:
         publisher.send(number)
     stage.until(lambda: len(got) == 50)
     assert got == list(range(50))
+
+
+def check_none_is_lost_where_sending_waits(stage: Stage) -> None:
+    got: list[int] = []
+    publisher = stage.one.publish("lossless", int, Quality.LOSSLESS)
+    stage.other.subscribe("lossless", int, got.append, Quality.LOSSLESS)
+    stage.begin()
+    stage.until(lambda: publisher.listeners() == 1)
+    for number in range(500):
+        publisher.send(number)
+    stage.until(lambda: len(got) == 500)
+    assert got == list(range(500))
 
 
 def check_newest_replaces_those_that_wait(stage: Stage) -> None:
@@ -169,6 +184,7 @@ def check_each_request_arrives_as_it_was_made(stage: Stage) -> None:
         (Silent(), None),
         (AskMap(), map_of),
         (UseMap(map_of, STAMP, "map", Pose2(0.5, 0.25, 0.125), np.arange(9.0).reshape(3, 3)), None),
+        (Place("box", "map", Pose2(1.0, 2.0, 0.5)), None),
         (AskPath(placed, placed, 0.25), path),
     )
     requests: list[object] = []
@@ -283,6 +299,21 @@ def check_jobs_of_the_end_are_done(stage: Stage) -> None:
     stage.begin()
     stage.one.end("the test is over")
     stage.until(lambda: done == ["saved"])
+
+
+def check_calls_without_delay_let_others_in(stage: Stage) -> None:
+    got: list[Result] = []
+
+    def again() -> None:
+        if not got:
+            stage.one.after(0.0, again, steady=True)
+
+    stage.other.serve("between", Trigger, lambda _request: Result(True, "done"))
+    stage.one.after(0.0, again, steady=True)
+    stage.begin()
+    stage.one.call("between", Trigger(), got.append)
+    stage.until(lambda: bool(got))
+    assert got == [Result(True, "done")]
 
 
 def check_parameters_are_typed_and_kept(stage: Stage) -> None:

@@ -14,11 +14,12 @@ _PLACES = [6 * row + column for row in _PLANAR for column in _PLANAR]
 _NOTHING = [0.0] * 36
 
 
-def numbers_of(matrix: NDArray[np.float64]) -> list[float]:
-    """The 36 numbers of a message."""
+def numbers_of(matrix: NDArray[np.float64], others: float = 0.0) -> list[float]:
+    """The 36 numbers of a message; `others` are the variances of height, roll and pitch."""
     if matrix is NO_MATRIX:
         return _NOTHING
     numbers = _NOTHING.copy()
+    numbers[14] = numbers[21] = numbers[28] = others
     for place, value in zip(_PLACES, matrix.ravel().tolist(), strict=True):
         numbers[place] = value
     return numbers

@@ -14,6 +14,8 @@ from ur_nodes.ros1.codecs.codec import Codec, fill_header, frame_of, stamp_of
 from ur_nodes.ros1.codecs.matrices import matrix_of, numbers_of
 from ur_nodes.rosio.geometry import fill_pose, pose_of_message
 
+_KNOWN = 1e-9  # the floor is flat; filters want no variance of 0
+
 
 def _fill_twist(message: Any, value: Twist) -> None:
     message.linear.x, message.linear.y, message.angular.z = value.forward, value.left, value.turn
@@ -37,8 +39,8 @@ def _fill_odometry(message: Any, value: Odometry) -> None:
     message.child_frame_id = value.child
     fill_pose(message.pose.pose, value.pose)
     _fill_twist(message.twist.twist, value.twist)
-    message.pose.covariance = numbers_of(value.pose_covariance)
-    message.twist.covariance = numbers_of(value.twist_covariance)
+    message.pose.covariance = numbers_of(value.pose_covariance, _KNOWN)
+    message.twist.covariance = numbers_of(value.twist_covariance, _KNOWN)
 
 
 def _odometry_of(message: Any) -> Odometry:

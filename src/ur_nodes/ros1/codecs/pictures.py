@@ -1,12 +1,12 @@
-"""Pictures."""
+"""Pictures, and the calibration of their cameras."""
 
 from __future__ import annotations
 
 from typing import Any
 
-from sensor_msgs.msg import CompressedImage, Image
+from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 
-from ur_nodes.ports.values import PackedPicture, Picture
+from ur_nodes.ports.values import Calibration, PackedPicture, Picture
 from ur_nodes.ros1.codecs.codec import Codec, fill_header, frame_of, stamp_of
 
 
@@ -37,7 +37,28 @@ def _packed_of(message: Any) -> PackedPicture:
     return PackedPicture(stamp_of(message.header.stamp), frame_of(message), message.format, message.data)
 
 
+def _fill_calibration(message: Any, value: Calibration) -> None:
+    fill_header(message, value.stamp, value.frame)
+    message.width, message.height, message.distortion_model = value.width, value.height, value.model
+    message.D, message.K, message.R, message.P = value.distortion, value.matrix, value.rectification, value.projection
+
+
+def _calibration_of(message: Any) -> Calibration:
+    return Calibration(
+        stamp_of(message.header.stamp),
+        frame_of(message),
+        message.width,
+        message.height,
+        message.distortion_model,
+        tuple(message.D),
+        tuple(message.K),
+        tuple(message.R),
+        tuple(message.P),
+    )
+
+
 CODECS = {
     Picture: Codec(Image, _fill_picture, _picture_of),
     PackedPicture: Codec(CompressedImage, _fill_packed, _packed_of),
+    Calibration: Codec(CameraInfo, _fill_calibration, _calibration_of),
 }

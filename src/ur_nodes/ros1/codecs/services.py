@@ -19,10 +19,11 @@ from std_srvs.srv import (
 )
 from std_srvs.srv import Trigger as TriggerService
 
-from ur_nodes.ports.services import AskMap, AskPath, Silent, Switch, Trigger, UseMap
+from ur_nodes.ports.services import AskMap, AskPath, Place, Silent, Switch, Trigger, UseMap
 from ur_nodes.ports.values import Path, PoseEstimate, Result
 from ur_nodes.ros1.codecs import maps, places
-from ur_nodes.ros1.codecs.codec import ServiceCodec
+from ur_nodes.ros1.codecs.codec import ServiceCodec, frame_of
+from ur_nodes.rosio.geometry import fill_pose, pose_of_message
 from ur_nodes.rosio.grid_message import GridMessage, GridResponse, GridService
 
 
@@ -62,6 +63,18 @@ def _use_map_request(value: UseMap) -> Any:
 def _use_map_of(request: Any) -> UseMap:
     start = places.estimate_of(request.initial_pose)
     return UseMap(maps.map_of(request.map), start.stamp, start.frame, start.pose, start.covariance)
+
+
+def _place_request(value: Place) -> Any:
+    request = SetMapRequest()
+    request.map.header.frame_id, request.initial_pose.header.frame_id = value.name, value.frame
+    fill_pose(request.initial_pose.pose.pose, value.pose)
+    return request
+
+
+def _place_of(request: Any) -> Place:
+    start = request.initial_pose
+    return Place(str(request.map.header.frame_id), frame_of(start), pose_of_message(start.pose.pose))
 
 
 def _ask_path_request(value: AskPath) -> Any:
@@ -114,6 +127,13 @@ SERVICES = {
         lambda result: (
             _fail_or(result, SetMapResponse(success=True)) if result.text else SetMapResponse(result.success)
         ),
+        lambda response: Result(bool(response.success)),
+    ),
+    Place: ServiceCodec(
+        SetMap,
+        _place_request,
+        _place_of,
+        lambda result: _fail_or(result, SetMapResponse(success=True)),
         lambda response: Result(bool(response.success)),
     ),
     AskPath: ServiceCodec(

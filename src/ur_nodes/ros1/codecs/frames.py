@@ -1,0 +1,41 @@
+"""Transforms that are sent together, on /tf or /tf_static."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from geometry_msgs.msg import TransformStamped
+from tf2_msgs.msg import TFMessage
+
+from ur_nodes.ports.values import Transform
+from ur_nodes.ros1.codecs.codec import Codec, fill_header, stamp_of
+from ur_nodes.rosio.geometry import pose3_of_transform
+
+
+def fill_transforms(message: Any, value: tuple[Transform, ...]) -> None:
+    """Write a tf2_msgs/TFMessage; its parts are used again."""
+    parts = message.transforms
+    del parts[len(value) :]
+    parts += [TransformStamped() for _ in range(len(value) - len(parts))]
+    for part, each in zip(parts, value, strict=True):
+        fill_header(part, each.stamp, each.parent)
+        part.child_frame_id = each.child
+        place, turn = part.transform.translation, part.transform.rotation
+        place.x, place.y, place.z, turn.x, turn.y, turn.z, turn.w = each.pose
+
+
+def transforms_of(message: Any, *, fixed: bool = False) -> tuple[Transform, ...]:
+    """Read a tf2_msgs/TFMessage; `fixed` says whether it came on /tf_static."""
+    return tuple(
+        Transform(
+            stamp_of(each.header.stamp),
+            each.header.frame_id.lstrip("/"),
+            each.child_frame_id.lstrip("/"),
+            pose3_of_transform(each.transform),
+            fixed,
+        )
+        for each in message.transforms
+    )
+
+
+CODECS = {tuple: Codec(TFMessage, fill_transforms, transforms_of)}
