@@ -39,6 +39,7 @@ VIEWER_PATH = "/foxglove"
 _OPEN = frozenset({"/login", "/login.js", "/style.css", "/texts.js", "/icon.svg"})
 _LOGIN_RATE, _LOGIN_BURST = 0.2, 10.0
 _REQUEST_RATE, _REQUEST_BURST = 50.0, 200.0  # of a session
+_FILE_RATE, _FILE_BURST = 500.0, 1500.0  # of a session, for files of the page: a load of it asks for dozens
 _LONGEST_QUERY = 500  # characters
 _UNLIMITED = frozenset({"/api/stop", "/ws/drive"})
 
@@ -65,6 +66,7 @@ class Gate:
         self.sessions = Sessions(sessions, log, links, report, life)
         self._logins = Buckets(_LOGIN_RATE, _LOGIN_BURST)  # that fail, by address
         self._requests = Buckets(_REQUEST_RATE, _REQUEST_BURST)  # by session
+        self._files = Buckets(_FILE_RATE, _FILE_BURST)  # by session
 
     @property
     def cookie(self) -> str:
@@ -164,7 +166,8 @@ class Gate:
 
     def _limit(self, request: web.Request) -> None:
         """Refuse a request of a session that sends too many; others do not notice. Raises HTTPTooManyRequests."""
-        if not self._requests.allows(request[SESSION][0], time.monotonic()):
+        buckets = self._requests if request.path.startswith(("/api/", "/ws/", VIEWER_PATH)) else self._files
+        if not buckets.allows(request[SESSION][0], time.monotonic()):
             raise web.HTTPTooManyRequests(text="too many requests\n")
 
     def recognise(self, head: Head) -> bool:

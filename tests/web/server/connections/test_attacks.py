@@ -167,6 +167,13 @@ async def test_session_that_asks_too_much_limits_itself_only_and_can_stop(server
         await server.stop(client)
 
 
+async def test_page_can_be_loaded_again_and_again_at_once(server: Server) -> None:
+    async with await server.log_in(Role.LOOK) as client:
+        for _ in range(8):
+            for name in load_files():
+                assert (await client.get(f"{server.url}/{name}")).status == 200
+
+
 async def test_connection_without_a_login_is_good_for_one_request(server: Server) -> None:
     answer = await server.answer(server.request("GET /login") * 3)
     assert answer.count(b"HTTP/1.1 200") == 1
