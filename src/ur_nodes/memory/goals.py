@@ -1,4 +1,4 @@
-"""Goals on a bus: `serve_goals`, and a client of it for tests and programs."""
+"""Goals on a bus: `serve_goals`, and what its clients send and receive."""
 
 from __future__ import annotations
 
@@ -13,6 +13,8 @@ from ur_nodes.ports.values import PlacedPose
 if TYPE_CHECKING:
     from ur_nodes.memory.node import MemoryNode
 
+_STATUS_PERIOD = 0.2  # s, as actionlib
+
 
 @dataclass(frozen=True, slots=True)
 class GoalState:
@@ -25,19 +27,28 @@ class GoalState:
 
 @dataclass(frozen=True, slots=True)
 class Cancel:
-    """A client wants a goal to end."""
+    """A client wants goals to end: the one with `id`, those that arrived up to `stamp` (ns); with neither, all."""
 
-    id: str
+    id: str = ""
+    stamp: int = 0
 
 
 class MemoryGoalHandle:
     """See `ports.actions.GoalHandle`."""
 
-    def __init__(self, goal: Goal, tell: Callable[[GoalState], None], report: Callable[[PlacedPose], None]) -> None:
+    def __init__(
+        self, goal: Goal, arrived: int, tell: Callable[[GoalState], None], report: Callable[[PlacedPose], None]
+    ) -> None:
         self.goal = goal
+        self.arrived = arrived  # ns
         self.state = GoalState(goal.id, "pending", "")
         self._tell = tell
         self._report = report
+
+    @property
+    def open(self) -> bool:
+        """Return whether the goal has not ended."""
+        return self.state.state in ("pending", "active")
 
     def accept(self) -> None:
         """See GoalHandle."""
@@ -68,7 +79,7 @@ class MemoryGoalHandle:
         self._become("cancelled", text)
 
     def _become(self, state: str, text: str) -> None:
-        if self.state.state not in ("pending", "active"):
+        if not self.open:
             raise ValueError(f"goal {self.goal.id} has ended already: {self.state.state}, not {state}")
         self.state = GoalState(self.goal.id, state, text)
         self._tell(self.state)
@@ -77,25 +88,35 @@ class MemoryGoalHandle:
 class MemoryGoalServer:
     """See `ports.actions.GoalServer`. Topics: ACTION/goal, /cancel, /state and /feedback."""
 
-    def __init__(self, node: MemoryNode, action: str, takers: GoalTakers) -> None:
+    def __init__(self, node: MemoryNode, action: str, takers: GoalTakers, kept: float) -> None:
+        self._node = node
         self._takers = takers
+        self._kept = round(kept * 1e9)
         self._handles: dict[str, MemoryGoalHandle] = {}
+        self._ended: dict[str, int] = {}  # ns
         self._states = node.publish(f"{action}/state", GoalState, Quality.EVERY)
         self._feedback = node.publish(f"{action}/feedback", PlacedPose)
         node.subscribe(f"{action}/goal", Goal, self._take_goal, Quality.EVERY)
         node.subscribe(f"{action}/cancel", Cancel, self._take_cancel, Quality.EVERY)
+        node.every(_STATUS_PERIOD, self.publish_status)
 
     def publish_status(self) -> None:
         """See GoalServer."""
-        for handle in self._handles.values():
-            self._states.send(handle.state)
+        now = self._node.now()
+        for id, handle in list(self._handles.items()):
+            if not handle.open and now - self._ended.setdefault(id, now) > self._kept:
+                del self._handles[id], self._ended[id]
+            else:
+                self._states.send(handle.state)
 
     def _take_goal(self, goal: Goal) -> None:
         if goal.id not in self._handles:
-            self._handles[goal.id] = handle = MemoryGoalHandle(goal, self._states.send, self._feedback.send)
+            handle = MemoryGoalHandle(goal, self._node.now(), self._states.send, self._feedback.send)
+            self._handles[goal.id] = handle
             self._takers.take_goal(handle)
 
     def _take_cancel(self, cancel: Cancel) -> None:
-        handle = self._handles.get(cancel.id)
-        if handle is not None and handle.state.state in ("pending", "active"):
-            self._takers.take_cancel(handle)
+        for handle in list(self._handles.values()):
+            meant = handle.goal.id == cancel.id or handle.arrived <= cancel.stamp or cancel == Cancel()
+            if meant and handle.open:
+                self._takers.take_cancel(handle)

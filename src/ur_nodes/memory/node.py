@@ -132,9 +132,9 @@ class MemoryNode:
 
         self._bus.at(self._bus.now, ask)
 
-    def serve_goals(self, action: str, takers: GoalTakers) -> MemoryGoalServer:
+    def serve_goals(self, action: str, takers: GoalTakers, kept: float = 5.0) -> MemoryGoalServer:
         """See Node."""
-        return MemoryGoalServer(self, action, takers)
+        return MemoryGoalServer(self, action, takers, kept)
 
     def every(self, seconds: float, call: Callable[[], None], *, steady: bool = False) -> MemoryTimer:  # noqa: ARG002
         """See Node. Both times are the bus's."""

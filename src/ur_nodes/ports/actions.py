@@ -10,7 +10,10 @@ from ur_nodes.ports.values import PlacedPose
 
 @dataclass(frozen=True, slots=True)
 class Goal:
-    """A pose to drive to. `id` names it for its client, and carries what the client claims."""
+    """A pose to drive to. `id` names it for its client, and carries what the client claims.
+
+    Nothing is checked: numbers may be NaN or infinite; the yaw is NaN where the orientation is no rotation.
+    """
 
     id: str
     target: PlacedPose
@@ -28,7 +31,7 @@ class GoalHandle(Protocol):
         """End a goal that was never pursued."""
 
     def note(self, text: str) -> None:
-        """Say how it stands, with the next status."""
+        """Say how it stands, with the next status: some are sent each second."""
 
     def report(self, pose: PlacedPose) -> None:
         """Say where the robot is."""
@@ -50,7 +53,7 @@ class GoalTakers(Protocol):
         """A goal has arrived."""
 
     def take_cancel(self, handle: GoalHandle) -> None:
-        """Its client wants it to end."""
+        """Its client wants it to end; not called for a goal that has ended."""
 
 
 class GoalServer(Protocol):

@@ -120,8 +120,8 @@ class Node(Protocol):
         Calls do not wait for each other, and may overtake.
         """
 
-    def serve_goals(self, action: str, takers: GoalTakers) -> GoalServer:
-        """Take goals of an action that drives to a pose."""
+    def serve_goals(self, action: str, takers: GoalTakers, kept: float = 5.0) -> GoalServer:
+        """Take goals of an action that drives to a pose. Their states are sent for `kept` s after their end."""
 
     def every(self, seconds: float, call: Callable[[], None], *, steady: bool = False) -> Timer:
         """Call again and again, in the time of `now`, or of `steady`. A beat late by more than one is left out."""

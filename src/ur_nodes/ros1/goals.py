@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import rospy
@@ -10,21 +11,18 @@ from geometry_msgs.msg import PoseStamped
 from move_base_msgs.msg import MoveBaseAction, MoveBaseActionGoal, MoveBaseFeedback, MoveBaseResult
 
 from ur_nodes.ports.actions import Goal, GoalTakers
-from ur_nodes.ports.parameters import Parameters
 from ur_nodes.ports.values import PlacedPose
-from ur_nodes.ros1.codecs.places import fill_placed, placed_of
+from ur_nodes.ros1.codecs.places import fill_placed, target_of
 from ur_nodes.ros1.loop import Loop
 from ur_nodes.rosio.ending import quiet_at_end
-
-_STATUS_KEPT = 5.0  # s, as upstream
 
 
 class RosGoalServer:
     """See `ports.actions.GoalServer`. The server's own lock is never held while the node runs."""
 
-    def __init__(self, action: str, takers: GoalTakers, loop: Loop, parameters: Parameters) -> None:
+    def __init__(self, action: str, takers: GoalTakers, loop: Loop, kept: float) -> None:
         self._takers = takers
-        self._handles: dict[str, RosGoalHandle] = {}
+        self._handles: dict[str, RosGoalHandle] = {}  # of goals that have not ended
         take_goal = loop.mailbox(100, self._take_goal)
         take_cancel = loop.mailbox(100, self._take_cancel)
         self._server = ActionServer(action, MoveBaseAction, take_goal, take_cancel, auto_start=False)
@@ -32,9 +30,7 @@ class RosGoalServer:
         self._goals = rospy.Publisher(f"{action}/goal", MoveBaseActionGoal, queue_size=1)
         rospy.Subscriber(f"{action}_simple/goal", PoseStamped, self._pass_on, queue_size=1)
         self._server.start()
-        self._server.status_list_timeout = rospy.Duration(
-            parameters.number("actionlib_status_list_timeout", _STATUS_KEPT, minimum=0.0)
-        )
+        self._server.status_list_timeout = rospy.Duration.from_sec(kept)
 
     def publish_status(self) -> None:
         """See GoalServer."""
@@ -47,23 +43,23 @@ class RosGoalServer:
         self._goals.publish(goal)
 
     def _take_goal(self, handle: Any) -> None:
-        own = RosGoalHandle(handle)
-        self._handles = {id: each for id, each in self._handles.items() if each.open} | {own.goal.id: own}
+        own = RosGoalHandle(handle, self._handles.pop)
+        self._handles[own.goal.id] = own
         self._takers.take_goal(own)
 
     def _take_cancel(self, handle: Any) -> None:
         own = self._handles.get(handle.get_goal_id().id)
-        if own is not None and own.open:
+        if own is not None:
             self._takers.take_cancel(own)
 
 
 class RosGoalHandle:
-    """See `ports.actions.GoalHandle`."""
+    """See `ports.actions.GoalHandle`. The server keeps a goal's state for a while from when its handle is dropped."""
 
-    def __init__(self, handle: Any) -> None:
+    def __init__(self, handle: Any, drop: Callable[[str], object]) -> None:
         self._handle = handle
-        self.open = True
-        self.goal = Goal(handle.get_goal_id().id, placed_of(handle.get_goal().target_pose))
+        self._drop = drop
+        self.goal = Goal(handle.get_goal_id().id, target_of(handle.get_goal().target_pose))
 
     def accept(self) -> None:
         """See GoalHandle."""
@@ -86,15 +82,17 @@ class RosGoalHandle:
 
     def succeed(self, text: str) -> None:
         """See GoalHandle."""
-        self.open = False
-        self._handle.set_succeeded(MoveBaseResult(), text)
+        self._end().set_succeeded(MoveBaseResult(), text)
 
     def abort(self, text: str) -> None:
         """See GoalHandle."""
-        self.open = False
-        self._handle.set_aborted(MoveBaseResult(), text)
+        self._end().set_aborted(MoveBaseResult(), text)
 
     def cancel(self, text: str) -> None:
         """See GoalHandle."""
-        self.open = False
-        self._handle.set_canceled(MoveBaseResult(), text)
+        self._end().set_canceled(MoveBaseResult(), text)
+
+    def _end(self) -> Any:
+        handle, self._handle = self._handle, None
+        self._drop(self.goal.id)
+        return handle

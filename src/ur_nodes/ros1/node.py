@@ -162,11 +162,11 @@ class RosNode:
         run_aside(ask)
         self._loop.after(within, lambda: give(late), steady=True)
 
-    def serve_goals(self, action: str, takers: GoalTakers) -> Any:
+    def serve_goals(self, action: str, takers: GoalTakers, kept: float = 5.0) -> Any:
         """See Node."""
         from ur_nodes.ros1.goals import RosGoalServer
 
-        return RosGoalServer(action, takers, self._loop, self.parameters)
+        return RosGoalServer(action, takers, self._loop, kept)
 
     def every(self, seconds: float, call: Callable[[], None], *, steady: bool = False) -> Beat:
         """See Node."""

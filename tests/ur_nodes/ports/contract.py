@@ -6,6 +6,7 @@ Run as a program (NAME ...) it makes checks on ROS 1, and prints one line of JSO
 from __future__ import annotations
 
 import json
+import math
 import sys
 import threading
 import time
@@ -21,6 +22,7 @@ from ur.source.diagnostic import UserError
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2, Pose3
 from ur_nodes.ports import values
+from ur_nodes.ports.actions import GoalHandle
 from ur_nodes.ports.node import Node, Sender
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.services import AskMap, AskPath, Place, Silent, Switch, Trigger, UseMap
@@ -28,7 +30,11 @@ from ur_nodes.ports.values import Result, Transform, Twist
 
 STAMP = 1_700_000_000_123_456_789
 _POSES = np.array([(1.0, 2.0, 0.5), (-1.0, 0.0, -3.0)])
+_TARGET = values.PlacedPose(STAMP, "map", Pose2(1.0, 2.0, 0.5))
 _GRID = Grid(np.array([[0, 100, -1], [7, 0, 0]], np.int8), 0.05, Pose2(-1.0, 2.0, 0.0))
+
+_STATES = {0: "pending", 1: "active", 2: "cancelled", 3: "succeeded", 4: "aborted", 6: "active", 8: "cancelled"}
+"""actionlib_msgs/GoalStatus as `memory.goals.GoalState`."""
 
 VALUES: tuple[object, ...] = (
     "some text",
@@ -72,6 +78,46 @@ class Stage(Protocol):
 
     def until(self, condition: Callable[[], bool]) -> None:
         """Let time pass until a condition is true; fails after a while."""
+
+    def client(self, action: str) -> GoalClient:
+        """A client of goals that is connected, after `begin`."""
+
+
+class GoalClient(Protocol):
+    """The other end of `serve_goals`, as clients of the backend have it."""
+
+    def send(self, target: values.PlacedPose) -> str:
+        """Send a goal; returns its id."""
+
+    def cancel(self, id: str) -> None:
+        """Cancel it; '' for all."""
+
+    def cancel_sent_before(self, id: str) -> None:
+        """Cancel all goals that were sent before this one, and it."""
+
+    def state(self, id: str) -> tuple[str, str]:
+        """The state and its text, as last heard: `memory.goals.GoalState`."""
+
+    def report(self) -> values.PlacedPose | None:
+        """The last pose that was heard."""
+
+
+class Takers:
+    """A node that takes goals, and what it got."""
+
+    def __init__(self) -> None:
+        self.got: list[GoalHandle] = []
+        self.cancelled: list[str] = []
+
+    def take_goal(self, handle: GoalHandle) -> None:
+        self.got.append(handle)
+
+    def take_cancel(self, handle: GoalHandle) -> None:
+        self.cancelled.append(handle.goal.id)
+        handle.cancel("as you wish")
+
+    def has_cancelled(self, count: int) -> bool:
+        return len(self.cancelled) == count
 
 
 def check_value_of_each_kind_arrives_as_it_was_sent(stage: Stage) -> None:
@@ -214,6 +260,77 @@ def check_failure_of_a_silent_service_reaches_its_client(stage: Stage) -> None:
     stage.until(lambda: bool(got))
     assert not got[0].success
     assert "there is no map" in got[0].text
+
+
+def check_goal_is_accepted_reported_and_succeeds(stage: Stage) -> None:
+    takers = Takers()
+    server = stage.other.serve_goals("drive", takers)
+    stage.begin()
+    client = stage.client("drive")
+    id = client.send(_TARGET)
+    stage.until(lambda: bool(takers.got))
+    handle = takers.got[0]
+    assert handle.goal.id == id
+    assert handle.goal.target.frame == "map"
+    assert handle.goal.target.pose == pytest.approx(_TARGET.pose)
+    handle.accept()
+    handle.note("on my way")
+    server.publish_status()
+    stage.until(lambda: client.state(id) == ("active", "on my way"))
+    handle.report(_TARGET)
+    stage.until(lambda: client.report() is not None)
+    assert client.report() == _TARGET
+    handle.succeed("there")
+    stage.until(lambda: client.state(id) == ("succeeded", "there"))
+
+
+def check_goal_is_refused_aborted_or_cancelled_with_a_text(stage: Stage) -> None:
+    takers = Takers()
+    stage.other.serve_goals("drive_ends", takers)
+    stage.begin()
+    client = stage.client("drive_ends")
+    ids = [client.send(_TARGET) for _ in range(3)]
+    stage.until(lambda: len(takers.got) == 3)
+    refused, aborted, cancelled = takers.got
+    refused.refuse("not now")
+    aborted.accept()
+    aborted.abort("no way")
+    cancelled.accept()
+    cancelled.cancel("replaced")
+    ends = [("aborted", "not now"), ("aborted", "no way"), ("cancelled", "replaced")]
+    stage.until(lambda: [client.state(id) for id in ids] == ends)
+
+
+def check_goals_are_cancelled_by_id_by_time_and_all(stage: Stage) -> None:
+    takers = Takers()
+    stage.other.serve_goals("drive_cancel", takers)
+    stage.begin()
+    client = stage.client("drive_cancel")
+    ids = []
+    for _ in range(5):
+        ids.append(client.send(_TARGET))
+        stage.until(lambda: len(takers.got) == len(ids))
+        takers.got[-1].accept()
+    takers.got[0].succeed("before anybody cancels")
+    for cancel, count in (
+        (partial(client.cancel, ids[2]), 1),
+        (partial(client.cancel_sent_before, ids[3]), 3),
+        (partial(client.cancel, ""), 4),
+    ):
+        cancel()
+        stage.until(partial(takers.has_cancelled, count))
+    assert takers.cancelled == [ids[2], ids[1], ids[3], ids[4]]
+    stage.until(lambda: client.state(ids[4]) == ("cancelled", "as you wish"))
+
+
+def check_target_that_is_no_pose_arrives_as_nan(stage: Stage) -> None:
+    takers = Takers()
+    stage.other.serve_goals("drive_nan", takers)
+    stage.begin()
+    client = stage.client("drive_nan")
+    client.send(values.PlacedPose(STAMP, "map", Pose2(math.nan, 0.0, 0.0)))
+    stage.until(lambda: bool(takers.got))
+    assert math.isnan(takers.got[0].goal.target.pose.x)
 
 
 def check_missing_service_is_a_result(stage: Stage) -> None:
@@ -389,6 +506,53 @@ def _fields(value: object) -> object:
     return {name: _fields(getattr(value, name)) for name in names if name not in both}
 
 
+class ActionlibClient:
+    """See GoalClient."""
+
+    def __init__(self, action: str) -> None:
+        import actionlib
+        import rospy
+        from move_base_msgs.msg import MoveBaseAction
+
+        self._client = actionlib.ActionClient(action, MoveBaseAction)
+        self._goals: dict[str, Any] = {}
+        self._heard: values.PlacedPose | None = None
+        assert self._client.wait_for_server(rospy.Duration(60.0))
+
+    def send(self, target: values.PlacedPose) -> str:
+        from move_base_msgs.msg import MoveBaseGoal
+
+        from ur_nodes.ros1.codecs.places import fill_placed
+
+        goal = MoveBaseGoal()
+        fill_placed(goal.target_pose, target)
+        handle = self._client.send_goal(goal, feedback_cb=self._take_feedback)
+        id = handle.comm_state_machine.action_goal.goal_id.id
+        self._goals[id] = handle
+        return str(id)
+
+    def cancel(self, id: str) -> None:
+        if id:
+            self._goals[id].cancel()
+        else:
+            self._client.cancel_all_goals()
+
+    def cancel_sent_before(self, id: str) -> None:
+        self._client.cancel_goals_at_and_before_time(self._goals[id].comm_state_machine.action_goal.goal_id.stamp)
+
+    def state(self, id: str) -> tuple[str, str]:
+        handle = self._goals[id]
+        return _STATES[handle.get_goal_status()], handle.get_goal_status_text()
+
+    def report(self) -> values.PlacedPose | None:
+        return self._heard
+
+    def _take_feedback(self, _handle: Any, feedback: Any) -> None:
+        from ur_nodes.ros1.codecs.places import placed_of
+
+        self._heard = placed_of(feedback.base_position)
+
+
 class RosStage:
     """One node of ROS 1, for both ends."""
 
@@ -407,6 +571,9 @@ class RosStage:
         while not condition():
             assert time.monotonic() < end, "waited for 60 s"
             time.sleep(0.005)
+
+    def client(self, action: str) -> GoalClient:
+        return ActionlibClient(action)
 
 
 def main(names: list[str]) -> None:

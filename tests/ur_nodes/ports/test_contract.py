@@ -9,10 +9,14 @@ from pathlib import Path
 
 import pytest
 from tests.ros_session import RosSession
-from tests.ur_nodes.ports.contract import CHECKS
+from tests.ur_nodes.ports.contract import CHECKS, GoalClient
 
 from ur_nodes.memory.bus import Bus
+from ur_nodes.memory.goals import Cancel, GoalState
+from ur_nodes.ports.actions import Goal
 from ur_nodes.ports.node import Node
+from ur_nodes.ports.qualities import Quality
+from ur_nodes.ports.values import PlacedPose
 
 
 class MemoryStage:
@@ -26,6 +30,48 @@ class MemoryStage:
 
     def until(self, condition: Callable[[], bool]) -> None:
         assert self._bus.run_until(condition, 10.0), "waited for 10 s of the bus's time"
+
+    def client(self, action: str) -> GoalClient:
+        return MemoryClient(self._bus, action)
+
+
+class MemoryClient:
+    """See GoalClient."""
+
+    def __init__(self, bus: Bus, action: str) -> None:
+        node = bus.node("client")
+        self._bus = bus
+        self._goals = node.publish(f"{action}/goal", Goal, Quality.EVERY)
+        self._cancels = node.publish(f"{action}/cancel", Cancel, Quality.EVERY)
+        self._sent: list[int] = []
+        self._states: dict[str, GoalState] = {}
+        self._heard: PlacedPose | None = None
+        node.subscribe(
+            f"{action}/state", GoalState, lambda state: self._states.update({state.id: state}), Quality.EVERY
+        )
+        node.subscribe(f"{action}/feedback", PlacedPose, self._take_feedback)
+
+    def send(self, target: PlacedPose) -> str:
+        self._bus.run(0.01)
+        self._sent.append(self._bus.now)
+        self._goals.send(Goal(str(len(self._sent)), target))
+        return str(len(self._sent))
+
+    def cancel(self, id: str) -> None:
+        self._cancels.send(Cancel(id))
+
+    def cancel_sent_before(self, id: str) -> None:
+        self._cancels.send(Cancel(stamp=self._sent[int(id) - 1]))
+
+    def state(self, id: str) -> tuple[str, str]:
+        state = self._states.get(id, GoalState(id, "pending", ""))
+        return state.state, state.text
+
+    def report(self) -> PlacedPose | None:
+        return self._heard
+
+    def _take_feedback(self, pose: PlacedPose) -> None:
+        self._heard = pose
 
 
 @pytest.mark.parametrize("name", CHECKS)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -15,6 +17,8 @@ from ur_nodes.ros1.codecs.codec import Codec, fill_header, frame_of, stamp_of
 from ur_nodes.ros1.codecs.matrices import matrix_of, numbers_of
 from ur_nodes.rosio.geometry import fill_pose, pose_message, pose_of_message
 
+_UNIT_SLACK = 0.1
+
 
 def fill_placed(message: Any, value: PlacedPose) -> None:
     """Write a geometry_msgs/PoseStamped."""
@@ -25,6 +29,20 @@ def fill_placed(message: Any, value: PlacedPose) -> None:
 def placed_of(message: Any) -> PlacedPose:
     """Read a geometry_msgs/PoseStamped."""
     return PlacedPose(stamp_of(message.header.stamp), frame_of(message), pose_of_message(message.pose))
+
+
+def target_of(message: Any) -> PlacedPose:
+    """As `placed_of`, for what people and programs aim at: what is no pose has NaN.
+
+    All of it where a number is not finite, the yaw where the orientation is not a unit quaternion.
+    """
+    place, turn = message.pose.position, message.pose.orientation
+    placed = placed_of(message)
+    if not all(map(math.isfinite, (place.x, place.y, turn.x, turn.y, turn.z, turn.w))):
+        return replace(placed, pose=Pose2(math.nan, math.nan, math.nan))
+    if abs(math.hypot(turn.x, turn.y, turn.z, turn.w) - 1.0) > _UNIT_SLACK:
+        return replace(placed, pose=Pose2(placed.pose.x, placed.pose.y, math.nan))
+    return placed
 
 
 def _fill_estimate(message: Any, value: PoseEstimate) -> None:

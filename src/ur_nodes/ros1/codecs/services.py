@@ -140,7 +140,7 @@ SERVICES = {
         GetPlan,
         _ask_path_request,
         lambda request: AskPath(
-            places.placed_of(request.start), places.placed_of(request.goal), float(request.tolerance)
+            places.target_of(request.start), places.target_of(request.goal), float(request.tolerance)
         ),
         _path_response,
         lambda response: Result(success=True, value=places.CODECS[Path].value_of(response.plan)),
