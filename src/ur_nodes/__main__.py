@@ -1,4 +1,4 @@
-"""Run a node's module: python -I -m ur_nodes MODULE [ARG ...].
+"""Run a node's module, or a file with one: python -I -m ur_nodes MODULE|FILE.py [ARG ...].
 
 Nodes start isolated (`-I`), so that nothing in the current folder or in PYTHONPATH replaces their modules. Messages of
 a workspace are found all the same: the folders of PYTHONPATH are searched last.
@@ -33,4 +33,8 @@ if __name__ == "__main__":
     if sys.flags.isolated:
         sys.path += list_message_folders(os.environ.get("PYTHONPATH", ""))
     del sys.argv[0]
-    runpy.run_module(sys.argv[0], run_name="__main__", alter_sys=True)
+    if sys.argv[0].endswith(".py"):
+        sys.path.append(os.path.dirname(os.path.abspath(sys.argv[0])))  # noqa: PTH100, PTH120 - as Python itself does
+        runpy.run_path(sys.argv[0], run_name="__main__")
+    else:
+        runpy.run_module(sys.argv[0], run_name="__main__", alter_sys=True)
