@@ -7,17 +7,17 @@ import sys
 from typing import Any
 
 import rospy
-from geometry_msgs.msg import TransformStamped
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import JointState, LaserScan
 from std_msgs.msg import Bool
-from tf2_msgs.msg import TFMessage
 
 from ur.robot.base import Base, Lidar, load_base
 from ur.source.diagnostic import UserError, error
 from ur.source.project import launch_library
 from ur_nodes.drivers.base_states import BumperStates, WheelStates
+from ur_nodes.geometry.pose import Pose3
 from ur_nodes.rosio.parameters import Parameters
+from ur_nodes.rosio.publishers import TransformSender
 from ur_nodes.rosio.shell import run_node
 
 _LOOK_RATE = 10.0  # Hz
@@ -36,7 +36,7 @@ class OdometryAdapter:
         self._wheels = WheelStates(base.wheels)
         self._joints = rospy.Publisher("joint_states", JointState, queue_size=10)
         self._message = JointState(name=["left_wheel_joint", "right_wheel_joint"])
-        self._tf = rospy.Publisher("/tf", TFMessage, queue_size=100, tcp_nodelay=True) if publish_tf else None
+        self._transforms = TransformSender() if publish_tf else None
         rospy.Subscriber("odom", Odometry, self._on_odometry, queue_size=10, tcp_nodelay=True)
 
     def _on_odometry(self, odometry: Odometry) -> None:
@@ -44,8 +44,10 @@ class OdometryAdapter:
         if not _is_pose(odometry) or not self._wheels.update(twist.linear.x, twist.angular.z, stamp.to_sec()):
             rospy.logwarn_throttle(_WARN_EVERY, f"{rospy.resolve_name('odom')}: {_BAD_ODOMETRY}")
             return
-        if self._tf:
-            self._tf.publish(TFMessage([_transform(odometry)]))
+        if self._transforms:
+            place, turn = odometry.pose.pose.position, odometry.pose.pose.orientation
+            pose = Pose3(place.x, place.y, 0.0, turn.x, turn.y, turn.z, turn.w)
+            self._transforms.send(stamp, ("odom", "base_footprint", pose))
         self._message.header.stamp = stamp
         self._message.position, self._message.velocity = self._wheels.angles, self._wheels.speeds
         self._joints.publish(self._message)
@@ -88,15 +90,6 @@ def _is_pose(odometry: Odometry) -> bool:
     place, rotation = odometry.pose.pose.position, odometry.pose.pose.orientation
     length = math.hypot(rotation.x, rotation.y, rotation.z, rotation.w)
     return math.isfinite(place.x) and math.isfinite(place.y) and abs(length - 1.0) < _QUATERNION_ERROR
-
-
-def _transform(odometry: Odometry) -> TransformStamped:
-    transform = TransformStamped(child_frame_id="base_footprint")
-    transform.header.stamp, transform.header.frame_id = odometry.header.stamp, "odom"
-    place = odometry.pose.pose
-    transform.transform.translation.x, transform.transform.translation.y = place.position.x, place.position.y
-    transform.transform.rotation = place.orientation
-    return transform
 
 
 def start() -> None:

@@ -43,6 +43,11 @@ def from_pose(pose: Pose3) -> Floats:
     return make_rigid(rotation, np.array(pose[:3]))
 
 
+def to_pose(transform: Floats) -> Pose3:
+    """Convert to a pose with a unit quaternion."""
+    return Pose3(*transform[:3, 3].tolist(), *to_quaternion(transform))
+
+
 def to_quaternion(transform: Floats) -> tuple[float, float, float, float]:
     """The rotation as a quaternion x, y, z, w with w >= 0 (Shepperd's method: the largest of the four first)."""
     m = transform[:3, :3]

@@ -29,16 +29,21 @@ def pose3_of_transform(transform: Transform) -> Pose3:
     return make_pose3((t.x, t.y, t.z), (q.x, q.y, q.z, q.w))
 
 
-def transform_message(pose: Pose2) -> Transform:
-    """A geometry_msgs/Transform on the ground."""
-    return Transform(Vector3(pose.x, pose.y, 0.0), Quaternion(*quaternion_of_yaw(pose.yaw)))
+def transform_message(pose: Pose2 | Pose3) -> Transform:
+    """A geometry_msgs/Transform, on the ground or in space."""
+    message = Transform()
+    fill_transform(message, pose)
+    return message
 
 
-def fill_transform(message: Transform, pose: Pose2) -> None:
-    """Make a geometry_msgs/Transform one on the ground, without new objects."""
+def fill_transform(message: Transform, pose: Pose2 | Pose3) -> None:
+    """Make a geometry_msgs/Transform that of a pose, without new objects."""
     _fill(message.translation, message.rotation, pose)
 
 
-def _fill(place: Point | Vector3, turn: Quaternion, pose: Pose2) -> None:
-    place.x, place.y, place.z = pose.x, pose.y, 0.0
-    turn.x, turn.y, turn.z, turn.w = quaternion_of_yaw(pose.yaw)
+def _fill(place: Point | Vector3, turn: Quaternion, pose: Pose2 | Pose3) -> None:
+    if isinstance(pose, Pose2):
+        place.x, place.y, place.z = pose.x, pose.y, 0.0
+        turn.x, turn.y, turn.z, turn.w = quaternion_of_yaw(pose.yaw)
+    else:
+        place.x, place.y, place.z, turn.x, turn.y, turn.z, turn.w = pose

@@ -18,9 +18,9 @@ from ur.robot.base import Base, Camera
 from ur.source.diagnostic import UserError
 from ur.worlds.world_file import World
 from ur_nodes.rosio.parameters import Parameters
+from ur_nodes.rosio.publishers import has_subscribers
 from ur_nodes.simulator.camera_process import CameraProcess
 from ur_nodes.simulator.frame_rate import FrameCount
-from ur_nodes.simulator.publisher_node import has_subscribers
 
 _TRY_EVERY = 10.0  # s: packages may be installed meanwhile
 

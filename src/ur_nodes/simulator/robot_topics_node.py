@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import rospy
-from geometry_msgs.msg import TransformStamped, Twist
+from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import JointState, LaserScan
 from std_msgs.msg import Int32
 
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.rosio.geometry import fill_pose, fill_transform
-from ur_nodes.simulator.publisher_node import has_subscribers, make_publisher
+from ur_nodes.rosio.geometry import fill_pose
+from ur_nodes.rosio.publishers import Edge, has_subscribers, make_publisher
 from ur_nodes.simulator.settings import Settings
 from ur_nodes.simulator.simulation import Simulation
 
@@ -38,8 +38,7 @@ class RobotTopics:
         self._odom_message = _odometry_message(odom, base)
         self._truth_message = _odometry_message(frames.map, base)
         self._joint_message = JointState(name=[f"{prefix}left_wheel_joint", f"{prefix}right_wheel_joint"])
-        self._transform = TransformStamped(child_frame_id=base)
-        self._transform.header.frame_id = odom
+        self._edge = odom, base
         if lidar:
             self._scan_message = LaserScan(
                 angle_min=lidar.angle_min,
@@ -61,12 +60,9 @@ class RobotTopics:
         if command is not None:
             self._simulation.command(self._robot, *command)
 
-    def transform(self, stamp: rospy.Time) -> TransformStamped:
-        """The transform odom -> base_footprint, from the odometry of the encoders; the next call changes it."""
-        pose = self._simulation.odometry(self._robot).pose
-        fill_transform(self._transform.transform, pose)
-        self._transform.header.stamp = stamp
-        return self._transform
+    def edge(self) -> Edge:
+        """The transform odom -> base_footprint, from the odometry of the encoders."""
+        return *self._edge, self._simulation.odometry(self._robot).pose
 
     def publish_odometry(self, stamp: rospy.Time) -> None:
         """Publish the odometry of the encoders, and the ground truth."""

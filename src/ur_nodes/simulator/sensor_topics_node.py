@@ -10,7 +10,7 @@ from sensor_msgs.msg import BatteryState, Imu, Range
 from std_msgs.msg import Bool
 
 from ur.robot.base import Base, Bumpers, Cliffs
-from ur_nodes.simulator.publisher_node import has_subscribers, make_publisher
+from ur_nodes.rosio.publishers import has_subscribers, make_publisher
 from ur_nodes.simulator.settings import Settings
 from ur_nodes.simulator.simulation import Simulation, Tick
 

@@ -23,7 +23,6 @@ from std_srvs.srv import (
     TriggerRequest,
     TriggerResponse,
 )
-from tf2_msgs.msg import TFMessage
 
 from ur.robot.base import load_base
 from ur.source.diagnostic import UserError
@@ -31,10 +30,10 @@ from ur.source.project import launch_library
 from ur.worlds.world_file import World, read_world
 from ur_nodes.rosio.geometry import pose_of_message
 from ur_nodes.rosio.parameters import Parameters
+from ur_nodes.rosio.publishers import TransformSender, make_publisher
 from ur_nodes.rosio.shell import run_node
 from ur_nodes.simulator.camera_node import CameraTopics, read_camera
 from ur_nodes.simulator.pacing import Pacer
-from ur_nodes.simulator.publisher_node import make_publisher
 from ur_nodes.simulator.robot_topics_node import RobotTopics
 from ur_nodes.simulator.sensor_topics_node import SensorTopics
 from ur_nodes.simulator.settings import Frames, Settings
@@ -58,8 +57,7 @@ class SimulatorNode:
         self._clock = make_publisher("/clock", Clock, settings.queue_size) if settings.publish_clock else None
         self._clock_message = Clock()
         self._next_clock = self._next_joints = 0.0
-        self._tf = make_publisher("/tf", TFMessage, settings.queue_size)
-        self._tf_message = TFMessage()
+        self._transforms = TransformSender(settings.queue_size)
         prefixes = list_prefixes(simulation)
         self._robots = [RobotTopics(simulation, n, prefix, settings) for n, prefix in enumerate(prefixes)]
         self._sensors = [SensorTopics(simulation, n, prefix, settings) for n, prefix in enumerate(prefixes)]
@@ -121,8 +119,7 @@ class SimulatorNode:
         if joints:
             self._next_joints = tick.time + 1.0 / self._settings.joint_rate - 1e-6
         if placed:
-            self._tf_message.transforms = [robot.transform(stamp) for robot in self._robots]
-            self._tf.publish(self._tf_message)
+            self._transforms.send(stamp, *(robot.edge() for robot in self._robots))
         for robot, collisions in zip(self._robots, self._simulation.collisions, strict=True):
             if tick.odometry:
                 robot.publish_odometry(stamp)

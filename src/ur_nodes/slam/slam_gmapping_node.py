@@ -8,16 +8,14 @@ import threading
 
 import numpy as np
 import rospy
-import tf2_ros
-from geometry_msgs.msg import TransformStamped
 from sensor_msgs.msg import Imu, LaserScan
 from std_msgs.msg import Float64
 
 from ur_nodes.geometry.difference import describe_places
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.rosio.ending import quiet_at_end
-from ur_nodes.rosio.geometry import transform_message
 from ur_nodes.rosio.parameters import Parameters
+from ur_nodes.rosio.publishers import TransformSender
 from ur_nodes.rosio.scan_queue import ScanQueue
 from ur_nodes.rosio.shell import run_node
 from ur_nodes.slam.gmapping_settings import read_settings
@@ -51,7 +49,7 @@ class SlamGmappingNode:
         self._by_gyro = self._gyro_wrong = False  # as reported last
         self._last: Pose2 | None = None  # odometry at the last scan
         self._child = settings.odom_frame or settings.base_frame
-        self._broadcaster = tf2_ros.TransformBroadcaster()
+        self._transforms = TransformSender()
         self._entropy = rospy.Publisher("~entropy", Float64, queue_size=1, latch=True)
         self._output = MapOutput(settings, self._state)
         if storage:
@@ -163,14 +161,9 @@ class SlamGmappingNode:
         period = self._settings.transform_publish_period
         while period > 0.0 and _sleep(period):
             correction = self._correction
-            if correction is None:
-                continue
-            message = TransformStamped()
-            message.header.frame_id = self._settings.map_frame
-            message.header.stamp = rospy.Time.now() + rospy.Duration(self._settings.tf_delay)
-            message.child_frame_id = self._child
-            message.transform = transform_message(correction)
-            self._broadcaster.sendTransform(message)
+            if correction is not None:
+                stamp = rospy.Time.now() + rospy.Duration(self._settings.tf_delay)
+                self._transforms.send(stamp, (self._settings.map_frame, self._child, correction))
 
     # -- the map ---------------------------------------------------------------------------------------------------
 

@@ -8,13 +8,14 @@ from typing import Any
 import cv2
 import numpy as np
 import rospy
-from geometry_msgs.msg import TransformStamped
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image
-from tf2_msgs.msg import TFMessage
 
 from ur.source.diagnostic import UserError
+from ur_nodes.geometry.rigid import to_pose
 from ur_nodes.rosio.ending import quiet_at_end
+from ur_nodes.rosio.geometry import transform_message
 from ur_nodes.rosio.parameters import Parameters
+from ur_nodes.rosio.publishers import TransformSender
 from ur_nodes.rosio.shell import run_node
 from ur_nodes.vision.detect import DICTIONARIES, CameraModel, Detection, Detector
 from ur_nodes.vision.fiducial_parameters_node import read_sizes
@@ -25,7 +26,6 @@ from ur_nodes.vision.image_message import (
     read_camera,
     read_compressed,
     read_image,
-    transform_of,
 )
 from ur_nodes.vision.messages_node import make_header, message_classes
 
@@ -50,7 +50,7 @@ class FiducialDetect:
         )
         self._images: Any = rospy.Publisher("fiducial_images", Image, queue_size=1)
         self._jpegs: Any = rospy.Publisher("fiducial_images/compressed", CompressedImage, queue_size=1)
-        self._tf: Any = rospy.Publisher("/tf", TFMessage, queue_size=10)
+        self._tf = TransformSender(queue=10)
         rospy.Subscriber("camera_info", CameraInfo, self._take_info, queue_size=1)
         topic, kind = ("camera", Image) if raw else ("camera/compressed", CompressedImage)
         rospy.Subscriber(topic, kind, self._take, queue_size=1, buff_size=_BUFFER, tcp_nodelay=True)
@@ -82,18 +82,15 @@ class FiducialDetect:
         if not self._estimate or self._camera is None:
             return
         array, element = self._arrays["FiducialTransform"]
-        placed = [(each, each.candidates[0]) for each in found if each.candidates]
+        placed = [(each, to_pose(each.candidates[0].pose)) for each in found if each.candidates]
         transforms = [
-            element(each.id, transform_of(best.pose), best.error, object_error(each), each.area)
-            for each, best in placed
+            element(each.id, transform_message(pose), each.candidates[0].error, object_error(each), each.area)
+            for each, pose in placed
         ]
         self._transforms.publish(array(header, number, transforms))
         if self._publish_tf and placed:
-            self._tf.publish(
-                TFMessage(
-                    [TransformStamped(header, f"fiducial_{each.id}", transform_of(best.pose)) for each, best in placed]
-                )
-            )
+            edges = [(header.frame_id, f"fiducial_{each.id}", pose) for each, pose in placed]
+            self._tf.send(header.stamp, *edges)
 
     def _publish_picture(self, pixels: Pixels, found: tuple[Detection, ...], header: Any) -> None:
         canvas = cv2.cvtColor(pixels, cv2.COLOR_GRAY2RGB) if pixels.ndim == 2 else pixels.copy()

@@ -16,10 +16,9 @@ from typing import Any
 
 import numpy as np
 import rospy
-from geometry_msgs.msg import PoseWithCovarianceStamped, TransformStamped
+from geometry_msgs.msg import PoseWithCovarianceStamped
 from sensor_msgs.msg import CameraInfo
 from std_srvs.srv import Empty, EmptyRequest, EmptyResponse, Trigger, TriggerRequest, TriggerResponse
-from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import MarkerArray
 
 from ur.source.diagnostic import UserError, error
@@ -27,8 +26,9 @@ from ur_nodes.geometry.pose import Pose2
 from ur_nodes.geometry.rigid import Floats, from_pose, to_angles
 from ur_nodes.rosio.ending import quiet_at_end
 from ur_nodes.rosio.frames import Frames
-from ur_nodes.rosio.geometry import pose_message, pose_of_message, transform_message
+from ur_nodes.rosio.geometry import pose_message, pose_of_message
 from ur_nodes.rosio.parameters import Parameters
+from ur_nodes.rosio.publishers import TransformSender
 from ur_nodes.rosio.shell import run_node
 from ur_nodes.vision.detect import CameraModel, Sizes, estimate_poses
 from ur_nodes.vision.fiducial_map import MapEntry, read_map, write_map
@@ -69,7 +69,7 @@ class FiducialSlam:
             if settings.read_only
             else Mapper(known, start=start)
         )
-        self._tf: Any = rospy.Publisher("/tf", TFMessage, queue_size=10, tcp_nodelay=True)
+        self._transforms = TransformSender(queue=10)
         self._pose: Any = rospy.Publisher("fiducial_pose", PoseWithCovarianceStamped, queue_size=1)
         self._markers: Any = rospy.Publisher("fiducials", MarkerArray, queue_size=1, latch=True)
         self._map: Any = rospy.Publisher(
@@ -174,13 +174,10 @@ class FiducialSlam:
 
     @quiet_at_end
     def _publish_tf(self) -> None:
-        settings = self._settings
-        if self._correction is None or not settings.publish_tf:
-            return
-        transform = TransformStamped(child_frame_id=settings.odom_frame, transform=transform_message(self._correction))
-        transform.header.frame_id = settings.map_frame
-        transform.header.stamp = rospy.Time.now() + rospy.Duration.from_sec(settings.future)
-        self._tf.publish(TFMessage([transform]))
+        settings, correction = self._settings, self._correction
+        if correction is not None and settings.publish_tf:
+            stamp = rospy.Time.now() + rospy.Duration.from_sec(settings.future)
+            self._transforms.send(stamp, (settings.map_frame, settings.odom_frame, correction))
 
     def _place(self, message: PoseWithCovarianceStamped) -> None:
         frame = message.header.frame_id.lstrip("/")

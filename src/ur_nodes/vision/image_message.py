@@ -5,7 +5,7 @@ from __future__ import annotations
 import cv2
 import numpy as np
 import numpy.typing as npt
-from geometry_msgs.msg import Point, Pose, Quaternion, Transform, Vector3
+from geometry_msgs.msg import Point, Pose, Quaternion
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 
 from ur.source.diagnostic import UserError, error
@@ -64,11 +64,6 @@ def read_camera(message: CameraInfo) -> CameraModel | None:
         return None
     distortion = np.asarray(message.D, np.float64) if len(message.D) in (4, 5, 8, 12, 14) else np.zeros(5)
     return CameraModel(np.asarray(message.K, np.float64).reshape(3, 3), distortion)
-
-
-def transform_of(rigid: Floats) -> Transform:
-    """A matrix (4, 4) as a geometry_msgs/Transform."""
-    return Transform(Vector3(*rigid[:3, 3].tolist()), Quaternion(*to_quaternion(rigid)))
 
 
 def pose_of(rigid: Floats) -> Pose:

@@ -16,14 +16,15 @@ from tests.ur_nodes.vision.synthetic import MOUNT
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import MarkerArray
 
-from ur_nodes.vision.image_message import transform_of
+from ur_nodes.geometry.rigid import to_pose
+from ur_nodes.rosio.geometry import transform_message
 from ur_nodes.vision.messages_node import message_classes
 
 
 def main() -> None:
     answers = claim_output()
     rospy.init_node("client", anonymous=True, disable_signals=True)
-    mount = TransformStamped(child_frame_id="raspicam", transform=transform_of(MOUNT))
+    mount = TransformStamped(child_frame_id="raspicam", transform=transform_message(to_pose(MOUNT)))
     mount.header.frame_id = "base_footprint"
     static = rospy.Publisher("/tf_static", TFMessage, queue_size=1, latch=True)
     static.publish(TFMessage([mount]))

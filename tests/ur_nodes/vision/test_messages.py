@@ -8,15 +8,14 @@ from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 from std_msgs.msg import Header
 
 from ur.source.diagnostic import UserError
-from ur_nodes.geometry.rigid import from_angles, from_pose
-from ur_nodes.rosio.geometry import pose3_of_transform
+from ur_nodes.geometry.rigid import from_angles, from_pose, to_pose
+from ur_nodes.rosio.geometry import pose3_of_transform, transform_message
 from ur_nodes.vision.image_message import (
     make_compressed,
     make_image,
     read_camera,
     read_compressed,
     read_image,
-    transform_of,
 )
 from ur_nodes.vision.marker_message import make_markers
 from ur_nodes.vision.messages_node import make_header, message_classes
@@ -87,7 +86,7 @@ def test_camera_without_calibration_is_none() -> None:
 
 def test_transforms_and_markers_keep_poses() -> None:
     pose = from_angles((1.0, 2.0, 3.0), (0.1, 0.2, 0.3))
-    assert np.allclose(from_pose(pose3_of_transform(transform_of(pose))), pose)
+    assert np.allclose(from_pose(pose3_of_transform(transform_message(to_pose(pose)))), pose)
     markers = make_markers({4: pose}, {4: 0.3}, "map").markers
     assert [(each.ns, each.action) for each in markers] == [("", 3), ("fiducials", 0), ("numbers", 0)]
     assert markers[1].pose.position.z == pytest.approx(3.0)
