@@ -34,7 +34,7 @@ class Amcl:
 
     @property
     def has_map(self) -> bool:
-        """Whether there is a map in use."""
+        """True while there is a map in use."""
         return self._localiser is not None
 
     @property
