@@ -27,6 +27,9 @@ ELSEWHERE = {
     "ur/cli/runs": "commands are tested as programs: tests/cli/ and tests/run/",
     "ur/docs/launch": "whole documents: tests/docs/ and tests/docs/site/",
     "ur/docs/repository": "whole documents: tests/docs/ and tests/docs/site/",
+    "ur_nodes/memory": "the contract of all backends: tests/ur_nodes/ports/",
+    "ur_nodes/ros1/codecs": "the contract of all backends: tests/ur_nodes/ports/",
+    "ur_nodes/ros1": "the contract of all backends: tests/ur_nodes/ports/",
 }
 
 TEST_FILES = sorted(TESTS.rglob("test_*.py"))

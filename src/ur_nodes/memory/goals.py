@@ -4,14 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from ur_nodes.ports.actions import Goal, GoalTakers
+from ur_nodes.ports.node import Node
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import PlacedPose
-
-if TYPE_CHECKING:
-    from ur_nodes.memory.node import MemoryNode
 
 _STATUS_PERIOD = 0.2  # s, as actionlib
 
@@ -88,7 +85,7 @@ class MemoryGoalHandle:
 class MemoryGoalServer:
     """See `ports.actions.GoalServer`. Topics: ACTION/goal, /cancel, /state and /feedback."""
 
-    def __init__(self, node: MemoryNode, action: str, takers: GoalTakers, kept: float) -> None:
+    def __init__(self, node: Node, action: str, takers: GoalTakers, kept: float) -> None:
         self._node = node
         self._takers = takers
         self._kept = round(kept * 1e9)

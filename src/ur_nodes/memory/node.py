@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, TypeVar
 
-from ur_nodes.memory.bus import Bus, Listener, Offer
+from ur_nodes.memory.carrier import Carrier, Listener, Offer
 from ur_nodes.memory.goals import MemoryGoalServer
 from ur_nodes.ports.actions import GoalTakers
 from ur_nodes.ports.node import Sender
@@ -23,7 +23,7 @@ FIXED_TRANSFORMS = "/tf_static"
 class MemoryNode:
     """See `ports.node.Node`. `lines` are those of its log: pairs of a level and a text; `ended` says why it ended."""
 
-    def __init__(self, bus: Bus, name: str, remaps: dict[str, str]) -> None:
+    def __init__(self, bus: Carrier, name: str, remaps: dict[str, str]) -> None:
         self.name = "/" + name.lstrip("/")
         self.lines: list[tuple[str, str]] = []
         self.ended: str | None = None
@@ -193,8 +193,8 @@ class MemoryNode:
             self._bus.topics[topic].offers.remove(offer)
         for service in self._services:
             self._bus.services.pop(service, None)
-        if self._bus.nodes.get(self.name.lstrip("/")) is self:
-            del self._bus.nodes[self.name.lstrip("/")]
+        if self._bus.nodes.get(self.name) is self:
+            del self._bus.nodes[self.name]
 
     def _listen(
         self, topic: str, kind: type[Any], deliver: Callable[[Any, str, bool], None], quality: Quality
@@ -222,7 +222,7 @@ class MemoryNode:
 class MemoryPublisher:
     """See `ports.node.Publisher`."""
 
-    def __init__(self, bus: Bus, topic: str, offer: Offer) -> None:
+    def __init__(self, bus: Carrier, topic: str, offer: Offer) -> None:
         self.topic = topic
         self._bus, self._offer = bus, offer
 
@@ -243,7 +243,7 @@ class MemoryPublisher:
 class MemorySubscription:
     """See `ports.node.Subscription`."""
 
-    def __init__(self, bus: Bus, topic: str, listener: Listener, forget: Callable[[], None]) -> None:
+    def __init__(self, bus: Carrier, topic: str, listener: Listener, forget: Callable[[], None]) -> None:
         self.topic = topic
         self._bus, self._listener, self._forget = bus, listener, forget
 
@@ -275,7 +275,7 @@ class MemoryFacts:
 
     simulated_time = True
 
-    def __init__(self, bus: Bus) -> None:
+    def __init__(self, bus: Carrier) -> None:
         self._facts = bus.facts
 
     def get(self, name: str, default: Any = None) -> Any:

@@ -1,0 +1,140 @@
+"""Time, events in their order, topics and services of a bus. The same calls give the same run to the last bit."""
+
+from __future__ import annotations
+
+import heapq
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+from ur_nodes.ports.qualities import Quality
+
+DEPTH = 100
+"""How many values of quality EVERY or COMMAND may wait."""
+
+_DEPTHS = {Quality.NEWEST: 1, Quality.LATCHED: 1, Quality.EVERY: DEPTH, Quality.COMMAND: DEPTH} | {
+    Quality.LOSSLESS: sys.maxsize
+}
+
+
+@dataclass(eq=False, slots=True)
+class Listener:
+    """A subscription: `deliver` gets a value, the name of its sender, and whether it had been kept."""
+
+    kind: type
+    depth: int
+    deliver: Callable[[Any, str, bool], None]
+    waiting: list[tuple[Any, str, bool]] = field(default_factory=list)
+    open: bool = True
+
+
+@dataclass(eq=False, slots=True)
+class Offer:
+    """A publisher of a node, with the value that it keeps."""
+
+    sender: str
+    kind: type
+    latched: bool
+    greet: Callable[[], None] | None
+    kept: Any = None
+
+
+@dataclass(eq=False, slots=True)
+class Topic:
+    """Both ends of a topic."""
+
+    offers: list[Offer] = field(default_factory=list)
+    listeners: list[Listener] = field(default_factory=list)
+
+
+class Carrier:
+    """Carries values between the nodes of a bus and calls them, one callback at a time.
+
+    `delay` gives for each topic how long (ns) the value that is sent now is on its way, None: it is lost. An exception
+    of a callback leaves `run`.
+    """
+
+    def __init__(self, delay: Callable[[str], int | None] | None = None) -> None:
+        self.now = 1_000_000_000
+        self.facts: dict[str, Any] = {}
+        self.parameters: dict[str, Any] = {}
+        self.topics: dict[str, Topic] = {}
+        self.services: dict[str, Callable[[Any, Callable[[Any], None]], None]] = {}
+        self.nodes: dict[str, Any] = {}
+        self._delay = delay or (lambda _topic: 0)
+        self._events: list[tuple[int, int, Callable[[], None]]] = []
+        self._count = 0
+
+    def run(self, seconds: float) -> None:
+        """Let so much time pass."""
+        end = self.now + round(seconds * 1e9)
+        while self._events and self._events[0][0] <= end:
+            self._take_event()
+        self.now = end
+
+    def run_until(self, condition: Callable[[], bool], seconds: float) -> bool:
+        """Let time pass until a condition is true after an event, at most so long. Return whether it is."""
+        end = self.now + round(seconds * 1e9)
+        while not condition():
+            if not self._events or self._events[0][0] > end:
+                self.now = end
+                return condition()
+            self._take_event()
+        return True
+
+    def at(self, time: int, call: Callable[[], None]) -> None:
+        """Call at a time (ns), after all that is due at that time already."""
+        self._count += 1
+        heapq.heappush(self._events, (max(time, self.now), self._count, call))
+
+    def offer(self, topic: str, offer: Offer) -> None:
+        """Begin to send on a topic."""
+        entry = self.topics.setdefault(topic, Topic())
+        entry.offers.append(offer)
+        if entry.listeners and offer.greet is not None:
+            self.at(self.now, offer.greet)
+
+    def listen(self, topic: str, kind: type, quality: Quality, deliver: Callable[[Any, str, bool], None]) -> Listener:
+        """Begin to listen to a topic."""
+        listener = Listener(kind, _DEPTHS[quality], deliver)
+        entry = self.topics.setdefault(topic, Topic())
+        entry.listeners.append(listener)
+        for offer in entry.offers:
+            if offer.greet is not None:
+                self.at(self.now, offer.greet)
+            if offer.latched and offer.kept is not None:
+                self._carry(topic, listener, (offer.kept, offer.sender, True))
+        return listener
+
+    def send(self, topic: str, offer: Offer, value: Any) -> None:
+        """Send a value of an offer to all who listen. Raises TypeError: it is not of the offer's kind."""
+        if not isinstance(value, offer.kind):
+            raise TypeError(f"{topic}: {type(value).__name__} {value!r}, expected {offer.kind.__name__}")
+        if offer.latched:
+            offer.kept = value
+        for listener in self.topics[topic].listeners:
+            self._carry(topic, listener, (value, offer.sender, False))
+
+    def _carry(self, topic: str, listener: Listener, item: tuple[Any, str, bool]) -> None:
+        if not isinstance(item[0], listener.kind):
+            return  # as with a master: types that differ are never connected
+        delay = self._delay(topic)
+        if delay is None:
+            return
+
+        def arrive() -> None:
+            if listener.open:
+                listener.waiting.append(item)
+                del listener.waiting[: -listener.depth]
+                self.at(self.now, take)
+
+        def take() -> None:
+            if listener.open and listener.waiting:
+                listener.deliver(*listener.waiting.pop(0))
+
+        self.at(self.now + delay, arrive)
+
+    def _take_event(self) -> None:
+        self.now, _, call = heapq.heappop(self._events)
+        call()
