@@ -294,20 +294,8 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         "ur_nodes.teleop.terminal",
     ),
     "ur_nodes.motion.ramp": ("ur.robot.base",),
-    "ur_nodes.motion.challenge": (
-        "ur_nodes.memory_use",
-        "ur_nodes.ports",
-        "ur_nodes.rosio",
-        "ur_nodes.run",
-    ),
-    "ur_nodes.motion.lease": (
-        "ur.source",
-        "ur_nodes.memory_use",
-        "ur_nodes.ports",
-        "ur_nodes.rosio",
-        "ur_nodes.run",
-        "ur_nodes.motion.challenge",
-    ),
+    "ur_nodes.motion.challenge": ("ur_nodes.ports", "ur_nodes.ros1"),
+    "ur_nodes.motion.lease": ("ur.source", "ur_nodes.ports", "ur_nodes.ros1", "ur_nodes.motion.challenge"),
     "ur_nodes.motion.admission": (
         "ur_nodes.memory_use",
         "ur_nodes.ports",

@@ -39,11 +39,14 @@ class ClockTime:
 
 @dataclass(frozen=True, slots=True)
 class Twist:
-    """A planar velocity in the frame of the base: ahead and to the left, m/s; turning to the left, rad/s."""
+    """A velocity in the frame of the base: ahead, to the left and up, m/s; turning to the left, roll, pitch, rad/s."""
 
     forward: float
     turn: float
     left: float = 0.0
+    up: float = 0.0
+    roll: float = 0.0
+    pitch: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)

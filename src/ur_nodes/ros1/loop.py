@@ -94,6 +94,20 @@ class Loop:
         """Have a call made. May come from any thread; after the end it does nothing."""
         self._calls.put(call)
 
+    def ask(self, call: Callable[[], None], within: float = 1.0) -> None:
+        """As `post`, and wait until the call is made, at most `within` s."""
+        if threading.current_thread() is self._thread:
+            call()
+            return
+        done = threading.Event()
+
+        def make() -> None:
+            call()
+            done.set()
+
+        self.post(make)
+        done.wait(within)
+
     def mailbox(self, depth: int | None, take: Callable[[Any], None]) -> Callable[[Any], None]:
         """A function, for any thread, that posts what it gets to `take`; of more than `depth` the oldest goes."""
         waiting: deque[Any] = deque(maxlen=depth)

@@ -59,6 +59,10 @@ class RosNode:
         """Let callbacks come."""
         self._loop.start()
 
+    def ask(self, call: Callable[[], None]) -> None:
+        """Have a call made on the node's thread: for code that has threads of its own, once the node has begun."""
+        self._loop.ask(call)
+
     @property
     def transforms(self) -> Transforms:
         """See Node."""

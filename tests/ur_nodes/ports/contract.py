@@ -44,7 +44,7 @@ VALUES: tuple[object, ...] = (
     values.Signal(),
     values.Time(STAMP),
     values.ClockTime(STAMP),
-    Twist(0.5, -0.25, 0.125),
+    Twist(0.5, -0.25, 0.125, 0.0625, -0.5, 1.5),
     values.StampedTwist(STAMP, "client", Twist(0.5, 0.0)),
     values.Odometry(STAMP, "odom", "base", Pose2(1.0, 2.0, 0.5), Twist(0.5, 0.25), np.eye(3) * 0.5, np.eye(3) * 0.25),
     values.Scan(STAMP, "laser", -1.5, 0.25, 0.125, 8.0, np.array([1.0, np.inf, np.nan], np.float32)),

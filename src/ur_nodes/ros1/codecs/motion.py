@@ -18,11 +18,14 @@ _KNOWN = 1e-9  # the floor is flat; filters want no variance of 0
 
 
 def _fill_twist(message: Any, value: Twist) -> None:
-    message.linear.x, message.linear.y, message.angular.z = value.forward, value.left, value.turn
+    message.linear.x, message.linear.y, message.linear.z = value.forward, value.left, value.up
+    message.angular.x, message.angular.y, message.angular.z = value.roll, value.pitch, value.turn
 
 
-def _twist_of(message: Any) -> Twist:
-    return Twist(message.linear.x, message.angular.z, message.linear.y)
+def twist_of(message: Any) -> Twist:
+    """The velocity that a geometry_msgs/Twist has."""
+    linear, angular = message.linear, message.angular
+    return Twist(linear.x, angular.z, linear.y, linear.z, angular.x, angular.y)
 
 
 def _fill_stamped(message: Any, value: StampedTwist) -> None:
@@ -31,7 +34,7 @@ def _fill_stamped(message: Any, value: StampedTwist) -> None:
 
 
 def _stamped_of(message: Any) -> StampedTwist:
-    return StampedTwist(stamp_of(message.header.stamp), message.header.frame_id, _twist_of(message.twist))
+    return StampedTwist(stamp_of(message.header.stamp), message.header.frame_id, twist_of(message.twist))
 
 
 def _fill_odometry(message: Any, value: Odometry) -> None:
@@ -49,7 +52,7 @@ def _odometry_of(message: Any) -> Odometry:
         frame_of(message),
         message.child_frame_id.lstrip("/"),
         pose_of_message(message.pose.pose),
-        _twist_of(message.twist.twist),
+        twist_of(message.twist.twist),
         matrix_of(message.pose.covariance),
         matrix_of(message.twist.covariance),
     )
@@ -74,7 +77,7 @@ def _joystick_of(message: Any) -> Joystick:
 
 
 CODECS = {
-    Twist: Codec(TwistMessage, _fill_twist, _twist_of),
+    Twist: Codec(TwistMessage, _fill_twist, twist_of),
     StampedTwist: Codec(TwistStamped, _fill_stamped, _stamped_of),
     Odometry: Codec(OdometryMessage, _fill_odometry, _odometry_of),
     Joints: Codec(JointState, _fill_joints, _joints_of),

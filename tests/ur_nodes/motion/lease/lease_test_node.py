@@ -6,6 +6,7 @@ import json
 import os
 import signal
 import time
+from dataclasses import replace
 from typing import Any
 
 import rospy
@@ -79,7 +80,8 @@ class Clients:
 
     def vanish(self, client: str) -> None:
         """The client is silent from now on, like one that was killed."""
-        self.clients[client]._released = True
+        own = self.clients[client]
+        own._requests = replace(own._requests, silent=True)
 
     def drive(self, client: str, count: int) -> list[float]:
         """Fresh commands of a client; what came of them."""

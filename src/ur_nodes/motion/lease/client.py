@@ -1,0 +1,107 @@
+"""A client of the lease: requests, renewals, and who drives."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from dataclasses import replace
+
+from ur_nodes.motion.challenge.freshness import REQUEST_FRESHNESS
+from ur_nodes.motion.challenge.link import ChallengeLink
+from ur_nodes.motion.lease.requests import Requests, step_requests, take_lease, want
+from ur_nodes.motion.lease.text import Action, Request, read_lease, write_request
+from ur_nodes.motion.lease.view import Conduct, Identity, LeaseView, identify
+from ur_nodes.ports.node import SECOND, Node
+from ur_nodes.ports.qualities import Quality
+
+_PERIOD = 0.2  # s: of renewals, and of requests that have not taken effect
+
+
+class LeaseClient:
+    """Takes part in the lease of a mux. `view` may be called from any thread.
+
+    At the start it behaves as UR_LEASE demands: `take` takes the lease, `ask` asks for it, `watch` does nothing, and so
+    does `drive`, until its first command, unless a program of this computer has lost the lease. What comes of a request
+    is in later views.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        mux: str,
+        program: str = "",
+        *,
+        conduct: Conduct | None = None,
+        identity: Identity | None = None,
+        link: ChallengeLink | None = None,
+        on_challenge: Callable[[], None] | None = None,
+    ) -> None:
+        """`mux` is the node that has the lease; `conduct` overrides UR_LEASE, `identity` the environment."""
+        self.identity = identity or identify(os.environ, program or node.name.strip("/"))
+        self.conduct: Conduct = conduct or self.identity.conduct
+        self.link = link or ChallengeLink(node, mux, on_challenge)
+        self._node = node
+        self._requests = Requests(self.client, self.conduct)
+        self._publisher = node.publish(f"{mux}/lease_request", str, Quality.EVERY)
+        node.subscribe(f"{mux}/lease", str, self._take_lease)
+        node.every(_PERIOD, self._step, steady=True)
+
+    @property
+    def client(self) -> str:
+        """The id of this client, for stamped commands."""
+        return self.identity.client
+
+    def view(self) -> LeaseView:
+        """Return this client's view of the lease."""
+        return self._requests.view(self.link.link_age())
+
+    @property
+    def settled(self) -> bool:
+        """Return whether the first request has taken effect or was given up."""
+        return self._requests.settled
+
+    def acquire(self) -> None:
+        """Acquire the lease if it is free, or was lost by a client of the same user on the same computer."""
+        self.request("acquire")
+
+    def take(self) -> None:
+        """Take the lease from its holder."""
+        self.request("take")
+
+    def ask(self) -> None:
+        """Ask the holder for the lease; acquire it when it is free."""
+        self.request("ask")
+
+    def grant(self) -> None:
+        """Hand over to the first who asks."""
+        self.request("grant")
+
+    def request(self, action: Action) -> None:
+        """Request an action until it has taken effect."""
+        self._requests = want(self._requests, action, self._node.steady())
+        self._step()
+
+    def release(self, *, final: bool = True) -> None:
+        """Let others drive, or ask no more. With `final` nothing is sent afterwards: for the end of a program."""
+        begun = self._requests.begun
+        self._requests = replace(self._requests, intent=None, silent=final)
+        if begun:
+            self._send("release")
+
+    def _step(self) -> None:
+        linked = self.link.newest(REQUEST_FRESHNESS / 2.0) is not None and self._publisher.listeners() > 0
+        self._requests, action = step_requests(self._requests, self._node.steady(), linked=linked)
+        if action:
+            self._send(action)
+
+    def _send(self, action: Action) -> None:
+        answer = self.link.newest(REQUEST_FRESHNESS / 2.0)
+        if answer is not None:
+            who, (seconds, rest) = self.identity, divmod(answer, SECOND)
+            request = Request(who.client, who.name, who.program, action, who.attended, (seconds, rest), who.computer)
+            self._publisher.send(write_request(request))
+
+    def _take_lease(self, text: str) -> None:
+        lease = read_lease(text)
+        if lease is not None:
+            self._requests = take_lease(self._requests, lease)
