@@ -8,6 +8,7 @@ import select
 import socket
 import subprocess
 import time
+import xmlrpc.client
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -98,6 +99,12 @@ class RosSession:
         _, errors = process.communicate(timeout=60)
         self.running.remove(process)
         return errors
+
+    def published(self) -> set[tuple[str, str]]:
+        """Topics that some node publishes, with their types."""
+        with xmlrpc.client.ServerProxy(self.env["ROS_MASTER_URI"]) as master:
+            answer: Any = master.getPublishedTopics("/test", "")
+        return {(name, kind) for name, kind in answer[2]}
 
     def close(self) -> None:
         for process in reversed(list(self.running)):

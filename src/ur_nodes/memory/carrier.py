@@ -66,6 +66,14 @@ class Carrier:
         self._events: list[tuple[int, int, Callable[[], None]]] = []
         self._count = 0
 
+    def load_parameters(self, namespace: str, values: dict[str, Any]) -> None:
+        """Set parameters below a full name, as `rosparam load` does with a file."""
+        for name, value in values.items():
+            if isinstance(value, dict):
+                self.load_parameters(f"{namespace}/{name}", value)
+            else:
+                self.parameters[f"{namespace}/{name}"] = value
+
     def run(self, seconds: float) -> None:
         """Let so much time pass."""
         end = self.now + round(seconds * 1e9)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ur.source.diagnostic import UserError, error
 from ur_nodes.costmap.footprint import Footprint, footprint_of_outline, footprint_of_radius
-from ur_nodes.rosio.parameters import Parameters
+from ur_nodes.ports.parameters import Parameters
 
 
 def read_footprint(part: Parameters, resolution: float) -> Footprint:

@@ -1,0 +1,60 @@
+"""The parameters of the local costmap, under upstream's names."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ur_nodes.costmap.costmap import Inflation
+from ur_nodes.costmap.footprint import Footprint
+from ur_nodes.costmap.footprint_parameters import read_footprint
+from ur_nodes.costmap.layers import Ranges
+from ur_nodes.ports.parameters import Parameters
+
+
+@dataclass(frozen=True, slots=True)
+class Settings:
+    """The parameters below `~costmap`; lengths in m, frequencies in Hz."""
+
+    frame: str
+    base_frame: str
+    footprint: Footprint
+    side: float
+    resolution: float
+    reach: Ranges
+    inf_is_valid: bool
+    inflation: Inflation
+    scan: str
+    sonars: tuple[str, ...]
+    update_frequency: float
+    publish_frequency: float
+
+
+def read_settings(own: Parameters) -> Settings:
+    """Read them. Raises UserError, which names the parameter."""
+    resolution = own.number("resolution", 0.05, minimum=0.005, maximum=1.0)
+    footprint = read_footprint(own, resolution)
+    obstacles, slopes, sonars = own.below("obstacle_layer"), own.below("inflation_layer"), own.below("sonar_layer")
+    sources = obstacles.text("observation_sources", "").split()
+    if len(sources) > 1:
+        obstacles.fail("observation_sources", " ".join(sources), "one name at most: this node looks at one laser")
+    source = obstacles.below(sources[0] if sources else "scan")
+    return Settings(
+        frame=own.text("global_frame", "odom"),
+        base_frame=own.text("robot_base_frame", "base_footprint"),
+        footprint=footprint,
+        side=max(own.number("width", 4.0, minimum=1.0), own.number("height", 4.0, minimum=1.0)),
+        resolution=resolution,
+        reach=Ranges(
+            source.number("obstacle_range", 2.5, minimum=0.1), source.number("raytrace_range", 3.0, minimum=0.1)
+        ),
+        inf_is_valid=source.boolean("inf_is_valid", False),
+        inflation=Inflation(
+            footprint.inscribed,
+            slopes.number("inflation_radius", 0.55, minimum=0.0),
+            slopes.number("cost_scaling_factor", 10.0, minimum=0.1),
+        ),
+        scan=source.text("topic", sources[0]) if sources else "",
+        sonars=sonars.texts("topics", ()),
+        update_frequency=own.number("update_frequency", 5.0, minimum=0.1, maximum=50.0),
+        publish_frequency=own.number("publish_frequency", 2.0, minimum=0.1, maximum=50.0),
+    )
