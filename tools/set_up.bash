@@ -54,7 +54,9 @@ check_system() {
   [[ $release_tried == yes ]] || say "note: $release_pretty is expected to work, but was not tried"
 }
 
-# run_step TITLE COMMAND...: output goes to the log; a terminal shows the time and the last line.
+# run_step TITLE COMMAND...: output goes to the log; a terminal shows the time and how far it is, or the last line. For
+# pip, $asked is the number of packages.
+asked=0
 run_step() {
   local title="$1" start=$SECONDS from width line status
   shift
@@ -65,7 +67,7 @@ run_step() {
   if [[ -t 2 ]]; then
     while [[ -e /proc/$child ]]; do
       width=$(($(tput cols 2>/dev/null || echo 80) - 1))
-      line="$(tail -c 400 "$log" | tr '\r' '\n' | grep -v '^ *$' | tail -n 1 | tr -cd '[:print:]')"
+      line="$(tail -c "+$((from + 1))" "$log" | awk -v count="$asked" -f "$source/ur/system/progress.awk" | tr -cd '[:print:]')"
       printf '\r\033[K%.*s' "$width" "  $title, $((SECONDS - start)) s: $line" >&2
       sleep 0.3
     done
@@ -78,7 +80,7 @@ run_step() {
   child=
   if [[ $status -ne 0 ]]; then
     say "error: $title failed (exit code $status); the last lines of $log:"
-    tail -c "+$((from + 1))" "$log" | grep -v '^ *$' | tail -n 12 | sed 's/^/  | /' >&2
+    tail -c "+$((from + 1))" "$log" | grep -vE '^ *$|^(dl|pm)status:' | tail -n 12 | sed 's/^/  | /' >&2
     return "$status"
   fi
   say "  $title: done in $((SECONDS - start)) s"
@@ -118,7 +120,7 @@ ask_for_root() {
 }
 
 apt_get() {
-  run_step "$1" "${become_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -q -o DPkg::Lock::Timeout=300 "${@:2}"
+  run_step "$1" "${become_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -q -o DPkg::Lock::Timeout=300 -o APT::Status-Fd=1 "${@:2}"
 }
 
 install_packages() {
@@ -229,10 +231,12 @@ install_python() {
   fi
   # What was fetched before an interruption is kept until the end; a user of pip has a cache of his own.
   [[ -d ${XDG_CACHE_HOME:-$HOME/.cache}/pip ]] || kept=(--cache-dir "$PWD/.cache/pip")
+  for name in "${locks[@]}"; do [[ $name == -r ]] || asked=$((asked + $(grep -c '^[^ #].*==' "$name"))); done
   # PYTHONPATH of a shell that sourced another ROS would make pip think that its packages are ours.
   run_step "Python packages" env -u PYTHONPATH .venv/bin/python -m pip install --progress-bar off --no-compile \
     --disable-pip-version-check --require-hashes --only-binary :all: "${kept[@]}" "${locks[@]}" ||
     die "the Python packages could not be installed" "check the network and pip's settings (pip config list), then run this again"
+  asked=0
   rm -rf .cache/pip
   # On all processors, where pip would use one. Without it, Python compiles each file when it is used first.
   run_step "compiling the Python packages" .venv/bin/python -I -m compileall -q -j 0 .venv/lib/python3.*/site-packages

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import getpass
+import subprocess
 import threading
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,6 +11,7 @@ from typing import Any
 
 import pytest
 
+import ur.system
 from ur.robot.setup import engine
 from ur.robot.setup.change import Change, Command
 from ur.robot.setup.engine import apply_change, bring_about, plan_together
@@ -45,7 +47,7 @@ def test_command_that_fetches_packages_gets_the_proxy_and_its_own_input(tmp_path
 def test_last_line_of_the_log_is_shown_while_a_command_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(engine, "LOOK_SECONDS", 0.01)
     log = tmp_path / "log"
-    log.write_text("first\n50 %\rsecond\n\n")
+    log.write_text("of an earlier set-up\n")
     seen, shown = tmp_path / "seen", list[tuple[str, str]]()
     done = threading.Event()
 
@@ -54,10 +56,25 @@ def test_last_line_of_the_log_is_shown_while_a_command_runs(tmp_path: Path, monk
         seen.touch()
         done.set()
 
-    script = f"until [ -e {seen} ]; do sleep 0.01; done"
+    script = f"printf 'first\\n50 %%\\rsecond\\n\\n' >>{log}; until [ -e {seen} ]; do sleep 0.01; done"
     apply_change(LocalShell(), change(Command(script, log=str(log))), progress=progress)
     assert done.is_set()
     assert set(shown) == {("packages", "second")}
+
+
+@pytest.mark.parametrize(
+    ("output", "line"),
+    [
+        ("", ""),
+        ("Get:1 a\ndlstatus:2:18.675:Retrieving file 2 of 4\nGet:2 b\n", "downloaded 18 %: Retrieving file 2 of 4"),
+        ("dlstatus:2:99:Retrieving\npmstatus:a:67.2:Unpacking a:b\n", "installed 67 %: Unpacking a:b"),
+        ("Ignoring a\nCollecting b\n  Downloading b.whl (3 MB)\n", "1 of 2 packages: Downloading b.whl (3 MB)"),
+        ("Reading ... 5%\rReading ... 10%\r\n\n", "Reading ... 10%"),
+    ],
+)
+def test_output_of_apt_and_pip_says_how_far_they_are(output: str, line: str) -> None:
+    script = Path(ur.system.__path__[0], "progress.awk")
+    assert subprocess.check_output(["awk", "-v", "count=3", "-f", script], input=output, text=True).strip() == line
 
 
 def test_change_that_fails_is_explained_by_its_first_line() -> None:

@@ -52,11 +52,19 @@ def command(dry_run: bool, undo: bool, only_mine: bool, yes: bool) -> int:
         return 1
     if undo:
         for change in changes:
-            _report(change)
+            click.echo(f"  {change.title} ...")
             apply_change(shell, change)
+        click.echo("reverted; open a new terminal")
     else:
-        bring_about(shell, want, user, base, root=False, report=_report)
-    click.echo("reverted; open a new terminal" if undo else "this computer is set up; open a new terminal to use it")
+        from ur.cli.robot_setup.robot import Reporter
+
+        say = Reporter("", live=sys.stdout.isatty())
+
+        def report(change: Change) -> None:
+            say(f"  {change.title} ...")
+
+        bring_about(shell, want, user, base, root=False, report=report, progress=say.show_progress)
+        say("this computer is set up; open a new terminal to use it")
     return 0
 
 
@@ -67,7 +75,3 @@ def show_changes(changes: Sequence[Change]) -> None:
         for line in map(printable, change.difference.splitlines()):
             colour = {"+": "green", "-": "red", "@": "cyan"}.get(line[:1])
             click.echo(f"  {click.style(line, fg=colour)}")
-
-
-def _report(change: Change) -> None:
-    click.echo(f"  {change.title} ...")

@@ -7,7 +7,9 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import reduce
+from pathlib import Path
 
+import ur.system
 from ur.robot.setup.change import Change, Command
 from ur.robot.setup.facts import Facts, Request, fact_script, parse_facts
 from ur.robot.setup.made import RECORD
@@ -20,6 +22,8 @@ MOST_CHANGES = 300  # of one set-up, which has some dozens: a computer that says
 Make = Callable[[Facts], Sequence[Wanted]]
 Progress = Callable[[str, float, str], None]
 LOOK_SECONDS = 2.0
+_MOST_DIGITS = 16  # of the size of a log
+_PROGRESS = Path(ur.system.__path__[0], "progress.awk")
 # The proxy comes in through standard input, since it names a password.
 _READ_ROUTE = """\
 IFS= read -r proxy; IFS= read -r direct
@@ -166,12 +170,15 @@ def bring_about(
 
 @contextmanager
 def _follow_log(shell: Shell, change: Change, command: Command, progress: Progress | None) -> Iterator[None]:
-    """Report the last line of a command's log now and then while the context lasts."""
+    """Report now and then while the context lasts how far a command is by what it adds to its log, or the last line."""
     if progress is None or not command.log:
         yield
         return
     show, begin, done = progress, time.monotonic(), threading.Event()
-    script = f"tail -c 600 {quote(command.log)} 2>/dev/null | tr '\\r' '\\n' | grep -v '^[[:space:]]*$' | tail -n 1"
+    log = quote(command.log)
+    size = shell.run(f"wc -c <{log} 2>/dev/null", timeout=10.0).out.strip()
+    begins = int(size) + 1 if size.isdecimal() and len(size) < _MOST_DIGITS else 1  # another computer says it
+    script = f"tail -c +{begins} {log} 2>/dev/null | awk {quote(_PROGRESS.read_text('utf-8'))}"
 
     def follow() -> None:
         while not done.wait(LOOK_SECONDS):

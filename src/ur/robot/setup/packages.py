@@ -77,7 +77,8 @@ def install_packages(entries: list[str]) -> Command:
     # apt waits for dpkg's lock when it is told to, and for that of the lists not at all.
     wait = f'n=0; while [ -n "$({APT_USERS})" ] && [ $n -lt {LOCK_SECONDS // 2} ]; do sleep 2; n=$((n + 1)); done'
     # The proxy of a set-up closes its connection after each file.
-    apt = f"apt-get -q -o DPkg::Lock::Timeout={LOCK_SECONDS} ${{http_proxy:+-o Acquire::http::Pipeline-Depth=0}}"
+    apt = f"apt-get -q -o APT::Status-Fd=1 -o DPkg::Lock::Timeout={LOCK_SECONDS}"
+    apt += " ${http_proxy:+-o Acquire::http::Pipeline-Depth=0}"
     script = (
         f"exec 3>&1 >>{APT_LOG} 2>&1 </dev/null; trap '' HUP PIPE; export DEBIAN_FRONTEND=noninteractive LC_ALL=C; "
         f"from=$(($(wc -l <{APT_LOG}) + 1)); {wait}; dpkg --configure -a; {apt} update; {_FIND_BROKEN}"
