@@ -77,6 +77,11 @@ class Chromium:
         return self
 
     @property
+    def pid(self) -> int:
+        """The process of the browser."""
+        return self._process.pid
+
+    @property
     def faults(self) -> list[str]:
         """The complaints, but for those of drawing in three dimensions without a graphics card."""
         return [each for each in self.complaints if "software WebGL" not in each and "ReadPixels" not in each]

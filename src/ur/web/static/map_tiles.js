@@ -4,7 +4,8 @@
 import { TileCache } from "./tile_cache.js";
 import { TILE } from "./wire.js";
 
-const SMALL = TILE / 4; // pixels of the picture of a tile that is drawn where it is small: a large map pans smoothly
+const SIDES = [TILE / 4, TILE / 2, TILE]; // pixels of the pictures of a tile: where it is small, a small one is drawn, for speed
+const LARGEST = 1.2; // times as large as it is may a picture be drawn where there is a larger one
 
 /** @typedef {import("./wire.js").Grid} Grid */
 
@@ -16,7 +17,7 @@ export class MapTiles {
     this.before = null;
     /** @type {Grid | null} */
     this.grid = null;
-    /** @type {Map<string, {column: number, row: number, cells: Int8Array, picture: HTMLCanvasElement, small: HTMLCanvasElement}>} */
+    /** Pictures: one for each of SIDES, the smallest first. @type {Map<string, {column: number, row: number, cells: Int8Array, pictures: HTMLCanvasElement[]}>} */
     this.tiles = new Map();
     this.palette = new Uint32Array(256);
     /** Changes with what is drawn. */
@@ -41,12 +42,9 @@ export class MapTiles {
   setTile(column, row, generation, cells) {
     if (this.grid?.generation !== generation || cells.length !== TILE * TILE) return;
     this.before = null;
-    const picture = document.createElement("canvas");
-    picture.width = picture.height = TILE;
-    const small = document.createElement("canvas");
-    small.width = small.height = SMALL;
-    this.paint(picture, small, cells);
-    this.tiles.set(`${column} ${row}`, { column, row, cells, picture, small });
+    const pictures = SIDES.map((side) => Object.assign(document.createElement("canvas"), { width: side, height: side }));
+    this.paint(pictures, cells);
+    this.tiles.set(`${column} ${row}`, { column, row, cells, pictures });
     this.version += 1;
   }
 
@@ -73,13 +71,13 @@ export class MapTiles {
   }
 
   repaint() {
-    for (const tile of this.tiles.values()) this.paint(tile.picture, tile.small, tile.cells);
+    for (const tile of this.tiles.values()) this.paint(tile.pictures, tile.cells);
     this.version += 1;
   }
 
-  /** @param {HTMLCanvasElement} picture @param {HTMLCanvasElement} small @param {Int8Array} cells */
-  paint(picture, small, cells) {
-    const context = /** @type {CanvasRenderingContext2D} */ (picture.getContext("2d"));
+  /** @param {HTMLCanvasElement[]} pictures @param {Int8Array} cells */
+  paint(pictures, cells) {
+    const [context, ...smaller] = pictures.map((each) => /** @type {CanvasRenderingContext2D} */ (each.getContext("2d"))).reverse();
     const image = context.createImageData(TILE, TILE);
     const pixels = new Uint32Array(image.data.buffer);
     const values = new Uint8Array(cells.buffer, cells.byteOffset, cells.length);
@@ -88,10 +86,12 @@ export class MapTiles {
       for (let column = 0; column < TILE; column++) pixels[to + column] = this.palette[values[row * TILE + column]];
     }
     context.putImageData(image, 0, 0);
-    const reduced = /** @type {CanvasRenderingContext2D} */ (small.getContext("2d"));
-    reduced.clearRect(0, 0, SMALL, SMALL);
-    reduced.imageSmoothingQuality = "high"; // thin walls stay in sight
-    reduced.drawImage(picture, 0, 0, SMALL, SMALL);
+    for (const reduced of smaller) {
+      const side = reduced.canvas.width;
+      reduced.clearRect(0, 0, side, side);
+      reduced.imageSmoothingQuality = "high"; // thin walls stay in sight
+      reduced.drawImage(context.canvas, 0, 0, side, side);
+    }
   }
 
   /** The corners of the grid in the map frame: left, low, right, high; null without a grid. */
@@ -136,7 +136,8 @@ export class MapTiles {
     if (!grid) return;
     const side = TILE * grid.resolution;
     context.imageSmoothingEnabled = view.scale * grid.resolution < 1;
-    const size = view.scale * side * (devicePixelRatio || 1) <= 1.2 * SMALL ? "small" : "picture";
+    const drawn = view.scale * side * (devicePixelRatio || 1);
+    const level = SIDES.findIndex((each) => each === TILE || drawn <= LARGEST * each);
     for (const tile of this.tiles.values()) {
       const [left, low] = [tile.column * side, tile.row * side];
       if (grid.yaw === 0) {
@@ -144,13 +145,13 @@ export class MapTiles {
         const [x1, y0] = view.toScreen(grid.x + left + side, grid.y + low + side);
         if (x1 < 0 || y1 < 0 || x0 > view.width || y0 > view.height) continue;
         const [x, y] = [Math.round(x0), Math.round(y0)]; // neighbours share an edge: no seam
-        context.drawImage(tile[size], x, y, Math.round(x1) - x, Math.round(y1) - y);
+        context.drawImage(tile.pictures[level], x, y, Math.round(x1) - x, Math.round(y1) - y);
       } else {
         context.save();
         context.translate(...view.toScreen(grid.x, grid.y));
         context.rotate(-grid.yaw);
         context.scale(view.scale, view.scale);
-        context.drawImage(tile[size], left, -low - side, side * 1.002, side * 1.002);
+        context.drawImage(tile.pictures[level], left, -low - side, side * 1.002, side * 1.002);
         context.restore();
       }
     }

@@ -198,9 +198,9 @@ export class SceneView {
     this.mapGroup.position.set(x, y, 0);
     this.mapGroup.rotation.set(0, 0, yaw);
     const side = TILE * resolution;
-    const size = tiles.tiles.size > MANY_TILES ? "small" : "picture";
     for (const tile of tiles.tiles.values()) {
-      const material = new THREE.MeshBasicMaterial({ map: new THREE.CanvasTexture(tile[size]), side: THREE.DoubleSide });
+      const picture = tile.pictures[tiles.tiles.size > MANY_TILES ? 0 : tile.pictures.length - 1];
+      const material = new THREE.MeshBasicMaterial({ map: new THREE.CanvasTexture(picture), side: THREE.DoubleSide });
       const plane = new THREE.Mesh(new THREE.PlaneGeometry(side, side), material);
       plane.position.set((tile.column + 0.5) * side, (tile.row + 0.5) * side, -0.005);
       this.mapGroup.add(plane);
