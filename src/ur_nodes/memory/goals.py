@@ -4,22 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Literal
 
-from ur_nodes.ports.actions import Goal, GoalTakers
+from ur_nodes.ports.actions import Goal, GoalFollower, GoalState, GoalTakers
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import PlacedPose
 
 _STATUS_PERIOD = 0.2  # s, as actionlib
-
-
-@dataclass(frozen=True, slots=True)
-class GoalState:
-    """The state of a goal: pending, active, succeeded, aborted or cancelled; `text` is for people."""
-
-    id: str
-    state: str
-    text: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,7 +37,7 @@ class MemoryGoalHandle:
     @property
     def open(self) -> bool:
         """Return whether the goal has not ended."""
-        return self.state.state in ("pending", "active")
+        return self.state.open
 
     def accept(self) -> None:
         """See GoalHandle."""
@@ -75,7 +67,7 @@ class MemoryGoalHandle:
         """See GoalHandle."""
         self._become("cancelled", text)
 
-    def _become(self, state: str, text: str) -> None:
+    def _become(self, state: Literal["active", "succeeded", "aborted", "cancelled"], text: str) -> None:
         if not self.open:
             raise ValueError(f"goal {self.goal.id} has ended already: {self.state.state}, not {state}")
         self.state = GoalState(self.goal.id, state, text)
@@ -83,7 +75,7 @@ class MemoryGoalHandle:
 
 
 class MemoryGoalServer:
-    """See `ports.actions.GoalServer`. Topics: ACTION/goal, /cancel, /state and /feedback."""
+    """See `ports.actions.GoalServer`. Topics: ACTION/goal, /cancel, /state, /status and /feedback."""
 
     def __init__(self, node: Node, action: str, takers: GoalTakers, kept: float) -> None:
         self._node = node
@@ -92,6 +84,7 @@ class MemoryGoalServer:
         self._handles: dict[str, MemoryGoalHandle] = {}
         self._ended: dict[str, int] = {}  # ns
         self._states = node.publish(f"{action}/state", GoalState, Quality.EVERY)
+        self._status = node.publish(f"{action}/status", tuple)
         self._feedback = node.publish(f"{action}/feedback", PlacedPose)
         node.subscribe(f"{action}/goal", Goal, self._take_goal, Quality.EVERY)
         node.subscribe(f"{action}/cancel", Cancel, self._take_cancel, Quality.EVERY)
@@ -105,6 +98,7 @@ class MemoryGoalServer:
                 del self._handles[id], self._ended[id]
             else:
                 self._states.send(handle.state)
+        self._status.send(tuple(each.state for each in self._handles.values()))
 
     def _take_goal(self, goal: Goal) -> None:
         if goal.id not in self._handles:
@@ -117,3 +111,34 @@ class MemoryGoalServer:
             meant = handle.goal.id == cancel.id or handle.arrived <= cancel.stamp or cancel == Cancel()
             if meant and handle.open:
                 self._takers.take_cancel(handle)
+
+
+class MemoryGoalClient:
+    """See `ports.actions.GoalClient`."""
+
+    def __init__(self, node: Node, action: str, follower: GoalFollower) -> None:
+        self._goals = node.publish(f"{action}/goal", Goal, Quality.EVERY)
+        self._cancels = node.publish(f"{action}/cancel", Cancel, Quality.EVERY)
+        node.subscribe(f"{action}/status", tuple, follower.take_states)
+        node.subscribe(
+            f"{action}/state", GoalState, lambda state: None if state.open else self._end(state), Quality.EVERY
+        )
+        self._follower = follower
+        self._ended: set[str] = set()
+
+    def send(self, goal: Goal) -> None:
+        """See GoalClient."""
+        self._goals.send(goal)
+
+    def cancel(self, id: str = "") -> None:
+        """See GoalClient."""
+        self._cancels.send(Cancel(id))
+
+    def servers(self) -> int:
+        """See GoalClient."""
+        return self._goals.listeners()
+
+    def _end(self, state: GoalState) -> None:
+        if state.id not in self._ended:  # the server repeats it
+            self._ended.add(state.id)
+            self._follower.take_end(state)

@@ -6,8 +6,8 @@ from collections.abc import Callable
 from typing import Any, TypeVar
 
 from ur_nodes.memory.carrier import Carrier, Listener, Offer
-from ur_nodes.memory.goals import MemoryGoalServer
-from ur_nodes.ports.actions import GoalTakers
+from ur_nodes.memory.goals import MemoryGoalClient, MemoryGoalServer
+from ur_nodes.ports.actions import GoalFollower, GoalTakers
 from ur_nodes.ports.node import Sender
 from ur_nodes.ports.parameters import Parameters
 from ur_nodes.ports.qualities import Quality
@@ -135,6 +135,10 @@ class MemoryNode:
     def serve_goals(self, action: str, takers: GoalTakers, kept: float = 5.0) -> MemoryGoalServer:
         """See Node."""
         return MemoryGoalServer(self, action, takers, kept)
+
+    def follow_goals(self, action: str, follower: GoalFollower) -> MemoryGoalClient:
+        """See Node."""
+        return MemoryGoalClient(self, action, follower)
 
     def every(self, seconds: float, call: Callable[[], None], *, steady: bool = False) -> MemoryTimer:  # noqa: ARG002
         """See Node. Both times are the bus's."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Literal, Protocol
 
 from ur_nodes.ports.values import PlacedPose
 
@@ -17,6 +17,20 @@ class Goal:
 
     id: str
     target: PlacedPose
+
+
+@dataclass(frozen=True, slots=True)
+class GoalState:
+    """The state of a goal: cancelled ones were ended by a client, aborted ones given up; `text` is for people."""
+
+    id: str
+    state: Literal["pending", "active", "succeeded", "aborted", "cancelled"]
+    text: str
+
+    @property
+    def open(self) -> bool:
+        """Return whether the goal has not ended."""
+        return self.state in ("pending", "active")
 
 
 class GoalHandle(Protocol):
@@ -61,3 +75,26 @@ class GoalServer(Protocol):
 
     def publish_status(self) -> None:
         """Send the states of all goals now, and not with the next beat."""
+
+
+class GoalFollower(Protocol):
+    """The part of a node that sends goals, or watches those of others."""
+
+    def take_states(self, states: tuple[GoalState, ...]) -> None:
+        """All goals that the server knows, several times a second: open ones, and those that ended lately."""
+
+    def take_end(self, state: GoalState) -> None:
+        """A goal has ended."""
+
+
+class GoalClient(Protocol):
+    """The other end of an action, for its goals and those of others."""
+
+    def send(self, goal: Goal) -> None:
+        """Send a goal; it replaces the one that is pursued."""
+
+    def cancel(self, id: str = "") -> None:
+        """Have a goal end; '' stands for all."""
+
+    def servers(self) -> int:
+        """The number of nodes that take goals: one, or none."""

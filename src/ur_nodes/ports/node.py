@@ -11,7 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol, TypeVar
 
-from ur_nodes.ports.actions import GoalServer, GoalTakers
+from ur_nodes.ports.actions import GoalClient, GoalFollower, GoalServer, GoalTakers
 from ur_nodes.ports.facts import Facts
 from ur_nodes.ports.log import Log
 from ur_nodes.ports.parameters import Parameters
@@ -122,6 +122,9 @@ class Node(Protocol):
 
     def serve_goals(self, action: str, takers: GoalTakers, kept: float = 5.0) -> GoalServer:
         """Take goals of an action that drives to a pose. Their states are sent for `kept` s after their end."""
+
+    def follow_goals(self, action: str, follower: GoalFollower) -> GoalClient:
+        """Send goals of an action, and hear of all of them."""
 
     def every(self, seconds: float, call: Callable[[], None], *, steady: bool = False) -> Timer:
         """Call again and again, in the time of `now`, or of `steady`. A beat late by more than one is left out."""

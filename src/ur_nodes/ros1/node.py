@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 import rospy
 
 from ur.source.diagnostic import UserError
-from ur_nodes.ports.actions import GoalTakers
+from ur_nodes.ports.actions import GoalClient, GoalFollower, GoalTakers
 from ur_nodes.ports.node import Sender
 from ur_nodes.ports.parameters import Parameters
 from ur_nodes.ports.qualities import Quality
@@ -171,6 +171,12 @@ class RosNode:
         from ur_nodes.ros1.goals import RosGoalServer
 
         return RosGoalServer(action, takers, self._loop, kept)
+
+    def follow_goals(self, action: str, follower: GoalFollower) -> GoalClient:
+        """See Node."""
+        from ur_nodes.ros1.goal_client import RosGoalClient
+
+        return RosGoalClient(action, follower, self._loop)
 
     def every(self, seconds: float, call: Callable[[], None], *, steady: bool = False) -> Beat:
         """See Node."""

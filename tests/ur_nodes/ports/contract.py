@@ -22,7 +22,7 @@ from ur.source.diagnostic import UserError
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2, Pose3
 from ur_nodes.ports import values
-from ur_nodes.ports.actions import GoalHandle
+from ur_nodes.ports.actions import Goal, GoalHandle, GoalState
 from ur_nodes.ports.node import Node, Sender
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.services import AskMap, AskPath, Place, Silent, Switch, Trigger, UseMap
@@ -34,7 +34,7 @@ _TARGET = values.PlacedPose(STAMP, "map", Pose2(1.0, 2.0, 0.5))
 _GRID = Grid(np.array([[0, 100, -1], [7, 0, 0]], np.int8), 0.05, Pose2(-1.0, 2.0, 0.0))
 
 _STATES = {0: "pending", 1: "active", 2: "cancelled", 3: "succeeded", 4: "aborted", 6: "active", 8: "cancelled"}
-"""actionlib_msgs/GoalStatus as `memory.goals.GoalState`."""
+"""actionlib_msgs/GoalStatus as `ports.actions.GoalState`."""
 
 VALUES: tuple[object, ...] = (
     "some text",
@@ -96,10 +96,24 @@ class GoalClient(Protocol):
         """Cancel all goals that were sent before this one, and it."""
 
     def state(self, id: str) -> tuple[str, str]:
-        """The state and its text, as last heard: `memory.goals.GoalState`."""
+        """The state and its text, as last heard: `ports.actions.GoalState`."""
 
     def report(self) -> values.PlacedPose | None:
         """The last pose that was heard."""
+
+
+class Follower:
+    """A node that sends goals: the ids of those that are open, and the ends that it heard of."""
+
+    def __init__(self) -> None:
+        self.open: set[str] = set()
+        self.ends: list[GoalState] = []
+
+    def take_states(self, states: tuple[GoalState, ...]) -> None:
+        self.open = {each.id for each in states if each.open}
+
+    def take_end(self, state: GoalState) -> None:
+        self.ends.append(state)
 
 
 class Takers:
@@ -321,6 +335,26 @@ def check_goals_are_cancelled_by_id_by_time_and_all(stage: Stage) -> None:
         stage.until(partial(takers.has_cancelled, count))
     assert takers.cancelled == [ids[2], ids[1], ids[3], ids[4]]
     stage.until(lambda: client.state(ids[4]) == ("cancelled", "as you wish"))
+
+
+def check_follower_sends_goals_and_hears_of_those_of_others(stage: Stage) -> None:
+    takers, follower = Takers(), Follower()
+    stage.other.serve_goals("drive_on", takers)
+    goals = stage.one.follow_goals("drive_on", follower)
+    stage.begin()
+    others = stage.client("drive_on")
+    stage.until(lambda: goals.servers() == 1)
+    goals.send(Goal("mine", _TARGET))
+    theirs = others.send(_TARGET)
+    stage.until(lambda: len(takers.got) == 2)
+    for handle in takers.got:
+        handle.accept()
+    stage.until(lambda: follower.open == {"mine", theirs})
+    goals.cancel("mine")
+    stage.until(lambda: GoalState("mine", "cancelled", "as you wish") in follower.ends)
+    next(each for each in takers.got if each.goal.id == theirs).succeed("there")
+    stage.until(lambda: GoalState(theirs, "succeeded", "there") in follower.ends)
+    assert len(follower.ends) == 2
 
 
 def check_target_that_is_no_pose_arrives_as_nan(stage: Stage) -> None:

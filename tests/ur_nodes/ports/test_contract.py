@@ -12,8 +12,8 @@ from tests.ros_session import RosSession
 from tests.ur_nodes.ports.contract import CHECKS, GoalClient
 
 from ur_nodes.memory.bus import Bus
-from ur_nodes.memory.goals import Cancel, GoalState
-from ur_nodes.ports.actions import Goal
+from ur_nodes.memory.goals import Cancel
+from ur_nodes.ports.actions import Goal, GoalState
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import PlacedPose

@@ -1,0 +1,58 @@
+"""The client's end of the action move_base_msgs/MoveBaseAction: its topics, which also tell of the goals of others."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import rospy
+from actionlib_msgs.msg import GoalID, GoalStatus, GoalStatusArray
+from move_base_msgs.msg import MoveBaseActionGoal, MoveBaseActionResult
+
+from ur_nodes.ports.actions import Goal, GoalFollower, GoalState
+from ur_nodes.ros1.codecs.places import fill_placed
+from ur_nodes.ros1.loop import Loop
+from ur_nodes.rosio.ending import quiet_at_end
+
+_STATES: dict[int, Any] = {
+    GoalStatus.PENDING: "pending",
+    GoalStatus.RECALLING: "pending",
+    GoalStatus.ACTIVE: "active",
+    GoalStatus.PREEMPTING: "active",
+    GoalStatus.SUCCEEDED: "succeeded",
+    GoalStatus.PREEMPTED: "cancelled",
+    GoalStatus.RECALLED: "cancelled",
+}  # anything else was given up
+
+
+class RosGoalClient:
+    """See `ports.actions.GoalClient`."""
+
+    def __init__(self, action: str, follower: GoalFollower, loop: Loop) -> None:
+        self._goals = rospy.Publisher(f"{action}/goal", MoveBaseActionGoal, queue_size=5)
+        self._cancels = rospy.Publisher(f"{action}/cancel", GoalID, queue_size=5)
+        take_states = loop.mailbox(1, lambda message: follower.take_states(tuple(map(_state, message.status_list))))
+        take_end = loop.mailbox(100, lambda message: follower.take_end(_state(message.status)))
+        rospy.Subscriber(f"{action}/status", GoalStatusArray, take_states, queue_size=1)
+        rospy.Subscriber(f"{action}/result", MoveBaseActionResult, take_end, queue_size=10)
+
+    @quiet_at_end
+    def send(self, goal: Goal) -> None:
+        """See GoalClient."""
+        message = MoveBaseActionGoal()
+        message.header.stamp = message.goal_id.stamp = rospy.Time.now()
+        message.goal_id.id = goal.id
+        fill_placed(message.goal.target_pose, goal.target)
+        self._goals.publish(message)
+
+    @quiet_at_end
+    def cancel(self, id: str = "") -> None:
+        """See GoalClient."""
+        self._cancels.publish(GoalID(id=id))  # an empty one cancels all: actionlib's protocol
+
+    def servers(self) -> int:
+        """See GoalClient."""
+        return min(int(self._goals.get_num_connections()), int(self._cancels.get_num_connections()))
+
+
+def _state(status: Any) -> GoalState:
+    return GoalState(str(status.goal_id.id), _STATES.get(status.status, "aborted"), str(status.text))
