@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from ur.cli.changing import show_changes
 from ur.cli.computer.doctor_report import Report, print_report
-from ur.cli.computer.setup import show_changes
 from ur.cli.main import main
 from ur.cli.robot_setup.network import print_table
 from ur.cli.robot_setup.robot import _print_checks

@@ -7,9 +7,10 @@ from pathlib import Path
 
 import pytest
 
+from ur.cli.changing import Reporter
 from ur.cli.robot_setup.contact import confirm_host_key, decide_robot_login
 from ur.cli.robot_setup.questions import ask_task, list_known_tasks, read_tasks
-from ur.cli.robot_setup.robot import Reporter, select_robot
+from ur.cli.robot_setup.robot import select_robot
 from ur.robot.discovery.record import Record, render_record
 from ur.robot.selection import Selection, load_selection, selection_path, store_selection
 from ur.robot.setup.contact import Contact

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import getpass
 import sys
-from collections.abc import Sequence
 
 import click
 
+from ur.cli.changing import Reporter, show_changes
 from ur.complete.shells import SCRIPTS
 from ur.robot.setup.change import Change
 from ur.robot.setup.engine import apply_change, bring_about, gather, look, plan_changes, plan_undo
@@ -15,7 +15,6 @@ from ur.robot.setup.facts import Facts
 from ur.robot.setup.viewer_states import base_request, wanted_here
 from ur.robot.setup.wanted import Wanted
 from ur.robot.ssh.shell import LocalShell
-from ur.source.printable import printable
 from ur.source.progress_line import show_progress
 from ur.source.project import state_folder
 
@@ -56,8 +55,6 @@ def command(dry_run: bool, undo: bool, only_mine: bool, yes: bool) -> int:
             apply_change(shell, change)
         click.echo("reverted; open a new terminal")
     else:
-        from ur.cli.robot_setup.robot import Reporter
-
         say = Reporter("", live=sys.stdout.isatty())
 
         def report(change: Change) -> None:
@@ -66,12 +63,3 @@ def command(dry_run: bool, undo: bool, only_mine: bool, yes: bool) -> int:
         bring_about(shell, want, user, base, root=False, report=report, progress=say.show_progress)
         say("this computer is set up; open a new terminal to use it")
     return 0
-
-
-def show_changes(changes: Sequence[Change]) -> None:
-    """Print changes one after the other, in colour on a terminal."""
-    for change in changes:
-        click.echo(f"{click.style(printable(change.title), bold=True)}:")
-        for line in map(printable, change.difference.splitlines()):
-            colour = {"+": "green", "-": "red", "@": "cyan"}.get(line[:1])
-            click.echo(f"  {click.style(line, fg=colour)}")

@@ -51,7 +51,7 @@ def become_root(shell: SshShell, given: str) -> list[Secret]:
 
 def show_plan(change: GuardedChange, facts: Facts) -> None:
     """Print the changes that would be made, for --dry-run."""
-    from ur.cli.computer.setup import show_changes
+    from ur.cli.changing import show_changes
     from ur.robot.commit_confirm.guarded import list_changes
 
     click.echo(f"{change.title}:")

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import click
 
-from ur.cli.computer.setup import show_changes
+from ur.cli.changing import show_changes
 from ur.cli.robot_setup.image_answers import Given, Passwords, add_passwords, make_options, read_passwords, read_robots
 from ur.robot.discovery.record import Record, records_folder, render_record
 from ur.robot.image.copy import copied_image, packing_of

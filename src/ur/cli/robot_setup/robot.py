@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import getpass
 import os
-import shutil
 import signal
 import sys
-import threading
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -15,6 +13,7 @@ from pathlib import Path
 
 import click
 
+from ur.cli.changing import Reporter, show_changes
 from ur.cli.output import plain_text
 from ur.cli.robot_setup.contact import confirm_host_key, decide_robot_login, read_fingerprint
 from ur.cli.robot_setup.network import network
@@ -36,12 +35,9 @@ from ur.robot.setup.verify import Check, verify
 from ur.robot.ssh.secret import Secret
 from ur.robot.ssh.shell import LocalShell
 from ur.source.diagnostic import UserError
-from ur.source.printable import printable, printable_lines
 from ur.source.render import render_human, shows_colour
 
 MASTER_SECONDS = 60.0
-_CLEAR = "\r\033[K"
-PROGRESS_SECONDS = 15.0  # between lines of progress where they cannot be written over one another
 
 
 @click.group("robot", invoke_without_command=True)
@@ -236,8 +232,6 @@ def wait_for_master(host: str) -> bool:
 
 
 def _preview(task: Task, viewer: Viewer) -> int:
-    from ur.cli.computer.setup import show_changes
-
     with open_robot(task, Reporter(task.robot.name)) as shell:
         changes = preview(task, shell, viewer)
     click.echo(f"{task.robot.name} ({task.address}): " + ("" if changes else "nothing to do"))
@@ -252,32 +246,6 @@ def _guard(task: Task, work: Callable[[Task], int]) -> int:
     except UserError as problem:
         sys.stderr.write(render_human(problem.diagnostics, colour=shows_colour(sys.stderr)))
         return 2
-
-
-class Reporter:
-    """Print lines about one robot, behind its name unless that is empty. With `live`, progress is one line."""
-
-    def __init__(self, name: str, *, live: bool = False) -> None:
-        self._prefix, self._live = f"{printable(name)}: " if name else "", live
-        self._shown = 0.0  # when progress was printed last
-        self._lock = threading.Lock()  # progress comes from another thread
-
-    def __call__(self, text: str) -> None:
-        """Print a line."""
-        with self._lock:
-            sys.stdout.write(f"{_CLEAR if self._live else ''}{self._prefix}{printable_lines(text)}\n")
-            sys.stdout.flush()
-
-    def show_progress(self, title: str, seconds: float, line: str) -> None:
-        """Print how far a long change is: its last line of output, which is another computer's."""
-        text = f"{self._prefix}{title}, {seconds:.0f} s: {printable(line)}"
-        with self._lock:
-            if self._live:
-                sys.stdout.write(_CLEAR + text[: shutil.get_terminal_size().columns - 1])
-            elif time.monotonic() - self._shown >= PROGRESS_SECONDS:
-                self._shown = time.monotonic()
-                sys.stdout.write(text[:160] + "\n")
-            sys.stdout.flush()
 
 
 def _print_checks(task: Task, checks: Sequence[Check]) -> None:
