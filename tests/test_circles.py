@@ -14,7 +14,7 @@ from tests.test_layers import MODULES
 
 # Packages and modules of a folder that import one another when they are loaded. Remove a line once its circle is gone.
 KNOWN = {
-    ("ur.cli", "computer robot_setup robots"),
+    ("ur.cli", "robot_setup robots"),
     ("ur.run", "master output process record run"),
     ("ur.web.server", "gate logins"),
     ("ur_nodes", "missions teleop"),
