@@ -35,6 +35,44 @@ def test_edits_outside_of_the_map_change_nothing() -> None:
     assert not apply_edits(values, 0.1, (-9.0, -9.0, 0.0), far).any()
 
 
+def test_brush_covers_its_width_along_a_line_and_round_its_ends() -> None:
+    values = np.zeros((40, 60), np.int8)
+    edited = apply_edits(values, 0.05, (0.0, 0.0, 0.0), [Edit("wall", ((0.5, 1.0), (2.0, 1.0)), 0.2)])
+    rows, columns = np.nonzero(edited)
+    assert (rows.min(), rows.max(), columns.min(), columns.max()) == (18, 21, 8, 41)
+    assert (edited[18:22, 10:40] == 100).all()
+    assert edited[18, 8] == 0, "its ends are round"
+    erased = apply_edits(edited, 0.05, (0.0, 0.0, 0.0), [Edit("erase", ((1.0, 0.0), (1.0, 2.0)), 0.4)])
+    assert (erased[:, 16:24] == 0).all()
+    assert (erased != edited).sum() == 4 * 8
+
+
+@pytest.mark.parametrize("end", [(2.9, 0.3), (2.9, 2.9), (0.4, 2.9)])
+def test_narrow_brush_leaves_no_gaps_however_the_map_is_turned(end: tuple[float, float]) -> None:
+    values = np.zeros((60, 60), np.int8)
+    for yaw in (0.0, 0.3):
+        edited = apply_edits(values, 0.05, (0.0, 0.0, yaw), [Edit("wall", ((1.0, 1.2), end), 0.01)])
+        reached = np.zeros_like(edited, bool)
+        reached[tuple(np.argwhere(edited)[0])] = True
+        for _ in range(100):  # to the four neighbours
+            around = reached.copy()
+            around[1:] |= reached[:-1]
+            around[:-1] |= reached[1:]
+            around[:, 1:] |= reached[:, :-1]
+            around[:, :-1] |= reached[:, 1:]
+            reached = around & (edited == 100)
+        assert (reached == (edited == 100)).all()
+        assert 20 < reached.sum() < 150
+
+
+def test_brush_that_runs_far_beyond_a_large_map_draws_the_part_on_it() -> None:
+    values = np.zeros((2000, 2000), np.int8)
+    stroke = Edit("wall", ((-9000.0, -9000.0), (9000.0, 9000.0)), 0.1)
+    edited = apply_edits(values, 0.05, (0.0, 0.0, 0.0), [stroke])
+    assert (np.diagonal(edited) == 100).all()
+    assert 2000 < (edited == 100).sum() < 10_000
+
+
 def test_turn_that_is_proposed_brings_walls_along_the_axes() -> None:
     values = np.full((200, 200), -1, np.int8)
     turn = math.radians(7.3)

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 from ur.maps.edit import Origin, apply_edits, move_graph, move_point, move_record, propose_turn, turn_values
 from ur.maps.picture_file import write_picture
-from ur.maps.record import MOST_EDITS, MOST_POINTS, Edit, EditKind
+from ur.maps.record import LARGEST, MOST_EDITS, MOST_POINTS, Edit, EditKind, MapRecord, render_record
 from ur.maps.scan_file import encode_graph, read_graph
 from ur.maps.store import MapStore
 from ur.maps.zone_mask import write_masks
@@ -43,13 +43,25 @@ def add_edit(store: MapStore, name: str, edit: Edit) -> int:
     name = store.resolve(name)
     with store.claim(name):
         record, image = store.record(name), read_map(store.picture(name))
-        if len(record.edits) >= MOST_EDITS:
-            raise _bad(f"map {name!r} has {MOST_EDITS} edits, expected fewer")
-        values = apply_edits(image.values, image.resolution, image.origin, [edit])
-        # The record first: an edit that is made twice changes nothing more.
-        store.write_record(name, replace(record, edits=(*record.edits, edit)))
-        _write(store, name, replace(image, values=values), image.origin)
-        return int((values != image.values).sum())
+        drawn = write_edits(store, name, add_to_record(name, record, [edit]), image, [edit])
+        return int((drawn.values != image.values).sum())
+
+
+def add_to_record(name: str, record: MapRecord, edits: Sequence[Edit]) -> MapRecord:
+    """The record of a map with more edits. Raises UserError: it would have too many."""
+    after = replace(record, edits=(*record.edits, *edits))
+    if len(after.edits) > MOST_EDITS or len(render_record(after)) > LARGEST:
+        raise _bad(f"map {name!r} has {len(record.edits)} edits, expected fewer, or shorter ones")
+    return after
+
+
+def write_edits(store: MapStore, name: str, record: MapRecord, image: MapImage, edits: Sequence[Edit]) -> MapImage:
+    """Draw edits on the picture of a map that is claimed, and write it; `record` has them. Raises OSError."""
+    drawn = replace(image, values=apply_edits(image.values, image.resolution, image.origin, edits))
+    # The record first: an edit that is made twice changes nothing more.
+    store.write_record(name, record)
+    _write(store, name, drawn, image.origin)
+    return drawn
 
 
 def propose(store: MapStore, name: str) -> float:

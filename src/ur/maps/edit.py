@@ -22,6 +22,8 @@ Origin = tuple[float, float, float]
 
 _MOST_CELLS = 50_000_000  # of a map that was turned
 _MOST_SAMPLES = 1_000_000  # of a line
+_CONNECTED = 0.71  # cells: half a diagonal, so that a narrow brush leaves no gaps
+_PIECE = 64.0  # cells of a line that are drawn at once: the box round a long one is most of the map
 _PACE = 0.4  # cells between two samples of a line, so that it has no gaps
 _LEAST_WALLS = 10  # cells, to propose a turn
 _SAMPLED_WALLS = 20_000  # cells that are looked at, about
@@ -56,7 +58,10 @@ def apply_edits(values: Values, resolution: float, origin: Origin, edits: Sequen
     result: Values = values.copy()
     for edit in edits:
         points = np.array(edit.points, np.float64)
-        inside = _line(frame, points) if edit.kind == "wall" else fill_polygon(frame, points)
+        if edit.width:
+            inside = brush_line(frame, points, edit.width)
+        else:
+            inside = _line(frame, points) if edit.kind == "wall" else fill_polygon(frame, points)
         if edit.kind == "erase":
             inside &= result > FREE
             result[inside] = FREE
@@ -164,6 +169,36 @@ def _line(frame: CellFrame, points: Points) -> NDArray[np.bool_]:
         cells = cells[frame.contains(cells)]
         marked[cells[:, 0], cells[:, 1]] = True
     return marked
+
+
+def brush_line(frame: CellFrame, points: Points, width: float) -> NDArray[np.bool_]:
+    """Mark the cells (height, width) whose centres a round brush of `width` m covers along points (n, 2), m.
+
+    However narrow the brush is, the line has no gaps. The work grows with the part of the line that is on the map.
+    """
+    marked = np.zeros(frame.shape, np.bool_)
+    centres = frame.fractions_of_points(points) - 0.5  # row, column of centres
+    reach = max(width / (2.0 * frame.resolution), _CONNECTED)
+    for start, end in pairwise(centres):
+        pieces = min(_MOST_SAMPLES, math.ceil(float(np.hypot(*(end - start))) / _PIECE) or 1)
+        joints = start + np.linspace(0.0, 1.0, pieces + 1)[:, None] * (end - start)
+        low = np.floor(np.minimum(joints[:-1], joints[1:]) - reach)
+        high = np.ceil(np.maximum(joints[:-1], joints[1:]) + reach) + 1
+        low, high = np.clip(low, 0, frame.shape).astype(int), np.clip(high, 0, frame.shape).astype(int)
+        for index in np.flatnonzero((low < high).all(axis=1)).tolist():
+            (top, left), (bottom, right) = low[index].tolist(), high[index].tolist()
+            box = np.ogrid[top:bottom, left:right]
+            marked[top:bottom, left:right] |= _distances(box, joints[index], joints[index + 1]) <= reach
+    return marked
+
+
+def _distances(cells: Sequence[NDArray[np.intp]], start: Points, end: Points) -> Points:
+    """The distances of cells, as an open grid of rows and columns, from a part of a line; all in cells."""
+    down, right = end - start
+    rows, columns = cells[0] - start[0], cells[1] - start[1]
+    share = np.clip((rows * down + columns * right) / ((down * down + right * right) or 1.0), 0.0, 1.0)
+    distances: Points = np.hypot(rows - share * down, columns - share * right)
+    return distances
 
 
 def fill_polygon(frame: CellFrame, points: Points) -> NDArray[np.bool_]:

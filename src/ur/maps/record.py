@@ -21,6 +21,11 @@ MOST_FILES = 1000
 MOST_ZONES = 200
 MOST_CORNERS = 100  # of a zone
 LEAST_PERCENT = 5
+WIDEST_STROKE = 5.0
+"""m, of the brush of an edit."""
+
+MOST_STROKES = 100
+"""Edits of a change from a page."""
 
 ZoneKind = Literal["keep-out", "speed"]
 _ZONE_KINDS: tuple[ZoneKind, ...] = get_args(ZoneKind)
@@ -36,11 +41,13 @@ _FILE = re.compile(r"(graph|scans)_[0-9]{1,6}\.npz")
 class Edit:
     """A change made by hand: `erase` a polygon, draw a `wall` along a line, or fill a `keep-out` polygon.
 
-    `points` are x, y in m in the frame of the map.
+    `points` are x, y in m in the frame of the map. With a `width` (m, 0: none) `erase` and `wall` are the stroke of a
+    round brush along a line.
     """
 
     kind: EditKind
     points: tuple[tuple[float, float], ...]
+    width: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,7 +129,7 @@ def _record(found: Mapping[str, Any]) -> MapRecord:
         threshold=_number(found.get("threshold", 0.25), 1.0, 0.0),
         graph=graph,
         scans=scans,
-        edits=tuple(_edit(each) for each in _items(found.get("edits", []), MOST_EDITS)),
+        edits=tuple(read_edit(each) for each in _items(found.get("edits", []), MOST_EDITS)),
         zones=tuple(read_zone(each) for each in _items(found.get("zones", []), MOST_ZONES)),
     )
 
@@ -149,16 +156,23 @@ def read_zone(found: Any) -> Zone:
     return Zone(name, kind, points, percent if kind == "speed" else 0)
 
 
-def _edit(found: Any) -> Edit:
+def read_edit(found: Any) -> Edit:
+    """The edit that a value of JSON describes, as `dataclasses.asdict` writes it; it may come from anywhere.
+
+    Raises ValueError or TypeError, with a clause that says what was expected.
+    """
     if not isinstance(found, dict):
         raise TypeError("an edit, expected a mapping")
     kind = next((each for each in _KINDS if each == found.get("kind")), None)
     if kind is None:
         raise ValueError(f"an edit, expected one of {', '.join(_KINDS)}")
+    width = _number(found.get("width", 0.0), WIDEST_STROKE, 0.0)
+    if width and kind == "keep-out":
+        raise ValueError("a keep-out edit with a width, expected a polygon")
     points = _points(found.get("points", []), MOST_POINTS)
-    if len(points) < (2 if kind == "wall" else 3):
+    if len(points) < (2 if width or kind == "wall" else 3):
         raise ValueError(f"{len(points)} points of an edit, expected more")
-    return Edit(kind, points)
+    return Edit(kind, points, width)
 
 
 def _points(found: Any, most: int) -> tuple[tuple[float, float], ...]:

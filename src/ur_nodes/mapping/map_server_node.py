@@ -1,4 +1,4 @@
-"""The node `map_server`: a map file as the latched topic `map` and the service `static_map`, and its zones.
+"""The node `map_server`: a map file as the latched topic `map` and the service `static_map`, its zones and walls.
 
 Launch files name the map file in `UR_MAP_FILE`: arguments of a node are split into words, a variable is not.
 """
@@ -16,6 +16,7 @@ from nav_msgs.srv import GetMapRequest
 from ur.source.diagnostic import UserError
 from ur.source.render import render_human
 from ur_nodes.geometry.grid import Grid, load_map
+from ur_nodes.mapping.wall_server_node import WallServer
 from ur_nodes.mapping.zone_server_node import ZoneServer
 from ur_nodes.memory_use import return_large_arrays
 from ur_nodes.rosio.grid_message import GridResponse, GridService, grid_message, metadata_message
@@ -30,17 +31,25 @@ class MapServer:
     """Offers one grid in the frame `~frame_id` (default `map`), and the zones of its file, until it ends."""
 
     def __init__(self, grid: Grid, file: Path) -> None:
-        now = rospy.Time.now()
-        frame = Parameters().text("frame_id", "map")
-        self._message = grid_message(grid, frame, now)
+        self._frame = Parameters().text("frame_id", "map")
+        self._message = grid_message(grid, self._frame, rospy.Time.now())
         self._service = rospy.Service("static_map", GridService, self._answer)
         self._metadata = rospy.Publisher("map_metadata", MapMetaData, queue_size=1, latch=True)
-        self._metadata.publish(metadata_message(grid, now))
         sent = SentMessages()
         self._map = rospy.Publisher("map", OccupancyGrid, queue_size=0, latch=True, subscriber_listener=sent)
         sent.publisher = self._map
+        self._publish(grid)
+        self._zones = ZoneServer(file, grid, self._frame)
+        self._walls = WallServer(file, grid, self._replace)
+
+    def _replace(self, grid: Grid) -> None:
+        """Offer the map with other walls."""
+        self._message = grid_message(grid, self._frame, rospy.Time.now())
+        self._publish(grid)
+
+    def _publish(self, grid: Grid) -> None:
+        self._metadata.publish(metadata_message(grid, self._message.header.stamp))
         self._map.publish(self._message)
-        self._zones = ZoneServer(file, grid, frame)
 
     def _answer(self, _request: GetMapRequest) -> GridResponse:
         return GridResponse(self._message)

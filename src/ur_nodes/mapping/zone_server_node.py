@@ -21,13 +21,13 @@ from ur.source.diagnostic import UserError
 from ur.source.printable import printable
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
+from ur_nodes.mapping.changes import read_change
 from ur_nodes.rosio.ending import quiet_at_end
 from ur_nodes.rosio.grid_message import grid_message
 
 ZONES, REQUEST = "zones", "zone_request"
 _TOPICS: dict[ZoneKind, str] = {"keep-out": "keepout_filter_mask", "speed": "speed_filter_mask"}
 _PERIOD = 1.0  # s between two looks at the file
-_LONGEST = 20_000  # characters of a request
 
 
 class ZoneServer:
@@ -91,7 +91,7 @@ class ZoneServer:
 
     @quiet_at_end
     def _on_request(self, message: String) -> None:
-        request = _read_request(message.data)
+        request = read_change(message.data)
         if request is None:
             rospy.logerr_throttle(10.0, f"{rospy.resolve_name(REQUEST)}: not a request, expected JSON with an id")
             return
@@ -117,17 +117,6 @@ class ZoneServer:
             delete_zone(self._store, self._name, str(request.get("name", "")), self._grid)
         else:
             raise ValueError("do: expected put or delete")
-
-
-def _read_request(text: str) -> dict[str, Any] | None:
-    if len(text) > _LONGEST:
-        return None
-    try:
-        value = json.loads(text)
-    except (ValueError, RecursionError):
-        return None
-    known = isinstance(value, dict) and isinstance(value.get("id"), str) and len(value["id"]) <= 100
-    return value if known else None
 
 
 def _stamp_of(path: Path) -> tuple[int, ...]:

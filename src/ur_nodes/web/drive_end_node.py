@@ -5,33 +5,28 @@ from __future__ import annotations
 import itertools
 import threading
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import rospy
 from geometry_msgs.msg import Twist, TwistStamped, Vector3
 from std_msgs.msg import Float32, String, Time
 
+from ur.web.wire.map_requests import MapRequest
+from ur.web.wire.reading import BadRequestError
 from ur.web.wire.requests import (
     Alive,
     AskForLease,
     AskPatrol,
-    BadRequestError,
     Cancel,
-    DeleteZone,
     Emergency,
-    ForgetPlace,
     Goal,
     GoTo,
     InitialPose,
     LetGo,
     LimitSpeed,
-    NamePlace,
-    PutZone,
     Request,
     Resume,
-    SaveMap,
     Stick,
     SwitchObstacleStop,
     read_request,
@@ -48,19 +43,16 @@ from ur_nodes.teleop.mux.link_node import MuxLink
 from ur_nodes.teleop.navigator.model import heading_there
 from ur_nodes.teleop.navigator.navigation_topics_node import NavigationTopics
 from ur_nodes.web.heard import Heard, age_of_answer, hear
-from ur_nodes.web.map_link_node import MapLink
+from ur_nodes.web.map_changes_node import MapChanges, Reply
 from ur_nodes.web.page_lease import PageLease, may_drive, note_end, request_action, step_page, takes_part
 from ur_nodes.web.patrol_requests_node import ask_patrol
-from ur_nodes.web.places import Places, change_places
+from ur_nodes.web.places import Places
 from ur_nodes.web.stick import StickState, Verdict, end_stick, expire_stick, let_go, step_stick
-from ur_nodes.web.zone_link_node import ZoneLink
 
 VELOCITIES = "web_vel_stamped"
 _PROGRAM = "web"
 _NANO = 1_000_000_000
 _MOST_PAGES = 100
-
-Reply = Callable[[str, Mapping[str, Any]], None]
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,17 +76,15 @@ class DriveEnd:
         topics: NavigationTopics,
         link: MuxLink,
         places: Places,
-        zones: ZoneLink,
         patrol: PatrolLink,
-        maps: MapLink,
+        changes: MapChanges,
         limits: tuple[float, float],
         reply: Reply,
         announce: Callable[[Stamp], None],
     ) -> None:
         """`announce` passes a challenge on to all pages."""
         self._topics, self._link, self._places, self._limits = topics, link, places, limits
-        self._reply, self._announce, self._zones, self._patrol = reply, announce, zones, patrol
-        self._maps = maps
+        self._reply, self._announce, self._patrol, self._changes = reply, announce, patrol, changes
         self._lock = threading.RLock()
         self._heard = Heard()
         self._heard_at = float("-inf")
@@ -180,17 +170,9 @@ class DriveEnd:
         except BadRequestError as problem:
             self._reply(client, {"t": "bad", "why": str(problem)})
             return
-        if isinstance(request, (NamePlace, ForgetPlace)):
+        if isinstance(request, MapRequest):
             if client in self._pages:
-                self._reply(client, change_places(self._places, request))
-            return
-        if isinstance(request, (PutZone, DeleteZone)):
-            if client in self._pages:
-                self._change_zones(client, request)
-            return
-        if isinstance(request, SaveMap):
-            if client in self._pages:
-                self._save_map(client)
+                self._changes.take(client, request)
             return
         with self._lock:
             page = self._pages.get(client)
@@ -225,7 +207,7 @@ class DriveEnd:
                 self._refuse(client, page, "go_to", "no place", now)
             else:
                 self._navigate(client, page, Goal(request.answers, *place), now)
-        elif not isinstance(request, (NamePlace, ForgetPlace, PutZone, DeleteZone, SaveMap, AskPatrol)):
+        elif not isinstance(request, MapRequest | AskPatrol):
             self._navigate(client, page, request, now)
 
     def _ask_for_lease(self, client: str, page: _Page, request: AskForLease, now: float) -> None:
@@ -233,24 +215,6 @@ class DriveEnd:
             self._topics.cancel_goals()  # a goal whose client has left would be held
         page = replace(page, lease=request_action(page.lease, request.action, now))
         self._renew(client, page, request.answers, now)
-
-    def _change_zones(self, client: str, request: PutZone | DeleteZone) -> None:
-        what = "put_zone" if isinstance(request, PutZone) else "delete_zone"
-
-        def answer(problem: str) -> None:
-            self._reply(
-                client, {"t": "refused", "what": what, "why": problem} if problem else {"t": "done", "what": what}
-            )
-
-        if not self._zones.change(request, answer):
-            answer("no zones")
-
-    def _save_map(self, client: str) -> None:
-        def answer(name: str, problem: str) -> None:
-            what = {"t": "done", "name": name} if name else {"t": "refused", "why": problem}
-            self._reply(client, {**what, "what": "save_map"})
-
-        self._maps.save(answer)
 
     def _drive(self, client: str, page: _Page, command: Stick, now: float) -> None:
         age = age_of_answer(self._heard, command.answers, now)

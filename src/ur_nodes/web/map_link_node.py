@@ -2,42 +2,32 @@
 
 from __future__ import annotations
 
-import re
 import threading
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import rospy
 
-from ur.maps.names import is_map_name
 from ur.source.printable import printable
 from ur_nodes.rosio.ending import quiet_at_end
 from ur_nodes.teleop.navigator.map_saving_node import save_map
+from ur_nodes.web.map_names import choose_name, choose_service
+from ur_nodes.web.wall_link_node import WallLink
 
 _KEEPER = "keyboard_navigate"
 _SERVER = "static_map"  # the service of the map server, which runs where the keeper is left out, too
 _SAVERS = (_KEEPER, "teleop_twist_keyboard", "explore")  # nodes with the parameter `save_service`
 _PERIOD = 3.0  # s
-_SERVICE = re.compile(r"/?[A-Za-z][\w/]{0,200}", re.ASCII)
 
 Done = Callable[[str, str], None]
-
-
-def choose_service(values: Sequence[object]) -> str:
-    """The first of these values of parameters that is the name of a service; "": none is."""
-    names = (each for each in values if isinstance(each, str) and _SERVICE.fullmatch(each))
-    return next(names, "")
-
-
-def choose_name(value: object, *, made: bool) -> str:
-    """The name of the stored map that a program navigates on; "" for a file, and for a map that is being `made`."""
-    return value if isinstance(value, str) and is_map_name(value) and not made else ""
 
 
 class MapLink:
     """Follows the parameters of programs from a thread of its own. Methods may be called from any thread."""
 
-    def __init__(self) -> None:
+    def __init__(self, name: str) -> None:
+        """`name` begins the ids of requests."""
+        self.walls = WallLink(name)
         self._known = ("", "")  # name of the map, and service that saves it
         self._busy = threading.Semaphore()
         self._ended = threading.Event()
@@ -45,9 +35,10 @@ class MapLink:
         threading.Thread(target=self._run, name="map link", daemon=True).start()
 
     def describe(self) -> Mapping[str, Any]:
-        """Describe it for a page: `name` of the stored map in use, "" for none; `saves`: one is being made."""
+        """Describe it for a page: `name` of the stored map in use, "" for none; `saves`: one is being made; `walls`."""
         name, service = self._known
-        return {"name": name, "saves": service != ""}
+        found = {"name": "", "restorable": False, "why": "made"} if service else self.walls.describe()
+        return {"name": name, "saves": service != "", "walls": found}
 
     def save(self, done: Done) -> None:
         """Save the map that is being made; `done` is called with its name, or with "" and what is wrong."""

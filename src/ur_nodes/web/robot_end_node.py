@@ -27,6 +27,7 @@ from ur_nodes.rosio.shell import run_node
 from ur_nodes.teleop.mux.link_node import MuxLink
 from ur_nodes.teleop.navigator.navigation_topics_node import Names, NavigationTopics
 from ur_nodes.web.drive_end_node import DriveEnd
+from ur_nodes.web.map_changes_node import MapChanges
 from ur_nodes.web.map_link_node import MapLink
 from ur_nodes.web.places import Places
 from ur_nodes.web.robot_facts_node import RobotFacts
@@ -45,10 +46,9 @@ class RobotEnd:
         self._sending, self._showing = threading.Lock(), threading.Lock()
         names = Names()
         topics, mux, facts, places = NavigationTopics(names), MuxLink(names.mux), RobotFacts(), Places()
-        zones, patrol, maps = ZoneLink(rospy.get_name()), PatrolLink(), MapLink()
-        self._drives = DriveEnd(
-            names.mux, topics, mux, places, zones, patrol, maps, facts.limits, self._reply, self._announce
-        )
+        zones, patrol, maps = ZoneLink(rospy.get_name()), PatrolLink(), MapLink(rospy.get_name())
+        changes, limits = MapChanges(places, zones, maps, self._reply), facts.limits
+        self._drives = DriveEnd(names.mux, topics, mux, places, patrol, changes, limits, self._reply, self._announce)
         self._views = ViewEnd(
             topics, mux, self._drives, facts, places, zones, patrol, maps, names.mux, self._send_frame
         )

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import itertools
 import json
-import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Any
 
@@ -14,11 +12,11 @@ from std_msgs.msg import String
 
 from ur.maps.record import MOST_ZONES, Zone, read_zone
 from ur.source.printable import printable
-from ur.web.wire.requests import DeleteZone, PutZone
+from ur.web.wire.map_requests import DeleteZone, PutZone
 from ur_nodes.rosio.ending import quiet_at_end
+from ur_nodes.web.request_topic_node import Done, RequestTopic, read_answer
 
 _LONGEST = 2_000_000  # characters of all zones
-_MOST_WAITING = 100
 
 
 class ZoneLink:
@@ -26,42 +24,28 @@ class ZoneLink:
 
     def __init__(self, name: str) -> None:
         """`name` begins the ids of requests."""
-        self._name = name
-        self._lock = threading.Lock()
-        self._numbers = itertools.count(1)
-        self._waiting: dict[str, Callable[[str], None]] = {}
-        self._zones: tuple[Zone, ...] = ()
-        self._problem = ""
-        self._requests = rospy.Publisher("zone_request", String, queue_size=10)
+        self._found: tuple[tuple[Zone, ...], str] = ((), "")  # zones, and what is wrong with them
+        self._topic = RequestTopic("zone_request", name)
         rospy.Subscriber("zones", String, self._on_zones, queue_size=1)
 
     def describe(self) -> dict[str, Any]:
         """Describe them for a page: name, percent (0: keep out) and corners; whether they can be changed."""
-        served = self._requests.get_num_connections() > 0
-        with self._lock:
-            zones = [
-                {"name": zone.name, "percent": zone.percent, "corners": [[round(c, 3) for c in p] for p in zone.points]}
-                for zone in self._zones
-            ]
-            return {"served": served, "zones": zones, "problem": self._problem}
+        found, problem = self._found
+        zones = [
+            {"name": zone.name, "percent": zone.percent, "corners": [[round(c, 3) for c in p] for p in zone.points]}
+            for zone in found
+        ]
+        return {"served": self._topic.served(), "zones": zones, "problem": problem}
 
-    def change(self, request: PutZone | DeleteZone, done: Callable[[str], None]) -> bool:
+    def change(self, request: PutZone | DeleteZone, done: Done) -> bool:
         """Ask for a change; `done` is called with what is wrong, or ''. Return False: no map server has zones."""
-        if not self._requests.get_num_connections():
-            return False
         value: Mapping[str, Any]
         if isinstance(request, PutZone):
             zone = Zone(request.zone, "speed" if request.percent else "keep-out", request.corners, request.percent)
             value = {"do": "put", "zone": asdict(zone)}
         else:
             value = {"do": "delete", "name": request.zone}
-        with self._lock:
-            key = f"{self._name}-{next(self._numbers)}"
-            self._waiting[key] = done
-            while len(self._waiting) > _MOST_WAITING:
-                del self._waiting[next(iter(self._waiting))]
-        self._requests.publish(String(json.dumps({"id": key, **value})))
-        return True
+        return self._topic.ask(value, done)
 
     @quiet_at_end
     def _on_zones(self, message: String) -> None:
@@ -70,11 +54,8 @@ class ZoneLink:
             rospy.logwarn_throttle(10.0, "zones: not what a map server publishes; they are not shown")
             return
         zones, problem, answer = value
-        with self._lock:
-            self._zones, self._problem = zones, problem
-            done = self._waiting.pop(answer[0], None) if answer else None
-        if done is not None and answer is not None:
-            done(answer[1])
+        self._found = (zones, problem)
+        self._topic.take(answer)
 
 
 def _read(text: str) -> tuple[tuple[Zone, ...], str, tuple[str, str] | None] | None:
@@ -84,8 +65,7 @@ def _read(text: str) -> tuple[tuple[Zone, ...], str, tuple[str, str] | None] | N
     try:
         found = json.loads(text)
         zones = tuple(read_zone(each) for each in found["zones"][:MOST_ZONES])
-        problem, answer = found["problem"], found["answer"]
-        answered = None if answer is None else (str(answer["id"]), printable(str(answer["problem"]))[:300])
+        problem, answer = found["problem"], read_answer(found["answer"])
     except (ValueError, TypeError, KeyError, RecursionError):
         return None
-    return zones, printable(str(problem))[:300], answered
+    return zones, printable(str(problem))[:300], answer

@@ -20,7 +20,7 @@ from ur.web.wire.data_requests import (
     find_number,
     read_data_request,
 )
-from ur.web.wire.requests import BadRequestError
+from ur.web.wire.reading import BadRequestError
 
 
 def read(**value: Any) -> DataEnvelope:

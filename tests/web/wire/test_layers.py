@@ -4,7 +4,7 @@ import pytest
 
 from ur.web.wire.frames import Layer
 from ur.web.wire.layers import LAYERS, read_layers
-from ur.web.wire.requests import BadRequestError
+from ur.web.wire.reading import BadRequestError
 
 ALWAYS = {Layer.NONE, Layer.MAP}
 

@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 
 from ur.web.wire.plots import MOST_PLOTS, read_plots, split_plot
-from ur.web.wire.requests import BadRequestError
+from ur.web.wire.reading import BadRequestError
 
 
 def test_page_names_its_plots() -> None:

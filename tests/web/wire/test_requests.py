@@ -8,20 +8,18 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from ur.web.wire.map_requests import ForgetPlace, NamePlace, SaveMap
+from ur.web.wire.reading import BadRequestError
 from ur.web.wire.requests import (
     LONGEST,
     Alive,
     AskForLease,
     AskPatrol,
-    BadRequestError,
     Cancel,
     Emergency,
-    ForgetPlace,
     Goal,
     GoTo,
     LetGo,
-    NamePlace,
-    SaveMap,
     Stick,
     SwitchObstacleStop,
     read_request,

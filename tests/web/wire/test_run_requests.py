@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from ur.web.wire.requests import BadRequestError
+from ur.web.wire.reading import BadRequestError
 from ur.web.wire.run_requests import ChangeNode, EndRun, Envelope, StartProgram, read_run_request
 
 START: dict[str, Any] = {"t": "start", "n": 1, "id": 2, "program": "make_map", "arguments": {"world": "office"}}

@@ -9,7 +9,8 @@ import struct
 import pytest
 from tests.fuzz.mutate import mutate
 
-from ur.web.wire.requests import BadRequestError, Goal, InitialPose, read_request
+from ur.web.wire.reading import BadRequestError
+from ur.web.wire.requests import Goal, InitialPose, read_request
 from ur.web.wire.viewer_protocol import (
     GOAL,
     POSE,

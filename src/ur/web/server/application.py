@@ -29,19 +29,15 @@ from ur.web.server.static_files import StaticFile
 from ur.web.server.viewer_gate import ViewerGate
 from ur.web.server.viewers import Viewer, Viewers, limit_buffer
 from ur.web.wire.frames import Kind, Layer, key_of
+from ur.web.wire.map_requests import DeleteZone, DrawWalls, ForgetPlace, NamePlace, PutZone, RestoreWalls, SaveMap
+from ur.web.wire.reading import BadRequestError
 from ur.web.wire.requests import (
     LONGEST,
     AskForLease,
-    BadRequestError,
-    DeleteZone,
     Emergency,
-    ForgetPlace,
     Goal,
     GoTo,
     LimitSpeed,
-    NamePlace,
-    PutZone,
-    SaveMap,
     Stick,
     SwitchObstacleStop,
     read_request,
@@ -58,7 +54,8 @@ _MOST_BAD = 20  # malformed messages of one page
 _RATE, _BURST = 150.0, 150.0  # messages of one page, a second
 _VIEW_RATE, _VIEW_BURST = 10.0, 40.0  # changes of what one page shows, a second
 _LOGGED = (
-    DeleteZone, Emergency, ForgetPlace, GoTo, AskForLease, LimitSpeed, NamePlace, PutZone, SaveMap, SwitchObstacleStop,
+    DeleteZone, Emergency, ForgetPlace, GoTo, AskForLease, LimitSpeed, NamePlace, PutZone, RestoreWalls, SaveMap,
+    SwitchObstacleStop,
 )  # fmt: skip
 _TAB = re.compile(r"[0-9a-z]{8,32}", re.ASCII)
 
@@ -309,6 +306,8 @@ class Application:
             elif isinstance(request, Goal):
                 heading = "" if request.yaw is None else f" {request.yaw:.2f}"
                 self._log(f"{who}: goal {request.x:.2f} {request.y:.2f}{heading}")
+            elif isinstance(request, DrawWalls):
+                self._log(f"{who}: changes walls of map {request.map}, {len(request.strokes)} strokes")
             elif isinstance(request, _LOGGED):
                 self._log(f"{who}: {message.data}")
             self._send({"page": client, "m": message.data})

@@ -20,7 +20,7 @@ from ur.web.runs.programs import Programs, ProgramsError
 from ur.web.runs.watcher import RunWatcher
 from ur.web.server.gate import SESSION
 from ur.web.server.viewers import limit_buffer
-from ur.web.wire.requests import BadRequestError
+from ur.web.wire.reading import BadRequestError
 from ur.web.wire.run_requests import (
     LONGEST,
     EndRun,

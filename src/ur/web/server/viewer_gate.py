@@ -25,7 +25,7 @@ from ur.web.server.drivers import Drivers
 from ur.web.server.gate import SESSION
 from ur.web.server.viewer_end import ViewerEnd, ViewerEndError
 from ur.web.server.viewers import limit_buffer
-from ur.web.wire.requests import BadRequestError
+from ur.web.wire.reading import BadRequestError
 from ur.web.wire.viewer_protocol import (
     LONGEST,
     SCHEMAS,

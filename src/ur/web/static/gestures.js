@@ -7,6 +7,8 @@ const DRAG = 16; // pixels from which on a drag gives a heading
 const ZOOM_STEP = 1.4;
 const TAP = 8; // pixels that a finger may move while it taps
 
+/** Takes what one finger draws, m; "drop": it was no stroke. @typedef {(phase: "down" | "move" | "up" | "drop", x: number, y: number) => void} Pen */
+
 export class Gestures {
   /**
    * @param {import("./map_view.js").MapView} map
@@ -21,6 +23,10 @@ export class Gestures {
     this.onPan = onPan;
     /** Called with the point of the map that is tapped, where somebody wants taps. @type {((x: number, y: number) => void) | null} */
     this.onTap = null;
+    /** Takes strokes in place of taps, where somebody wants them. @type {Pen | null} */
+    this.pen = null;
+    /** A stroke is being drawn. */
+    this.drawing = false;
     /** Called when another part of the page takes the taps, or a press on the map gets another meaning. */
     this.onTapsLost = () => {};
     /** Called once with the place that is pointed at next, in place of what the mode does. @type {((place: import("./map_view.js").Place) => void) | null} */
@@ -43,33 +49,41 @@ export class Gestures {
     addEventListener("blur", () => this.drop());
   }
 
-  /** Give taps to a part of the page. @param {(x: number, y: number) => void} tap @param {() => void} onLost another part takes them */
-  takeTaps(tap, onLost) {
+  /** Give taps to a part of the page. @param {(x: number, y: number) => void} tap @param {() => void} onLost another part takes them @param {Pen | null} pen */
+  takeTaps(tap, onLost, pen = null) {
     const lost = this.onTap === tap ? () => {} : this.onTapsLost;
-    [this.onTap, this.onTapsLost] = [tap, onLost];
+    [this.onTap, this.onTapsLost, this.pen] = [tap, onLost, pen];
     lost();
   }
 
   /** Give taps to no part, if this one has them. @param {(x: number, y: number) => void} tap */
   dropTaps(tap) {
-    if (this.onTap === tap) [this.onTap, this.onTapsLost] = [null, () => {}];
+    if (this.onTap === tap) [this.onTap, this.onTapsLost, this.pen, this.drawing] = [null, () => {}, null, false];
   }
 
   /** Take the taps from the part that has them. */
   loseTaps() {
     const lost = this.onTapsLost;
-    [this.onTap, this.onTapsLost] = [null, () => {}];
+    [this.onTap, this.onTapsLost, this.pen, this.drawing] = [null, () => {}, null, false];
     lost();
   }
 
   /** Forget what was begun. */
   drop() {
+    this.write("drop", 0, 0);
     this.fingers.clear();
     this.pressed = this.tapped = null;
     if (this.map.pointed) {
       this.map.pointed = null;
       this.map.request();
     }
+  }
+
+  /** Go on with a stroke, if one is drawn. @param {"move" | "up" | "drop"} phase @param {number} left @param {number} top pixels */
+  write(phase, left, top) {
+    const { pen, drawing } = this;
+    this.drawing = drawing && phase === "move";
+    if (drawing) pen?.(phase, ...this.map.view.toPlane(left, top));
   }
 
   /** @param {PointerEvent} event */
@@ -79,7 +93,11 @@ export class Gestures {
     this.fingers.set(event.pointerId, [event.offsetX, event.offsetY]);
     this.pressed = null;
     this.map.pointed = null;
-    this.tapped = this.onTap && this.fingers.size === 1 ? [event.offsetX, event.offsetY] : null;
+    const alone = this.fingers.size === 1;
+    this.write("drop", 0, 0); // two fingers move the map
+    this.drawing = this.pen !== null && alone;
+    if (this.drawing) this.pen?.("down", ...this.map.view.toPlane(event.offsetX, event.offsetY));
+    this.tapped = this.onTap && !this.pen && alone ? [event.offsetX, event.offsetY] : null;
     if (this.fingers.size === 1 && !this.onTap && (this.picker || this.points())) {
       const [x, y] = this.map.view.toPlane(event.offsetX, event.offsetY);
       this.pressed = { x, y, left: event.offsetX, top: event.offsetY };
@@ -99,6 +117,8 @@ export class Gestures {
     }
     if (this.pressed) {
       this.map.pointed = this.placeAt(event);
+    } else if (this.drawing) {
+      this.write("move", event.offsetX, event.offsetY);
     } else if (this.fingers.size === 1) {
       view.pan(event.offsetX - before[0], event.offsetY - before[1]);
       this.onPan();
@@ -122,6 +142,7 @@ export class Gestures {
   /** @param {PointerEvent} event @param {boolean} meant */
   up(event, meant) {
     if (!this.fingers.delete(event.pointerId)) return;
+    this.write(meant ? "up" : "drop", event.offsetX, event.offsetY);
     const place = this.pressed && meant ? this.placeAt(event) : null;
     const tapped = meant ? this.tapped : null;
     this.tapped = null;

@@ -78,6 +78,8 @@ export class Page {
     this.places = null;
     /** @type {import("./map_list.js").MapList | null} */
     this.mapList = null;
+    /** @type {import("./walls.js").WallTool | null} */
+    this.walls = null;
     this.status = new Status(this);
     this.runs = RUNS;
     this.panels = new Panels(element("panels"), PANELS, this);
@@ -169,6 +171,7 @@ export class Page {
   /** @param {any} answer */
   take(answer) {
     if (answer.what === "save_map") this.mapList?.answered(answer);
+    if (answer.what === "draw_walls" || answer.what === "restore_walls") this.walls?.answered(answer);
     if (answer.t !== "refused" || answer.what === "save_map") return;
     const why = TEXTS.refused[/** @type {"late"} */ (answer.why)] ?? answer.why;
     this.say(why);

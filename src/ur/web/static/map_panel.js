@@ -1,8 +1,10 @@
 // @ts-check
-/** Tools of the map: measure distances on it, and turn it. */
+/** Tools of the map: measure distances on it, turn it, and change its walls. */
 
 import { make, makeButton, makeNote } from "./elements.js";
 import { TEXTS } from "./texts.js";
+import { WallTool } from "./walls.js";
+import { KIND, readJson } from "./wire.js";
 
 /** @type {import("./panels.js").Panel} */
 export const MAP_PANEL = {
@@ -11,7 +13,9 @@ export const MAP_PANEL = {
   icon: "M3 17L17 3l4 4L7 21zM7 13l2 2M10 10l2 2M13 7l2 2",
   make: (box, page) => {
     const panel = new MapPanel(box, page);
-    return { show: (open) => !open && panel.end() };
+    page.walls = panel.walls;
+    page.frames.on(KIND.STATE, (frame) => panel.walls.take(readJson(frame).map?.walls));
+    return { show: (open) => !open && (panel.end(), panel.walls.pause()) };
   },
 };
 
@@ -31,10 +35,11 @@ export class MapPanel {
     this.turn = makeButton(TEXTS.mapTools.turn, () => page.map.turn());
     this.turn.id = "map-turn";
     const row = make("div", "", "row");
-    row.append(this.measure, this.undo, this.done, this.turn);
     box.append(this.note, row);
+    this.walls = new WallTool(box, page, () => this.refresh());
+    row.append(this.measure, this.undo, this.done, this.turn, this.walls.begin, this.walls.restore);
     page.map.painters.push((context, view, colours) => this.paint(context, view, colours));
-    this.refresh();
+    this.walls.changed();
   }
 
   begin() {
@@ -57,13 +62,19 @@ export class MapPanel {
   }
 
   refresh() {
-    const { points } = this;
+    const { points, walls } = this;
+    const { mayDrive } = this.page;
     const measuring = points !== null;
-    this.note.textContent = !measuring ? TEXTS.mapTools.help : points.length < 2 ? TEXTS.mapTools.tap : TEXTS.mapTools.length(lengthOf(points));
-    this.measure.hidden = this.turn.hidden = measuring;
+    const help = mayDrive ? TEXTS.mapTools.helpDriver : TEXTS.mapTools.help;
+    this.note.hidden = !measuring && !walls.note.hidden;
+    this.note.textContent = !measuring ? help : points.length < 2 ? TEXTS.mapTools.tap : TEXTS.mapTools.length(lengthOf(points));
+    const busy = measuring || walls.active;
+    this.measure.hidden = this.turn.hidden = busy;
+    walls.begin.hidden = busy || !mayDrive;
+    walls.restore.hidden = walls.begin.hidden || !walls.state.restorable;
     this.undo.hidden = this.done.hidden = !measuring;
     this.undo.disabled = !points?.length;
-    this.box.classList.toggle("low", measuring); // the map has to be seen
+    this.box.classList.toggle("low", busy); // the map has to be seen
     if (!measuring) this.page.gestures.dropTaps(this.tap);
   }
 

@@ -1,5 +1,5 @@
 // @ts-check
-/** A rectangle of the map that is typed, for those who cannot tap its corners. */
+/** A rectangle or a line of the map that is typed, for those who cannot tap or draw it. */
 
 import { make, makeNote } from "./elements.js";
 import { TEXTS } from "./texts.js";
@@ -12,16 +12,19 @@ export class Rectangle {
   /**
    * @param {() => import("./wire.js").Pose | null} where the robot is: without a picture, the one known place of the map
    * @param {(corners: Corners) => void} onChange called when all four numbers make a rectangle
+   * @param {{title: string, sides: string[]}} texts
+   * @param {(numbers: (number | null)[]) => Corners | null} makePoints of the numbers
    */
-  constructor(where, onChange) {
+  constructor(where, onChange, texts = TEXTS.zones.rectangle, makePoints = makeCorners) {
     this.where = where;
+    this.makePoints = makePoints;
     this.onChange = onChange;
     this.box = make("details", "", "rectangle");
     this.note = makeNote();
-    this.fields = TEXTS.zones.sides.map((label) => this.makeField(label));
+    this.fields = texts.sides.map((label) => this.makeField(label));
     const grid = make("div", "", "sides");
     grid.append(...this.fields.map((field) => /** @type {HTMLElement} */ (field.parentElement)));
-    this.box.append(make("summary", TEXTS.zones.rectangle), this.note, grid);
+    this.box.append(make("summary", texts.title), this.note, grid);
     this.box.addEventListener("toggle", () => this.tell());
   }
 
@@ -49,10 +52,14 @@ export class Rectangle {
   }
 
   read() {
-    const numbers = this.fields.map((field) => readMetres(field.value));
-    this.fields.forEach((field, index) => (field.ariaInvalid = String(field.value !== "" && numbers[index] === null)));
-    const corners = makeCorners(numbers);
+    for (const field of this.fields) field.ariaInvalid = String(field.value !== "" && readMetres(field.value) === null);
+    const corners = this.points();
     if (corners) this.onChange(corners);
+  }
+
+  /** The points that are typed; null while numbers are missing. */
+  points() {
+    return this.makePoints(this.fields.map((field) => readMetres(field.value)));
   }
 }
 
@@ -70,4 +77,9 @@ const toCentimetres = (metres) => Math.round(100 * metres) / 100 + 0;
 export function makeCorners([left, right, low, high]) {
   if (left === null || right === null || low === null || high === null || left === right || low === high) return null;
   return [[left, low], [right, low], [right, high], [left, high]];
+}
+
+/** The line from (x0, y0) to (x1, y1). @param {(number | null)[]} numbers @returns {Corners | null} */
+export function makeLine([x0, y0, x1, y1]) {
+  return x0 === null || y0 === null || x1 === null || y1 === null ? null : [[x0, y0], [x1, y1]];
 }

@@ -163,10 +163,9 @@ export const TEXTS = {
     /** @param {number} corners */
     help: (corners) =>
       corners < 3 ? "Tap the corners of the zone on the map, or type those of a rectangle." : "Tap more corners, or press Done.",
-    rectangle: "Type a rectangle",
     /** @param {number} x @param {number} y */
     robotAt: (x, y) => `The robot is at x ${x.toFixed(2)}, y ${y.toFixed(2)} m.`,
-    sides: ["x from", "x to", "y from", "y to"],
+    rectangle: { title: "Type a rectangle", sides: ["x from", "x to", "y from", "y to"] },
     /** @param {string} name */
     taken: (name) => `There is a zone ${name}. Press Done again to replace it.`,
     /** @param {string} name @param {number} percent */
@@ -184,8 +183,35 @@ export const TEXTS = {
     undo: "Undo",
     done: "Done",
     turn: "Turn the map",
+    helpDriver: "Measure a distance, turn the map by 90 degrees, or draw and erase its walls.",
     /** @param {number} metres */
     length: (metres) => `Length of the line: ${metres.toFixed(2)} m.`,
+  },
+  walls: {
+    begin: "Walls",
+    restore: "Restore walls",
+    draw: "Wall",
+    erase: "Erase",
+    width: "Width of the brush",
+    save: "Save",
+    add: "Add the line",
+    line: { title: "Type a line", sides: ["from x", "from y", "to x", "to y"] },
+    /** @param {boolean} erases @param {number} count */
+    help: (erases, count) =>
+      `${erases ? "Drag over walls that are none." : "Drag from one end of a wall to the other."} ${count ? lines(count) : "Two fingers move the map."}`,
+    /** @param {number} count */
+    unsaved: (count) => `${lines(count)} Press Walls to go on.`,
+    saving: "Saving the map ...",
+    saved: "Saved. Navigation uses the new walls.",
+    restored: "Restored. Navigation uses the walls of before.",
+    late: "No answer from the map server. Look at the map, then try again.",
+    full: "Not drawn: this is as much as fits into one change. Press Save, then go on.",
+    otherMap: "Another map is in use. The walls that were not saved are dropped.",
+    why: /** @type {Record<string, string>} */ ({
+      "no server": "Walls can be changed while a program navigates on a stored map. Start one on a map of the list Maps.",
+      made: "The map is being made: what the robot sees would draw over it. Save it, end that program, then navigate on the map.",
+      file: "The map in use is a file, which stays as it is. Import it as a stored map: ur maps import FILE NAME.",
+    }),
   },
   mapList: {
     title: "Maps",
@@ -287,6 +313,7 @@ export const TEXTS = {
     "no map": "Not named: the map has no name yet.",
     "no place": "Not sent: the map has no place of this name any more.",
     "no zones": "Not changed: no map server that has zones runs.",
+    "no walls": "Not changed: no map server that can change walls runs.",
     "no patrol": "This robot drives no patrols. Start a program that navigates.",
     "no mux": "Not sent: the robot takes no commands of the page.",
   },
@@ -434,6 +461,11 @@ export const TEXTS = {
   loginFailed: "This link was used before, or is too old. Press Enter where 'ur web' runs for a new one, or type 'ur boot link' for a page on a robot.",
   loginOffline: "The server does not answer. Does 'ur web' run?",
 };
+
+/** @param {number} count */
+function lines(count) {
+  return `${count} ${count === 1 ? "line is" : "lines are"} not saved yet.`;
+}
 
 /** @param {number} age seconds */
 function seconds(age) {

@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, cast
 
-from ur.web.wire.requests import BadRequestError, choose_reader, is_count, read_object
+from ur.web.wire.reading import BadRequestError, choose_reader, is_count, read_object
 
 LONGEST = 16384
 """Characters of the longest request."""

@@ -6,7 +6,7 @@ import re
 from collections.abc import Mapping
 
 from ur.web.wire.frames import Layer
-from ur.web.wire.requests import BadRequestError
+from ur.web.wire.reading import BadRequestError
 
 LAYERS: Mapping[str, Layer] = {
     "scan": Layer.SCAN,

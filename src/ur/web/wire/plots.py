@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from ur.web.wire.requests import BadRequestError
+from ur.web.wire.reading import BadRequestError
 
 MOST_PLOTS = 8
 """Plots of one page."""

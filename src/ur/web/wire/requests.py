@@ -5,18 +5,24 @@ A request that sets something in motion carries `n`, the newest challenge of the
 
 from __future__ import annotations
 
-import json
-import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, Literal, TypeVar, cast
+from typing import Any, Literal, cast
 
-Reader = TypeVar("Reader", bound=Callable[..., object])
+from ur.web.wire.map_requests import MAP_READERS, MapRequest
+from ur.web.wire.reading import (
+    FARTHEST,
+    BadRequestError,
+    choose_reader,
+    is_count,
+    read_name,
+    read_number,
+    read_object,
+    read_pose,
+)
+
 Stamp = tuple[int, int]
 """Seconds and nanoseconds of a challenge of the mux."""
-
-LONGEST_NAME = 64
-"""Characters of the longest name of a place."""
 
 PatrolAction = Literal["start", "pause", "resume", "end"]
 LeaseAction = Literal["acquire", "take", "ask", "grant", "release"]
@@ -27,14 +33,8 @@ LONGEST = 4096
 MOST_STOPS = 50
 """Places of a patrol."""
 
-MOST_CORNERS = 32
-"""Corners of a zone."""
-
 LEAST_LIMIT = 10
 """Percent: the lowest speed limit of a page."""
-
-_FARTHEST = 1e5  # m
-_MOST = 2**32
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,47 +77,6 @@ class GoTo:
 
     answers: Stamp
     place: str
-
-
-@dataclass(frozen=True, slots=True)
-class NamePlace:
-    """Name a pose in the map frame, or move the place that has the name."""
-
-    place: str
-    x: float
-    y: float
-    yaw: float
-
-
-@dataclass(frozen=True, slots=True)
-class ForgetPlace:
-    """Delete a place."""
-
-    place: str
-
-
-@dataclass(frozen=True, slots=True)
-class PutZone:
-    """Make a zone, or change the one that has the name. `percent` of the highest speed; 0 for a keep-out zone.
-
-    `corners` are x, y in m in the map frame.
-    """
-
-    zone: str
-    percent: int
-    corners: tuple[tuple[float, float], ...]
-
-
-@dataclass(frozen=True, slots=True)
-class DeleteZone:
-    """Delete a zone."""
-
-    zone: str
-
-
-@dataclass(frozen=True, slots=True)
-class SaveMap:
-    """Save the map that is being made."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -191,11 +150,6 @@ Request = (
     | LetGo
     | Goal
     | GoTo
-    | NamePlace
-    | ForgetPlace
-    | PutZone
-    | DeleteZone
-    | SaveMap
     | InitialPose
     | Cancel
     | Resume
@@ -204,44 +158,14 @@ Request = (
     | AskPatrol
     | LimitSpeed
     | SwitchObstacleStop
+    | MapRequest
 )
-
-
-class BadRequestError(ValueError):
-    """A message that is no request; its text says why, in a line."""
 
 
 def read_request(text: object) -> Request:
     """The request that a text is. Raises BadRequestError."""
     value = read_object(text, LONGEST)
     return choose_reader(value, _READERS)(value)
-
-
-def read_object(text: object, longest: int) -> dict[str, Any]:
-    """The JSON object that a text of at most `longest` characters is. Raises BadRequestError."""
-    if not isinstance(text, str) or len(text) > longest:
-        raise BadRequestError(f"expected a text of at most {longest} characters")
-    try:
-        value = json.loads(text)
-    except (ValueError, RecursionError):
-        raise BadRequestError("expected JSON") from None
-    if not isinstance(value, dict):
-        raise BadRequestError("expected a JSON object")
-    return value
-
-
-def choose_reader(value: Mapping[str, Any], readers: Mapping[str, Reader]) -> Reader:
-    """The reader for the kind of a request, its field `t`. Raises BadRequestError."""
-    kind = value.get("t")
-    reader = readers.get(kind) if isinstance(kind, str) else None
-    if reader is None:
-        raise BadRequestError(f"t: expected one of {', '.join(readers)}")
-    return reader
-
-
-def is_count(value: object) -> bool:
-    """Tell whether a value is a whole number from 0 to 2^32 - 1; JSON's true and false are none."""
-    return isinstance(value, int) and not isinstance(value, bool) and 0 <= value < _MOST
 
 
 def _stamp(value: Mapping[str, Any]) -> Stamp:
@@ -258,37 +182,8 @@ def _hold(value: Mapping[str, Any]) -> int:
     return int(cast("int", hold))
 
 
-def _number(value: Mapping[str, Any], name: str, most: float) -> float:
-    found = value.get(name)
-    good = isinstance(found, (int, float)) and not isinstance(found, bool) and abs(found) <= most
-    if not good or not math.isfinite(float(cast("float", found))):
-        raise BadRequestError(f"{name}: expected a number from {-most:g} to {most:g}")
-    return float(cast("float", found))
-
-
-def _pose(value: Mapping[str, Any]) -> tuple[float, float, float]:
-    return _number(value, "x", _FARTHEST), _number(value, "y", _FARTHEST), _number(value, "yaw", 7.0)
-
-
 def _goal(value: Mapping[str, Any]) -> tuple[float, float, float | None]:
-    return _pose(value) if value.get("yaw") is not None else (*_pose({**value, "yaw": 0.0})[:2], None)
-
-
-def _name(value: Mapping[str, Any], key: str = "place") -> str:
-    name = value.get(key)
-    if not isinstance(name, str) or not 0 < len(name) <= LONGEST_NAME or not name.isprintable():
-        raise BadRequestError(f"{key}: expected a name of at most {LONGEST_NAME} characters")
-    return name
-
-
-def _put_zone(value: Mapping[str, Any]) -> PutZone:
-    percent, found = value.get("percent"), value.get("corners")
-    if type(percent) is not int or not 0 <= percent < 100:
-        raise BadRequestError("percent: expected a whole number from 0 to 99")
-    if not isinstance(found, list) or len(found) % 2 or not 6 <= len(found) <= 2 * MOST_CORNERS:
-        raise BadRequestError(f"corners: expected x, y, x, y, ... of 3 to {MOST_CORNERS} corners")
-    numbers = [_number({"corners": each}, "corners", _FARTHEST) for each in found]
-    return PutZone(_name(value, "zone"), percent, tuple(zip(numbers[::2], numbers[1::2], strict=True)))
+    return read_pose(value) if value.get("yaw") is not None else (*read_pose({**value, "yaw": 0.0})[:2], None)
 
 
 def _patrol(value: Mapping[str, Any]) -> AskPatrol:
@@ -299,7 +194,7 @@ def _patrol(value: Mapping[str, Any]) -> AskPatrol:
     if not isinstance(found, list) or not least <= len(found) <= MOST_STOPS or not isinstance(loop, bool):
         raise BadRequestError(f"places: expected 1 to {MOST_STOPS} names or [x, y]; loop: true or false")
     stops = tuple(_stop(each) for each in found)
-    wait = _number(value, "wait", 3600.0) if "wait" in value else 1.0
+    wait = read_number(value, "wait", 3600.0) if "wait" in value else 1.0
     if wait < 0.0:
         raise BadRequestError("wait: expected seconds from 0 to 3600")
     return AskPatrol(_stamp(value), cast("PatrolAction", action), stops, loop, wait)
@@ -307,9 +202,9 @@ def _patrol(value: Mapping[str, Any]) -> AskPatrol:
 
 def _stop(value: object) -> str | tuple[float, float]:
     if isinstance(value, list) and len(value) == 2:
-        x, y = (_number({"places": each}, "places", _FARTHEST) for each in value)
+        x, y = (read_number({"places": each}, "places", FARTHEST) for each in value)
         return x, y
-    return _name({"places": value}, "places")
+    return read_name({"places": value}, "places")
 
 
 def _limit(value: Mapping[str, Any]) -> LimitSpeed:
@@ -336,17 +231,12 @@ def _lease(value: Mapping[str, Any]) -> AskForLease:
 _READERS: Mapping[str, Callable[[Mapping[str, Any]], Request]] = {
     "alive": lambda value: Alive(_stamp(value)),
     "stick": lambda value: Stick(
-        _stamp(value), _hold(value), _number(value, "forward", 100.0), _number(value, "turn", 100.0)
+        _stamp(value), _hold(value), read_number(value, "forward", 100.0), read_number(value, "turn", 100.0)
     ),
     "let_go": lambda value: LetGo(_hold(value)),
     "goal": lambda value: Goal(_stamp(value), *_goal(value)),
-    "go_to": lambda value: GoTo(_stamp(value), _name(value)),
-    "name_place": lambda value: NamePlace(_name(value), *_pose(value)),
-    "forget_place": lambda value: ForgetPlace(_name(value)),
-    "put_zone": _put_zone,
-    "delete_zone": lambda value: DeleteZone(_name(value, "zone")),
-    "save_map": lambda _: SaveMap(),
-    "pose": lambda value: InitialPose(_stamp(value), *_pose(value)),
+    "go_to": lambda value: GoTo(_stamp(value), read_name(value)),
+    "pose": lambda value: InitialPose(_stamp(value), *read_pose(value)),
     "cancel": lambda _: Cancel(),
     "resume": lambda value: Resume(_stamp(value)),
     "lease": _lease,
@@ -355,4 +245,5 @@ _READERS: Mapping[str, Callable[[Mapping[str, Any]], Request]] = {
     "patrol": _patrol,
     "stop": lambda _: Emergency(stop=True),
     "release": lambda _: Emergency(stop=False),
+    **MAP_READERS,
 }

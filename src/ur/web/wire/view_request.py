@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from ur.web.wire.frames import Layer
 from ur.web.wire.layers import read_layers
 from ur.web.wire.plots import read_plots
-from ur.web.wire.requests import BadRequestError, read_object
+from ur.web.wire.reading import BadRequestError, read_object
 
 LONGEST = 4096
 """Characters of a message: eight plots with the longest names fit in."""

@@ -14,7 +14,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal, cast
 
-from ur.web.wire.requests import BadRequestError, read_object
+from ur.web.wire.reading import BadRequestError, read_object
 
 UPSTREAM = "foxglove.sdk.v1"
 """The name of the protocol that foxglove-sdk takes."""

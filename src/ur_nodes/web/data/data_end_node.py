@@ -24,7 +24,7 @@ import rospy
 from ur.web.wire.data_frames import ALL, pack_json
 from ur.web.wire.data_requests import Show, read_data_request
 from ur.web.wire.frames import LENGTH
-from ur.web.wire.requests import BadRequestError
+from ur.web.wire.reading import BadRequestError
 from ur_nodes.rosio.ending import quiet_at_end
 from ur_nodes.rosio.shell import run_node
 from ur_nodes.web.data.actions_node import Actions

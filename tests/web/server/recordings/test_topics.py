@@ -7,7 +7,7 @@ import re
 import pytest
 
 from ur.web.server.recordings.topics import MOST_TOPICS, Selection, Topic, read_topics, select
-from ur.web.wire.requests import BadRequestError
+from ur.web.wire.reading import BadRequestError
 
 
 @pytest.mark.parametrize(

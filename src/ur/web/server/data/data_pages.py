@@ -22,7 +22,7 @@ from ur.web.server.gate import SESSION
 from ur.web.server.viewers import limit_buffer
 from ur.web.wire.data_frames import ALL, DataFrame
 from ur.web.wire.data_requests import CHANGES, LONGEST, Show, find_number, read_data_request
-from ur.web.wire.requests import BadRequestError
+from ur.web.wire.reading import BadRequestError
 
 BEAT = 1.0
 """Seconds between two beats of the server."""

@@ -18,7 +18,7 @@ from ur.web.server.recordings.recorder import Recorder, RecorderError
 from ur.web.server.recordings.store import BusyError, Store, recordings_folder
 from ur.web.server.recordings.topics import Topic, list_topics, read_topics, select
 from ur.web.server.recordings.writer import Rosbag, Writer
-from ur.web.wire.requests import BadRequestError
+from ur.web.wire.reading import BadRequestError
 
 
 class RecordingPages:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from ur.run.master.client import parse_master_uri
 from ur.run.master.xml_rpc import WrongServer
-from ur.web.wire.requests import BadRequestError
+from ur.web.wire.reading import BadRequestError
 
 MOST_TOPICS = 40
 """Topics that a page may choose."""

@@ -1,0 +1,96 @@
+"""Walls of a map in use: drawn and erased in one step. The map before stays beside it, so that it can be restored."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+
+from ur.maps.change import add_to_record, write_edits
+from ur.maps.picture_file import write_picture
+from ur.maps.record import MOST_STROKES, Edit, MapRecord, render_record
+from ur.maps.store import MapStore
+from ur.source.diagnostic import UserError, error
+from ur.source.foreign.files import read_file
+from ur.source.replace import replace_file
+from ur.worlds.cells import CellFrame
+from ur.worlds.map_file import MapImage, read_map
+
+_BEFORE = "before"  # the picture before the last change
+_NOTE = "before.json"  # written last: without it nothing can be restored
+_LONGEST_NOTE = 1000
+
+
+@contextmanager
+def draw_walls(store: MapStore, name: str, strokes: Sequence[Edit], plan: CellFrame) -> Iterator[MapImage]:
+    """Draw and erase walls of a map, whole or not at all; yield its new picture while nobody else can change it.
+
+    `plan` are the cells of the map as the program has read it. Raises UserError: they are others now, or the map is
+    changed by another program at this moment; or OSError.
+    """
+    if not 0 < len(strokes) <= MOST_STROKES or any(each.kind == "keep-out" or not each.width for each in strokes):
+        raise _refuse(f"{len(strokes)} strokes, expected 1 to {MOST_STROKES} that draw or erase walls")
+    with store.claim(name):
+        record, image = store.record(name), read_map(store.picture(name))
+        if (image.shape, image.resolution, image.origin) != (plan.shape, plan.resolution, tuple(plan.origin)):
+            raise _refuse(f"map {name!r} was turned or made larger since the program has read it, expected the same")
+        after = add_to_record(name, record, strokes)
+        note = store.path(name) / _NOTE
+        note.unlink(missing_ok=True)
+        write_picture(store.path(name) / _BEFORE, image.values, image.resolution, image.origin)
+        write_edits(store, name, after, image, strokes)
+        drawn = read_map(store.picture(name))
+        left = _fingerprint(store.record(name), drawn)
+        replace_file(note, json.dumps({"version": 1, "edits": len(record.edits), "left": left}) + "\n")
+        yield drawn
+
+
+@contextmanager
+def restore_walls(store: MapStore, name: str) -> Iterator[MapImage]:
+    """Restore the map as it was before the last `draw_walls`; yield its picture as `draw_walls` does.
+
+    Raises UserError: there is no such map, or another program has changed the map since; or OSError.
+    """
+    with store.claim(name):
+        edits = _read_note(store, name)
+        if edits is None:
+            raise _refuse(f"map {name!r} has no state before its last change, expected one that was drawn on a page")
+        record, image = store.record(name), read_map(store.path(name) / f"{_BEFORE}.yaml")
+        store.write_record(name, replace(record, edits=record.edits[:edits]))
+        write_picture(store.path(name) / "map", image.values, image.resolution, image.origin)
+        (store.path(name) / _NOTE).unlink(missing_ok=True)
+        yield read_map(store.picture(name))
+
+
+def is_restorable(store: MapStore, name: str) -> bool:
+    """Tell whether `restore_walls` would restore a map."""
+    try:
+        return _read_note(store, name) is not None
+    except (UserError, OSError):
+        return False
+
+
+def _read_note(store: MapStore, name: str) -> int | None:
+    """The number of edits before the last change; None where that is not the last change. Raises UserError."""
+    try:
+        note = json.loads(read_file(store.path(name) / _NOTE, _LONGEST_NOTE))
+        edits, left = note["edits"], note["left"]
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
+    record = store.record(name)
+    known = type(edits) is int and 0 <= edits <= len(record.edits)
+    return edits if known and left == _fingerprint(record, read_map(store.picture(name))) else None
+
+
+def _fingerprint(record: MapRecord, image: MapImage) -> str:
+    """A text that differs where anything of a map but its zones does."""
+    digest = hashlib.sha256(render_record(replace(record, zones=())).encode())
+    digest.update(repr((image.resolution, image.origin, image.shape)).encode())
+    digest.update(image.values.tobytes())
+    return digest.hexdigest()
+
+
+def _refuse(message: str) -> UserError:
+    return UserError(error(message, rule="bad-edit"))

@@ -1,0 +1,94 @@
+"""Requests to change the map that is served, from text that may come from anybody who reaches the ROS master."""
+
+from __future__ import annotations
+
+import json
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from ur.maps.exchange import import_picture
+from ur.maps.picture_file import write_picture
+from ur.maps.store import MapStore
+from ur.source.diagnostic import UserError
+from ur_nodes.geometry.grid import Grid, load_map
+from ur_nodes.mapping.changes import change_walls, read_change
+
+STROKE = {"kind": "wall", "points": [[0.5, 1.0], [2.5, 1.0]], "width": 0.2}
+DRAW = {"id": "a", "map": "flat", "do": "draw", "strokes": [STROKE]}
+
+
+@pytest.fixture
+def store(tmp_path: Path) -> MapStore:
+    made = MapStore(tmp_path / "maps")
+    import_picture(made, write_picture(tmp_path / "plan", np.zeros((20, 30), np.int8), 0.1, (0.0, 0.0, 0.0)), "flat")
+    return made
+
+
+@pytest.mark.parametrize("text", ["", "[]", "{}", '{"id": 7}', json.dumps({"id": "x" * 101}), "[" * 9000, "x" * 30_000])
+def test_text_that_is_no_request_is_none(text: str) -> None:
+    assert read_change(text) is None
+
+
+def test_new_map_is_handed_over_while_nobody_else_can_change_it(store: MapStore) -> None:
+    used: list[Grid] = []
+
+    def use(grid: Grid) -> None:
+        used.append(grid)
+        with pytest.raises(UserError, match="in use"), store.claim("flat"):
+            pass
+
+    served = load_map(store.picture("flat"))
+    change_walls(store, "flat", served, DRAW, use)
+    change_walls(store, "flat", used[-1], {"map": "flat", "do": "restore"}, use)
+    assert [bool((each.values == 100).any()) for each in used] == [True, False]
+
+
+BAD: list[dict[str, Any]] = [
+    {"map": "hall"},
+    {"map": None},
+    {"do": "delete"},
+    {"strokes": None},
+    {"strokes": []},
+    {"strokes": [STROKE] * 101},
+    {"strokes": [STROKE | {"kind": "keep-out"}]},
+    {"strokes": [STROKE | {"width": 0}]},
+    {"strokes": [STROKE | {"width": 1e9}]},
+    {"strokes": [STROKE | {"points": [[0, 0], [float("nan"), 1]]}]},
+    {"strokes": [STROKE | {"points": [[0, 0]]}]},
+]
+
+
+@pytest.mark.parametrize("change", BAD)
+def test_request_that_makes_no_sense_changes_nothing(store: MapStore, change: dict[str, Any]) -> None:
+    served = load_map(store.picture("flat"))
+    before = store.picture("flat").read_bytes()
+    with pytest.raises((UserError, ValueError, TypeError)):
+        change_walls(store, "flat", served, DRAW | change, lambda _: pytest.fail("used"))
+    assert store.picture("flat").read_bytes() == before
+    assert store.record("flat").edits == ()
+
+
+def test_map_that_is_not_stored_is_not_changed(store: MapStore) -> None:
+    with pytest.raises(ValueError, match="is a file, expected a stored map"):
+        change_walls(store, "", load_map(store.picture("flat")), DRAW, lambda _: None)
+
+
+VALUES = st.recursive(
+    st.none() | st.booleans() | st.floats() | st.integers() | st.text(),
+    lambda inner: st.lists(inner) | st.dictionaries(st.sampled_from(["kind", "points", "width"]), inner),
+)
+
+
+@settings(max_examples=50, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(VALUES)
+def test_whatever_strokes_come_are_drawn_or_refused(store: MapStore, strokes: object) -> None:
+    served = load_map(store.picture("flat"))
+    for each in (strokes, [strokes], [STROKE | (strokes if isinstance(strokes, dict) else {"points": strokes})]):
+        with suppress(UserError, ValueError, TypeError):
+            change_walls(store, "flat", served, DRAW | {"strokes": each}, lambda _: None)
