@@ -38,6 +38,7 @@ class MemoryNode:
         self._offers: list[tuple[str, Offer]] = []
         self._services: list[str] = []
         self._at_end: list[Callable[[], None]] = []
+        self._late: list[Callable[[], None]] | None = None  # calls that are still to be made at the end
         self._fixed: dict[str, Transform] = {}
         self._senders: dict[str, MemoryPublisher] = {}
 
@@ -162,7 +163,10 @@ class MemoryNode:
     def work(self, job: Callable[[], Value], take: Callable[[Value], None], lane: str = "") -> None:  # noqa: ARG002
         """See Node. The job runs at once; its result comes with the next event."""
         result = job()
-        self._bus.at(self._bus.now, lambda: take(result) if self.ended is None else None)
+        if self._late is None:
+            self._bus.at(self._bus.now, lambda: take(result) if self.ended is None else None)
+        else:
+            self._late.append(lambda: take(result))
 
     def now(self) -> int:
         """See Node."""
@@ -179,16 +183,17 @@ class MemoryNode:
         full = f"{self.name}/{name[1:]}" if name.startswith("~") else f"/{name.lstrip('/')}"
         return self._remaps.get(full, full)
 
-    def on_end(self, call: Callable[[], None]) -> None:
+    def on_end(self, call: Callable[[], None], within: float = 2.0) -> None:  # noqa: ARG002
         """See Node."""
         self._at_end.append(call)
 
     def end(self, reason: str, *, failed: bool = False) -> None:
         """See Node."""
-        if self.ended is not None:
+        if self._late is not None:
             return
-        for call in self._at_end:
-            call()
+        self._late = list(self._at_end)
+        while self._late:
+            self._late.pop(0)()
         self.ended, self.failed = reason, failed
         for topic, listener in self._listeners:
             listener.open = False

@@ -136,7 +136,7 @@ class Node(Protocol):
         """Run a job beside the node, and take its result as any other callback.
 
         Jobs of a lane run one after the other, lanes side by side. Those that wait at the end of the node are dropped;
-        those of `on_end` are still done, within 2 s.
+        those that `on_end` asks for, and that their results ask for, are still done.
         """
 
     def now(self) -> int:
@@ -148,8 +148,11 @@ class Node(Protocol):
     def resolve(self, name: str) -> str:
         """The full name that a name of this node stands for."""
 
-    def on_end(self, call: Callable[[], None]) -> None:
-        """Call when the node ends, before its topics close; what it sends then still leaves."""
+    def on_end(self, call: Callable[[], None], within: float = 2.0) -> None:
+        """Call when the node ends, before its topics close; what it sends then still leaves.
+
+        The node waits for the jobs that it asks for, at most `within` s.
+        """
 
     def end(self, reason: str, *, failed: bool = False) -> None:
         """End the node."""

@@ -166,29 +166,19 @@ class Worker:
         self._name = name
         self._jobs: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
         self._thread: threading.Thread | None = None
-        self._added = False
 
     def add(self, job: Callable[[], None]) -> None:
         """Have a job done."""
         if self._thread is None:
             self._thread = threading.Thread(target=self._run, name=self._name, daemon=True)
             self._thread.start()
-        self._added = True
         self._jobs.put(job)
 
     def drop(self) -> None:
         """Forget the jobs that wait."""
-        self._added = False
         with contextlib.suppress(queue.Empty):
             while True:
                 self._jobs.get_nowait()
-
-    def finish(self, within: float) -> None:
-        """Wait until the jobs that were added since `drop` are done, at most `within` s."""
-        if self._added:
-            last = threading.Event()
-            self._jobs.put(last.set)
-            last.wait(within)
 
     def _run(self) -> None:
         while True:

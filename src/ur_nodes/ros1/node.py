@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import queue
 import time
 import warnings
 from collections.abc import Callable
@@ -32,8 +34,7 @@ _DEPTHS: dict[Quality, int | None] = {
     Quality.LOSSLESS: None,  # rospy then sends at once, and waits until each connection has taken it
 }
 _MOST_TRANSFORMS = 1000  # messages that wait while a callback takes long: a history with gaps is of no use
-_END_LIMIT = 3.0  # s
-_JOBS_LIMIT = 2.0  # s
+_END_LIMIT = 3.0  # s, besides the time that the jobs of the end have
 _LEAVE = 0.03  # s: for what was sent last to leave
 _ANSWER_LIMIT = 60.0  # s
 
@@ -53,7 +54,11 @@ class RosNode:
         )
         self._workers: dict[str, Worker] = {}
         self._at_end: list[Callable[[], None]] = []
-        rospy.on_shutdown(lambda: self._loop.end(self._finish, _END_LIMIT))
+        self._ending = False
+        self._end_limit = 0.0  # s for the jobs of the end
+        self._unfinished = 0  # of these
+        self._results: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()  # of these
+        rospy.on_shutdown(lambda: self._loop.end(self._finish, _END_LIMIT + self._end_limit))
 
     def begin(self) -> None:
         """Let callbacks come."""
@@ -188,10 +193,12 @@ class RosNode:
 
     def work(self, job: Callable[[], Value], take: Callable[[Value], None], lane: str = "") -> None:
         """See Node."""
+        self._unfinished += self._ending
+        post = self._results.put if self._ending else self._loop.post
 
         def carry_out() -> None:
             result = job()
-            self._loop.post(lambda: take(result))
+            post(lambda: take(result))
 
         self._workers.setdefault(lane, Worker(f"work {lane}".strip())).add(carry_out)
 
@@ -207,9 +214,10 @@ class RosNode:
         """See Node."""
         return str(rospy.resolve_name(name))
 
-    def on_end(self, call: Callable[[], None]) -> None:
+    def on_end(self, call: Callable[[], None], within: float = 2.0) -> None:
         """See Node."""
         self._at_end.append(call)
+        self._end_limit = max(self._end_limit, within)
 
     def end(self, reason: str, *, failed: bool = False) -> None:
         """See Node."""
@@ -219,13 +227,17 @@ class RosNode:
     def _finish(self) -> None:
         for worker in self._workers.values():
             worker.drop()
+        self._ending = True
         for call in self._at_end:
             call()
+        end = time.monotonic() + self._end_limit
+        with contextlib.suppress(queue.Empty):
+            while self._unfinished:
+                take = self._results.get(timeout=max(0.0, end - time.monotonic()))
+                self._unfinished -= 1
+                take()
         if self._at_end:
             time.sleep(_LEAVE)
-        end = time.monotonic() + _JOBS_LIMIT
-        for worker in self._workers.values():
-            worker.finish(max(0.0, end - time.monotonic()))
 
 
 class RosPublisher:

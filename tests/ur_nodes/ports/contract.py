@@ -446,10 +446,11 @@ def check_jobs_of_the_end_are_done(stage: Stage) -> None:
     if stage.one is stage.other:
         return  # the test's own process would end with it
     done: list[str] = []
-    stage.one.on_end(lambda: stage.one.work(lambda: done.append("saved"), lambda _none: None))
+    node = stage.one
+    node.on_end(lambda: node.work(lambda: "drawn", lambda word: node.work(lambda: f"{word}, written", done.append)))
     stage.begin()
-    stage.one.end("the test is over")
-    stage.until(lambda: done == ["saved"])
+    node.end("the test is over")
+    stage.until(lambda: done == ["drawn, written"])
 
 
 def check_calls_without_delay_let_others_in(stage: Stage) -> None:
