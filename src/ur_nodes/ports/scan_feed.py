@@ -18,18 +18,27 @@ class ScanFeed:
     """Listens to `scan`, and gives `use` the newest scan that can be used; older ones are dropped with it.
 
     Odometry is the transform from `odom_frame` to `base_frame` at the scan's time. Without an `odom_frame` ('') no scan
-    waits, and its odometry is None.
+    waits, and its odometry is None. Of scans, every `throttle`th counts.
     """
 
-    def __init__(self, node: Node, odom_frame: str, base_frame: str, use: Callable[[Scan, Pose2 | None], None]) -> None:
+    def __init__(
+        self,
+        node: Node,
+        odom_frame: str,
+        base_frame: str,
+        use: Callable[[Scan, Pose2 | None], None],
+        throttle: int = 1,
+    ) -> None:
         self._node = node
+        self._throttle, self._count = throttle, 0
+        self._held = False
         self._use = use
         self._odom_frame, self._base_frame = odom_frame, base_frame
         self._mounts: dict[str, Mount] = {}
         self._scans: deque[Scan] = deque(maxlen=LONGEST_QUEUE)
         self._quiet_since = node.now()
         node.transforms.watch(self._try)
-        node.subscribe("scan", Scan, self.add)
+        node.subscribe("scan", Scan, self._add)
         node.every(1.0, self._explain_silence)
 
     def odometry(self, stamp: int = 0) -> Pose2 | None:
@@ -40,20 +49,38 @@ class ScanFeed:
 
     def mount(self, frame: str) -> Mount | None:
         """The mount of a lidar by its frame, which does not move on the robot; None, with a log, while not known."""
+        found = self.find_mount(frame)
+        if found is None:
+            self._node.log.warn(f"no transform from {frame} to {self._base_frame}, expected one", every=SILENCE)
+        return found
+
+    def find_mount(self, frame: str) -> Mount | None:
+        """As `mount`, without a log."""
         if frame not in self._mounts:
-            found = self._node.transforms.find(self._base_frame, frame)
-            if not found:
-                self._node.log.warn(f"no transform from {frame} to {self._base_frame}, expected one", every=SILENCE)
+            if not (found := self._node.transforms.find(self._base_frame, frame)):
                 return None
             self._mounts[frame] = mount_of_pose(found)
         return self._mounts[frame]
 
-    def add(self, scan: Scan) -> None:
-        """Take a scan in; of more than LONGEST_QUEUE the oldest goes."""
-        self._scans.append(scan)
+    def hold(self) -> None:
+        """Give no more scans until `release`: the last one is still in use."""
+        self._held = True
+
+    def release(self) -> None:
+        """Give scans again."""
+        self._held = False
         self._try()
 
+    def _add(self, scan: Scan) -> None:
+        """Take a scan in; of more than LONGEST_QUEUE the oldest goes."""
+        self._count += 1
+        if self._count % self._throttle == 0:
+            self._scans.append(scan)
+            self._try()
+
     def _try(self) -> None:
+        if self._held:
+            return
         for index in range(len(self._scans) - 1, -1, -1):
             scan = self._scans[index]
             odometry = self.odometry(scan.stamp)

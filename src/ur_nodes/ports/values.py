@@ -24,6 +24,13 @@ class Signal:
 
 
 @dataclass(frozen=True, slots=True)
+class Number:
+    """A number in double precision; a `float` travels in single."""
+
+    value: float
+
+
+@dataclass(frozen=True, slots=True)
 class Time:
     """A moment, ns."""
 
@@ -210,6 +217,17 @@ class Map:
     stamp: int
     frame: str
     grid: Grid
+
+
+@dataclass(frozen=True, slots=True)
+class MapInfo:
+    """The moment at which a map was made, its resolution (m) and size (cells), and the pose of its first cell."""
+
+    stamp: int
+    resolution: float
+    width: int
+    height: int
+    origin: Pose2
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -10,11 +10,11 @@ __all__ = ["Codec", "ServiceCodec", "find_codec", "find_service"]
 
 # Which module knows a kind: messages take long to import, and a node needs few.
 _MODULES = {
-    "ur_nodes.ros1.codecs.simple": ("str", "bool", "float", "int", "Signal", "Time", "ClockTime"),
+    "ur_nodes.ros1.codecs.simple": ("str", "bool", "float", "int", "Number", "Signal", "Time", "ClockTime"),
     "ur_nodes.ros1.codecs.motion": ("Twist", "StampedTwist", "Odometry", "Joints", "Joystick"),
     "ur_nodes.ros1.codecs.places": ("PlacedPose", "PoseEstimate", "Poses", "Path", "Outline"),
     "ur_nodes.ros1.codecs.sensors": ("Scan", "Range", "Imu", "Battery"),
-    "ur_nodes.ros1.codecs.maps": ("Map", "MapUpdate"),
+    "ur_nodes.ros1.codecs.maps": ("Map", "MapInfo", "MapUpdate"),
     "ur_nodes.ros1.codecs.pictures": ("Picture", "PackedPicture", "Calibration"),
     "ur_nodes.ros1.codecs.frames": ("tuple",),
     "ur_nodes.ros1.codecs.services": ("Trigger", "Silent", "Switch", "AskMap", "UseMap", "AskPath", "Place"),

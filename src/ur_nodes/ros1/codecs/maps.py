@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from ur_nodes.ports.values import Map, MapUpdate
+from nav_msgs.msg import MapMetaData
+
+from ur_nodes.ports.values import Map, MapInfo, MapUpdate
 from ur_nodes.ros1.codecs.codec import Codec, fill_header, frame_of, stamp_of, time_of
+from ur_nodes.rosio.geometry import fill_pose, pose_of_message
 from ur_nodes.rosio.grid_message import GridMessage, grid_of_message, metadata_message
 from ur_nodes.rosio.grid_update import GridUpdate
 
@@ -22,6 +25,17 @@ def map_of(message: Any) -> Map:
     grid = grid_of_message(message)
     message.data = ()  # rospy keeps the last message, which is as large as the map
     return Map(stamp_of(message.header.stamp), frame_of(message), grid)
+
+
+def _fill_info(message: Any, value: MapInfo) -> None:
+    message.map_load_time, message.resolution = time_of(value.stamp), value.resolution
+    message.width, message.height = value.width, value.height
+    fill_pose(message.origin, value.origin)
+
+
+def _info_of(message: Any) -> MapInfo:
+    stamp = stamp_of(message.map_load_time)
+    return MapInfo(stamp, message.resolution, message.width, message.height, pose_of_message(message.origin))
 
 
 def _fill_update(message: Any, value: MapUpdate) -> None:
@@ -42,5 +56,6 @@ def _update_of(message: Any) -> MapUpdate:
 
 CODECS = {
     Map: Codec(GridMessage, fill_map, map_of),
+    MapInfo: Codec(MapMetaData, _fill_info, _info_of),
     MapUpdate: Codec(GridUpdate, _fill_update, _update_of),
 }

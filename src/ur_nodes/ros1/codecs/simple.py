@@ -6,10 +6,10 @@ from collections.abc import Callable
 from typing import Any
 
 from rosgraph_msgs.msg import Clock
-from std_msgs.msg import Bool, Empty, Float32, Int32, String
+from std_msgs.msg import Bool, Empty, Float32, Float64, Int32, String
 from std_msgs.msg import Time as TimeMessage
 
-from ur_nodes.ports.values import ClockTime, Signal, Time
+from ur_nodes.ports.values import ClockTime, Number, Signal, Time
 from ur_nodes.ros1.codecs.codec import Codec, stamp_of, time_of
 
 
@@ -18,6 +18,10 @@ def _data(message_class: Any, kind: Callable[[Any], Any]) -> Codec:
         message.data = value
 
     return Codec(message_class, fill, lambda message: kind(message.data))
+
+
+def _fill_number(message: Any, value: Number) -> None:
+    message.data = value.value
 
 
 def _fill_clock(message: Any, value: ClockTime) -> None:
@@ -33,6 +37,7 @@ CODECS = {
     bool: _data(Bool, bool),
     float: _data(Float32, float),
     int: _data(Int32, int),
+    Number: Codec(Float64, _fill_number, lambda message: Number(message.data)),
     Signal: Codec(Empty, lambda _message, _value: None, lambda _message: Signal()),
     Time: Codec(TimeMessage, _fill_time, lambda message: Time(stamp_of(message.data))),
     ClockTime: Codec(Clock, _fill_clock, lambda message: ClockTime(stamp_of(message.clock))),
