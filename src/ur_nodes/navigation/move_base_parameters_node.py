@@ -6,12 +6,13 @@ from dataclasses import dataclass
 
 from ur_nodes.costmap.costmap import Inflation
 from ur_nodes.costmap.footprint import Footprint
-from ur_nodes.costmap.footprint_parameters_node import read_footprint
+from ur_nodes.costmap.footprint_parameters import read_footprint
 from ur_nodes.costmap.layers import Ranges
 from ur_nodes.navigation.navigator_step import NavigatorSettings
 from ur_nodes.navigation.planning.global_plan import PlanSettings
 from ur_nodes.navigation.speed_profile import Limits
-from ur_nodes.rosio.parameters import Parameters
+from ur_nodes.ports.parameters import Parameters
+from ur_nodes.rosio.parameters import RosParameters
 
 _SONARS = Ranges(1.2, 1.2)
 
@@ -78,7 +79,7 @@ class MoveBaseSettings:
 
 def read_settings() -> MoveBaseSettings:
     """Read them all from below the node's name. Raises UserError, which names the parameter."""
-    top = Parameters()
+    top = Parameters(RosParameters(), "~")
     world, local = top.below("global_costmap"), top.below("local_costmap")
     resolution = local.number("resolution", 0.05, minimum=0.005, maximum=1.0)
     footprint = read_footprint(local if local.has("footprint") or local.has("robot_radius") else world, resolution)
