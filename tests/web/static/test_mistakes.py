@@ -82,17 +82,22 @@ def test_zone_keeps_its_corners_when_its_name_is_bad_or_taken(robot: Robot, page
 def test_rectangle_of_a_zone_is_typed_by_keys_alone(robot: Robot, page: Chromium) -> None:
     page.run("page.panels.toggle('zones'); document.getElementById('zone-draw').focus(); 0")
     page.press("Enter")
-    page.run("document.querySelector('.rectangle summary').focus(); 0")
+    page.run("document.querySelector('#zones-panel .rectangle summary').focus(); 0")
     page.press("Enter")
-    wait(lambda: page.run("document.querySelector('.rectangle p').textContent") == "The robot is at x 0.00, y 0.00 m.")
+    wait(
+        lambda: (
+            page.run("document.querySelector('#zones-panel .rectangle p').textContent")
+            == "The robot is at x 0.00, y 0.00 m."
+        )
+    )
     for text in ("1.5", "-0,5", "far", "2"):
         page.press("Tab")
         page.write(text)
     assert page.run("document.getElementById('zone-done').disabled")
-    assert page.run("[...document.querySelectorAll('.rectangle input')].map((e) => e.ariaInvalid)") == [
+    assert page.run("[...document.querySelectorAll('#zones-panel .rectangle input')].map((e) => e.ariaInvalid)") == [
         "false", "false", "true", "false",
     ]  # fmt: skip
-    page.run("document.querySelectorAll('.rectangle input')[2].select(); 0")
+    page.run("document.querySelectorAll('#zones-panel .rectangle input')[2].select(); 0")
     page.write("1")
     assert page.run("document.getElementById('zone-done').disabled") is False
     page.press("Enter")
