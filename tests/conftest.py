@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import signal
+from pathlib import Path
 
 import pytest
 from hypothesis import settings
@@ -16,11 +18,32 @@ signal.signal(signal.SIGQUIT, signal.SIG_DFL)
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Give the workers of pytest-xdist a minute to end what they started after Ctrl-C; its own limit is 10 s."""
+    """Measure coverage into the folder that UR_COVERAGE names, in this process and not in programs that tests start.
+
+    Give the workers of pytest-xdist a minute to end what they started after Ctrl-C; its own limit is 10 s.
+    """
+    controller = bool(config.getoption("numprocesses", None)) and not hasattr(config, "workerinput")
+    if (folder := os.environ.get("UR_COVERAGE")) and not controller:
+        _measure_coverage(config, Path(folder).absolute())
     if config.pluginmanager.hasplugin("xdist"):
         from xdist.workermanage import NodeManager
 
         NodeManager.EXIT_TIMEOUT = 60
+
+
+def _measure_coverage(config: pytest.Config, folder: Path) -> None:
+    import coverage
+
+    folder.mkdir(parents=True, exist_ok=True)
+    settings = config.rootpath / "pyproject.toml"
+    measurement = coverage.Coverage(str(folder / "data"), data_suffix=True, config_file=str(settings))
+    measurement.start()
+
+    def save() -> None:
+        measurement.stop()
+        measurement.save()
+
+    config.add_cleanup(save)
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
