@@ -28,6 +28,7 @@ NODES = {
     "show": '#!/bin/bash\necho "args: $*"\necho "cwd: $PWD"\necho "ns: ${ROS_NAMESPACE-none}"\n'
     'echo "mine: ${MINE-none}"\necho "uri: $ROS_MASTER_URI"\nexec sleep 600\n',
     "ask": '#!/bin/bash\nwhile read -r line; do echo "got $line"; done\nexit 7\n',
+    "echo": "#!/usr/bin/python3\nimport sys\nfor line in sys.stdin:\n    print('got', line, end='', flush=True)\n",
     "screen": "#!/bin/bash\nstty -echo -icanon\nprintf 'ready\\n'\nread -r line\necho \"got $line\"\nexit ${1:-0}\n",
     "raw": "#!/bin/bash\nstty raw -echo\nprintf '\\033[?1049h\\033[?25l'\nprintf 'ready\\n'\nexec sleep 600\n",
     "ticker": "#!/bin/bash\nwhile :; do echo tick; sleep 0.05; done\n",

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import fcntl
 import os
 import signal
+import struct
 import subprocess
 import sys
 import termios
@@ -264,6 +266,21 @@ def test_required_node_dying_behind_the_terminal_is_reported_afterwards(world: A
     assert "error: /crash died: exit code 3, which ends the run" in run.text
     assert "  | first words" in run.text
     run.wait_nothing_left()
+
+
+def test_count_of_nodes_ends_with_the_first_line_that_is_typed_and_the_program_gets_it(world: Any) -> None:
+    world.environment["TERM"] = "xterm"
+    world.environment.pop("NO_COLOR", None)
+    sleeper = '<node pkg="little_nodes" type="sleeper" name="beside"><!--ready: process--></node>'
+    run = world.launch(TERMINAL.format("echo", "") + sleeper, terminal=True)
+    fcntl.ioctl(run.keeper, termios.TIOCSWINSZ, struct.pack("HHHH", 30, 100, 0, 0))
+    run.until("starting: 1 of 2 up; front takes this terminal in a few seconds")
+    os.write(run.output, b"hello\n")
+    run.until("got hello")
+    os.write(run.output, b"again\n\x04")
+    assert run.wait() == 0
+    assert "got again" in run.text
+    assert "up;" not in run.text[run.text.index("hello") :]
 
 
 def test_program_refuses_words_that_are_no_arguments(world: Any) -> None:

@@ -79,8 +79,6 @@ def run_plan(plan: Plan, world: World, host: ProcessHost, console: Console, opti
         terminal = find_terminal() if options.call_started is None else None
         ignore_background_write()
         _announce(console, master, own_master=own_master, folder=folder, nodes=len(programs))
-        if terminal is not None and (name := next((node.name for node in nodes if node.terminal), "")):
-            console.inform(f"starting: {name} takes this terminal in a few seconds")
         run = Run(
             programs=(*master_programs, *programs),
             folder=folder,

@@ -20,6 +20,7 @@ from ur.run.process.starts import Starts
 from ur.run.process.terminal import Terminal
 from ur.run.run import Job, Run
 from ur.run.startup.progress import Progress
+from ur.run.startup.start_count import StartCount
 from ur.run.supervisor.actions import (
     Action,
     AwaitMaster,
@@ -106,7 +107,11 @@ class _Loop:
         )
         self._starts = Starts(run, host, self._outputs, self._foreground)
         self._reporter = Reporter(run, console, self._outputs, self._monitor)
-        self._progress = Progress(run, self._inbox, self._monitor, self._reporter.inform)
+        count = None
+        if owner is not None and terminal is not None:
+            nodes = sum(not program.unit.core for program in run.programs)
+            count = StartCount(owner.unit.name, nodes, terminal, console)
+        self._progress = Progress(run, self._inbox, self._monitor, self._reporter.inform, count)
 
     def run(self) -> int:
         self._monitor.open(self._run, self._state, self._outputs, time.monotonic())
@@ -127,6 +132,7 @@ class _Loop:
                 self._handle_event(Tick())
             self._outputs.work(now)
             self._monitor.work(now)
+            self._progress.work(now)
         return self._exit_code
 
     def fail(self, text: str) -> None:
@@ -156,7 +162,7 @@ class _Loop:
         unwritten = self._console.waiting()
         for descriptor in unwritten:
             self._poll.register(descriptor, select.POLLOUT)
-        dues = (next_deadline(self._state), self._monitor.due, self._outputs.due)
+        dues = (next_deadline(self._state), self._monitor.due, self._outputs.due, self._progress.due)
         times = [time for time in dues if time is not None]
         ready = self._poll.poll(max(0.0, min(times) - time.monotonic()) * 1000 + 1 if times else None)
         for descriptor in unwritten:
@@ -189,6 +195,7 @@ class _Loop:
         """Handle an event of the process host."""
         match event:
             case Suspended():
+                self._progress.stop_count()
                 each = self._state.find(event.name)
                 self._foreground.suspend(event.name, None if each is None else each.pid)
                 return
@@ -271,7 +278,8 @@ class _Loop:
             self._progress.mark("parameters")
         self._progress.follow(self._state)
         if isinstance(event, Started) and not self._programs[event.name].unit.core:
-            self._progress.note_started(event.name)
+            self._progress.note_started(event.name, event.pid, time.monotonic())
+            self._progress.follow(self._state)
 
     def _watch_master(self) -> threading.Event:
         over = threading.Event()

@@ -93,6 +93,7 @@ class Console:
             sink: _is_terminal(sink.descriptor) and allows_colour(os.environ) for sink in (self._out, self._err)
         }
         self._held: list[tuple[Sink, bytes]] | None = None
+        self._newest = ""  # what was put last
         self.silent = False  # while somebody else shows everything
 
     @property
@@ -124,6 +125,25 @@ class Console:
     def fail(self, text: str) -> None:
         """An error, without the `error: ` that is printed before it."""
         self._put(self._err, self._paint(printable_lines(f"error: {text}"), RED), important=True)
+
+    def replace(self, old: str, new: str) -> bool:
+        """Change the newest line, which `inform` printed, in place, also while the console is held.
+
+        Returns False where something was printed since, or the line does not fit, or cannot be changed at once.
+        """
+        sink = self._err
+        before, after = (self._paint(text, DIM) for text in (old, new))
+        if self._newest != before or not self._colours[sink] or sink.waiting or not _is_writable(sink.descriptor, 0.0):
+            return False
+        try:
+            if os.get_terminal_size(sink.descriptor).columns <= len(new):
+                return False
+            # What is typed below the line stays, and so does the cursor.
+            os.write(sink.descriptor, f"\x1b7\x1b[A\r{after.rstrip()}\x1b[K\x1b8".encode())
+        except OSError:
+            return False
+        self._newest = after
+        return True
 
     def hold(self) -> None:
         """Keep everything until `release`."""
@@ -164,6 +184,8 @@ class Console:
         if self.silent:
             return
         line = text.encode("utf-8", "replace")
+        if self._held is None:
+            self._newest = text
         if self._held is not None:
             self._held.append((sink, line))
         else:

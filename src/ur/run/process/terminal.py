@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import array
+import fcntl
 import os
 import signal
 import termios
@@ -23,6 +25,16 @@ class Terminal:
         try:
             return os.tcgetpgrp(self.descriptor) == os.getpgrp()
         except OSError:
+            return False
+
+    def is_unused(self, group: int) -> bool:
+        """True while a process group has the terminal and its modes are as they were, and no whole line was typed."""
+        typed = array.array("i", [0])
+        try:
+            fcntl.ioctl(self.descriptor, termios.FIONREAD, typed)
+            modes = termios.tcgetattr(self.descriptor)
+            return os.tcgetpgrp(self.descriptor) == group and modes == self._attributes and not typed[0]
+        except (OSError, termios.error):
             return False
 
     def mark_lent(self) -> None:

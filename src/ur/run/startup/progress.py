@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
+from ur.run.startup.start_count import StartCount
+from ur.run.supervisor.changes import is_before
 from ur.run.supervisor.model import Phase, State, Status
 
 if TYPE_CHECKING:
@@ -17,13 +19,17 @@ if TYPE_CHECKING:
 class Progress:
     """Follows a run from its first process until all is up, and again whenever nodes come back."""
 
-    def __init__(self, run: Run, inbox: Inbox, monitor: Monitor, inform: Callable[[str], None]) -> None:
+    def __init__(
+        self, run: Run, inbox: Inbox, monitor: Monitor, inform: Callable[[str], None], count: StartCount | None
+    ) -> None:
+        """`inform` takes the durations; `count` is shown while a program waits for the terminal."""
         self._master = run.master
         self._conditions = {program.unit.name: program.ready for program in run.programs}
         self._timings = run.timings
         self._inbox = inbox
         self._monitor = monitor
         self._inform = inform
+        self._count = count
         self._probe: ReadinessProbe | None = None
         self._state: State | None = None
 
@@ -35,7 +41,10 @@ class Progress:
     def follow(self, state: State) -> None:
         """Check the readiness of the nodes of this state while a client asks for it."""
         self._state = state
-        wanted = (self._monitor.wants_readiness or self._timings is not None) and state.phase is Phase.RUNNING
+        if self._count is not None and not is_before(state, Phase.STOPPING_NODES):
+            self._count.stop()
+        asked = self._monitor.wants_readiness or self._timings is not None or self.due is not None
+        wanted = asked and state.phase is Phase.RUNNING
         if self._probe is None and wanted and self._master is not None:
             from ur.run.startup.readiness import ReadinessProbe  # only for those who wait
 
@@ -51,8 +60,28 @@ class Progress:
                 }
             )
 
-    def note_started(self, name: str) -> None:
+    @property
+    def due(self) -> float | None:
+        """The time of the next call of `work` (monotonic, s); None: none is due."""
+        return None if self._count is None else self._count.due
+
+    def work(self, now: float) -> None:
+        """Show how many nodes are up, where that is due, and stop checking once nothing asks any more."""
+        if self._count is None or self._count.due is None:
+            return
+        self._count.work(now)
+        if self._count.due is None and self._state is not None:
+            self.follow(self._state)
+
+    def stop_count(self) -> None:
+        """The terminal is not waited for any more."""
+        if self._count is not None:
+            self._count.stop()
+
+    def note_started(self, name: str, pid: int, now: float) -> None:
         """A node has a process."""
+        if self._count is not None and name == self._count.name:
+            self._count.begin(pid, now)
         self._time(name, up=False)
 
     def close(self) -> None:
@@ -69,6 +98,8 @@ class Progress:
         if each is None or each.pid != pid:
             return  # that was another process of this name
         self._monitor.note_readiness(name, missing)
+        if self._count is not None:
+            self._count.note(name, up=not missing)
         self._time(name, up=not missing)
 
     def _time(self, name: str, *, up: bool) -> None:
