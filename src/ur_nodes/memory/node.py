@@ -8,7 +8,7 @@ from typing import Any, TypeVar
 from ur_nodes.memory.carrier import Carrier, Listener, Offer
 from ur_nodes.memory.goals import MemoryGoalClient, MemoryGoalServer
 from ur_nodes.ports.actions import GoalFollower, GoalTakers
-from ur_nodes.ports.node import Sender
+from ur_nodes.ports.node import Place, Sender
 from ur_nodes.ports.parameters import Parameters
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.transforms import Transforms
@@ -175,6 +175,12 @@ class MemoryNode:
     def steady(self) -> float:
         """See Node."""
         return self._bus.now * 1e-9
+
+    def locate(self, name: str) -> Place | None:
+        """See Node. All nodes of the bus run here, but for those of its `hosts`."""
+        if name in self._bus.hosts:
+            return Place(self._bus.hosts[name], here=False)
+        return Place("localhost", here=True) if name in self._bus.nodes else None
 
     def resolve(self, name: str) -> str:
         """See Node."""

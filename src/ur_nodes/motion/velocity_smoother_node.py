@@ -7,45 +7,43 @@ from __future__ import annotations
 
 import sys
 
-import rospy
-from geometry_msgs.msg import Twist
-
 from ur_nodes.motion.admission.probation import Probation, step_probation
-from ur_nodes.motion.clock import read_steady_time
 from ur_nodes.motion.mux import start_mux
 from ur_nodes.motion.mux_events import Command, MuxSettings, Source, Velocity
-from ur_nodes.motion.mux_runner_node import MuxRunner, make_clock
+from ur_nodes.motion.mux_runner import MuxRunner
 from ur_nodes.motion.ramp import Axis
-from ur_nodes.rosio.parameters import Parameters
-from ur_nodes.rosio.shell import run_node
+from ur_nodes.ports.node import Node
+from ur_nodes.ports.parameters import Parameters
+from ur_nodes.ports.qualities import Quality
+from ur_nodes.ports.values import Twist
+from ur_nodes.run import run
 
 _TIMEOUT = 0.5  # s, as upstream at its longest
-_QUEUE = 100  # a cluster of commands has to be seen as one
 _NEVER = 1e9  # s: no limit on the time to stop
 
 
-def start() -> None:
-    """Read the parameters and run. Raises UserError."""
-    own = Parameters()
+def start(node: Node) -> None:
+    """Read the parameters and connect. Raises UserError."""
+    own = node.parameters
     braking = own.number("decel_factor", 1.0, minimum=0.01)
     forward, turn = (_read_axis(own, letter, braking) for letter in ("v", "w"))
     period = 1.0 / own.number("frequency", 20.0, minimum=1.0, maximum=200.0)
     if own.integer("robot_feedback", 0) != 0:
-        rospy.logwarn("robot_feedback is not used here: ramps begin at the velocity that was last sent")
+        node.log.warn("robot_feedback is not used here: ramps begin at the velocity that was last sent")
     source = Source("raw_cmd_vel", "~raw_cmd_vel", 0, _TIMEOUT, zeros_hold=True)
     settings = MuxSettings((source,), forward, turn, period=period, brake_period=period, stop_time=_NEVER, lag=0.0)
-    runner = MuxRunner(start_mux(settings), "~smooth_cmd_vel", make_clock(), lambda _state: None)
+    runner = MuxRunner(node, start_mux(settings), "~smooth_cmd_vel")
 
     rhythm = Probation(_TIMEOUT)
 
-    def on_command(message: Twist) -> None:
+    def take(twist: Twist) -> None:
         nonlocal rhythm
-        velocity = Velocity(message.linear.x, message.angular.z)
-        rhythm = step_probation(rhythm, read_steady_time(), motion=not velocity.still)
+        velocity = Velocity(twist.forward, twist.turn)
+        rhythm = step_probation(rhythm, node.steady(), motion=not velocity.still)
         if rhythm.accepted or velocity.still:
             runner.handle(Command(0, velocity))
 
-    rospy.Subscriber(source.topic, Twist, on_command, queue_size=_QUEUE, tcp_nodelay=True)
+    node.subscribe(source.topic, Twist, take, Quality.EVERY)  # a cluster of commands has to be seen as one
 
 
 def _read_axis(own: Parameters, letter: str, braking: float) -> Axis:
@@ -55,7 +53,7 @@ def _read_axis(own: Parameters, letter: str, braking: float) -> Axis:
 
 def main() -> int:
     """Run until shutdown. Returns the exit code."""
-    return run_node("velocity_smoother", start)
+    return run("velocity_smoother", start)
 
 
 if __name__ == "__main__":

@@ -34,6 +34,14 @@ class Sender:
     kept: bool = False
 
 
+@dataclass(frozen=True, slots=True)
+class Place:
+    """The computer that a node runs on, and whether it is this one."""
+
+    host: str
+    here: bool
+
+
 class Publisher(Protocol[Sent]):
     """One end of a topic."""
 
@@ -144,6 +152,9 @@ class Node(Protocol):
 
     def steady(self) -> float:
         """Seconds of a clock that is never set and that runs on while the computer sleeps."""
+
+    def locate(self, name: str) -> Place | None:
+        """Find out where a node runs; None: nobody knows. It may wait: for `work`."""
 
     def resolve(self, name: str) -> str:
         """The full name that a name of this node stands for."""

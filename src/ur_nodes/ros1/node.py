@@ -9,12 +9,15 @@ import warnings
 from collections.abc import Callable
 from concurrent.futures import Future
 from typing import Any, TypeVar
+from urllib.parse import urlsplit
 
+import rosgraph
+import rosgraph.network
 import rospy
 
 from ur.source.diagnostic import UserError
 from ur_nodes.ports.actions import GoalClient, GoalFollower, GoalTakers
-from ur_nodes.ports.node import Sender
+from ur_nodes.ports.node import Place, Sender
 from ur_nodes.ports.parameters import Parameters
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.transforms import Transforms
@@ -209,6 +212,14 @@ class RosNode:
     def steady(self) -> float:
         """See Node."""
         return time.clock_gettime(time.CLOCK_BOOTTIME)
+
+    def locate(self, name: str) -> Place | None:
+        """See Node."""
+        try:
+            host = urlsplit(rosgraph.Master(self.name).lookupNode(name)).hostname
+        except (OSError, rosgraph.MasterException):
+            return None
+        return Place(host, rosgraph.network.is_local_address(host)) if host else None
 
     def resolve(self, name: str) -> str:
         """See Node."""

@@ -518,6 +518,13 @@ def check_what_is_sent_at_the_end_still_leaves(stage: Stage) -> None:
     stage.until(lambda: got == [Twist(0.0, 0.0)])
 
 
+def check_nodes_are_located(stage: Stage) -> None:
+    place = stage.one.locate(stage.other.name)
+    assert place is not None
+    assert place.here
+    assert stage.one.locate("/no/such/node") is None
+
+
 def check_names_are_resolved(stage: Stage) -> None:
     assert stage.one.resolve("scan") == "/scan"
     assert stage.one.resolve("/tf") == "/tf"

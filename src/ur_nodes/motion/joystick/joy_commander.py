@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any, Protocol
+from typing import Protocol
 
-import rospy
-from geometry_msgs.msg import Twist
-
-from ur_nodes.motion.challenge.challenge_node import AdaptivePublisher, FreshPublisher
-from ur_nodes.motion.lease.client_node import LeaseClient
-from ur_nodes.rosio.parameters import Parameters
+from ur_nodes.motion.challenge.link import AdaptivePublisher, FreshPublisher
+from ur_nodes.motion.lease.client import LeaseClient
+from ur_nodes.ports.node import Node
+from ur_nodes.ports.values import Twist
 
 
 class JoyCommander(Protocol):
@@ -22,12 +20,12 @@ class JoyCommander(Protocol):
 class PlainJoyCommander:
     """Twist, for a base without a mux of ours."""
 
-    def __init__(self) -> None:
-        self._publisher: Any = rospy.Publisher("cmd_vel", Twist, queue_size=1, tcp_nodelay=True)
+    def __init__(self, node: Node) -> None:
+        self._publisher = node.publish("cmd_vel", Twist)
 
     def publish(self, twist: Twist, *, held: bool) -> None:  # noqa: ARG002 - see JoyCommander
         """Publish a velocity."""
-        self._publisher.publish(twist)
+        self._publisher.send(twist)
 
 
 class LeasedJoyCommander:
@@ -37,35 +35,36 @@ class LeasedJoyCommander:
     letting it go releases a lease that was acquired so. A lease that the run had before, by its keyboard, is kept.
     """
 
-    def __init__(self, mux: str, *, adaptive: bool) -> None:
+    def __init__(self, node: Node, mux: str, *, adaptive: bool) -> None:
         """With `adaptive`, publish plain commands where there is no mux of ours: see AdaptivePublisher."""
-        self._lease = LeaseClient(mux, "joystick", conduct="watch")
+        self._log = node.log
+        self._lease = LeaseClient(node, mux, "joystick", conduct="watch")
         self._conduct = self._lease.identity.conduct
         publisher = AdaptivePublisher if adaptive else FreshPublisher
         self._publisher = publisher("cmd_vel", self._lease.link, self._lease.client)
         self._held = False
         self._borrowed = False
-        self._sent: tuple[Any, Twist] | None = None
+        self._sent: tuple[int | None, Twist] | None = None
 
     def publish(self, twist: Twist, *, held: bool) -> None:
         """Publish a velocity, unless another client drives. What the mux has already is not sent again."""
         if isinstance(self._publisher, AdaptivePublisher) and self._publisher.plain:
-            self._publisher.publish(twist)
+            self._publisher.send(twist)
             return
         view = self._lease.view()
         if held and not self._held:
             self._begin(mine=view.mine)
         if view.mine or (view.state == "free" and self._conduct != "watch"):
-            what = (self._lease.answer(), twist)
+            what = (self._lease.link.newest(), twist)
             if what != self._sent or not held:
-                self._publisher.publish(twist)
+                self._publisher.send(twist)
                 self._sent = what
         elif held:
             program = f" ({view.program})" if view.program else ""
             other = f"{view.holder}{program} drives" if view.state == "held" else "no mux has sent a lease"
             if view.state == "lost":
                 other = f"{view.holder}{program} drove and is out of reach"
-            rospy.logwarn_throttle(5.0, f"the joystick does not drive: {other}; UR_LEASE=take lets it take over")
+            self._log.warn(f"the joystick does not drive: {other}; UR_LEASE=take lets it take over", every=5.0)
         if self._held and not held and self._borrowed:
             self._borrowed = False
             self._lease.release(final=False)
@@ -79,14 +78,14 @@ class LeasedJoyCommander:
         {"drive": self._lease.acquire, "take": self._lease.take, "ask": self._lease.ask}[self._conduct]()
 
 
-def make_joy_commander(parameters: Parameters, mux: str) -> JoyCommander:
+def make_joy_commander(node: Node, mux: str) -> JoyCommander:
     """The commander that the parameter `lease` asks for. Raises UserError.
 
     It is `true`, `false` or `auto`: yes if there is a mux of ours, unless the commands go to a topic that is called
     cmd_vel, a base's own.
     """
-    lease = parameters.text("lease", "auto", choices=("auto", "true", "false"))
-    on_base = rospy.resolve_name("cmd_vel").rsplit("/", 1)[-1] == "cmd_vel"
+    lease = node.parameters.text("lease", "auto", choices=("auto", "true", "false"))
+    on_base = node.resolve("cmd_vel").rsplit("/", 1)[-1] == "cmd_vel"
     if lease == "true" or (lease == "auto" and not on_base):
-        return LeasedJoyCommander(mux, adaptive=lease == "auto")
-    return PlainJoyCommander()
+        return LeasedJoyCommander(node, mux, adaptive=lease == "auto")
+    return PlainJoyCommander(node)

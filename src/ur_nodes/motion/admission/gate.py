@@ -1,0 +1,193 @@
+"""Commands, locks and lease requests from topics: what `admission` lets through reaches the mux."""
+
+from __future__ import annotations
+
+import math
+import secrets
+import time
+from collections.abc import Callable, Mapping
+from functools import partial
+
+from ur_nodes.motion.admission.admission import (
+    Admission,
+    Refusal,
+    admit_plain,
+    admit_request,
+    admit_stamped,
+    challenge,
+)
+from ur_nodes.motion.admission.probation import LockRelease, rate_needed, step_lock_release
+from ur_nodes.motion.admission.reports import Reports
+from ur_nodes.motion.challenge.freshness import Challenges
+from ur_nodes.motion.lease.record import LeaseRecord, start_lease
+from ur_nodes.motion.lease.store import make_store
+from ur_nodes.motion.lease.text import FREE, Lease, read_lease, read_request, write_lease
+from ur_nodes.motion.mux_events import Command, Event, LockMessage, MuxSettings, Velocity
+from ur_nodes.motion.writes import AsideLog, Writes, attempt
+from ur_nodes.ports.node import SECOND, Node, Sender
+from ur_nodes.ports.qualities import Quality
+from ur_nodes.ports.values import StampedTwist, Time, Twist
+
+_FACT = "lease"  # mirrors the lease
+_MOST_PUBLISHERS = 256  # of locks, that are remembered
+_MEMORY = 60.0  # s: for the driver before the master was started anew to return
+
+
+class Gate:
+    """Owns an Admission: issues challenges, publishes the lease, and passes on the commands that are admitted.
+
+    `handle` is called with every event for the mux. Commands count from their challenge's issue; under simulated time,
+    where nothing real moves, from their arrival. A lease is in force at once, and announced once it is saved: what a
+    client has seen outlives this process. Commands do not wait for the disk, and the disk not for the master.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        settings: MuxSettings,
+        handle: Callable[[Event], object],
+        writes: Writes,
+        environment: Mapping[str, str],
+        *,
+        rate: float,
+        freshness: float,
+        lease_timeout: float,
+    ) -> None:
+        """`rate` (Hz) is that of the challenges; `freshness` and `lease_timeout` in seconds."""
+        self._node, self._settings, self._handle, self._writes = node, settings, handle, writes
+        self._log = AsideLog(node)
+        self._store = make_store(environment, node.name, str(node.facts.get("run_id", "")))
+        self._admission = Admission(
+            Challenges(secrets.randbelow(2**30 * SECOND) + 1),
+            self._start_lease(lease_timeout),
+            tuple(source.timeout for source in settings.sources),
+            freshness,
+        )
+        self._reports = Reports(freshness)
+        self._locks: dict[tuple[int, str], LockRelease] = {}
+        self._announced: Lease | None = None
+        self._saving = False
+        self._challenge = node.publish("~challenge", Time)
+        self._lease = node.publish("~lease", str, Quality.LATCHED)
+        node.on_end(self._end)
+        node.after(0.0, self._issue, steady=True)
+        node.every(1.0 / rate, self._issue, steady=True)
+        for index, source in enumerate(settings.sources):
+            # Every plain command counts: a cluster has to be seen as one.
+            node.subscribe_from(source.topic, Twist, partial(self._take_plain, index), Quality.EVERY)
+            # Likewise every stamped one: those of a client that may not drive must not replace those of the driver.
+            stamped = f"{source.topic}_stamped"
+            node.subscribe(stamped, StampedTwist, partial(self._take_stamped, index), Quality.EVERY)
+        for index, lock in enumerate(settings.locks):
+            node.subscribe_from(lock.topic, bool, partial(self._take_lock, index), Quality.EVERY)
+        node.subscribe_from("~lease_request", str, self._take_request, Quality.EVERY)
+
+    def _start_lease(self, timeout: float) -> LeaseRecord:
+        """The lease of the mux that was killed before; that of an earlier master for a moment only."""
+        stored, same_run = self._store.load()
+        if same_run:
+            return start_lease(stored or read_lease(self._node.facts.get(_FACT)), timeout, unix=time.time())
+        return start_lease(stored, timeout, unix=time.time(), forget_at=self._node.steady() + _MEMORY)
+
+    def _take_stamped(self, index: int, command: StampedTwist) -> None:
+        velocity = self._velocity_of(command.twist, index)
+        now, motion = self._node.steady(), not velocity.still
+        stamp = divmod(command.stamp, SECOND)
+        self._admission, verdict = admit_stamped(
+            self._admission, index, stamp, command.frame, now, time.time(), motion=motion
+        )
+        self._pass(index, velocity, now, verdict, stamped=True)
+        self._announce()
+
+    def _take_plain(self, index: int, twist: Twist, sender: Sender | None) -> None:
+        velocity = self._velocity_of(twist, index)
+        now, motion = self._node.steady(), not velocity.still
+        self._admission, verdict = admit_plain(self._admission, index, _name(sender), now, motion=motion)
+        self._pass(index, velocity, now, verdict, stamped=False)
+
+    def _pass(self, index: int, velocity: Velocity, now: float, verdict: float | Refusal, *, stamped: bool) -> None:
+        """Let the mux have a command that is admitted at `now`, and count one that is not."""
+        if isinstance(verdict, float):
+            self._handle(Command(index, velocity, None if self._node.facts.simulated_time else now - verdict))
+        elif not velocity.still:
+            self._reports.count(self._settings.sources[index], verdict, stamped=stamped)
+
+    def _velocity_of(self, twist: Twist, index: int) -> Velocity:
+        if math.isfinite(twist.forward) and math.isfinite(twist.turn):
+            return Velocity(twist.forward, twist.turn)
+        source = self._settings.sources[index]
+        text = f"{source.name}: a command on {source.topic} is not finite, expected numbers; taken as stop"
+        self._log.warn(text, every=5.0)
+        return Velocity()
+
+    def _take_lock(self, index: int, locked: bool, sender: Sender | None) -> None:
+        """Obey `true` always, and `false` when it cannot have been held back for long: see `step_lock_release`."""
+        key, lock = (index, _name(sender)), self._settings.locks[index]
+        known = self._locks.get(key)
+        state = known or LockRelease(lock.timeout)
+        state, obeyed = step_lock_release(state, self._node.steady(), locked=locked, new=known is None)
+        others = [pair for pair in self._locks.items() if pair[0] != key]
+        self._locks = dict([*others[-_MOST_PUBLISHERS:], (key, state)])
+        if obeyed:
+            self._handle(LockMessage(index, locked))
+            return
+        late = f"{lock.name}: ignored a 'false' of {key[1]} on {lock.topic} that may be late; "
+        self._log.warn(late + "expected it from a new publisher or five times in a row", every=5.0)
+
+    def _take_request(self, text: str, sender: Sender | None) -> None:
+        request = read_request(text)
+        if isinstance(request, str):
+            self._log.warn(f"{_name(sender)}: ignored a request about the lease {request}", every=5.0)
+            return
+        self._admission, counted = admit_request(self._admission, request, self._node.steady(), time.time())
+        self._announce()
+        if not counted and request.action != "renew":
+            self._log.warn(f"ignored the request '{request.action}' of {request.name}: it arrived late", every=5.0)
+
+    def _issue(self) -> None:
+        """Issue a challenge, and report what was dropped."""
+        now = self._node.steady()
+        self._admission, stamp, slow = challenge(self._admission, now, time.time())
+        self._challenge.send(Time(stamp[0] * SECOND + stamp[1]))
+        self._announce()
+        for line in self._reports.lines(now, self._admission.lease.lease):
+            self._log.warn(line)
+        for index, publisher in slow:
+            source = self._settings.sources[index]
+            self._log.warn(
+                f"{source.topic}: {publisher} does not drive: plain commands need a steady rate of "
+                f"{rate_needed(source.timeout)} Hz or more, five in a row"
+            )
+
+    def _announce(self) -> None:
+        """Save the lease if it has changed, then publish it. One save at a time; what changes meanwhile follows."""
+        lease = self._admission.lease.lease
+        if self._saving or lease == self._announced:
+            return
+        self._saving = True
+
+        def save() -> str:
+            try:
+                self._store.save(lease)
+            except OSError as problem:
+                return f"{self._store.path}: the lease is not saved: {problem.strerror}"
+            return ""
+
+        def publish(problem: str) -> None:
+            if problem:
+                self._log.warn(problem, every=60.0)
+            self._lease.send(write_lease(lease))
+            self._saving, self._announced = False, lease
+            self._writes.write(_FACT, partial(self._node.facts.set, _FACT, write_lease(lease)))
+            self._announce()
+
+        self._node.work(save, publish, "disk")
+
+    def _end(self) -> None:
+        """Free the lease: only that of a mux that died is kept."""
+        self._node.work(lambda: attempt(self._store.clear), lambda _done: None, "disk")
+        self._writes.write(_FACT, partial(self._node.facts.set, _FACT, write_lease(FREE)))
+
+
+def _name(sender: Sender | None) -> str:
+    return sender.name if sender else ""

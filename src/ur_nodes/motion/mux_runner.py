@@ -1,0 +1,77 @@
+"""A mux at work: events in, velocities out on `cmd_vel`, on time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from ur_nodes.motion.mux import MuxState, step
+from ur_nodes.motion.mux_events import STILL, Event, Velocity
+from ur_nodes.motion.mux_time import read_mux_time
+from ur_nodes.ports.node import Node, Timer
+from ur_nodes.ports.values import Twist
+
+_END_ZEROS = 3
+
+
+class MuxRunner:
+    """Owns a state, steps it at events and when it is due, and publishes the outputs.
+
+    `on_change` is called with every new state whose active source or emergency stop differs from the one before,
+    `on_output` with every state that has sent something.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        state: MuxState,
+        topic: str,
+        on_change: Callable[[MuxState], None] = lambda _: None,
+        on_output: Callable[[MuxState], None] = lambda _: None,
+    ) -> None:
+        self._node = node
+        self._state = state
+        self._on_change, self._on_output = on_change, on_output
+        self._timer: Timer | None = None
+        self._timer_at = state.next_at
+        self._publisher = node.publish(topic, Twist, greet=self._greet)
+        node.on_end(self._end)
+        on_change(state)
+
+    def handle(self, event: Event | None) -> MuxState:
+        """Let an event take effect now (None: time has passed), and return the state after it."""
+        before, now = self._state, read_mux_time(self._node)
+        self._state, output = step(before, event, now)
+        if output is not None:
+            self._publisher.send(twist_of(output))
+            self._on_output(self._state)
+        if (before.active, before.stopped) != (self._state.active, self._state.stopped):
+            self._on_change(self._state)
+        if self._state.next_at != self._timer_at:
+            self._arm(now)
+        return self._state
+
+    def _arm(self, now: float) -> None:
+        """Have the next output made when it is due."""
+        if self._timer is not None:
+            self._timer.cancel()
+        self._timer, self._timer_at = None, self._state.next_at
+        if self._timer_at < float("inf"):
+            self._timer = self._node.after(max(0.0, self._timer_at - now), self._take_due)
+
+    def _take_due(self) -> None:
+        self._timer_at = float("nan")  # the timer is used up
+        self.handle(None)
+
+    def _greet(self) -> Twist | None:
+        """A stop for each new subscriber: some drivers keep the last command of a mux that died."""
+        return twist_of(STILL) if self._state.output.still else None
+
+    def _end(self) -> None:
+        if not self._state.output.still:
+            for _ in range(_END_ZEROS):
+                self._publisher.send(twist_of(STILL))
+
+
+def twist_of(velocity: Velocity) -> Twist:
+    """The value."""
+    return Twist(velocity.forward, velocity.turn)

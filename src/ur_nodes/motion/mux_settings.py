@@ -1,0 +1,69 @@
+"""The settings of the mux, from parameters."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ur.robot.base import Base, load_base
+from ur.source.project import launch_library
+from ur_nodes.motion.challenge.freshness import FRESHNESS
+from ur_nodes.motion.mux_events import MuxSettings
+from ur_nodes.motion.ramp import axes_of
+from ur_nodes.motion.sources import read_locks, read_sources
+from ur_nodes.ports.parameters import Parameters
+
+STOPPED = "emergency_stop"  # on the parameter server, so that an emergency outlives the process
+LIMIT = "speed_limit_percent"  # likewise
+LEAST_LIMIT = 5.0  # percent
+
+
+@dataclass(frozen=True, slots=True)
+class MuxNodeSettings:
+    """Settings of the mux, and its state at the start: `stopped`, and the `share` of the base's speeds.
+
+    `challenge_rate` is in Hz, `freshness` and `lease_timeout` in s.
+    """
+
+    base: Base
+    mux: MuxSettings
+    stopped: bool
+    share: float
+    obstacle_stop: bool
+    sonars: bool
+    challenge_rate: float
+    freshness: float
+    lease_timeout: float
+
+
+def read_settings(own: Parameters) -> MuxNodeSettings:
+    """Raises UserError."""
+    base = load_base(own.text("package", str(launch_library())), own.text("base"), own.text("variant", ""))
+    forward, turn = axes_of(base.limits)
+    return MuxNodeSettings(
+        base,
+        MuxSettings(
+            read_sources(own.any("topics"), own.name("topics")),
+            forward,
+            turn,
+            read_locks(own.any("locks", []), own.name("locks")),
+            period=1.0 / own.number("rate", 50.0, minimum=10.0, maximum=100.0),
+            stop_time=own.number("stop_time", 0.3, minimum=0.1, maximum=2.0),
+            lag=own.number("lag", base.limits.lag, minimum=0.0, maximum=0.5),
+        ),
+        stopped=own.any(STOPPED, False) is True,
+        share=read_share(own.any(LIMIT, 100.0)) or 1.0,
+        obstacle_stop=own.boolean("obstacle_stop", False),
+        sonars=own.boolean("use_sonars", True),
+        challenge_rate=own.number("challenge_rate", 50.0, minimum=20.0, maximum=100.0),
+        freshness=own.number("freshness", FRESHNESS, minimum=0.05, maximum=0.5),
+        lease_timeout=own.number("lease_timeout", 3.0, minimum=1.0, maximum=60.0),
+    )
+
+
+def read_share(percent: object) -> float | None:
+    """The share of a percentage (0: all); None for what is none."""
+    if not isinstance(percent, (int, float)) or isinstance(percent, bool):
+        return None
+    if percent == 0.0:
+        return 1.0
+    return float(percent) / 100.0 if LEAST_LIMIT <= percent <= 100.0 else None

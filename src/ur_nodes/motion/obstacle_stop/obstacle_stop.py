@@ -1,0 +1,139 @@
+"""The obstacle stop from topics: readings of the base's sensors in, what the mux may do and reports of it out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+
+import numpy as np
+
+from ur.robot.base import Base
+from ur_nodes.motion.mux_time import read_mux_time
+from ur_nodes.motion.obstacle_stop.base import contact_points, contact_topics, explain_frame, make_sight
+from ur_nodes.motion.obstacle_stop.guard import Guard, Verdict, make_guard
+from ur_nodes.motion.obstacle_stop.report import CLEAR, OFF, Report, report_of, write_report
+from ur_nodes.motion.obstacle_stop.sight import Contact, Ranges, Sight, look, move, touch
+from ur_nodes.motion.obstacle_stop.track import Odometer
+from ur_nodes.motion.writes import AsideLog, Writes
+from ur_nodes.ports.node import Node
+from ur_nodes.ports.qualities import Quality
+from ur_nodes.ports.services import Switch
+from ur_nodes.ports.values import Odometry, Range, Result, Scan
+
+_CHOSEN = "obstacle_stop_chosen"  # on the parameter server, so that the choice outlives this process
+_EVERY = 0.2  # s between two reports of the same state
+_LOG_EVERY = 5.0  # s
+
+
+class ObstacleStop:
+    """Owns the sight of a base; calls `watch` with each new guard, None while it is off.
+
+    Nothing is subscribed for a base without sensors that it can use.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        base: Base,
+        watch: Callable[[Guard | None], object],
+        writes: Writes,
+        *,
+        on: bool,
+        sonars: bool,
+        lag: float,
+    ) -> None:
+        """`on` is the choice at the start, `sonars`: the base has those of its file, `lag` (s) that of the mux."""
+        self._node, self._base, self._watch, self._writes = node, base, watch, writes
+        self._log = AsideLog(node)
+        sight = make_sight(base, sonars=sonars)
+        self._sensors = {sensor.name: sensor for sensor in sight.sensors}
+        self._guard = make_guard(sight, base.limits, lag)
+        usable = bool(sight.sensors or base.bumpers or base.cliffs)
+        self._on = usable and node.parameters.any(_CHOSEN, on) is True
+        self._warned = False
+        self._reported_at = self._logged_at = float("-inf")
+        self._publisher = node.publish("~obstacle_stop", str, Quality.LATCHED)
+        self._publish(CLEAR if self._on else OFF if usable else Report())
+        if not usable:
+            return
+        self._watch(self._guard if self._on else None)
+        node.subscribe("odom", Odometry, self._take_odometry)
+        if base.lidar:
+            node.subscribe(base.lidar.topic, Scan, partial(self._take_scan, base.lidar.topic))
+        if base.sonars and sonars:
+            node.subscribe(base.sonars.topic, Range, self._take_range, Quality.EVERY)  # all of a base come together
+        for contact, topic in contact_topics(base).items():
+            node.subscribe(topic, bool, partial(self._take_contact, contact))
+        node.serve_later("~set_obstacle_stop", Switch, self._choose)
+
+    def note(self, verdict: Verdict | None, wanted: tuple[float, float], output: tuple[float, float]) -> None:
+        """Publish the report of a verdict of the mux, for a wanted velocity and what was sent (m/s, rad/s)."""
+        if not self._on:
+            return
+        report = report_of(verdict, wanted, output)
+        now = read_mux_time(self._node)
+        if report == self._reported or (report.state == self._reported.state and now - self._reported_at < _EVERY):
+            return
+        self._reported_at = now
+        if report.state == "stopped" != self._reported.state and not 0.0 <= now - self._logged_at < _LOG_EVERY:
+            self._logged_at = now
+            self._log.info(report.text)
+        self._publish(report)
+
+    def _publish(self, report: Report) -> None:
+        self._reported = report
+        self._publisher.send(write_report(report))
+
+    def _choose(self, request: Switch, give: Callable[[Result], None]) -> None:
+        self._on = request.on
+        self._watch(self._guard if self._on else None)
+        self._publish(CLEAR if self._on else OFF)
+        word = "on" if self._on else "off"
+        self._log.info(f"the obstacle stop is {word}")
+        keep = partial(self._node.parameters.keep, _CHOSEN, self._on)
+        self._writes.write(_CHOSEN, keep, lambda _problem: give(Result(True, word)))
+
+    def _change(self, sight: Sight) -> None:
+        guard = self._guard
+        if sight is guard.sight:
+            return
+        self._guard = Guard(sight, guard.braking, guard.lag)
+        if self._on:
+            self._watch(self._guard)
+
+    def _time_of(self, stamp: int) -> float:
+        """The mux's time at which a value was measured, by its stamp (ns); not later than now."""
+        now = read_mux_time(self._node)
+        return now - max(0.0, (self._node.now() - stamp) * 1e-9) if stamp else now
+
+    def _take_odometry(self, odometry: Odometry) -> None:
+        twist = odometry.twist
+        reading = Odometer(odometry.pose, twist.forward, twist.turn, self._time_of(odometry.stamp))
+        self._change(move(self._guard.sight, reading))
+
+    def _take_scan(self, topic: str, scan: Scan) -> None:
+        sensor = self._sensors.get(topic)
+        if sensor is None:
+            return
+        at, spacing = self._time_of(scan.stamp), max(0.0, scan.time_increment)
+        angles = scan.angle_min, scan.angle_increment
+        reading = Ranges(scan.ranges, (scan.range_min, scan.range_max), at, *angles, spacing)
+        self._change(look(self._guard.sight, sensor, reading))
+
+    def _take_range(self, value: Range) -> None:
+        sensor = self._sensors.get(value.frame)
+        if sensor is None:
+            self._warn_of_frame(value.frame)
+            return
+        limits = value.range_min, value.range_max
+        reading = Ranges(np.array([value.range]), limits, self._time_of(value.stamp), cone=value.field_of_view)
+        self._change(look(self._guard.sight, sensor, reading))
+
+    def _warn_of_frame(self, frame: str) -> None:
+        if not self._warned and (reason := explain_frame(self._base, frame)):
+            self._warned = True
+            self._log.warn(reason)
+
+    def _take_contact(self, contact: tuple[Contact, str], touched: bool) -> None:
+        points = contact_points(self._base, self._guard.sight.hull, contact) if touched else None
+        self._change(touch(self._guard.sight, contact, points))

@@ -1,0 +1,413 @@
+"""The mux on a bus: who drives, what is too late, and that the robot stops."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import yaml
+
+from ur.source.diagnostic import UserError
+from ur_nodes.memory.bus import Bus
+from ur_nodes.memory.node import MemoryNode
+from ur_nodes.motion.challenge.link import FreshPublisher
+from ur_nodes.motion.cmd_vel_mux_node import start
+from ur_nodes.motion.lease.client import LeaseClient
+from ur_nodes.motion.lease.view import Conduct, Identity
+from ur_nodes.ports.qualities import Quality
+from ur_nodes.ports.services import Switch, Trigger
+from ur_nodes.ports.values import Result, Scan, StampedTwist, Time, Twist
+
+ROOT = Path(__file__).parents[3]
+SOURCES = yaml.safe_load((ROOT / "ubiquity_launches/n_cmd_vel_mux/params/sources.yaml").read_text())
+AHEAD = Twist(0.3, 0.0)
+STILL = Twist(0.0, 0.0)
+
+
+class Driver:
+    """A client of the mux that sends commands at 50 Hz while `wanted` is set, each with the newest challenge."""
+
+    def __init__(self, bus: Bus, name: str, conduct: Conduct = "drive", topic: str = "key_vel") -> None:
+        self.node = bus.node(name)
+        self.lease = LeaseClient(self.node, "cmd_vel_mux", identity=Identity(name, f"{name}-host", "test", conduct))
+        self.fresh = FreshPublisher(topic, self.lease.link, name)
+        self.wanted: Twist | None = None
+        self.sent_at = 0
+        self.node.every(0.02, self.send)
+
+    def send(self) -> None:
+        if self.wanted is not None and self.fresh.send(self.wanted):
+            self.sent_at = self.node.now()
+
+
+class Robot:
+    """A bus with a mux whose clock is a steady one, and what reaches the base: times (ns) and velocities."""
+
+    def __init__(self, home: Path, delay: Callable[[str], int | None] | None = None, **parameters: Any) -> None:
+        self.home = home
+        self.bus = Bus(delay)
+        own = {"base": "stage", **SOURCES, **parameters}
+        self.bus.parameters |= {f"/cmd_vel_mux/{name}": value for name, value in own.items()}
+        self.person = self.bus.node("person")
+        self.outputs: list[tuple[int, Twist]] = []
+        self.topics: dict[str, list[Any]] = {}
+        take = lambda twist: self.outputs.append((self.bus.now, twist))  # noqa: E731
+        self.base = self.bus.node("base")
+        self.base.subscribe("cmd_vel_out", Twist, take, Quality.EVERY)
+        self.mux = self.start()
+
+    def start(self) -> MemoryNode:
+        self.mux = self.bus.node("cmd_vel_mux")
+        self.mux.facts.simulated_time = False
+        start(self.mux)
+        self.bus.run(0.1)
+        return self.mux
+
+    def kill(self) -> None:
+        """The mux ends without any last word."""
+        self.mux._at_end.clear()
+        self.mux.end("killed")
+
+    def ask(self, service: str, request: object | None = None) -> Result:
+        got: list[Result] = []
+        self.person.call(f"cmd_vel_mux/{service}", request or Trigger(), got.append)
+        assert self.bus.run_until(lambda: bool(got), 10.0)
+        return got[0]
+
+    def newest(self, topic: str, kind: type[Any]) -> Any:
+        got: list[Any] = []
+        heard = self.person.subscribe(f"cmd_vel_mux/{topic}", kind, got.append)
+        self.bus.run(0.001)
+        heard.close()
+        return got[-1]
+
+    def speeds(self, seconds: float) -> list[float]:
+        """What reaches the base from now on, m/s ahead."""
+        del self.outputs[:]
+        self.bus.run(seconds)
+        return [twist.forward for _, twist in self.outputs]
+
+    def plain(self, topic: str, name: str = "plain") -> Callable[[], None]:
+        publisher = self.bus.node(name).publish(topic, Twist, Quality.EVERY)
+        return lambda: publisher.send(AHEAD)
+
+
+@pytest.fixture(autouse=True)
+def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setenv("ROS_HOME", str(tmp_path))
+    monkeypatch.setenv("ROS_MASTER_URI", "http://robot:1")
+    return tmp_path
+
+
+def test_fresh_commands_drive_on_time_and_the_robot_stops_after_the_last(home: Path) -> None:
+    robot = Robot(home, lambda _topic: 3_000_000)
+    driver = Driver(robot.bus, "a")
+    driver.wanted = AHEAD
+    speeds = robot.speeds(1.0)
+    assert max(speeds) == pytest.approx(0.3)
+    times = [at for at, _ in robot.outputs]
+    assert max(after - before for before, after in pairwise(times)) <= 20_000_001
+    driver.wanted = None
+    assert robot.speeds(1.0)[-3:] == [0.0, 0.0, 0.0]
+    at_rest = next(at for at, twist in robot.outputs if twist == STILL)
+    assert at_rest - driver.sent_at <= 0.3e9 - 0.11e9  # the rest is the lag of the wheels
+    assert robot.speeds(1.0) == []
+
+
+def test_commands_that_arrive_late_do_not_drive(home: Path) -> None:
+    robot = Robot(home, lambda topic: 200_000_000 if topic.endswith("_stamped") else 0)
+    driver = Driver(robot.bus, "a")
+    driver.wanted = AHEAD
+    assert not any(robot.speeds(2.0))
+    assert any("dropped" in text and "older than 0.15 s" in text for _, text in robot.mux.lines)
+
+
+def test_age_of_a_command_counts_from_its_challenge(home: Path) -> None:
+    robot = Robot(home, lambda topic: 100_000_000 if topic.endswith("_stamped") else 0)
+    driver = Driver(robot.bus, "a")
+    driver.wanted = AHEAD
+    assert max(robot.speeds(1.0)) > 0.0
+    driver.wanted = None
+    robot.speeds(1.0)
+    at_rest = next(at for at, twist in robot.outputs if twist == STILL)
+    assert at_rest - driver.sent_at <= 0.3e9 - 0.11e9
+
+
+def test_burst_that_answers_an_old_challenge_does_not_drive(home: Path) -> None:
+    robot = Robot(home)
+    driver = Driver(robot.bus, "a")
+    driver.lease.acquire()
+    robot.bus.run(0.5)
+    old = driver.lease.link.newest()
+    assert old is not None
+    robot.bus.run(0.3)
+    late = driver.node.publish("key_vel_stamped", StampedTwist, Quality.EVERY)
+    for _ in range(250):
+        late.send(StampedTwist(old, "a", AHEAD))
+    assert robot.speeds(1.0) == []
+
+
+def test_challenges_are_never_repeated_and_come_on_time(home: Path) -> None:
+    robot = Robot(home)
+    got: list[tuple[int, int]] = []
+    robot.person.subscribe("cmd_vel_mux/challenge", Time, lambda each: got.append((robot.bus.now, each.stamp)))
+    robot.bus.run(2.0)
+    assert len(got) == 100
+    assert len({stamp for _, stamp in got}) == 100
+    assert {after - before for (before, _), (after, _) in pairwise(got)} == {20_000_000}
+
+
+@pytest.mark.parametrize(("pause", "count", "drives"), [(0.033, 30, True), (0.0, 250, False), (0.4, 5, False)])
+def test_plain_commands_drive_at_a_steady_rate_only(home: Path, pause: float, count: int, drives: bool) -> None:
+    robot = Robot(home)
+    send = robot.plain("key_vel")
+    del robot.outputs[:]
+    for _ in range(count):
+        send()
+        robot.bus.run(pause)
+    robot.bus.run(1.0)
+    assert (max((twist.forward for _, twist in robot.outputs), default=0.0) > 0.0) is drives
+
+
+def test_single_plain_command_does_not_drive(home: Path) -> None:
+    robot = Robot(home)
+    robot.plain("key_vel")()
+    assert robot.speeds(1.0) == []
+
+
+def test_command_that_is_not_finite_is_a_stop(home: Path) -> None:
+    robot = Robot(home)
+    driver = Driver(robot.bus, "a")
+    driver.wanted = Twist(float("nan"), 0.5)
+    assert not any(robot.speeds(1.0))
+    assert any("is not finite" in text for _, text in robot.mux.lines)
+
+
+def test_one_client_drives_until_another_takes_over_and_each_is_told(home: Path) -> None:
+    robot = Robot(home)
+    a, b = Driver(robot.bus, "a"), Driver(robot.bus, "b")
+    a.wanted = AHEAD
+    robot.bus.run(0.5)
+    assert (a.lease.view().mine, b.lease.view().holder) == (True, "a-host")
+    b.wanted = Twist(-0.3, 0.0)
+    assert min(robot.speeds(1.0)) > 0.0
+    b.lease.take()
+    robot.bus.run(0.5)
+    assert robot.newest("active", str) == "keyboard"
+    assert max(robot.speeds(0.5)) < 0.0
+    assert a.lease.view().taken_by == "b-host"
+    b.wanted = None
+    assert robot.speeds(1.0)[-1] == 0.0  # a has lost the lease
+    a.lease.ask()
+    robot.bus.run(0.5)
+    assert b.lease.view().asking == ("a-host",)
+    b.lease.grant()
+    robot.bus.run(0.5)
+    assert (a.lease.view().mine, a.lease.view().taken_by) == (True, "")
+    assert max(robot.speeds(0.5)) > 0.0
+
+
+def test_client_that_vanishes_is_lost_and_the_robot_stops(home: Path) -> None:
+    robot = Robot(home)
+    a, b = Driver(robot.bus, "a"), Driver(robot.bus, "b", "watch")
+    a.wanted = AHEAD
+    robot.bus.run(1.0)
+    a.node.end("killed")
+    assert robot.speeds(1.0)[-3:] == [0.0, 0.0, 0.0]
+    robot.bus.run(4.0)
+    assert (b.lease.view().state, b.lease.view().holder) == ("lost", "a-host")
+    b.lease.release(final=False)
+    b.wanted = AHEAD
+    assert robot.speeds(1.0) == []
+
+
+def test_lease_is_mirrored_and_free_after_the_end(home: Path) -> None:
+    robot = Robot(home)
+    a = Driver(robot.bus, "a")
+    a.lease.acquire()
+    robot.bus.run(0.5)
+    lease = json.loads(robot.bus.facts["lease"])
+    assert (lease["state"], lease["client"], lease["name"]) == ("held", "a", "a-host")
+    assert list(home.rglob("*.json"))
+    robot.mux.end("the test is over")
+    assert json.loads(robot.bus.facts["lease"])["state"] == "free"
+    assert not list(home.rglob("*.json"))
+
+
+@pytest.mark.parametrize("mirrored", [True, False])
+def test_announced_lease_outlives_a_mux_that_is_killed(home: Path, mirrored: bool) -> None:
+    robot = Robot(home)
+    a, b = Driver(robot.bus, "a"), Driver(robot.bus, "b", "watch")
+    a.lease.acquire()
+    robot.bus.run(0.5)
+    assert b.lease.view().holder == "a-host"
+    if not mirrored:
+        del robot.bus.facts["lease"]
+    a.lease.release(final=True)
+    a.node.end("killed")
+    robot.kill()
+    robot.start()
+    robot.bus.run(0.5)
+    state = b.lease.view().state
+    assert state in ("lost", "free")
+    a = Driver(robot.bus, "a")
+    a.lease.acquire()
+    robot.bus.run(0.5)
+    assert (a.lease.view().mine, a.lease.view().state) == (True, "held")
+
+
+def test_lock_is_released_by_a_repeated_false_only(home: Path) -> None:
+    robot = Robot(home, locks=[{"name": "pause", "topic": "pause_driving", "timeout": 0.0, "priority": 255}])
+    driver = Driver(robot.bus, "a")
+    driver.wanted = AHEAD
+    pause = robot.person.publish("pause_driving", bool, Quality.EVERY)
+    pause.send(True)
+    robot.bus.run(1.0)
+    assert not any(robot.speeds(0.5))
+    pause.send(False)
+    assert not any(robot.speeds(0.5))
+    for _ in range(6):
+        pause.send(False)
+        robot.bus.run(0.05)
+    assert max(robot.speeds(0.5)) > 0.0
+
+
+def test_emergency_stop_outlives_the_mux_and_only_a_pause_after_release_lets_drive_again(home: Path) -> None:
+    robot = Robot(home)
+    driver = Driver(robot.bus, "a")
+    driver.wanted = AHEAD
+    robot.bus.run(0.5)
+    assert robot.ask("stop") == Result(True, "stopped")
+    assert robot.bus.parameters["/cmd_vel_mux/emergency_stop"] is True
+    assert robot.speeds(0.5)[-1] == 0.0
+    robot.kill()
+    robot.start()
+    assert robot.newest("stopped", bool) is True
+    assert not any(robot.speeds(1.0))
+    assert robot.ask("release") == Result(True, "released; keyboard may drive after a pause")
+    assert not any(robot.speeds(0.5))
+    driver.wanted = STILL
+    robot.bus.run(0.1)
+    driver.wanted = AHEAD
+    assert max(robot.speeds(0.5)) > 0.0
+
+
+def test_speed_limit_outlives_the_mux(home: Path) -> None:
+    robot = Robot(home)
+    robot.person.publish("cmd_vel_mux/speed_limit", float).send(50.0)
+    robot.bus.run(0.1)
+    robot.kill()
+    robot.start()
+    assert robot.newest("speed_limit_in_force", float) == 50.0
+    driver = Driver(robot.bus, "a")
+    driver.wanted = Twist(5.0, 0.0)
+    top = max(robot.speeds(3.0))
+    robot.person.publish("cmd_vel_mux/speed_limit", float).send(0.0)
+    assert max(robot.speeds(3.0)) == pytest.approx(2.0 * top)
+    robot.person.publish("cmd_vel_mux/speed_limit", float).send(3.0)
+    robot.bus.run(0.1)
+    assert robot.newest("speed_limit_in_force", float) == 100.0
+    assert any("speed limit of 3 percent ignored" in text for _, text in robot.mux.lines)
+
+
+def test_new_subscriber_gets_a_stop_while_nothing_drives(home: Path) -> None:
+    robot = Robot(home)
+    got: list[Twist] = []
+    robot.bus.node("driver").subscribe("cmd_vel_out", Twist, got.append, Quality.EVERY)
+    robot.bus.run(0.1)
+    assert got == [STILL]
+    driver = Driver(robot.bus, "a")
+    driver.wanted = AHEAD
+    robot.bus.run(1.0)
+    late: list[Twist] = []
+    robot.bus.node("late_driver").subscribe("cmd_vel_out", Twist, late.append, Quality.EVERY)
+    robot.bus.run(0.1)
+    assert STILL not in late
+
+
+def test_mux_that_ends_while_it_drives_sends_a_stop(home: Path) -> None:
+    robot = Robot(home)
+    driver = Driver(robot.bus, "a")
+    driver.wanted = AHEAD
+    robot.bus.run(0.5)
+    del robot.outputs[:]
+    robot.mux.end("the test is over")
+    robot.bus.run(0.1)
+    assert [twist for _, twist in robot.outputs] == [STILL] * 3
+
+
+def test_disk_master_and_terminal_that_hang_delay_neither_outputs_nor_challenges_nor_a_stop(home: Path) -> None:
+    robot = Robot(home)
+    driver = Driver(robot.bus, "a")
+    driver.wanted = AHEAD
+    robot.bus.run(0.5)
+    hanging: list[object] = []
+    robot.mux.work = lambda job, take, lane="": hanging.append((job, take, lane))  # type: ignore[method-assign]
+    other = Driver(robot.bus, "b")
+    robot.bus.run(0.5)
+    other.lease.take()  # the disk hangs
+    robot.person.publish("cmd_vel_mux/speed_limit", float).send(90.0)  # the master hangs
+    other.wanted = Twist(-0.3, 0.0)
+    robot.bus.run(0.5)
+    assert driver.lease.view().mine  # a takeover is in force before it is announced
+    assert min(robot.speeds(1.0)) == pytest.approx(-0.3)
+    assert max(after - before for before, after in pairwise(at for at, _ in robot.outputs)) <= 20_000_001
+    got: list[Result] = []
+    robot.person.call("cmd_vel_mux/stop", Trigger(), got.append)
+    assert robot.speeds(0.5)[-1] == 0.0
+    assert got == []  # it is answered when it is kept
+    assert hanging
+
+
+def test_stop_is_answered_when_the_master_is_gone(home: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    robot = Robot(home)
+
+    def fail(*_: object) -> None:
+        raise OSError("connection refused")
+
+    monkeypatch.setattr(robot.mux.parameters, "keep", fail)
+    answer = robot.ask("stop")
+    assert answer.success
+    assert answer.text == "stopped, but a mux that is started again will not know it: connection refused"
+    assert robot.newest("stopped", bool) is True
+
+
+def scan_of(robot: Robot, distance: float) -> Scan:
+    ranges = np.full(360, distance, np.float32)
+    return Scan(robot.bus.now, "laser", -np.pi, np.pi / 180.0, 0.05, 8.0, ranges)
+
+
+def test_robot_stops_before_an_obstacle_and_the_choice_outlives_the_mux(home: Path) -> None:
+    robot = Robot(home)
+    lidar = robot.bus.node("lidar").publish("scan", Scan)
+    robot.base.every(0.1, lambda: lidar.send(scan_of(robot, 0.6)))
+    driver = Driver(robot.bus, "a")
+    driver.wanted = AHEAD
+    assert max(robot.speeds(1.0)) == pytest.approx(0.3)
+    assert json.loads(robot.newest("obstacle_stop", str))["state"] == "off"
+    assert robot.ask("set_obstacle_stop", Switch(on=True)) == Result(True, "on")
+    robot.kill()
+    robot.start()
+    robot.base.every(0.1, lambda: lidar.send(scan_of(robot, 0.2)))
+    assert not any(robot.speeds(1.0)[-10:])
+    report = json.loads(robot.newest("obstacle_stop", str))
+    assert report["state"] == "stopped"
+    assert "obstacle" in report["text"]
+
+
+@pytest.mark.parametrize(
+    ("parameters", "message"),
+    [
+        ({"base": "stagge"}, "unknown base 'stagge'"),
+        ({"topics": "key_vel"}, "parameter /cmd_vel_mux/topics: 'key_vel', expected a list of mappings"),
+        ({"rate": 500}, "expected a number from 10 to 100"),
+    ],
+)
+def test_parameters_that_it_cannot_use_are_named(home: Path, parameters: dict[str, Any], message: str) -> None:
+    with pytest.raises(UserError, match=message):
+        Robot(home, **parameters)
