@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -343,6 +344,7 @@ def layer_of(module: str) -> str:
     return max((name for name in MAY_IMPORT if module == name or module.startswith(name + ".")), key=len)
 
 
+@cache
 def imports_of(path: Path) -> set[str]:
     found: set[str] = set()
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):

@@ -26,7 +26,7 @@ paths) printf '{"files": {"../../executed": ["link", 0, 0, false, "/etc/passwd"]
 json) printf '{"files": [1], "skipped": 2, "ignore": {"a": "b"}, "rsync": [], "root": {}, "machine": null}' ;;
 numbers) printf '²²²\n-1\n99999999999999999999999999999999999\nnan\ninf\n' ;;
 nothing) ;;
-twisted) cat | bash -c "$last" 2>&1 | LC_ALL=C sed -E 's/[0-9]+/²/g; s/$/\x1b]0;x\x07/' ;;
+twisted) bash -c "$last" 2>&1 | LC_ALL=C sed -E 's/[0-9]+/²/g; s/$/\x1b]0;x\x07/' ;;
 codes) printf '\e]0;x\a../../x\n' >&2; exit 1 ;;
 esac
 """

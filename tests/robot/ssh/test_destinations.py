@@ -23,7 +23,8 @@ def ssh_commands() -> list[tuple[str, str]]:
     return [
         (path.name, ast.unparse(node))
         for path in SOURCE.rglob("*.py")
-        for node in ast.walk(ast.parse(path.read_text()))
+        if "ssh" in (text := path.read_text())
+        for node in ast.walk(ast.parse(text))
         if isinstance(node, ast.List) and any(isinstance(e, ast.Constant) and e.value == "ssh" for e in node.elts)
     ]
 

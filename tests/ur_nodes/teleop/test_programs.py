@@ -100,9 +100,9 @@ def test_end_of_the_reader_ends_the_batch_without_a_word(environment: Environmen
 
 
 def test_what_does_not_come_is_named_after_the_limit(environment: Environment) -> None:
-    done = run_piped(NAVIGATE, "g 1 1\n", environment, "map:=nowhere", "move_base/status:=no", "_start_timeout:=8.0")
+    done = run_piped(NAVIGATE, "g 1 1\n", environment, "map:=nowhere", "move_base/status:=no", "_start_timeout:=2.0")
     assert done.returncode == 2
-    assert "still waiting for the map (topic /nowhere) and navigation (action /move_base) after 8 s" in done.stderr
+    assert "still waiting for the map (topic /nowhere) and navigation (action /move_base) after 2 s" in done.stderr
 
 
 def test_bad_parameter_is_one_clear_line(environment: Environment) -> None:
