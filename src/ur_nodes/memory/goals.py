@@ -3,23 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Literal
 
-from ur_nodes.ports.actions import Goal, GoalFollower, GoalState, GoalTakers
+from ur_nodes.ports.actions import Goal, GoalFollower, GoalId, GoalState, GoalTakers
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import PlacedPose
 
 _STATUS_PERIOD = 0.2  # s, as actionlib
-
-
-@dataclass(frozen=True, slots=True)
-class Cancel:
-    """A client wants goals to end: the one with `id`, those that arrived up to `stamp` (ns); with neither, all."""
-
-    id: str = ""
-    stamp: int = 0
 
 
 class MemoryGoalHandle:
@@ -87,7 +78,7 @@ class MemoryGoalServer:
         self._status = node.publish(f"{action}/status", tuple)
         self._feedback = node.publish(f"{action}/feedback", PlacedPose)
         node.subscribe(f"{action}/goal", Goal, self._take_goal, Quality.EVERY)
-        node.subscribe(f"{action}/cancel", Cancel, self._take_cancel, Quality.EVERY)
+        node.subscribe(f"{action}/cancel", GoalId, self._take_cancel, Quality.EVERY)
         node.every(_STATUS_PERIOD, self.publish_status)
 
     def publish_status(self) -> None:
@@ -106,9 +97,9 @@ class MemoryGoalServer:
             self._handles[goal.id] = handle
             self._takers.take_goal(handle)
 
-    def _take_cancel(self, cancel: Cancel) -> None:
+    def _take_cancel(self, cancel: GoalId) -> None:
         for handle in list(self._handles.values()):
-            meant = handle.goal.id == cancel.id or handle.arrived <= cancel.stamp or cancel == Cancel()
+            meant = handle.goal.id == cancel.id or handle.arrived <= cancel.stamp or cancel == GoalId()
             if meant and handle.open:
                 self._takers.take_cancel(handle)
 
@@ -118,7 +109,7 @@ class MemoryGoalClient:
 
     def __init__(self, node: Node, action: str, follower: GoalFollower) -> None:
         self._goals = node.publish(f"{action}/goal", Goal, Quality.EVERY)
-        self._cancels = node.publish(f"{action}/cancel", Cancel, Quality.EVERY)
+        self._cancels = node.publish(f"{action}/cancel", GoalId, Quality.EVERY)
         node.subscribe(f"{action}/status", tuple, follower.take_states)
         node.subscribe(
             f"{action}/state", GoalState, lambda state: None if state.open else self._end(state), Quality.EVERY
@@ -132,7 +123,7 @@ class MemoryGoalClient:
 
     def cancel(self, id: str = "") -> None:
         """See GoalClient."""
-        self._cancels.send(Cancel(id))
+        self._cancels.send(GoalId(id))
 
     def servers(self) -> int:
         """See GoalClient."""

@@ -9,6 +9,14 @@ from ur_nodes.ports.values import PlacedPose
 
 
 @dataclass(frozen=True, slots=True)
+class GoalId:
+    """Names goals: the one with `id`. As a request to cancel also those sent up to `stamp` (ns); with neither, all."""
+
+    id: str = ""
+    stamp: int = 0
+
+
+@dataclass(frozen=True, slots=True)
 class Goal:
     """A pose to drive to. `id` names it for its client, and carries what the client claims.
 

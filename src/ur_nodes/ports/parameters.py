@@ -41,6 +41,10 @@ class Parameters:
         """The parameters of a sub-namespace."""
         return Parameters(self._store, f"{self._namespace}{name}/")
 
+    def of(self, node: str) -> Parameters:
+        """The parameters of another node, by its name."""
+        return Parameters(self._store, f"{node}/")
+
     def has(self, name: str) -> bool:
         """Return True when the parameter is set."""
         return self._store.has(self._namespace + name)

@@ -22,7 +22,7 @@ from ur.source.diagnostic import UserError
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2, Pose3
 from ur_nodes.ports import values
-from ur_nodes.ports.actions import Goal, GoalHandle, GoalState
+from ur_nodes.ports.actions import Goal, GoalHandle, GoalId, GoalState
 from ur_nodes.ports.node import Node, Sender
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.services import AskMap, AskPath, Place, Silent, Switch, Trigger, UseMap
@@ -58,6 +58,7 @@ VALUES: tuple[object, ...] = (
     values.PoseEstimate(STAMP, "map", Pose2(1.0, 2.0, 0.5), np.arange(9.0).reshape(3, 3)),
     values.Poses(STAMP, "map", _POSES),
     values.Path(STAMP, "map", _POSES),
+    GoalId("a goal", STAMP),
     values.Outline(STAMP, "map", np.array([(0.5, 0.25), (1.0, 2.0)])),
     values.Map(STAMP, "map", _GRID),
     values.MapInfo(STAMP, 0.0625, 3, 2, Pose2(1.0, 2.0, 0.5)),

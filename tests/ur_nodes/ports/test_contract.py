@@ -12,8 +12,7 @@ from tests.ros_session import RosSession
 from tests.ur_nodes.ports.contract import CHECKS, GoalClient
 
 from ur_nodes.memory.bus import Bus
-from ur_nodes.memory.goals import Cancel
-from ur_nodes.ports.actions import Goal, GoalState
+from ur_nodes.ports.actions import Goal, GoalId, GoalState
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.values import PlacedPose
@@ -42,7 +41,7 @@ class MemoryClient:
         node = bus.node("client")
         self._bus = bus
         self._goals = node.publish(f"{action}/goal", Goal, Quality.EVERY)
-        self._cancels = node.publish(f"{action}/cancel", Cancel, Quality.EVERY)
+        self._cancels = node.publish(f"{action}/cancel", GoalId, Quality.EVERY)
         self._sent: list[int] = []
         self._states: dict[str, GoalState] = {}
         self._heard: PlacedPose | None = None
@@ -58,10 +57,10 @@ class MemoryClient:
         return str(len(self._sent))
 
     def cancel(self, id: str) -> None:
-        self._cancels.send(Cancel(id))
+        self._cancels.send(GoalId(id))
 
     def cancel_sent_before(self, id: str) -> None:
-        self._cancels.send(Cancel(stamp=self._sent[int(id) - 1]))
+        self._cancels.send(GoalId(stamp=self._sent[int(id) - 1]))
 
     def state(self, id: str) -> tuple[str, str]:
         state = self._states.get(id, GoalState(id, "pending", ""))

@@ -13,6 +13,7 @@ _MODULES = {
     "ur_nodes.ros1.codecs.simple": ("str", "bool", "float", "int", "Number", "Signal", "Time", "ClockTime"),
     "ur_nodes.ros1.codecs.motion": ("Twist", "StampedTwist", "Odometry", "Joints", "Joystick"),
     "ur_nodes.ros1.codecs.places": ("PlacedPose", "PoseEstimate", "Poses", "Path", "Outline"),
+    "ur_nodes.ros1.codecs.goals": ("GoalId",),
     "ur_nodes.ros1.codecs.sensors": ("Scan", "Range", "Imu", "Battery"),
     "ur_nodes.ros1.codecs.maps": ("Map", "MapInfo", "MapUpdate"),
     "ur_nodes.ros1.codecs.pictures": ("Picture", "PackedPicture", "Calibration"),

@@ -12,7 +12,6 @@ from ur_nodes.navigation.navigator_step import NavigatorSettings
 from ur_nodes.navigation.planning.global_plan import PlanSettings
 from ur_nodes.navigation.speed_profile import Limits
 from ur_nodes.ports.parameters import Parameters
-from ur_nodes.rosio.parameters import RosParameters
 
 _SONARS = Ranges(1.2, 1.2)
 
@@ -77,9 +76,8 @@ class MoveBaseSettings:
     limits: Limits
 
 
-def read_settings() -> MoveBaseSettings:
-    """Read them all from below the node's name. Raises UserError, which names the parameter."""
-    top = Parameters(RosParameters(), "~")
+def read_settings(top: Parameters) -> MoveBaseSettings:
+    """Read them all, from those of the node. Raises UserError, which names the parameter."""
     world, local = top.below("global_costmap"), top.below("local_costmap")
     resolution = local.number("resolution", 0.05, minimum=0.005, maximum=1.0)
     footprint = read_footprint(local if local.has("footprint") or local.has("robot_radius") else world, resolution)

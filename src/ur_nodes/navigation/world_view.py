@@ -6,23 +6,23 @@ from collections import deque
 from typing import NamedTuple
 
 import numpy as np
-import rospy
-from nav_msgs.msg import OccupancyGrid
-from sensor_msgs.msg import LaserScan, Range
 
-from ur.source.diagnostic import UserError
 from ur_nodes.costmap.costmap import Costmap
 from ur_nodes.costmap.layers import beams_of_scan, level_beams
 from ur_nodes.costmap.map_costmap import MapCostmap
 from ur_nodes.costmap.rolling_costmap import RollingCostmap
 from ur_nodes.costmap.sonar import beams_of_range, without_walls
+from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.geometry.transform_tree import ExtrapolationError, TransformError
-from ur_nodes.navigation.move_base_parameters_node import MoveBaseSettings
+from ur_nodes.navigation.move_base_settings import MoveBaseSettings
+from ur_nodes.navigation.newest_work import NewestWork
 from ur_nodes.navigation.rollout import Motion
-from ur_nodes.navigation.zone_masks_node import ZoneMasks
-from ur_nodes.rosio.frames import Frames
-from ur_nodes.rosio.grid_message import GridMessage, grid_of_message
+from ur_nodes.navigation.zone_masks import ZoneMasks
+from ur_nodes.ports.node import Node
+from ur_nodes.ports.qualities import Quality
+from ur_nodes.ports.transforms import seconds_of
+from ur_nodes.ports.values import Map, Range, Scan
 
 _WAITING = 100  # ranges that are not worked in yet
 _PATIENCE = 0.2  # s for which a range waits for the odometry of its time
@@ -44,58 +44,49 @@ class _Place(NamedTuple):
 
 
 class WorldView:
-    """Subscribes and remembers; costmaps change only in `update`, which the control loop calls."""
+    """Subscribes and remembers; scans change the costmaps in `update`, which the control loop calls."""
 
-    def __init__(self, settings: MoveBaseSettings) -> None:
+    def __init__(self, node: Node, settings: MoveBaseSettings) -> None:
+        self._node = node
         self._settings = settings
-        self.frames = Frames()
+        self.frames = node.transforms
         self.local_costmap = RollingCostmap(
             settings.local_side, settings.local_resolution, settings.local.reach, settings.local.inflation
         )
         self.global_costmap: MapCostmap | None = None
-        self.map_problem = ""
         self.maps = 0  # used so far
-        self._scan: LaserScan | None = None
-        self._used: float | None = None
-        self._new_maps: deque[MapCostmap | str] = deque(maxlen=1)  # or why it cannot be used
-        self.zones = ZoneMasks(settings.keep_out_topic, settings.speed_topic)
+        self._scan: Scan | None = None
+        self._used: int | None = None  # the stamp of the last scan that was worked in, ns
         self._laid = False
-        rospy.Subscriber(settings.map_topic, GridMessage, self._take_map, queue_size=1)
+        self.zones = ZoneMasks(node, settings.keep_out_topic, settings.speed_topic, self._forbid)
+        self._new_maps = NewestWork(node, "maps", self._make_costmap, self._use_costmap)
+        node.subscribe(settings.map_topic, Map, lambda value: self._new_maps.ask((value.grid, self.zones.keep_out)))
         self._ranges: deque[Range] = deque(maxlen=_WAITING)
         if settings.local.scan:
-            rospy.Subscriber(settings.local.scan.topic, LaserScan, self._take_scan, queue_size=1, tcp_nodelay=True)
+            node.subscribe(settings.local.scan.topic, Scan, self._take_scan)
         for topic in () if settings.local.scan else settings.local.sonars:
-            rospy.Subscriber(topic, Range, self._ranges.append, queue_size=_WAITING, tcp_nodelay=True)
+            node.subscribe(topic, Range, self._ranges.append, Quality.EVERY)
 
     def update(self) -> None:
-        """Work a new map and the newest scan into the costmaps."""
-        new = self._new_maps.popleft() if self._new_maps else None
-        if isinstance(new, str):
-            self.global_costmap, self.map_problem = None, new
-        elif new is not None:
-            self.global_costmap = new
-            self.maps += 1
-        if self.zones.take_change() or new is not None:
-            self._forbid()
+        """Work the newest scan, or the ranges since the last update, into the costmaps."""
         source, scan = self._settings.local.scan, self._scan
         if source is None:
             self._lay_map()
             for _ in range(len(self._ranges)):
                 self._use_range(self._ranges.popleft())
             return
-        if scan is None or scan.header.stamp.to_sec() == self._used:
+        if scan is None or scan.stamp == self._used:
             return
-        stamp = scan.header.stamp.to_sec()
         try:
-            mount = self.frames.lookup(self._settings.base_frame, scan.header.frame_id)
-            robot = self._place(stamp)
+            mount = self.frames.lookup(self._settings.base_frame, scan.frame)
+            robot = self._place(seconds_of(scan.stamp))
         except ExtrapolationError as problem:
             if not problem.ahead:  # else the odometry of that moment is still on its way
-                self._used = stamp
+                self._used = scan.stamp
             return
         except TransformError:
             return
-        self._used = stamp
+        self._used = scan.stamp
         place = self.odom()
         if self._laid and self.global_costmap is not None and place is not None:
             self.local_costmap.lay(robot.newest, self.global_costmap.zones or _NOTHING, place)
@@ -140,7 +131,7 @@ class WorldView:
         """Return the reason why the robot must not move, an input that is missing or too old; '' when there is none."""
         settings = self._settings
         if self.global_costmap is None:
-            return self.map_problem or f"no map on {rospy.resolve_name(settings.map_topic)}"
+            return f"no map on {self._node.resolve(settings.map_topic)}"
         if blind := self._blind(now):
             return blind
         try:
@@ -151,7 +142,7 @@ class WorldView:
             if old > LOCALISER_SILENCE:
                 return f"not localised: {settings.local.frame} in {settings.world.frame} is {old:.1f} s old"
             if self._scan is not None:
-                self.frames.pose(settings.base_frame, self._scan.header.frame_id)
+                self.frames.pose(settings.base_frame, self._scan.frame)
         except TransformError as problem:
             return str(problem)
         return ""
@@ -161,10 +152,10 @@ class WorldView:
         source = self._settings.local.scan
         if source is None:
             return ""
-        topic = rospy.resolve_name(source.topic)
+        topic = self._node.resolve(source.topic)
         if self._scan is None:
             return f"no scan on {topic}"
-        silent = now - self._scan.header.stamp.to_sec()
+        silent = now - seconds_of(self._scan.stamp)
         return f"no scan on {topic} for {silent:.1f} s" if silent > source.silence else ""
 
     def forget(self) -> None:
@@ -189,18 +180,18 @@ class WorldView:
         if self.global_costmap is not None and robot is not None and place is not None:
             self.local_costmap.lay(robot, self.global_costmap.static, place)
 
-    def _use_range(self, message: Range) -> None:
+    def _use_range(self, heard: Range) -> None:
         """Mark an echo as an obstacle, unless the map has a wall there."""
-        beams = beams_of_range(message.range, message.field_of_view, message.min_range, message.max_range)
+        beams = beams_of_range(heard.range, heard.field_of_view, heard.range_min, heard.range_max)
         if self.global_costmap is None or not len(beams.angles):
             return
-        stamp = message.header.stamp.to_sec()
+        stamp = seconds_of(heard.stamp)
         try:
-            mount = self.frames.pose(self._settings.base_frame, message.header.frame_id)
+            mount = self.frames.pose(self._settings.base_frame, heard.frame)
             robot = self._place(stamp)
         except ExtrapolationError as problem:
-            if problem.ahead and rospy.get_time() - stamp < _PATIENCE:
-                self._ranges.append(message)  # the odometry of that moment has not arrived yet
+            if problem.ahead and seconds_of(self._node.now()) - stamp < _PATIENCE:
+                self._ranges.append(heard)  # the odometry of that moment has not arrived yet
             return
         except TransformError:
             return
@@ -225,25 +216,27 @@ class WorldView:
             return _Place(newest, in_odom, None)
         return _Place(newest, in_odom, odom.compose(in_odom))
 
-    def _take_map(self, message: OccupancyGrid) -> None:
-        """Work out the costs of a map here: where it is large, the control loop would miss several periods."""
+    def _make_costmap(self, request: tuple[Grid, Grid | None]) -> MapCostmap:
+        """Work out the costs of a map and of keep-out zones: for a large one the control loop would miss periods."""
+        grid, keep_out = request
         settings = self._settings
-        try:
-            grid = grid_of_message(message)
-        except UserError as problem:
-            rospy.logerr("%s", problem)
-            self._new_maps.append(str(problem))
-            return
-        self._new_maps.append(
-            MapCostmap(
-                grid,
-                settings.world.reach,
-                settings.world.inflation,
-                lethal=settings.lethal,
-                track_unknown=settings.track_unknown,
-            )
+        costmap = MapCostmap(
+            grid,
+            settings.world.reach,
+            settings.world.inflation,
+            lethal=settings.lethal,
+            track_unknown=settings.track_unknown,
         )
-        message.data = ()  # rospy keeps the last message, which is as large as the map
+        if keep_out is not None:
+            costmap.forbid(keep_out)
+        return costmap
 
-    def _take_scan(self, message: LaserScan) -> None:
-        self._scan = message
+    def _use_costmap(self, request: tuple[Grid, Grid | None], costmap: MapCostmap) -> None:
+        self.global_costmap = costmap
+        self.maps += 1
+        self._laid = self._laid or costmap.zones is not None
+        if request[1] is not self.zones.keep_out:  # they changed in the meantime
+            self._forbid()
+
+    def _take_scan(self, scan: Scan) -> None:
+        self._scan = scan

@@ -1,13 +1,10 @@
-"""Planning beside the control loop: one request at a time, the newest counts."""
+"""Requests for global plans, and their answers."""
 
 from __future__ import annotations
 
-import threading
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-import rospy
 
 from ur_nodes.costmap.costmap import FREE, LETHAL, Costmap
 from ur_nodes.navigation.navigator_step import PlanAnswer
@@ -44,29 +41,3 @@ def answer_request(request: PlanRequest, settings: PlanSettings) -> PlanAnswer:
     except NoPathError as problem:
         return PlanAnswer(None, str(problem), hopeless="goal" in str(problem))
     return PlanAnswer(None, f"{reason}, because of obstacles that the map does not show")
-
-
-class PlanWorker:
-    """A thread that answers requests. `done(key, answer)` is called from it."""
-
-    def __init__(self, settings: PlanSettings, done: Callable[[int, PlanAnswer], None]) -> None:
-        self._settings = settings
-        self._done = done
-        self._request: PlanRequest | None = None
-        self._changed = threading.Condition()
-        threading.Thread(target=self._work, name="planner", daemon=True).start()
-
-    def ask(self, request: PlanRequest) -> None:
-        """Answer this one next; one that waits is dropped."""
-        with self._changed:
-            self._request = request
-            self._changed.notify()
-
-    def _work(self) -> None:
-        while not rospy.is_shutdown():
-            with self._changed:
-                if self._request is None:
-                    self._changed.wait(0.5)
-                request, self._request = self._request, None
-            if request is not None:
-                self._done(request.key, answer_request(request, self._settings))

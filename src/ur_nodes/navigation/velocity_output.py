@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import rospy
-from geometry_msgs.msg import Twist
-from std_msgs.msg import Float32
-
-from ur_nodes.motion.challenge.challenge_node import ChallengeLink, FreshPublisher
+from ur_nodes.motion.challenge.link import ChallengeLink, FreshPublisher
+from ur_nodes.ports.values import Twist
 
 
 class VelocityOutput:
@@ -21,20 +18,18 @@ class VelocityOutput:
     def __init__(self, link: ChallengeLink, mux: str, *, stamped: bool) -> None:
         """`stamped` false: plain commands always."""
         self.share = 1.0
-        rospy.Subscriber(f"{mux}/speed_limit_in_force", Float32, self._on_limit, queue_size=1)
-        self._plain = rospy.Publisher("cmd_vel", Twist, queue_size=1, tcp_nodelay=True)
+        link.node.subscribe(f"{mux}/speed_limit_in_force", float, self._take_limit)
+        self._plain = link.node.publish("cmd_vel", Twist)
         self._stamped = FreshPublisher("cmd_vel", link) if stamped else None
         self._to_mux = False
 
-    def _on_limit(self, message: Float32) -> None:
-        self.share = message.data / 100.0 if 0.0 < message.data <= 100.0 else 1.0
+    def _take_limit(self, percent: float) -> None:
+        self.share = percent / 100.0 if 0.0 < percent <= 100.0 else 1.0
 
     def send(self, speed: float, turn: float) -> None:
         """Publish a command, m/s and rad/s. Without a fresh challenge there is none: the robot stops."""
-        twist = Twist()
-        twist.linear.x, twist.angular.z = speed, turn
         self._to_mux = self._to_mux or (self._stamped is not None and self._stamped.listeners() > 0)
         if self._stamped is None or not self._to_mux:
-            self._plain.publish(twist)
+            self._plain.send(Twist(speed, turn))
         else:
-            self._stamped.publish(twist)
+            self._stamped.send(Twist(speed, turn))

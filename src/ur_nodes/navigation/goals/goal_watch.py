@@ -1,0 +1,113 @@
+"""The lease and the challenges of the mux, as `move_base` uses them: which goals to accept, drive, hold and cancel."""
+
+from __future__ import annotations
+
+import json
+
+from ur_nodes.motion.challenge.link import ChallengeLink
+from ur_nodes.motion.lease.text import Lease, read_lease
+from ur_nodes.navigation.goals.attendance import (
+    Act,
+    Attendance,
+    Settings,
+    Verdict,
+    attend_goal,
+    continue_goal,
+    refuse_goal,
+    step_attendance,
+)
+from ur_nodes.navigation.goals.goal_claim import REMEMBERED, Challenges, age_of_answer, note_challenge, read_claim
+from ur_nodes.ports.actions import GoalId
+from ur_nodes.ports.node import Node
+from ur_nodes.ports.parameters import Parameters
+from ur_nodes.ports.qualities import Quality
+
+_LATEST_CONTINUE = 1.0  # s: an older answer to "continue or cancel?" is ignored
+
+
+class GoalWatch:
+    """Decides about one goal at a time, from the messages of the mux.
+
+    Publishes `~hold` (std_msgs/String, latched, JSON): `goal`, the id of the goal that is held, `state`: `held`,
+    `asking` or empty when none is, and `text`. Takes `~continue` (actionlib_msgs/GoalID): the goal that goes on; with
+    a `stamp`, the newest challenge, it is ignored when it arrives late.
+    """
+
+    def __init__(self, node: Node, mux: str, settings: Settings) -> None:
+        """`mux` is the name of the mux's node."""
+        self._node = node
+        self._settings = settings
+        self._lease: Lease | None = None
+        self._challenges = Challenges()
+        self._goal = ""
+        self._attendance = Attendance()
+        self._reported = True
+        self._shown: tuple[str, Act] | None = None
+        self._hold = node.publish("~hold", str, Quality.LATCHED)
+        self._publish_hold("", Verdict(Act.DRIVE))
+        self.link = ChallengeLink(node, mux, self._take_challenge)
+        node.subscribe(f"{mux}/lease", str, self._take_lease)
+        node.subscribe("~continue", GoalId, self._continue)
+
+    def accept(self, goal_id: str) -> str:
+        """Make this the goal that is decided about; or return why it is refused, and change nothing."""
+        claim = read_claim(goal_id)
+        refusal = refuse_goal(claim, self._lease, self._challenges, self._node.steady())
+        if not refusal:
+            self._goal, self._attendance, self._reported = goal_id, attend_goal(claim), False
+        return refusal
+
+    def finish(self) -> None:
+        """Forget the goal: it has ended."""
+        self._goal = ""
+        self._publish_hold("", Verdict(Act.DRIVE))
+
+    def judge(self) -> Verdict:
+        """Decide what to do with the goal now, and publish it."""
+        now = self._node.steady()
+        silence = self._challenges.silence(now)
+        self._attendance, verdict = step_attendance(self._attendance, self._lease, silence, self._settings, now)
+        if not self._reported and self._lease is not None and self._attendance.unattended:
+            self._reported = True
+            self._node.log.info("the goal is unattended: nobody holds the lease of the mux, so nothing holds the goal")
+        self._publish_hold(self._goal, verdict)
+        return verdict
+
+    def _publish_hold(self, goal: str, verdict: Verdict) -> None:
+        """Publish when the state changes; the text grows by seconds and is in the goal's status."""
+        held = verdict.act in (Act.HOLD, Act.ASK)
+        shown = (goal, verdict.act) if held else ("", Act.DRIVE)
+        if shown == self._shown:
+            return
+        self._shown = shown
+        state = verdict.act.value if held else ""
+        text = verdict.text if held else ""
+        self._hold.send(json.dumps({"goal": shown[0], "state": state, "text": text}))
+
+    def _take_challenge(self) -> None:
+        value = self.link.newest(REMEMBERED)
+        if value is not None:
+            self._challenges = note_challenge(self._challenges, value, self._node.steady())
+
+    def _take_lease(self, text: str) -> None:
+        lease = read_lease(text)
+        if lease is None:
+            self._node.log.warn("the lease of the mux cannot be read, expected its JSON; ignored", every=10.0)
+        else:
+            self._lease = lease
+
+    def _continue(self, goal: GoalId) -> None:
+        age = age_of_answer(self._challenges, goal.stamp, self._node.steady())
+        if goal.stamp and (age is None or age > _LATEST_CONTINUE):
+            self._node.log.warn("the request to continue the goal arrived late and is ignored")
+        elif goal.id in ("", self._goal):
+            self._attendance = continue_goal(self._attendance)
+
+
+def read_watch_settings(own: Parameters, mux: str) -> Settings:
+    """From the parameters of the node and of the mux. Raises UserError."""
+    return Settings(
+        ask=own.text("on_return", "resume", choices=("resume", "ask")) == "ask",
+        grace=own.of(mux).number("lease_timeout", 3.0, minimum=0.5, maximum=60.0),
+        limit=own.number("hold_limit", 600.0, minimum=0.0),
+    )

@@ -1,0 +1,278 @@
+"""Goals of `move_base`: taken as upstream does, and pursued by the navigator, which is stepped at a constant rate."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+
+import numpy as np
+
+from ur_nodes.geometry.pose import Pose2
+from ur_nodes.navigation.goal_pose import goal_in_map, read_request
+from ur_nodes.navigation.goals import attendance
+from ur_nodes.navigation.goals.attendance import Act
+from ur_nodes.navigation.goals.goal_claim import has_any_heading
+from ur_nodes.navigation.goals.goal_watch import GoalWatch
+from ur_nodes.navigation.move_base_settings import MoveBaseSettings
+from ur_nodes.navigation.move_base_view import MoveBaseView, make_path
+from ur_nodes.navigation.navigator import Navigator
+from ur_nodes.navigation.navigator_step import Ending, Inputs, Outputs, Phase, PlanAnswer
+from ur_nodes.navigation.newest_work import NewestWork
+from ur_nodes.navigation.plan_request import PlanRequest, answer_request
+from ur_nodes.navigation.planning.global_plan import path_is_free
+from ur_nodes.navigation.recovery import Behaviour
+from ur_nodes.navigation.rollout import FollowSettings
+from ur_nodes.navigation.velocity_output import VelocityOutput
+from ur_nodes.navigation.world_view import WorldView
+from ur_nodes.ports.actions import GoalHandle
+from ur_nodes.ports.node import Node
+from ur_nodes.ports.services import AskPath, Silent
+from ur_nodes.ports.transforms import seconds_of
+from ur_nodes.ports.values import Path, PlacedPose, Result
+
+_IDLE_PERIODS = 5  # control periods between two updates of the costmaps without a goal
+_PATH_CHECK_PERIODS = 3  # likewise, between two checks of the path on the global costmap
+_REPORT_PERIODS = 2  # likewise, between two reports of the robot's pose
+_RESTART = 1.0  # s: a clock that goes back by more has begun anew, as that of a simulator does
+
+
+class MoveBase:
+    """Pursues one goal at a time. `beat` is to be called `repeats` times a control period."""
+
+    def __init__(self, node: Node, settings: MoveBaseSettings, watch: attendance.Settings) -> None:
+        self._node = node
+        self._settings = settings
+        self._world = WorldView(node, settings)
+        self._view = MoveBaseView(node, settings, self._world)
+        self._navigator = Navigator(settings.navigator, settings.limits, FollowSettings(), settings.footprint)
+        self._handle: GoalHandle | None = None  # of the goal that is pursued or held
+        self._goal: Pose2 | None = None  # likewise, in the map
+        self._key = 0  # of the newest request for a plan; answers to earlier ones are dropped
+        self._answer: PlanAnswer | None = None  # that the next step of the navigator takes
+        self._path_blocked = False
+        self._sent = (0.0, 0.0)  # the last command, m/s and rad/s
+        self._stopped = False  # by the emergency stop
+        self._beats = 0
+        self._tick = 0  # of control periods
+        self._last = 0.0  # s: the time of the last one
+        self._plans = NewestWork(node, "plans", self._plan, self._take_plan)
+        self._watch = GoalWatch(node, settings.mux, watch)
+        self._output = VelocityOutput(self._watch.link, settings.mux, stamped=settings.stamped)
+        self._server = node.serve_goals("move_base", self, settings.status_kept)
+
+    def beat(self) -> None:
+        """Step the navigator, or repeat the last command: the mux takes an old one for the end of the commander."""
+        self._beats += 1
+        if self._beats % self._settings.repeats != 1 % self._settings.repeats:
+            if self._navigator.phase is not Phase.IDLE and self._sent != (0.0, 0.0):
+                self._send(*self._sent)
+            return
+        now = self._now()
+        if now < self._last - _RESTART:
+            self._world.forget()
+        self._last = now
+        self._control(now)
+        self._view.show_surroundings(self._tick)
+        self._tick += 1
+
+    def take_goal(self, handle: GoalHandle) -> None:
+        """Pursue this goal in place of another, or refuse it."""
+        goal = goal_in_map(handle.goal.target, self._world.frames, self._settings.world.frame)
+        before = self._watch.judge() if self._handle is not None else None  # it may belong to another client by now
+        refusal = self._watch.accept(handle.goal.id)
+        if refusal:  # it changes nothing for the goal that is pursued
+            self._refuse(handle, refusal)
+            return
+        old, self._handle = self._handle, None
+        if old is not None:
+            taken = before.text if before is not None and before.act is Act.CANCEL else ""
+            old.cancel(taken or "a new goal has replaced this one")
+        if self._stopped:
+            goal = "emergency stop is on; release it first"
+        if isinstance(goal, str):
+            self._refuse(handle, goal)
+            self._watch.finish()
+            self._halt()
+            return
+        handle.accept()
+        self._handle, self._goal, self._answer = handle, goal, None
+        self._key += 1
+        self._path_blocked = False
+        self._navigator.start(goal, self._now(), any_heading=has_any_heading(handle.goal.id))
+        self._view.show_goal(goal)
+
+    def take_cancel(self, handle: GoalHandle) -> None:
+        """Stop, and end the goal."""
+        if handle is self._handle:
+            self._end_goal()
+            self._halt()
+            handle.cancel("cancelled")
+
+    def take_stop(self, stopped: bool) -> None:
+        """React to an emergency stop: the goal ends, so that the robot does not drive off after the release."""
+        self._stopped = stopped
+        if stopped and self._handle is not None:
+            handle = self._handle
+            self._halt()
+            self._end_goal()
+            handle.abort("emergency stop")
+
+    def make_plan(self, request: AskPath, reply: Callable[[Result], None]) -> None:
+        """Plan without driving: a path without poses, and a line in the log, where there is none."""
+        self._world.update()
+        costs, here, frame = self._world.costmaps(), self._world.robot_in_map(), self._settings.world.frame
+        wanted = read_request(request, self._world.frames, frame, costs, here)
+
+        def answer(found: PlanAnswer) -> None:
+            if found.path is None:
+                self._node.log.error(f"make_plan: {found.reason}")
+                reply(Result(True, value=Path(0, frame, np.empty((0, 3)))))
+            else:
+                reply(Result(True, value=make_path(found.path, frame, self._node.now())))
+
+        if isinstance(wanted, str):
+            answer(PlanAnswer(None, wanted))
+        else:
+            self._node.work(partial(self._plan, wanted), answer, "requests")
+
+    def clear_costmaps(self, _request: Silent) -> Result:
+        """Forget all obstacles that were seen."""
+        self._forget_obstacles(Behaviour.CLEAR_ALL)
+        return Result(success=True)
+
+    def shut_down(self) -> None:
+        """Stop the robot."""
+        if self._navigator.phase is not Phase.IDLE:
+            self._navigator.stop()
+            self._send(0.0, 0.0)
+
+    def _now(self) -> float:
+        return seconds_of(self._node.now())
+
+    def _control(self, now: float) -> None:
+        idle = self._navigator.phase is Phase.IDLE
+        if not idle or self._tick % _IDLE_PERIODS == 0:
+            self._world.update()
+        if self._handle is None or not self._may_drive(self._handle, now):
+            return
+        if self._tick % _PATH_CHECK_PERIODS == 0:
+            self._path_blocked = self._is_path_blocked()
+        answer, self._answer = self._answer, None
+        out = self._navigator.step(
+            Inputs(
+                now=now,
+                motion=self._world.motion(self._sent, now),
+                odom=self._world.odom() or Pose2(0.0, 0.0, 0.0),
+                local=self._world.local_costmap.occupied(),
+                answer=answer,
+                trouble=self._world.trouble(now),
+                path_blocked=self._path_blocked,
+                speed_mask=self._world.zones.speed,
+                share=self._output.share,
+            )
+        )
+        self._apply(out)
+        if answer is not None and answer.path is not None:
+            self._path_blocked = False
+            self._view.show_plan(answer.path)
+        if self._tick % _REPORT_PERIODS == 0:
+            self._view.show_drive(self._navigator.path, out.ahead)
+            self._report()
+
+    def _may_drive(self, handle: GoalHandle, now: float) -> bool:
+        """Hold, cancel or continue the goal, as the watch decides. Return True when the navigator is to be stepped."""
+        verdict = self._watch.judge()
+        if verdict.act is Act.CANCEL:
+            self._node.log.warn(f"the goal is cancelled: {verdict.text}")
+            self._halt()
+            self._end_goal()
+            handle.cancel(verdict.text)
+            return False
+        handle.note(verdict.text)
+        idle = self._navigator.phase is Phase.IDLE
+        if verdict.act is Act.DRIVE:
+            if idle and self._goal is not None:
+                self._node.log.info("the goal goes on")
+                self._navigator.start(self._goal, now, any_heading=has_any_heading(handle.goal.id))
+            return True
+        if not idle:
+            self._node.log.warn(f"the goal is {verdict.text}")
+            self._halt(keep_goal=True)
+            self._server.publish_status()
+        if self._tick % _REPORT_PERIODS == 0:
+            self._report()
+        return False
+
+    def _end_goal(self) -> None:
+        self._handle = None
+        self._watch.finish()
+
+    def _apply(self, out: Outputs) -> None:
+        if out.log:
+            self._node.log.warn(out.log)
+        if out.clear is not None:
+            self._forget_obstacles(out.clear)
+        if out.command is not None:
+            self._send(*out.command)
+        if out.plan:
+            self._ask_for_plan()
+        if out.ending is not None:
+            self._finish(out.ending, out.text)
+
+    def _send(self, speed: float, turn: float) -> None:
+        self._sent = (speed, turn)
+        self._output.send(speed, turn)
+
+    def _finish(self, ending: Ending, text: str) -> None:
+        handle, self._goal = self._handle, None
+        assert handle is not None
+        self._end_goal()
+        if ending is Ending.REACHED:
+            self._node.log.info(text)
+            handle.succeed(text)
+        else:
+            self._node.log.error(f"gave up: {text}")
+            handle.abort(text)
+
+    def _ask_for_plan(self) -> None:
+        pose, costs = self._world.robot_in_map(), self._world.costmaps()
+        if pose is None or costs is None or self._goal is None:
+            return
+        self._key += 1
+        self._plans.ask(PlanRequest(self._key, (pose.x, pose.y), (self._goal.x, self._goal.y), *costs))
+
+    def _plan(self, request: PlanRequest) -> PlanAnswer:
+        return answer_request(request, self._settings.planner)
+
+    def _take_plan(self, request: PlanRequest, answer: PlanAnswer) -> None:
+        if request.key == self._key:
+            self._answer = answer
+
+    def _halt(self, *, keep_goal: bool = False) -> None:
+        moving = self._navigator.phase is not Phase.IDLE
+        self._navigator.stop()
+        self._goal = self._goal if keep_goal else None
+        self._answer = None
+        self._key += 1
+        if moving:
+            self._send(0.0, 0.0)
+
+    def _refuse(self, handle: GoalHandle, reason: str) -> None:
+        self._node.log.error(f"goal refused: {reason}")
+        handle.refuse(reason)
+
+    def _report(self) -> None:
+        pose = self._world.robot_in_map()
+        if self._handle is not None and pose is not None:
+            self._handle.report(PlacedPose(self._node.now(), self._settings.world.frame, pose))
+
+    def _is_path_blocked(self) -> bool:
+        path, world = self._navigator.path, self._world.global_costmap
+        return path is not None and world is not None and not path_is_free(world.costmap, path)
+
+    def _forget_obstacles(self, how: Behaviour) -> None:
+        """Forget all obstacles, or with CLEAR_FAR those farther away than `reset_distance`."""
+        far, distance = how is Behaviour.CLEAR_FAR, self._settings.reset_distance
+        self._world.local_costmap.clear(self._world.robot_in_odom() if far else None, distance)
+        if self._world.global_costmap is not None:
+            self._world.global_costmap.clear(self._world.robot_in_map() if far else None, distance)

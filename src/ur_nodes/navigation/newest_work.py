@@ -1,0 +1,40 @@
+"""Work beside a node of which only the newest request counts."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import Generic, TypeVar
+
+from ur_nodes.ports.node import Node
+
+Request = TypeVar("Request")
+Outcome = TypeVar("Outcome")
+
+
+class NewestWork(Generic[Request, Outcome]):
+    """A lane for one job at a time; of the requests that wait the newest comes next."""
+
+    def __init__(
+        self, node: Node, lane: str, job: Callable[[Request], Outcome], take: Callable[[Request, Outcome], None]
+    ) -> None:
+        """`job` runs beside the node, `take` on its thread."""
+        self._node, self._lane = node, lane
+        self._job, self._take = job, take
+        self._busy = False
+        self._waiting: Request | None = None
+
+    def ask(self, request: Request) -> None:
+        """Have a request worked on; one that waits is dropped."""
+        if self._busy:
+            self._waiting = request
+            return
+        self._busy = True
+        self._node.work(partial(self._job, request), partial(self._finish, request), self._lane)
+
+    def _finish(self, request: Request, outcome: Outcome) -> None:
+        self._busy = False
+        if self._waiting is not None:
+            waiting, self._waiting = self._waiting, None
+            self.ask(waiting)
+        self._take(request, outcome)
