@@ -132,4 +132,4 @@ class MemoryGoalClient:
     def _end(self, state: GoalState) -> None:
         if state.id not in self._ended:  # the server repeats it
             self._ended.add(state.id)
-            self._follower.take_end(state)
+            self._follower.take_goal_end(state)

@@ -91,7 +91,7 @@ class GoalFollower(Protocol):
     def take_states(self, states: tuple[GoalState, ...]) -> None:
         """All goals that the server knows, several times a second: open ones, and those that ended lately."""
 
-    def take_end(self, state: GoalState) -> None:
+    def take_goal_end(self, state: GoalState) -> None:
         """A goal has ended."""
 
 

@@ -7,6 +7,7 @@ all who receive it.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -288,6 +289,32 @@ class Calibration:
     matrix: tuple[float, ...]
     rectification: tuple[float, ...]
     projection: tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Marker:
+    """A shape to look at; `namespace` and `number` name it. `colour` is red, green, blue, opacity, 0 to 1.
+
+    A cube has a `size` of x, y, z in m, a text the height of its letters in z, points (n, 3) in m their sides in x, y.
+    """
+
+    namespace: str
+    number: int
+    shape: Literal["cube", "text", "points"]
+    pose: Pose3
+    size: tuple[float, float, float]
+    colour: tuple[float, float, float, float]
+    text: str = ""
+    points: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 3)))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Markers:
+    """Shapes in a frame, in place of all that were shown on the topic before."""
+
+    stamp: int
+    frame: str
+    markers: tuple[Marker, ...]
 
 
 @dataclass(frozen=True, slots=True)

@@ -31,7 +31,7 @@ class RosGoalClient:
         self._goals = rospy.Publisher(f"{action}/goal", MoveBaseActionGoal, queue_size=5)
         self._cancels = rospy.Publisher(f"{action}/cancel", GoalID, queue_size=5)
         take_states = loop.mailbox(1, lambda message: follower.take_states(tuple(map(_state, message.status_list))))
-        take_end = loop.mailbox(100, lambda message: follower.take_end(_state(message.status)))
+        take_end = loop.mailbox(100, lambda message: follower.take_goal_end(_state(message.status)))
         rospy.Subscriber(f"{action}/status", GoalStatusArray, take_states, queue_size=1)
         rospy.Subscriber(f"{action}/result", MoveBaseActionResult, take_end, queue_size=10)
 

@@ -63,6 +63,20 @@ VALUES: tuple[object, ...] = (
     values.Map(STAMP, "map", _GRID),
     values.MapInfo(STAMP, 0.0625, 3, 2, Pose2(1.0, 2.0, 0.5)),
     values.MapUpdate(STAMP, "map", 1, 2, np.array([[1, 2], [3, 4]], np.int8)),
+    values.Markers(
+        STAMP,
+        "map",
+        (
+            values.Marker("one", 1, "cube", Pose2(1.0, 2.0, 0.0).in_space(), (0.5, 0.5, 0.25), (1.0, 0.5, 0.25, 1.0)),
+            values.Marker(
+                "one", 2, "text", Pose2(1.0, 2.0, 0.0).in_space(), (0.0, 0.0, 0.5), (1.0, 1.0, 1.0, 1.0), "7"
+            ),
+            values.Marker(
+                *("two", 1, "points", Pose2(0.0, 0.0, 0.0).in_space(), (0.125, 0.125, 0.0), (0.0, 0.0, 1.0, 1.0), ""),
+                np.array([(1.0, 2.0, 3.0), (4.0, 5.0, 6.0)]),
+            ),
+        ),
+    ),
     values.Picture(STAMP, "camera", 2, 1, "rgb8", 6, b"\x01\x02\x03\x04\x05\x06"),
     values.Calibration(STAMP, "camera", 4, 2, "plumb_bob", (0.5,) * 5, (2.0,) * 9, (1.0,) * 9, (4.0,) * 12),
     values.PackedPicture(STAMP, "camera", "jpeg", b"\xff\xd8"),
@@ -115,7 +129,7 @@ class Follower:
     def take_states(self, states: tuple[GoalState, ...]) -> None:
         self.open = {each.id for each in states if each.open}
 
-    def take_end(self, state: GoalState) -> None:
+    def take_goal_end(self, state: GoalState) -> None:
         self.ends.append(state)
 
 
@@ -543,6 +557,8 @@ def _fields(value: object) -> object:
         return [("nan" if each != each else each) for each in value.ravel().tolist()], value.shape
     if isinstance(value, float) and value != value:
         return "nan"
+    if isinstance(value, tuple) and any(hasattr(type(each), "__dataclass_fields__") for each in value):
+        return tuple(map(_fields, value))
     names = getattr(type(value), "__dataclass_fields__", None)
     if names is None or isinstance(value, Grid):
         return (_fields(value.values), value.resolution, value.origin) if isinstance(value, Grid) else value

@@ -16,6 +16,7 @@ _MODULES = {
     "ur_nodes.ros1.codecs.goals": ("GoalId",),
     "ur_nodes.ros1.codecs.sensors": ("Scan", "Range", "Imu", "Battery"),
     "ur_nodes.ros1.codecs.maps": ("Map", "MapInfo", "MapUpdate"),
+    "ur_nodes.ros1.codecs.markers": ("Markers",),
     "ur_nodes.ros1.codecs.pictures": ("Picture", "PackedPicture", "Calibration"),
     "ur_nodes.ros1.codecs.frames": ("tuple",),
     "ur_nodes.ros1.codecs.services": ("Trigger", "Silent", "Switch", "AskMap", "UseMap", "AskPath", "Place"),

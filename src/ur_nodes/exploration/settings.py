@@ -8,7 +8,7 @@ from ur_nodes.costmap.footprint_parameters import read_footprint
 from ur_nodes.exploration.explorer_step import ExplorerSettings
 from ur_nodes.exploration.search.choice import Weights
 from ur_nodes.exploration.search.corners import CornerSettings
-from ur_nodes.rosio.parameters import Parameters
+from ur_nodes.ports.parameters import Parameters
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,11 +31,10 @@ class ExploreSettings:
     save_service: str
 
 
-def read_settings() -> ExploreSettings:
+def read_settings(own: Parameters) -> ExploreSettings:
     """Read them all. Raises UserError, which names the parameter."""
-    own = Parameters()
     navigation = own.text("navigation", "move_base")
-    footprint = read_footprint(Parameters(f"{navigation}/").below("global_costmap"), 0.05)
+    footprint = read_footprint(own.of(navigation).below("global_costmap"), 0.05)
     return ExploreSettings(
         explorer=ExplorerSettings(
             radius=footprint.inscribed,

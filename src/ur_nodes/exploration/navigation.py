@@ -1,0 +1,94 @@
+"""The action of navigation and the messages of the mux, as the exploration uses them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from ur_nodes.exploration.explorer_step import GoalEnd
+from ur_nodes.exploration.pause import Drivers, note_time, reason_to_pause
+from ur_nodes.exploration.settings import ExploreSettings
+from ur_nodes.geometry.pose import Pose2
+from ur_nodes.motion.lease.text import read_lease
+from ur_nodes.ports.actions import Goal, GoalState
+from ur_nodes.ports.node import SECOND, Node
+from ur_nodes.ports.services import Silent
+from ur_nodes.ports.values import PlacedPose, Result
+
+
+class Navigation:
+    """One goal at a time."""
+
+    def __init__(self, node: Node, settings: ExploreSettings) -> None:
+        self._node = node
+        self._settings = settings
+        self._drivers = Drivers()
+        self._number = 0
+        self._goal = ""
+        self._end: GoalEnd | None = None
+        self._alive = False
+        self._start = f"{node.name}-{node.now():x}-"  # of our goals' ids
+        self._goals = node.follow_goals(settings.navigation, self)
+        node.subscribe(f"{settings.mux}/stopped", bool, self._take_stopped)
+        node.subscribe(f"{settings.mux}/active", str, self._take_active)
+        node.subscribe(f"{settings.mux}/lease", str, self._take_lease)
+
+    def ready(self) -> bool:
+        """Return whether the action is there."""
+        return self._alive and self._goals.servers() > 0
+
+    def pause(self, now: float) -> str:
+        """Return why the robot must not be driven now; '' when it may."""
+        self._drivers = note_time(self._drivers, now)
+        return reason_to_pause(self._drivers, now, self._settings.quiet)
+
+    def send(self, pose: Pose2) -> None:
+        """Drive to a pose, in place of the goal before."""
+        self._number += 1
+        self._goal, self._end = f"{self._start}{self._number}", None
+        self._goals.send(Goal(self._goal, PlacedPose(self._node.now(), self._settings.map_frame, pose)))
+
+    def cancel(self) -> None:
+        """Pursue nothing any more."""
+        goal, self._goal, self._end = self._goal, "", None
+        if goal:
+            self._goals.cancel(goal)
+
+    def take_end(self) -> GoalEnd | None:
+        """Return how the goal has ended, once."""
+        end, self._end = self._end, None
+        return end
+
+    def clear(self) -> None:
+        """Have the costmaps forget what sensors saw."""
+        self._node.call(f"{self._settings.navigation}/clear_costmaps", Silent(), self._note_cleared)
+
+    def take_states(self, states: tuple[GoalState, ...]) -> None:
+        """See GoalFollower."""
+        self._alive = True
+        foreign = any(each.open and not each.id.startswith(self._start) for each in states)
+        self._drivers = replace(self._drivers, foreign=foreign)
+
+    def take_goal_end(self, state: GoalState) -> None:
+        """See GoalFollower."""
+        if not self._goal or state.id != self._goal:
+            return
+        self._goal = ""
+        if state.state == "cancelled":  # by somebody else: look who drives
+            self._drivers = replace(self._drivers, driven=self._node.now() / SECOND)
+        else:
+            self._end = GoalEnd(state.state == "succeeded", state.text)
+
+    def _note_cleared(self, result: Result) -> None:
+        if not result.success:
+            self._node.log.warn(f"the costmaps are not cleared: {result.text}")
+
+    def _take_stopped(self, stopped: bool) -> None:
+        self._drivers = replace(self._drivers, stopped=stopped)
+
+    def _take_active(self, active: str) -> None:
+        self._drivers = replace(self._drivers, active=active)
+
+    def _take_lease(self, text: str) -> None:
+        lease = read_lease(text)
+        if lease is not None:
+            self._drivers = replace(self._drivers, lease=lease)
