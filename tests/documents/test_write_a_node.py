@@ -19,7 +19,7 @@ TEST, START = re.findall(r"^```sh\n(.*?)^```$", PAGE, re.DOTALL | re.MULTILINE)
 @pytest.fixture
 def package(tmp_path: Path) -> Path:
     """The package my_robot with the files of the page."""
-    ur = ROOT / "ur"
+    ur = str(ROOT / "ur")
     made = run_command(
         tmp_path,
         ur,

@@ -45,7 +45,8 @@ def from_pose(pose: Pose3) -> Floats:
 
 def to_pose(transform: Floats) -> Pose3:
     """Convert to a pose with a unit quaternion."""
-    return Pose3(*transform[:3, 3].tolist(), *to_quaternion(transform))
+    x, y, z = transform[:3, 3].tolist()
+    return Pose3(x, y, z, *to_quaternion(transform))
 
 
 def to_quaternion(transform: Floats) -> tuple[float, float, float, float]:

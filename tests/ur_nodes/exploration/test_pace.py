@@ -17,6 +17,7 @@ def grow(rate: float, until: float, pace: Pace | None = None, begin: float = 0.0
 def test_time_left_is_in_proportion_to_the_unknown_floor_and_the_growth() -> None:
     left = grow(0.5, 40.0).seconds_left(30.0)
     assert left == pytest.approx(132.0)
+    assert left is not None
     assert grow(1.0, 40.0).seconds_left(30.0) == pytest.approx(left / 2)
     assert grow(0.5, 40.0).seconds_left(60.0) == pytest.approx(left * 2)
 
