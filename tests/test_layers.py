@@ -129,7 +129,6 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         "ur_nodes.geometry",
         "ur_nodes.memory_use",
         "ur_nodes.ports",
-        "ur_nodes.rosio",
         "ur_nodes.run",
     ),
     "ur_nodes.navigation": (
@@ -140,7 +139,6 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         "ur_nodes.motion",
         "ur_nodes.memory_use",
         "ur_nodes.ports",
-        "ur_nodes.rosio",
         "ur_nodes.run",
     ),
     "ur_nodes.navigation.planning": ("ur_nodes.costmap",),
@@ -148,7 +146,6 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         "ur_nodes.motion",
         "ur_nodes.memory_use",
         "ur_nodes.ports",
-        "ur_nodes.rosio",
         "ur_nodes.run",
     ),
     "ur_nodes.missions": (
