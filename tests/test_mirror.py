@@ -17,6 +17,7 @@ OTHERS = {
     "fresh": "the installation on an empty computer",
     "fuzz": "broken inputs for parsers of all packages",
     "hosts": "tests of several computers together",
+    "ur_nodes/first_drive": "nodes together on a bus, from the simulator to the goal",
     "launchfile/fuzz": "broken launch files, also beside roslaunch",
     "tools": "tests of the programs in tools/",
     "web/static": "modules of the page, which Node.js runs",

@@ -24,12 +24,6 @@ def make_publisher(topic: str, kind: Any, queue: int | None) -> rospy.Publisher:
         return rospy.Publisher(topic, kind, queue_size=queue, tcp_nodelay=True)
 
 
-def has_subscribers(publisher: rospy.Publisher) -> bool:
-    """Return whether anything is connected to a topic: `get_num_connections` without locks, as each tick asks."""
-    implementation = publisher.impl
-    return implementation is not None and bool(implementation.connections)
-
-
 class TransformSender:
     """The publisher of /tf of a node, for any thread. Messages are made once for each edge and filled in again."""
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import genpy
@@ -39,8 +40,9 @@ class ServiceCodec:
     result_of: Callable[[Any], Result]
 
 
+@lru_cache(maxsize=4)
 def time_of(stamp: int) -> genpy.Time:
-    """A stamp (ns) as a message has it."""
+    """A stamp (ns) as a message has it; messages of one moment share it."""
     return genpy.Time(*divmod(stamp, _SECOND))
 
 

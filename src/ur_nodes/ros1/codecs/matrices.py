@@ -20,8 +20,8 @@ def numbers_of(matrix: NDArray[np.float64], others: float = 0.0) -> list[float]:
         return _NOTHING
     numbers = _NOTHING.copy()
     numbers[14] = numbers[21] = numbers[28] = others
-    for place, value in zip(_PLACES, matrix.ravel().tolist(), strict=True):
-        numbers[place] = value
+    (numbers[0], numbers[1], numbers[5]), (numbers[6], numbers[7], numbers[11]), last = matrix.tolist()
+    numbers[30], numbers[31], numbers[35] = last
     return numbers
 
 

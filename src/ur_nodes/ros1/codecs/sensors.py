@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-from geometry_msgs.msg import Quaternion, Vector3
 from sensor_msgs.msg import BatteryState
 from sensor_msgs.msg import Imu as ImuMessage
 from sensor_msgs.msg import Range as RangeMessage
@@ -71,8 +70,10 @@ def _range_of(message: Any) -> Range:
 
 def _fill_imu(message: Any, value: Imu) -> None:
     fill_header(message, value.stamp, value.frame)
-    message.orientation = Quaternion(*value.orientation)
-    message.angular_velocity, message.linear_acceleration = Vector3(*value.turning), Vector3(*value.force)
+    q, turning, force = message.orientation, message.angular_velocity, message.linear_acceleration
+    q.x, q.y, q.z, q.w = value.orientation
+    turning.x, turning.y, turning.z = value.turning
+    force.x, force.y, force.z = value.force
     message.orientation_covariance = _diagonal(value.orientation_variance)
     message.angular_velocity_covariance = _diagonal(value.turning_variance)
     message.linear_acceleration_covariance = _diagonal(value.force_variance)

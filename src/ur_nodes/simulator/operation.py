@@ -1,0 +1,127 @@
+"""The operation of a simulation on a node: the pace of time, the clock, what is due, and services."""
+
+from __future__ import annotations
+
+from ur.source.diagnostic import UserError
+from ur_nodes.ports.node import SECOND, Node, Timer
+from ur_nodes.ports.services import Place, Silent, Switch, Trigger
+from ur_nodes.ports.values import ClockTime, Result
+from ur_nodes.simulator.camera_topics import CameraTopics
+from ur_nodes.simulator.pacing import Pacer
+from ur_nodes.simulator.robot_topics import RobotTopics
+from ur_nodes.simulator.sensor_topics import SensorTopics
+from ur_nodes.simulator.settings import Settings, list_prefixes
+from ur_nodes.simulator.simulation import Simulation
+
+
+class Operation:
+    """Advances a simulation when its ticks are due. Commands and services come between two ticks."""
+
+    def __init__(
+        self, node: Node, simulation: Simulation, settings: Settings, camera: CameraTopics | None = None
+    ) -> None:
+        self._node = node
+        self._simulation = simulation
+        self._settings = settings
+        self._camera = camera
+        self._taking_pictures = self._paused = False
+        self._next: Timer | None = None
+        self._pacer = Pacer(settings.speed, simulation.time, node.steady())
+        self._clock = node.publish("/clock", ClockTime, settings.quality) if settings.publish_clock else None
+        self._next_clock = self._next_joints = 0.0
+        self._transforms = node.publish("/tf", tuple, settings.quality)
+        prefixes = list_prefixes(simulation)
+        self._robots = [RobotTopics(node, simulation, n, prefix, settings) for n, prefix in enumerate(prefixes)]
+        self._sensors = [SensorTopics(node, simulation, n, prefix, settings) for n, prefix in enumerate(prefixes)]
+        node.serve("~pause", Switch, self._pause)
+        node.serve("~step", Trigger, self._step)
+        node.serve("~reset", Silent, self._reset)
+        node.serve("~place", Place, self._place)
+
+    def begin(self) -> None:
+        """Have the next tick come when it is due."""
+        if self._next:
+            self._next.cancel()
+        left = self._pacer.wait(self._simulation.next_time, self._node.steady())
+        self._next = self._node.after(left, self._go_on, steady=True)
+
+    def _go_on(self) -> None:
+        self._tick()
+        self.begin()
+
+    def _tick(self) -> None:
+        if self._camera:
+            self._watch(self._camera)
+        tick = self._simulation.advance()
+        stamp = self._stamp(tick.time)
+        joints = tick.time >= self._next_joints
+        placed = tick.odometry or tick.scan or tick.sonars
+        stamped = placed or joints or tick.imu or tick.battery
+        if self._clock and (stamped or tick.time >= self._next_clock):
+            self._next_clock = tick.time + 1.0 / self._settings.clock_rate - 1e-6
+            self._clock.send(ClockTime(stamp))
+        if joints:
+            self._next_joints = tick.time + 1.0 / self._settings.joint_rate - 1e-6
+        if placed and self._transforms.listeners():
+            self._transforms.send(tuple(robot.transform(stamp) for robot in self._robots))
+        for robot, collisions in zip(self._robots, self._simulation.collisions, strict=True):
+            if tick.odometry:
+                robot.send_odometry(stamp)
+            if tick.scan:
+                robot.send_scan(stamp)
+            if joints:
+                robot.send_joints(stamp)
+            robot.send_collisions(collisions)
+        for sensors in self._sensors:
+            sensors.send(tick, stamp)
+        if tick.picture and self._camera:
+            self._camera.offer(stamp, self._simulation.state())
+
+    def _watch(self, camera: CameraTopics) -> None:
+        """Make pictures due only while their topics have listeners."""
+        if camera.wanted != self._taking_pictures:
+            self._taking_pictures = not self._taking_pictures
+            self._simulation.take_pictures(camera.camera.rate if self._taking_pictures else 0.0)
+
+    def _stamp(self, simulated: float) -> int:
+        """Simulated time (ns) when it is the clock; otherwise the nodes' time at which the moment was due."""
+        if self._clock:
+            seconds = int(simulated)
+            return seconds * SECOND + int((simulated - seconds) * SECOND)
+        late = self._node.steady() - self._pacer.due(simulated)
+        return self._node.now() - round(late * SECOND)
+
+    def _pause(self, request: Switch) -> Result:
+        self._paused = request.on
+        self._pacer.restart(self._simulation.time, self._node.steady())
+        if not self._paused:
+            self.begin()
+        elif self._next:
+            self._next.cancel()
+        return Result(success=True, text="paused" if request.on else "running")
+
+    def _step(self, _request: Trigger) -> Result:
+        if not self._paused:
+            return Result(success=False, text="not paused, expected ~pause with true before ~step")
+        end = self._simulation.time + self._settings.step_period - 1e-6
+        while self._simulation.time < end:
+            self._pacer.restart(self._simulation.time, self._node.steady())
+            self._tick()
+        return Result(success=True, text=f"simulated time {self._simulation.time:.3f} s")
+
+    def _reset(self, _request: Silent) -> Result:
+        self._simulation.reset()
+        if not self._paused:
+            self.begin()  # what is due next has changed
+        return Result(success=True)
+
+    def _place(self, request: Place) -> Result:
+        if request.frame not in ("", self._settings.frames.map):
+            text = f"a pose in frame {request.frame!r}, expected {self._settings.frames.map!r}"
+            return Result(success=False, text=text)
+        try:
+            self._simulation.place(request.name, request.pose)
+        except UserError as problem:
+            self._node.log.warn(f"~place: {problem}")
+            return Result(success=False, text=str(problem))
+        return Result(success=True)

@@ -1,0 +1,91 @@
+"""The topics of one simulated robot: what stage_ros publishes and subscribes."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ur_nodes.geometry.pose import Pose3, quaternion_of_yaw
+from ur_nodes.ports.node import Node
+from ur_nodes.ports.qualities import Quality
+from ur_nodes.ports.values import Joints, Odometry, Scan, Transform, Twist
+from ur_nodes.simulator.settings import Settings
+from ur_nodes.simulator.simulation import Simulation
+
+_EXACT = np.diag((1e-9, 1e-9, 1e-9))
+# Encoders: the speed to about 1 %, no motion sideways.
+_SPEED_COVARIANCE = np.diag((1e-4, 1e-6, 1e-3))
+
+
+class RobotTopics:
+    """Publishers and the subscription of one robot. Topics without listeners cost nothing, latched ones aside."""
+
+    def __init__(self, node: Node, simulation: Simulation, robot: int, prefix: str, settings: Settings) -> None:
+        """`prefix` is put before topics and frames: '' for a single robot, else 'robot_<n>/'."""
+        frames, quality = settings.frames, settings.quality
+        self._simulation = simulation
+        self._robot = robot
+        self._map, self._odom_frame, self._base = frames.map, prefix + frames.odom, prefix + frames.base
+        self._wheels = (f"{prefix}left_wheel_joint", f"{prefix}right_wheel_joint")
+        lidar = simulation.base.lidar
+        self._odom = node.publish(f"{prefix}odom", Odometry, quality)
+        self._truth = node.publish(f"{prefix}base_pose_ground_truth", Odometry, quality)
+        self._joints = node.publish(f"{prefix}joint_states", Joints, quality)
+        self._lidar, self._lidar_frame = lidar, prefix + lidar.frame if lidar else ""
+        self._scan = node.publish(prefix + lidar.topic, Scan, quality) if lidar else None
+        self._collisions = node.publish(f"~{prefix}collisions", int, Quality.LATCHED)
+        self._sent_collisions = -1
+        node.subscribe(f"{prefix}cmd_vel", Twist, self._take_command)
+
+    def _take_command(self, command: Twist) -> None:
+        self._simulation.command(self._robot, command.forward, command.turn)
+
+    def transform(self, stamp: int) -> Transform:
+        """The transform odom -> base_footprint, from the odometry of the encoders."""
+        x, y, yaw = self._simulation.odometry(self._robot).pose
+        return Transform(stamp, self._odom_frame, self._base, Pose3(x, y, 0.0, *quaternion_of_yaw(yaw)))
+
+    def send_odometry(self, stamp: int) -> None:
+        """Send the odometry of the encoders, and the ground truth."""
+        if self._odom.listeners():
+            odometry = self._simulation.odometry(self._robot)
+            xx, xy, xw, yy, yw, ww = odometry.covariance
+            covariance = np.array(((xx, xy, xw), (xy, yy, yw), (xw, yw, ww)))
+            twist = Twist(*odometry.velocity)
+            self._odom.send(
+                Odometry(stamp, self._odom_frame, self._base, odometry.pose, twist, covariance, _SPEED_COVARIANCE)
+            )
+        if self._truth.listeners():
+            forward, left, turn = self._simulation.velocity(self._robot)
+            pose = self._simulation.pose(self._robot)
+            twist = Twist(forward, turn, left)
+            self._truth.send(Odometry(stamp, self._map, self._base, pose, twist, _EXACT, _SPEED_COVARIANCE))
+
+    def send_scan(self, stamp: int) -> None:
+        """Send a scan of the lidar, taken in an instant."""
+        lidar = self._lidar
+        if lidar and self._scan and self._scan.listeners():
+            self._scan.send(
+                Scan(
+                    stamp,
+                    self._lidar_frame,
+                    lidar.angle_min,
+                    (lidar.angle_max - lidar.angle_min) / (lidar.samples - 1),
+                    lidar.range_min,
+                    lidar.range_max,
+                    self._simulation.scan(self._robot).astype(np.float32),
+                    scan_time=1.0 / lidar.rate,
+                    angle_max=lidar.angle_max,
+                )
+            )
+
+    def send_joints(self, stamp: int) -> None:
+        """Send the angles of the wheels, and how fast they turn."""
+        if self._joints.listeners():
+            angles, speeds = self._simulation.wheel_angles(self._robot), self._simulation.wheel_speeds(self._robot)
+            self._joints.send(Joints(stamp, self._wheels, angles, speeds))
+
+    def send_collisions(self, count: int) -> None:
+        """Send the number of collisions of the robot when it changes."""
+        if count != self._sent_collisions:
+            self._sent_collisions = count
+            self._collisions.send(count)

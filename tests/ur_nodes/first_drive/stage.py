@@ -1,0 +1,161 @@
+"""A simulated robot on a bus, in one process and one time: nodes are added to it, and it is driven.
+
+The clock is the bus's: each event of the simulator advances the simulation to it, and stamps are of the same time. The
+same seed and the same calls give the same run to the last bit; `fingerprint` compares two.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from collections.abc import Callable, Iterable
+from dataclasses import fields, is_dataclass
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numpy as np
+
+from ur.robot.base import Base, load_base
+from ur.source.project import launch_library
+from ur_nodes.geometry.grid import Grid, load_map
+from ur_nodes.geometry.pose import Pose2, make_pose3
+from ur_nodes.memory.bus import Bus
+from ur_nodes.memory.node import MemoryNode
+from ur_nodes.ports.node import Node
+from ur_nodes.ports.qualities import Quality
+from ur_nodes.ports.services import AskMap, Place
+from ur_nodes.ports.values import Map, Odometry, Result, Transform, Twist
+from ur_nodes.simulator import simulator_node
+
+Value = TypeVar("Value")
+
+WORLDS = launch_library() / "n_simulator" / "worlds"
+COMMAND_PERIOD = 0.05  # s: a base stops for a command that is older than 0.08 s
+ANSWER_LIMIT = 10.0  # s
+
+
+class Stage:
+    """A bus with a simulator, the fixed frames of its base, its map as a service, and a client that drives and asks.
+
+    `parameters` are those of the simulator, `delay` is that of the bus.
+    """
+
+    def __init__(
+        self,
+        world: str | Path = "maze",
+        *,
+        delay: Callable[[str], int | None] | None = None,
+        **parameters: Any,
+    ) -> None:
+        self.bus = Bus(delay)
+        self.world = Path(world) if Path(world).suffix else WORLDS / f"{world}.yaml"
+        own: dict[str, Any] = {"world_file": str(self.world), "publish_clock": False} | parameters
+        self.base: Base = load_base(launch_library(), str(own.get("base", "stage")), str(own.get("variant", "")))
+        self.client = self.bus.node("client")
+        self._commands: dict[str, Any] = {}
+        prefix = "robot_0/" if own.get("robots", 1) != 1 else ""
+        self._truth = self.record(f"{prefix}base_pose_ground_truth", Odometry)
+        self._mount()
+        self.simulator = self.add("simulator", simulator_node.start, **own)
+        assert self.bus.run_until(lambda: bool(self._truth), 1.0)
+
+    def add(
+        self, name: str, start: Callable[[Node], object], remaps: dict[str, str] | None = None, **parameters: Any
+    ) -> MemoryNode:
+        """Start a node with parameters of its own."""
+        self.bus.parameters |= {f"/{name}/{key}": value for key, value in parameters.items()}
+        node = self.bus.node(name, remaps)
+        start(node)
+        return node
+
+    def record(self, topic: str, kind: type[Value], quality: Quality = Quality.LOSSLESS) -> list[Value]:
+        """A list to which all values of a topic are added as they arrive."""
+        values: list[Value] = []
+        self.client.subscribe(topic, kind, values.append, quality)
+        return values
+
+    def ask(self, service: str, request: object) -> Result:
+        """The answer of a service. Time passes until it is there."""
+        answers: list[Result] = []
+        self.client.call(service, request, answers.append)
+        assert self.bus.run_until(lambda: bool(answers), ANSWER_LIMIT), service
+        return answers[0]
+
+    def place(self, x: float, y: float, yaw: float = 0.0, name: str = "robot", frame: str = "map") -> Result:
+        """Put the robot or an obstacle somewhere."""
+        return self.ask("simulator/place", Place(name, frame, Pose2(x, y, yaw)))
+
+    def drive(self, forward: float, turn: float, seconds: float, topic: str = "cmd_vel") -> None:
+        """Send a command at 20 Hz for so long."""
+        self.drive_until(lambda: False, forward, turn, seconds, topic)
+
+    def drive_until(
+        self, condition: Callable[[], bool], forward: float, turn: float, seconds: float, topic: str = "cmd_vel"
+    ) -> bool:
+        """Send a command at 20 Hz until a condition is true, at most so long. Return whether it is."""
+        if topic not in self._commands:
+            self._commands[topic] = self.client.publish(topic, Twist, Quality.COMMAND)
+        for _ in range(math.ceil(seconds / COMMAND_PERIOD - 1e-9)):
+            self._commands[topic].send(Twist(forward, turn))
+            if self.bus.run_until(condition, COMMAND_PERIOD):
+                return True
+        return False
+
+    @property
+    def truth(self) -> Odometry:
+        """The robot's true pose in the map, and its velocity, as the simulator sent them last."""
+        return self._truth[-1]
+
+    def grid(self) -> Grid:
+        """The map of the world."""
+        return load_map(self.world)
+
+    def serve_map(self) -> None:
+        """Serve the map of the world as `static_map`, and publish it as `map`."""
+        server = self.bus.node("map_server")
+        value = Map(self.bus.now, "map", self.grid())
+        server.serve("static_map", AskMap, lambda _request: Result(success=True, value=value))
+        server.publish("map", Map, Quality.LATCHED).send(value)
+
+    def _mount(self) -> None:
+        """Send the fixed frames of the base's sensors, as its description does."""
+        mounted = [each for each in (self.base.lidar, self.base.imu) if each]
+        mounted += [*(self.base.sonars.at if self.base.sonars else ())]  # type: ignore[list-item]
+        state = self.bus.node("robot_state_publisher")
+        for each in mounted:
+            place = getattr(each, "pose", (0.0,) * 6)
+            pose = make_pose3(place[:3], _quaternion(*place[3:6]))
+            state.transforms.send(Transform(self.bus.now, "base_footprint", each.frame, pose, fixed=True))
+
+
+def fingerprint(values: Iterable[object]) -> str:
+    """A digest that two lists of values share if they are the same to the last bit."""
+    digest = hashlib.sha256()
+    for value in values:
+        _add(digest, value)
+    return digest.hexdigest()
+
+
+def _add(digest: Any, value: object) -> None:
+    if isinstance(value, np.ndarray):
+        digest.update(repr((value.dtype.str, value.shape)).encode() + value.tobytes())
+    elif is_dataclass(value):
+        digest.update(type(value).__name__.encode())
+        for each in fields(value):
+            _add(digest, getattr(value, each.name))
+    elif isinstance(value, (tuple, list)):
+        digest.update(f"{len(value)}:".encode())
+        for each in value:
+            _add(digest, each)
+    else:
+        digest.update(repr(value).encode() + b";")
+
+
+def _quaternion(roll: float, pitch: float, yaw: float) -> tuple[float, float, float, float]:
+    (cr, sr), (cp, sp), (cy, sy) = ((math.cos(angle / 2.0), math.sin(angle / 2.0)) for angle in (roll, pitch, yaw))
+    return (
+        sr * cp * cy - cr * sp * sy,
+        cr * sp * cy + sr * cp * sy,
+        cr * cp * sy - sr * sp * cy,
+        cr * cp * cy + sr * sp * sy,
+    )
