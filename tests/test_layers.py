@@ -373,5 +373,16 @@ def test_only_node_shells_import_ros(module: str) -> None:
     assert not used, f"{module} imports {', '.join(used)}, expected ROS only in *_node.py, *_message.py, rosio and ros1"
 
 
+def test_every_module_that_is_imported_exists() -> None:
+    files = [path for folder in ("src", "tests", "bench", "tools") for path in (SRC.parent / folder).rglob("*.py")]
+    missing = {
+        (path.relative_to(SRC.parent).as_posix(), name)
+        for path in files
+        for name in imports_of(path)
+        if name.split(".")[0] in ("ur", "ur_nodes") and name not in MODULES
+    }
+    assert not missing
+
+
 def test_every_module_belongs_to_a_named_layer() -> None:
     assert {layer_of(module) for module in MODULES} <= set(MAY_IMPORT)
