@@ -14,6 +14,7 @@ from typing import Any
 
 _POLL = 0.005  # s: simulated time cannot be waited for
 _LONGEST_WAIT = 1.0  # s
+_ROUNDING = 1e-3  # s: a sum may be greater than its parts
 
 
 class Beat:
@@ -59,7 +60,7 @@ class Beats:
             return None
         due, number, beat = self._beats[0]
         now = self._read()
-        if due - now > beat.period:  # time was set back
+        if due - now > beat.period + _ROUNDING:  # time was set back
             self._beats = [(now + each.period, count, each) for _, count, each in self._beats]
             heapq.heapify(self._beats)
         if due > now:

@@ -1,0 +1,72 @@
+"""Beats of a node's loop, with a clock that a test moves."""
+
+from __future__ import annotations
+
+from ur_nodes.ros1.loop import Beat, Beats
+
+
+class Clock:
+    """Seconds that pass when they are told to; those of a simulation, that are no round numbers."""
+
+    def __init__(self) -> None:
+        self.now = 0.1 + 0.2
+
+    def read(self) -> float:
+        return self.now
+
+
+def take_all(beats: Beats) -> int:
+    """The number of beats that are due."""
+    count = 0
+    while (call := beats.take()) is not None:
+        call()
+        count += 1
+    return count
+
+
+def test_beat_repeats_without_drift_and_leaves_out_what_is_late() -> None:
+    clock, got = Clock(), list[float]()
+    beats = Beats(clock.read, steady=False)
+    beats.add(Beat(0.1, lambda: got.append(clock.now)))
+    for _ in range(10):
+        clock.now += 0.05
+        take_all(beats)
+    assert len(got) == 5
+    clock.now += 10.0
+    assert take_all(beats) <= 2
+
+
+def test_new_beat_does_not_put_off_one_that_is_due_soon() -> None:
+    clock, slow = Clock(), list[float]()
+    beats = Beats(clock.read, steady=False)
+    beats.add(Beat(1.0, lambda: slow.append(clock.now)))
+    for _ in range(200):
+        beats.add(Beat(0.007, lambda: None, once=True))
+        take_all(beats)
+        clock.now += 0.01
+        take_all(beats)
+    assert len(slow) == 2
+
+
+def test_beats_go_on_after_time_was_set_back() -> None:
+    clock, got = Clock(), list[float]()
+    beats = Beats(clock.read, steady=False)
+    beats.add(Beat(0.1, lambda: got.append(clock.now)))
+    clock.now = 1000.0
+    take_all(beats)
+    clock.now = 0.0
+    take_all(beats)
+    before = len(got)
+    clock.now = 0.15
+    take_all(beats)
+    assert len(got) == before + 1
+
+
+def test_cancelled_beat_is_not_called() -> None:
+    clock, got = Clock(), list[float]()
+    beats = Beats(clock.read, steady=False)
+    beat = beats.add(Beat(0.1, lambda: got.append(clock.now)))
+    beat.cancel()
+    clock.now += 1.0
+    take_all(beats)
+    assert got == []
