@@ -39,24 +39,25 @@ class MuxRunner:
 
     def handle(self, event: Event | None) -> MuxState:
         """Let an event take effect now (None: time has passed), and return the state after it."""
-        before, now = self._state, read_mux_time(self._node)
-        self._state, output = step(before, event, now)
+        before = self._state
+        self._state, output = step(before, event, read_mux_time(self._node))
         if output is not None:
             self._publisher.send(twist_of(output))
             self._on_output(self._state)
         if (before.active, before.stopped) != (self._state.active, self._state.stopped):
             self._on_change(self._state)
         if self._state.next_at != self._timer_at:
-            self._arm(now)
+            self._arm()
         return self._state
 
-    def _arm(self, now: float) -> None:
+    def _arm(self) -> None:
         """Have the next output made when it is due."""
         if self._timer is not None:
             self._timer.cancel()
         self._timer, self._timer_at = None, self._state.next_at
         if self._timer_at < float("inf"):
-            self._timer = self._node.after(max(0.0, self._timer_at - now), self._take_due)
+            left = self._timer_at - read_mux_time(self._node)  # read anew: sending took a moment
+            self._timer = self._node.after(max(0.0, left), self._take_due)
 
     def _take_due(self) -> None:
         self._timer_at = float("nan")  # the timer is used up
