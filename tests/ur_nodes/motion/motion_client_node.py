@@ -20,15 +20,11 @@ class Client:
         self.active: list[str] = []
         self.stopped = False
         self.commands: list[tuple[float, float]] = []
-        self.smooth: list[float] = []
         self.truth = (0.0, 0.0, 0.0)
-        self.publishers = {
-            topic: rospy.Publisher(topic, Twist, queue_size=1) for topic in ("key_vel", "nav_vel", "raw_cmd_vel")
-        }
+        self.publishers = {topic: rospy.Publisher(topic, Twist, queue_size=1) for topic in ("key_vel", "nav_vel")}
         rospy.Subscriber("cmd_vel_mux/active", String, lambda message: self.active.append(message.data))
         rospy.Subscriber("cmd_vel_mux/stopped", Bool, lambda message: setattr(self, "stopped", message.data))
         rospy.Subscriber("cmd_vel", Twist, lambda m: self.commands.append((m.linear.x, m.angular.z)), queue_size=100)
-        rospy.Subscriber("smooth_cmd_vel", Twist, lambda m: self.smooth.append(m.linear.x), queue_size=100)
         rospy.Subscriber("base_pose_ground_truth", Odometry, self.on_truth)
         self.driving: threading.Event | None = None
 
@@ -97,7 +93,7 @@ class Client:
 
     def history(self) -> dict[str, Any]:
         """Who drove and what was commanded since the last time."""
-        told = {"active": self.active[:], "commands": take(self.commands), "smooth": take(self.smooth)}
+        told = {"active": self.active[:], "commands": take(self.commands)}
         del self.active[: len(told["active"]) - 1]
         return told
 

@@ -404,6 +404,7 @@ def test_robot_stops_before_an_obstacle_and_the_choice_outlives_the_mux(home: Pa
     ("parameters", "message"),
     [
         ({"base": "stagge"}, "unknown base 'stagge'"),
+        ({"topics": None}, "parameter /cmd_vel_mux/topics: None, expected a list"),
         ({"topics": "key_vel"}, "parameter /cmd_vel_mux/topics: 'key_vel', expected a list of mappings"),
         ({"rate": 500}, "expected a number from 10 to 100"),
     ],

@@ -105,20 +105,6 @@ def test_joystick_drives_while_its_dead_man_button_is_held(robot: Robot, record_
     assert max(b - a for a, b in pairwise(speeds)) <= 1.0 * 0.02 + 1e-6
 
 
-def test_robot_stands_when_the_joystick_is_unplugged(robot: Robot) -> None:
-    if not isinstance(robot.joystick, PipeJoystick):
-        pytest.skip("a device that the kernel made may come back under another name")
-    robot.joystick.press(DEAD_MAN, True)
-    robot.joystick.push(1, 32767)
-    assert robot.ask("moves", seconds=60) < 0.0
-    robot.joystick.close()
-    robot.ask("stands", seconds=60)
-    robot.joystick.plug()
-    robot.joystick.press(DEAD_MAN, True)
-    robot.joystick.push(1, -32767)
-    assert robot.ask("moves", seconds=60) > 0.0
-
-
 def test_keyboard_drives_before_navigation_and_joystick_before_both(robot: Robot) -> None:
     robot.ask("drive", topic="nav_vel", velocity=[0.0, 0.3])
     teleop = ROOT / "ubiquity_launches" / "n_teleop_twist_keyboard" / "bin" / "teleop_twist_keyboard.py"
@@ -138,14 +124,6 @@ def test_keyboard_drives_before_navigation_and_joystick_before_both(robot: Robot
     assert drove[0] == drove[-1] == "navigation"  # which wanted to all the time
     assert "navigation" in drove[keyboard:joystick]
     assert "keyboard" not in drove[joystick:]
-
-
-def test_robot_stands_when_its_commander_falls_silent(robot: Robot) -> None:
-    robot.ask("drive", topic="key_vel", velocity=[-0.3, 0.0])
-    robot.ask("moves", seconds=60)
-    robot.ask("rest")
-    robot.ask("stands", seconds=60)
-    assert [forward for forward, _ in robot.ask("history")["commands"]][-3:] == [0.0, 0.0, 0.0]
 
 
 def test_emergency_button_stops_and_only_a_pause_after_release_lets_drive_again(robot: Robot) -> None:
@@ -192,42 +170,10 @@ def kill_mux(robot: Robot) -> None:
     os.kill(mux, signal.SIGKILL)
 
 
-def test_smoother_ramps_within_its_limits(robot: Robot) -> None:
-    robot.ask("drive", topic="raw_cmd_vel", velocity=[0.2, 0.0])
-    smooth: list[float] = []
-    while 0.2 not in smooth:
-        smooth += robot.ask("history")["smooth"]
-        assert len(smooth) < 1000
-    assert max(smooth) <= 0.2
-    assert max(b - a for a, b in pairwise([0.0, *smooth])) <= 1.0 / 20.0 + 1e-6
-
-
-@pytest.mark.parametrize(
-    ("program", "parameters", "message"),
-    [
-        ("n_cmd_vel_mux/bin/twist_mux", ("_base:=stagge",), "unknown base 'stagge'"),
-        ("n_cmd_vel_mux/bin/twist_mux", ("_base:=stage",), "parameter /cmd_vel_mux_2/topics: None, expected a list"),
-        ("n_cmd_vel_mux/bin/twist_mux", ("_base:=stage", "_topics:=key_vel"), "'key_vel', expected a list of mappings"),
-        ("n_velocity_smoother/bin/velocity_smoother", (), "parameter /cmd_vel_mux_2/accel_lim_v is not set"),
-        (
-            "n_joy/bin/joy_node",
-            ("_deadzone:=2",),
-            "parameter /cmd_vel_mux_2/deadzone: 2, expected a number from 0 to 0.9",
-        ),
-        ("n_teleop_twist_joy/bin/teleop_node", ("_enable_button:=A",), "'A', expected a whole number of at least -1"),
-        (
-            "n_teleop_twist_joy/bin/teleop_node",
-            ("_scale_linear:={w: 1}",),
-            "/scale_linear/w: 1, expected one of x, y, z",
-        ),
-    ],
-)
-def test_nodes_refuse_what_they_cannot_use_in_one_clear_message(
-    robot: Robot, program: str, parameters: tuple[str, ...], message: str
-) -> None:
-    command = [str(ROOT / "ubiquity_launches" / program), "__name:=cmd_vel_mux_2", *parameters]
+def test_mux_refuses_what_it_cannot_use_in_one_clear_message(robot: Robot) -> None:
+    program = ROOT / "ubiquity_launches" / "n_cmd_vel_mux" / "bin" / "twist_mux"
+    command = [str(program), "__name:=cmd_vel_mux_2", "_base:=stagge"]
     done = subprocess.run(command, env=robot.env, text=True, capture_output=True, timeout=120)
     assert done.returncode == 2
-    assert message in done.stderr
+    assert "unknown base 'stagge'" in done.stderr
     assert "Traceback" not in done.stderr
-    subprocess.run(["/usr/bin/rosparam", "delete", "/cmd_vel_mux_2"], env=robot.env, capture_output=True, timeout=120)

@@ -188,3 +188,5 @@ def test_parameters_that_the_reader_cannot_use_are_named(name: str, value: objec
 def test_parameters_that_the_teleop_cannot_use_are_named() -> None:
     with pytest.raises(UserError, match="/scale_linear/w: 1, expected one of x, y, z"):
         Teleop(**{"scale_linear/w": 1})
+    with pytest.raises(UserError, match="'A', expected a whole number of at least -1"):
+        Teleop(enable_turbo_button="A")

@@ -10,8 +10,8 @@ from dataclasses import replace
 from typing import Any
 
 import rospy
-from geometry_msgs.msg import Twist, TwistStamped, Vector3
-from std_msgs.msg import Bool, String, Time
+from geometry_msgs.msg import Twist, Vector3
+from std_msgs.msg import String, Time
 from tests.json_client import answer_requests, claim_output, wait_until
 
 from ur_nodes.motion.challenge.challenge_node import FreshPublisher
@@ -25,10 +25,6 @@ class Clients:
         self.clients: dict[str, LeaseClient] = {}
         self.fresh: dict[str, FreshPublisher] = {}
         self.speeds: list[float] = []
-        self.raw = rospy.Publisher("key_vel_stamped", TwistStamped, queue_size=1000)
-        self.plain = rospy.Publisher("key_vel", Twist, queue_size=1000)
-        self.navigation = rospy.Publisher("nav_vel", Twist, queue_size=1)
-        self.pause = rospy.Publisher("pause_driving", Bool, queue_size=1)
         self.requests = rospy.Publisher("cmd_vel_mux/lease_request", String, queue_size=1)
         self.challenges: list[Any] = []
         rospy.Subscriber("cmd_vel", Twist, lambda message: self.speeds.append(message.linear.x), queue_size=100)
@@ -37,11 +33,8 @@ class Clients:
     def ready(self) -> None:
         """Once a mux is there, with all its connections."""
         before = len(self.challenges)
-        publishers = (self.raw, self.plain, self.navigation, self.pause, self.requests)
         wait_until(
-            lambda: len(self.challenges) > before + 5 and all(each.get_num_connections() for each in publishers),
-            60.0,
-            "the mux",
+            lambda: len(self.challenges) > before + 5 and self.requests.get_num_connections() > 0, 60.0, "the mux"
         )
 
     def join(self, client: str, conduct: str) -> dict[str, Any]:
@@ -90,38 +83,6 @@ class Clients:
             self.fresh[client].publish(AHEAD)
             time.sleep(1.0 / 30.0)
         return self.rest()
-
-    def drive_plain(self, count: int, pause: float) -> list[float]:
-        """Plain commands; what came of them."""
-        del self.speeds[:]
-        for _ in range(count):
-            self.plain.publish(AHEAD)
-            time.sleep(pause)
-        return self.rest()
-
-    def drive_late(self, client: str, count: int, age: float) -> list[float]:
-        """A burst of commands that answer an old challenge; what came of them."""
-        challenge = self.challenges[-1]
-        time.sleep(age)
-        del self.speeds[:]
-        for _ in range(count):
-            message = TwistStamped(twist=AHEAD)
-            message.header.stamp, message.header.frame_id = challenge, client
-            self.raw.publish(message)
-        return self.rest()
-
-    def navigate(self, count: int) -> list[float]:
-        """Plain commands of another source; what came of them."""
-        del self.speeds[:]
-        for _ in range(count):
-            self.navigation.publish(AHEAD)
-            time.sleep(1.0 / 30.0)
-        return self.rest()
-
-    def lock(self, value: bool, count: int = 1) -> None:
-        for _ in range(count):
-            self.pause.publish(Bool(value))
-            time.sleep(0.05)
 
     def rest(self) -> list[float]:
         """Once nothing is commanded any more: what was."""

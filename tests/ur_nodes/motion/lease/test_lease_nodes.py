@@ -73,42 +73,6 @@ def unused(session: Session) -> Iterator[None]:
     session.ask("becomes", client="cleaner", state="free")
 
 
-def test_fresh_commands_drive_and_late_ones_do_not(session: Session) -> None:
-    session.join("a")
-    session.becomes("a", mine=True)
-    speeds = session.ask("drive", client="a", count=30)
-    assert max(speeds) == pytest.approx(0.3)
-    assert speeds[-3:] == [0.0, 0.0, 0.0]
-    assert session.ask("drive_late", client="a", count=250, age=0.3) == []
-    session.ask("leave", client="a")
-
-
-def test_plain_commands_drive_at_a_steady_rate_only(session: Session) -> None:
-    assert max(session.ask("drive_plain", count=30, pause=1.0 / 30.0)) == pytest.approx(0.3)
-    assert session.ask("drive_plain", count=1, pause=0.0) == []
-    assert session.ask("drive_plain", count=5, pause=0.4) == []
-    assert session.ask("drive_plain", count=250, pause=0.0) == []
-
-
-def test_one_client_drives_until_another_takes_over_and_each_is_told(session: Session) -> None:
-    session.join("a")
-    assert session.becomes("a", mine=True)["program"] == "test"
-    view = session.join("b")
-    assert (view["state"], view["holder"], view["mine"]) == ("held", "a-host", False)
-    assert session.ask("drive", client="b", count=10) == []
-    session.request("b", "take")
-    session.becomes("b", mine=True)
-    assert session.becomes("a", mine=False, taken_by="b-host")["holder"] == "b-host"
-    assert session.ask("drive", client="a", count=10) == []
-    assert max(session.ask("drive", client="b", count=10)) > 0.0
-    session.request("a", "ask")
-    session.becomes("b", asking=["a-host"])
-    session.request("b", "grant")
-    session.becomes("a", mine=True, taken_by="")
-    session.ask("leave", client="b")
-    session.ask("leave", client="a")
-
-
 def test_client_that_vanishes_is_lost_and_is_replaced_on_purpose_only(session: Session) -> None:
     session.join("a")
     session.becomes("a", mine=True)
@@ -130,15 +94,6 @@ def test_client_that_vanishes_is_lost_and_is_replaced_on_purpose_only(session: S
         assert keys.process.wait(60) == 0
     session.becomes("b", state="free")
     session.ask("leave", client="b")
-
-
-def test_lease_is_on_the_parameter_server_too(session: Session) -> None:
-    session.join("a")
-    session.becomes("a", mine=True)
-    session.ask("mirrored", client="a")
-    lease = json.loads(session.ask("parameter"))
-    assert (lease["state"], lease["client"], lease["name"]) == ("held", "a", "a-host")
-    session.ask("leave", client="a")
 
 
 def test_keys_of_a_pipe_drive_only_where_nobody_else_does(session: Session) -> None:
@@ -211,15 +166,6 @@ def test_screen_says_when_the_robot_is_out_of_reach_and_recovers(session: Sessio
             session.mux.send_signal(signal.SIGCONT)
         keys.type("i")
         keys.wait_for("▲ driving")
-
-
-def test_lock_is_released_by_a_repeated_false_only(session: Session) -> None:
-    session.ask("lock", value=True)
-    assert not any(session.ask("navigate", count=15))
-    session.ask("lock", value=False)
-    assert not any(session.ask("navigate", count=15))
-    session.ask("lock", value=False, count=6)
-    assert max(session.ask("navigate", count=15)) > 0.0
 
 
 def test_lease_outlives_a_mux_that_is_killed(session: Session) -> None:
