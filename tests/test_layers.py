@@ -99,15 +99,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         "ur_nodes.rosio",
         "ur_nodes.run",
     ),
-    "ur_nodes.slam": (
-        "ur.source",
-        "ur.maps",
-        "ur_nodes.geometry",
-        "ur_nodes.memory_use",
-        "ur_nodes.ports",
-        "ur_nodes.rosio",
-        "ur_nodes.run",
-    ),
+    "ur_nodes.slam": ("ur.source", "ur.maps", "ur_nodes.geometry", "ur_nodes.ports", "ur_nodes.run"),
     "ur_nodes.exploration": (
         "ur.source",
         "ur.maps",

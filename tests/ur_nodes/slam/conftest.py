@@ -14,6 +14,7 @@ _NEED_IT = (
     "test_merge.py",
     "test_neighbours.py",
     "test_slam_gmapping_node.py",
+    "test_slam_nodes.py",
     "test_tracker.py",
 )
 collect_ignore = list(_NEED_IT) if MISSING else []

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 from ur.source.diagnostic import UserError, error
-from ur_nodes.rosio.parameters import Parameters
+from ur_nodes.ports.parameters import Parameters
 from ur_nodes.slam.mapper import MapperSettings
 
 _EDGES = ("xmin", "ymin", "xmax", "ymax")

@@ -1,0 +1,85 @@
+"""Reports of the node `slam_gmapping` on its place, its wheels and its gyroscope."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+
+from ur_nodes.geometry.pose import Pose2
+from ur_nodes.ports.node import SECOND, Node
+from ur_nodes.slam.gmapping.slam import Step
+from ur_nodes.slam.gyro import Headings
+from ur_nodes.slam.slip import SlipWatch
+
+SLIP_SILENCE = 30.0  # s between two reports of wheels that slip
+
+
+class Reports:
+    """Logs what changes from scan to scan. `describe` is called with places on the map that look alike."""
+
+    def __init__(self, node: Node, describe: Callable[[Sequence[Pose2]], None], *, lost: bool) -> None:
+        """`lost`: the node begins so."""
+        self._node, self._log = node, node.log
+        self._describe = describe
+        self._located, self._lost, self._places = True, lost, 0  # as reported last
+        self._slip = SlipWatch()
+        self._slip_due = 0
+        self._last: Pose2 | None = None  # odometry at the last scan
+        self._by_gyro = self._gyro_wrong = False  # as reported last
+
+    def take(self, step: Step) -> None:
+        """Report what is new with a scan."""
+        estimate = step.estimate
+        if step.lost or self._lost:
+            self._report_search(step)
+        elif self._located and not estimate.located:
+            share = 100.0 * estimate.agreement
+            self._log.warn(f"the scan does not match the map ({share:.0f} % of it); the map goes on by odometry alone")
+        elif estimate.located and not self._located:
+            self._log.info("the scan matches the map again")
+        self._located, self._lost = estimate.located or step.lost, step.lost
+        self._watch_wheels(step)
+
+    def watch_gyro(self, headings: Headings) -> None:
+        """Report whether the gyroscope is used, and one that contradicts the scans."""
+        if headings.trusted != self._by_gyro:
+            self._by_gyro = headings.trusted
+            source = f"the gyroscope on {self._node.resolve('imu')} turns" if self._by_gyro else "the wheels turn"
+            self._log.info(f"{source} as the scans show: the robot's turns come from there")
+        if headings.contradicted and not self._gyro_wrong:
+            self._gyro_wrong = True
+            topic = self._node.resolve("imu")
+            self._log.warn(f"the yaw rates on {topic} contradict the scans and are not used; is its frame right?")
+
+    def _report_search(self, step: Step) -> None:
+        if not step.lost:
+            self._log.info("found again at ({:.2f}, {:.2f})".format(*step.estimate.pose[:2]))
+            self._places = 0
+            return
+        if not self._lost:
+            self._log.warn("lost: looking for the place on the map; drive slowly through places that are mapped")
+        if len(step.places) not in (0, self._places):
+            self._describe(step.places)
+        self._places = len(step.places)
+
+    def _watch_wheels(self, step: Step) -> None:
+        last, self._last = self._last, step.odometry
+        estimate = step.estimate
+        if estimate.still:
+            return
+        if not step.odometry or not last or not estimate.step or step.lost:
+            self._slip.forget()
+            return
+        slip = self._slip.add(last.inverse().compose(step.odometry), estimate.step)
+        now = self._node.now()
+        if slip and not self._slip_due - SLIP_SILENCE * SECOND < now < self._slip_due:
+            self._slip_due = now + round(SLIP_SILENCE * SECOND)
+            self._log.warn(
+                "the wheels slip, or somebody moves the robot: odometry reports {:.2f} m and {:.0f} degrees, the scans "
+                "{:.2f} m and {:.0f} degrees; the map follows the scans".format(*_sizes(slip.reported, slip.shown)),
+            )
+
+
+def _sizes(*motions: Pose2) -> list[float]:
+    """The way (m) and the turn (degrees) of each motion."""
+    return [size for each in motions for size in (math.hypot(each.x, each.y), math.degrees(each.yaw))]
