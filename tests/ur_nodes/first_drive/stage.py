@@ -54,16 +54,16 @@ class Stage:
         self.client = self.bus.node("client")
         self._commands: dict[str, Any] = {}
         prefix = "robot_0/" if own.get("robots", 1) != 1 else ""
-        self._truth = self.record(f"{prefix}base_pose_ground_truth", Odometry)
+        self.truths = self.record(f"{prefix}base_pose_ground_truth", Odometry)
         self._mount()
         self.simulator = self.add("simulator", simulator_node.start, **own)
-        assert self.bus.run_until(lambda: bool(self._truth), 1.0)
+        assert self.bus.run_until(lambda: bool(self.truths), 1.0)
 
     def add(
         self, name: str, start: Callable[[Node], object], remaps: dict[str, str] | None = None, **parameters: Any
     ) -> MemoryNode:
         """Start a node with parameters of its own."""
-        self.bus.parameters |= {f"/{name}/{key}": value for key, value in parameters.items()}
+        self.bus.load_parameters(f"/{name}", parameters)
         node = self.bus.node(name, remaps)
         start(node)
         return node
@@ -104,7 +104,7 @@ class Stage:
     @property
     def truth(self) -> Odometry:
         """The robot's true pose in the map, and its velocity, as the simulator sent them last."""
-        return self._truth[-1]
+        return self.truths[-1]
 
     def grid(self) -> Grid:
         """The map of the world."""

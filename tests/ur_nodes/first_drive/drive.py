@@ -1,0 +1,70 @@
+"""The first drive in one process: simulator, mux, localisation and navigation, with the parameters of launch files."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from typing import Any
+
+from tests.ur_nodes.first_drive.stage import Stage
+
+from ur.launchfile import Plan, SystemWorld, load_plan
+from ur.source.project import launch_library
+from ur_nodes.geometry.pose import Pose2
+from ur_nodes.localisation import amcl_node
+from ur_nodes.motion import cmd_vel_mux_node
+from ur_nodes.navigation import move_base_node
+from ur_nodes.ports.actions import Goal, GoalState
+from ur_nodes.ports.node import Node
+from ur_nodes.ports.qualities import Quality
+from ur_nodes.ports.values import PlacedPose, PoseEstimate, Twist
+
+STARTS: dict[str, Callable[[Node], object]] = {
+    "/cmd_vel_mux": cmd_vel_mux_node.start,
+    "/amcl": amcl_node.AmclNode,
+    "/move_base": move_base_node.start,
+}
+"""The nodes of the launch files that run; the stage itself stands for the others."""
+
+
+def read_launch_files(world: str) -> Plan:
+    """The nodes and parameters of `m_robot_base` and `m_move_base` for the base `stage`."""
+    library = launch_library()
+    system = SystemWorld({**os.environ, "ROS_PACKAGE_PATH": str(library)})
+    files = [str(library / f"{name}/launch/{name}.launch.xml") for name in ("m_robot_base", "m_move_base")]
+    return load_plan(files, ["robot_base:=stage", f"map_file:={library}/n_map_server/maps/{world}.yaml"], system)
+
+
+class FirstDrive(Stage):
+    """A stage with mux, amcl and move_base, and a client that sends goals. Begins localised, where the robot is."""
+
+    def __init__(self, world: str = "maze", *, seed: int = 0, delay: Callable[[str], int | None] | None = None) -> None:
+        super().__init__(world, delay=delay, seed=seed)
+        self.serve_map()
+        plan = read_launch_files(world)
+        parameters: dict[str, Any] = {each.name: each.value for each in plan.params}
+        self.bus.parameters |= {
+            name: value for name, value in parameters.items() if name.startswith(tuple(f"{node}/" for node in STARTS))
+        }
+        self.states: dict[str, GoalState] = {}
+        self._goals = self.client.publish("move_base/goal", Goal, Quality.EVERY)
+        self.client.subscribe("move_base/state", GoalState, self._take_state, Quality.EVERY)
+        self.estimates = self.record("amcl_pose", PoseEstimate)
+        self.commands = self.record("cmd_vel", Twist)
+        for spec in plan.nodes:
+            if spec.full_name in STARTS:
+                self.add(spec.name, STARTS[spec.full_name], dict(spec.remaps))
+        self.bus.run(2.0)
+
+    def go(self, x: float, y: float, yaw: float = 0.0, seconds: float = 120.0) -> GoalState:
+        """Send a goal in the map, and let it end."""
+        id = f"goal {len(self.states) + 1}"
+        self._goals.send(Goal(id, PlacedPose(self.bus.now, "map", Pose2(x, y, yaw))))
+        assert self.bus.run_until(lambda: self._has_ended(id), seconds), f"{id}: {self.states.get(id)}, {self.truth}"
+        return self.states[id]
+
+    def _has_ended(self, id: str) -> bool:
+        return id in self.states and self.states[id].state not in ("pending", "active")
+
+    def _take_state(self, state: GoalState) -> None:
+        self.states[state.id] = state
