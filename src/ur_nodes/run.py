@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 from ur_nodes.ports.node import Node
 
@@ -17,3 +17,8 @@ def run(name: str, start: Callable[[Node], object], *, own_terminal: bool = Fals
     from ur_nodes.ros1 import run as backend  # the only one so far; ROS is loaded for nodes that run
 
     return backend.run(name, start, own_terminal=own_terminal)
+
+
+def own_arguments(arguments: Sequence[str]) -> list[str]:
+    """The arguments of a program that are its own, without those that remap names and set parameters."""
+    return [each for each in arguments if ":=" not in each]

@@ -1,0 +1,67 @@
+"""Saves maps that arrive, as files."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+from ur.source.diagnostic import UserError
+from ur.source.render import render_human
+from ur_nodes.mapping.save import save_map
+from ur_nodes.ports.node import Node
+from ur_nodes.ports.values import Map
+
+PATIENCE = 15.0  # s until the log says that there is no map, and again after as long
+
+
+class MapSaver:
+    """Saves the first map that arrives, then ends the node; with `~keep` each one until the end.
+
+    `failed` unless the last one was saved.
+    """
+
+    def __init__(self, node: Node, name: Path, occupied: int, free: int) -> None:
+        self._node, self._name, self._limits = node, name, (occupied, free)
+        self._keep = node.parameters.boolean("keep", False)
+        self._came = self._told = self._busy = False
+        self._newest: Map | None = None  # that came while another one was being saved
+        self.failed = True
+        node.subscribe("map", Map, self._take)
+        node.every(PATIENCE, self._explain_silence, steady=True)
+
+    def _take(self, given: Map) -> None:
+        if self._busy or (self._came and not self._keep):
+            self._newest = given
+            return
+        self._came = self._busy = self.failed = True
+        self._node.work(lambda: self._save(given), self._finish)
+
+    def _save(self, given: Map) -> tuple[str, str]:
+        """Write a map; what to print of it, and what is wrong, '' when nothing is."""
+        try:
+            file = save_map(self._name, given.grid, *self._limits)
+        except UserError as problem:
+            return "", render_human(problem.diagnostics)
+        except OSError as problem:
+            return "", f"error: map_saver: '{self._name}' cannot be written: {problem.strerror}\n"
+        grid = given.grid
+        return f"saved {grid.width} x {grid.height} cells of {grid.resolution:g} m as {file}\n", ""
+
+    def _finish(self, found: tuple[str, str]) -> None:
+        text, problem = found
+        self._busy, self.failed = False, bool(problem)
+        sys.stderr.write(problem)
+        if text and not self._told:
+            self._told = True
+            sys.stdout.write(text)
+            sys.stdout.flush()
+        newest, self._newest = self._newest, None
+        if not self._keep:
+            self._node.end("done")
+        elif newest:
+            self._take(newest)
+
+    def _explain_silence(self) -> None:
+        if not self._came:
+            topic = self._node.resolve("map")
+            self._node.log.warn(f"no map on {topic} for {PATIENCE:g} s; is a mapping node running?")
