@@ -56,15 +56,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         "ur_nodes.rosio",
         "ur_nodes.run",
     ),
-    "ur_nodes.drivers": (
-        "ur.source",
-        "ur.robot.base",
-        "ur_nodes.geometry",
-        "ur_nodes.memory_use",
-        "ur_nodes.ports",
-        "ur_nodes.rosio",
-        "ur_nodes.run",
-    ),
+    "ur_nodes.drivers": ("ur.source", "ur.robot.base", "ur_nodes.geometry", "ur_nodes.ports", "ur_nodes.run"),
     "ur_nodes.simulator": (
         "ur.source",
         "ur.robot.base",

@@ -62,6 +62,7 @@ class Carrier:
         self.topics: dict[str, Topic] = {}
         self.services: dict[str, Callable[[Any, Callable[[Any], None]], None]] = {}
         self.nodes: dict[str, Any] = {}
+        self.types: dict[str, tuple[str, ...]] = {}  # fields of messages that are of no kind
         self.hosts: dict[str, str] = {}  # of the nodes that run on other computers
         self._delay = delay or (lambda _topic: 0)
         self._events: list[tuple[int, int, Callable[[], None]]] = []

@@ -8,7 +8,7 @@ from typing import Any, TypeVar
 from ur_nodes.memory.carrier import Carrier, Listener, Offer
 from ur_nodes.memory.goals import MemoryGoalClient, MemoryGoalServer
 from ur_nodes.ports.actions import GoalFollower, GoalTakers
-from ur_nodes.ports.node import Place, Sender
+from ur_nodes.ports.node import Location, Sender
 from ur_nodes.ports.parameters import Parameters
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.transforms import Transforms
@@ -91,6 +91,16 @@ class MemoryNode:
     ) -> MemorySubscription:
         """See Node."""
         return self._listen(topic, kind, lambda value, sender, kept: take(value, Sender(sender, kept)), quality)
+
+    def subscribe_fields(
+        self, topic: str, type_name: str, fields: tuple[str, ...], take: Callable[[tuple[Any, ...]], None]
+    ) -> MemorySubscription:
+        """See Node. The types are those of the bus's `types`, the messages dicts."""
+        if type_name not in self._bus.types:
+            raise LookupError(type_name)
+        if not set(fields) <= set(self._bus.types[type_name]):
+            raise ValueError(f"{type_name} has no {', '.join(fields)}")
+        return self.subscribe(topic, dict, lambda value: take(tuple(value[each] for each in fields)), Quality.EVERY)
 
     def serve(self, service: str, kind: type[Value], answer: Callable[[Value], Result]) -> None:
         """See Node."""
@@ -176,11 +186,11 @@ class MemoryNode:
         """See Node."""
         return self._bus.now * 1e-9
 
-    def locate(self, name: str) -> Place | None:
+    def locate(self, name: str) -> Location | None:
         """See Node. All nodes of the bus run here, but for those of its `hosts`."""
         if name in self._bus.hosts:
-            return Place(self._bus.hosts[name], here=False)
-        return Place("localhost", here=True) if name in self._bus.nodes else None
+            return Location(self._bus.hosts[name], here=False)
+        return Location("localhost", here=True) if name in self._bus.nodes else None
 
     def resolve(self, name: str) -> str:
         """See Node."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol, TypeVar
+from typing import Any, Protocol, TypeVar
 
 from ur_nodes.ports.actions import GoalClient, GoalFollower, GoalServer, GoalTakers
 from ur_nodes.ports.facts import Facts
@@ -35,7 +35,7 @@ class Sender:
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
+class Location:
     """The computer that a node runs on, and whether it is this one."""
 
     host: str
@@ -114,6 +114,14 @@ class Node(Protocol):
     ) -> Subscription:
         """Listen, and be told who sent each value; None where the middleware does not know it."""
 
+    def subscribe_fields(
+        self, topic: str, type_name: str, fields: tuple[str, ...], take: Callable[[tuple[Any, ...]], None]
+    ) -> Subscription:
+        """Listen to messages that are of no kind, by the middleware's name of their type; `take` gets the fields.
+
+        Raises LookupError: the type is not installed; ValueError: it has no such fields.
+        """
+
     def serve(self, service: str, kind: type[Value], answer: Callable[[Value], Result]) -> None:
         """Answer requests of a kind, see `ports.services`."""
 
@@ -153,7 +161,7 @@ class Node(Protocol):
     def steady(self) -> float:
         """Seconds of a clock that is never set and that runs on while the computer sleeps."""
 
-    def locate(self, name: str) -> Place | None:
+    def locate(self, name: str) -> Location | None:
         """Find out where a node runs; None: nobody knows. It may wait: for `work`."""
 
     def resolve(self, name: str) -> str:

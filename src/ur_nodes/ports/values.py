@@ -82,6 +82,18 @@ class Odometry:
     twist_covariance: NDArray[np.float64] = field(default_factory=lambda: NO_MATRIX)
 
 
+@dataclass(frozen=True, slots=True)
+class DriverOdometry:
+    """Odometry as a driver sends it, where it is not known yet whether it makes sense: m, m/s, rad/s."""
+
+    stamp: int
+    x: float
+    y: float
+    rotation: Quaternion
+    forward: float
+    turn: float
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Scan:
     """One turn of a lidar: `ranges` (n,) float32 in m; beam i points to `angle_min` + i `angle_increment` (rad).

@@ -17,7 +17,7 @@ import rospy
 
 from ur.source.diagnostic import UserError
 from ur_nodes.ports.actions import GoalClient, GoalFollower, GoalTakers
-from ur_nodes.ports.node import Place, Sender
+from ur_nodes.ports.node import Location, Sender
 from ur_nodes.ports.parameters import Parameters
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.transforms import Transforms
@@ -122,6 +122,15 @@ class RosNode:
             topic, find_codec(kind), quality, self._loop, lambda value, message: take(value, _sender_of(message))
         )
 
+    def subscribe_fields(
+        self, topic: str, type_name: str, fields: tuple[str, ...], take: Callable[[tuple[Any, ...]], None]
+    ) -> RosSubscription:
+        """See Node."""
+        from ur_nodes.ros1.codecs.foreign import find_foreign
+
+        codec = find_foreign(type_name, fields)
+        return RosSubscription(topic, codec, Quality.EVERY, self._loop, lambda value, _message: take(value))
+
     def serve(self, service: str, kind: type[Value], answer: Callable[[Value], Result]) -> None:
         """See Node."""
         self.serve_later(service, kind, lambda request, give: give(answer(request)))
@@ -213,13 +222,13 @@ class RosNode:
         """See Node."""
         return time.clock_gettime(time.CLOCK_BOOTTIME)
 
-    def locate(self, name: str) -> Place | None:
+    def locate(self, name: str) -> Location | None:
         """See Node."""
         try:
             host = urlsplit(rosgraph.Master(self.name).lookupNode(name)).hostname
         except (OSError, rosgraph.MasterException):
             return None
-        return Place(host, rosgraph.network.is_local_address(host)) if host else None
+        return Location(host, rosgraph.network.is_local_address(host)) if host else None
 
     def resolve(self, name: str) -> str:
         """See Node."""

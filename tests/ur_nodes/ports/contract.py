@@ -48,6 +48,7 @@ VALUES: tuple[object, ...] = (
     Twist(0.5, -0.25, 0.125, 0.0625, -0.5, 1.5),
     values.StampedTwist(STAMP, "client", Twist(0.5, 0.0)),
     values.Odometry(STAMP, "odom", "base", Pose2(1.0, 2.0, 0.5), Twist(0.5, 0.25), np.eye(3) * 0.5, np.eye(3) * 0.25),
+    values.DriverOdometry(STAMP, 1.0, 2.0, (0.0, 0.0, 0.5, 0.5), 0.5, 0.25),
     values.Scan(STAMP, "laser", -1.5, 0.25, 0.125, 8.0, np.array([1.0, np.inf, np.nan], np.float32)),
     values.Range(STAMP, "sonar", 1.5, 0.25, 0.125, 4.0),
     values.Imu(STAMP, "imu", (0.0, 0.0, 0.0, 1.0), (0.5, 0.0, 0.0), (0.0, 0.0, 9.75), 0.5, 0.25, 0.125),
@@ -531,6 +532,11 @@ def check_what_is_sent_at_the_end_still_leaves(stage: Stage) -> None:
     stage.begin()
     stage.one.end("the test is over")
     stage.until(lambda: got == [Twist(0.0, 0.0)])
+
+
+def check_messages_without_a_kind_must_be_known(stage: Stage) -> None:
+    with pytest.raises(LookupError):
+        stage.one.subscribe_fields("foreign", "no_such_package/Sensor", ("name",), print)
 
 
 def check_nodes_are_located(stage: Stage) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 
-from ur_nodes.ports.node import Node, Place
+from ur_nodes.ports.node import Location, Node
 
 _AGAIN = 5.0  # s: then a publisher that could not be found is looked up again
 
@@ -29,7 +29,7 @@ class JoyOrigin:
             self._node.work(partial(self._node.locate, publisher), partial(self._take, publisher), "origin")
         return False
 
-    def _take(self, publisher: str, place: Place | None) -> None:
+    def _take(self, publisher: str, place: Location | None) -> None:
         if place is not None and place.here:
             self._accepted.add(publisher)
             return

@@ -9,7 +9,7 @@ from geometry_msgs.msg import TwistStamped
 from nav_msgs.msg import Odometry as OdometryMessage
 from sensor_msgs.msg import JointState, Joy
 
-from ur_nodes.ports.values import Joints, Joystick, Odometry, StampedTwist, Twist
+from ur_nodes.ports.values import DriverOdometry, Joints, Joystick, Odometry, StampedTwist, Twist
 from ur_nodes.ros1.codecs.codec import Codec, fill_header, frame_of, stamp_of
 from ur_nodes.ros1.codecs.matrices import matrix_of, numbers_of
 from ur_nodes.rosio.geometry import fill_pose, pose_of_message
@@ -58,6 +58,20 @@ def _odometry_of(message: Any) -> Odometry:
     )
 
 
+def _fill_driver_odometry(message: Any, value: DriverOdometry) -> None:
+    fill_header(message, value.stamp, "odom")
+    place, turn, twist = message.pose.pose.position, message.pose.pose.orientation, message.twist.twist
+    place.x, place.y = value.x, value.y
+    turn.x, turn.y, turn.z, turn.w = value.rotation
+    twist.linear.x, twist.angular.z = value.forward, value.turn
+
+
+def _driver_odometry_of(message: Any) -> DriverOdometry:
+    place, turn, twist = message.pose.pose.position, message.pose.pose.orientation, message.twist.twist
+    rotation = (turn.x, turn.y, turn.z, turn.w)
+    return DriverOdometry(stamp_of(message.header.stamp), place.x, place.y, rotation, twist.linear.x, twist.angular.z)
+
+
 def _fill_joints(message: Any, value: Joints) -> None:
     fill_header(message, value.stamp, "")
     message.name, message.position, message.velocity = value.names, value.angles, value.speeds
@@ -80,6 +94,7 @@ CODECS = {
     Twist: Codec(TwistMessage, _fill_twist, twist_of),
     StampedTwist: Codec(TwistStamped, _fill_stamped, _stamped_of),
     Odometry: Codec(OdometryMessage, _fill_odometry, _odometry_of),
+    DriverOdometry: Codec(OdometryMessage, _fill_driver_odometry, _driver_odometry_of),
     Joints: Codec(JointState, _fill_joints, _joints_of),
     Joystick: Codec(Joy, _fill_joystick, _joystick_of),
 }

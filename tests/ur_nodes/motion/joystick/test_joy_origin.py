@@ -5,7 +5,7 @@ import pytest
 from ur_nodes.memory.bus import Bus
 from ur_nodes.memory.node import MemoryNode
 from ur_nodes.motion.joystick.joy_origin import JoyOrigin
-from ur_nodes.ports.node import Place
+from ur_nodes.ports.node import Location
 
 
 class Asking:
@@ -19,7 +19,7 @@ class Asking:
         self.asked: list[str] = []
         locate = self.node.locate
 
-        def note(name: str) -> Place | None:
+        def note(name: str) -> Location | None:
             self.asked.append(name)
             return locate(name)
 
