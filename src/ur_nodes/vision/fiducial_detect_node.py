@@ -18,7 +18,7 @@ from ur_nodes.rosio.parameters import Parameters
 from ur_nodes.rosio.publishers import TransformSender
 from ur_nodes.rosio.shell import run_node
 from ur_nodes.vision.detect import DICTIONARIES, CameraModel, Detection, Detector
-from ur_nodes.vision.fiducial_parameters_node import read_sizes
+from ur_nodes.vision.fiducial_parameters import read_sizes
 from ur_nodes.vision.image_message import (
     Pixels,
     make_compressed,

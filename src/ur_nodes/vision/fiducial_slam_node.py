@@ -32,7 +32,7 @@ from ur_nodes.rosio.publishers import TransformSender
 from ur_nodes.rosio.shell import run_node
 from ur_nodes.vision.detect import CameraModel, Sizes, estimate_poses
 from ur_nodes.vision.fiducial_map import MapEntry, read_map, write_map
-from ur_nodes.vision.fiducial_parameters_node import SlamSettings, read_sizes, read_slam_settings
+from ur_nodes.vision.fiducial_parameters import SlamSettings, read_sizes, read_slam_settings
 from ur_nodes.vision.image_message import read_camera
 from ur_nodes.vision.localise import Localiser
 from ur_nodes.vision.mapping import Mapper

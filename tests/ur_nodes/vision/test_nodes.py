@@ -111,9 +111,6 @@ def test_localising_without_a_map_is_refused(shared: Ros, tmp_path: Path) -> Non
     [
         ("_dictionary:=99", "dictionary: 99, expected a number from 0 to"),
         ("_dictionary:=5X5_100O", "did you mean"),
-        ("_fiducial_len_override:=big", "expected numbers and sizes in m"),
-        ("_ignore_fiducials:=all", "expected numbers, such as"),
-        ("_fiducial_len:=0", "expected a number from 0.005 to 10"),
         ("_image_transport:=theora", "expected one of compressed, raw"),
     ],
 )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from ur_nodes.rosio.parameters import Parameters
+from ur_nodes.ports.parameters import Parameters
 from ur_nodes.vision.detect import Sizes
 from ur_nodes.vision.sizes import parse_numbers, parse_sizes
 
