@@ -47,19 +47,30 @@ class FirstDrive(Stage):
             name: value for name, value in parameters.items() if name.startswith(tuple(f"{node}/" for node in STARTS))
         }
         self.states: dict[str, GoalState] = {}
+        self._sent = 0
         self._goals = self.client.publish("move_base/goal", Goal, Quality.EVERY)
         self.client.subscribe("move_base/state", GoalState, self._take_state, Quality.EVERY)
         self.estimates = self.record("amcl_pose", PoseEstimate)
         self.commands = self.record("cmd_vel", Twist)
-        for spec in plan.nodes:
-            if spec.full_name in STARTS:
-                self.add(spec.name, STARTS[spec.full_name], dict(spec.remaps))
+        self._remaps = {spec.full_name: dict(spec.remaps) for spec in plan.nodes if spec.full_name in STARTS}
+        for name in self._remaps:
+            self.start(name)
         self.bus.run(2.0)
+
+    def start(self, name: str) -> None:
+        """Start a node of STARTS; one that runs already ends."""
+        self.add(name.lstrip("/"), STARTS[name], self._remaps[name])
+
+    def send_goal(self, x: float, y: float, yaw: float = 0.0) -> str:
+        """Send a goal in the map. Returns its id."""
+        self._sent += 1
+        id = f"goal {self._sent}"
+        self._goals.send(Goal(id, PlacedPose(self.bus.now, "map", Pose2(x, y, yaw))))
+        return id
 
     def go(self, x: float, y: float, yaw: float = 0.0, seconds: float = 120.0) -> GoalState:
         """Send a goal in the map, and let it end."""
-        id = f"goal {len(self.states) + 1}"
-        self._goals.send(Goal(id, PlacedPose(self.bus.now, "map", Pose2(x, y, yaw))))
+        id = self.send_goal(x, y, yaw)
         assert self.bus.run_until(lambda: self._has_ended(id), seconds), f"{id}: {self.states.get(id)}, {self.truth}"
         return self.states[id]
 

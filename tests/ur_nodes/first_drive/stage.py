@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ur.robot.base import Base, load_base
 from ur.source.project import launch_library
@@ -109,6 +110,18 @@ class Stage:
     def grid(self) -> Grid:
         """The map of the world."""
         return load_map(self.world)
+
+    def free_places(self, room: float) -> NDArray[np.float64]:
+        """The places (n, 2) on a grid of 0.5 m where nothing is within `room` m, in reach of the start or not."""
+        grid = self.grid()
+        low = np.array(grid.origin[:2])
+        high = low + np.array(grid.shape[::-1]) * grid.resolution
+        x, y = np.meshgrid(np.arange(low[0], high[0], 0.5), np.arange(low[1], high[1], 0.5))
+        places = np.column_stack((x.ravel(), y.ravel()))
+        steps = np.arange(-room, room + 1e-9, grid.resolution)
+        square = np.stack(np.meshgrid(steps, steps), -1).reshape(-1, 2)
+        free = (grid.values_at(places[:, None] + square, outside=100) == 0).all(axis=1)
+        return places[free]
 
     def serve_map(self) -> None:
         """Serve the map of the world as `static_map`, and publish it as `map`."""
