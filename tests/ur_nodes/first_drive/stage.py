@@ -120,8 +120,8 @@ class Stage:
         places = np.column_stack((x.ravel(), y.ravel()))
         steps = np.arange(-room, room + 1e-9, grid.resolution)
         square = np.stack(np.meshgrid(steps, steps), -1).reshape(-1, 2)
-        free = (grid.values_at(places[:, None] + square, outside=100) == 0).all(axis=1)
-        return places[free]
+        free: NDArray[np.float64] = places[(grid.values_at(places[:, None] + square, outside=100) == 0).all(axis=1)]
+        return free
 
     def serve_map(self) -> None:
         """Serve the map of the world as `static_map`, and publish it as `map`."""
