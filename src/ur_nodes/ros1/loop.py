@@ -96,7 +96,7 @@ class Loop:
         self._calls.put(call)
 
     def ask(self, call: Callable[[], None], within: float = 1.0) -> None:
-        """As `post`, and wait until the call is made, at most `within` s."""
+        """As `post`, and wait until the call is made, at most `within` s. After the end it is made here."""
         if threading.current_thread() is self._thread:
             call()
             return
@@ -106,8 +106,12 @@ class Loop:
             call()
             done.set()
 
-        self.post(make)
-        done.wait(within)
+        if self._ended and self._thread is not None:
+            self._thread.join(within)
+            call()
+        else:
+            self.post(make)
+            done.wait(within)
 
     def mailbox(self, depth: int | None, take: Callable[[Any], None]) -> Callable[[Any], None]:
         """A function, for any thread, that posts what it gets to `take`; of more than `depth` the oldest goes."""

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from ur_nodes.ros1.loop import Beat, Beats
+import time
+
+from ur_nodes.ros1.loop import Beat, Beats, Loop
 
 
 class Clock:
@@ -70,3 +72,12 @@ def test_cancelled_beat_is_not_called() -> None:
     clock.now += 1.0
     take_all(beats)
     assert got == []
+
+
+def test_what_is_asked_of_a_loop_is_done_before_and_after_its_end() -> None:
+    loop, done = Loop(time.monotonic, steady=True), list[str]()
+    loop.start()
+    loop.ask(lambda: done.append("while it runs"), 60.0)
+    loop.end(lambda: done.append("last"), 60.0)
+    loop.ask(lambda: done.append("afterwards"), 60.0)
+    assert done == ["while it runs", "last", "afterwards"]

@@ -240,11 +240,10 @@ class PatrolNode:
     # -- topics ----------------------------------------------------------------------------------------------------
 
     def _take_challenge(self) -> None:
-        stamp = self._client.link.answer(REMEMBERED)
-        if stamp is not None:
-            with self._lock:
-                value = stamp.secs * _NANO + stamp.nsecs
-                self._challenges = note_challenge(self._challenges, value, read_steady_time())
+        """Remember a challenge. Without the lock: who holds that may wait for the client, which calls this."""
+        value = self._client.link.newest(REMEMBERED)
+        if value is not None:
+            self._challenges = note_challenge(self._challenges, value, read_steady_time())
 
     def _take_lease(self, message: String) -> None:
         lease = read_lease(message.data)
