@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import os
 import signal
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import settings
 
 settings.register_profile("project", deadline=None, derandomize=True, database=None)
 settings.load_profile("project")
+
+MEASUREMENT = pytest.StashKey[Any]()
 
 # A shell without job control starts background jobs with these ignored, and programs under test would inherit that.
 signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -44,6 +48,19 @@ def _measure_coverage(config: pytest.Config, folder: Path) -> None:
         measurement.save()
 
     config.add_cleanup(save)
+    config.stash[MEASUREMENT] = measurement
+
+
+@pytest.fixture(autouse=True)
+def _leave_unmeasured(request: pytest.FixtureRequest) -> Iterator[None]:
+    """Tests about the cost of a computation are not made to cost more."""
+    measurement = request.config.stash.get(MEASUREMENT, None)
+    if measurement is None or request.node.get_closest_marker("unmeasured") is None:
+        yield
+        return
+    measurement.stop()
+    yield
+    measurement.start()
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
