@@ -73,7 +73,7 @@ class Navigation:
         if not self._goal or state.id != self._goal:
             return
         self._goal = ""
-        if state.state == "cancelled":  # by somebody else: look who drives
+        if state.state == "cancelled":  # by another client: look who drives
             self._drivers = replace(self._drivers, driven=self._node.now() / SECOND)
         else:
             self._end = GoalEnd(state.state == "succeeded", state.text)

@@ -11,7 +11,7 @@ from typing import Any
 from ur_nodes.ports.qualities import Quality
 
 DEPTH = 100
-"""How many values of quality EVERY or COMMAND may wait."""
+"""The number of values of quality EVERY or COMMAND that may wait."""
 
 _DEPTHS = {Quality.NEWEST: 1, Quality.LATCHED: 1, Quality.EVERY: DEPTH, Quality.COMMAND: DEPTH} | {
     Quality.LOSSLESS: sys.maxsize

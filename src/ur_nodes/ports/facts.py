@@ -9,7 +9,7 @@ class Facts(Protocol):
     """Reads and writes facts, by names such as 'base_name'."""
 
     simulated_time: bool
-    """Whether the time of `Node.now` is a simulation's."""
+    """True where the time of `Node.now` is a simulation's."""
 
     def get(self, name: str, default: Any = None) -> Any:
         """The value of a fact; `default` while it is not known."""

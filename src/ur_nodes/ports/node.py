@@ -51,7 +51,7 @@ class Publisher(Protocol[Sent]):
         """Send a value to all who listen. After the end of the node nothing happens."""
 
     def listeners(self) -> int:
-        """The number of listeners: a value that is dear to make is made for somebody only."""
+        """The number of listeners: a value that is dear to make is made for listeners only."""
 
     def close(self) -> None:
         """Send no more."""

@@ -9,7 +9,8 @@ from pathlib import Path
 
 import pytest
 from tests.ros_session import RosSession
-from tests.ur_nodes.ports.contract import CHECKS, GoalClient
+from tests.ur_nodes.ports.contract import CHECKS
+from tests.ur_nodes.ports.stage import GoalClient
 
 from ur_nodes.memory.bus import Bus
 from ur_nodes.ports.actions import Goal, GoalId, GoalState
@@ -82,7 +83,7 @@ def test_memory_keeps(name: str) -> None:
 def failures_on_ros1(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
     session = RosSession(tmp_path_factory.mktemp("contract"))
     try:
-        program = session.start(sys.executable, str(Path(__file__).with_name("contract.py")), *CHECKS)
+        program = session.start(sys.executable, str(Path(__file__).with_name("ros1_stage.py")), *CHECKS)
         output, errors = program.communicate(timeout=240)
         session.running.remove(program)
     finally:

@@ -1,0 +1,81 @@
+"""The stage of the contract: two nodes, a way to let time pass, and those who take, send and follow goals."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Protocol
+
+from ur_nodes.geometry.pose import Pose2
+from ur_nodes.ports.actions import GoalHandle, GoalState
+from ur_nodes.ports.node import Node
+from ur_nodes.ports.values import PlacedPose
+
+STAMP = 1_700_000_000_123_456_789
+TARGET = PlacedPose(STAMP, "map", Pose2(1.0, 2.0, 0.5))
+
+
+class Stage(Protocol):
+    """Two nodes (one and the same, where a process has only one), and time. `begin` lets their callbacks come."""
+
+    one: Node
+    other: Node
+
+    def begin(self) -> None:
+        """Start."""
+
+    def until(self, condition: Callable[[], bool]) -> None:
+        """Let time pass until a condition is true; fails after a while."""
+
+    def client(self, action: str) -> GoalClient:
+        """A client of goals that is connected, after `begin`."""
+
+
+class GoalClient(Protocol):
+    """The other end of `serve_goals`, as clients of the backend have it."""
+
+    def send(self, target: PlacedPose) -> str:
+        """Send a goal; returns its id."""
+
+    def cancel(self, id: str) -> None:
+        """Cancel it; '' for all."""
+
+    def cancel_sent_before(self, id: str) -> None:
+        """Cancel all goals that were sent before this one, and it."""
+
+    def state(self, id: str) -> tuple[str, str]:
+        """The state and its text, as last heard: `ports.actions.GoalState`."""
+
+    def report(self) -> PlacedPose | None:
+        """The last pose that was heard."""
+
+
+class Follower:
+    """A node that sends goals: the ids of those that are open, and the ends that it heard of."""
+
+    def __init__(self) -> None:
+        self.open: set[str] = set()
+        self.ends: list[GoalState] = []
+
+    def take_states(self, states: tuple[GoalState, ...]) -> None:
+        self.open = {each.id for each in states if each.open}
+
+    def take_goal_end(self, state: GoalState) -> None:
+        self.ends.append(state)
+
+
+class Takers:
+    """A node that takes goals, and what it got."""
+
+    def __init__(self) -> None:
+        self.got: list[GoalHandle] = []
+        self.cancelled: list[str] = []
+
+    def take_goal(self, handle: GoalHandle) -> None:
+        self.got.append(handle)
+
+    def take_cancel(self, handle: GoalHandle) -> None:
+        self.cancelled.append(handle.goal.id)
+        handle.cancel("as you wish")
+
+    def has_cancelled(self, count: int) -> bool:
+        return len(self.cancelled) == count
