@@ -25,8 +25,8 @@ import yaml
 ROOT = Path(__file__).parents[1]
 DATA = ROOT / ".cache" / "coverage"
 RECORD = ROOT / "tests" / "coverage.yaml"
-TOLERANCE = 0.3
-"""Points that a figure may fall: some tests take other branches each time."""
+TOLERANCE = 1.0
+"""Points that a figure may fall: some tests take other branches each time, those of ur.fleet 0.9 points of them."""
 _HEAD = """\
 # Coverage of each package in per cent, statements and branches, by the default suite (Python 3.11).
 # Raised by tools/measure_coverage.py --write.

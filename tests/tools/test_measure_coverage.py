@@ -37,8 +37,8 @@ def test_files_count_for_the_package_below_ur_or_ur_nodes() -> None:
 def test_package_that_is_covered_less_than_recorded_is_named() -> None:
     recorded = {"ur.graph": 90.0, "ur.find": 80.0}
     assert compare(recorded, {"ur.graph": 90.0 - TOLERANCE, "ur.find": 81.0, "ur.new": 10.0}) == []
-    (line,) = compare(recorded, {"ur.graph": 89.6})
-    assert line.startswith("ur.graph is covered by 89.6 %, expected at least 90.0 %; ")
+    (line,) = compare(recorded, {"ur.graph": 88.6})
+    assert line.startswith("ur.graph is covered by 88.6 %, expected at least 90.0 %; ")
     assert line.endswith("tools/measure_coverage.py --missing ur.graph")
 
 

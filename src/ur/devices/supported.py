@@ -41,6 +41,7 @@ class Supported:
 _DRIVERS = Trial("simulator", "the same topics as its drivers, by their launch files", _CONTRACT)
 _URDF = "a description of this kind, written for the test, is read"
 _FAULTS = "tests/ur_nodes/drivers/test_device_faults.py"
+_JOYSTICK = "tests/ur_nodes/motion/joystick/test_joystick_nodes.py"
 _PICTURES = "tests/ur_nodes/camera/test_raspicam_node.py::test_pictures_are_passed_on_unplugged_and_back_and_paused"
 _NO_HARDWARE = "the device itself; its driver"
 
@@ -318,7 +319,7 @@ SUPPORTED: tuple[Supported, ...] = (
             Trial(
                 "stand-in",
                 "unplugged while it drives",
-                "tests/ur_nodes/motion/test_motion_nodes.py::test_robot_stands_when_the_joystick_is_unplugged",
+                f"{_JOYSTICK}::test_reader_publishes_changes_and_repeats_and_lets_go_when_the_device_is_gone",
             ),
         ),
     ),
