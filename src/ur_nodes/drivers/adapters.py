@@ -27,7 +27,7 @@ _BAD_ODOMETRY = (
 def adapt_odometry(node: Node, base: Base, *, publish_tf: bool) -> None:
     """From `odom`: `joint_states`, and tf odom -> base_footprint when asked."""
     wheels = WheelStates(base.wheels)
-    joints = node.publish("joint_states", Joints, Quality.EVERY)
+    joints = node.publish("joint_states", Joints)
     frames = node.publish("/tf", tuple, Quality.EVERY) if publish_tf else None
 
     def take(odometry: DriverOdometry) -> None:
@@ -45,8 +45,8 @@ def adapt_odometry(node: Node, base: Base, *, publish_tf: bool) -> None:
 
 def adapt_scan(node: Node, lidar: Lidar) -> None:
     """From `driver/scan`: the scan of the base's lidar, in its frame."""
-    scans = node.publish(lidar.topic, Scan, Quality.EVERY)
-    node.subscribe("driver/scan", Scan, lambda scan: scans.send(replace(scan, frame=lidar.frame)), Quality.EVERY)
+    scans = node.publish(lidar.topic, Scan)
+    node.subscribe("driver/scan", Scan, lambda scan: scans.send(replace(scan, frame=lidar.frame)))
 
 
 def adapt_bumpers(node: Node, topic: str, names: dict[str, str], known: list[str], type_name: str) -> None:

@@ -10,6 +10,7 @@ from ur_nodes.ports.services import Trigger
 from ur_nodes.ports.values import Result
 
 _AGAIN = 5.0  # s of this computer until a map that is not stored is saved again
+_ANSWER_LIMIT = 60.0  # s
 _MOST_SAVES = 4  # at the end
 _LOGGED_EVERY = 10.0  # s
 
@@ -55,4 +56,4 @@ class MapSaver:
                 self._node.log.warn(f"{self._service}: the map is not saved: {answer.text}", every=_LOGGED_EVERY)
             take(answer.text if answer.success and is_map_name(answer.text) else "")
 
-        self._node.call(self._service, Trigger(), read, _AGAIN)
+        self._node.call(self._service, Trigger(), read, _ANSWER_LIMIT)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import uuid
 from dataclasses import replace
 
 from ur_nodes.exploration.explorer_step import GoalEnd
@@ -26,7 +27,7 @@ class Navigation:
         self._goal = ""
         self._end: GoalEnd | None = None
         self._alive = False
-        self._start = f"{node.name}-{node.now():x}-"  # of our goals' ids
+        self._start = f"{node.name}-{uuid.uuid4().hex[:8]}-"  # of our goals' ids
         self._goals = node.follow_goals(settings.navigation, self)
         node.subscribe(f"{settings.mux}/stopped", bool, self._take_stopped)
         node.subscribe(f"{settings.mux}/active", str, self._take_active)

@@ -42,9 +42,9 @@ class Obstacles:
         rows, columns = update.values.shape
         fits = update.row + rows <= values.shape[0] and update.column + columns <= values.shape[1]
         if not fits or update.row < 0 or update.column < 0:  # as after a change of the map's size
-            what = f"update of {columns} x {rows} cells at ({update.column}, {update.row})"
-            expected = f"expected one inside the grid of {values.shape[1]} x {values.shape[0]}"
-            self._log.warn(f"{what}, {expected}", every=_LOGGED_EVERY)
+            height, width = values.shape
+            expected = f"expected cells inside the grid of {width} x {height}"
+            self._log.warn(f"an update reaches beyond the costmap, {expected}", every=_LOGGED_EVERY)
             return
         values[update.row : update.row + rows, update.column : update.column + columns] = update.values
         self._found = None

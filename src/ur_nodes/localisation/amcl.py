@@ -9,7 +9,7 @@ from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.geometry.scan import Mount, points_of_scan
 from ur_nodes.localisation.amcl_settings import AmclSettings
-from ur_nodes.localisation.likelihood import LikelihoodField, make_field
+from ur_nodes.localisation.likelihood import make_field
 from ur_nodes.localisation.localiser import Estimate, Localiser
 from ur_nodes.localisation.particle_filter import Particles
 from ur_nodes.ports.log import Log
@@ -43,15 +43,13 @@ class Amcl:
         assert self._localiser
         return self._localiser.particles
 
-    def prepare(self, given: Map) -> LikelihoodField:
-        """Work a map out; takes long where it is large, and changes nothing."""
-        return make_field(given.grid, self._settings.beams)
-
-    def use_map(self, given: Map, field: LikelihoodField) -> None:
-        """Start on a map. The pose on the last one is kept if there was one."""
+    def use_map(self, given: Map) -> None:
+        """Start on a map; takes long where it is large. The pose on the last one is kept if there was one."""
         if given.frame != self._settings.map_frame:
             self._log.warn(f"map in frame {given.frame!r}, expected ~global_frame_id, {self._settings.map_frame!r}")
-        self._localiser = localiser = Localiser(field, self._settings.filter, self._rng)
+        self._localiser = localiser = Localiser(
+            make_field(given.grid, self._settings.beams), self._settings.filter, self._rng
+        )
         self._grid = grid = given.grid
         if self.last:
             localiser.place(self.last.pose, self.last.covariance)

@@ -40,13 +40,13 @@ class AmclNode:
 
     def _take_map(self, given: Map) -> None:
         if not (self._settings.first_map_only and self._amcl.has_map):
-            self._node.work(lambda: self._amcl.prepare(given), lambda field: self._amcl.use_map(given, field))
+            self._amcl.use_map(given)
 
     def _fetch_map(self) -> None:
         """Ask the service until it returns a map."""
         if not (self._amcl.has_map or self._asking):
             self._asking = True
-            self._node.call("static_map", AskMap(), self._take_answer)
+            self._node.call("static_map", AskMap(), self._take_answer, 120.0)  # large maps take long over WiFi
 
     def _take_answer(self, answer: Result) -> None:
         self._asking = False
@@ -58,7 +58,7 @@ class AmclNode:
             self._node.log.warn(f"no map from service {service} yet: {answer.text}", every=SILENCE)
 
     def _set_map(self, request: UseMap) -> Result:
-        self._amcl.use_map(request.map, self._amcl.prepare(request.map))
+        self._amcl.use_map(request.map)
         self._place(PoseEstimate(request.stamp, request.frame, request.pose, request.covariance))
         return Result(success=True)
 

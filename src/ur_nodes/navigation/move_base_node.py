@@ -9,6 +9,7 @@ from ur_nodes.navigation.goals.goal_watch import read_watch_settings
 from ur_nodes.navigation.move_base import MoveBase
 from ur_nodes.navigation.move_base_settings import read_settings
 from ur_nodes.ports.node import Node
+from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.services import AskPath, Silent
 from ur_nodes.run import run
 
@@ -17,7 +18,7 @@ def start(node: Node) -> None:
     """Take goals, and beat."""
     settings = read_settings(node.parameters)
     move_base = MoveBase(node, settings, read_watch_settings(node.parameters, settings.mux))
-    node.subscribe(f"{settings.mux}/stopped", bool, move_base.take_stop)
+    node.subscribe(f"{settings.mux}/stopped", bool, move_base.take_stop, Quality.EVERY)  # one that ended counts, too
     node.serve_later("~make_plan", AskPath, move_base.make_plan)
     node.serve("~clear_costmaps", Silent, move_base.clear_costmaps)
     node.every(settings.navigator.period / settings.repeats, move_base.beat)

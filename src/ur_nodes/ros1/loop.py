@@ -60,9 +60,10 @@ class Beats:
             return None
         due, number, beat = self._beats[0]
         now = self._read()
-        if due - now > beat.period + _ROUNDING:  # time was set back
+        if any(then - now > each.period + _ROUNDING for then, _, each in self._beats):  # time was set back
             self._beats = [(now + each.period, count, each) for _, count, each in self._beats]
             heapq.heapify(self._beats)
+            return None
         if due > now:
             return None
         if beat.once:
@@ -84,6 +85,7 @@ class Loop:
         self._steady_beats = self._beats if steady else Beats(time.monotonic, steady=True)
         self._all_beats = (self._beats,) if steady else (self._beats, self._steady_beats)
         self._thread: threading.Thread | None = None
+        self._closing = False  # the last call is on its way
         self._ended = False
 
     def start(self) -> None:
@@ -106,7 +108,7 @@ class Loop:
             call()
             done.set()
 
-        if self._ended and self._thread is not None:
+        if self._thread is not None and (self._closing or not self._thread.is_alive()):
             self._thread.join(within)
             call()
         else:
@@ -148,6 +150,7 @@ class Loop:
         if self._thread is None or threading.current_thread() is self._thread:
             finish()
             return
+        self._closing = True
         self._calls.put(finish)
         self._thread.join(within)
 

@@ -8,8 +8,12 @@ import time
 import warnings
 from collections.abc import Callable
 from concurrent.futures import Future
+from functools import partial
+from http.client import HTTPException
 from typing import Any, TypeVar
 from urllib.parse import urlsplit
+from xml.parsers.expat import ExpatError
+from xmlrpc.client import Error as XmlRpcError
 
 import rosgraph
 import rosgraph.network
@@ -79,7 +83,7 @@ class RosNode:
 
             topics = TransformTopics()
             self._transforms = tree = Transforms(topics.send)
-            topics.listen(self._loop.mailbox(_MOST_TRANSFORMS, tree.take))
+            topics.listen(self._loop.mailbox(_MOST_TRANSFORMS, tree.take), self._loop.mailbox(None, tree.take))
         return self._transforms
 
     def publish(
@@ -209,8 +213,12 @@ class RosNode:
         post = self._results.put if self._ending else self._loop.post
 
         def carry_out() -> None:
-            result = job()
-            post(lambda: take(result))
+            try:
+                result = job()
+            except Exception as problem:  # the node fails where it runs: the jobs of its end can still be done
+                post(partial(_fail, problem))
+            else:
+                post(lambda: take(result))
 
         self._workers.setdefault(lane, Worker(f"work {lane}".strip())).add(carry_out)
 
@@ -226,7 +234,7 @@ class RosNode:
         """See Node."""
         try:
             host = urlsplit(rosgraph.Master(self.name).lookupNode(name)).hostname
-        except (OSError, rosgraph.MasterException):
+        except (OSError, ValueError, rosgraph.MasterException, HTTPException, XmlRpcError, ExpatError):
             return None
         return Location(host, rosgraph.network.is_local_address(host)) if host else None
 
@@ -255,7 +263,11 @@ class RosNode:
             while self._unfinished:
                 take = self._results.get(timeout=max(0.0, end - time.monotonic()))
                 self._unfinished -= 1
-                take()
+                try:
+                    take()
+                except Exception as problem:  # the others are done all the same
+                    self.failed = True
+                    rospy.logerr("%r", problem)
         if self._at_end:
             time.sleep(_LEAVE)
 
@@ -342,6 +354,10 @@ class _Watcher(rospy.SubscribeListener):  # type: ignore[misc]  # rospy has no t
     def peer_subscribe(self, *_: object) -> None:
         """See rospy."""
         self._call()
+
+
+def _fail(problem: Exception) -> None:
+    raise problem
 
 
 def _sender_of(message: Any) -> Sender | None:

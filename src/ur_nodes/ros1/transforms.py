@@ -11,6 +11,8 @@ from tf2_msgs.msg import TFMessage
 from ur_nodes.ports.values import Transform
 from ur_nodes.ros1.codecs.frames import fill_transforms, transforms_of
 
+_Take = Callable[[tuple[Transform, ...]], None]
+
 
 class TransformTopics:
     """Sends and receives transforms. Publishers are made with the first transform of their sort."""
@@ -20,10 +22,10 @@ class TransformTopics:
         self._fixed: Any = None
         self._kept: dict[str, Transform] = {}  # a latched topic keeps one message: all fixed ones go together
 
-    def listen(self, take: Callable[[tuple[Transform, ...]], None]) -> None:
-        """Have all transforms given to a function, on any thread."""
+    def listen(self, take: _Take, take_fixed: _Take) -> None:
+        """Have all transforms given to a function, on any thread; fixed ones come once, and must not be lost."""
         rospy.Subscriber(
-            "/tf_static", TFMessage, lambda message: take(transforms_of(message, fixed=True)), queue_size=100
+            "/tf_static", TFMessage, lambda message: take_fixed(transforms_of(message, fixed=True)), queue_size=100
         )
         rospy.Subscriber(
             "/tf", TFMessage, lambda message: take(transforms_of(message)), queue_size=200, tcp_nodelay=True

@@ -241,7 +241,8 @@ class PatrolNode:
 
     def _take_challenge(self) -> None:
         """Remember a challenge. Without the lock: who holds that may wait for the client, which calls this."""
-        value = self._client.link.newest(REMEMBERED)
+        client = getattr(self, "_client", None)  # challenges may come before it is there
+        value = client.link.newest(REMEMBERED) if client else None
         if value is not None:
             self._challenges = note_challenge(self._challenges, value, read_steady_time())
 

@@ -19,7 +19,7 @@ from ur_nodes.ports.services import Trigger
 from ur_nodes.ports.values import Joystick, Result, Twist
 from ur_nodes.run import run
 
-_PATIENCE = 1.0  # s: a request of a button must not take effect much later
+_PATIENCE: dict[ButtonRequest, float] = {"stop": 30.0, "release": 1.0}  # s: a stop may be late, nothing else
 
 
 def start(node: Node) -> None:
@@ -33,7 +33,7 @@ def start(node: Node) -> None:
         nonlocal state
         accepted = origin.accepts(sender.name if sender else "")
         state, twist, request = step_joy_teleop(state, JoystickState(joystick.axes, joystick.buttons))
-        if not accepted:  # a stop may be late, nothing else
+        if not accepted:
             twist, request = None, request if request == "stop" else None
         if twist is not None:
             commander.publish(_velocity_of(twist), held=state.held)
@@ -42,7 +42,7 @@ def start(node: Node) -> None:
 
     def ask(request: ButtonRequest) -> None:
         service = node.resolve(f"{mux}/{request}")
-        node.call(service, Trigger(), partial(report, service), _PATIENCE)
+        node.call(service, Trigger(), partial(report, service), _PATIENCE[request])
 
     def report(service: str, answer: Result) -> None:
         if answer.success:

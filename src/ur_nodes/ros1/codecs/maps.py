@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 from nav_msgs.msg import MapMetaData
@@ -11,6 +12,8 @@ from ur_nodes.ros1.codecs.codec import Codec, fill_header, frame_of, stamp_of, t
 from ur_nodes.rosio.geometry import fill_pose, pose_of_message
 from ur_nodes.rosio.grid_message import GridMessage, grid_of_message, metadata_message
 from ur_nodes.rosio.grid_update import GridUpdate
+
+_FINEST = 1e-4  # m
 
 
 def fill_map(message: Any, value: Map) -> None:
@@ -23,6 +26,8 @@ def fill_map(message: Any, value: Map) -> None:
 def map_of(message: Any) -> Map:
     """Read a nav_msgs/OccupancyGrid. Raises UserError: size, data and resolution do not fit together."""
     grid = grid_of_message(message)
+    if not _FINEST <= grid.resolution < math.inf:
+        raise ValueError(f"map with resolution {grid.resolution:g}, expected {_FINEST:g} m or more")
     message.data = ()  # rospy keeps the last message, which is as large as the map
     return Map(stamp_of(message.header.stamp), frame_of(message), grid)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 from sensor_msgs.msg import BatteryState
@@ -57,6 +58,8 @@ def _fill_range(message: Any, value: Range) -> None:
 
 
 def _range_of(message: Any) -> Range:
+    if not 0.0 <= message.field_of_view <= 2.0 * math.pi:
+        raise ValueError(f"field_of_view {message.field_of_view:g}, expected 0 to 6.28 rad")
     return Range(
         stamp_of(message.header.stamp),
         frame_of(message),

@@ -165,7 +165,7 @@ def test_request_to_a_mux_that_is_not_there_is_reported() -> None:
     teleop = Teleop(lease="false")
     teleop.mux.end("the test needs none")
     teleop.move(0.0, (0, 1, 0, 0, 0))
-    teleop.bus.run(2.0)
+    teleop.bus.run(31.0)  # a stop may be late
     (line,) = [text for level, text in teleop.node.lines if level == "error"]
     assert line.startswith("/cmd_vel_mux/stop: ")
     assert line.endswith(", expected the answer of a cmd_vel_mux")
