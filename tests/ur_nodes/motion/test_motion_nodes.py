@@ -86,7 +86,7 @@ def test_joystick_drives_while_its_dead_man_button_is_held(robot: Robot, record_
     pipe = f"a pipe that speaks as a device does, read by joy_node: there is no {UINPUT}"
     record_property("joystick", f"a virtual device of the kernel ({UINPUT})" if kernel else pipe)
     robot.joystick.push(1, 32767)  # back, without the button
-    robot.joystick.push(0, 0)
+    robot.joystick.push(1, 0)
     robot.joystick.press(0, True)
     robot.joystick.press(0, False)
     assert robot.ask("history")["commands"] == []
