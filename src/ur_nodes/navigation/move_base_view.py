@@ -78,7 +78,7 @@ class MoveBaseView:
         self._arrived = True
 
     def _show_global_costmap(self, now: int) -> None:
-        """Publish the whole costmap when it is new or somebody subscribed, as costmap_2d does; else the change."""
+        """Publish the whole costmap when it or a subscriber is new, as costmap_2d does; else the change."""
         layered = self._world.global_costmap
         if layered is None or not self._global.listeners():
             return

@@ -94,7 +94,7 @@ class Node(Protocol):
         quality: Quality = Quality.NEWEST,
         greet: Callable[[], Value | None] | None = None,
     ) -> Publisher[Value]:
-        """Offer a topic. `greet` is asked, when somebody begins to listen, for what all listeners then get."""
+        """Offer a topic. `greet` is asked, when a node begins to listen, for what all listeners then get."""
 
     def subscribe(
         self,
@@ -162,7 +162,7 @@ class Node(Protocol):
         """Seconds of a clock that is never set and that runs on while the computer sleeps."""
 
     def locate(self, name: str) -> Location | None:
-        """Find out where a node runs; None: nobody knows. It may wait: for `work`."""
+        """Find out where a node runs; None: it is not known. It may wait: for `work`."""
 
     def resolve(self, name: str) -> str:
         """The full name that a name of this node stands for."""
