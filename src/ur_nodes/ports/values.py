@@ -15,6 +15,9 @@ from numpy.typing import NDArray
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2, Pose3, Quaternion
 
+Level = Literal["debug", "info", "warn", "error"]
+"""The level of a line of the log."""
+
 NO_MATRIX: NDArray[np.float64] = np.zeros((0, 0))
 """Stands for a covariance that nobody gave."""
 
@@ -29,6 +32,15 @@ class Number:
     """A number in double precision; a `float` travels in single."""
 
     value: float
+
+
+@dataclass(frozen=True, slots=True)
+class LogLine:
+    """A line that a node has logged; `node` is its full name."""
+
+    node: str
+    level: Level
+    text: str
 
 
 @dataclass(frozen=True, slots=True)

@@ -21,6 +21,7 @@ VALUES: tuple[object, ...] = (
     -7,
     values.Number(0.1),
     values.Signal(),
+    values.LogLine("/camera", "error", "no lens"),
     values.Time(STAMP),
     values.ClockTime(STAMP),
     Twist(0.5, -0.25, 0.125, 0.0625, -0.5, 1.5),

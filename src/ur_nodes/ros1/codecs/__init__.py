@@ -10,7 +10,7 @@ __all__ = ["Codec", "ServiceCodec", "find_codec", "find_service"]
 
 # Which module knows a kind: messages take long to import, and a node needs few.
 _MODULES = {
-    "ur_nodes.ros1.codecs.simple": ("str", "bool", "float", "int", "Number", "Signal", "Time", "ClockTime"),
+    "ur_nodes.ros1.codecs.simple": ("str", "bool", "float", "int", "Number", "Signal", "Time", "ClockTime", "LogLine"),
     "ur_nodes.ros1.codecs.motion": ("Twist", "StampedTwist", "Odometry", "DriverOdometry", "Joints", "Joystick"),
     "ur_nodes.ros1.codecs.places": ("PlacedPose", "PoseEstimate", "Poses", "Path", "Outline"),
     "ur_nodes.ros1.codecs.goals": ("GoalId",),

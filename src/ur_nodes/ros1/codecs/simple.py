@@ -1,15 +1,15 @@
-"""Values that are one word or number."""
+"""Values that are one word or number, and lines of the log."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from typing import Any
 
-from rosgraph_msgs.msg import Clock
+from rosgraph_msgs.msg import Clock, Log
 from std_msgs.msg import Bool, Empty, Float32, Float64, Int32, String
 from std_msgs.msg import Time as TimeMessage
 
-from ur_nodes.ports.values import ClockTime, Number, Signal, Time
+from ur_nodes.ports.values import ClockTime, Level, LogLine, Number, Signal, Time
 from ur_nodes.ros1.codecs.codec import Codec, stamp_of, time_of
 
 
@@ -32,11 +32,23 @@ def _fill_time(message: Any, value: Time) -> None:
     message.data = time_of(value.stamp)
 
 
+def _fill_line(message: Any, value: LogLine) -> None:
+    message.name, message.level, message.msg = value.node, _LEVELS[value.level], value.text
+
+
+def _line_of(message: Any) -> LogLine:
+    level: Level = next((name for name in _LEVELS if message.level >= _LEVELS[name]), "debug")
+    return LogLine(message.name, level, message.msg)
+
+
+_LEVELS: dict[Level, int] = {"error": Log.ERROR, "warn": Log.WARN, "info": Log.INFO, "debug": Log.DEBUG}
+
 CODECS = {
     str: _data(String, str),
     bool: _data(Bool, bool),
     float: _data(Float32, float),
     int: _data(Int32, int),
+    LogLine: Codec(Log, _fill_line, _line_of),
     Number: Codec(Float64, _fill_number, lambda message: Number(message.data)),
     Signal: Codec(Empty, lambda _message, _value: None, lambda _message: Signal()),
     Time: Codec(TimeMessage, _fill_time, lambda message: Time(stamp_of(message.data))),
