@@ -44,8 +44,10 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "ur_nodes.geometry": ("ur.source", "ur.worlds"),
     "ur_nodes.ports": ("ur.source", "ur_nodes.geometry"),
     "ur_nodes.memory": ("ur_nodes.ports",),
-    "ur_nodes.rosio": ("ur.source", "ur.robot.addresses", "ur_nodes.geometry", "ur_nodes.ports"),
-    "ur_nodes.ros1": ("ur.source", "ur_nodes.geometry", "ur_nodes.ports", "ur_nodes.rosio"),
+    "ur_nodes.rosio": ("ur.source", "ur_nodes.geometry", "ur_nodes.ports", "ur_nodes.ros1"),
+    "ur_nodes.ros1": ("ur.source", "ur_nodes.geometry", "ur_nodes.ports"),
+    "ur_nodes.ros1.repairs": ("ur.source", "ur.robot.addresses"),
+    "ur_nodes.ros1.messages": ("ur.source", "ur_nodes.geometry"),
     "ur_nodes.memory_use": (),
     "ur_nodes.run": ("ur_nodes.ports", "ur_nodes.ros1"),
     "ur_nodes.motion": (
@@ -305,7 +307,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         "ur_nodes.rosio",
         "ur_nodes.run",
     ),
-    "ur_nodes": ("ur.source",),
+    "ur_nodes": ("ur.source", "ur_nodes.run", "ur_nodes.ros1.repairs"),
 }
 ROS = {
     "actionlib", "actionlib_msgs", "genpy", "geometry_msgs", "map_msgs", "move_base_msgs", "nav_msgs", "rosgraph",

@@ -27,7 +27,7 @@ if __name__ == "__main__":
     signal.signal(signal.SIGINT, _leave)
     import runpy
 
-    from ur_nodes.rosio.log_link import leave_log_link
+    from ur_nodes.ros1.repairs.log_link import leave_log_link
 
     leave_log_link()
     if sys.flags.isolated:

@@ -1,4 +1,4 @@
-"""Facts and log of a node of ROS 1: the parameter server, and rospy's log."""
+"""Facts, parameters and log of a node of ROS 1: the parameter server, and rospy's log."""
 
 from __future__ import annotations
 
@@ -22,6 +22,26 @@ class RosFacts:
     def set(self, name: str, value: Any) -> None:
         """See Facts."""
         rospy.set_param(_FACTS.get(name, f"/ur/{name}"), value)
+
+
+class RosParameters:
+    """See `ports.parameters.ParameterStore`."""
+
+    def resolve(self, name: str) -> str:
+        """See ParameterStore."""
+        return str(rospy.resolve_name(name))
+
+    def has(self, name: str) -> bool:
+        """See ParameterStore."""
+        return bool(rospy.has_param(name))
+
+    def get(self, name: str) -> Any:
+        """See ParameterStore."""
+        return rospy.get_param(name)
+
+    def set(self, name: str, value: Any) -> None:
+        """See ParameterStore."""
+        rospy.set_param(name, value)
 
 
 class RosLog:

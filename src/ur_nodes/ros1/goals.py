@@ -13,8 +13,8 @@ from move_base_msgs.msg import MoveBaseAction, MoveBaseActionGoal, MoveBaseFeedb
 from ur_nodes.ports.actions import Goal, GoalTakers
 from ur_nodes.ports.values import PlacedPose
 from ur_nodes.ros1.codecs.places import fill_placed, target_of
+from ur_nodes.ros1.ending import quiet_at_end
 from ur_nodes.ros1.loop import Loop
-from ur_nodes.rosio.ending import quiet_at_end
 
 
 class RosGoalServer:

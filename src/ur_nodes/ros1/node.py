@@ -27,9 +27,8 @@ from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.transforms import Transforms
 from ur_nodes.ports.values import Result
 from ur_nodes.ros1.codecs import Codec, find_codec, find_service
-from ur_nodes.ros1.facts import RosFacts, RosLog
+from ur_nodes.ros1.facts import RosFacts, RosLog, RosParameters
 from ur_nodes.ros1.loop import Beat, Loop, Worker, run_aside
-from ur_nodes.rosio.parameters import RosParameters
 
 Value = TypeVar("Value")
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from ur_nodes.ports.node import Node
 from ur_nodes.ros1.node import RosNode
-from ur_nodes.rosio.shell import run_node
+from ur_nodes.ros1.shell import run_node
 
 
 def run(name: str, start: Callable[[Node], object], *, own_terminal: bool = False) -> int:

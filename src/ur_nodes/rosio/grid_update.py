@@ -1,69 +1,13 @@
-"""The message map_msgs/OccupancyGridUpdate, the cells of a grid that changed, without the package map_msgs."""
+"""Updates of grids, for nodes that are still written against rospy."""
 
 from __future__ import annotations
 
-import io
-import struct
-from typing import Any
-
-import genpy
 import numpy as np
 from numpy.typing import NDArray
-from std_msgs.msg import Header
 
 from ur.source.diagnostic import UserError, error
-
-_BOX = struct.Struct("<2i3I")  # x, y, width, height, and the number of cells
-
-
-class GridUpdate(genpy.Message):  # type: ignore[misc]  # genpy has no types
-    """New values `data`, int8 (height * width), of the cells from column `x` and row `y` on."""
-
-    _md5sum = "b295be292b335c34718bd939deebe1c9"
-    _type = "map_msgs/OccupancyGridUpdate"
-    _has_header = True
-    _full_text = (
-        "std_msgs/Header header\nint32 x\nint32 y\nuint32 width\nuint32 height\nint8[] data\n"
-        f"{'=' * 80}\nMSG: std_msgs/Header\n{Header._full_text}"  # noqa: SLF001 - where genpy keeps it
-    )
-    __slots__ = ("data", "header", "height", "width", "x", "y")
-    _slot_types = ("int8[]", "std_msgs/Header", "uint32", "uint32", "int32", "int32")
-
-    def __init__(self) -> None:
-        self.header = Header()
-        self.x = self.y = self.width = self.height = 0
-        self.data: NDArray[np.int8] = np.empty(0, np.int8)
-
-    def serialize(self, buff: Any) -> None:
-        """Write the message to a binary file."""
-        self.header.serialize(buff)
-        cells = np.ascontiguousarray(self.data, np.int8).ravel()
-        buff.write(_BOX.pack(self.x, self.y, self.width, self.height, len(cells)))
-        buff.write(cells.data)
-
-    def deserialize(self, str: bytes) -> GridUpdate:
-        """Fill the message from bytes. Raises genpy.DeserializationError: they end too early."""
-        try:
-            self.header = Header().deserialize(str)
-            head = io.BytesIO()
-            self.header.serialize(head)
-            start = head.tell()
-            self.x, self.y, self.width, self.height, count = _BOX.unpack_from(str, start)
-            self.data = np.frombuffer(str, np.int8, count, start + _BOX.size)
-        except (struct.error, ValueError) as problem:
-            raise genpy.DeserializationError(problem) from problem
-        return self
-
-
-def update_message(values: NDArray[np.int8], row: int, column: int, frame: str, stamp: Any) -> GridUpdate:
-    """A message with new values (height, width) of the cells from (row, column) on."""
-    message = GridUpdate()
-    message.header.frame_id = frame
-    message.header.stamp = stamp
-    message.x, message.y = column, row
-    message.height, message.width = values.shape
-    message.data = values.ravel()
-    return message
+from ur_nodes.ros1.messages.grid_update import GridUpdate as GridUpdate
+from ur_nodes.ros1.messages.grid_update import update_message as update_message
 
 
 def apply_update(values: NDArray[np.int8], message: GridUpdate) -> None:

@@ -21,7 +21,7 @@ from tf2_msgs.msg import TFMessage
 
 from ur_nodes.geometry.grid import load_map
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.rosio.geometry import pose3_of_transform, pose_message, transform_message
+from ur_nodes.ros1.messages.geometry import pose3_of_transform, pose_message, transform_message
 
 PATIENCE = 30.0  # s
 

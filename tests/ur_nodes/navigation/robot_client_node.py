@@ -26,8 +26,8 @@ from tests.ur_nodes.navigation.closed_loop import two_rooms
 from tf2_msgs.msg import TFMessage
 
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.rosio.geometry import pose_message, transform_message
-from ur_nodes.rosio.grid_message import grid_message
+from ur_nodes.ros1.messages.geometry import pose_message, transform_message
+from ur_nodes.ros1.messages.grid import grid_message
 
 BEAMS = 180
 

@@ -1,30 +1,11 @@
 from __future__ import annotations
 
-import io
-
 import numpy as np
 import pytest
 import rospy
-from genpy import DeserializationError
-from genpy.dynamic import generate_dynamic
 
 from ur.source.diagnostic import UserError
-from ur_nodes.rosio.grid_update import GridUpdate, apply_update, update_message
-
-
-def test_grid_update_is_upstreams_message() -> None:
-    upstream = generate_dynamic(GridUpdate._type, GridUpdate._full_text)[GridUpdate._type]
-    assert upstream._md5sum == GridUpdate._md5sum
-    wire = io.BytesIO()
-    update_message(np.array([[1, -1, 100], [0, 5, 6]], np.int8), 7, 3, "map", rospy.Time(2, 9)).serialize(wire)
-    read = upstream().deserialize(wire.getvalue())
-    assert (read.x, read.y, read.width, read.height) == (3, 7, 3, 2)
-    assert list(read.data) == [1, -1, 100, 0, 5, 6]
-    assert (read.header.frame_id, read.header.stamp) == ("map", rospy.Time(2, 9))
-    again = GridUpdate().deserialize(wire.getvalue())
-    assert again.data.tolist() == list(read.data)
-    with pytest.raises(DeserializationError):
-        GridUpdate().deserialize(wire.getvalue()[:-1])
+from ur_nodes.rosio.grid_update import apply_update, update_message
 
 
 def test_update_changes_its_cells_of_a_grid_and_no_others() -> None:

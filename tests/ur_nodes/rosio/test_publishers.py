@@ -9,7 +9,7 @@ import rospy
 from tf2_msgs.msg import TFMessage
 
 from ur_nodes.geometry.pose import Pose2, Pose3
-from ur_nodes.rosio.geometry import pose3_of_transform
+from ur_nodes.ros1.messages.geometry import pose3_of_transform
 from ur_nodes.rosio.publishers import TransformSender
 
 QUARTER = math.sqrt(0.5)

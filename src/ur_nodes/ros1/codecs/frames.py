@@ -9,7 +9,7 @@ from tf2_msgs.msg import TFMessage
 
 from ur_nodes.ports.values import Transform
 from ur_nodes.ros1.codecs.codec import Codec, fill_header, stamp_of
-from ur_nodes.rosio.geometry import pose3_of_transform
+from ur_nodes.ros1.messages.geometry import pose3_of_transform
 
 
 def fill_transforms(message: Any, value: tuple[Transform, ...]) -> None:

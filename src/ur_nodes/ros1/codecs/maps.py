@@ -9,9 +9,9 @@ from nav_msgs.msg import MapMetaData
 
 from ur_nodes.ports.values import Map, MapInfo, MapUpdate
 from ur_nodes.ros1.codecs.codec import Codec, fill_header, frame_of, stamp_of, time_of
-from ur_nodes.rosio.geometry import fill_pose, pose_of_message
-from ur_nodes.rosio.grid_message import GridMessage, grid_of_message, metadata_message
-from ur_nodes.rosio.grid_update import GridUpdate
+from ur_nodes.ros1.messages.geometry import fill_pose, pose_of_message
+from ur_nodes.ros1.messages.grid import GridMessage, grid_of_message, metadata_message
+from ur_nodes.ros1.messages.grid_update import GridUpdate
 
 _FINEST = 1e-4  # m
 

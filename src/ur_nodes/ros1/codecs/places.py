@@ -15,7 +15,7 @@ from ur_nodes.geometry.pose import Pose2
 from ur_nodes.ports.values import Outline, Path, PlacedPose, PoseEstimate, Poses
 from ur_nodes.ros1.codecs.codec import Codec, fill_header, frame_of, stamp_of
 from ur_nodes.ros1.codecs.matrices import matrix_of, numbers_of
-from ur_nodes.rosio.geometry import fill_pose, pose_message, pose_of_message
+from ur_nodes.ros1.messages.geometry import fill_pose, pose_message, pose_of_message
 
 _UNIT_SLACK = 0.1
 

@@ -11,7 +11,7 @@ from sensor_msgs.msg import Range as RangeMessage
 
 from ur_nodes.ports.values import Battery, Imu, Range, Scan
 from ur_nodes.ros1.codecs.codec import Codec, fill_header, frame_of, stamp_of
-from ur_nodes.ros1.codecs.scan_message import ScanMessage
+from ur_nodes.ros1.messages.scan import ScanMessage
 
 # sensor_msgs/BatteryState knows no lead.
 _TECHNOLOGIES = {

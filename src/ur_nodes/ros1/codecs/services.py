@@ -23,8 +23,8 @@ from ur_nodes.ports.services import AskMap, AskPath, Place, Silent, Switch, Trig
 from ur_nodes.ports.values import Path, PoseEstimate, Result
 from ur_nodes.ros1.codecs import maps, places
 from ur_nodes.ros1.codecs.codec import ServiceCodec, frame_of
-from ur_nodes.rosio.geometry import fill_pose, pose_of_message
-from ur_nodes.rosio.grid_message import GridMessage, GridResponse, GridService
+from ur_nodes.ros1.messages.geometry import fill_pose, pose_of_message
+from ur_nodes.ros1.messages.grid import GridMessage, GridResponse, GridService
 
 
 def _done(result: Result) -> Result:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from ur_nodes.rosio.log_errors import report_log_errors
+from ur_nodes.ros1.repairs.log_errors import report_log_errors
 
 
 @pytest.fixture

@@ -6,7 +6,7 @@ import time
 
 from rospy.impl.tcpros_pubsub import QueuedConnection
 
-from ur_nodes.rosio.sent import free_sent
+from ur_nodes.ros1.repairs.sent import free_sent
 
 
 class _Transport:

@@ -6,7 +6,7 @@ import threading
 
 import pytest
 
-from ur_nodes.rosio.sockets import is_link_trouble, is_remote, limit_sending, limit_waiting, watch_peer
+from ur_nodes.ros1.repairs.sockets import is_link_trouble, is_remote, limit_sending, limit_waiting, watch_peer
 
 
 @pytest.mark.parametrize(

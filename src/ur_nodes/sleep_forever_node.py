@@ -4,12 +4,7 @@ from __future__ import annotations
 
 import sys
 
-from ur_nodes.rosio.shell import run_node
-
-
-def start() -> None:
-    """Nothing."""
-
+from ur_nodes.run import run
 
 if __name__ == "__main__":
-    sys.exit(run_node("sleep_forever", start))
+    sys.exit(run("sleep_forever", lambda _node: None))

@@ -11,7 +11,7 @@ from xmlrpc.server import SimpleXMLRPCServer
 import pytest
 
 from ur.robot.addresses import Addresses
-from ur_nodes.rosio.xml_rpc_links import BoundedConnection, BoundedTransport
+from ur_nodes.ros1.repairs.xml_rpc_links import BoundedConnection, BoundedTransport
 
 
 @pytest.fixture

@@ -15,7 +15,7 @@ from collections.abc import Callable
 from typing import Any
 
 from ur.robot.addresses import Addresses
-from ur_nodes.rosio.sockets import CONNECT_LIMIT, is_link_trouble, is_remote, limit_sending, watch_peer
+from ur_nodes.ros1.repairs.sockets import CONNECT_LIMIT, is_link_trouble, is_remote, limit_sending, watch_peer
 
 ANSWER_LIMIT = 30.0  # s that a peer which the network reaches may take: a busy master is slow
 PATIENCE = 10.0  # s for which a call is tried again while the network does not reach the peer

@@ -16,8 +16,8 @@ from rospy.exceptions import TransportInitError
 from rospy.impl import registration, tcpros_base
 
 from ur.robot.addresses import Addresses
-from ur_nodes.rosio.sockets import CONNECT_LIMIT
-from ur_nodes.rosio.xml_rpc_links import BoundedTransport
+from ur_nodes.ros1.repairs.sockets import CONNECT_LIMIT
+from ur_nodes.ros1.repairs.xml_rpc_links import BoundedTransport
 
 TOPIC_LIMIT = 5.0  # s for a publisher that the network reaches to answer which port has a topic
 FIRST_PAUSE, LONGEST_PAUSE = 0.1, 0.5  # s between two tries to connect

@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 import rospy
 
-from ur_nodes.rosio.ending import quiet_at_end
+from ur_nodes.ros1.ending import quiet_at_end
 
 
 def publish(number: int, *, closed: bool) -> None:

@@ -13,7 +13,7 @@ from tests.cut_network import can_make_networks
 from tests.json_client import wait_until
 from tests.link_trial import TOPICS, LinkTrial, link_trial
 
-from ur_nodes.rosio import connections
+from ur_nodes.ros1.repairs import connections
 
 GENEROUS = 15.0  # s; with rospy as it is, a cut of 5 s takes longer, and latched topics do not come again at all
 

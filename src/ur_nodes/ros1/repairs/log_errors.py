@@ -1,0 +1,40 @@
+"""Log files that cannot be written, as on a full disk: one line in place of a traceback for each message."""
+
+from __future__ import annotations
+
+import logging
+import sys
+from collections.abc import Callable
+
+
+def report_log_errors(report: Callable[[str], None] | None = None) -> None:
+    """Report each log file of this process that cannot be written once, by default on standard error.
+
+    To be called after `rospy.init_node`, which opens the log file. Later messages still reach /rosout and the terminal.
+    """
+    handlers = {handler for name in ("", "rosout") for handler in logging.getLogger(name).handlers}
+    for handler in handlers:
+        if isinstance(handler, logging.FileHandler):
+            # On the instance instead of in a subclass, since rospy makes the handlers.
+            setattr(handler, "handleError", _report_once(handler.baseFilename, report or _write))  # noqa: B010
+
+
+def say_nothing(_line: str) -> None:
+    """For programs that draw on their terminal, where another line would be in the way."""
+
+
+def _report_once(path: str, report: Callable[[str], None]) -> Callable[[logging.LogRecord], None]:
+    said = False
+
+    def report_error(_record: logging.LogRecord) -> None:
+        nonlocal said
+        if not said:
+            said = True
+            problem = sys.exc_info()[1]
+            report(f'warning: the log file "{path}" cannot be written: {problem}; later messages are not kept there')
+
+    return report_error
+
+
+def _write(line: str) -> None:
+    sys.stderr.write(line + "\n")
