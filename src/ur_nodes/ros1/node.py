@@ -331,7 +331,12 @@ class RosSubscription:
         self._reported = False
         depth = _DEPTHS[quality]
         self._subscriber = rospy.Subscriber(
-            topic, codec.message_class, loop.mailbox(depth, self._deliver), queue_size=depth, tcp_nodelay=True
+            topic,
+            codec.message_class,
+            loop.mailbox(depth, self._deliver),
+            queue_size=depth,
+            buff_size=codec.buffer,
+            tcp_nodelay=True,
         )
 
     def publishers(self) -> int:

@@ -13,6 +13,14 @@ from ur_nodes.ports.values import Transform, Twist
 
 POSES = np.array([(1.0, 2.0, 0.5), (-1.0, 0.0, -3.0)])
 GRID = Grid(np.array([[0, 100, -1], [7, 0, 0]], np.int8), 0.05, Pose2(-1.0, 2.0, 0.0))
+MARKER = values.Marker(
+    *("three", 7, "line_list", Pose2(1.0, 0.5, 0.0).in_space(), (0.125, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0), "lines"),
+    np.array([(1.0, 2.0, 3.0), (4.0, 5.0, 6.0)]),
+    np.array([(1.0, 0.0, 0.0, 0.5), (0.0, 1.0, 0.0, 0.5)]),
+)
+CLOUD = np.array(
+    [(1.0, 2.0, 3.0, 0x102030), (4.0, 5.0, 6.0, 0)], [("x", "<f4"), ("y", "<f4"), ("z", "<f8"), ("rgb", "<u4")]
+)
 
 VALUES: tuple[object, ...] = (
     "some text",
@@ -57,6 +65,11 @@ VALUES: tuple[object, ...] = (
             ),
         ),
     ),
+    values.MarkerChange(STAMP, "map", "delete", MARKER, 1.5),
+    values.MarkerChanges(
+        (values.MarkerChange(STAMP, "map", "put", MARKER), values.MarkerChange(0, "", "clear", MARKER))
+    ),
+    values.PointCloud(STAMP, "lidar", CLOUD),
     values.Picture(STAMP, "camera", 2, 1, "rgb8", 6, b"\x01\x02\x03\x04\x05\x06"),
     values.Calibration(STAMP, "camera", 4, 2, "plumb_bob", (0.5,) * 5, (2.0,) * 9, (1.0,) * 9, (4.0,) * 12),
     values.PackedPicture(STAMP, "camera", "jpeg", b"\xff\xd8"),

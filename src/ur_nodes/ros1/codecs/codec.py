@@ -11,6 +11,9 @@ import genpy
 
 from ur_nodes.ports.values import Result
 
+LARGE = 1 << 24
+"""Bytes that are read at once of messages such as pictures: in small pieces they take several times as long."""
+
 _SECOND = 1_000_000_000
 
 
@@ -18,12 +21,13 @@ _SECOND = 1_000_000_000
 class Codec:
     """A kind of value as messages. `fill` writes a value into one; `value_of` reads it, raises ValueError or UserError.
 
-    A message may be filled again for the next value.
+    A message may be filled again for the next value. `buffer` is the number of bytes that are read at once.
     """
 
     message_class: Any
     fill: Callable[[Any, Any], None]
     value_of: Callable[[Any], Any]
+    buffer: int = 1 << 16
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,7 +7,7 @@ from typing import Any
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 
 from ur_nodes.ports.values import Calibration, PackedPicture, Picture
-from ur_nodes.ros1.codecs.codec import Codec, fill_header, frame_of, stamp_of
+from ur_nodes.ros1.codecs.codec import LARGE, Codec, fill_header, frame_of, stamp_of
 
 
 def _fill_picture(message: Any, value: Picture) -> None:
@@ -58,7 +58,7 @@ def _calibration_of(message: Any) -> Calibration:
 
 
 CODECS = {
-    Picture: Codec(Image, _fill_picture, _picture_of),
-    PackedPicture: Codec(CompressedImage, _fill_packed, _packed_of),
+    Picture: Codec(Image, _fill_picture, _picture_of, LARGE),
+    PackedPicture: Codec(CompressedImage, _fill_packed, _packed_of, LARGE),
     Calibration: Codec(CameraInfo, _fill_calibration, _calibration_of),
 }
