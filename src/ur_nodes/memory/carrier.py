@@ -8,6 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
+from ur_nodes.ports.graph import Graph, make_graph
 from ur_nodes.ports.qualities import Quality
 
 DEPTH = 100
@@ -22,6 +23,7 @@ _DEPTHS = {Quality.NEWEST: 1, Quality.LATCHED: 1, Quality.EVERY: DEPTH, Quality.
 class Listener:
     """A subscription: `deliver` gets a value, the name of its sender, and whether it had been kept."""
 
+    node: str
     kind: type
     depth: int
     deliver: Callable[[Any, str, bool], None]
@@ -37,6 +39,7 @@ class Offer:
     kind: type
     latched: bool
     greet: Callable[[], None] | None
+    type_name: str
     kept: Any = None
 
 
@@ -46,6 +49,15 @@ class Topic:
 
     offers: list[Offer] = field(default_factory=list)
     listeners: list[Listener] = field(default_factory=list)
+
+
+@dataclass(frozen=True, slots=True)
+class Service:
+    """A service of a node: `take` gets a request, and what to call with the answer."""
+
+    node: str
+    kind: type
+    take: Callable[[Any, Callable[[Any], None]], None]
 
 
 class Carrier:
@@ -60,9 +72,10 @@ class Carrier:
         self.facts: dict[str, Any] = {}
         self.parameters: dict[str, Any] = {}
         self.topics: dict[str, Topic] = {}
-        self.services: dict[str, Callable[[Any, Callable[[Any], None]], None]] = {}
+        self.services: dict[str, Service] = {}
         self.nodes: dict[str, Any] = {}
         self.types: dict[str, tuple[str, ...]] = {}  # fields of messages that are of no kind
+        self.schemas: dict[str, str] = {}  # of messages that are raw
         self.hosts: dict[str, str] = {}  # of the nodes that run on other computers
         self._delay = delay or (lambda _topic: 0)
         self._events: list[tuple[int, int, Callable[[], None]]] = []
@@ -93,6 +106,17 @@ class Carrier:
             self._take_event()
         return True
 
+    def graph(self) -> Graph:
+        """The ends of all topics and services."""
+        topics = self.topics.items()
+        return make_graph(
+            {name: tuple(each.sender for each in topic.offers) for name, topic in topics if topic.offers},
+            {name: tuple(each.node for each in topic.listeners) for name, topic in topics if topic.listeners},
+            {name: topic.offers[0].type_name for name, topic in topics if topic.offers},
+            {name: (service.node,) for name, service in self.services.items()},
+            self.nodes,
+        )
+
     def at(self, time: int, call: Callable[[], None]) -> None:
         """Call at a time (ns), after all that is due at that time already."""
         self._count += 1
@@ -105,9 +129,11 @@ class Carrier:
         if entry.listeners and offer.greet is not None:
             self.at(self.now, offer.greet)
 
-    def listen(self, topic: str, kind: type, quality: Quality, deliver: Callable[[Any, str, bool], None]) -> Listener:
+    def listen(
+        self, node: str, topic: str, kind: type, quality: Quality, deliver: Callable[[Any, str, bool], None]
+    ) -> Listener:
         """Begin to listen to a topic."""
-        listener = Listener(kind, _DEPTHS[quality], deliver)
+        listener = Listener(node, kind, _DEPTHS[quality], deliver)
         entry = self.topics.setdefault(topic, Topic())
         entry.listeners.append(listener)
         for offer in entry.offers:
@@ -148,3 +174,8 @@ class Carrier:
     def _take_event(self) -> None:
         self.now, _, call = heapq.heappop(self._events)
         call()
+
+
+def type_name_of(kind: type) -> str:
+    """The name of a kind as a middleware's type: `type_name`, where it has one, or its own."""
+    return str(getattr(kind, "type_name", kind.__name__))

@@ -5,9 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, TypeVar
 
-from ur_nodes.memory.carrier import Carrier, Listener, Offer
+from ur_nodes.memory.carrier import Carrier, Listener, Offer, Service, type_name_of
 from ur_nodes.memory.goals import MemoryGoalClient, MemoryGoalServer
+from ur_nodes.memory.raw import MemoryRaw
+from ur_nodes.memory.stores import MemoryFacts, MemoryLog, MemoryParameters
 from ur_nodes.ports.actions import GoalFollower, GoalTakers
+from ur_nodes.ports.graph import Graph
 from ur_nodes.ports.node import Location, Sender
 from ur_nodes.ports.parameters import Parameters
 from ur_nodes.ports.qualities import Quality
@@ -31,6 +34,7 @@ class MemoryNode:
         self.facts = MemoryFacts(bus)
         self.parameters = Parameters(MemoryParameters(self, bus.parameters))
         self.log = MemoryLog(self)
+        self.raw = MemoryRaw(self, bus)
         self._bus = bus
         self._remaps = remaps
         self._transforms: Transforms | None = None
@@ -57,8 +61,9 @@ class MemoryNode:
         kind: type[Value],
         quality: Quality = Quality.NEWEST,
         greet: Callable[[], Value | None] | None = None,
+        type_name: str = "",
     ) -> MemoryPublisher:
-        """See Node."""
+        """See Node; `type_name` is the middleware's name of a type that is of no kind."""
         full = self.resolve(topic)
 
         def answer() -> None:
@@ -66,7 +71,13 @@ class MemoryNode:
             if value is not None:
                 publisher.send(value)
 
-        offer = Offer(self.name, _runtime(kind), quality is Quality.LATCHED, answer if greet else None)
+        offer = Offer(
+            self.name,
+            _runtime(kind),
+            quality is Quality.LATCHED,
+            answer if greet else None,
+            type_name or type_name_of(kind),
+        )
         publisher = MemoryPublisher(self._bus, full, offer)
         self._offers.append((full, offer))
         self._bus.offer(full, offer)
@@ -119,7 +130,7 @@ class MemoryNode:
                 give(Result(False, f"{full}: a request {type(request).__name__}, expected {kind.__name__}"))
 
         self._services.append(full)
-        self._bus.services[full] = check
+        self._bus.services[full] = Service(self.name, kind, check)
 
     def call(self, service: str, request: object, take: Callable[[Result], None], within: float = 5.0) -> None:
         """See Node."""
@@ -134,7 +145,7 @@ class MemoryNode:
         def ask() -> None:
             serve = self._bus.services.get(full)
             if serve is not None:
-                serve(request, give)
+                serve.take(request, give)
                 self._bus.at(end, lambda: give(Result(False, f"no answer of {full} within {within:g} s")))
             elif self._bus.now < end:
                 self._bus.at(min(self._bus.now + 100_000_000, end), ask)
@@ -186,6 +197,10 @@ class MemoryNode:
         """See Node."""
         return self._bus.now * 1e-9
 
+    def read_graph(self, take: Callable[[Graph | None], None]) -> None:
+        """See Node."""
+        self.work(self._bus.graph, take)
+
     def locate(self, name: str) -> Location | None:
         """See Node. All nodes of the bus run here, but for those of its `hosts`."""
         if name in self._bus.hosts:
@@ -230,7 +245,7 @@ class MemoryNode:
         self, topic: str, kind: type[Any], deliver: Callable[[Any, str, bool], None], quality: Quality
     ) -> MemorySubscription:
         full = self.resolve(topic)
-        listener = self._bus.listen(full, _runtime(kind), quality, deliver)
+        listener = self._bus.listen(self.name, full, _runtime(kind), quality, deliver)
         self._listeners.append((full, listener))
         return MemorySubscription(self._bus, full, listener, lambda: self._listeners.remove((full, listener)))
 
@@ -298,93 +313,6 @@ class MemoryTimer:
     def cancel(self) -> None:
         """See Timer."""
         self.on = False
-
-
-class MemoryFacts:
-    """See `ports.facts.Facts`: the bus's."""
-
-    simulated_time = True
-
-    def __init__(self, bus: Carrier) -> None:
-        self._facts = bus.facts
-
-    def get(self, name: str, default: Any = None) -> Any:
-        """See Facts."""
-        return self._facts.get(name, default)
-
-    def set(self, name: str, value: Any) -> None:
-        """See Facts."""
-        self._facts[name] = value
-
-
-class MemoryParameters:
-    """See `ports.parameters.ParameterStore`: those of the bus, by full names, as on a parameter server."""
-
-    def __init__(self, node: MemoryNode, parameters: dict[str, Any]) -> None:
-        self._node, self._parameters = node, parameters
-
-    def resolve(self, name: str) -> str:
-        """See ParameterStore."""
-        return self._node.resolve(name)
-
-    def has(self, name: str) -> bool:
-        """See ParameterStore."""
-        full = self.resolve(name).rstrip("/")
-        return full in self._parameters or any(each.startswith(full + "/") for each in self._parameters)
-
-    def get(self, name: str) -> Any:
-        """See ParameterStore."""
-        full = self.resolve(name).rstrip("/")
-        if full in self._parameters:
-            return self._parameters[full]
-        below = {
-            name[len(full) + 1 :]: value for name, value in self._parameters.items() if name.startswith(full + "/")
-        }
-        if not below:
-            raise KeyError(full)
-        tree: dict[str, Any] = {}
-        for path, value in below.items():
-            *folders, last = path.split("/")
-            place = tree
-            for folder in folders:
-                place = place.setdefault(folder, {})
-            place[last] = value
-        return tree
-
-    def set(self, name: str, value: Any) -> None:
-        """See ParameterStore."""
-        self._parameters[self.resolve(name).rstrip("/")] = value
-
-
-class MemoryLog:
-    """See `ports.log.Log`. Writes to the node's `lines`."""
-
-    def __init__(self, node: MemoryNode) -> None:
-        self._node = node
-        self._last: dict[str, int] = {}
-
-    def debug(self, text: str) -> None:
-        """See Log."""
-        self._node.lines.append(("debug", text))
-
-    def info(self, text: str) -> None:
-        """See Log."""
-        self._node.lines.append(("info", text))
-
-    def warn(self, text: str, *, every: float = 0.0) -> None:
-        """See Log. With `every`, equal texts count as of one place."""
-        self._write("warn", text, every)
-
-    def error(self, text: str, *, every: float = 0.0) -> None:
-        """As `warn`."""
-        self._write("error", text, every)
-
-    def _write(self, level: str, text: str, every: float) -> None:
-        now = self._node.now()
-        if every and now - self._last.get(text, -(10**18)) < every * 1e9:
-            return
-        self._last[text] = now
-        self._node.lines.append((level, text))
 
 
 def _runtime(kind: type) -> Any:

@@ -13,9 +13,11 @@ from typing import Any, Protocol, TypeVar
 
 from ur_nodes.ports.actions import GoalClient, GoalFollower, GoalServer, GoalTakers
 from ur_nodes.ports.facts import Facts
+from ur_nodes.ports.graph import Graph
 from ur_nodes.ports.log import Log
 from ur_nodes.ports.parameters import Parameters
 from ur_nodes.ports.qualities import Quality
+from ur_nodes.ports.raw import Raw
 from ur_nodes.ports.transforms import Transforms
 from ur_nodes.ports.values import Result
 
@@ -86,6 +88,10 @@ class Node(Protocol):
     @property
     def transforms(self) -> Transforms:
         """The transform tree; it listens from the first use on."""
+
+    @property
+    def raw(self) -> Raw:
+        """Messages of any type, for tools."""
 
     def publish(
         self,
@@ -160,6 +166,9 @@ class Node(Protocol):
 
     def steady(self) -> float:
         """Seconds of a clock that is never set and that runs on while the computer sleeps."""
+
+    def read_graph(self, take: Callable[[Graph | None], None]) -> None:
+        """Ask for the nodes, topics and services of now; `take` gets None where there is no answer."""
 
     def locate(self, name: str) -> Location | None:
         """Find out where a node runs; None: it is not known. It may wait: for `work`."""

@@ -29,6 +29,9 @@ class ParameterStore(Protocol):
     def set(self, name: str, value: Any) -> None:
         """Set it."""
 
+    def names(self) -> list[str]:
+        """The full names of all parameters of the run."""
+
 
 class Parameters:
     """Reads parameters below `namespace` ('~' is the node itself). Raises UserError."""
@@ -65,6 +68,10 @@ class Parameters:
         with contextlib.suppress(OSError):
             for name, value in values.items():
                 self.keep(name, value)
+
+    def names(self) -> list[str]:
+        """The full names of all parameters of the run, of all nodes."""
+        return self._store.names()
 
     def name(self, name: str) -> str:
         """The full name of a parameter, for messages."""

@@ -43,6 +43,10 @@ class RosParameters:
         """See ParameterStore."""
         rospy.set_param(name, value)
 
+    def names(self) -> list[str]:
+        """See ParameterStore."""
+        return sorted(map(str, rospy.get_param_names()))
+
 
 class RosLog:
     """See `ports.log.Log`."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import queue
 import time
-import warnings
 from collections.abc import Callable
 from concurrent.futures import Future
 from functools import partial
@@ -21,24 +20,19 @@ import rospy
 
 from ur.source.diagnostic import UserError
 from ur_nodes.ports.actions import GoalClient, GoalFollower, GoalTakers
+from ur_nodes.ports.graph import Graph
 from ur_nodes.ports.node import Location, Sender
 from ur_nodes.ports.parameters import Parameters
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.transforms import Transforms
 from ur_nodes.ports.values import Result
-from ur_nodes.ros1.codecs import Codec, find_codec, find_service
+from ur_nodes.ros1.codecs import find_codec, find_service
 from ur_nodes.ros1.facts import RosFacts, RosLog, RosParameters
 from ur_nodes.ros1.loop import Beat, Loop, Worker, run_aside
+from ur_nodes.ros1.topics import RosPublisher, RosSubscription, sender_of
 
 Value = TypeVar("Value")
 
-_DEPTHS: dict[Quality, int | None] = {
-    Quality.NEWEST: 1,
-    Quality.LATCHED: 1,
-    Quality.EVERY: 100,
-    Quality.COMMAND: 100,
-    Quality.LOSSLESS: None,  # rospy then sends at once, and waits until each connection has taken it
-}
 _MOST_TRANSFORMS = 1000  # messages that wait while a callback takes long: a history with gaps is of no use
 _END_LIMIT = 3.0  # s, besides the time that the jobs of the end have
 _LEAVE = 0.03  # s: for what was sent last to leave
@@ -86,6 +80,13 @@ class RosNode:
             topics.listen(self._loop.mailbox(_MOST_TRANSFORMS, tree.take), self._loop.mailbox(None, tree.take))
         return self._transforms
 
+    @property
+    def raw(self) -> Any:
+        """See Node."""
+        from ur_nodes.ros1.raw import RosRaw
+
+        return RosRaw(self._loop)
+
     def publish(
         self,
         topic: str,
@@ -123,7 +124,7 @@ class RosNode:
     ) -> RosSubscription:
         """See Node."""
         return RosSubscription(
-            topic, find_codec(kind), quality, self._loop, lambda value, message: take(value, _sender_of(message))
+            topic, find_codec(kind), quality, self._loop, lambda value, message: take(value, sender_of(message))
         )
 
     def subscribe_fields(
@@ -230,6 +231,12 @@ class RosNode:
         """See Node."""
         return time.clock_gettime(time.CLOCK_BOOTTIME)
 
+    def read_graph(self, take: Callable[[Graph | None], None]) -> None:
+        """See Node."""
+        from ur_nodes.ros1.graph import read_graph
+
+        self.work(lambda: read_graph(self.name), take, "graph")
+
     def locate(self, name: str) -> Location | None:
         """See Node."""
         try:
@@ -281,100 +288,5 @@ class RosNode:
             time.sleep(_LEAVE)
 
 
-class RosPublisher:
-    """See `ports.node.Publisher`. One message is filled again for each value, unless the topic keeps it."""
-
-    def __init__(self, topic: str, codec: Codec, quality: Quality) -> None:
-        self.topic = str(rospy.resolve_name(topic))
-        self._codec = codec
-        self._latched = quality is Quality.LATCHED
-        self._message = codec.message_class()
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", SyntaxWarning)  # rospy takes LOSSLESS for a mistake
-            self._publisher = rospy.Publisher(
-                topic, codec.message_class, queue_size=_DEPTHS[quality], latch=self._latched, tcp_nodelay=True
-            )
-
-    def send(self, value: Any) -> None:
-        """See Publisher."""
-        message = self._codec.message_class() if self._latched else self._message
-        self._codec.fill(message, value)
-        try:
-            self._publisher.publish(message)
-        except rospy.ROSException:  # its topics are closed at the end
-            if not (rospy.is_shutdown() or rospy.core.is_shutdown_requested()):
-                raise
-
-    def listeners(self) -> int:
-        """See Publisher. Without locks, as it may be asked before each value."""
-        implementation = self._publisher.impl
-        return len(implementation.connections) if implementation is not None else 0
-
-    def close(self) -> None:
-        """See Publisher."""
-        self._publisher.unregister()
-
-    def watch(self, call: Callable[[], None]) -> None:
-        """Call, on any thread, when somebody begins to listen."""
-        self._publisher.impl.add_subscriber_listener(_Watcher(call))
-
-
-class RosSubscription:
-    """See `ports.node.Subscription`. Messages are decoded on the node's thread: what is dropped costs nothing more."""
-
-    def __init__(
-        self, topic: str, codec: Codec, quality: Quality, loop: Loop, take: Callable[[Any, Any], None]
-    ) -> None:
-        self.topic = str(rospy.resolve_name(topic))
-        self._codec = codec
-        self._take = take
-        self._reported = False
-        depth = _DEPTHS[quality]
-        self._subscriber = rospy.Subscriber(
-            topic,
-            codec.message_class,
-            loop.mailbox(depth, self._deliver),
-            queue_size=depth,
-            buff_size=codec.buffer,
-            tcp_nodelay=True,
-        )
-
-    def publishers(self) -> int:
-        """See Subscription."""
-        return int(self._subscriber.get_num_connections())
-
-    def close(self) -> None:
-        """See Subscription."""
-        self._subscriber.unregister()
-
-    def _deliver(self, message: Any) -> None:
-        try:
-            value = self._codec.value_of(message)
-        except (ValueError, UserError) as problem:
-            if not self._reported:
-                self._reported = True
-                rospy.logerr("%s: %s", self.topic, problem)
-            return
-        self._take(value, message)
-
-
-class _Watcher(rospy.SubscribeListener):  # type: ignore[misc]  # rospy has no types
-    """Calls for each new subscriber."""
-
-    def __init__(self, call: Callable[[], None]) -> None:
-        super().__init__()
-        self._call = call
-
-    def peer_subscribe(self, *_: object) -> None:
-        """See rospy."""
-        self._call()
-
-
 def _fail(problem: Exception) -> None:
     raise problem
-
-
-def _sender_of(message: Any) -> Sender | None:
-    header = getattr(message, "_connection_header", None) or {}
-    name = str(header.get("callerid", ""))[:256]
-    return Sender(name, header.get("latching") == "1") if name else None

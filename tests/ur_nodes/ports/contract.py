@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from tests.ur_nodes.ports import goal_checks
+from tests.ur_nodes.ports import goal_checks, raw_checks
 from tests.ur_nodes.ports.samples import GRID, POSES, VALUES, fields_of
 from tests.ur_nodes.ports.stage import STAMP, Stage
 
@@ -277,6 +277,8 @@ def check_parameters_are_typed_and_kept(stage: Stage) -> None:
     assert own.has("deep")
     assert own.any("deep") == {"er": 3}
     own.keep("word", "fast")
+    assert {own.name("word"), own.name("deep/er")} <= set(own.names())
+    assert own.of("").any(own.name("word").lstrip("/")) == "fast"
     with pytest.raises(UserError, match="expected a number"):
         own.number("word")
     with pytest.raises(UserError, match="is not set"):
@@ -345,6 +347,6 @@ def check_names_are_resolved(stage: Stage) -> None:
 
 CHECKS: dict[str, Callable[[Stage], None]] = {
     name.removeprefix("check_"): check
-    for name, check in [*globals().items(), *vars(goal_checks).items()]
+    for name, check in [*globals().items(), *vars(goal_checks).items(), *vars(raw_checks).items()]
     if name.startswith("check_")
 }

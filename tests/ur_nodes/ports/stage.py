@@ -11,6 +11,8 @@ from ur_nodes.ports.node import Node
 from ur_nodes.ports.values import PlacedPose
 
 STAMP = 1_700_000_000_123_456_789
+STRING = "std_msgs/String"
+"""A type that is installed."""
 TARGET = PlacedPose(STAMP, "map", Pose2(1.0, 2.0, 0.5))
 
 

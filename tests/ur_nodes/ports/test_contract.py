@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from tests.ros_session import RosSession
 from tests.ur_nodes.ports.contract import CHECKS
-from tests.ur_nodes.ports.stage import GoalClient
+from tests.ur_nodes.ports.stage import STRING, GoalClient
 
 from ur_nodes.memory.bus import Bus
 from ur_nodes.ports.actions import Goal, GoalId, GoalState
@@ -22,6 +22,7 @@ from ur_nodes.ports.values import PlacedPose
 class MemoryStage:
     def __init__(self) -> None:
         self._bus = Bus()
+        self._bus.schemas[STRING] = "string data"
         self.one: Node = self._bus.node("one")
         self.other: Node = self._bus.node("other")
 

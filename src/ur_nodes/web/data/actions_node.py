@@ -28,10 +28,10 @@ from ur.web.wire.data_requests import (
     Question,
     SetParameter,
 )
+from ur_nodes.ros1.installed import has_generated
 from ur_nodes.web.data.forms import BadValueError, make_template, read_fields, read_value
 from ur_nodes.web.data.graph_node import RosGraph
 from ur_nodes.web.data.guard import refuse_parameter, refuse_service, refuse_topic
-from ur_nodes.web.data.installed import has_generated
 from ur_nodes.web.scene.scene_node import describe_mesh, describe_model
 
 _CONNECT_LIMIT = 1.0  # s for subscribers of a topic to connect to a new publisher

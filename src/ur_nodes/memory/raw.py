@@ -1,0 +1,116 @@
+"""Messages of any type on a bus: bytes and fields travel as they are, values of a kind as their text."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import asdict, replace
+from typing import TYPE_CHECKING, Any
+
+from ur_nodes.memory.carrier import Carrier, type_name_of
+from ur_nodes.ports.node import Sender
+from ur_nodes.ports.qualities import Quality
+from ur_nodes.ports.raw import Fields, RawMessage, ServiceType
+from ur_nodes.ports.values import Result
+
+if TYPE_CHECKING:
+    from ur_nodes.memory.node import MemoryNode, MemoryPublisher, MemorySubscription
+
+
+class TypedFields(dict[str, Any]):
+    """The fields of a message, with the name of its type."""
+
+    type_name = ""
+
+
+class MemoryRaw:
+    """See `ports.raw.Raw`. Types are those of the bus's `schemas`."""
+
+    def __init__(self, node: MemoryNode, bus: Carrier) -> None:
+        self._node, self._bus = node, bus
+
+    def find_schema(self, type_name: str) -> str | None:
+        """See Raw."""
+        return self._bus.schemas.get(type_name)
+
+    def subscribe(
+        self, topic: str, take: Callable[[RawMessage], None], quality: Quality = Quality.NEWEST
+    ) -> MemorySubscription:
+        """See Raw."""
+        return self._node.subscribe_from(
+            topic, object, lambda value, sender: take(self._raw_of(value, sender)), quality
+        )
+
+    def publish(self, topic: str, type_name: str, quality: Quality = Quality.EVERY) -> RawPublisher:
+        """See Raw."""
+        if type_name not in self._bus.schemas:
+            raise LookupError(type_name)
+        return RawPublisher(self._node.publish(topic, object, quality, type_name=type_name), type_name, self._bus)
+
+    def find_service(self, service: str, take: Callable[[Result], None]) -> None:
+        """See Raw. A kind of requests has the name that its `type_name` gives, or its own."""
+        found = self._bus.services.get(self._node.resolve(service))
+        if found is None:
+            result = self._missing(service)
+        else:
+            name = type_name_of(found.kind)
+            result = Result(True, value=ServiceType(name, self._bus.schemas.get(name, "")))
+        self._node.after(0.0, lambda: take(result))
+
+    def call(self, service: str, fields: Fields, take: Callable[[Result], None]) -> None:
+        """See Raw."""
+
+        def give(result: Result) -> None:
+            value = result.value if isinstance(result.value, dict) else asdict(result)
+            self._node.after(0.0, lambda: take(Result(True, str(value), value)))
+
+        found = self._bus.services.get(self._node.resolve(service))
+        if found is None:
+            self._node.after(0.0, lambda: take(self._missing(service)))
+            return
+        try:
+            request = found.kind(**fields)
+        except TypeError as problem:
+            result = Result(False, str(problem))
+            self._node.after(0.0, lambda: take(result))
+        else:
+            found.take(request, give)
+
+    def _missing(self, service: str) -> Result:
+        return Result(False, f"{self._node.resolve(service)}: no node offers it now")
+
+    def _raw_of(self, value: Any, sender: Sender | None) -> RawMessage:
+        if isinstance(value, RawMessage):
+            return replace(value, sender=sender)
+        if isinstance(value, TypedFields):
+            schema = self._bus.schemas[value.type_name]
+            return RawMessage(value.type_name, schema, json.dumps(value).encode(), sender)
+        return RawMessage(type_name_of(type(value)), "", repr(value).encode(), sender)
+
+
+class RawPublisher:
+    """See `ports.node.Publisher`."""
+
+    def __init__(self, publisher: MemoryPublisher, type_name: str, bus: Carrier) -> None:
+        self.topic, self._publisher = publisher.topic, publisher
+        self._type_name, self._schema = type_name, bus.schemas[type_name]
+
+    def send(self, value: Fields | bytes) -> None:
+        """See Publisher."""
+        if isinstance(value, bytes):
+            self._publisher.send(RawMessage(self._type_name, self._schema, value))
+            return
+        for name in value:
+            if name not in self._schema:
+                raise ValueError(f"No field name [{name}]")
+        fields = TypedFields(value)
+        fields.type_name = self._type_name
+        self._publisher.send(fields)
+
+    def listeners(self) -> int:
+        """See Publisher."""
+        return self._publisher.listeners()
+
+    def close(self) -> None:
+        """See Publisher."""
+        self._publisher.close()

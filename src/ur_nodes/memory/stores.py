@@ -1,0 +1,101 @@
+"""Facts, parameters and log of a node on a `Bus`."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from ur_nodes.memory.carrier import Carrier
+
+if TYPE_CHECKING:
+    from ur_nodes.memory.node import MemoryNode
+
+
+class MemoryFacts:
+    """See `ports.facts.Facts`: the bus's."""
+
+    simulated_time = True
+
+    def __init__(self, bus: Carrier) -> None:
+        self._facts = bus.facts
+
+    def get(self, name: str, default: Any = None) -> Any:
+        """See Facts."""
+        return self._facts.get(name, default)
+
+    def set(self, name: str, value: Any) -> None:
+        """See Facts."""
+        self._facts[name] = value
+
+
+class MemoryParameters:
+    """See `ports.parameters.ParameterStore`: those of the bus, by full names, as on a parameter server."""
+
+    def __init__(self, node: MemoryNode, parameters: dict[str, Any]) -> None:
+        self._node, self._parameters = node, parameters
+
+    def resolve(self, name: str) -> str:
+        """See ParameterStore."""
+        return self._node.resolve(name)
+
+    def has(self, name: str) -> bool:
+        """See ParameterStore."""
+        full = self.resolve(name).rstrip("/")
+        return full in self._parameters or any(each.startswith(full + "/") for each in self._parameters)
+
+    def get(self, name: str) -> Any:
+        """See ParameterStore."""
+        full = self.resolve(name).rstrip("/")
+        if full in self._parameters:
+            return self._parameters[full]
+        below = {
+            name[len(full) + 1 :]: value for name, value in self._parameters.items() if name.startswith(full + "/")
+        }
+        if not below:
+            raise KeyError(full)
+        tree: dict[str, Any] = {}
+        for path, value in below.items():
+            *folders, last = path.split("/")
+            place = tree
+            for folder in folders:
+                place = place.setdefault(folder, {})
+            place[last] = value
+        return tree
+
+    def set(self, name: str, value: Any) -> None:
+        """See ParameterStore."""
+        self._parameters[self.resolve(name).rstrip("/")] = value
+
+    def names(self) -> list[str]:
+        """See ParameterStore."""
+        return sorted(self._parameters)
+
+
+class MemoryLog:
+    """See `ports.log.Log`. Writes to the node's `lines`."""
+
+    def __init__(self, node: MemoryNode) -> None:
+        self._node = node
+        self._last: dict[str, int] = {}
+
+    def debug(self, text: str) -> None:
+        """See Log."""
+        self._node.lines.append(("debug", text))
+
+    def info(self, text: str) -> None:
+        """See Log."""
+        self._node.lines.append(("info", text))
+
+    def warn(self, text: str, *, every: float = 0.0) -> None:
+        """See Log. With `every`, equal texts count as of one place."""
+        self._write("warn", text, every)
+
+    def error(self, text: str, *, every: float = 0.0) -> None:
+        """As `warn`."""
+        self._write("error", text, every)
+
+    def _write(self, level: str, text: str, every: float) -> None:
+        now = self._node.now()
+        if every and now - self._last.get(text, -(10**18)) < every * 1e9:
+            return
+        self._last[text] = now
+        self._node.lines.append((level, text))

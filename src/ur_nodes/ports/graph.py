@@ -1,0 +1,68 @@
+"""The nodes of a run, and the topics and services at which they meet."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
+
+@dataclass(frozen=True, slots=True)
+class Topic:
+    """A topic: its type ("" while no publisher has told it), and the nodes at its ends."""
+
+    name: str
+    kind: str = ""
+    publishers: tuple[str, ...] = ()
+    subscribers: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Graph:
+    """Topics by name, the nodes that offer each service, and all nodes."""
+
+    topics: dict[str, Topic] = field(default_factory=dict)
+    services: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    nodes: tuple[str, ...] = ()
+
+    def published(self) -> list[tuple[str, str]]:
+        """Name and type of each topic that a node publishes."""
+        return [(each.name, each.kind) for each in self.topics.values() if each.publishers]
+
+    def without(self, node: str) -> Graph:
+        """The graph as the other nodes make it."""
+
+        def others(nodes: tuple[str, ...]) -> tuple[str, ...]:
+            return tuple(each for each in nodes if each != node)
+
+        topics = {
+            each.name: Topic(each.name, each.kind, others(each.publishers), others(each.subscribers))
+            for each in self.topics.values()
+        }
+        services = {name: others(nodes) for name, nodes in self.services.items()}
+        return Graph(
+            {name: each for name, each in topics.items() if each.publishers or each.subscribers},
+            {name: nodes for name, nodes in services.items() if nodes},
+            others(self.nodes),
+        )
+
+
+Ends = dict[str, tuple[str, ...]]
+
+
+def make_graph(
+    publishers: Ends, subscribers: Ends, kinds: dict[str, str], services: Ends, nodes: Iterable[str] = ()
+) -> Graph:
+    """The graph of the nodes at each end of topics and services, of any order; `nodes` are those without an end."""
+    topics = {
+        name: Topic(
+            name,
+            kinds.get(name, ""),
+            tuple(sorted(set(publishers.get(name, ())))),
+            tuple(sorted(set(subscribers.get(name, ())))),
+        )
+        for name in sorted({*publishers, *subscribers})
+    }
+    found = {each for ends in (publishers, subscribers, services) for names in ends.values() for each in names}
+    return Graph(
+        topics, {name: tuple(sorted(services[name])) for name in sorted(services)}, tuple(sorted({*found, *nodes}))
+    )

@@ -1,0 +1,61 @@
+"""Messages of any type, by the middleware's names of types: for tools that show whatever a robot has.
+
+Nodes of our own exchange the values of `ports.values` instead.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Protocol
+
+from ur_nodes.ports.qualities import Quality
+from ur_nodes.ports.values import Result
+
+if TYPE_CHECKING:
+    from ur_nodes.ports.node import Publisher, Sender, Subscription
+
+Fields = Mapping[str, Any]
+"""The fields of a message by name: numbers, texts, lists, and mappings of such; a time has `secs` and `nsecs`."""
+
+
+@dataclass(frozen=True, slots=True)
+class RawMessage:
+    """A message as its publisher sent it; `schema` is the definition of its type and of those that it holds."""
+
+    type_name: str
+    schema: str
+    data: bytes
+    sender: Sender | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class ServiceType:
+    """The type of a service, and the schema of its requests."""
+
+    name: str
+    schema: str
+
+
+class Raw(Protocol):
+    """Sends and receives messages of any type."""
+
+    def find_schema(self, type_name: str) -> str | None:
+        """The schema of a type; None where it is not installed. It may wait: for `work`."""
+
+    def subscribe(
+        self, topic: str, take: Callable[[RawMessage], None], quality: Quality = Quality.NEWEST
+    ) -> Subscription:
+        """Listen to a topic of any type."""
+
+    def publish(self, topic: str, type_name: str, quality: Quality = Quality.EVERY) -> Publisher[Fields | bytes]:
+        """Offer a topic; messages are given by their fields, or as bytes. A header without a stamp gets that of now.
+
+        Raises LookupError: the type is not installed. To send raises ValueError: the fields are not those of the type.
+        """
+
+    def find_service(self, service: str, take: Callable[[Result], None]) -> None:
+        """Find a service; `take` gets a result with its ServiceType."""
+
+    def call(self, service: str, fields: Fields, take: Callable[[Result], None]) -> None:
+        """Ask a service, however long it takes; `take` gets its answer for people as the text, and its fields."""

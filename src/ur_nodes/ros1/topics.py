@@ -1,0 +1,149 @@
+"""The ends of topics on ROS 1."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import genpy
+import rospy
+
+from ur.source.diagnostic import UserError
+from ur_nodes.ports.node import Sender
+from ur_nodes.ports.qualities import Quality
+from ur_nodes.ros1.codecs import Codec
+from ur_nodes.ros1.loop import Loop
+
+_DEPTHS: dict[Quality, int | None] = {
+    Quality.NEWEST: 1,
+    Quality.LATCHED: 1,
+    Quality.EVERY: 100,
+    Quality.COMMAND: 100,
+    Quality.LOSSLESS: None,  # rospy then sends at once, and waits until each connection has taken it
+}
+
+
+class RosPublisher:
+    """See `ports.node.Publisher`. One message is filled again for each value, unless the topic keeps it."""
+
+    def __init__(self, topic: str, codec: Codec, quality: Quality) -> None:
+        self.topic = str(rospy.resolve_name(topic))
+        self._codec = codec
+        self._latched = quality is Quality.LATCHED
+        self._message = codec.message_class()
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", SyntaxWarning)  # rospy takes LOSSLESS for a mistake
+            self._publisher = rospy.Publisher(
+                topic, codec.message_class, queue_size=_DEPTHS[quality], latch=self._latched, tcp_nodelay=True
+            )
+
+    def send(self, value: Any) -> None:
+        """See Publisher."""
+        message = self._codec.message_class() if self._latched else self._message
+        self._codec.fill(message, value)
+        try:
+            self._publisher.publish(message)
+        except rospy.ROSException:  # its topics are closed at the end
+            if not (rospy.is_shutdown() or rospy.core.is_shutdown_requested()):
+                raise
+
+    def listeners(self) -> int:
+        """See Publisher. Without locks, as it may be asked before each value."""
+        implementation = self._publisher.impl
+        return len(implementation.connections) if implementation is not None else 0
+
+    def close(self) -> None:
+        """See Publisher."""
+        self._publisher.unregister()
+
+    def watch(self, call: Callable[[], None]) -> None:
+        """Call, on any thread, when somebody begins to listen."""
+        self._publisher.impl.add_subscriber_listener(_Watcher(call))
+
+
+class RosSubscription:
+    """See `ports.node.Subscription`. Messages are decoded on the node's thread: what is dropped costs nothing more."""
+
+    def __init__(
+        self,
+        topic: str,
+        codec: Codec,
+        quality: Quality,
+        loop: Loop,
+        take: Callable[[Any, Any], None],
+        most: int | None = None,
+    ) -> None:
+        """At most `most` messages wait, where they are large."""
+        self.topic = str(rospy.resolve_name(topic))
+        self._codec = codec
+        self._take = take
+        self._reported = False
+        self._open = True
+        depth = most if most is not None and quality is Quality.EVERY else _DEPTHS[quality]
+        self._subscriber = rospy.Subscriber(
+            topic,
+            codec.message_class,
+            loop.mailbox(depth, self._deliver),
+            queue_size=depth,
+            buff_size=codec.buffer,
+            tcp_nodelay=True,
+        )
+
+    def publishers(self) -> int:
+        """See Subscription."""
+        return int(self._subscriber.get_num_connections())
+
+    def close(self) -> None:
+        """See Subscription."""
+        self._open = False
+        self._subscriber.unregister()
+
+    def _deliver(self, message: Any) -> None:
+        if not self._open:
+            return
+        try:
+            value = self._codec.value_of(unpack(message, self._codec.message_class))
+        except (ValueError, UserError) as problem:
+            if not self._reported:
+                self._reported = True
+                rospy.logerr("%s: %s", self.topic, problem)
+            return
+        self._take(value, message)
+
+
+class _Watcher(rospy.SubscribeListener):  # type: ignore[misc]  # rospy has no types
+    """Calls for each new subscriber."""
+
+    def __init__(self, call: Callable[[], None]) -> None:
+        super().__init__()
+        self._call = call
+
+    def peer_subscribe(self, *_: object) -> None:
+        """See rospy."""
+        self._call()
+
+
+def unpack(message: Any, message_class: Any) -> Any:
+    """A message of a class; rospy gives all subscriptions of a topic those of the first. Raises ValueError."""
+    if not isinstance(message, rospy.AnyMsg) or message_class is rospy.AnyMsg:
+        return message
+    found = header_of(message).get("type")
+    if found != message_class._type:  # noqa: SLF001 - genpy has no other name
+        raise ValueError(f"a message of the type {found}, expected {message_class._type}")  # noqa: SLF001 - likewise
+    try:
+        return message_class().deserialize(message._buff)  # noqa: SLF001 - rospy has no other name
+    except genpy.DeserializationError as problem:
+        raise ValueError(str(problem)) from None
+
+
+def header_of(message: Any) -> Mapping[str, str]:
+    """What the publisher of a message said of itself when it was connected."""
+    return getattr(message, "_connection_header", None) or {}
+
+
+def sender_of(message: Any) -> Sender | None:
+    """The sender of a message; None where it is not known."""
+    header = header_of(message)
+    name = str(header.get("callerid", ""))[:256]
+    return Sender(name, header.get("latching") == "1") if name else None
