@@ -49,7 +49,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "ur_nodes.ros1.repairs": ("ur.source", "ur.robot.addresses"),
     "ur_nodes.ros1.messages": ("ur.source", "ur_nodes.geometry"),
     "ur_nodes.memory_use": (),
-    "ur_nodes.run": ("ur_nodes.ports", "ur_nodes.ros1"),
+    "ur_nodes.run": ("ur.source", "ur_nodes.ports", "ur_nodes.ros1"),
     "ur_nodes.motion": (
         "ur.source",
         "ur.robot.base",

@@ -2,9 +2,19 @@
 
 from __future__ import annotations
 
+import logging
+import os
+import signal
+import sys
+import threading
 from collections.abc import Callable, Sequence
+from typing import TypeVar
 
 from ur_nodes.ports.node import Node
+
+Wired = TypeVar("Wired")
+
+BROKEN_PIPE_EXIT_CODE = 128 + signal.SIGPIPE
 
 
 def run(name: str, start: Callable[[Node], object], *, own_terminal: bool = False) -> int:
@@ -19,6 +29,69 @@ def run(name: str, start: Callable[[Node], object], *, own_terminal: bool = Fals
     return backend.run(name, start, own_terminal=own_terminal)
 
 
+def run_foreground(name: str, start: Callable[[Node], Wired], body: Callable[[Wired, threading.Event], int]) -> int:
+    """Run a node beside a user interface that has this thread. Returns the exit code: what `body` returns.
+
+    `start` wires the node up, before its callbacks begin. `body` gets what it returned, and an event that is set by
+    SIGINT, SIGTERM, SIGHUP, the end of the node and an exception in a callback: it then returns soon. `body` reads
+    frozen values of the node, and reaches the node with `Node.post` only. Nothing else writes to the terminal.
+
+    A UserError, also because no middleware runs: its diagnostics on standard error, exit code 2. Any other exception,
+    also of a callback: one line that names the file with the traceback, `crash.EXIT_CODE`. The output is no longer
+    read: nothing is printed, 141, that of SIGPIPE. Another node takes this one's name: one line, 1.
+    """
+    from ur.source.crash import EXIT_CODE, describe_crash, write_crash_report
+    from ur.source.diagnostic import UserError
+    from ur.source.render import render_human
+    from ur_nodes.ros1 import attached as backend
+
+    ended = threading.Event()
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, lambda _number, _frame: ended.set())
+    logging.lastResort = None  # Python's handler of last resort writes to standard error, where the screen is
+    crashes = _collect_crashes(ended)
+    try:
+        with backend.attach(name, start, ended.set) as (wired, node):
+            code = body(wired, ended)
+            if crashes:
+                raise crashes[0]
+            if node.replaced:
+                sys.stderr.write(f"error: {name}: ended, because another node registered as {node.name}\n")
+                sys.stderr.write("  help: __name:=OTHER_NAME lets two of them run side by side\n")
+                return 1
+            return code
+    except UserError as problem:
+        sys.stderr.write(render_human(problem.diagnostics))
+        return 2
+    except BrokenPipeError:
+        drop_output()
+        return BROKEN_PIPE_EXIT_CODE
+    except Exception as problem:
+        report = write_crash_report(problem, name, [backend.log_folder()])
+        sys.stderr.write(describe_crash(problem, name, report) + "\n")
+        return EXIT_CODE
+
+
+def drop_output() -> None:
+    """Let what is still written to standard output vanish, so that Python does not fail to flush it at the end."""
+    nothing = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nothing, 1)
+    os.close(nothing)
+
+
 def own_arguments(arguments: Sequence[str]) -> list[str]:
     """The arguments of a program that are its own, without those that remap names and set parameters."""
     return [each for each in arguments if ":=" not in each]
+
+
+def _collect_crashes(ended: threading.Event) -> list[BaseException]:
+    """Collect the exceptions that end threads from now on; Python would print them where the screen is."""
+    crashes: list[BaseException] = []
+
+    def take(details: threading.ExceptHookArgs) -> None:
+        if details.exc_value is not None and not isinstance(details.exc_value, SystemExit):
+            crashes.append(details.exc_value)
+            ended.set()
+
+    threading.excepthook = take
+    return crashes

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import heapq
+import itertools
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -79,7 +80,7 @@ class Carrier:
         self.hosts: dict[str, str] = {}  # of the nodes that run on other computers
         self._delay = delay or (lambda _topic: 0)
         self._events: list[tuple[int, int, Callable[[], None]]] = []
-        self._count = 0
+        self._numbers = itertools.count()
 
     def load_parameters(self, namespace: str, values: dict[str, Any]) -> None:
         """Set parameters below a full name, as `rosparam load` does with a file."""
@@ -118,9 +119,8 @@ class Carrier:
         )
 
     def at(self, time: int, call: Callable[[], None]) -> None:
-        """Call at a time (ns), after all that is due at that time already."""
-        self._count += 1
-        heapq.heappush(self._events, (max(time, self.now), self._count, call))
+        """Call at a time (ns), after all that is due at that time already. From any thread."""
+        heapq.heappush(self._events, (max(time, self.now), next(self._numbers), call))
 
     def offer(self, topic: str, offer: Offer) -> None:
         """Begin to send on a topic."""

@@ -189,6 +189,10 @@ class MemoryNode:
         else:
             self._late.append(lambda: take(result))
 
+    def post(self, call: Callable[[], None]) -> None:
+        """See Node."""
+        self._bus.at(self._bus.now, lambda: call() if self.ended is None else None)
+
     def now(self) -> int:
         """See Node."""
         return self._bus.now

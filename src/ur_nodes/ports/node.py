@@ -161,6 +161,12 @@ class Node(Protocol):
         those that `on_end` asks for, and that their results ask for, are still done.
         """
 
+    def post(self, call: Callable[[], None]) -> None:
+        """Make a call on the node's thread, after those that were posted before. After the end nothing happens.
+
+        The one method that other threads may use: of a user interface, a reader of a device, a socket.
+        """
+
     def now(self) -> int:
         """The time of all nodes in ns: simulated where they are."""
 

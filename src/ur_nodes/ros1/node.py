@@ -223,6 +223,10 @@ class RosNode:
 
         self._workers.setdefault(lane, Worker(f"work {lane}".strip())).add(carry_out)
 
+    def post(self, call: Callable[[], None]) -> None:
+        """See Node."""
+        self._loop.post(call)
+
     def now(self) -> int:
         """See Node."""
         return int(rospy.Time.now().to_nsec())

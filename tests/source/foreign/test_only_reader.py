@@ -121,7 +121,7 @@ ALLOWED = {
     "ur_nodes/camera/inspection.py": KERNEL,
     "ur_nodes/motion/joystick/joy_reader.py": KERNEL,
     "ur_nodes/motion/lease/store.py": STATE,
-    "ur_nodes/teleop/terminal/foreground_node.py": KERNEL,
+    "ur_nodes/run.py": KERNEL,
     "ur_nodes/teleop/terminal/textual_screen.py": WRITTEN,
     "ur_nodes/web/status/computer_files.py": KERNEL,
 }

@@ -200,6 +200,25 @@ def check_callbacks_of_a_node_share_one_thread(stage: Stage) -> None:
     assert len(threads) == 1
 
 
+def check_other_threads_post_calls_to_the_thread_of_the_node(stage: Stage) -> None:
+    threads: list[int] = []
+    calls: list[int] = []
+    stage.one.after(0.0, lambda: threads.append(threading.get_ident()))
+    stage.begin()
+
+    def post() -> None:
+        for number in range(50):
+            stage.one.post(partial(calls.append, number))
+        stage.one.post(lambda: threads.append(threading.get_ident()))
+
+    other = threading.Thread(target=post)
+    other.start()
+    other.join()
+    stage.until(lambda: len(calls) == 50 and len(threads) == 2)
+    assert calls == list(range(50))
+    assert len(set(threads)) == 1
+
+
 def check_beats_repeat_until_they_are_cancelled(stage: Stage) -> None:
     beats: list[int] = []
     others: list[int] = []

@@ -204,21 +204,25 @@ def crash_in(where: str) -> list[str | Path]:
     """A program that owns the screen and fails there."""
     lines = [
         "import sys, threading",
-        "from ur_nodes.teleop.terminal.foreground_node import run_in_foreground",
+        "from ur_nodes.run import run_foreground",
         "from ur_nodes.teleop.terminal.raw import own_terminal",
-        "def body(ended):",
+        "def body(node, ended):",
         "    with own_terminal(0, 1):",
         f"        {where}",
         "    return 0",
-        "sys.exit(run_in_foreground('crasher', body))",
+        "sys.exit(run_foreground('crasher', lambda node: node, body))",
     ]
     return [sys.executable, "-c", "\n".join(lines)]
 
 
 @pytest.mark.parametrize(
     "where",
-    ["{}['gone']", "thread = threading.Thread(target=lambda: {}['gone']); thread.start(); thread.join()"],
-    ids=["main thread", "other thread"],
+    [
+        "{}['gone']",
+        "thread = threading.Thread(target=lambda: {}['gone']); thread.start(); thread.join()",
+        "node.post(lambda: {}['gone']); ended.wait(60)",
+    ],
+    ids=["main thread", "other thread", "callback"],
 )
 def test_exception_leaves_the_terminal_as_it_was_and_one_line_that_names_the_traceback(
     environment: Environment, where: str

@@ -1,0 +1,68 @@
+"""A node of ROS 1 in a program whose main thread is its own."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import TypeVar
+
+import rosgraph
+import rospkg
+import rospy
+
+from ur.source.diagnostic import UserError, error
+from ur_nodes.ports.node import Node
+from ur_nodes.ros1.node import RosNode
+from ur_nodes.ros1.repairs.connections import bound_connections
+from ur_nodes.ros1.repairs.log_errors import report_log_errors, say_nothing
+from ur_nodes.ros1.shell import silence_terminal
+
+Wired = TypeVar("Wired")
+
+
+@contextlib.contextmanager
+def attach(name: str, start: Callable[[Node], Wired], end: Callable[[], None]) -> Iterator[tuple[Wired, AttachedNode]]:
+    """Register as `name` (remappable), call `start`, then let callbacks come on a thread of the node's own.
+
+    `end` is called on any thread when the master or another node ends this one. Signals stay the program's, and
+    nothing is written on the terminal. Leaving the context ends the node. Raises UserError: no master.
+    """
+    bound_connections()
+    if not rosgraph.is_master_online():
+        uri = os.environ.get("ROS_MASTER_URI", "(ROS_MASTER_URI is not set)")
+        raise UserError(
+            error(
+                f"{name}: no ROS master at {uri}, expected a running one",
+                rule="no-master",
+                help="'ur run' and 'roslaunch' start one, 'roscore' does too",
+            )
+        )
+    try:
+        rospy.init_node(name, disable_signals=True)
+        report_log_errors(say_nothing)
+        silence_terminal()
+        node = AttachedNode()
+
+        def take(reason: str) -> None:  # not by on_shutdown, whose callbacks come before the reason is told
+            node.replaced = node.replaced or "new node registered" in reason
+            end()
+
+        rospy.core.add_preshutdown_hook(take)
+        wired = start(node)
+        node.begin()
+        yield wired, node
+    finally:
+        rospy.signal_shutdown("the program ended")
+
+
+class AttachedNode(RosNode):
+    """`replaced`: another node has registered under its name."""
+
+    replaced = False
+
+
+def log_folder() -> Path:
+    """The folder of the log files of nodes."""
+    return Path(rospkg.get_log_dir())
