@@ -77,6 +77,7 @@ class Carrier:
         self.nodes: dict[str, Any] = {}
         self.types: dict[str, tuple[str, ...]] = {}  # fields of messages that are of no kind
         self.schemas: dict[str, str] = {}  # of messages that are raw
+        self.durations: dict[str, float] = {}  # of jobs, s, by their lanes; others take no time
         self.hosts: dict[str, str] = {}  # of the nodes that run on other computers
         self._delay = delay or (lambda _topic: 0)
         self._events: list[tuple[int, int, Callable[[], None]]] = []

@@ -181,11 +181,14 @@ class MemoryNode:
         self._bus.at(due, lambda: call() if self.ended is None and timer.on else None)
         return timer
 
-    def work(self, job: Callable[[], Value], take: Callable[[Value], None], lane: str = "") -> None:  # noqa: ARG002
-        """See Node. The job runs at once; its result comes with the next event."""
+    def work(self, job: Callable[[], Value], take: Callable[[Value], None], lane: str = "") -> None:
+        """See Node. The job runs at once; its result comes with the next event, or after the lane's duration."""
         result = job()
         if self._late is None:
-            self._bus.at(self._bus.now, lambda: take(result) if self.ended is None else None)
+            self._bus.at(
+                self._bus.now + round(self._bus.durations.get(lane, 0.0) * 1e9),
+                lambda: take(result) if self.ended is None else None,
+            )
         else:
             self._late.append(lambda: take(result))
 

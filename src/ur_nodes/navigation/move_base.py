@@ -17,7 +17,6 @@ from ur_nodes.navigation.move_base_settings import MoveBaseSettings
 from ur_nodes.navigation.move_base_view import MoveBaseView, make_path
 from ur_nodes.navigation.navigator import Navigator
 from ur_nodes.navigation.navigator_step import Ending, Inputs, Outputs, Phase, PlanAnswer
-from ur_nodes.navigation.newest_work import NewestWork
 from ur_nodes.navigation.plan_request import PlanRequest, answer_request
 from ur_nodes.navigation.planning.global_plan import path_is_free
 from ur_nodes.navigation.recovery import Behaviour
@@ -25,6 +24,7 @@ from ur_nodes.navigation.rollout import FollowSettings
 from ur_nodes.navigation.velocity_output import VelocityOutput
 from ur_nodes.navigation.world_view import WorldView
 from ur_nodes.ports.actions import GoalHandle
+from ur_nodes.ports.newest_work import NewestWork
 from ur_nodes.ports.node import Node
 from ur_nodes.ports.services import AskPath, Silent
 from ur_nodes.ports.transforms import seconds_of

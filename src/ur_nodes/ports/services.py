@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ur_nodes.geometry.pose import Pose2
-from ur_nodes.ports.values import Map, PlacedPose
+from ur_nodes.ports.values import Calibration, Map, PlacedPose
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,3 +60,10 @@ class AskPath:
     start: PlacedPose
     goal: PlacedPose
     tolerance: float
+
+
+@dataclass(frozen=True, slots=True)
+class UseCalibration:
+    """Use a calibration from now on, and keep it."""
+
+    calibration: Calibration

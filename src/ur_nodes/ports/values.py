@@ -288,6 +288,8 @@ class Picture:
     encoding: str
     step: int
     data: bytes
+    sequence: int = 0
+    """The number that its sender counted it with, where the middleware has one."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -298,6 +300,8 @@ class PackedPicture:
     frame: str
     format: str
     data: bytes
+    sequence: int = 0
+    """See Picture."""
 
 
 @dataclass(frozen=True, slots=True)

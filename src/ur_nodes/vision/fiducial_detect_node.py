@@ -9,9 +9,11 @@ import cv2
 import numpy as np
 import rospy
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image
+from std_msgs.msg import Header
 
 from ur.source.diagnostic import UserError
 from ur_nodes.geometry.rigid import to_pose
+from ur_nodes.ros1.messages.fiducials import message_classes
 from ur_nodes.rosio.ending import quiet_at_end
 from ur_nodes.rosio.geometry import transform_message
 from ur_nodes.rosio.parameters import Parameters
@@ -27,7 +29,6 @@ from ur_nodes.vision.image_message import (
     read_compressed,
     read_image,
 )
-from ur_nodes.vision.messages_node import make_header, message_classes
 
 _BUFFER = 1 << 24  # bytes: a picture that does not fit makes rospy fall behind
 
@@ -70,7 +71,7 @@ class FiducialDetect:
             rospy.logwarn_throttle(10.0, str(problem))
             return
         found = self._detector.detect(pixels, self._camera if self._estimate else None)
-        header = make_header(message.header.stamp, message.header.frame_id)
+        header = Header(stamp=message.header.stamp, frame_id=message.header.frame_id)
         self._publish(found, header, message.header.seq)
         if drawn:
             self._publish_picture(pixels, found, header)

@@ -24,6 +24,7 @@ from visualization_msgs.msg import MarkerArray
 from ur.source.diagnostic import UserError, error
 from ur_nodes.geometry.pose import Pose2
 from ur_nodes.geometry.rigid import Floats, from_pose, to_angles
+from ur_nodes.ros1.messages.fiducials import message_classes
 from ur_nodes.rosio.ending import quiet_at_end
 from ur_nodes.rosio.frames import Frames
 from ur_nodes.rosio.geometry import pose_message, pose_of_message
@@ -37,7 +38,6 @@ from ur_nodes.vision.image_message import read_camera
 from ur_nodes.vision.localise import Localiser
 from ur_nodes.vision.mapping import Mapper
 from ur_nodes.vision.marker_message import make_markers
-from ur_nodes.vision.messages_node import message_classes
 from ur_nodes.vision.observation import Observation, make_observation
 from ur_nodes.vision.search import without_twins
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from tests.ur_nodes.ports import goal_checks, raw_checks
-from tests.ur_nodes.ports.samples import GRID, POSES, VALUES, fields_of
+from tests.ur_nodes.ports.samples import CALIBRATION, GRID, POSES, VALUES, fields_of
 from tests.ur_nodes.ports.stage import STAMP, Stage
 
 from ur.source.diagnostic import UserError
@@ -18,7 +18,7 @@ from ur_nodes.geometry.pose import Pose2, Pose3
 from ur_nodes.ports import values
 from ur_nodes.ports.node import Sender
 from ur_nodes.ports.qualities import Quality
-from ur_nodes.ports.services import AskMap, AskPath, Place, Silent, Switch, Trigger, UseMap
+from ur_nodes.ports.services import AskMap, AskPath, Place, Silent, Switch, Trigger, UseCalibration, UseMap
 from ur_nodes.ports.values import Result, Transform, Twist
 
 
@@ -136,6 +136,7 @@ def check_each_request_arrives_as_it_was_made(stage: Stage) -> None:
         (UseMap(map_of, STAMP, "map", Pose2(0.5, 0.25, 0.125), np.arange(9.0).reshape(3, 3)), None),
         (Place("box", "map", Pose2(1.0, 2.0, 0.5)), None),
         (AskPath(placed, placed, 0.25), path),
+        (UseCalibration(CALIBRATION), None),
     )
     requests: list[object] = []
     results: list[Result] = []

@@ -7,7 +7,7 @@ from tests.ur_nodes.ports.stage import STAMP
 
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2, Pose3
-from ur_nodes.ports import values
+from ur_nodes.ports import fiducials, values
 from ur_nodes.ports.actions import GoalId
 from ur_nodes.ports.values import Transform, Twist
 
@@ -21,6 +21,7 @@ MARKER = values.Marker(
 CLOUD = np.array(
     [(1.0, 2.0, 3.0, 0x102030), (4.0, 5.0, 6.0, 0)], [("x", "<f4"), ("y", "<f4"), ("z", "<f8"), ("rgb", "<u4")]
 )
+CALIBRATION = values.Calibration(STAMP, "camera", 4, 2, "plumb_bob", (0.5,) * 5, (2.0,) * 9, (1.0,) * 9, (4.0,) * 12)
 
 VALUES: tuple[object, ...] = (
     "some text",
@@ -71,8 +72,13 @@ VALUES: tuple[object, ...] = (
     ),
     values.PointCloud(STAMP, "lidar", CLOUD),
     values.Picture(STAMP, "camera", 2, 1, "rgb8", 6, b"\x01\x02\x03\x04\x05\x06"),
-    values.Calibration(STAMP, "camera", 4, 2, "plumb_bob", (0.5,) * 5, (2.0,) * 9, (1.0,) * 9, (4.0,) * 12),
+    CALIBRATION,
     values.PackedPicture(STAMP, "camera", "jpeg", b"\xff\xd8"),
+    fiducials.SeenFiducials(STAMP, "camera", 7, (fiducials.FiducialCorners(3, np.arange(8.0).reshape(4, 2)),) * 2),
+    fiducials.PlacedFiducials(
+        STAMP, "camera", 7, (fiducials.FiducialPose(3, Pose3(1.0, 2.0, 0.0, 0.0, 0.0, 0.0, 1.0), 0.5, 0.25, 100.0),)
+    ),
+    fiducials.MappedFiducials((fiducials.MappedFiducial(3, (1.0, 2.0, 0.5), (0.0, 0.5, -0.25)),)),
     (Transform(STAMP, "odom", "base", Pose3(1.0, 2.0, 0.0, 0.0, 0.0, 0.0, 1.0)),) * 2,
 )
 
@@ -89,5 +95,5 @@ def fields_of(value: object) -> object:
     if names is None or isinstance(value, Grid):
         return (fields_of(value.values), value.resolution, value.origin) if isinstance(value, Grid) else value
     left_out = {"angle_max"} if getattr(value, "angle_max", 0) is None else set()
-    both = {"angle_max"} | left_out  # a driver's own figure; from the others where it gave none
+    both = {"angle_max", "sequence"} | left_out  # figures of a driver and of the middleware
     return {name: fields_of(getattr(value, name)) for name in names if name not in both}

@@ -9,6 +9,7 @@ from std_msgs.msg import Header
 
 from ur.source.diagnostic import UserError
 from ur_nodes.geometry.rigid import from_angles, from_pose, to_pose
+from ur_nodes.ros1.messages.fiducials import message_classes
 from ur_nodes.rosio.geometry import pose3_of_transform, transform_message
 from ur_nodes.vision.image_message import (
     make_compressed,
@@ -18,7 +19,6 @@ from ur_nodes.vision.image_message import (
     read_image,
 )
 from ur_nodes.vision.marker_message import make_markers
-from ur_nodes.vision.messages_node import make_header, message_classes
 
 PICTURE = np.random.default_rng(0).integers(0, 255, (6, 8, 3)).astype(np.uint8)
 
@@ -27,7 +27,7 @@ PICTURE = np.random.default_rng(0).integers(0, 255, (6, 8, 3)).astype(np.uint8)
 def test_messages_that_debian_does_not_package_go_over_the_wire(name: str) -> None:
     array, element = message_classes(name)
     assert array._type == f"fiducial_msgs/{name}"
-    sent = array(make_header(None, "raspicam"), 7, [element(fiducial_id=3)])
+    sent = array(Header(frame_id="raspicam"), 7, [element(fiducial_id=3)])
     sent.header.stamp.secs, sent.header.stamp.nsecs = 5, 6
     wire = io.BytesIO()
     sent.serialize(wire)

@@ -19,6 +19,8 @@ _MODULES = {
     "ur_nodes.ros1.codecs.markers": ("Markers", "MarkerChange", "MarkerChanges"),
     "ur_nodes.ros1.codecs.clouds": ("PointCloud",),
     "ur_nodes.ros1.codecs.pictures": ("Picture", "PackedPicture", "Calibration"),
+    "ur_nodes.ros1.codecs.camera_services": ("UseCalibration",),
+    "ur_nodes.ros1.codecs.fiducials": ("SeenFiducials", "PlacedFiducials", "MappedFiducials"),
     "ur_nodes.ros1.codecs.frames": ("tuple",),
     "ur_nodes.ros1.codecs.services": ("Trigger", "Silent", "Switch", "AskMap", "UseMap", "AskPath", "Place"),
 }

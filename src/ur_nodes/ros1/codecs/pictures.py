@@ -25,6 +25,7 @@ def _picture_of(message: Any) -> Picture:
         message.encoding,
         message.step,
         message.data,
+        message.header.seq,
     )
 
 
@@ -34,16 +35,19 @@ def _fill_packed(message: Any, value: PackedPicture) -> None:
 
 
 def _packed_of(message: Any) -> PackedPicture:
-    return PackedPicture(stamp_of(message.header.stamp), frame_of(message), message.format, message.data)
+    stamp, number = stamp_of(message.header.stamp), message.header.seq
+    return PackedPicture(stamp, frame_of(message), message.format, message.data, number)
 
 
-def _fill_calibration(message: Any, value: Calibration) -> None:
+def fill_calibration(message: Any, value: Calibration) -> None:
+    """Write a sensor_msgs/CameraInfo."""
     fill_header(message, value.stamp, value.frame)
     message.width, message.height, message.distortion_model = value.width, value.height, value.model
     message.D, message.K, message.R, message.P = value.distortion, value.matrix, value.rectification, value.projection
 
 
-def _calibration_of(message: Any) -> Calibration:
+def calibration_of(message: Any) -> Calibration:
+    """Read a sensor_msgs/CameraInfo."""
     return Calibration(
         stamp_of(message.header.stamp),
         frame_of(message),
@@ -60,5 +64,5 @@ def _calibration_of(message: Any) -> Calibration:
 CODECS = {
     Picture: Codec(Image, _fill_picture, _picture_of, LARGE),
     PackedPicture: Codec(CompressedImage, _fill_packed, _packed_of, LARGE),
-    Calibration: Codec(CameraInfo, _fill_calibration, _calibration_of),
+    Calibration: Codec(CameraInfo, fill_calibration, calibration_of),
 }

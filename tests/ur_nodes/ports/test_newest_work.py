@@ -1,7 +1,7 @@
 from __future__ import annotations
 
 from ur_nodes.memory.bus import Bus
-from ur_nodes.navigation.newest_work import NewestWork
+from ur_nodes.ports.newest_work import NewestWork
 
 
 def test_of_requests_that_wait_only_the_newest_is_worked_on() -> None:

@@ -11,7 +11,6 @@ import importlib
 from typing import Any
 
 from genpy.dynamic import generate_dynamic
-from std_msgs.msg import Header
 
 _PACKAGE = "fiducial_msgs"
 _HEADER = "std_msgs/Header"
@@ -53,8 +52,3 @@ def message_classes(array: str) -> tuple[Any, Any]:
     parts += [f"MSG: {name if '/' in name else f'{_PACKAGE}/{name}'}\n{_FIELDS[name]}\n" for name in _NEEDS[array]]
     made = generate_dynamic(f"{_PACKAGE}/{array}", separator.join(parts))
     return made[f"{_PACKAGE}/{array}"], made[f"{_PACKAGE}/{element}"]
-
-
-def make_header(stamp: Any, frame: str) -> Any:
-    """A header that fits into any of these messages."""
-    return Header(stamp=stamp, frame_id=frame)
