@@ -24,20 +24,23 @@ class MapSaver:
         self._node, self._name, self._limits = node, name, (occupied, free)
         self._keep = node.parameters.boolean("keep", False)
         self._came = self._told = self._busy = False
-        self._newest: Map | None = None  # that came while another one was being saved
+        self._newest: Map | str | None = None  # that came while another one was being saved
         self.failed = True
-        node.subscribe("map", Map, self._take)
+        node.subscribe("map", Map, self._take, unreadable=self._take)
         node.every(PATIENCE, self._explain_silence, steady=True)
 
-    def _take(self, given: Map) -> None:
+    def _take(self, given: Map | str) -> None:
+        """Take a map, or the reason why it cannot be read."""
         if self._busy or (self._came and not self._keep):
             self._newest = given
             return
         self._came = self._busy = self.failed = True
         self._node.work(lambda: self._save(given), self._finish)
 
-    def _save(self, given: Map) -> tuple[str, str]:
+    def _save(self, given: Map | str) -> tuple[str, str]:
         """Write a map; what to print of it, and what is wrong, '' when nothing is."""
+        if isinstance(given, str):
+            return "", f"error: {given}\n"
         try:
             file = save_map(self._name, given.grid, *self._limits)
         except UserError as problem:

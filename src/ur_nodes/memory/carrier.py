@@ -7,6 +7,7 @@ import itertools
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 from ur_nodes.ports.graph import Graph, make_graph
@@ -22,12 +23,16 @@ _DEPTHS = {Quality.NEWEST: 1, Quality.LATCHED: 1, Quality.EVERY: DEPTH, Quality.
 
 @dataclass(eq=False, slots=True)
 class Listener:
-    """A subscription: `deliver` gets a value, the name of its sender, and whether it had been kept."""
+    """A subscription: `deliver` gets a value, the name of its sender, and whether it had been kept.
+
+    `unreadable` gets the reason why a value could not be read.
+    """
 
     node: str
     kind: type
     depth: int
     deliver: Callable[[Any, str, bool], None]
+    unreadable: Callable[[str], None]
     waiting: list[tuple[Any, str, bool]] = field(default_factory=list)
     open: bool = True
 
@@ -131,10 +136,16 @@ class Carrier:
             self.at(self.now, offer.greet)
 
     def listen(
-        self, node: str, topic: str, kind: type, quality: Quality, deliver: Callable[[Any, str, bool], None]
+        self,
+        node: str,
+        topic: str,
+        kind: type,
+        quality: Quality,
+        deliver: Callable[[Any, str, bool], None],
+        unreadable: Callable[[str], None],
     ) -> Listener:
         """Begin to listen to a topic."""
-        listener = Listener(node, kind, _DEPTHS[quality], deliver)
+        listener = Listener(node, kind, _DEPTHS[quality], deliver, unreadable)
         entry = self.topics.setdefault(topic, Topic())
         entry.listeners.append(listener)
         for offer in entry.offers:
@@ -152,6 +163,11 @@ class Carrier:
             offer.kept = value
         for listener in self.topics[topic].listeners:
             self._carry(topic, listener, (value, offer.sender, False))
+
+    def spoil(self, topic: str, reason: str) -> None:
+        """Have a value arrive that nobody can read, as from a program that makes a mistake."""
+        for listener in self.topics[topic].listeners:
+            self.at(self.now, partial(listener.unreadable, reason))
 
     def _carry(self, topic: str, listener: Listener, item: tuple[Any, str, bool]) -> None:
         if not isinstance(item[0], listener.kind):

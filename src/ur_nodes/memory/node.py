@@ -89,9 +89,10 @@ class MemoryNode:
         kind: type[Value],
         take: Callable[[Value], None],
         quality: Quality = Quality.NEWEST,
+        unreadable: Callable[[str], None] | None = None,
     ) -> MemorySubscription:
         """See Node."""
-        return self._listen(topic, kind, lambda value, _sender, _kept: take(value), quality)
+        return self._listen(topic, kind, lambda value, _sender, _kept: take(value), quality, unreadable)
 
     def subscribe_from(
         self,
@@ -249,10 +250,16 @@ class MemoryNode:
             del self._bus.nodes[self.name]
 
     def _listen(
-        self, topic: str, kind: type[Any], deliver: Callable[[Any, str, bool], None], quality: Quality
+        self,
+        topic: str,
+        kind: type[Any],
+        deliver: Callable[[Any, str, bool], None],
+        quality: Quality,
+        unreadable: Callable[[str], None] | None = None,
     ) -> MemorySubscription:
         full = self.resolve(topic)
-        listener = self._bus.listen(self.name, full, _runtime(kind), quality, deliver)
+        report = unreadable or (lambda reason: self.log.error(f"{full}: {reason}"))
+        listener = self._bus.listen(self.name, full, _runtime(kind), quality, deliver, report)
         self._listeners.append((full, listener))
         return MemorySubscription(self._bus, full, listener, lambda: self._listeners.remove((full, listener)))
 

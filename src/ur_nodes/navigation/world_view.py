@@ -54,13 +54,14 @@ class WorldView:
             settings.local_side, settings.local_resolution, settings.local.reach, settings.local.inflation
         )
         self.global_costmap: MapCostmap | None = None
+        self.map_problem = ""
         self.maps = 0  # used so far
         self._scan: Scan | None = None
         self._used: int | None = None  # the stamp of the last scan that was worked in, ns
         self._laid = False
         self.zones = ZoneMasks(node, settings.keep_out_topic, settings.speed_topic, self._forbid)
         self._new_maps = NewestWork(node, "maps", self._make_costmap, self._use_costmap)
-        node.subscribe(settings.map_topic, Map, lambda value: self._new_maps.ask((value.grid, self.zones.keep_out)))
+        node.subscribe(settings.map_topic, Map, self._take_map, unreadable=self._refuse_map)
         self._ranges: deque[Range] = deque(maxlen=_WAITING)
         if settings.local.scan:
             node.subscribe(settings.local.scan.topic, Scan, self._take_scan)
@@ -131,7 +132,7 @@ class WorldView:
         """Return the reason why the robot must not move, an input that is missing or too old; '' when there is none."""
         settings = self._settings
         if self.global_costmap is None:
-            return f"no map on {self._node.resolve(settings.map_topic)}"
+            return self.map_problem or f"no map on {self._node.resolve(settings.map_topic)}"
         if blind := self._blind(now):
             return blind
         try:
@@ -215,6 +216,14 @@ class WorldView:
         except TransformError:
             return _Place(newest, in_odom, None)
         return _Place(newest, in_odom, odom.compose(in_odom))
+
+    def _take_map(self, value: Map) -> None:
+        self._new_maps.ask((value.grid, self.zones.keep_out))
+
+    def _refuse_map(self, reason: str) -> None:
+        """Drive on no map, rather than on one that another map was to replace."""
+        self._new_maps.drop()
+        self.global_costmap, self.map_problem = None, reason
 
     def _make_costmap(self, request: tuple[Grid, Grid | None]) -> MapCostmap:
         """Work out the costs of a map and of keep-out zones: for a large one the control loop would miss periods."""

@@ -21,7 +21,7 @@ class NewestWork(Generic[Request, Outcome]):
         """`job` runs beside the node, `take` on its thread."""
         self._node, self._lane = node, lane
         self._job, self._take = job, take
-        self._busy = False
+        self._busy = self._wanted = False
         self._waiting: Request | None = None
 
     def ask(self, request: Request) -> None:
@@ -29,12 +29,17 @@ class NewestWork(Generic[Request, Outcome]):
         if self._busy:
             self._waiting = request
             return
-        self._busy = True
+        self._busy = self._wanted = True
         self._node.work(partial(self._job, request), partial(self._finish, request), self._lane)
 
+    def drop(self) -> None:
+        """Take no outcome of what was asked before."""
+        self._wanted, self._waiting = False, None
+
     def _finish(self, request: Request, outcome: Outcome) -> None:
-        self._busy = False
+        self._busy, wanted = False, self._wanted
         if self._waiting is not None:
             waiting, self._waiting = self._waiting, None
             self.ask(waiting)
-        self._take(request, outcome)
+        if wanted:
+            self._take(request, outcome)

@@ -108,8 +108,9 @@ class Node(Protocol):
         kind: type[Value],
         take: Callable[[Value], None],
         quality: Quality = Quality.NEWEST,
+        unreadable: Callable[[str], None] | None = None,
     ) -> Subscription:
-        """Listen to a topic. What cannot be a `kind` is reported once and dropped."""
+        """Listen to a topic. What cannot be a `kind` is reported once and dropped, or `unreadable` gets the reason."""
 
     def subscribe_from(
         self,

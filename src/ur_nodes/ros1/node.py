@@ -111,9 +111,13 @@ class RosNode:
         kind: type[Value],
         take: Callable[[Value], None],
         quality: Quality = Quality.NEWEST,
+        unreadable: Callable[[str], None] | None = None,
     ) -> RosSubscription:
         """See Node."""
-        return RosSubscription(topic, find_codec(kind), quality, self._loop, lambda value, _message: take(value))
+        codec = find_codec(kind)
+        return RosSubscription(
+            topic, codec, quality, self._loop, lambda value, _message: take(value), unreadable=unreadable
+        )
 
     def subscribe_from(
         self,

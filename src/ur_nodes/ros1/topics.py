@@ -73,11 +73,13 @@ class RosSubscription:
         loop: Loop,
         take: Callable[[Any, Any], None],
         most: int | None = None,
+        unreadable: Callable[[str], None] | None = None,
     ) -> None:
         """At most `most` messages wait, where they are large."""
         self.topic = str(rospy.resolve_name(topic))
         self._codec = codec
         self._take = take
+        self._unreadable = unreadable or self._report
         self._reported = False
         self._open = True
         depth = most if most is not None and quality is Quality.EVERY else _DEPTHS[quality]
@@ -105,11 +107,14 @@ class RosSubscription:
         try:
             value = self._codec.value_of(unpack(message, self._codec.message_class))
         except (ValueError, UserError) as problem:
-            if not self._reported:
-                self._reported = True
-                rospy.logerr("%s: %s", self.topic, problem)
+            self._unreadable(str(problem))
             return
         self._take(value, message)
+
+    def _report(self, reason: str) -> None:
+        if not self._reported:
+            self._reported = True
+            rospy.logerr("%s: %s", self.topic, reason)
 
 
 class _Watcher(rospy.SubscribeListener):  # type: ignore[misc]  # rospy has no types

@@ -55,6 +55,28 @@ def test_file_that_cannot_be_written_is_named(tmp_path: Path, capsys: pytest.Cap
     assert f"error: map_saver: '{tmp_path / 'none' / 'flat'}' cannot be written:" in capsys.readouterr().err
 
 
+def test_map_that_cannot_be_read_ends_the_node_with_the_reason(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    stage = Stage(tmp_path / "flat")
+    stage.bus.spoil("/map", "map of 2 x 2 cells with 3 values, expected one value per cell")
+    stage.bus.run(1.0)
+    assert stage.node.ended == "done"
+    assert stage.saver.failed
+    assert capsys.readouterr().err == "error: map of 2 x 2 cells with 3 values, expected one value per cell\n"
+
+
+def test_kept_node_saves_the_map_after_one_that_cannot_be_read(tmp_path: Path) -> None:
+    stage = Stage(tmp_path / "flat", keep=True)
+    stage.send(0, 100)
+    stage.bus.spoil("/map", "map with resolution 0, expected more than 0 m")
+    stage.bus.run(1.0)
+    assert stage.saver.failed
+    stage.send(0, 100, -1)
+    assert not stage.saver.failed
+    assert stage.node.ended is None
+
+
 def test_silence_is_explained(tmp_path: Path) -> None:
     stage = Stage(tmp_path / "flat")
     stage.bus.run(16.0)

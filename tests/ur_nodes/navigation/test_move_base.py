@@ -183,6 +183,17 @@ def test_new_map_is_used_while_the_robot_drives(robot: RobotStage) -> None:
     assert "nothing wide enough for the robot leads from" in text
 
 
+def test_robot_stops_when_a_map_cannot_be_read_until_the_next_one(robot: RobotStage) -> None:
+    goal = robot.send(3.0, 0.0)
+    assert robot.starts_moving()
+    robot.bus.spoil("/map", "map of 2 x 2 cells with 3 values, expected one value per cell")
+    assert robot.stops_moving()
+    assert robot.move_base.lines[-1][1] == "stopped: map of 2 x 2 cells with 3 values, expected one value per cell"
+    robot.bus.run(0.3)
+    robot.maps.send(Map(robot.bus.now, "map", robot.grid))
+    assert robot.end(goal)[0] == "succeeded"
+
+
 def test_robot_is_stopped_when_the_node_ends(robot: RobotStage) -> None:
     robot.send(3.0, 0.0)
     assert robot.starts_moving()

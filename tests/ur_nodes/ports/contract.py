@@ -19,7 +19,7 @@ from ur_nodes.ports import values
 from ur_nodes.ports.node import Sender
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ports.services import AskMap, AskPath, Place, Silent, Switch, Trigger, UseCalibration, UseMap
-from ur_nodes.ports.values import Result, Transform, Twist
+from ur_nodes.ports.values import Map, Result, Transform, Twist
 
 
 def check_value_of_each_kind_arrives_as_it_was_sent(stage: Stage) -> None:
@@ -73,6 +73,17 @@ def check_newest_replaces_those_that_wait(stage: Stage) -> None:
     stage.until(lambda: 999 in got)
     assert got == sorted(got)
     assert len(got) < 1000
+
+
+def check_value_that_cannot_be_read_is_told_to_who_asks(stage: Stage) -> None:
+    got: list[object] = []
+    reasons: list[str] = []
+    stage.other.subscribe("spoilt", Map, got.append, unreadable=reasons.append)
+    stage.begin()
+    stage.spoil("spoilt")
+    stage.until(lambda: bool(reasons))
+    assert reasons == ["map with resolution 0, expected more than 0 m"]
+    assert not got
 
 
 def check_latched_topic_gives_its_last_value_to_who_comes_later(stage: Stage) -> None:

@@ -9,11 +9,15 @@ import traceback
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
 from tests.ur_nodes.ports.contract import CHECKS
 from tests.ur_nodes.ports.stage import GoalClient, Stage
 
+from ur_nodes.geometry.grid import Grid
+from ur_nodes.geometry.pose import Pose2
 from ur_nodes.ports.node import Node
-from ur_nodes.ports.values import PlacedPose
+from ur_nodes.ports.qualities import Quality
+from ur_nodes.ports.values import Map, PlacedPose
 
 _STATES = {0: "pending", 1: "active", 2: "cancelled", 3: "succeeded", 4: "aborted", 6: "active", 8: "cancelled"}
 """actionlib_msgs/GoalStatus as `ports.actions.GoalState`."""
@@ -84,6 +88,10 @@ class RosStage:
         while not condition():
             assert time.monotonic() < end, "waited for 60 s"
             time.sleep(0.005)
+
+    def spoil(self, topic: str) -> None:
+        publisher = self.one.publish(topic, Map, Quality.LATCHED)
+        publisher.send(Map(0, "map", Grid(np.zeros((1, 1), np.int8), 0.0, Pose2(0.0, 0.0, 0.0))))
 
     def client(self, action: str) -> GoalClient:
         return ActionlibClient(action)

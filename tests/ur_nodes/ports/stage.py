@@ -28,6 +28,9 @@ class Stage(Protocol):
     def until(self, condition: Callable[[], bool]) -> None:
         """Let time pass until a condition is true; fails after a while."""
 
+    def spoil(self, topic: str) -> None:
+        """Send a map that cannot be read, after `begin`, on a topic that has a subscriber."""
+
     def client(self, action: str) -> GoalClient:
         """A client of goals that is connected, after `begin`."""
 

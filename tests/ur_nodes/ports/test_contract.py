@@ -32,6 +32,9 @@ class MemoryStage:
     def until(self, condition: Callable[[], bool]) -> None:
         assert self._bus.run_until(condition, 10.0), "waited for 10 s of the bus's time"
 
+    def spoil(self, topic: str) -> None:
+        self._bus.spoil(f"/{topic}", "map with resolution 0, expected more than 0 m")
+
     def client(self, action: str) -> GoalClient:
         return MemoryClient(self._bus, action)
 
