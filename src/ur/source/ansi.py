@@ -52,6 +52,11 @@ def allows_colour(environment: Mapping[str, str]) -> bool:
     return not environment.get("NO_COLOR") and not is_plain(environment)
 
 
+def has_true_colour(environment: Mapping[str, str]) -> bool:
+    """Return True for a terminal that says it shows 24-bit colours."""
+    return environment.get("COLORTERM", "") in ("truecolor", "24bit")
+
+
 def _without_colour(style: re.Match[str]) -> str:
     kept = [code for code in style[1].split(";") if code in _COLOURLESS]
     return f"\x1b[{';'.join(kept)}m" if kept else ""

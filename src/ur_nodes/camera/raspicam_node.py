@@ -124,7 +124,7 @@ class CameraTopics:
 
     @quiet_at_end
     def report(self, problem: CameraError) -> None:
-        """See Consumer. `ur_nodes.rosio.silence` repeats it where pictures are missing."""
+        """See Consumer. `ur_nodes.pictures.silence` repeats it where pictures are missing."""
         rospy.logerr("%s", problem)
 
     def _publish_raw(self, frame: Frame, stamp: rospy.Time) -> None:

@@ -215,11 +215,6 @@ class MemoryNode:
             return Location(self._bus.hosts[name], here=False)
         return Location("localhost", here=True) if name in self._bus.nodes else None
 
-    def publishers_of(self, topic: str) -> tuple[str, ...] | None:
-        """See Node."""
-        found = self._bus.topics.get(self.resolve(topic))
-        return tuple(sorted({offer.sender for offer in found.offers})) if found else ()
-
     def resolve(self, name: str) -> str:
         """See Node."""
         if name in self._remaps:

@@ -180,9 +180,6 @@ class Node(Protocol):
     def locate(self, name: str) -> Location | None:
         """Find out where a node runs; None: it is not known. It may wait: for `work`."""
 
-    def publishers_of(self, topic: str) -> tuple[str, ...] | None:
-        """List the nodes that publish a topic, also unreachable ones; None: not known. It may wait: for `work`."""
-
     def resolve(self, name: str) -> str:
         """The full name that a name of this node stands for."""
 

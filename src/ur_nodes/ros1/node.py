@@ -37,7 +37,6 @@ _MOST_TRANSFORMS = 1000  # messages that wait while a callback takes long: a his
 _END_LIMIT = 3.0  # s, besides the time that the jobs of the end have
 _LEAVE = 0.03  # s: for what was sent last to leave
 _ANSWER_LIMIT = 60.0  # s
-_MASTER_ERRORS = (OSError, ValueError, rosgraph.MasterException, HTTPException, XmlRpcError, ExpatError)
 
 
 class RosNode:
@@ -249,18 +248,9 @@ class RosNode:
         """See Node."""
         try:
             host = urlsplit(rosgraph.Master(self.name).lookupNode(name)).hostname
-        except _MASTER_ERRORS:
+        except (OSError, ValueError, rosgraph.MasterException, HTTPException, XmlRpcError, ExpatError):
             return None
         return Location(host, rosgraph.network.is_local_address(host)) if host else None
-
-    def publishers_of(self, topic: str) -> tuple[str, ...] | None:
-        """See Node."""
-        full = self.resolve(topic)
-        try:
-            published, _, _ = rosgraph.Master(self.name).getSystemState()
-        except _MASTER_ERRORS:
-            return None
-        return tuple(sorted(node for name, nodes in published if name == full for node in nodes))
 
     def resolve(self, name: str) -> str:
         """See Node."""

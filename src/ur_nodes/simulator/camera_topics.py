@@ -26,7 +26,7 @@ class CameraTopics:
     Nothing is started or drawn before there is a listener. A picture that is due while the last one is still being
     drawn is left out, unless the simulation goes as fast as it can: then it waits (`wait`). When many are left out that
     is logged once. Where nothing can draw, an error in the log explains why, and it is tried again every 10 s: the
-    listeners' own messages repeat it (`ur_nodes.ros1.silence`).
+    listeners' own messages repeat it (`ur_nodes.pictures.silence`).
     """
 
     def __init__(

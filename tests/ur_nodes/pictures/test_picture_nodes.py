@@ -3,13 +3,8 @@
 from __future__ import annotations
 
 import contextlib
-import os
-import pty
-import select
-import subprocess
 import sys
 import threading
-import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -90,38 +85,6 @@ def test_without_a_terminal_lines_tell_how_pictures_come(session: RosSession) ->
     _, errors = node.communicate(timeout=LIMIT)
     session.running.remove(node)
     assert (node.returncode, errors) == (0, "")
-
-
-def test_picture_fills_the_terminal_until_q_is_pressed(session: RosSession) -> None:
-    user, screen = pty.openpty()
-    node = subprocess.Popen(
-        [sys.executable, "-m", "ur_nodes", "ur_nodes.teleop.camera.image_terminal_node", "_image:=camera/image"],
-        env=session.env | {"COLORTERM": "truecolor", "TERM": "xterm-256color"},
-        stdin=screen,
-        stdout=screen,
-        stderr=subprocess.PIPE,
-    )
-    os.close(screen)
-    seen = b""
-    try:
-        with publishing(session):
-            end = time.monotonic() + LIMIT
-            while b"64 x 48" not in seen or b"\x1b[38;2;2" not in seen:
-                assert time.monotonic() < end, seen[-500:]
-                if select.select([user], [], [], 0.1)[0]:
-                    seen += os.read(user, 1 << 16)
-        os.write(user, b"q")
-        with contextlib.suppress(OSError):  # the terminal is closed at the end
-            while data := os.read(user, 1 << 16):
-                seen += data
-        assert node.wait(LIMIT) == 0
-    finally:
-        node.kill()
-        _, errors = node.communicate()
-        os.close(user)
-    assert errors == b""
-    assert "▀".encode() in seen
-    assert seen.rstrip().endswith(b"\x1b[?1049l")
 
 
 def test_viewer_shows_why_the_simulated_camera_sends_no_picture(session: RosSession) -> None:

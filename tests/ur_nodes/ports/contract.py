@@ -360,16 +360,6 @@ def check_nodes_are_located(stage: Stage) -> None:
     assert stage.one.locate("/no/such/node") is None
 
 
-def check_publishers_of_a_topic_are_listed(stage: Stage) -> None:
-    found: list[object] = []
-    stage.other.publish("listed", int)
-    stage.begin()
-    stage.one.work(lambda: stage.one.publishers_of("listed"), found.append)
-    stage.one.work(lambda: stage.one.publishers_of("unlisted"), found.append)
-    stage.until(lambda: len(found) == 2)
-    assert found == [(stage.other.name,), ()]
-
-
 def check_names_are_resolved(stage: Stage) -> None:
     assert stage.one.resolve("scan") == "/scan"
     assert stage.one.resolve("/tf") == "/tf"

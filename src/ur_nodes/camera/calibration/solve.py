@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from ur.source.diagnostic import UserError, error
 from ur_nodes.camera.calibration.board import Board
 from ur_nodes.camera.calibration.coverage import View, list_tilts
 from ur_nodes.camera.calibration_file import Calibration
@@ -65,12 +66,12 @@ def solve(views: Sequence[View], board: Board, name: str) -> Result | None:
     try:
         found = _solve(kept, board)
         errors = np.ravel(found[7])
-        good = [view for view, error in zip(kept, errors, strict=True) if error <= _OUTLIER * np.median(errors)]
+        good = [view for view, each in zip(kept, errors, strict=True) if each <= _OUTLIER * np.median(errors)]
         if 3 <= len(good) < len(kept):
             kept, found = good, _solve(good, board)
     except cv2.error:
         return None
-    error, matrix, distortion, deviations = float(found[0]), found[1], np.ravel(found[2])[:5], np.ravel(found[5])
+    matrix, distortion, deviations = found[1], np.ravel(found[2])[:5], np.ravel(found[5])
     if not np.isfinite(matrix).all() or not np.isfinite(distortion).all() or matrix[0, 0] <= 0.0:
         return None
     size = views[0].width, views[0].height
@@ -87,7 +88,27 @@ def solve(views: Sequence[View], board: Board, name: str) -> Result | None:
     )
     tilts = {face for view in kept for face in list_tilts(view, board)}
     deviation = float(max(deviations[0] / matrix[0, 0], deviations[1] / matrix[1, 1]))
-    return Result(calibration, error, deviation, len(kept), len(views), len(tilts))
+    return Result(calibration, float(found[0]), deviation, len(kept), len(views), len(tilts))
+
+
+def solve_or_fail(views: Sequence[View], board: Board, name: str) -> Result:
+    """As `solve`. Raises UserError: there is no solution, or none that should be used."""
+    result = solve(views, board, name)
+    if result is None or result.problem:
+        reason = result.problem if result else f"{len(views)} views have no solution: take more, all tilted"
+        raise UserError(error(f"the camera is not calibrated, nothing was changed: {reason}", rule="bad-calibration"))
+    return result
+
+
+def describe_result(result: Result) -> str:
+    """A calibration and its quality in two lines."""
+    matrix = result.calibration.camera_matrix
+    return (
+        f"reprojection error {result.error:.2f} pixels from {result.used} of {result.given} views;"
+        f" focal length uncertain by {100 * result.deviation:.2f} %\n"
+        f"focal lengths {matrix[0]:.1f} and {matrix[4]:.1f} pixels, centre {matrix[2]:.1f} {matrix[5]:.1f},"
+        f" pictures of {result.calibration.width} x {result.calibration.height}"
+    )
 
 
 def _solve(views: Sequence[View], board: Board) -> Any:

@@ -3,68 +3,33 @@
 from __future__ import annotations
 
 import textwrap
-from collections import deque
-from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ur.source.ansi import RESET, REVERSE
 from ur_nodes.pictures.decode import Pixels
+from ur_nodes.pictures.feed import FeedView
 
-_WINDOW = 2.0  # s over which the rate is reckoned
 _STALE = 2.0  # s
-_SILENT = 3.0  # s after which the reason is shown
 _LEVELS = np.array([0, 95, 135, 175, 215, 255])  # of the 6 x 6 x 6 cube that terminals of 256 colours have
 
 
-@dataclass(slots=True)
-class Feed:
-    """Arrivals on a topic: sizes in pixels and bytes, and when, in s of any steady clock; it waits since `began`."""
-
-    topic: str
-    began: float = 0.0
-    size: tuple[int, int] = (0, 0)
-    length: int = 0
-    times: deque[float] = field(default_factory=lambda: deque(maxlen=400))
-
-    def take(self, now: float, size: tuple[int, int], length: int) -> None:
-        """A picture has come."""
-        self.size, self.length = size, length
-        self.times.append(now)
-
-    def rate(self, now: float) -> float:
-        """Pictures a second of late; 0 when none has come lately."""
-        recent = [time for time in self.times if now - time <= _WINDOW]
-        if len(recent) < 2:
-            return 0.0
-        return (len(recent) - 1) / max(recent[-1] - recent[0], 1e-6)
-
-    def silence(self, now: float) -> float:
-        """Return for how long nothing has come, in s."""
-        return now - (self.times[-1] if self.times else self.began)
-
-    def is_silent(self, now: float) -> bool:
-        """Return whether nothing has come for so long that the reason is shown."""
-        return self.silence(now) >= _SILENT
-
-
-def describe_silence(feed: Feed, reason: str, now: float) -> str:
-    """Describe for how long nothing has come, and why as far as that is known; empty while pictures come."""
-    if not feed.is_silent(now):
+def describe_silence(view: FeedView) -> str:
+    """Describe for how long no picture has arrived, and why as far as that is known; empty while pictures arrive."""
+    if not view.silent:
         return ""
-    return f"no picture on {feed.topic} for {feed.silence(now):.0f} s" + (f": {reason}" if reason else "")
+    return f"no picture on {view.topic} for {view.silence:.0f} s" + (f": {view.reason}" if view.reason else "")
 
 
-def describe_feed(feed: Feed, publishers: int, now: float) -> str:
+def describe_feed(view: FeedView) -> str:
     """Describe topic, size and rate of the pictures in one line."""
-    if not feed.times:
-        return f"{feed.topic}: {'waiting for the first picture' if publishers else 'waiting for a publisher'}"
-    columns, rows = feed.size
-    if feed.silence(now) > _STALE:
-        return f"{feed.topic}: no picture for {feed.silence(now):.0f} s"
-    size = f"{columns} x {rows}"
-    return f"{feed.topic}   {size}   {feed.rate(now):.1f} pictures a second   {feed.length / 1000:.0f} kB each"
+    if view.picture is None:
+        return f"{view.topic}: waiting for {'the first picture' if view.publishers else 'a publisher'}"
+    if view.silence > _STALE:
+        return f"{view.topic}: no picture for {view.silence:.0f} s"
+    size = f"{view.size[0]} x {view.size[1]}"
+    return f"{view.topic}   {size}   {view.rate:.1f} pictures a second   {view.length / 1000:.0f} kB each"
 
 
 def draw_picture_screen(

@@ -52,6 +52,11 @@ class FocusLost:
 KeyEvent = Key | KittyFlags | FocusLost
 
 
+def leaves_view(event: KeyEvent) -> bool:
+    """Return whether a key leaves a screen on which nothing is typed: q, Escape or Ctrl-C."""
+    return isinstance(event, Key) and (event.name in ("q", "Q", "escape") or (event.name == "c" and event.ctrl))
+
+
 def decode_keys(data: bytes, *, final: bool = False) -> tuple[tuple[KeyEvent, ...], bytes]:
     """Events in `data`, and the bytes of a sequence that is not complete yet.
 

@@ -11,8 +11,9 @@ from typing import Any
 
 from ur.screen.query import measure_terminal
 from ur.source.ansi import RESET, strip_colours
-from ur_nodes.teleop.terminal.keys import KITTY_FLAGS
+from ur_nodes.teleop.terminal.keys import KITTY_FLAGS, KeyEvent, decode_keys
 
+_ESCAPE_WAIT = 0.05  # s: the bytes of a sequence arrive together; ESC that stays alone is the key
 ASK_FLAGS = "\x1b[?u"
 _ENTER = f"\x1b[?1049h\x1b[?25l\x1b[?1004h\x1b[>{KITTY_FLAGS}u{ASK_FLAGS}"
 _LEAVE = f"\x1b[<u\x1b[?1004l\x1b[?25h{RESET}\x1b[?1049l"
@@ -30,6 +31,7 @@ class Terminal:
         self._screen = screen
         self._shown: list[str] = []
         self._size = (0, 0)
+        self._rest = b""
 
     def read(self, timeout: float, wake: int | None = None) -> bytes | None:
         """Bytes that came within `timeout` seconds (b'' for none); None when the terminal is gone.
@@ -44,6 +46,14 @@ class Terminal:
             return os.read(self._source, 1024) or None
         except OSError:
             return None
+
+    def read_keys(self, timeout: float) -> tuple[KeyEvent, ...] | None:
+        """Keys that were pressed within `timeout` seconds, () for none; None when the terminal is closed."""
+        data = self.read(min(timeout, _ESCAPE_WAIT) if self._rest else timeout)
+        if data is None:
+            return None
+        events, self._rest = decode_keys(self._rest + data, final=not data)
+        return events
 
     def size(self) -> tuple[int, int]:
         """Columns and rows now. Asked each time: without a controlling terminal no signal announces a change."""

@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 from tests.ur_nodes.camera.calibration.rendered_board import MATRIX, Studio, list_poses, project_views
 
+from ur.source.diagnostic import UserError
 from ur_nodes.camera.calibration.board import Board, find_corners
 from ur_nodes.camera.calibration.coverage import View, measure_coverage
 from ur_nodes.camera.calibration.session import Session, describe, draw_overlay
-from ur_nodes.camera.calibration.solve import Result, solve
+from ur_nodes.camera.calibration.solve import Result, solve, solve_or_fail
 
 BOARD = Board()
 VIEWS = project_views(BOARD)
@@ -91,6 +92,8 @@ def test_views_from_the_front_alone_are_refused() -> None:
 
 def test_too_few_views_have_no_solution() -> None:
     assert solve(VIEWS[:2], BOARD, "camera") is None
+    with pytest.raises(UserError, match="nothing was changed: 2 views have no solution"):
+        solve_or_fail(VIEWS[:2], BOARD, "camera")
 
 
 def test_picture_of_another_size_begins_anew() -> None:

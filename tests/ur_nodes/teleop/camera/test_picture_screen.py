@@ -1,13 +1,19 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from ur_nodes.teleop.camera.picture_screen import Feed, describe_feed, describe_silence, draw_picture_screen
+from ur_nodes.pictures.feed import FeedView
+from ur_nodes.ports.values import PackedPicture
+from ur_nodes.teleop.camera.picture_screen import describe_feed, describe_silence, draw_picture_screen
 
 _COLOUR = re.compile(r"\x1b\[[0-9;]*m")
+
+
+JPEG = PackedPicture(0, "camera", "jpeg", b"")
 
 
 def bare(lines: list[str]) -> list[str]:
@@ -48,24 +54,21 @@ def test_status_is_the_last_line_and_says_how_to_leave() -> None:
     assert lines[:-1] == [""] * 4
 
 
-def test_feed_tells_size_rate_and_weight() -> None:
-    feed = Feed("/camera/image/compressed")
-    assert describe_feed(feed, 0, 0.0) == "/camera/image/compressed: waiting for a publisher"
-    assert describe_feed(feed, 1, 0.0) == "/camera/image/compressed: waiting for the first picture"
-    for number in range(31):
-        feed.take(number / 10.0, (640, 480), 23_400)
-    text = describe_feed(feed, 1, 3.0)
-    assert text == "/camera/image/compressed   640 x 480   10.0 pictures a second   23 kB each"
-    assert describe_feed(feed, 1, 8.0) == "/camera/image/compressed: no picture for 5 s"
+def test_status_has_size_rate_and_weight() -> None:
+    view = FeedView("/camera/image/compressed")
+    assert describe_feed(view) == "/camera/image/compressed: waiting for a publisher"
+    assert describe_feed(replace(view, publishers=1)) == "/camera/image/compressed: waiting for the first picture"
+    view = replace(view, picture=JPEG, size=(640, 480), length=23_400, rate=10.0)
+    expected = "/camera/image/compressed   640 x 480   10.0 pictures a second   23 kB each"
+    assert describe_feed(view) == expected
+    assert describe_feed(replace(view, silence=5.0)) == "/camera/image/compressed: no picture for 5 s"
 
 
-def test_reason_for_silence_is_shown_after_three_seconds_and_not_while_pictures_come() -> None:
-    feed = Feed("/camera/image", began=10.0)
-    assert describe_silence(feed, "no node publishes it", 12.9) == ""
-    assert describe_silence(feed, "", 13.2) == "no picture on /camera/image for 3 s"
-    assert describe_silence(feed, "/cam: broken", 14.2) == "no picture on /camera/image for 4 s: /cam: broken"
-    feed.take(15.0, (640, 480), 23_400)
-    assert describe_silence(feed, "/cam: broken", 16.0) == ""
+def test_reason_for_silence_is_shown_after_three_seconds() -> None:
+    view = FeedView("/camera/image", reason="no node publishes it")
+    assert describe_silence(replace(view, silence=2.9)) == ""
+    assert describe_silence(replace(view, silence=3.2, reason="")) == "no picture on /camera/image for 3 s"
+    assert describe_silence(replace(view, silence=4.2)) == "no picture on /camera/image for 4 s: no node publishes it"
 
 
 def test_long_reason_is_wrapped_and_shown_whole_whatever_the_picture() -> None:

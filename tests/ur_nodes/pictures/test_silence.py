@@ -1,6 +1,6 @@
 from __future__ import annotations
 
-from ur_nodes.ros1.silence import explain_silence
+from ur_nodes.pictures.silence import explain_silence
 
 
 def test_error_of_a_publisher_is_the_reason() -> None:

@@ -1,0 +1,62 @@
+"""The calibration that a camera's node uses and keeps."""
+
+from __future__ import annotations
+
+import threading
+
+from ur.source.diagnostic import UserError, error
+from ur_nodes.camera.calibration_file import Calibration
+from ur_nodes.ports import values
+from ur_nodes.ports.node import Node
+from ur_nodes.ports.services import UseCalibration
+from ur_nodes.ports.values import Result
+
+_LIMIT = 5.0  # s
+_POLL = 0.02  # s
+
+
+class CalibrationStore:
+    """Calls `CAMERA/set_camera_info`, for a user interface."""
+
+    def __init__(self, node: Node, camera: str) -> None:
+        self._node = node
+        self._service = node.resolve(camera) + "/set_camera_info"
+        self._result: Result | None = None
+
+    def keep(self, calibration: Calibration, ended: threading.Event) -> str | None:
+        """Have the camera's node use and keep a calibration; return its answer, None if `ended` is set before.
+
+        Not for the node's thread. Raises UserError.
+        """
+        request = UseCalibration(value_of(calibration))
+        self._node.post(lambda: self._node.call(self._service, request, self._take, _LIMIT))
+        while (result := self._result) is None:
+            if ended.wait(_POLL):
+                return None
+        if not result.success:
+            raise UserError(
+                error(
+                    f"the calibration is not stored: {self._service}: {result.text}",
+                    rule="bad-calibration",
+                    help="is the camera's node running? That of a simulated camera stores no calibration",
+                )
+            )
+        return result.text
+
+    def _take(self, result: Result) -> None:
+        self._result = result
+
+
+def value_of(calibration: Calibration) -> values.Calibration:
+    """The value that carries a calibration; it belongs to no frame."""
+    return values.Calibration(
+        0,
+        "",
+        calibration.width,
+        calibration.height,
+        calibration.model,
+        calibration.distortion,
+        calibration.camera_matrix,
+        calibration.rectification,
+        calibration.projection,
+    )
