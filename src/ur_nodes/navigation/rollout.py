@@ -1,4 +1,4 @@
-"""Rollouts: a steering law that follows a path, simulated ahead for several variants at once as arrays.
+"""Rollouts: a steering law that follows a path, simulated ahead for several variants.
 
 Steering is pure pursuit (Coulter, Implementation of the pure pursuit path tracking algorithm, 1992): an arc to a point
 of the path ahead. Far from its direction the robot turns on the spot, and near the end it brakes by the distance left.
@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -92,16 +93,32 @@ class Rollout:
     indices: NDArray[np.intp]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _State:
-    """The robot in each of k variants: place (m), yaw (rad), speed (m/s), turn (rad/s), nearest point of the path."""
+class _State(NamedTuple):
+    """The robot in one variant: place (m), yaw (rad), speed (m/s), turn (rad/s), nearest point of the path."""
 
-    x: Floats
-    y: Floats
-    yaw: Floats
-    speed: Floats
-    turn: Floats
-    near: NDArray[np.intp]
+    x: float
+    y: float
+    yaw: float
+    speed: float
+    turn: float
+    near: int
+
+
+class _Course:
+    """The part of a reference path that a rollout can reach as numbers: it takes them one by one.
+
+    `points` and `normals` begin with that of index `first`.
+    """
+
+    def __init__(self, reference: ReferencePath, index: int, reach: int) -> None:
+        self.first = min(index, reference.end)
+        part = slice(self.first, self.first + reach)
+        self.points: list[list[float]] = reference.points[part].tolist()
+        self.normals: list[list[float]] = reference.normals[part].tolist()
+        self.speeds: list[float] = reference.speeds.tolist()
+        self.spacing, self.last = reference.spacing, len(reference.points) - 1
+        self.end, self.direction = reference.end, reference.course
+        self.end_x, self.end_y = reference.points[reference.end].tolist()
 
 
 def roll_out(
@@ -117,71 +134,72 @@ def roll_out(
 
     `index` is a point of the path near the robot. The first step lasts `period` s, each other one `settings.step`.
     """
-    count, steps = len(variants), math.ceil(settings.horizon / settings.step)
-    x, y, yaw = (np.full(count, value) for value in motion.pose)
-    near = np.full(count, index, dtype=np.intp)
-    state = _State(x, y, yaw, np.full(count, motion.speed), np.full(count, motion.turn), near)
-    poses, speeds, turns = np.empty((steps, count, 3)), np.empty((steps, count)), np.empty((steps, count))
-    indices = np.empty((steps, count), np.intp)
-    window = np.arange(math.ceil(limits.speed * settings.step / reference.spacing) + _SPARE_POINTS)
-    for number in range(steps):
-        seconds = period if number == 0 else settings.step
-        near = _nearest_points(reference, state, window)
-        wanted, turning = _steer(reference, state, near, variants, limits, settings, seconds)
-        state = _advance(state, near, wanted, turning, limits, seconds)
-        poses[number, :, 0], poses[number, :, 1], poses[number, :, 2] = state.x, state.y, state.yaw
-        speeds[number], turns[number], indices[number] = state.speed, state.turn, near
-    return Rollout(poses, speeds, turns, indices)
+    seconds = [period] + [settings.step] * (math.ceil(settings.horizon / settings.step) - 1)
+    window = math.ceil(limits.speed * settings.step / reference.spacing) + _SPARE_POINTS
+    ahead = math.ceil(settings.preview_most / reference.spacing)
+    course = _Course(reference, index, len(seconds) * window + ahead + 1)
+    start = _State(*motion.pose, motion.speed, motion.turn, index)
+    states = []
+    for share, offset in variants.tolist():
+        state, along = start, []
+        for each in seconds:
+            near = _nearest_point(course, state, window)
+            wanted, turning = _steer(course, state, near, (share, offset), limits, settings, each)
+            state = _advance(state, near, wanted, turning, limits, each)
+            along.append(state)
+        states.append(along)
+    result = np.array(states).swapaxes(0, 1)
+    return Rollout(result[..., :3], result[..., 3], result[..., 4], result[..., 5].astype(np.intp))
 
 
-def _nearest_points(reference: ReferencePath, state: _State, window: NDArray[np.intp]) -> NDArray[np.intp]:
-    """The nearest points (k) of the path, among those `window` (w) on from the ones before."""
-    around = np.minimum(state.near[:, None] + window, reference.end)
-    gaps = reference.points[around] - np.stack((state.x, state.y), axis=-1)[:, None]
-    nearest: NDArray[np.intp] = around[np.arange(len(around)), np.argmin((gaps**2).sum(axis=2), axis=1)]
-    return nearest
+def _nearest_point(course: _Course, state: _State, window: int) -> int:
+    """The nearest point of the path, among as many from the one before on."""
+    best, least = state.near, math.inf
+    for number in range(state.near, min(state.near + window, course.end + 1)):
+        x, y = course.points[number - course.first]
+        gap = (x - state.x) * (x - state.x) + (y - state.y) * (y - state.y)
+        if gap < least:
+            best, least = number, gap
+    return min(best, course.end)
 
 
 def _steer(
-    reference: ReferencePath,
+    course: _Course,
     state: _State,
-    near: NDArray[np.intp],
-    variants: Floats,
+    near: int,
+    variant: tuple[float, float],
     limits: Limits,
     settings: FollowSettings,
     seconds: float,
-) -> tuple[Floats, Floats]:
-    """The wanted speeds and turns (k) with the path's nearest points (k), for the next `seconds`."""
+) -> tuple[float, float]:
+    """The wanted speed and turn with the path's nearest point, for the next `seconds`."""
     v = state.speed
-    ahead = np.clip(settings.preview * v, settings.preview_least, settings.preview_most)
-    aim = np.minimum(near + np.rint(ahead / reference.spacing).astype(np.intp), len(reference.points) - 1)
-    target = reference.points[aim] + variants[:, 1, None] * reference.normals[aim]
-    dx, dy = target[:, 0] - state.x, target[:, 1] - state.y
-    c, s = np.cos(state.yaw), np.sin(state.yaw)
+    ahead = min(max(settings.preview * v, settings.preview_least), settings.preview_most)
+    aim = min(near + round(ahead / course.spacing), course.last) - course.first
+    (x, y), (across, along) = course.points[aim], course.normals[aim]
+    dx, dy = x + variant[1] * across - state.x, y + variant[1] * along - state.y
+    c, s = math.cos(state.yaw), math.sin(state.yaw)
     forward, left = c * dx + s * dy, c * dy - s * dx
-    bearing = np.arctan2(left, forward)
-    curvature = 2.0 * left / np.maximum(dx**2 + dy**2, _NEAREST_SQUARED)
-    share = np.clip((settings.turn_first - np.abs(bearing)) / (settings.turn_first - settings.turn_some), 0.0, 1.0)
-    soon = np.minimum(near + np.rint(v * seconds / reference.spacing).astype(np.intp), reference.end)
-    allowed = np.minimum(variants[:, 0] * limits.speed, reference.speeds[soon])
-    wanted = np.minimum(allowed, limits.turn / np.maximum(np.abs(curvature), _STRAIGHT)) * share
-    end, course = reference.points[reference.end], reference.course
-    left_over = (end[0] - state.x) * course[0] + (end[1] - state.y) * course[1] - settings.delay * v
-    brake = np.sqrt(2.0 * _BRAKING * limits.acceleration * np.maximum(left_over, 0.0))
-    wanted = np.where(near > reference.end - _LAST_POINTS, np.minimum(wanted, brake), wanted)
-    most_spin = np.sqrt(2.0 * _TURN_BRAKING * limits.turn_acceleration * np.abs(bearing))
-    spin = np.sign(bearing) * np.minimum(limits.turn, most_spin)
-    turning = np.clip(wanted * curvature * share + (1.0 - share) * spin, -limits.turn, limits.turn)
-    return wanted, turning
+    bearing = float(np.arctan2(left, forward))
+    curvature = 2.0 * left / max(dx * dx + dy * dy, _NEAREST_SQUARED)
+    share = min(max((settings.turn_first - abs(bearing)) / (settings.turn_first - settings.turn_some), 0.0), 1.0)
+    soon = min(near + round(v * seconds / course.spacing), course.end)
+    allowed = min(variant[0] * limits.speed, course.speeds[soon])
+    wanted = min(allowed, limits.turn / max(abs(curvature), _STRAIGHT)) * share
+    if near > course.end - _LAST_POINTS:
+        (c, s), x, y = course.direction, course.end_x - state.x, course.end_y - state.y
+        left_over = x * c + y * s - settings.delay * v
+        wanted = min(wanted, math.sqrt(2.0 * _BRAKING * limits.acceleration * max(left_over, 0.0)))
+    spin = min(limits.turn, math.sqrt(2.0 * _TURN_BRAKING * limits.turn_acceleration * abs(bearing)))
+    turning = wanted * curvature * share + (1.0 - share) * math.copysign(spin, bearing)
+    return wanted, min(max(turning, -limits.turn), limits.turn)
 
 
-def _advance(
-    state: _State, near: NDArray[np.intp], wanted: Floats, turning: Floats, limits: Limits, seconds: float
-) -> _State:
-    """Move for `seconds` with the wanted speeds and turns (k), as far as the accelerations allow."""
+def _advance(state: _State, near: int, wanted: float, turning: float, limits: Limits, seconds: float) -> _State:
+    """Move for `seconds` with the wanted speed and turn, as far as the accelerations allow."""
     shift, swing = limits.acceleration * seconds, limits.turn_acceleration * seconds
-    v = np.minimum(state.speed + shift, np.maximum(state.speed - shift, wanted))
-    w = np.minimum(state.turn + swing, np.maximum(state.turn - swing, turning))
+    v = min(max(wanted, state.speed - shift), state.speed + shift)
+    w = min(max(turning, state.turn - swing), state.turn + swing)
     middle = state.yaw + 0.5 * w * seconds
-    x, y = state.x + v * seconds * np.cos(middle), state.y + v * seconds * np.sin(middle)
+    x, y = state.x + v * seconds * math.cos(middle), state.y + v * seconds * math.sin(middle)
     return _State(x, y, state.yaw + w * seconds, v, w, near)
