@@ -49,17 +49,24 @@ class CellFrame:
 
     def fractions_of_points(self, points: NDArray[np.floating]) -> NDArray[Any]:
         """Points (..., 2) as (x, y) in m as (row, column) with fractions; the centre of cell (r, c) is at + 0.5."""
+        rows, columns = self.fractions_at(points[..., 0], points[..., 1])
+        fractions = np.empty((*rows.shape, 2), rows.dtype)
+        fractions[..., 0], fractions[..., 1] = rows, columns
+        return fractions
+
+    def fractions_at(self, xs: NDArray[np.floating], ys: NDArray[np.floating]) -> tuple[NDArray[Any], NDArray[Any]]:
+        """The rows and the columns (...) with fractions of points by their coordinates (...) in m."""
         x, y, yaw = self.origin
-        dx, dy = points[..., 0] - x, points[..., 1] - y
+        dx, dy = xs - x, ys - y
         if yaw:
             c, s = math.cos(yaw), math.sin(yaw)
             dx, dy = c * dx + s * dy, c * dy - s * dx
-        fractions: NDArray[Any] = np.stack((dy, dx), axis=-1) / self.resolution
-        return fractions
+        return dy / self.resolution, dx / self.resolution
 
     def cells_of_points(self, points: NDArray[np.floating]) -> NDArray[np.intp]:
         """The cells (..., 2) as (row, column) that hold points (..., 2) as (x, y) in m; may lie outside the grid."""
-        cells: NDArray[np.intp] = np.floor(self.fractions_of_points(points)).astype(np.intp)
+        fractions = self.fractions_of_points(points)
+        cells: NDArray[np.intp] = np.floor(fractions, out=fractions).astype(np.intp)
         return cells
 
     def points_of_cells(self, cells: NDArray[np.integer] | NDArray[np.floating]) -> NDArray[np.float64]:

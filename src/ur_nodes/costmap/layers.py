@@ -71,17 +71,12 @@ def trace_beams(
     width = frame.width
     bearing = beams.angles + sensor.yaw
     directions = np.stack((np.cos(bearing), np.sin(bearing)), axis=-1)
-    none = np.empty(0, np.intp)
-    cleared, marked = none, none
     flat = occupied.reshape(-1)
+    cleared = marked = np.empty(0, np.intp)
     if clear and len(bearing):
-        free = np.minimum(beams.ranges - frame.resolution / 2, reach.raytrace)
-        steps = np.arange(0.0, max(float(free.max()), frame.resolution), 0.7 * frame.resolution)
-        points = (sensor.x, sensor.y) + steps[:, None, None] * directions
-        cells = frame.cells_of_points(points)
-        good = (steps[:, None] < free) & frame.contains(cells)
-        cleared = (cells[..., 0] * width + cells[..., 1])[good]
-        cleared = cleared[flat[cleared]]
+        cleared = _find_passed(
+            flat, frame, sensor, directions, np.minimum(beams.ranges - frame.resolution / 2, reach.raytrace)
+        )
     if mark:
         near = beams.hits & (beams.ranges <= reach.obstacle)
         points = (sensor.x, sensor.y) + beams.ranges[near, None] * directions[near]
@@ -98,6 +93,27 @@ def trace_beams(
         return None
     rows, columns = changed // width, changed % width
     return slice(int(rows.min()), int(rows.max()) + 1), slice(int(columns.min()), int(columns.max()) + 1)
+
+
+def _find_passed(
+    occupied: NDArray[np.bool_],
+    frame: CellFrame,
+    sensor: Pose2,
+    directions: NDArray[np.float64],
+    free: NDArray[np.float64],
+) -> NDArray[np.intp]:
+    """The numbers of the occupied cells (flat) that rays with `directions` (n, 2) pass on their first `free` (n) m."""
+    height, width = frame.shape
+    steps = np.arange(0.0, max(float(free.max()), frame.resolution), 0.7 * frame.resolution)
+    counts = np.searchsorted(steps, free)  # of the steps that are less than a ray's free length
+    ends = np.cumsum(counts)
+    along = steps[np.arange(ends[-1]) - np.repeat(ends - counts, counts)]
+    x, y = (np.repeat(each, counts) * along for each in directions.T)
+    rows, columns = (np.floor(each, out=each) for each in frame.fractions_at(sensor.x + x, sensor.y + y))
+    inside = (rows >= 0) & (rows < height) & (columns >= 0) & (columns < width)
+    cells = np.where(inside, rows * width + columns, 0.0).astype(np.intp)
+    passed: NDArray[np.intp] = cells[occupied[cells] & inside]
+    return passed
 
 
 def shift_cells(occupied: NDArray[np.bool_], rows: int, columns: int) -> NDArray[np.bool_]:

@@ -158,10 +158,11 @@ class MapCostmap:
     def _is_known(self, cells: NDArray[np.intp]) -> NDArray[np.bool_]:
         """True (n) for cells (n, 2) that are an obstacle of the map or near one."""
         height, width = self._plain.shape
-        near = cells[:, None] + self._near
+        known: NDArray[np.bool_] = self._plain.costs[cells[:, 0], cells[:, 1]] == LETHAL
+        near = cells[~known, None] + self._near
         rows, columns = np.clip(near[..., 0], 0, height - 1), np.clip(near[..., 1], 0, width - 1)
         # Beyond the border the outermost cells stand for what is there: no nearer to the cell than they are.
-        known: NDArray[np.bool_] = (self._plain.costs[rows, columns] == LETHAL).any(axis=1)
+        known[~known] = (self._plain.costs[rows, columns] == LETHAL).any(axis=1)
         return known
 
 
