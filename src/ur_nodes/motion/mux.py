@@ -102,9 +102,11 @@ def step(state: MuxState, event: Event | None, now: float) -> tuple[MuxState, Ve
     """
     if now < state.now:
         state = _forget(state, now)
-    state = _take(replace(state, now=now), event, now)
+    state = _take(state, event, now)
     was_silent = math.isinf(state.next_at)
-    state = replace(state, active=_choose(state, now))
+    active = _choose(state, now)
+    if active != state.active:
+        state = replace(state, active=active)
     if was_silent and state.active is None and state.output.still:
         return state, None
     if not (was_silent or isinstance(event, Stop) or now >= state.next_at - _SOON):
@@ -126,22 +128,23 @@ def _take(state: MuxState, event: Event | None, now: float) -> MuxState:
         received = list(state.received)
         at = now if event.at is None else min(now, event.at)
         received[event.source] = _receive(received[event.source], event.velocity, timeout, at)
-        return replace(state, received=tuple(received))
+        return replace(state, now=now, received=tuple(received))
     if isinstance(event, LockMessage):
         locks = list(state.locks)
         locks[event.lock] = (event.locked, now)
-        return replace(state, locks=tuple(locks))
+        return replace(state, now=now, locks=tuple(locks))
     if isinstance(event, Stop):
-        return replace(state, stopped=True)
+        return replace(state, now=now, stopped=True)
     if isinstance(event, LimitSpeed):
-        return replace(state, share=max(0.0, min(1.0, event.share)) if math.isfinite(event.share) else state.share)
+        share = max(0.0, min(1.0, event.share)) if math.isfinite(event.share) else state.share
+        return replace(state, now=now, share=share)
     if isinstance(event, Watch):
-        return replace(state, guard=event.guard)
+        return replace(state, now=now, guard=event.guard)
     if isinstance(event, Release) and state.stopped:
         pairs = zip(state.settings.sources, state.received, strict=True)
         barred = tuple(replace(each, barred=now - each.moved_at <= source.timeout) for source, each in pairs)
-        return replace(state, stopped=False, received=barred)
-    return state
+        return replace(state, now=now, stopped=False, received=barred)
+    return replace(state, now=now)
 
 
 def _receive(before: Received, velocity: Velocity, timeout: float, at: float) -> Received:
@@ -198,8 +201,12 @@ def _send(state: MuxState, now: float) -> tuple[MuxState, Velocity]:
         output = _approach(state.output, wanted, settings, left_to_brake, seconds)
     rests = state.active is None and output == STILL
     zeros_left = (state.zeros_left if state.output == STILL else settings.zeros) - 1 if rests else settings.zeros
-    state = replace(state, output=output, output_at=now, zeros_left=zeros_left, verdict=verdict)
-    return replace(state, next_at=_next_output(state, wanted, left, now)), output
+    if rests:
+        next_at = now + settings.period if zeros_left > 0 else math.inf
+    else:
+        next_at = _next_output(settings, output, wanted, left, now)
+    state = replace(state, output=output, output_at=now, zeros_left=zeros_left, verdict=verdict, next_at=next_at)
+    return state, output
 
 
 def _judge(state: MuxState, output: Velocity, now: float) -> Verdict | None:
@@ -231,10 +238,7 @@ def _follow(value: float, target: float, axis: Axis, left: float, seconds: float
     return approach(value, max(-fastest, min(fastest, target)), axis, seconds) + 0.0  # -0.0 would puzzle people
 
 
-def _next_output(state: MuxState, target: Velocity, left: float, now: float) -> float:
-    settings, output = state.settings, state.output
-    if state.active is None and output == STILL:
-        return now + settings.period if state.zeros_left > 0 else math.inf
+def _next_output(settings: MuxSettings, output: Velocity, target: Velocity, left: float, now: float) -> float:
     slows = abs(output.forward) > abs(target.forward) or abs(output.turn) > abs(target.turn)
     brake_in = left - max(
         abs(output.forward) / settings.forward.slow_down, abs(output.turn) / settings.turn.slow_down

@@ -10,7 +10,6 @@ All functions are pure; `now` is in seconds of a steady clock that also runs whi
 
 from __future__ import annotations
 
-from collections import OrderedDict
 from dataclasses import dataclass, field
 
 FRESHNESS = 0.15  # s: how old the challenge may be that a velocity command answers
@@ -28,7 +27,7 @@ class Challenges:
 
     offset: int  # ns: where the count begins; random, so that a mux that is started again repeats none
     horizon: float = REQUEST_FRESHNESS
-    issued: OrderedDict[Stamp, float] = field(default_factory=OrderedDict)
+    issued: dict[Stamp, float] = field(default_factory=dict)
     last: int = 0  # ns: the newest
 
     def __post_init__(self) -> None:
@@ -41,9 +40,11 @@ def issue(challenges: Challenges, now: float) -> tuple[Challenges, Stamp]:
     """Issue a challenge at `now`: greater than all before it, and unlike any that the same mux has issued."""
     number = max(challenges.offset + max(0, round(now * _NANO)), challenges.last + 1) % (_MOST_SECONDS * _NANO)
     stamp = divmod(number, _NANO)
-    kept = OrderedDict(
-        (each, at) for each, at in challenges.issued.items() if -_ROUNDING <= now - at <= challenges.horizon
-    )
+    kept = dict(challenges.issued)
+    while kept and kept[newest := next(reversed(kept))] > now + _ROUNDING:  # time was set back
+        del kept[newest]
+    while kept and now - kept[oldest := next(iter(kept))] > challenges.horizon:
+        del kept[oldest]
     kept[stamp] = now
     return Challenges(challenges.offset, challenges.horizon, kept, number), stamp
 

@@ -46,8 +46,10 @@ class Challenges:
 
 def note_challenge(challenges: Challenges, value: int, now: float) -> Challenges:
     """A challenge has arrived."""
-    kept = tuple(item for item in challenges.received if now - item[1] <= REMEMBERED)
-    return Challenges((*kept, (value, now)), now)
+    old = 0
+    while old < len(challenges.received) and now - challenges.received[old][1] > REMEMBERED:
+        old += 1
+    return Challenges((*challenges.received[old:], (value, now)), now)
 
 
 def age_of_answer(challenges: Challenges, answer: int, now: float) -> float | None:
