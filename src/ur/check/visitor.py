@@ -24,7 +24,6 @@ from ur.launchfile.syntax import Element
 from ur.launchfile.world import World
 from ur.source.diagnostic import Diagnostic, Note
 
-_LOCAL = frozenset({"localhost", "127.0.0.1", "::1"})
 _AS_RESOLVED = frozenset({"bad-name"})  # some names are refused, and some only warned of
 _Hook = tuple[Rule, Callable[..., Iterable[Found]]]
 
@@ -54,11 +53,11 @@ class Visitor:
         self, plan: Plan, element_at: Callable[[str, int], Element | None], package: Package | None, world: World
     ) -> Iterable[Diagnostic]:
         """Apply the rules to a resolved file. `element_at` gives the tag at a path and offset, None for others."""
-        addresses = {machine.name: machine.address for machine in plan.machines}
-        for node in (*plan.nodes, *(test.node for test in plan.tests)):
+        machines = {machine.name for machine in plan.machines}
+        for node in plan.all_nodes():
             element = element_at(node.origin.span.file.path, node.origin.span.start)
             if element is not None:
-                local = node.machine is None or addresses.get(node.machine, "localhost") in _LOCAL
+                local = node.machine not in machines or plan.is_local(node)
                 node_view = NodeView(node, element, local, package, world)
                 yield from _with_includes(_ask(self._node, package, node_view), node.origin)
         for param in plan.programs:

@@ -9,7 +9,6 @@ from ur.get.model import PACKAGE_NAME, Missing
 from ur.launchfile.plan.model import Plan
 from ur.launchfile.world.protocol import PackageNotFound, World
 
-_LOCAL = frozenset({"localhost", "127.0.0.1", "::1"})
 _NAMED = re.compile(
     r"""\$\(\s*find\s+([^\s()$]+)\s*\)|\bfind\(\s*['"]([^'"()$]+)['"]\s*\)|<(?:node|test)\b[^<>]{0,2000}?\bpkg\s*=\s*["']([^"'$]+)["']"""
 )
@@ -31,9 +30,8 @@ def missing_of_plan(plan: Plan, world: World) -> tuple[Missing, ...]:
             and not is_installed(each.subject, world)
         ):
             found.setdefault(each.subject, Missing(each.subject))
-    addresses = {machine.name: machine.address for machine in plan.machines}
-    for node in [*plan.nodes, *(test.node for test in plan.tests)]:
-        if node.machine is not None and addresses.get(node.machine) not in _LOCAL:
+    for node in plan.all_nodes():
+        if not plan.is_local(node):
             continue
         try:
             if not world.find_files(node.package, node.type):

@@ -52,7 +52,7 @@ def _in_launch_file(view: LaunchView, world: CachedWorld) -> Iterator[tuple[str,
             for match in _FIND.finditer(value):
                 yield match.group(1) or match.group(2), element.piece_span(attribute, *match.span())
     for resolved in resolve_cases(view, world):
-        for node in (*resolved.plan.nodes, *(test.node for test in resolved.plan.tests)):
+        for node in resolved.plan.all_nodes():
             own = node.origin.span.file.path == view.path
             if own and node.package and not has_marker(node.package):
                 yield node.package, node.origin.span

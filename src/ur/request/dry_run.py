@@ -6,14 +6,12 @@ import shlex
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from ur.launchfile.plan.model import MachineSpec, NodeSpec, Plan
+from ur.launchfile.plan.model import LOCAL_ADDRESSES, MachineSpec, NodeSpec, Plan
 from ur.launchfile.world.protocol import World
 from ur.request.questions import changed_variables
 from ur.run.paths import ros_home
 from ur.run.process.command import find_program
 from ur.source.diagnostic import Diagnostic, UserError
-
-_LOCAL = frozenset({"localhost", "127.0.0.1", "::1"})
 
 
 def format_dry_run(
@@ -41,7 +39,7 @@ def format_dry_run(
 
 def format_node(node: NodeSpec, machine: MachineSpec | None, world: World, shell: Mapping[str, str]) -> list[str]:
     """A comment and a command line. Raises UserError: no such program on this computer."""
-    if machine is not None and machine.address not in _LOCAL:
+    if machine is not None and machine.address not in LOCAL_ADDRESSES:
         return [f"# {node.full_name} on {_describe(machine)}", _format_remote(node, machine, world)]
     program = find_program(node, world, 1)
     folder = program.cwd or ros_home(world.environment)

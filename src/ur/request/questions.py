@@ -14,7 +14,7 @@ from dataclasses import replace
 from ur.launchfile.plan.load import load_plan
 from ur.launchfile.plan.model import NodeSpec, Plan
 from ur.launchfile.plan.names import join_names
-from ur.launchfile.query.items import all_nodes, find_node_file, list_files, list_nodes
+from ur.launchfile.query.items import find_node_file, list_files, list_nodes
 from ur.launchfile.world.system import SystemWorld
 from ur.request.environment import PACKAGE, own_packages
 from ur.request.launch_request import LaunchRequest, make_request
@@ -93,7 +93,7 @@ def print_parameters(plan: Plan) -> None:
 def find_node(plan: Plan, name: str) -> NodeSpec:
     """The node or test with this name, with or without leading slash. Raises UserError: did you mean, or two tests."""
     full = name if name.startswith(("/", "$")) else "/" + name
-    found = [node for node in all_nodes(plan) if node.name and full in (node.full_name, node.name)]
+    found = [node for node in plan.all_nodes() if node.name and full in (node.full_name, node.name)]
     if len(found) == 1:
         return found[0]
     if found:

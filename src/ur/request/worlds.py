@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from ur.launchfile.plan.model import NodeSpec, Plan
@@ -18,8 +18,6 @@ from ur.worlds.choice import (
     list_worlds,
     resolve_path,
 )
-
-_LOCAL = frozenset({"localhost", "127.0.0.1", "::1"})
 
 
 def resolve_worlds(
@@ -70,7 +68,9 @@ def check_worlds(plan: Plan) -> None:
     """
     parameters = {each.name: each.value for each in plan.params}
     by_fiducials = any(node.package == PACKAGE.name and node.type == "fiducial_slam" for node in plan.nodes)
-    for node in _local_nodes(plan):
+    for node in plan.nodes:
+        if node.package != PACKAGE.name or not plan.is_local(node):
+            continue
         if node.type == "simulator":
             path = parameters.get(f"{node.full_name}/world_file")
             start = [parameters.get(f"{node.full_name}/{name}", 0.0) for name in ("x", "y")]
@@ -123,10 +123,3 @@ def _check_map(node: NodeSpec) -> None:
     from ur.worlds.map_file import read_map
 
     read_map(path)
-
-
-def _local_nodes(plan: Plan) -> Iterator[NodeSpec]:
-    addresses = {machine.name: machine.address for machine in plan.machines}
-    for node in plan.nodes:
-        if node.package == PACKAGE.name and (node.machine is None or addresses.get(node.machine) in _LOCAL):
-            yield node

@@ -173,7 +173,9 @@ def list_values(name: str, given: Mapping[str, str], environment: Mapping[str, s
         with suppress(UserError):
             return _variants(given.get("robot_base") or current_selection(environment).base)
     if name == "world":
-        return [Candidate(path.stem) for path in sorted((PACKAGE / "n_simulator" / "worlds").glob("*.yaml"))]
+        from ur.worlds.choice import list_worlds
+
+        return map(Candidate, list_worlds(PACKAGE))
     if name == "map":
         return [*_maps(environment), Candidate("latest", "the last one of this robot")]
     if name == "localisation":

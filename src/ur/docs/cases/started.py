@@ -115,7 +115,7 @@ class Starter:
             return self._known.get(key)
         self._left -= 1
         started = Started(path, load_one_file(path, arguments, world, self._trees, passes_all=passes_all))
-        items: list[Item] = [*started.plan.nodes, *(test.node for test in started.plan.tests)]
+        items: list[Item] = [*started.plan.all_nodes()]
         for include in started.plan.includes:
             child: Started | None = None
             if include.found:

@@ -10,19 +10,16 @@ from ur.launchfile.world.protocol import PackageNotFound, World
 from ur.source.diagnostic import Diagnostic, Note, error
 from ur.source.suggest import did_you_mean, get_command
 
-_LOCAL = frozenset({"localhost", "127.0.0.1", "::1"})
-
 
 def check_executables(plan: Plan, world: World) -> tuple[Diagnostic, ...]:
     """An error for every node and test of this computer whose package or program does not exist.
 
     Nodes of other computers are not looked at: their packages are there.
     """
-    addresses = {machine.name: machine.address for machine in plan.machines}
     found: dict[tuple[str, str], bool] = {}
     diagnostics = []
-    for node in [*plan.nodes, *(test.node for test in plan.tests)]:
-        if node.machine is not None and addresses.get(node.machine) not in _LOCAL:
+    for node in plan.all_nodes():
+        if not plan.is_local(node):
             continue
         key = (node.package, node.type)
         if key not in found:

@@ -152,6 +152,9 @@ class RemapStep:
     origin: Origin
 
 
+LOCAL_ADDRESSES = frozenset({"localhost", "127.0.0.1", "::1"})
+"""Addresses of machines that are this computer."""
+
 TraceStep = ArgumentStep | RemapStep | ParamSpec  # a parameter each time it is set, also when a later one replaces it
 
 
@@ -169,3 +172,12 @@ class Plan:
     commands: tuple[ParamCommand, ...] = field(default=())  # in document order
     programs: tuple[ParamSpec, ...] = field(default=())  # every <param command=>, overridden ones too
     includes: tuple[IncludeSpec, ...] = field(default=())  # in document order, each time one is included
+
+    def all_nodes(self) -> tuple[NodeSpec, ...]:
+        """List the nodes, then those of the tests."""
+        return (*self.nodes, *(test.node for test in self.tests))
+
+    def is_local(self, node: NodeSpec) -> bool:
+        """Return whether a node is to start on this computer. A machine that is not defined is another one."""
+        local = {machine.name for machine in self.machines if machine.address in LOCAL_ADDRESSES}
+        return node.machine is None or node.machine in local

@@ -110,7 +110,7 @@ class _Explainer:
 
     def explain(self, name: str) -> Iterator[Layer]:
         wanted = canonical_name(name)
-        for node in [*self.plan.nodes, *(test.node for test in self.plan.tests)]:
+        for node in self.plan.all_nodes():
             if _means(wanted, node.full_name):
                 yield self.explain_node(node)
         for full_name in dict.fromkeys(param.name for param in self.params):

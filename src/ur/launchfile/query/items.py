@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ur.launchfile.plan.model import NodeSpec, Plan
+from ur.launchfile.plan.model import Plan
 from ur.launchfile.plan.names import join_names
 from ur.source.diagnostic import UserError, error
 from ur.source.suggest import did_you_mean
@@ -10,7 +10,7 @@ from ur.source.suggest import did_you_mean
 
 def list_nodes(plan: Plan) -> list[str]:
     """`--nodes`: full names of nodes and tests, in document order, nodes first; nameless ones are left out."""
-    return [node.full_name for node in all_nodes(plan) if node.name]
+    return [node.full_name for node in plan.all_nodes() if node.name]
 
 
 def list_files(plan: Plan) -> list[str]:
@@ -21,7 +21,7 @@ def list_files(plan: Plan) -> list[str]:
 def find_node_file(plan: Plan, name: str) -> str:
     """`--find-node NAME`: the launch file that holds a node. Raises UserError when there is none."""
     full_name = join_names("/", name)
-    for node in all_nodes(plan):
+    for node in plan.all_nodes():
         if node.name and node.full_name == full_name:
             return node.origin.span.file.path
     names = list_nodes(plan)
@@ -41,8 +41,3 @@ def dump_params(plan: Plan) -> str:
     import yaml
 
     return str(yaml.safe_dump({param.name: param.value for param in plan.params})) + "\n"
-
-
-def all_nodes(plan: Plan) -> list[NodeSpec]:
-    """Nodes, then tests."""
-    return [*plan.nodes, *(test.node for test in plan.tests)]

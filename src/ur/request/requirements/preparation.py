@@ -31,7 +31,6 @@ from ur.run.process.missing_package import is_packaged
 from ur.run.startup.node_selection import check_display, has_display, is_view
 from ur.source.diagnostic import UserError, error
 
-_LOCAL = frozenset({"localhost", "127.0.0.1", "::1"})
 _PYTHON, _DEBIAN, _FILE = "##Python:", "##Debian:", "##File:"
 _RVIZ = "RViz (77 MB to download)"
 Install = Callable[[Sequence[str], str, str], None]
@@ -131,7 +130,9 @@ def prepare_world(files: Sequence[str], plan: Plan, world: World, *, complete: b
 
 def needs_rviz(plan: Plan, world: World) -> bool:
     """Determine whether the plan has a node of RViz for this computer, which has a display and no RViz."""
-    if not has_display(world.environment) or not any(node.package == "rviz" for node in _local_nodes(plan)):
+    if not has_display(world.environment) or not any(
+        node.package == "rviz" for node in filter(plan.is_local, plan.nodes)
+    ):
         return False
     try:
         world.find_package("rviz")
@@ -163,15 +164,8 @@ def read_needs(program: Path) -> tuple[PythonNeed | DebianNeed | FileNeed, ...]:
     return tuple(needs)
 
 
-def _local_nodes(plan: Plan) -> Iterator[NodeSpec]:
-    addresses = {machine.name: machine.address for machine in plan.machines}
-    for node in plan.nodes:
-        if node.machine is None or addresses.get(node.machine) in _LOCAL:
-            yield node
-
-
 def _local_programs(plan: Plan, world: World, library: Path) -> Iterator[tuple[NodeSpec, Path]]:
-    for node in _local_nodes(plan):
+    for node in filter(plan.is_local, plan.nodes):
         if node.package != library.name:
             continue
         try:

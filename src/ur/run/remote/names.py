@@ -7,13 +7,12 @@ import socket
 from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import replace
 
-from ur.launchfile.plan.model import NodeSpec, Plan
+from ur.launchfile.plan.model import LOCAL_ADDRESSES, NodeSpec, Plan
 from ur.run.master.client import Master, parse_master_uri
 from ur.run.remote.signs import Sign, look_up_nodes, probe_node
 from ur.source.diagnostic import UserError
 
 _TRIES = 9
-_LOCAL = {"localhost", "127.0.0.1", "::1"}
 
 
 def find_taken(
@@ -95,7 +94,7 @@ def is_same_master(one: str, other: str) -> bool:
     except UserError:
         return False
     return first.port == second.port and (
-        first.host == second.host or {first.host, second.host} <= _LOCAL | {socket.gethostname()}
+        first.host == second.host or {first.host, second.host} <= LOCAL_ADDRESSES | {socket.gethostname()}
     )
 
 
