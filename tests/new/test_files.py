@@ -53,7 +53,7 @@ def test_group_asks_for_what_its_parts_require_and_hands_it_on() -> None:
         Part("$(find p)/rviz_b/launch/rviz_b.launch.xml", {"machine": "localhost"}),
         Part("$(find p)/n_c/launch/n_c.launch.xml", {"gain": "2"}),
     ]
-    text = str(plan_multi("all", "All.", "", parts)[0].text)
+    text = str(plan_multi("all", "All.", parts)[0].text)
     assert '<arg name="machine" value="$(arg robot_machine)"/>' in text
     assert '<arg name="machine" value="$(arg viewer_machine)"/>' in text
     assert '<arg name="file"/>' in text
@@ -69,9 +69,9 @@ def test_view_is_yaml_and_shows_its_topics() -> None:
 
 
 def test_program_is_documented_and_executable() -> None:
-    (file,) = plan_program("go", "Go there.", "First line.\nSecond line.", "p", "m_go.launch.xml")
+    (file,) = plan_program("go", "Go there.", "p", "m_go.launch.xml")
     assert file.executable
-    assert "##Summary: Go there.\n##Overview: First line.\n## Second line.\n" in str(file.text)
+    assert "##Summary: Go there.\n##Overview: Starts `m_go.launch.xml` on the selected robot.\n" in str(file.text)
     assert 'exec ur launch p m_go.launch.xml "$@"\n' in str(file.text)
 
 

@@ -35,9 +35,9 @@ def survey_launch_file(path: str, package: Package | None, world: World) -> Laun
     )
 
 
-def walk_elements(top: Element | None, parent: Element | None = None) -> Iterator[tuple[Element, Element | None]]:
+def walk_elements(top: Element | None) -> Iterator[tuple[Element, Element | None]]:
     """Every element below `top` in document order, with the one it stands in."""
-    stack = [(top, parent)] if top is not None else []
+    stack: list[tuple[Element, Element | None]] = [(top, None)] if top is not None else []
     while stack:
         element, parent = stack.pop()
         yield element, parent

@@ -77,9 +77,9 @@ def merge_trees(trees: Sequence[Branch]) -> Graph:
     return Graph(tuple(boxes.values()), tuple(arrows.values()))
 
 
-def walk_tree(tree: Branch, parent: Branch | None = None) -> Iterator[tuple[Branch, Branch | None]]:
+def walk_tree(tree: Branch) -> Iterator[tuple[Branch, Branch | None]]:
     """Every branch with the one it grows from, top down."""
-    stack: list[tuple[Branch, Branch | None]] = [(tree, parent)]
+    stack: list[tuple[Branch, Branch | None]] = [(tree, None)]
     while stack:
         branch, above = stack.pop()
         yield branch, above

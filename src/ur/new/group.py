@@ -50,7 +50,7 @@ DISPLAYS = {"sensor_msgs/LaserScan": "LaserScan", "sensor_msgs/Range": "Range", 
              "visualization_msgs/MarkerArray": "MarkerArray", "sensor_msgs/PointCloud2": "PointCloud2"}  # fmt: skip
 
 
-def plan_multi(name: str, summary: str, overview: str, parts: Sequence[Part]) -> tuple[NewFile, ...]:
+def plan_multi(name: str, summary: str, parts: Sequence[Part]) -> tuple[NewFile, ...]:
     """A launch file that includes others: what they need that nobody else says becomes an argument of it."""
     arguments: dict[str, Argument] = {}
     body: list[str] = []
@@ -63,7 +63,7 @@ def plan_multi(name: str, summary: str, overview: str, parts: Sequence[Part]) ->
         )
     folder = f"m_{name}"
     started = ", ".join(f"`{_stem(part.file)}`" for part in parts)
-    text = write_launch(summary, overview or f"It starts {started}.", list(arguments.values()), body)
+    text = write_launch(summary, f"It starts {started}.", list(arguments.values()), body)
     return (NewFile(f"{folder}/launch/{folder}.launch.xml", text),)
 
 
@@ -128,20 +128,16 @@ def _topic_key(display: str) -> str:
     return {"Image": "Image Topic", "MarkerArray": "Marker Topic"}.get(display, "Topic")
 
 
-def plan_program(
-    name: str, summary: str, overview: str, package: str, launch: str, ur: str = "ur"
-) -> tuple[NewFile, ...]:
-    """A program in `bin` that starts a launch file of its package. `ur` is the command that it calls."""
-    about = [line.strip() for line in (overview or f"Starts `{launch}` on the selected robot.").splitlines()]
+def plan_program(name: str, summary: str, package: str, launch: str) -> tuple[NewFile, ...]:
+    """A program in `bin` that starts a launch file of its package."""
     text = "\n".join(
         [
             "#!/bin/bash",
             f"##Summary: {' '.join(summary.split())}",
-            f"##Overview: {about[0]}",
-            *(f"## {line}".rstrip() for line in about[1:]),
+            f"##Overview: Starts `{launch}` on the selected robot.",
             "##",
             f"## Arguments are those of `{launch}`, written `NAME:=VALUE`.",
-            f'exec {ur} launch {package} {launch} "$@"',
+            f'exec ur launch {package} {launch} "$@"',
             "",
         ]
     )

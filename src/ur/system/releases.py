@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import shlex
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cache
 from importlib.resources import files
@@ -115,9 +115,9 @@ def load_ros_packages() -> tuple[str, ...]:
     return tuple(line for line in lines if line and not line.startswith("#"))
 
 
-def find_release(system: System, releases: Sequence[Release] | None = None) -> Release:
+def find_release(system: System) -> Release:
     """The row of the table that counts for a system, in the order that the head of the table describes."""
-    rows = load_releases() if releases is None else releases
+    rows = load_releases()
     ranks = [_rank(row, system) for row in rows]
     best = min(ranks)
     found = rows[ranks.index(best)]

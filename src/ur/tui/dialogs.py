@@ -121,8 +121,8 @@ def _frame(box: Vertical, palette: Palette) -> None:
     box.styles.border = ("round", palette.quiet)
 
 
-def read_page(name: str, path: str, palette: Palette, most: int = 2000) -> Page:
+def read_page(name: str, path: str, palette: Palette) -> Page:
     """The end of a node's log file."""
-    lines = read_last_lines(path, most, 512 * 1024)
+    lines = read_last_lines(path, 2000, 512 * 1024)
     text = Text.from_ansi("\n".join(lines)) if lines else Text("(empty)")
     return Page(f"{name}  {path}", text, palette, at_end=True)

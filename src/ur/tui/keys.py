@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import groupby
 
@@ -63,9 +62,9 @@ KEYS = (
 FOOT = "?q/dlxrsknvm"  # the last line names keys in this order, as many as there is room for
 
 
-def make_bindings(keys: Sequence[Key] = KEYS) -> list[BindingType]:
+def make_bindings() -> list[BindingType]:
     """The bindings. They come before widgets, so that keys act in the order of typing; see `RunScreen.check_action`."""
-    return [Binding(name, key.action, show=False, priority=True) for key in keys for name in key.keys.split(",")]
+    return [Binding(name, key.action, show=False, priority=True) for key in KEYS for name in key.keys.split(",")]
 
 
 def describe_foot(width: int, palette: Palette) -> Text:

@@ -111,7 +111,7 @@ def test_names_of_sessions_are_one_line() -> None:
 
 
 def test_viewer_link_is_good_again_and_again_and_is_no_session() -> None:
-    ledger, secret = add_viewer(Ledger(), Role.LOOK, "Foxglove")
+    ledger, secret = add_viewer(Ledger(), Role.LOOK)
     found = find_viewer(ledger, secret)
     assert found is not None
     assert (found[1].role, found[1].name) == (Role.LOOK, "Foxglove")
@@ -124,7 +124,7 @@ def test_viewer_link_is_good_again_and_again_and_is_no_session() -> None:
 
 
 def test_logins_leave_viewer_links_alone() -> None:
-    ledger, secret = add_viewer(Ledger(), Role.DRIVE, "Foxglove")
+    ledger, secret = add_viewer(Ledger(), Role.DRIVE)
     ledger, token = add_token(ledger, Role.DRIVE, 0.0)
     ledger, _ = use_token(ledger, token, Device("a phone"), 0.0)
     assert find_viewer(end_sessions(ledger, list_sessions(ledger, 1.0)), secret) is not None

@@ -82,7 +82,7 @@ def command(
 
 
 def _examine_each(robots: Sequence[str], *, fix: bool, verbose: bool, as_json: bool, password_from: int | None) -> int:
-    passwords = ask_passwords(robots, password_from, "--password-from", root=fix)
+    passwords = ask_passwords(robots, password_from, root=fix)
     options = [name for name, given in (("--fix", fix), ("--verbose", verbose), ("--json", as_json)) if given]
 
     def make_argv(robot: str) -> list[str]:

@@ -104,9 +104,9 @@ def new_multi(
     name = ask(name, "NAME", "Name of the directory, without m_")
     summary = ask(summary, "--summary", "What it starts, in one line")
     names = includes or tuple(ask(None, "--include", "What it includes, for example n_joy m_robot_base").split())
-    files = plan_multi(name, summary, "", find_parts(names, target))
+    files = plan_multi(name, summary, find_parts(names, target))
     if program:
-        files += plan_program(name, summary, "", target.name, f"m_{name}.launch.xml")
+        files += plan_program(name, summary, target.name, f"m_{name}.launch.xml")
     return show_done(target, files, f"ur launch {target.name} m_{name}.launch.xml")
 
 
@@ -129,7 +129,7 @@ def new_rviz(
     summary = ask(summary, "--summary", "What it shows, in one line")
     files = plan_rviz(name, summary, target.name, frame, shown)
     if program:
-        files += plan_program(f"rviz_{name}", summary, "", target.name, f"rviz_{name}.launch.xml")
+        files += plan_program(f"rviz_{name}", summary, target.name, f"rviz_{name}.launch.xml")
     return show_done(target, files, f"ur launch {target.name} rviz_{name}.launch.xml")
 
 
@@ -147,7 +147,7 @@ def new_program(name: str | None, summary: str | None, package: str | None, laun
     summary = ask(summary, "--summary", "What it is for, in one line")
     launch = ask(launch, "--launch", "Launch file that it starts", f"m_{name}.launch.xml")
     check_launch_file(target, launch)
-    return show_done(target, plan_program(name, summary, "", target.name, launch), f"ur run {name}")
+    return show_done(target, plan_program(name, summary, target.name, launch), f"ur run {name}")
 
 
 @command.command("base")

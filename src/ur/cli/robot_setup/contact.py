@@ -16,12 +16,14 @@ from ur.robot.ssh.host_key import parse_fingerprint
 from ur.source.diagnostic import UserError, error_about
 
 
-def read_fingerprint(text: str, option: str) -> str:
+def read_fingerprint(text: str) -> str:
     """A fingerprint that the user has given. Raises UserError."""
     try:
         return parse_fingerprint(text)
     except ValueError as problem:
-        raise UserError(error_about(option, f"{problem}", rule="bad-value", help=f"to see it, {COMPARE}")) from None
+        raise UserError(
+            error_about("--host-key", f"{problem}", rule="bad-value", help=f"to see it, {COMPARE}")
+        ) from None
 
 
 def confirm_host_key(task: Task, *, fingerprint: str = "", yes: bool = False, new_host_key: bool = False) -> Task:

@@ -124,7 +124,7 @@ def setup(
     else:
         tasks = [ask_task(host, name, base, variant) for host in hosts]
         if host_key:
-            fingerprints = {tasks[0].robot.name: read_fingerprint(host_key, "--host-key")}
+            fingerprints = {tasks[0].robot.name: read_fingerprint(host_key)}
     check_names(tasks)
     here = LocalShell()
     viewer = prepare_viewer(here, getpass.getuser())

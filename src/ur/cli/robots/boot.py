@@ -201,7 +201,7 @@ def remove(robots: tuple[str, ...], every: bool, password_from: int | None, name
 def _change_each(
     command_name: str, robots: Sequence[str], password_from: int | None, options: Sequence[str], argv: Sequence[str]
 ) -> int:
-    passwords = ask_passwords(robots, password_from, "--password-from", root=True)
+    passwords = ask_passwords(robots, password_from, root=True)
 
     def make_argv(robot: str) -> list[str]:
         given = ["--password-from", "0"] if passwords[robot] else []

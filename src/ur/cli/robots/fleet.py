@@ -116,16 +116,14 @@ def print_json_of_each(
     return find_exit_code(fleet)
 
 
-def ask_passwords(
-    robots: Sequence[str], descriptor: int | None, option: str, *, root: bool
-) -> dict[str, Secret | None]:
+def ask_passwords(robots: Sequence[str], descriptor: int | None, *, root: bool) -> dict[str, Secret | None]:
     """The password of each robot; None for one that needs none, or where nobody can be asked.
 
     It is read from `descriptor`, one for all; else, on a terminal, it is asked for once, for those robots that refuse
     the key, or, with `root`, let sudo ask. Raises UserError: the descriptor cannot be read.
     """
     if descriptor is not None:
-        line = read_lines(descriptor, option, 1)[0]
+        line = read_lines(descriptor, "--password-from", 1)[0]
         return dict.fromkeys(robots, Secret(line) if line else None)
     none: dict[str, Secret | None] = dict.fromkeys(robots)
     if not sys.stdin.isatty():

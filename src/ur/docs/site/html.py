@@ -63,15 +63,15 @@ def cases_attribute(cases: Iterable[Case]) -> str:
     return f' data-cases="{escape(keys)}"' if keys else ""
 
 
-def show_values(values: Sequence[Value], show: Callable[[str], str] = code) -> str:
+def show_values(values: Sequence[Value]) -> str:
     """A value that may differ from base to base."""
     if len(values) == 1 and not values[0].cases:
-        return show(values[0].text)
+        return code(values[0].text)
     parts = []
     for value in values:
         names = name_cases(value.cases)
         where = f' <span class="where">{escape(names)}</span>' if names.strip() else ""
-        parts.append(f"<div{cases_attribute(value.cases)}>{show(value.text)}{where}</div>")
+        parts.append(f"<div{cases_attribute(value.cases)}>{code(value.text)}{where}</div>")
     return "".join(parts)
 
 

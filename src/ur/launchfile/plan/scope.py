@@ -64,9 +64,9 @@ class Scope:
         child.chain = self.chain
         return child
 
-    def include_child(self, namespace: str | None) -> Scope:
+    def include_child(self) -> Scope:
         """The scope of an `<include>`: arguments start anew, the rest is inherited."""
-        child = self.child(namespace)
+        child = self.child(None)
         child.declared = {}
         child.missing = {}
         child.passing = {}

@@ -129,9 +129,7 @@ def set_clock(shell: Shell, now: Callable[[], float], report: Report) -> None:
         shell.run(f"date -u -s @{now():.0f}", root=True)
 
 
-def wait_for_boot(
-    task: Task, before: str, at: str, report: Report, clock: Callable[[], float] = time.monotonic
-) -> None:
+def wait_for_boot(task: Task, before: str, at: str, report: Report) -> None:
     """Wait until the robot has booted again and answers to its new name and our key. Raises UserError.
 
     `before` names the boot that shall end, `at` is the robot's address in it. A robot that is still in that boot did
@@ -140,9 +138,9 @@ def wait_for_boot(
     # Its new name is that of its host key, which is known, whatever it still calls itself.
     old = ["-o", f"HostKeyAlias={task.later.host}", "-o", f"ConnectTimeout={QUICK_SECONDS}"]
     ways = [(task.later, list[str]()), *([(Address(task.address.user, at), old)] if at else [])]
-    end, patience = clock() + BOOT_SECONDS, clock() + AGAIN_SECONDS
+    end, patience = time.monotonic() + BOOT_SECONDS, time.monotonic() + AGAIN_SECONDS
     reason = "it does not answer"
-    while clock() < end:
+    while time.monotonic() < end:
         for address, options in ways:
             try:
                 with connect(address, options=options) as shell:
@@ -154,10 +152,10 @@ def wait_for_boot(
                         reason = "its name leads elsewhere" if name == task.robot.name else f"it calls itself {name}"
                         continue
                     reason = "it has not gone down yet"
-                    if clock() > patience and shell.find_sudo(find_passwords(task)):
+                    if time.monotonic() > patience and shell.find_sudo(find_passwords(task)):
                         report(f"it has not gone down: reboot as {task.later.host} once more")
                         reason = _reboot(shell) or reason
-                        patience = clock() + AGAIN_SECONDS
+                        patience = time.monotonic() + AGAIN_SECONDS
             except UserError as problem:
                 reason = problem.diagnostics[0].message
         time.sleep(PAUSE_SECONDS)

@@ -77,7 +77,6 @@ def run_process(
     stdin: str | Secret = "",
     timeout: float,
     what: str,
-    environment: dict[str, str] | None = None,
     own_session: bool = True,
 ) -> Done:
     """Run a program to its end. When it is late or we are stopped it is killed; with `own_session`, all it started too.
@@ -91,7 +90,6 @@ def run_process(
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
-            env=environment,
             start_new_session=own_session,
         )
     except ValueError as problem:  # a null byte in an argument

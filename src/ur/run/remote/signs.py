@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import threading
 import time
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from contextlib import suppress
 from enum import Enum
 from pathlib import Path
@@ -63,17 +63,14 @@ def judge_client(client: Client, nodes: Mapping[str, Sign | None], now: float) -
     return Sign.GONE
 
 
-def ask_nodes(
-    names: Iterable[str], master: Master, probe: Callable[[str], Sign] | None = None
-) -> dict[str, Sign | None]:
+def ask_nodes(names: Iterable[str], master: Master) -> dict[str, Sign | None]:
     """Ask each node that a master knows for a sign; None for those that it does not know."""
     names = list(names)
-    probe = probe or probe_node
     try:
         found = look_up_nodes(names, master)
     except LookupError:
         return dict.fromkeys(names, Sign.SILENT)
-    return {name: probe(found[name]) if name in found else None for name in names}
+    return {name: probe_node(found[name]) if name in found else None for name in names}
 
 
 def look_up_nodes(names: Collection[str], master: Master) -> dict[str, str]:

@@ -53,11 +53,11 @@ def read_text(
     return data.replace(b"\r\n", b"\n").replace(b"\r", b"\n").decode("utf-8", errors)
 
 
-def read_head(path: str | os.PathLike[str], size: int = _BLOCK) -> str:
-    """Return the first `size` bytes of a regular file as text, however large it is. Raises OSError as read_file."""
+def read_head(path: str | os.PathLike[str]) -> str:
+    """Return the first 64 KiB of a regular file as text, however large it is. Raises OSError as read_file."""
     descriptor = open_descriptor(path, sys.maxsize)
     try:
-        return os.read(descriptor, size).replace(b"\r\n", b"\n").decode("utf-8", "replace")
+        return os.read(descriptor, _BLOCK).replace(b"\r\n", b"\n").decode("utf-8", "replace")
     finally:
         os.close(descriptor)
 

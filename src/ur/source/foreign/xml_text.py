@@ -9,17 +9,15 @@ MAX_ELEMENTS = 200_000
 MAX_LENGTH = 20_000_000  # bytes or characters
 
 
-def parse_xml(
-    text: str | bytes, *, length: int = MAX_LENGTH, elements: int = MAX_ELEMENTS, depth: int = MAX_DEPTH
-) -> Element:
+def parse_xml(text: str | bytes, *, length: int = MAX_LENGTH, elements: int = MAX_ELEMENTS) -> Element:
     """Return the root element of a document.
 
     Raises ValueError, whose text says why: not well-formed, a document type (which entities need), more characters
-    than `length`, more elements than `elements`, or elements nested deeper than `depth`.
+    than `length`, more elements than `elements`, or elements nested deeper than MAX_DEPTH.
     """
     if len(text) > length:
         raise ValueError(f"{len(text):,} characters, expected at most {length:,}")
-    parser = XMLParser(target=_Builder(elements, depth))  # noqa: S314 - the builder refuses document types
+    parser = XMLParser(target=_Builder(elements))  # noqa: S314 - the builder refuses document types
     try:
         parser.feed(text)
         root: Element = parser.close()
@@ -29,9 +27,9 @@ def parse_xml(
 
 
 class _Builder(TreeBuilder):
-    def __init__(self, elements: int, depth: int) -> None:
+    def __init__(self, elements: int) -> None:
         super().__init__()
-        self._elements, self._depth = elements, depth
+        self._elements = elements
         self._seen = self._open = 0
 
     def start(self, tag: str, attrs: dict[str, str], /) -> Element:
@@ -39,8 +37,8 @@ class _Builder(TreeBuilder):
         self._open += 1
         if self._seen > self._elements:
             raise ValueError(f"more than {self._elements:,} elements")
-        if self._open > self._depth:
-            raise ValueError(f"nested deeper than {self._depth} levels")
+        if self._open > MAX_DEPTH:
+            raise ValueError(f"nested deeper than {MAX_DEPTH} levels")
         return super().start(tag, attrs)
 
     def end(self, tag: str, /) -> Element:

@@ -127,7 +127,7 @@ def _include(element: Element, draft: Draft, scope: Scope, machine: _Machine) ->
     pass_all = read_optional(element, "pass_all_args", draft, scope)
     passes_all = as_flag(pass_all, element, "pass_all_args") if pass_all is not None else False
     namespace = resolve_namespace(element, draft, scope)
-    child = scope.include_child(None)
+    child = scope.include_child()
     child.namespace = namespace
     _pass_arguments(element, draft, scope, child, passes_all)
     check_passed(child)

@@ -68,7 +68,7 @@ class Sessions:
 
     def invite_viewer(self, role: Role) -> str:
         """Make the secret of a viewer link."""
-        self._ledger, secret = add_viewer(self._ledger, role, "Foxglove")
+        self._ledger, secret = add_viewer(self._ledger, role)
         return secret
 
     def log_in(self, token: object, name: str, address: str, before: str = "") -> str | None:
