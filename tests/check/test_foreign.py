@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from ur.check.examples import FOLDER, check_example
 from ur.check.model import Example
 from ur.check.queries.executables import is_misspelt
+from ur.check.render.pages import FOLDER, check_example
 from ur.check.render.text import render_text
 from ur.check.run import Report, check_paths
 from ur.launchfile.world import MemoryWorld

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from ur.check.examples import FOLDER, check_example
 from ur.check.model import Example, launch_example
+from ur.check.render.pages import FOLDER, check_example
 from ur.check.run import Report, check_paths
 from ur.launchfile.world import MemoryWorld
 from ur.source.diagnostic import UserError

@@ -9,8 +9,8 @@ import os
 from pathlib import Path
 
 from ur.check.catalogue import load_rules
-from ur.check.examples import FOLDER, check_example
 from ur.check.model import Rule
+from ur.check.render.pages import FOLDER, check_example
 from ur.check.render.text import shorten_paths
 
 GOLDEN = Path(__file__).parent / "golden" / "wording.txt"

@@ -8,12 +8,11 @@ from pathlib import Path
 import pytest
 
 from ur.get import owners
-from ur.get.folder import folder_needs, hints_above
+from ur.get.folder import find_renamed, folder_needs, hints_above
 from ur.get.index import Index
 from ur.get.model import Missing
 from ur.get.owners import ask_server, confirm_guesses, owners_of_config, owners_of_manifest
 from ur.get.plan import Tables, make_plan
-from ur.get.renamed import find_renamed
 from ur.get.render import render_plan
 
 OWNER = "https://github.com/somebody"

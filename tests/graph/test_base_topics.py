@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from ur.graph.base_topics import find_base_uses
 from ur.graph.text import draw_graph
-from ur.graph.topics import graph_plan
+from ur.graph.topics import find_base_uses, graph_plan
 from ur.launchfile import MemoryWorld, Plan, load_plan
 from ur.request.environment import PACKAGE
 

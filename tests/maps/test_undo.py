@@ -8,11 +8,11 @@ import pytest
 from tests.maps.test_scan_file import GRAPH
 
 from ur.maps.change import move_map, write_places
+from ur.maps.editing import read_state, restore_state
 from ur.maps.picture_file import write_picture
 from ur.maps.record import MapRecord
 from ur.maps.scan_file import encode_graph, read_graph
 from ur.maps.store import MapStore
-from ur.maps.undo import read_state, restore_state
 from ur.source.diagnostic import UserError
 
 VALUES = np.zeros((40, 60), np.int8)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import islice
 from pathlib import Path
@@ -13,11 +13,13 @@ from ur.get.index import read_dependencies, read_name
 from ur.get.missing import is_installed, missing_of_names, named_files, named_packages
 from ur.get.model import Missing, Needs, Repository
 from ur.get.owners import addresses_of, owners_above, owners_of_manifest, owners_of_repositories, read_owners
-from ur.get.renamed import find_renamed
 from ur.launchfile.world.system import SystemWorld
 from ur.source.diagnostic import UserError, error
 from ur.source.foreign.files import read_text
 from ur.source.progress import Progress, no_progress
+
+_FEW = 3  # files: of fewer all have to be there
+_SHARE = 0.8  # of more: some were removed since
 
 SUFFIXES = (".launch", ".launch.xml", ".test")
 _TEXTS = (*SUFFIXES, ".xacro")
@@ -205,3 +207,23 @@ def _list_texts(folder: str, found: _Found) -> Iterator[Path]:
         for name in sorted(files):
             if name.endswith(_TEXTS) or name == "package.xml" or LISTS.fullmatch(name) or TEXTS.fullmatch(name):
                 yield Path(place, name)
+
+
+def find_renamed(
+    package: str, paths: Collection[str], here: Iterable[str], has_file: Callable[[str, str], bool]
+) -> str:
+    """Find the one package that is `package` under another name; "" where none or several may be.
+
+    Its name differs only in capitals and dashes, or it has the files that launch files expect in `package`: `paths`
+    below the package's folder. `has_file` says whether a package has a path.
+    """
+    names = tuple(here)
+    if like := [name for name in names if _plain(name) == _plain(package)]:
+        return like[0] if len(like) == 1 else ""
+    least = len(paths) * (_SHARE if len(paths) >= _FEW else 1)
+    fitting = [name for name in names if paths and sum(has_file(name, path) for path in paths) >= least]
+    return fitting[0] if len(fitting) == 1 else ""
+
+
+def _plain(name: str) -> str:
+    return name.lower().replace("_", "").replace("-", "")

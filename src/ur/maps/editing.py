@@ -5,17 +5,18 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
-from ur.maps.change import Point, add_edit, make_edit, move_map, name_place, propose, read_places
+from ur.maps.change import Point, add_edit, make_edit, move_map, name_place, next_graph_name, propose, read_places
 from ur.maps.edit import Origin
+from ur.maps.picture_file import write_picture
 from ur.maps.record import EditKind, MapRecord, Zone, ZoneKind
 from ur.maps.store import MapStore
-from ur.maps.undo import MapState, read_state, restore_state
-from ur.maps.zone_mask import is_inside
+from ur.maps.zone_mask import is_inside, write_masks
 from ur.maps.zones import delete_zone, describe_zone, fresh_zone_name, make_zone, put_zone
 from ur.source.diagnostic import UserError, error
+from ur.source.replace import replace_file
 from ur.worlds.map_file import MapImage, read_map
 
 _MOST_STEPS = 50  # that can be undone
@@ -126,3 +127,53 @@ class EditSession:
         before = read_state(self._store, self.name, self._waypoints)
         yield
         self._steps = [*self._steps, _Step(title, before, self._store.record(self.name))][-_MOST_STEPS:]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MapState:
+    """A map as it was: record, picture, and the bytes of its pose graph and of its waypoints; None: no such file."""
+
+    record: MapRecord
+    image: MapImage
+    graph: bytes | None
+    waypoints: bytes | None
+
+
+def read_state(store: MapStore, name: str, waypoints: Path) -> MapState:
+    """Read the state of a map. Raises UserError, or OSError."""
+    record, image = store.record(name), read_map(store.picture(name))
+    graph = (store.path(name) / record.graph).read_bytes() if record.graph else None
+    return MapState(record, image, graph, waypoints.read_bytes() if waypoints.exists() else None)
+
+
+def restore_state(store: MapStore, name: str, waypoints: Path, state: MapState, left: MapRecord) -> None:
+    """Bring a state back. `left` is the record that the change has left.
+
+    Raises UserError: another program has changed the map since; then nothing is changed. Or OSError.
+    """
+    with store.claim(name):
+        now = store.record(name)
+        if now != left:
+            raise UserError(
+                error(
+                    f"map {name!r} was changed by another program, expected the map of the last change here",
+                    rule="not-undone",
+                    help="open it again: ur maps edit",
+                    subject=name,
+                )
+            )
+        record = state.record
+        if state.graph is not None:
+            record = replace(record, graph=next_graph_name(now.graph, now.scans))
+            replace_file(store.path(name) / record.graph, state.graph)
+        store.write_record(name, record)
+        image = state.image
+        write_picture(store.path(name) / "map", image.values, image.resolution, image.origin)
+        if now.zones or record.zones:
+            write_masks(store.path(name), record.zones, image)
+        if state.waypoints is not None:
+            replace_file(waypoints, state.waypoints)
+        else:
+            waypoints.unlink(missing_ok=True)
+        if now.graph and now.graph != record.graph:
+            (store.path(name) / now.graph).unlink(missing_ok=True)

@@ -13,10 +13,11 @@ from ur.launchfile.plan.load import load_plan
 from ur.launchfile.plan.model import MachineSpec, Origin, Plan
 from ur.launchfile.world.protocol import World
 from ur.launchfile.world.system import SystemWorld
+from ur.maps.names import LATEST, check_map_name
+from ur.maps.store import own_store
 from ur.request.arguments import Argument, values_of
 from ur.request.environment import apply_selection, current_selection
 from ur.request.launch_request import LaunchRequest, make_request
-from ur.request.maps import resolve_map
 from ur.request.worlds import check_worlds, resolve_worlds
 from ur.robot.selection import Selection
 from ur.source.diagnostic import Diagnostic, Severity, UserError
@@ -25,6 +26,8 @@ from ur.source.file import SourceFile, Span
 if TYPE_CHECKING:
     from ur.request.bases.base_argument import FileBase
 
+_MAP = "map"
+_OTHERS = ("map_file", "world")
 
 Inspect = Callable[[Iterable[Diagnostic]], None]
 
@@ -205,3 +208,28 @@ def _harden(finding: Diagnostic) -> Diagnostic:
     if finding.rule not in ("unknown-argument", "bad-argument"):
         return finding
     return replace(finding, severity=Severity.ERROR)
+
+
+def resolve_map(
+    arguments: Sequence[Argument], declared: Collection[str], *, real: bool, remote: bool
+) -> tuple[Argument, ...]:
+    """Check the map that a launch file with the arguments `map` and `map_file` is to use.
+
+    Without one, a real robot uses the last map that it has made. `remote`: the map is on another computer. Raises
+    UserError: this computer has no such map.
+    """
+    if _MAP not in declared or "map_file" not in declared:
+        return tuple(arguments)
+    values = values_of(arguments)
+    store = own_store(os.environ)
+    if name := values.get(_MAP, ""):
+        if "map_file" in values:
+            return tuple(arguments)
+        resolved = (name if name == LATEST else check_map_name(name)) if remote else store.resolve(name)
+        return tuple(Argument(_MAP, resolved) if each.name == _MAP else each for each in arguments)
+    if not real or _MAP in values or any(other in values for other in _OTHERS) or values.get("simulate") == "true":
+        return tuple(arguments)
+    if values.get("localisation") == "fiducials":
+        return tuple(arguments)
+    found = LATEST if remote else store.latest()
+    return (*arguments, Argument(_MAP, found)) if found else tuple(arguments)

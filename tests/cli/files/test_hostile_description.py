@@ -16,12 +16,12 @@ import pytest
 from tests.robot.description.urdfs import SMALL
 
 from ur.cli.main import main
-from ur.robot.description.expansion import library
+from ur.robot.description.expansion import xacro
 
 PROJECT = Path(__file__).parents[3]
 PLAIN = re.sub(r"<\?xml.*?\?>\s*", "", SMALL)
 FIGURES = ["--velocity", "0.5", "--angular-velocity", "1.5", "--no-lidar"]
-genuine = pytest.mark.skipif(library.find_own() is None, reason="xacro is not installed: requirements/dev.lock")
+genuine = pytest.mark.skipif(xacro.find_own() is None, reason="xacro is not installed: requirements/dev.lock")
 
 
 class Repository:
@@ -150,7 +150,7 @@ def test_xacro_of_the_repository_is_not_run(
     capsys: pytest.CaptureFixture[str],
     add: Callable[[Repository], None],
 ) -> None:
-    monkeypatch.setattr(library, "find_own", lambda: None)
+    monkeypatch.setattr(xacro, "find_own", lambda: None)
     monkeypatch.setattr("sys.stdin", Yes("y\n" * 20))
     add(repository)
     assert make_base(repository, repository.robot) == 2

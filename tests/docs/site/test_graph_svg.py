@@ -9,7 +9,7 @@ from xml.etree import ElementTree
 from tests.docs.helpers import LIBRARY, ROVER, document_folder, find
 
 from ur.docs.model import Case
-from ur.docs.site.graph_svg import draw_svg
+from ur.docs.site.pages import draw_svg
 from ur.graph.model import Arrow, Box, Graph
 
 _BOX = re.compile(r'<rect x="([\d.]+)" y="([\d.]+)" width="([\d.]+)" height="([\d.]+)"')

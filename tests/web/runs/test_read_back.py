@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from ur.web.runs.read_back import ReadBack
+from ur.web.runs.watcher import ReadBack
 
 
 class Node:

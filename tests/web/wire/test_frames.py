@@ -7,6 +7,7 @@ import zlib
 
 import pytest
 
+from ur.web.server.viewers import Frames
 from ur.web.wire.frames import (
     TILE,
     GridFrame,
@@ -21,7 +22,6 @@ from ur.web.wire.frames import (
     pose_frame,
     tile_frame,
 )
-from ur.web.wire.retained import Frames
 
 GRID = GridFrame(3, 0.05, (-1.0, 2.0, 0.5), -4, 7, 300, 200)
 

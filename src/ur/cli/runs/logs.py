@@ -8,13 +8,23 @@ from pathlib import Path
 
 import click
 
-from ur.cli.runs.detached import choose_run, connect, describe_age, find_node_name
-from ur.cli.runs.ended_logs import find_ended_run, show_ended
+from ur.cli.runs.detached import (
+    choose_run,
+    connect,
+    describe_age,
+    describe_end,
+    find_node_name,
+    list_own_ended,
+    list_own_runs,
+)
 from ur.run.clients.client import RunClient, iterate_events
 from ur.run.clients.protocol import NodeChanged, Synchronised
 from ur.run.output.log_follower import LogFollower
+from ur.run.record.ended import EndedRun, find_ended
 from ur.run.record.entry import RunEntry
+from ur.run.record.registry import find_run
 from ur.source.diagnostic import UserError, error_about
+from ur.source.printable import printable
 
 POLL_PERIOD = 0.1  # s
 
@@ -98,3 +108,42 @@ def _show(path: Path, client: RunClient, lines: int | None, silent: str, *, foll
                 path, f"{reason}, expected a log file", rule="no-log", help="a node that never started has none"
             )
         ) from None
+
+
+def find_ended_run(name: str | None) -> EndedRun | None:
+    """The run of a name that has ended, where none that runs fits; without a name: where nothing runs."""
+    runs = list_own_runs()
+    if name is None and runs:
+        return None
+    if name is not None and runs:
+        try:
+            find_run(runs, name)
+        except UserError as problem:
+            if problem.diagnostics[0].rule != "unknown-run":
+                return None
+        else:
+            return None
+    return find_ended(list_own_ended(), name)
+
+
+def show_ended(run: EndedRun, node: str | None, lines: int | None, *, only_path: bool) -> int:
+    """Print the log of a node of a run that has ended, or how the run ended and its last lines. Raises UserError."""
+    if node is None:
+        path = f"{run.entry.log_folder}/{run.entry.run}.log"
+    else:
+        path = run.logs[find_node_name(node, list(run.logs))]
+    if only_path:
+        click.echo(path)
+        return 0
+    sys.stderr.write(f"{describe_end(run, time.time())}\n")
+    sys.stderr.flush()
+    try:
+        found = Path(path).read_bytes().splitlines(keepends=True)
+    except OSError as problem:
+        if node is not None:
+            reason = (problem.strerror or str(problem)).lower()
+            raise UserError(error_about(path, f"{reason}, expected a log file", rule="no-log")) from None
+        found = [f"{printable(line)}\n".encode() for line in run.lines]
+    sys.stdout.buffer.write(b"".join(found if lines is None else found[-lines:] if lines else []))
+    sys.stdout.buffer.flush()
+    return 0

@@ -2,17 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import re
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from html import escape
 
 from ur.docs.markdown.page import KIND_TITLES, how_to_run
 from ur.docs.model import Case, Documents, LaunchDoc, PackageDoc, ProgramDoc, SupportDoc, TreeDoc, TreeItem
-from ur.docs.site.graph_svg import draw_svg
 from ur.docs.site.html import blocks, cases_attribute, code, inline, link, section, table
 from ur.docs.site.layout import Plan, render_page, way_between
 from ur.docs.site.parts import Parts
-from ur.docs.site.source_view import show_source
 from ur.docs.vary import name_cases
+from ur.graph.model import Box, Graph
+from ur.graph.svg import draw_inline
+
+_XML = re.compile(
+    r"(?P<comment><!--.*?-->)|(?P<tag></?[\w:.-]+|/?>|\?>|<\?[\w:.-]+)|(?P<value>\"[^\"]*\"|'[^']*')", re.DOTALL
+)
+_SHELL = re.compile(r"(?P<comment>(?:^|(?<=\s))#[^\n]*)|(?P<value>\"[^\"\n]*\"|'[^'\n]*')", re.MULTILINE)
+
+_LONG = 46
 
 _TREE_LINES = 1000
 
@@ -223,3 +232,43 @@ def _bases_table(package: PackageDoc) -> str:
         for base in package.bases
     ]
     return table(("robot_base", "What it is", "It has", "robot_variant"), rows, "Bases")
+
+
+def draw_svg(graph: Graph, label: str, link_of: Callable[[str], str | None]) -> str:
+    """The graph as an `<svg>`; nothing for one without arrows. `link_of`: the page of a path, None for no link."""
+    boxes = tuple(_link(box, link_of) for box in graph.boxes)
+    # What an arrow says stands in the box that it leads to.
+    arrows = tuple(replace(arrow, label="") for arrow in graph.arrows)
+    return draw_inline(Graph(boxes, arrows), label)
+
+
+def _link(box: Box, link_of: Callable[[str], str | None]) -> Box:
+    link = link_of(box.title) if box.title and box.kind != "this" else None
+    return replace(box, label=_cut(box.label), note=_cut(box.note), title=box.title or box.label, link=link or "")
+
+
+def _cut(text: str) -> str:
+    return text if len(text) <= _LONG else text[: _LONG - 1] + "…"
+
+
+def show_source(text: str, *, xml: bool) -> str:
+    """Lines with anchors `L1`, `L2`, ...; comments, tags and values in colours."""
+    painted = "".join(_paint(text.expandtabs(4), _XML if xml else _SHELL))
+    lines = painted.removesuffix("\n").split("\n")
+    body = "\n".join(f'<span class="line" id="L{n}">{_close(line)}</span>' for n, line in enumerate(lines, 1))
+    return f'<pre class="source" tabindex="0" aria-label="source"><code>{body}</code></pre>'
+
+
+def _paint(text: str, pattern: re.Pattern[str]) -> Iterator[str]:
+    position = 0
+    for match in pattern.finditer(text):
+        yield escape(text[position : match.start()], quote=False)
+        # A line is an element of its own, so a comment over several lines is one piece per line.
+        pieces = match.group().split("\n")
+        yield "\n".join(f'<i class="{match.lastgroup}">{escape(piece, quote=False)}</i>' for piece in pieces)
+        position = match.end()
+    yield escape(text[position:], quote=False)
+
+
+def _close(line: str) -> str:
+    return line.rstrip("\r") or " "

@@ -1,8 +1,8 @@
 """The pure core of a run: the actions that follow an event. It has no process, no clock and no network.
 
 `step(state, event, now)` returns the next state and the actions. The shell around it (`ur.run.loop`) carries the
-actions out and feeds back events. `lifecycle` handles the start and the end of one unit, `requests` those of people,
-`master_reactions` a master that is lost or restarted, and `shutdown` the end of the whole run.
+actions out and feeds back events. `lifecycle` handles the start and the end of one unit, `requests` those of
+clients, and `shutdown` the end of the whole run.
 """
 
 from __future__ import annotations
@@ -10,19 +10,35 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import replace
 
-from ur.run.supervisor.actions import Action, AwaitMaster, SetParameters
+from ur.run.supervisor.actions import (
+    Action,
+    AwaitMaster,
+    ReportLink,
+    ReportMaster,
+    ReportRevival,
+    SetParameters,
+    StartShare,
+)
 from ur.run.supervisor.changes import Step, is_before, start_units
 from ur.run.supervisor.events import (
     Begin,
     Event,
     Evicted,
     Exited,
+    LinkLost,
+    LinkRestored,
     MasterAnswered,
+    MasterGone,
+    MasterLost,
+    MasterReplaced,
+    MasterReturned,
     NothingLeft,
     OwnerEnded,
     ParametersSet,
     RestartWanted,
     SetupFailed,
+    ShareFailed,
+    ShareStarted,
     Started,
     StartFailed,
     StartWanted,
@@ -32,7 +48,6 @@ from ur.run.supervisor.events import (
     Unregistered,
 )
 from ur.run.supervisor.lifecycle import note_ended, note_started
-from ur.run.supervisor.master_reactions import follow_master
 from ur.run.supervisor.model import ExitStatus, Limits, Phase, State, Unit, UnitState
 from ur.run.supervisor.requests import apply_request, press_overdue, restart_all
 from ur.run.supervisor.shutdown import begin_end, finish_end, press_all, remove_registrations
@@ -142,3 +157,41 @@ def _tick(state: State, now: float) -> Step:
     if state.phase is Phase.MASTER:
         return begin_end(state, f"the master did not answer within {state.limits.master:g} s", 1, now, failed=True)
     return press_all(state, now)
+
+
+def follow_master(state: State, event: Event, now: float) -> Step:
+    """React to an event of the master or of the link. A lost link alone changes nothing: nodes go on.
+
+    Another master knows neither parameters nor nodes. A robot that has a share of the run starts that again first.
+    """
+    match event:
+        case LinkLost(seconds):
+            return state, [ReportLink(lost=True, seconds=seconds)]
+        case LinkRestored(seconds):
+            state, actions = _set_stale_parameters(state)
+            return state, [ReportLink(lost=False, seconds=seconds), *actions]
+        case MasterLost():
+            return state, [ReportMaster(lost=True)]
+        case MasterReturned():
+            state, actions = _set_stale_parameters(state)
+            return state, [ReportMaster(lost=False), *actions]
+        case MasterReplaced() | MasterGone() if state.shared:
+            if state.reviving:
+                return state, []  # the master that the robot's share starts is seen here, too
+            return replace(state, reviving=True), [ReportRevival(), StartShare()]
+        case MasterReplaced():
+            return replace(state, reviving=True, stale=False), [ReportRevival(), SetParameters()]
+        case MasterGone(seconds) if seconds >= state.limits.robot:
+            cause = f"the robot answers, but no ROS master has run on it for {seconds:.0f} s"
+            return begin_end(state, cause, 1, now, failed=True)
+        case ShareStarted() if state.reviving:
+            return state, [SetParameters()]
+        case ShareFailed(reason) if state.reviving:
+            return begin_end(state, reason, 1, now, failed=True)
+    return state, []
+
+
+def _set_stale_parameters(state: State) -> Step:
+    if not state.stale or state.reviving:
+        return state, []
+    return replace(state, reviving=True, stale=False), [ReportRevival(), SetParameters()]

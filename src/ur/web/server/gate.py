@@ -13,13 +13,22 @@ from urllib.parse import parse_qs
 from aiohttp import web
 from aiohttp.typedefs import Handler, Middleware
 
-from ur.web.access.browsers import name_device
 from ur.web.access.heads import Head, find_cookies
 from ur.web.access.origin import LOOPBACK, Origins, allows_host, allows_origin, allows_viewer
 from ur.web.access.rate import Buckets
 from ur.web.access.roles import SESSION_LIFE, Grant, Role
 from ur.web.server.link_files import LinkFiles
 from ur.web.server.logins.sessions import Sessions, say_nothing
+
+_NAMES = (
+    ("iphone", "iPhone"),
+    ("ipad", "iPad"),
+    ("cros", "Chromebook"),
+    ("android", "Android"),
+    ("windows", "Windows"),
+    ("macintosh", "Mac"),
+    ("linux", "Linux"),
+)
 
 SESSION: web.RequestKey[tuple[str, Grant]] = web.RequestKey("session", tuple)
 HEADERS = {
@@ -219,3 +228,9 @@ def _own_address(request: web.Request) -> str:
     """The address of this computer that the request was sent to."""
     name = request.transport.get_extra_info("sockname") if request.transport else None
     return str(name[0]) if name else ""
+
+
+def name_device(user_agent: str | None) -> str:
+    """The device that a User-Agent header names; `a browser` where it names none."""
+    text = (user_agent or "")[:1000].lower()
+    return next((name for mark, name in _NAMES if mark in text), "a browser")

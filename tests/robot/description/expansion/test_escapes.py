@@ -8,12 +8,12 @@ from pathlib import Path
 
 import pytest
 
-from ur.robot.description.expansion import library, process
+from ur.robot.description.expansion import process, xacro
 from ur.robot.description.expansion.xacro import Computer, read_description
 from ur.robot.description.surroundings import find_surroundings
 from ur.source.diagnostic import UserError
 
-pytestmark = pytest.mark.skipif(library.find_own() is None, reason="xacro is not installed: requirements/dev.lock")
+pytestmark = pytest.mark.skipif(xacro.find_own() is None, reason="xacro is not installed: requirements/dev.lock")
 
 HEAD = '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">'
 # Python that a description wants to run. It comes as an argument, so that each escape is one expression.

@@ -8,13 +8,13 @@ from pathlib import Path
 
 import pytest
 
-from ur.robot.description.expansion import library, process
+from ur.robot.description.expansion import process, xacro
 from ur.robot.description.expansion.xacro import Computer, DescriptionText, read_description
 from ur.robot.description.surroundings import find_surroundings
 from ur.source.diagnostic import UserError
 
 HEAD = '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">'
-genuine = pytest.mark.skipif(library.find_own() is None, reason="xacro is not installed: requirements/dev.lock")
+genuine = pytest.mark.skipif(xacro.find_own() is None, reason="xacro is not installed: requirements/dev.lock")
 
 
 def read(
@@ -49,7 +49,7 @@ class Refusal:
 
 @pytest.fixture
 def without_library(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(library, "find_own", lambda: None)
+    monkeypatch.setattr(xacro, "find_own", lambda: None)
 
 
 def make_program(folder: Path, script: str) -> dict[str, str]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from ur.robot.setup.internet.proxy import Server
-from ur.robot.setup.internet.servers import find_unreached, parse_servers, reaches
+from ur.robot.setup.internet.share import find_unreached, parse_servers, reaches
 from ur.robot.ssh.shell import LocalShell
 
 INDEX = (Server("index.test", 443), Server("files.test", 443))

@@ -7,8 +7,8 @@ import threading
 import pytest
 from tests.ros_session import free_port
 
-from ur.web.server.robots import masters_check
-from ur.web.server.robots.masters_check import MastersCheck, answers
+from ur.web.server.robots import robot_servers
+from ur.web.server.robots.robot_servers import MastersCheck, answers
 
 
 def test_master_answers_when_its_port_takes_a_connection() -> None:
@@ -29,7 +29,7 @@ async def test_masters_are_asked_again_only_after_some_seconds(monkeypatch: pyte
         asked.append(master)
         return True
 
-    monkeypatch.setattr(masters_check, "answers", note)
+    monkeypatch.setattr(robot_servers, "answers", note)
     check = MastersCheck()
     for _ in range(5):
         assert await check.check(["a", "b"]) == {"a", "b"}
@@ -44,8 +44,8 @@ async def test_master_that_hangs_is_not_waited_for_and_asked_once(monkeypatch: p
         asked.append(master)
         return release.wait(60) if master == "slow" else True
 
-    monkeypatch.setattr(masters_check, "answers", hang)
-    monkeypatch.setattr(masters_check, "LIMIT", 0.05)
+    monkeypatch.setattr(robot_servers, "answers", hang)
+    monkeypatch.setattr(robot_servers, "LIMIT", 0.05)
     check = MastersCheck()
     await check.check(["fast", "slow"])
     assert await check.check(["fast", "slow"]) == {"fast"}

@@ -2,15 +2,29 @@
 
 from __future__ import annotations
 
+import importlib
+import re
 import secrets
-from collections.abc import Callable, Iterator
+import socket
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager
 
-from ur.robot.setup.internet.proxy import USER, run_proxy
-from ur.robot.setup.internet.servers import find_servers, find_unreached, reaches
+from ur.robot.setup.internet.proxy import USER, Server, find_addresses, parse_server, run_proxy
 from ur.robot.ssh.openssh import SshShell
 from ur.robot.ssh.secret import Secret
+from ur.robot.ssh.shell import Shell, quote
+
+PROBE_SECONDS = 4
+# A line for each: `apt URL`, `pip URL`, `index` when pip has an index of its own, `proxy` when there is one.
+SCRIPT = """\
+apt-get indextargets --format 'apt $(REPO_URI)' 2>/dev/null | sort -u
+apt-config dump 2>/dev/null | grep -qiE '^Acquire::(http|https)::Proxy(::[^ ]+)? "[^"]' && echo proxy
+set -- /etc/pip.conf /etc/xdg/pip/pip.conf "$HOME/.pip/pip.conf" "$HOME/.config/pip/pip.conf"
+cat "$@" 2>/dev/null | grep -qE '^[[:space:]]*proxy[[:space:]]*[=:]' && echo proxy
+cat "$@" 2>/dev/null | grep -qE '^[[:space:]]*index[-_]url[[:space:]]*[=:]' && echo index
+cat "$@" 2>/dev/null | grep -v '^[[:space:]]*[#;]' | grep -oE 'https?://[^"[:space:]]+' | sed 's/^/pip /'
+echo end"""
 
 Route = Callable[[], Secret]
 
@@ -53,3 +67,52 @@ def _find_route(shell: SshShell, stack: ExitStack, report: Callable[[str], None]
     report(f"it has no internet: it fetches packages over this computer's connection ({names})")
     reached = ",".join(sorted({server.host for server in servers} - {server.host for server in shared}))
     return Secret(f"http://{USER}:{password.reveal()}@127.0.0.1:{there}\n{reached}\n")
+
+
+def find_servers(shell: Shell) -> frozenset[Server]:
+    """The servers that apt and pip use there; none when they have a proxy of their own."""
+    return parse_servers(shell.run(SCRIPT).out, default_index_servers())
+
+
+def parse_servers(text: str, default_index: Iterable[Server]) -> frozenset[Server]:
+    """Read what SCRIPT printed. `default_index` are the servers of pip where it is given no other index."""
+    lines = text.splitlines()
+    if "proxy" in lines:
+        return frozenset()
+    found = {parse_server(line.partition(" ")[2]) for line in lines if line.startswith(("apt ", "pip "))}
+    if "index" not in lines:
+        found |= set(default_index)
+    return frozenset(server for server in found if server is not None)
+
+
+def default_index_servers() -> frozenset[Server]:
+    """The servers of pip's own index, as the pip of this environment names them."""
+    try:
+        index = importlib.import_module("pip._internal.models.index").PyPI
+        hosts = (str(index.netloc), str(index.file_storage_domain))
+    except (ImportError, AttributeError):
+        return frozenset()
+    return frozenset(server for host in hosts if (server := parse_server(f"https://{host}/")))
+
+
+def find_unreached(shell: Shell, servers: Iterable[Server]) -> frozenset[Server]:
+    """The servers that do not answer there."""
+    asked = {f"{server.host}:{server.port}": server for server in servers}
+    probes = "".join(
+        f"(timeout {PROBE_SECONDS} bash -c {quote(f'exec 3<>/dev/tcp/{each.host}/{each.port}')} 2>/dev/null || "
+        f"echo {quote(f'no {name}')}) & "
+        for name, each in sorted(asked.items())
+    )
+    said = shell.run(f"{probes} wait", timeout=60.0).out
+    return frozenset(asked[name] for name in re.findall(r"(?m)^no (\S+)$", said) if name in asked)
+
+
+def reaches(server: Server) -> bool:
+    """Return whether a server answers this computer."""
+    for address in find_addresses(server):
+        try:
+            socket.create_connection((address, server.port), timeout=PROBE_SECONDS).close()
+        except OSError:
+            continue
+        return True
+    return False
