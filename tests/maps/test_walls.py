@@ -5,13 +5,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ur.maps import walls
 from ur.maps.change import add_edit, make_edit
 from ur.maps.exchange import import_picture
 from ur.maps.picture_file import write_picture
 from ur.maps.record import MOST_STROKES, Edit, Zone
 from ur.maps.store import MapStore
-from ur.maps.walls import is_restorable
+from ur.maps.walls import draw_walls, is_restorable, restore_walls
 from ur.maps.zones import put_zone
 from ur.source.diagnostic import UserError
 from ur.worlds.map_file import MapImage, read_map
@@ -27,16 +26,6 @@ def store(tmp_path: Path) -> MapStore:
     made = MapStore(tmp_path / "maps")
     import_picture(made, write_picture(tmp_path / "plan", values, 0.1, (0.0, 0.0, 0.0)), "flat")
     return made
-
-
-def draw_walls(store: MapStore, name: str, strokes: list[Edit], plan: MapImage) -> MapImage:
-    with walls.draw_walls(store, name, strokes, plan) as drawn:
-        return drawn
-
-
-def restore_walls(store: MapStore, name: str) -> MapImage:
-    with walls.restore_walls(store, name) as restored:
-        return restored
 
 
 @pytest.fixture
@@ -105,8 +94,6 @@ def test_record_that_would_be_too_large_to_be_read_is_not_written(store: MapStor
 def test_map_that_another_program_changes_is_in_use(store: MapStore, plan: MapImage) -> None:
     with store.claim("flat"), pytest.raises(UserError, match="in use"):
         draw_walls(store, "flat", [WALL], plan)
-    with walls.draw_walls(store, "flat", [WALL], plan), pytest.raises(UserError, match="in use"):
-        draw_walls(store, "flat", [ERASE], plan)
 
 
 @pytest.mark.parametrize("note", ["", "[]", '{"edits": 7, "left": ""}', '{"edits": "x"}', "x" * 5000])

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import replace
 
 from ur.maps.change import add_to_record, write_edits
@@ -23,9 +22,8 @@ _NOTE = "before.json"  # written last: without it nothing can be restored
 _LONGEST_NOTE = 1000
 
 
-@contextmanager
-def draw_walls(store: MapStore, name: str, strokes: Sequence[Edit], plan: CellFrame) -> Iterator[MapImage]:
-    """Draw and erase walls of a map, whole or not at all; yield its new picture while nobody else can change it.
+def draw_walls(store: MapStore, name: str, strokes: Sequence[Edit], plan: CellFrame) -> MapImage:
+    """Draw and erase walls of a map, whole or not at all; return its new picture.
 
     `plan` are the cells of the map as the program has read it. Raises UserError: they are others now, or the map is
     changed by another program at this moment; or OSError.
@@ -44,12 +42,11 @@ def draw_walls(store: MapStore, name: str, strokes: Sequence[Edit], plan: CellFr
         drawn = read_map(store.picture(name))
         left = _fingerprint(store.record(name), drawn)
         replace_file(note, json.dumps({"version": 1, "edits": len(record.edits), "left": left}) + "\n")
-        yield drawn
+        return drawn
 
 
-@contextmanager
-def restore_walls(store: MapStore, name: str) -> Iterator[MapImage]:
-    """Restore the map as it was before the last `draw_walls`; yield its picture as `draw_walls` does.
+def restore_walls(store: MapStore, name: str) -> MapImage:
+    """Restore the map as it was before the last `draw_walls`; return its picture.
 
     Raises UserError: there is no such map, or another program has changed the map since; or OSError.
     """
@@ -61,7 +58,7 @@ def restore_walls(store: MapStore, name: str) -> Iterator[MapImage]:
         store.write_record(name, replace(record, edits=record.edits[:edits]))
         write_picture(store.path(name) / "map", image.values, image.resolution, image.origin)
         (store.path(name) / _NOTE).unlink(missing_ok=True)
-        yield read_map(store.picture(name))
+        return read_map(store.picture(name))
 
 
 def is_restorable(store: MapStore, name: str) -> bool:

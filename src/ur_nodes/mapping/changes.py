@@ -1,16 +1,22 @@
-"""Requests to change the map that is served: read from text that may come from anywhere; walls are changed as asked."""
+"""Requests to change the map that is served: text that may come from anywhere, and what becomes of it."""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, TypeVar
 
 from ur.maps.record import MOST_STROKES, read_edit
 from ur.maps.store import MapStore
 from ur.maps.walls import draw_walls, restore_walls
+from ur.source.diagnostic import UserError
+from ur.source.printable import printable
 from ur_nodes.geometry.grid import Grid
 from ur_nodes.geometry.pose import Pose2
+from ur_nodes.ports.node import Node
+from ur_nodes.ports.qualities import Quality
+
+Outcome = TypeVar("Outcome")
 
 _LONGEST = 20_000  # characters
 
@@ -27,26 +33,48 @@ def read_change(text: str) -> dict[str, Any] | None:
     return value if known else None
 
 
-def change_walls(
-    store: MapStore, name: str, grid: Grid, request: Mapping[str, Any], use: Callable[[Grid], None]
-) -> None:
+def take_changes(node: Node, topic: str, take: Callable[[Mapping[str, Any]], None]) -> None:
+    """Have the requests of a topic given to `take`; what is none is reported."""
+
+    def read(text: str) -> None:
+        request = read_change(text)
+        if request is None:
+            node.log.error(f"{node.resolve(topic)}: not a request, expected JSON with an id", every=10.0)
+        else:
+            take(request)
+
+    node.subscribe(topic, str, read, Quality.EVERY)
+
+
+def attempt(change: Callable[[], Outcome], what: str) -> tuple[Outcome | None, str]:
+    """Make a change of a file, `what`; return its outcome, and what is wrong, '' where it was made."""
+    try:
+        return change(), ""
+    except UserError as found:
+        problem = found.diagnostics[0].message
+    except (ValueError, TypeError) as found:
+        problem = str(found)
+    except OSError as found:
+        problem = f"{what} cannot be written: {(found.strerror or str(found)).lower()}"
+    return None, printable(problem)[:300]
+
+
+def change_walls(store: MapStore, name: str, grid: Grid, request: Mapping[str, Any]) -> Grid:
     """Draw, erase or restore walls of the map `name` ('': it is not stored), which is served as `grid`.
 
-    `use` is called with the new one before anybody else can change the map. Raises UserError, ValueError, TypeError or
-    OSError: it is as before.
+    Returns the new one. Raises UserError, ValueError, TypeError or OSError: it is as before.
     """
     if not name:
         raise ValueError("the map in use is a file, expected a stored map: ur maps import")
     if request.get("map") != name:
         raise ValueError(f"the map in use is {name}, expected the one that was drawn on")
     if request.get("do") == "restore":
-        change = restore_walls(store, name)
+        image = restore_walls(store, name)
     elif request.get("do") == "draw":
         found = request.get("strokes")
         if not isinstance(found, list) or len(found) > MOST_STROKES:
             raise ValueError(f"strokes: expected at most {MOST_STROKES}")
-        change = draw_walls(store, name, [read_edit(each) for each in found], grid)
+        image = draw_walls(store, name, [read_edit(each) for each in found], grid)
     else:
         raise ValueError("do: expected draw or restore")
-    with change as image:
-        use(Grid(image.values, image.resolution, Pose2(*image.origin)))
+    return Grid(image.values, image.resolution, Pose2(*image.origin))

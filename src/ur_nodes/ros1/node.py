@@ -29,6 +29,7 @@ from ur_nodes.ports.values import Result
 from ur_nodes.ros1.codecs import find_codec, find_service
 from ur_nodes.ros1.facts import RosFacts, RosLog, RosParameters
 from ur_nodes.ros1.loop import Beat, Loop, Worker, run_aside
+from ur_nodes.ros1.repairs.sent import DELAY
 from ur_nodes.ros1.topics import RosPublisher, RosSubscription, sender_of
 
 Value = TypeVar("Value")
@@ -95,6 +96,12 @@ class RosNode:
     ) -> RosPublisher:
         """See Node."""
         publisher = RosPublisher(topic, find_codec(kind), quality)
+        if quality is Quality.LATCHED:
+
+            def free() -> None:
+                self._loop.after(DELAY, publisher.free_sent, steady=True)
+
+            publisher.watch(lambda: self._loop.post(free))
         if greet is not None:
 
             def answer() -> None:

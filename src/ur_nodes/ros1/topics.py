@@ -14,6 +14,7 @@ from ur_nodes.ports.node import Sender
 from ur_nodes.ports.qualities import Quality
 from ur_nodes.ros1.codecs import Codec
 from ur_nodes.ros1.loop import Loop
+from ur_nodes.ros1.repairs.sent import free_sent
 
 _DEPTHS: dict[Quality, int | None] = {
     Quality.NEWEST: 1,
@@ -60,6 +61,11 @@ class RosPublisher:
     def watch(self, call: Callable[[], None]) -> None:
         """Call, on any thread, when somebody begins to listen."""
         self._publisher.impl.add_subscriber_listener(_Watcher(call))
+
+    def free_sent(self) -> None:
+        """Give back the memory of messages that were sent."""
+        if (implementation := self._publisher.impl) is not None:
+            free_sent(tuple(implementation.connections))
 
 
 class RosSubscription:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -16,8 +18,10 @@ from ur.maps.exchange import import_picture
 from ur.maps.picture_file import write_picture
 from ur.maps.store import MapStore
 from ur.source.diagnostic import UserError
-from ur_nodes.geometry.grid import Grid, load_map
-from ur_nodes.mapping.changes import change_walls, read_change
+from ur_nodes.geometry.grid import load_map
+from ur_nodes.mapping.changes import attempt, change_walls, read_change, take_changes
+from ur_nodes.memory.bus import Bus
+from ur_nodes.ports.qualities import Quality
 
 STROKE = {"kind": "wall", "points": [[0.5, 1.0], [2.5, 1.0]], "width": 0.2}
 DRAW = {"id": "a", "map": "flat", "do": "draw", "strokes": [STROKE]}
@@ -35,18 +39,34 @@ def test_text_that_is_no_request_is_none(text: str) -> None:
     assert read_change(text) is None
 
 
-def test_new_map_is_handed_over_while_nobody_else_can_change_it(store: MapStore) -> None:
-    used: list[Grid] = []
-
-    def use(grid: Grid) -> None:
-        used.append(grid)
-        with pytest.raises(UserError, match="in use"), store.claim("flat"):
-            pass
-
+def test_walls_are_drawn_and_restored(store: MapStore) -> None:
     served = load_map(store.picture("flat"))
-    change_walls(store, "flat", served, DRAW, use)
-    change_walls(store, "flat", used[-1], {"map": "flat", "do": "restore"}, use)
-    assert [bool((each.values == 100).any()) for each in used] == [True, False]
+    drawn = change_walls(store, "flat", served, DRAW)
+    assert (drawn.values == 100).any()
+    assert not (change_walls(store, "flat", drawn, {"map": "flat", "do": "restore"}).values == 100).any()
+
+
+def test_failed_change_is_described_in_a_line() -> None:
+    def fail(problem: Exception) -> None:
+        raise problem
+
+    full = OSError(28, "No space left on device")
+    assert attempt(lambda: 3, "the map") == (3, "")
+    assert attempt(partial(fail, full), "the map") == (None, "the map cannot be written: no space left on device")
+    assert attempt(partial(fail, ValueError("line 1\nline 2")), "the map")[1].count("\n") == 0
+
+
+def test_text_that_is_no_request_is_reported_once_in_a_while() -> None:
+    bus = Bus()
+    node = bus.node("map_server")
+    taken: list[Mapping[str, Any]] = []
+    take_changes(node, "wall_request", taken.append)
+    client = bus.node("client").publish("wall_request", str, Quality.EVERY)
+    for text in ("", "[]", '{"id": "a"}'):
+        client.send(text)
+    bus.run(0.1)
+    assert node.lines == [("error", "/wall_request: not a request, expected JSON with an id")]
+    assert taken == [{"id": "a"}]
 
 
 BAD: list[dict[str, Any]] = [
@@ -69,14 +89,14 @@ def test_request_that_makes_no_sense_changes_nothing(store: MapStore, change: di
     served = load_map(store.picture("flat"))
     before = store.picture("flat").read_bytes()
     with pytest.raises((UserError, ValueError, TypeError)):
-        change_walls(store, "flat", served, DRAW | change, lambda _: pytest.fail("used"))
+        change_walls(store, "flat", served, DRAW | change)
     assert store.picture("flat").read_bytes() == before
     assert store.record("flat").edits == ()
 
 
 def test_map_that_is_not_stored_is_not_changed(store: MapStore) -> None:
     with pytest.raises(ValueError, match="is a file, expected a stored map"):
-        change_walls(store, "", load_map(store.picture("flat")), DRAW, lambda _: None)
+        change_walls(store, "", load_map(store.picture("flat")), DRAW)
 
 
 VALUES = st.recursive(
@@ -91,4 +111,4 @@ def test_whatever_strokes_come_are_drawn_or_refused(store: MapStore, strokes: ob
     served = load_map(store.picture("flat"))
     for each in (strokes, [strokes], [STROKE | (strokes if isinstance(strokes, dict) else {"points": strokes})]):
         with suppress(UserError, ValueError, TypeError):
-            change_walls(store, "flat", served, DRAW | {"strokes": each}, lambda _: None)
+            change_walls(store, "flat", served, DRAW | {"strokes": each})

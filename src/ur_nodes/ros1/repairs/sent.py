@@ -2,37 +2,21 @@
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Iterable
-from contextlib import suppress
 from typing import Any
 
-import rospy
+from rospy.impl.tcpros_pubsub import QueuedConnection
 
-_DELAY = 2.0  # s; by then the message is being sent or was
-
-
-class SentMessages(rospy.SubscribeListener):  # type: ignore[misc]  # rospy has no types
-    """Frees what a latched topic has sent to a new subscriber. The topic's queue must be without limit (0)."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.publisher: Any = None
-
-    def peer_subscribe(self, *_: object) -> None:
-        """See rospy.SubscribeListener."""
-        timer = threading.Timer(_DELAY, self._free)
-        timer.daemon = True
-        timer.start()
-
-    def _free(self) -> None:
-        implementation = getattr(self.publisher, "impl", None)
-        if implementation is not None:
-            free_sent(tuple(implementation.connections))
+DELAY = 2.0
+"""s after which a message was sent, or is being sent, so that `free_sent` can free it."""
 
 
 def free_sent(connections: Iterable[Any]) -> None:
-    """Have connections of a publisher send no bytes, which they remember instead of what they sent before."""
+    """Have connections of a publisher that have nothing to send send no bytes, and remember these instead."""
     for connection in connections:
-        with suppress(Exception):  # it was closed; rospy notices
-            connection.write_data(b"")
+        if not isinstance(connection, QueuedConnection):
+            continue  # rospy sends without a queue, and keeps nothing
+        with connection._cond_data_available:  # noqa: SLF001 - there is no other way
+            if not connection._queue:  # noqa: SLF001 - else a message waits, and takes the place of the last one
+                connection._queue.append(b"")  # noqa: SLF001
+                connection._cond_data_available.notify()  # noqa: SLF001

@@ -16,11 +16,14 @@ class _Transport:
         self.done = False
         self.sent = 0
         self.all_sent = threading.Event()
+        self.free = threading.Event()
+        self.free.set()
 
     def set_cleanup_callback(self, callback: object) -> None:
         self.callback = callback
 
     def write_data(self, data: bytes) -> None:
+        self.free.wait(30)
         self.sent += len(data)
         if not data:
             self.all_sent.set()
@@ -28,11 +31,13 @@ class _Transport:
 
 def test_connection_keeps_no_message_that_was_sent() -> None:
     transport = _Transport()
-    connection = QueuedConnection(transport, 0)
+    connection = QueuedConnection(transport, 1)
     try:
         message = bytes(100_000)
         alone = sys.getrefcount(message)
         connection.write_data(message)
+        while connection._queue:
+            time.sleep(0.001)
         free_sent([connection])
         assert transport.all_sent.wait(30)
         deadline = time.monotonic() + 30
@@ -45,9 +50,25 @@ def test_connection_keeps_no_message_that_was_sent() -> None:
         connection._closed_connection_callback(transport)
 
 
-def test_closed_connection_is_left_alone() -> None:
-    class Closed:
-        def write_data(self, data: bytes) -> None:
-            raise OSError(f"closed, {len(data)} bytes")
+def test_message_that_waits_is_sent() -> None:
+    transport = _Transport()
+    connection = QueuedConnection(transport, 1)
+    try:
+        transport.free.clear()
+        for message in (b"first", b"second"):
+            connection.write_data(message)
+            while message == b"first" and connection._queue:
+                time.sleep(0.001)
+        free_sent([connection])
+        transport.free.set()
+        while transport.sent < len(b"firstsecond"):
+            time.sleep(0.001)
+    finally:
+        transport.done = True
+        connection._closed_connection_callback(transport)
 
-    free_sent([Closed()])
+
+def test_connection_without_a_queue_keeps_nothing_and_is_left_alone() -> None:
+    transport = _Transport()
+    free_sent([transport])
+    assert not transport.all_sent.is_set()

@@ -1,0 +1,153 @@
+"""The node `map_server` on a bus: the map, its zones and its walls."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from ur.maps.exchange import import_picture
+from ur.maps.picture_file import write_picture
+from ur.maps.record import RECORD
+from ur.maps.store import MapStore
+from ur.maps.zones import make_zone, put_zone
+from ur_nodes.geometry.grid import load_map
+from ur_nodes.mapping.map_server import MapServer
+from ur_nodes.memory.bus import Bus
+from ur_nodes.ports.qualities import Quality
+from ur_nodes.ports.services import AskMap
+from ur_nodes.ports.values import Map, MapInfo, Result
+
+ZONE = {"name": "hall", "kind": "keep-out", "points": [[0.5, 0.5], [1.5, 0.5], [1.5, 1.5], [0.5, 1.5]]}
+STROKE = {"kind": "wall", "points": [[0.5, 1.0], [2.5, 1.0]], "width": 0.2}
+
+
+class Stage:
+    """The node, and a client that listens to all that it publishes."""
+
+    def __init__(self, file: Path) -> None:
+        self.bus = Bus()
+        self.node = self.bus.node("map_server")
+        MapServer(self.node, load_map(file), file)
+        self.client = self.bus.node("client")
+        self.maps: dict[str, Map] = {}
+        self.states: dict[str, list[dict[str, Any]]] = {"zones": [], "walls": []}
+        self._requests = {
+            name: self.client.publish(name, str, Quality.EVERY) for name in ("zone_request", "wall_request")
+        }
+        for topic in ("map", "keepout_filter_mask", "speed_filter_mask"):
+            self.client.subscribe(topic, Map, lambda value, topic=topic: self.maps.update({topic: value}))  # type: ignore[misc]
+        for topic, texts in self.states.items():
+            self.client.subscribe(topic, str, lambda text, texts=texts: texts.append(json.loads(text)))  # type: ignore[misc]
+        self.bus.run(0.1)
+
+    @property
+    def zones(self) -> dict[str, Any]:
+        return self.states["zones"][-1]
+
+    @property
+    def walls(self) -> dict[str, Any]:
+        return self.states["walls"][-1]
+
+    def ask(self, topic: str, **request: Any) -> None:
+        self._requests[topic].send(json.dumps({"id": "a", **request}))
+        self.bus.run(0.1)
+
+
+@pytest.fixture
+def store(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> MapStore:
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
+    made = MapStore(tmp_path / "ubiquity_launches" / "maps")
+    import_picture(made, write_picture(tmp_path / "plan", np.zeros((20, 30), np.int8), 0.1, (0.0, 0.0, 0.0)), "flat")
+    return made
+
+
+@pytest.fixture
+def stage(store: MapStore) -> Stage:
+    return Stage(store.picture("flat"))
+
+
+def test_map_is_published_and_given_on_request(stage: Stage) -> None:
+    infos: list[MapInfo] = []
+    answers: list[Result] = []
+    stage.client.subscribe("map_metadata", MapInfo, infos.append)
+    stage.client.call("static_map", AskMap(), answers.append)
+    stage.bus.run(0.1)
+    assert (infos[0].width, infos[0].height, infos[0].resolution) == (30, 20, 0.1)
+    assert infos[0].stamp == stage.maps["map"].stamp
+    assert stage.maps["map"].frame == "map"
+    assert stage.maps["map"].grid.values.shape == (20, 30)
+    assert answers[0].value is stage.maps["map"]
+
+
+def test_zones_are_put_and_deleted_on_request_with_their_masks(stage: Stage) -> None:
+    assert stage.zones == {"zones": [], "problem": "", "answer": None}
+    assert set(stage.maps) == {"map"}, "no mask before the first zone"
+    stage.ask("zone_request", do="put", zone=ZONE)
+    assert [each["name"] for each in stage.zones["zones"]] == ["hall"]
+    assert stage.zones["answer"] == {"id": "a", "problem": ""}
+    mask = stage.maps["keepout_filter_mask"]
+    assert mask.grid.values.shape == (10, 10)
+    assert (mask.grid.values == 100).all()
+    assert mask.grid.origin == pytest.approx((0.5, 0.5, 0.0))
+    stage.ask("zone_request", do="delete", name="hall")
+    assert stage.zones["zones"] == []
+    assert stage.maps["keepout_filter_mask"].grid.values.tolist() == [[0]]
+    assert "speed_filter_mask" not in stage.maps
+
+
+def test_zone_of_another_program_is_published_within_a_second(stage: Stage, store: MapStore) -> None:
+    slow = make_zone("ramp", "speed", [(0.0, 0.0), (1.0, 1.0)], 40)
+    put_zone(store, "flat", slow, load_map(store.picture("flat")))
+    stage.bus.run(1.1)
+    assert [each["name"] for each in stage.zones["zones"]] == ["ramp"]
+    assert int(stage.maps["speed_filter_mask"].grid.values.max()) == 40
+    count = len(stage.states["zones"])
+    stage.bus.run(5.0)
+    assert len(stage.states["zones"]) == count, "nothing new, nothing published"
+
+
+def test_zones_stay_and_the_reason_is_published_where_their_file_is_damaged(stage: Stage, store: MapStore) -> None:
+    stage.ask("zone_request", do="put", zone=ZONE)
+    (store.path("flat") / RECORD).write_text("{")
+    stage.bus.run(1.1)
+    assert [each["name"] for each in stage.zones["zones"]] == ["hall"]
+    assert stage.zones["problem"]
+    assert stage.node.lines[-1] == ("error", stage.zones["problem"])
+    assert (stage.maps["keepout_filter_mask"].grid.values == 100).all()
+
+
+@pytest.mark.parametrize(
+    ("request_", "problem"),
+    [({"do": "melt"}, "expected put or delete"), ({"do": "delete", "name": "attic"}, "unknown zone 'attic'")],
+)
+def test_request_for_zones_that_makes_no_sense_is_answered(
+    stage: Stage, request_: dict[str, Any], problem: str
+) -> None:
+    stage.ask("zone_request", **request_)
+    assert problem in stage.zones["answer"]["problem"]
+    assert stage.zones["zones"] == []
+
+
+def test_walls_that_are_drawn_are_in_the_next_map_and_can_be_restored(stage: Stage) -> None:
+    assert stage.walls == {"name": "flat", "restorable": False, "answer": None}
+    stage.ask("wall_request", map="flat", do="draw", strokes=[STROKE])
+    assert stage.walls == {"name": "flat", "restorable": True, "answer": {"id": "a", "problem": ""}}
+    assert (stage.maps["map"].grid.values[9:11, 6:24] == 100).all()
+    stage.ask("wall_request", map="flat", do="restore")
+    assert not stage.maps["map"].grid.values.any()
+    assert stage.walls["restorable"] is False
+    stage.ask("wall_request", map="flat", do="restore")
+    assert "no state before" in stage.walls["answer"]["problem"]
+
+
+def test_walls_of_a_map_that_is_not_stored_stay_as_they_are(store: MapStore, tmp_path: Path) -> None:
+    stage = Stage(write_picture(tmp_path / "plan", np.zeros((5, 5), np.int8), 0.1, (0.0, 0.0, 0.0)))
+    assert stage.walls["name"] == ""
+    stage.ask("wall_request", map="plan", do="draw", strokes=[STROKE])
+    assert "the map in use is a file" in stage.walls["answer"]["problem"]
+    assert not (stage.maps["map"].grid.values == 100).any()
+    assert store.names() == ["flat"]
